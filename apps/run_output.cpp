@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "polyarm/protocol/type.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/printer.hpp"
 #include "polyarm/base/secrets.hpp"
@@ -114,7 +115,7 @@ class JsonOutput : public Output {
          {"cause_code", cause.code}});
   }
   void on_stop(Nanoseconds t, const cell::StopReport& stop) override {
-    json event = cell::json_of(stop);
+    json event = protocol::any_of(cell::facts_of(stop)).json();
     event["event"] = "stop";
     put(event);
   }
@@ -182,7 +183,7 @@ std::string result_json(const cell::RunResult& r, const std::string& failure_fol
                         {"text", problem.what},
                         {"advice", problem.advice}});
   json stops = json::array();
-  for (const cell::StopReport& stop : r.stops) stops.push_back(cell::json_of(stop));
+  for (const cell::StopReport& stop : r.stops) stops.push_back(protocol::any_of(cell::facts_of(stop)).json());
   const json out = {
       {"result", cell::name(r.outcome)},
       {"error", r.problems.empty() ? json() : json(r.problems.front().text())},

@@ -157,13 +157,13 @@ void announce(const server::Pendant& pendant, const PendantArguments& a, cell::O
                        "may move the robot");
     else
       observer.on_note("its certificate, which the browser shows as SHA-256: " + pendant.fingerprint());
-    observer.on_note("to watch alone: " + pendant.link_for(cell::Role::watch));
+    observer.on_note("to watch alone: " + pendant.link_for(protocol::Role::watch));
     if (::isatty(STDOUT_FILENO) != 0) print_code(link);
   }
   if (a.links)
-    for (const cell::Role role : {cell::Role::watch, cell::Role::operate, cell::Role::program,
-                                  cell::Role::administer})
-      observer.on_note(std::string("link to ") + cell::name(role) + ": " + pendant.link_for(role));
+    for (const protocol::Role role : {protocol::Role::watch, protocol::Role::operate, protocol::Role::program,
+                                  protocol::Role::administer})
+      observer.on_note(std::string("link to ") + protocol::name(role) + ": " + pendant.link_for(role));
   if (a.open) open_in_browser(pendant.link());
 }
 

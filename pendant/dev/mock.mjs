@@ -120,8 +120,8 @@ const who = (client) => client && { client: client.number, name: client.name };
 const stateOf = () => ({
   event: 'status', state: cell.state, cause: cell.cause, standing: cell.dq.every((v) => Math.abs(v) < 1e-3), armed: true, simulated: true,
   profile: cell.profile, override: cell.override, allowed: 100, holder: who(holder), clients: clients.size, alarms: 0,
-  program: { file: 'PAPscript.script', state: cell.running ? 'running' : 'finished', paused: cell.paused, ended: !cell.running, line: cell.line, cycle: cell.passes,
-    source: `moveto ${['p0', 'PrePick', 'Pick', 'Pass1', 'Pass2', 'Place'][frame]}`, tasks: 1, waits_for: '', problem: null },
+  program: { file: 'PAPscript.script', name: 'PAPscript.script', state: cell.running ? 'running' : 'finished', paused: cell.paused, ended: !cell.running, where: { file: 'PAPscript.script', line: cell.line }, passes: cell.passes,
+    source: `moveto ${['p0', 'PrePick', 'Pick', 'Pass1', 'Pass2', 'Place'][frame]}`, problem: null },
   bases: { arm: origin }, jogged: cell.jog ? ['arm'] : [],
 });
 const give = (client, what) => {

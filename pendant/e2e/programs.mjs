@@ -42,7 +42,7 @@ const editor = () => page.getByRole('textbox', { name: 'Text of the program' });
 const below = (name) => page.getByRole('radiogroup', { name: 'Below' }).getByText(name, { exact: true }).click();
 const said = (text) => page.getByRole('region', { name: 'Messages' }).getByText(text).first().waitFor();
 const now = () => at.watcher.events.status.program;
-const pausedAt = (line) => until(() => now().paused && now().line === line, 90, `a pause at line ${line}`);
+const pausedAt = (line) => until(() => now().paused && now().where.line === line, 90, `a pause at line ${line}`);
 /** Presses the number of the line with this text, once it stays where it is. */
 const pressNumber = async (text) => {
   let before = null;

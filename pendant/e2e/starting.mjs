@@ -32,7 +32,7 @@ const startsTo = async (file, degrees) => {
   const there = () => Math.abs((at.watcher.value('arm/joint_1/position') * 180) / Math.PI - degrees) < 0.01;
   const arrived = () => {
     const it = at.watcher.events.status?.program;
-    return it?.begun && it.ended && it.file.endsWith(file) && there();
+    return it?.ended && it.file.endsWith(file) && there();
   };
   await button('Start').click();
   await until(arrived, 60, `${file} at ${degrees} degrees`);
@@ -46,7 +46,7 @@ test('begins a program that stands ready as it was saved since', async () => {
   await button('Reset the scene').click();
   await page.getByRole('dialog').getByRole('button', { name: 'Reset the scene' }).click();
   await page.getByRole('region', { name: 'Messages' }).getByText('The scene is as at the start').first().waitFor();
-  await until(() => at.watcher.events.status?.program?.begun === false, 30, 'a program that has not begun');
+  await until(() => at.watcher.events.status?.program?.state === 'ready', 30, 'a program that has not begun');
   await go(page, 'Program');
   await page.getByRole('radiogroup', { name: 'Shown as' }).getByText('Text').click();
   await write(kTo(10));

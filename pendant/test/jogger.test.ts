@@ -1,21 +1,21 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { Jogger, kBeatMs } from '../src/wire/jogger';
+import { Jogger, type JogMotion, kBeatMs } from '../src/wire/jogger';
 
 let told: [string, unknown][];
 let asked: { args: unknown; answer: (jog: number) => void; refuse: (e: unknown) => void }[];
 let changes: [boolean, unknown?][];
 let heard: boolean;
 let jogger: Jogger;
-const motion = { request: 'jog.begin', args: { axis: 2 } };
+const motion: JogMotion = { request: 'jog.begin', args: { axis: 2 } };
 
 beforeEach(() => {
   vi.useFakeTimers();
   [told, asked, changes, heard] = [[], [], [], true];
   jogger = new Jogger(
     {
-      request: <T>(_: string, args: unknown) =>
-        new Promise<T>((resolve, reject) => {
-          asked.push({ args, answer: (jog) => resolve({ jog } as T), refuse: reject });
+      request: (_, args) =>
+        new Promise((resolve, reject) => {
+          asked.push({ args, answer: (jog) => resolve({ jog }), refuse: reject });
         }),
       tell: (name, args) => (told.push([name, args]), heard),
     },

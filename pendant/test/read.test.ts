@@ -15,7 +15,7 @@ describe('readStatus', () => {
     allowed: 100,
     holder: { client: 3, name: 'Tablet' },
     clients: 2,
-    program: { file: 'a.script', state: 'running', line: 7, source: 'moveto p0', cycle: 2, paused: false, ended: false, tasks: 1, waits_for: '', problem: null },
+    program: { file: '/cells/a/a.script', name: 'a.script', state: 'running', where: { file: 'a.script', line: 7 }, source: 'moveto p0', passes: 2, paused: false, ended: false, problem: null },
     jogged: ['arm'],
   };
   it('tells who holds control from who reads it', () => {

@@ -10,7 +10,7 @@ const {es} = await import('../src/i18n/es');
 const {codes} = await import('../src/i18n/en/codes');
 const sources =
     import.meta.glob(
-        '../../{polyarm/{cell,server,moves,jog,control,controllers,hardware,data,signals,paths,timing,trajectory,kinematics,ik,program,plugins},links/*,apps}/*.cpp',
+        '../../{polyarm/{cell,protocol,server,moves,jog,paths,timing,kinematics,ik,control,controllers,hardware,data,signals,trajectory,program,plugins},links/*,apps}/*.cpp',
         {query: '?raw', import: 'default', eager: true}) as Record<string, string>;
 
 /** Where a problem's code stands in the sources. */
@@ -129,7 +129,7 @@ describe('what the cell tells', () => {
 
   it('has a word for everything that a task can wait for, and for every state', () => {
     const kinds = [...(/waits_for\(program::WaitKind kind\) \{([^}]*\})/
-                           .exec(sources['../../polyarm/cell/requests_program.cpp']!)
+                           .exec(sources['../../polyarm/cell/program_status.cpp']!)
                            ?.[1] ??
                        '')
                        .matchAll(/"([^"]*)"/g)]

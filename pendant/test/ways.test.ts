@@ -9,7 +9,7 @@ vi.stubGlobal('navigator', {language: 'en', userAgent: ''});
 const {blockedWords} = await import('../src/shell/blocked');
 
 const why = (code: string) => ({code, what: code, advice: ''});
-/** As the server tells it, `cell::ways_json`: what can be follows from the state. */
+/** As the server tells it, `cell::possible_now`: what can be follows from the state. */
 function told({state, armed, real, program, inactive, touching, left, pushed, moving}: Combination) {
   const fault = state === 'fault' && why('fault');
   const stops = (state === 'stopping' || state === 'backing') && why('stopping');
@@ -28,11 +28,10 @@ function told({state, armed, real, program, inactive, touching, left, pushed, mo
         inactive: inactive ? ['arm'] : [],
         contacts: {checked: true, touching, unchecked: [], list: []},
         program: program === 'none' ? null : {
-          file: 'a.script',
+          name: 'a.script',
           state: program === 'ready' ? 'ready' :
               program === 'ended'    ? 'finished' :
                                        'running',
-          begun: program !== 'ready',
           ended: program === 'ended',
           paused: program === 'paused'
         },

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -18,6 +17,7 @@
 #include "polyarm/cell/program_tests.hpp"
 #include "polyarm/controllers/types.hpp"
 #include "polyarm/description/scene_file.hpp"
+#include "polyarm/protocol/messages.hpp"
 #include "polyarm/realtime/refusals.hpp"
 
 namespace polyarm::cell {
@@ -414,14 +414,13 @@ void Cell::send_start_messages() {
   for (const auto& [to, path] : file_.send) {
     try {
       const std::filesystem::path file = file_.folder / path;
-      nlohmann::json request{{"request", "send"}, {"to", to}, {"message", read_file(file)}};
-      requests_->handle(request.dump(), [this, file](const std::string& line) {
-        const auto answer = nlohmann::json::parse(line, nullptr, false);
-        if (answer.value("ok", false)) return true;
-        fail(now_, {"not-sent",
-                    {file.string()},
-                    answer["error"].value("what", line),
-                    answer["error"].value("advice", "")});
+      protocol::SendMessage request;
+      request.to = to;
+      request.message = protocol::Message(read_file(file));
+      requests_->ask(request, [this, file](const protocol::Reply& reply) {
+        if (!reply.refusal) return true;
+        const Problem& why = reply.refusal->problems().front();
+        fail(now_, {"not-sent", {file.string()}, why.what, why.advice});
         return false;
       });
     } catch (const Error& e) {

@@ -114,6 +114,7 @@ class Cell {
 
   /// The program's task; null when the cell has no program.
   Task* program() { return program_.get(); }
+  const Task* program() const { return program_.get(); }
   Task* plc() { return plc_.get(); }
   /// The moves of the program; null without one.
   ProgramMoves* program_moves() { return moves_.get(); }

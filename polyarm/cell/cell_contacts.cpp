@@ -1,11 +1,9 @@
 /// What a contact in physics leads to, and what it is blamed on.
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "polyarm/cell/bodies.hpp"
 #include "polyarm/cell/cell.hpp"
-#include "polyarm/cell/problem_json.hpp"
 
 namespace polyarm::cell {
 
@@ -101,23 +99,19 @@ void Cell::watch_contacts(Nanoseconds now, const control::Snapshot& snapshot) {
   if (inside) fail(now, std::move(*inside));
 }
 
-nlohmann::json contacts_json(const Cell& cell) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const ContactReport& contact : cell.contacts().list()) list.push_back(json_of(contact));
-  nlohmann::json why = nlohmann::json::array();
-  for (const Problem& each : cell.unchecked_bodies())
-    why.push_back({{"code", each.code}, {"facts", facts_json(each.facts)}});
-  bool checked = false;
-  for (const auto& robot : cell.robots()) checked = checked || checks_contacts(*robot);
+protocol::ContactState contact_state(const Cell& cell) {
+  protocol::ContactState out;
+  for (const auto& robot : cell.robots()) out.checked = out.checked || checks_contacts(*robot);
   const control::ContactStop stop = cell.contact_stop();
-  return {{"checked", checked},
-          {"stop", stop == control::ContactStop::none
-                       ? nlohmann::json()
-                       : nlohmann::json(stop == control::ContactStop::cut ? 0 : 1)},
-          {"touching", cell.contacts().touching()},
-          {"unchecked", sentences(cell.unchecked_bodies())},
-          {"unchecked_why", std::move(why)},
-          {"list", std::move(list)}};
+  if (stop != control::ContactStop::none) out.stop = stop == control::ContactStop::cut ? 0 : 1;
+  out.touching = cell.contacts().touching();
+  out.unchecked = sentences(cell.unchecked_bodies());
+  for (const Problem& each : cell.unchecked_bodies())
+    out.unchecked_why.push_back({each.code, protocol::fact_values(each.facts)});
+  for (const ContactReport& c : cell.contacts().list())
+    out.list.push_back({c.a, c.b, c.robot, seconds(c.time), c.depth, c.position, c.now, name(c.during),
+                        c.where.file.empty() ? "" : c.where.text(), c.sentence()});
+  return out;
 }
 
 }  // namespace polyarm::cell

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 namespace polyarm::cell {
 
@@ -32,19 +31,6 @@ std::string ContactReport::sentence() const {
 
 Facts ContactReport::facts() const {
   return {{"a", a}, {"b", b}, {"depth_m", depth}, {"at_s", seconds(time)}, {"doing", name(during)}};
-}
-
-nlohmann::json json_of(const ContactReport& c) {
-  return {{"a", c.a},
-          {"b", c.b},
-          {"robot", c.robot},
-          {"at_s", seconds(c.time)},
-          {"depth", c.depth},
-          {"position", {c.position.x, c.position.y, c.position.z}},
-          {"now", c.now},
-          {"doing", name(c.during)},
-          {"where", c.where.file.empty() ? "" : c.where.text()},
-          {"text", c.sentence()}};
 }
 
 /// Those that do not touch any more go first.

@@ -1,12 +1,12 @@
 #pragma once
 /// Contacts of a simulated world, as a cell tells of them. Cell thread.
 #include <deque>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/control/control_loop.hpp"
+#include "polyarm/protocol/motion.hpp"
 
 namespace polyarm::cell {
 
@@ -29,8 +29,6 @@ struct ContactReport {
   /// {a, b, depth_m, at_s, doing}
   Facts facts() const;
 };
-/// {a, b, robot, at_s, depth, position, now, doing, where, text}
-nlohmann::json json_of(const ContactReport& contact);
 
 /// Keeps the newest contacts, and those that still touch.
 class ContactWatch {
@@ -55,7 +53,7 @@ class ContactWatch {
 };
 
 class Cell;
-/// {checked, stop, touching, unchecked, unchecked_why, list}, as docs/pendant.md has it.
-nlohmann::json contacts_json(const Cell& cell);
+/// The answer of `contacts`, and what the pendant's status has of it.
+protocol::ContactState contact_state(const Cell& cell);
 
 }  // namespace polyarm::cell

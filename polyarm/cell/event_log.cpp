@@ -9,7 +9,7 @@
 
 namespace polyarm::cell {
 
-using nlohmann::json;
+using protocol::Event;
 
 static_assert(EventLog::kKept == bounds::kEventsKept);
 
@@ -23,30 +23,50 @@ std::string clipped(const std::string& text) {
 }
 }  // namespace
 
-void EventLog::keep(json event) {
-  events_.push_back({++last_, std::move(event)});
+void EventLog::keep(Event event) {
+  event.number = ++last_;
+  events_.push_back(std::move(event));
   if (events_.size() > kKept) events_.pop_front();
 }
 
+namespace {
+Event event_of(const char* kind) {
+  Event out;
+  out.event = kind;
+  return out;
+}
+Event event_of(const char* kind, Nanoseconds time) {
+  Event out = event_of(kind);
+  out.time_s = seconds(time);
+  return out;
+}
+}  // namespace
+
 void EventLog::on_note(const std::string& text) {
-  keep({{"event", "note"}, {"text", clipped(text)}});
+  Event event = event_of("note");
+  event.text = clipped(text);
+  keep(std::move(event));
   next_.on_note(text);
 }
 
 void EventLog::on_line(Nanoseconds time, const std::string& task, const Location& where,
                        const std::string& source) {
-  keep({{"event", "line"},
-        {"time_s", seconds(time)},
-        {"task", task},
-        {"file", where.file},
-        {"line", where.line},
-        {"source", clipped(source)}});
+  Event event = event_of("line", time);
+  event.task = task;
+  event.file = where.file;
+  event.line = where.line;
+  event.source = clipped(source);
+  keep(std::move(event));
   next_.on_line(time, task, where, source);
 }
 
 void EventLog::on_tag(Nanoseconds time, const std::string& name, const std::string& value,
                       const std::string& who) {
-  keep({{"event", "tag"}, {"time_s", seconds(time)}, {"name", name}, {"value", clipped(value)}, {"by", who}});
+  Event event = event_of("tag", time);
+  event.name = name;
+  event.value = clipped(value);
+  event.by = who;
+  keep(std::move(event));
   next_.on_tag(time, name, value, who);
 }
 
@@ -55,40 +75,52 @@ void EventLog::on_pose(Nanoseconds time, const std::string& robot, const Pose& t
 }
 
 void EventLog::on_log(Nanoseconds time, const std::string& task, const std::string& text) {
-  keep({{"event", "log"}, {"time_s", seconds(time)}, {"task", task}, {"text", clipped(text)}});
+  Event event = event_of("log", time);
+  event.task = task;
+  event.text = clipped(text);
+  keep(std::move(event));
   next_.on_log(time, task, text);
 }
 
 void EventLog::on_state(Nanoseconds time, const std::string& state, const Problem& cause) {
-  keep({{"event", "state"},
-        {"time_s", seconds(time)},
-        {"state", state},
-        {"cause", cause.what},
-        {"cause_code", cause.code}});
+  Event event = event_of("state", time);
+  event.state = state;
+  event.cause = cause.what;
+  event.cause_code = cause.code;
+  keep(std::move(event));
   next_.on_state(time, state, cause);
 }
 
 void EventLog::on_stop(Nanoseconds time, const StopReport& stop) {
-  json event = json_of(stop);
-  event["event"] = "stop";
-  event["text"] = stop.sentence();
+  const protocol::StopFacts facts = facts_of(stop);
+  Event event = event_of("stop");
+  event.time_s = facts.time_s;
+  event.at_s = facts.at_s;
+  event.category = facts.category;
+  event.cause = facts.cause;
+  event.cause_code = facts.cause_code;
+  event.tcp_m = facts.tcp_m;
+  event.joints = facts.joints;
+  event.text = stop.sentence();
   keep(std::move(event));
   next_.on_stop(time, stop);
 }
 
 void EventLog::on_question(const std::string& text) {
-  keep({{"event", "question"}, {"text", clipped(text)}});
+  Event event = event_of("question");
+  event.text = clipped(text);
+  keep(std::move(event));
   next_.on_question(text);
 }
 
 void EventLog::on_problem(Nanoseconds time, const Problem& problem) {
-  keep({{"event", "problem"},
-        {"time_s", seconds(time)},
-        {"code", problem.code},
-        {"where", problem.where.text()},
-        {"what", problem.what},
-        {"advice", problem.advice},
-        {"severity", problem.severity == Severity::error ? "error" : "warning"}});
+  Event event = event_of("problem", time);
+  event.code = problem.code;
+  event.where = problem.where.text();
+  event.what = problem.what;
+  event.advice = problem.advice;
+  event.severity = static_cast<protocol::FindingSeverity>(problem.severity);
+  keep(std::move(event));
   next_.on_problem(time, problem);
 }
 

@@ -1,12 +1,12 @@
 #pragma once
-/// What has happened in a cell, kept for those who ask from outside.
+/// What has happened in a cell, kept for later requests.
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "polyarm/cell/observer.hpp"
+#include "polyarm/protocol/programs.hpp"
 
 namespace polyarm::cell {
 
@@ -18,12 +18,7 @@ class EventLog : public Observer {
   /// `next` outlives this.
   explicit EventLog(Observer& next) : next_(next) {}
 
-  struct Event {
-    std::uint64_t number = 0;  ///< counts up from 1
-    /// {event: note | line | tag | log | state | stop | question | problem, time_s, …}
-    nlohmann::json json;
-  };
-  const std::deque<Event>& events() const { return events_; }
+  const std::deque<protocol::Event>& events() const { return events_; }
   /// Of the newest; 0: nothing has happened.
   std::uint64_t last() const { return last_; }
 
@@ -40,10 +35,10 @@ class EventLog : public Observer {
   void on_problem(Nanoseconds time, const Problem& problem) override;
 
  private:
-  void keep(nlohmann::json event);
+  void keep(protocol::Event event);
 
   Observer& next_;
-  std::deque<Event> events_;
+  std::deque<protocol::Event> events_;
   std::uint64_t last_ = 0;
 };
 

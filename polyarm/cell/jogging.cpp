@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/controller_switch.hpp"
 #include "polyarm/cell/requests_work.hpp"
 
 namespace polyarm::cell {
@@ -15,10 +16,10 @@ using hardware::LifecycleState;
 
 struct Jogging::Robot {
   std::size_t index = 0;
-  std::string name;                          // of the controller
+  std::string name;                             // of the controller
   jog::JogController* controller = nullptr;  // the manager's
-  std::vector<std::string> displaced;        // who has the joints otherwise
-  Poll switching;                            // to the controller, or back
+  std::vector<std::string> displaced;           // who has the joints otherwise
+  Poll<control::SwitchPlan> switching;                               // to the controller, or back
   bool engaged = false, returning = false;
   std::uint32_t session = 0, over = 0, stops = 0;  // over: the newest that was ended
   Nanoseconds renewed = 0, hold = 0;
@@ -137,9 +138,9 @@ bool Jogging::engage(std::size_t i) {
   Robot& robot = *robots_[i];
   if (robot.returning) return false;  // tick() goes on with that
   if (robot.switching) {
-    const Progress progress = [&] {
+    const Progress<control::SwitchPlan> progress = [&] {
       try {
-        return robot.switching(cell_);
+        return robot.switching();
       } catch (...) {
         robot.switching = nullptr;
         throw;
@@ -162,8 +163,7 @@ bool Jogging::engage(std::size_t i) {
       robot.displaced.push_back(holder);
   }
   robot.renewed = cell_.now();
-  robot.switching = switch_controllers(cell_, {{robot.name}, robot.displaced, control::Strictness::automatic},
-                                       Json::object());
+  robot.switching = switch_controllers(cell_, {{robot.name}, robot.displaced, control::Strictness::automatic});
   return engage(i);
 }
 
@@ -285,9 +285,9 @@ void Jogging::give_back(Robot& robot) {
       for (const std::string& name : robot.displaced)
         if (cell_.loop().controllers().find(name)) back.push_back(name);
       robot.switching =
-          switch_controllers(cell_, {back, {robot.name}, control::Strictness::automatic}, Json::object());
+          switch_controllers(cell_, {back, {robot.name}, control::Strictness::automatic});
     }
-    if (!robot.switching(cell_).over) return;
+    if (!robot.switching().over) return;
   } catch (const Error& e) {
     cell_.tell("after jogging " + join(robot.displaced, ", ") + " could not be started again: " + e.what());
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/printable.hpp"
@@ -74,18 +75,14 @@ std::string title_of(const fs::path& folder) {
   return first.starts_with("# ") ? std::string(trim(first.substr(2))) : std::string{};
 }
 
-Json cell_entry(const fs::path& folder, bool recent) {
+protocol::KnownCell cell_entry(const fs::path& folder, bool recent) {
   const AsUser user;
-  Json robots = Json::array();
+  std::vector<std::string> robots;
   try {
     for (const RobotEntry& robot : read_cell_file(folder).robots) robots.push_back(robot.model);
   } catch (const Error&) {  // it can be opened, and then says what is wrong
   }
-  return {{"name", folder.filename().string()},
-          {"folder", folder.string()},
-          {"title", title_of(folder)},
-          {"robots", robots},
-          {"recent", recent}};
+  return {folder.filename().string(), folder.string(), title_of(folder), robots, recent};
 }
 
 void add_cells(const fs::path& parent, std::vector<fs::path>& out) {
@@ -110,17 +107,13 @@ std::vector<fs::path> openable(const fs::path& open, const std::vector<fs::path>
   return folders;
 }
 
-Json wants_json(const CellFile& file) {
-  Json list = Json::array();
+protocol::CellReach::Answer wants_of(const CellFile& file) {
+  protocol::CellReach::Answer out;
   Problems unread;
   for (const Wanted& each : wanted_by(file, &unread))
-    list.push_back({{"kind", each.kind},
-                    {"what", each.what},
-                    {"why", each.why},
-                    {"sha256", each.sha256},
-                    {"allowed", each.allowed}});
-  return {{"wants", std::move(list)},
-          {"unread", unread.list().empty() ? Json() : Json(unread.list().front().text())}};
+    out.wants.push_back({each.kind, each.what, each.why, each.sha256, each.allowed});
+  if (!unread.list().empty()) out.unread = unread.list().front().text();
+  return out;
 }
 
 /// `text` is host:NAME or secret:NAME of what the cell wants. Nothing else is allowed from a distance.
@@ -137,19 +130,20 @@ void allow_one(const CellFile& file, const std::string& text) {
 }
 }  // namespace
 
-Json known_cells(const fs::path& open_folder) {
+protocol::CellsList::Answer known_cells(const fs::path& open_folder) {
   const AsUser user;
   std::error_code error;
   const fs::path open = open_folder.empty() ? fs::path{} : fs::weakly_canonical(open_folder, error);
   const std::vector<fs::path> recent = open.empty() ? recent_cells() : note_recent(open);
-  Json list = Json::array();
+  protocol::CellsList::Answer out{open.string(), {}};
   for (const fs::path& folder : openable(open, recent))
-    list.push_back(cell_entry(
+    out.cells.push_back(cell_entry(
         folder, folder != open && std::find(recent.begin(), recent.end(), folder) != recent.end()));
-  return Json{{"open", open.string()}, {"cells", std::move(list)}};
+  return out;
 }
 
-Json reach_of_cell(const fs::path& open, const std::string& folder, const std::vector<std::string>& allow) {
+protocol::CellReach::Answer reach_of_cell(const fs::path& open, const std::string& folder,
+                                          const std::vector<std::string>& allow) {
   const AsUser user;
   std::error_code error;
   fs::path path = open;
@@ -164,7 +158,7 @@ Json reach_of_cell(const fs::path& open, const std::string& folder, const std::v
   if (path.empty()) throw Error("no-cell", "no cell is open", "name one: folder");
   const CellFile file = read_cell_file(path);
   for (const std::string& each : allow) allow_one(file, each);
-  return wants_json(file);
+  return wants_of(file);
 }
 
 namespace {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
@@ -9,27 +10,20 @@
 
 namespace polyarm::cell {
 
-Json place_json(const Vec3& v) {
-  return {v.x, v.y, v.z};
-}
+using Json = nlohmann::json;
+using namespace protocol;
 
-Json place_json(const Pose& pose) {
-  const Quaternion& r = pose.rotation;
-  return {{"p", place_json(pose.position)}, {"q", {r.x, r.y, r.z, r.w}}, {"rpy", place_json(to_rpy(r))}};
+PoseFacts pose_facts(const Pose& pose) {
+  return {pose.position, pose.rotation, to_rpy(pose.rotation)};
 }
 
 namespace {
 
-Json joints_json(const data::JointState& joints) {
-  Json out = Json::object();
+std::map<std::string, double> joint_map(const data::JointState& joints) {
+  std::map<std::string, double> out;
   for (std::size_t i = 0; i < joints.positions.size(); ++i)
     out[i < joints.names.size() ? joints.names[i] : std::to_string(i + 1)] = joints.positions[i];
   return out;
-}
-
-const char* kind_of(const data::Value& value) {
-  constexpr const char* kKinds[] = {"boolean", "number", "text", "list", "joints", "pose", "record"};
-  return kKinds[static_cast<std::size_t>(value.kind())];
 }
 
 }  // namespace
@@ -58,9 +52,9 @@ void check_point_name(const std::string& name) {
     throw Error("bad-name", "'" + name + "' is no name for a point", "letters, digits and _, a letter first");
 }
 
-std::string set_for(Cell& cell, const Json& arguments, const std::string& name) {
+std::string set_for(Cell& cell, const std::optional<std::string>& file, const std::string& name) {
   const std::vector<std::string> sets = cell.files().sets();
-  const std::string wanted = text_argument(arguments, "file", "");
+  const std::string wanted = file.value_or("");
   if (!wanted.empty()) {
     for (const std::string& set : sets)
       if (wanted == set || wanted == cell.files().file_of(set).filename()) return set;
@@ -146,25 +140,21 @@ void adopt(Cell& cell, const std::string& set, const Edited& edited) {
   }
 }
 
-Poll edit_set(Cell& cell, const std::string& set, const std::string& what,
-              std::function<void(data::ImportFile&)> change, std::function<Json(Cell&)> answer) {
-  return later<Edited>(
-      cell,
-      [file = own_file(cell, set), what, change = std::move(change)] {
-        Edited out;
-        const data::ImportFile after = data::edit_set(file, what, [&](data::ImportFile& content) {
-          out.before = content.values();
-          change(content);
-        });
-        out.after = after.values();
-        return out;
-      },
-      [set, what, answer = std::move(answer)](Cell& c, Edited& edited) {
-        adopt(c, set, edited);
-        Json out = answer(c);
-        out["undo"] = what;
-        return out;
-      });
+Poll<Done> edit_set(Cell& cell, const std::string& set, const std::string& what,
+                    std::function<void(data::ImportFile&)> change) {
+  const auto edit = [file = own_file(cell, set), what, change = std::move(change)] {
+    Edited out;
+    const data::ImportFile after = data::edit_set(file, what, [&](data::ImportFile& content) {
+      out.before = content.values();
+      change(content);
+    });
+    out.after = after.values();
+    return out;
+  };
+  return later(cell, edit, [&cell, set](const Edited& edited) {
+    adopt(cell, set, edited);
+    return Done{};
+  });
 }
 
 void require_short_name(const std::string& name) {
@@ -181,18 +171,17 @@ void require_room_for(Cell& cell, const std::string& name) {
               "delete some of them");
 }
 
-Poll edit_value(Cell& cell, const std::string& set, const std::string& what, const std::string& name,
-                const data::Value& value, const std::optional<std::string>& group) {
+Poll<ChangedPoint> edit_value(Cell& cell, const std::string& set, const std::string& what, const std::string& name,
+                              const data::Value& value, const std::optional<std::string>& group) {
   require_room_for(cell, name);
   data::check_can_keep(name, value, set);
   if (group) data::check_group(*group);
-  return edit_set(
-      cell, set, what,
-      [name, value, group](data::ImportFile& file) {
-        file.set(name, value);
-        if (group) file.set_group(name, *group);
-      },
-      [name](Cell& c) { return value_json(c, name); });
+  const auto change = [name, value, group](data::ImportFile& file) {
+    file.set(name, value);
+    if (group) file.set_group(name, *group);
+  };
+  return then(edit_set(cell, set, what, change),
+              [&cell, name, what](Done) { return at_once(ChangedPoint{point_facts(cell, name), what}); });
 }
 
 std::vector<double> joints_now(Cell& cell, const CellRobot& robot) {
@@ -221,38 +210,32 @@ std::string file_name(Cell& cell, const std::string& set) {
              : cell.files().file_of(set).filename().string();
 }
 
-Json value_json(Cell& cell, const std::string& name) {
+PointFacts point_facts(Cell& cell, const std::string& name) {
   const data::Value& value = *cell.store().find(name);
-  Json out{{"name", name},
-           {"kind", kind_of(value)},
-           {"file", file_name(cell, cell.store().set_of(name))},
-           {"text", value.text()},
-           {"literal", data::literal(value)},
-           {"value", Json()},
-           {"unit", ""},
-           {"pose", Json()},
-           {"world", Json()},
-           {"joints", Json()},
-           {"taught", Json()},
-           {"group", cell.store().group_of(name)}};
-  if (const bool* flag = value.as_boolean()) out["value"] = *flag;
-  if (const std::string* text = value.as_text()) out["value"] = *text;
+  PointFacts out;
+  out.name = name;
+  out.kind = static_cast<ValueKind>(value.kind());
+  out.file = file_name(cell, cell.store().set_of(name));
+  out.text = value.text();
+  out.literal = data::literal(value);
+  out.group = cell.store().group_of(name);
+  if (const bool* flag = value.as_boolean()) out.value = *flag;
+  if (const std::string* text = value.as_text()) out.value = *text;
   if (const data::Number* number = value.as_number()) {
-    out["value"] = number->value;
-    out["unit"] = data::unit_text(number->dimension);
+    out.value = number->value;
+    out.unit = data::unit_text(number->dimension);
   }
-  if (const data::JointState* joints = value.as_joints()) out["joints"] = joints_json(*joints);
+  if (const data::JointState* joints = value.as_joints()) out.joints.emplace(joint_map(*joints));
   const data::Point* point = value.as_point();
   if (!point) return out;
-  out["pose"] = place_json(point->pose);
+  out.pose.emplace(pose_facts(point->pose));
   try {
-    out["world"] = place_json(frame_in_world(cell, point->frame()) * point->pose);
+    out.world.emplace(pose_facts(frame_in_world(cell, point->frame()) * point->pose));
   } catch (const Error&) {  // its frame is not known to this cell
   }
   if (!point->taught) return out;
-  out["taught"] = {
-      {"frame", point->taught->frame}, {"tool", point->taught->tool}, {"robot", point->taught->robot}};
-  if (!point->taught->joints.positions.empty()) out["joints"] = joints_json(point->taught->joints);
+  out.taught.emplace(TaughtFacts{point->taught->frame, point->taught->tool, point->taught->robot});
+  if (!point->taught->joints.positions.empty()) out.joints.emplace(joint_map(point->taught->joints));
   return out;
 }
 

@@ -1,20 +1,20 @@
 #pragma once
 /// Points and variables as requests see and change them. Private to the room; cell thread.
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "polyarm/cell/requests_later.hpp"
 #include "polyarm/data/set_edit.hpp"
+#include "polyarm/protocol/points.hpp"
 
 namespace polyarm::cell {
 
-/// [x, y, z] in m; {p: [x, y, z], q: [x, y, z, w], rpy}.
-Json place_json(const Vec3& v);
-Json place_json(const Pose& pose);
-/// One value with all that is known of it, as in the answer of `points`.
-Json value_json(Cell& cell, const std::string& name);
+protocol::PoseFacts pose_facts(const Pose& pose);
+/// One value with all that is known of it.
+protocol::PointFacts point_facts(Cell& cell, const std::string& name);
 
 /// A point or frame of the cell's data by name. Throws Error("unknown-name").
 const data::Value& place_of(Cell& cell, const std::string& name);
@@ -27,13 +27,13 @@ Pose frame_in_world(Cell& cell, const std::string& frame, int depth = 0);
 /// Where the joints are, rad or m, in the robot's order.
 std::vector<double> joints_now(Cell& cell, const CellRobot& robot);
 /// {p: [x, y, z], q: [x, y, z, w]}
-Pose pose_value(const Json& map);
+Pose pose_value(const nlohmann::json& map);
 /// [x, y, z] in m; `what` names it in errors.
-Vec3 vector_value(const Json& list, const char* what);
+Vec3 vector_value(const nlohmann::json& list, const char* what);
 
-/// The data set that a change goes into: the one that the arguments name by `file`, the one that has `name`,
-/// or the one with most points.
-std::string set_for(Cell& cell, const Json& arguments, const std::string& name);
+/// The data set that a change goes into: the one whose file is `file`, else the one that has `name`, else the one with
+/// most points.
+std::string set_for(Cell& cell, const std::optional<std::string>& file, const std::string& name);
 /// The user's own file of a set, whose copy the run works on, and its name.
 std::filesystem::path own_file(Cell& cell, const std::string& set);
 std::string file_name(Cell& cell, const std::string& set);
@@ -59,11 +59,12 @@ Outside outside_changes(Cell& cell, const std::string& set, const data::DataSet&
 void take_outside_changes(Cell& cell, const std::string& set, const data::DataSet& now);
 /// Takes over into the running cell what has changed in a set's file.
 void adopt(Cell& cell, const std::string& set, const Edited& edited);
-/// Changes a set's file on the worker, then the running cell; `answer` makes the answer on the cell thread.
-Poll edit_set(Cell& cell, const std::string& set, const std::string& what,
-              std::function<void(data::ImportFile&)> change, std::function<Json(Cell&)> answer);
-/// The same for one value, and its group where one is given; answered with value_json().
-Poll edit_value(Cell& cell, const std::string& set, const std::string& what, const std::string& name,
-                const data::Value& value, const std::optional<std::string>& group = {});
+/// Changes a set's file on the worker, then the running cell; the answer is then made from the cell.
+Poll<Done> edit_set(Cell& cell, const std::string& set, const std::string& what,
+                    std::function<void(data::ImportFile&)> change);
+/// The same for one value, and its group where one is given.
+Poll<protocol::ChangedPoint> edit_value(Cell& cell, const std::string& set, const std::string& what,
+                                        const std::string& name, const data::Value& value,
+                                        const std::optional<std::string>& group = {});
 
 }  // namespace polyarm::cell

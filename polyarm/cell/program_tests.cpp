@@ -1,11 +1,11 @@
 #include "polyarm/cell/program_tests.hpp"
+#include "polyarm/cell/typed_words.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <iterator>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "polyarm/base/file.hpp"
@@ -171,24 +171,13 @@ data::Value TestTask::call(std::string_view function, std::span<const data::Valu
 
 /// What somebody types at the console of the cell.
 void TestTask::person(const std::string& words, const Location& where) {
-  static constexpr const char* kRequests[] = {"hold", "resume", "back", "discard", "recover"};
-  const bool asks = std::find(std::begin(kRequests), std::end(kRequests), words) != std::end(kRequests);
-  nlohmann::json request;
-  if (asks) request = {{"request", "control." + words}};
-  if (words.starts_with("override ")) {
-    std::string percent = words.substr(9);
-    if (percent.ends_with('%')) percent.pop_back();
-    if (const auto number = parse_number(percent))
-      request = {{"request", "control.override"}, {"percent", *number}};
-  }
+  const std::optional<protocol::Request> request = typed_request(words);
   if (words == "stop") return cell_.stop_programs();
-  if (request.is_null()) return cell_.answers().give(words);
-  cell_.requests().handle(request.dump(), [&](const std::string& line) {
-    const auto answer = nlohmann::json::parse(line, nullptr, false);
-    if (answer.is_object() && !answer.value("ok", false))
-      throw Error(Problem{"refused", where, answer["error"].value("what", line),
-                          answer["error"].value("advice", "")});
-    return true;
+  if (!request) return cell_.answers().give(words);
+  cell_.requests().ask(*request, [&](const protocol::Reply& reply) {
+    if (!reply.refusal) return true;
+    const Problem& why = reply.refusal->problems().front();
+    throw Error(Problem{"refused", where, why.what, why.advice});
   });
 }
 

@@ -16,6 +16,7 @@
 #include "polyarm/cell/known_cells.hpp"
 #include "polyarm/cell/rehearsal.hpp"
 #include "polyarm/cell/requests_later.hpp"
+#include "polyarm/protocol/projects.hpp"
 #include "polyarm/program/parser.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
@@ -24,6 +25,8 @@ namespace polyarm::cell {
 namespace fs = std::filesystem;
 
 namespace {
+
+using namespace protocol;
 
 constexpr std::size_t kLargest = 900'000, kMostBytes = 500'000'000;
 
@@ -75,8 +78,9 @@ class Aside {
 };
 
 /// Answers with what `job` returns, which must not touch the cell.
-Poll aside(std::function<Json()> job) {
-  Errand sent = errand<Json>(std::move(job), [](Cell&, Json& result) { return std::move(result); });
+template <class Job>
+auto aside(Job job) {
+  auto sent = errand(std::move(job), [](auto& result) { return std::move(result); });
   Aside::only().begin(std::move(sent.run));
   return std::move(sent.done);
 }
@@ -87,32 +91,20 @@ std::string shown(const std::string& file, const fs::path& folder) {
   return relative.empty() || *relative.begin() == ".." ? file : relative.string();
 }
 
-Json problems_json(const std::vector<Problem>& problems, const fs::path& folder) {
-  Json out = Json::array();
+std::vector<Finding> findings_in(const std::vector<Problem>& problems, const fs::path& folder) {
+  std::vector<Finding> out;
   for (const Problem& p : problems)
-    out.push_back({{"code", p.code},
-                   {"severity", p.severity == Severity::error ? "error" : "warning"},
-                   {"file", shown(p.where.file, folder)},
-                   {"line", p.where.line},
-                   {"column", p.where.column},
-                   {"what", p.what},
-                   {"advice", p.advice}});
+    out.push_back({p.code, static_cast<FindingSeverity>(p.severity), shown(p.where.file, folder), p.where.line,
+                   p.where.column, p.what, p.advice});
   return out;
 }
 
 /// Listens to nothing.
 class Silence : public Observer {};
 
-Json paths_json(const std::vector<RehearsedPath>& paths) {
-  Json out = Json::array();
-  for (const RehearsedPath& path : paths) {
-    Json points = Json::array();
-    for (const Vec3& p : path.tcp) points.push_back({p.x, p.y, p.z});
-    out.push_back({{"robot", path.robot},
-                   {"line", path.where.line},
-                   {"seconds", path.seconds},
-                   {"points", std::move(points)}});
-  }
+std::vector<RehearsedWay> ways_of(const std::vector<RehearsedPath>& paths) {
+  std::vector<RehearsedWay> out;
+  for (const RehearsedPath& path : paths) out.push_back({path.robot, path.where.line, path.seconds, path.tcp});
   return out;
 }
 
@@ -130,53 +122,51 @@ fs::path stage_program(const fs::path& original, const std::string& text, const 
   return staged;
 }
 
-/// What the program touches when physics plays it. Bounded: whoever waits for it looks on.
+/// Keeps the contacts that are reported.
+struct ContactList : Observer {
+  std::vector<Problem> found;
+  void on_problem(Nanoseconds, const Problem& problem) override {
+    if (problem.code == "contact") found.push_back(problem);
+  }
+};
+
+/// What the program touches when physics plays it, in a bounded time: a person waits for the answer.
 void add_contacts(const CellFile& file, const description::Catalogue& catalogue, const fs::path& folder,
-                  const fs::path& state, Json& out) {
+                  const fs::path& state, ProgramDry::Answer& out) {
   constexpr Nanoseconds kMost = 120'000'000'000, kPatience = 20'000'000'000;
-  struct Contacts : Observer {
-    std::vector<Problem> found;
-    void on_problem(Nanoseconds, const Problem& problem) override {
-      if (problem.code == "contact") found.push_back(problem);
-    }
-  } contacts;
+  if (!file.signals.empty() && !signals::load_signals((file.folder / file.signals).string()).live.empty()) {
+    out.contacts.unchecked = {
+        "contacts are not looked for here, as the program writes live data files of yours: polyarm check --dry runs it"};
+    return;
+  }
+  ContactList contacts;
   CellOptions options;
   options.lock_step = true;
   options.allow_contact = options.contact_errors = true;
   options.no_code = true;
   options.cycles = 1;
   options.state_folder = state;
-  Json& told = out["contacts"];
-  try {
-    if (!file.signals.empty() && !signals::load_signals((file.folder / file.signals).string()).live.empty()) {
-      told = {{"checked", false}, {"seconds", 0}, {"whole", false}};
-      told["unchecked"] = Json::array({"contacts are not looked for here, as the program writes live data files of yours: "
-                           "polyarm check --dry runs it"});
-      return;
-    }
-    Cell cell(file, catalogue, options, contacts);
-    const Json facts = contacts_json(cell);
-    told = {{"checked", facts["checked"]}, {"unchecked", facts["unchecked"]}, {"seconds", 0}, {"whole", false}};
-    if (!facts["checked"].get<bool>()) return;
-    control::ControlLoop& loop = cell.loop();
-    const Nanoseconds until = realtime::monotonic_now() + kPatience;
-    loop.begin();
-    while (!cell.finished() && !cell.failure() && loop.cycle().time < kMost && realtime::monotonic_now() < until) {
-      const Nanoseconds next = loop.cycle().time + Cell::kTick;
-      cell.tick(loop.cycle().time);
-      while (loop.cycle().time < next) loop.step_next();
-    }
-    loop.end();
-    told["seconds"] = seconds(loop.cycle().time);
-    told["whole"] = cell.finished();
-    for (Json& problem : problems_json(contacts.found, folder)) out["problems"].push_back(std::move(problem));
-  } catch (const Error&) {  // what keeps it from running is told already
-    if (told.is_null()) told = {{"checked", false}, {"unchecked", Json::array()}, {"seconds", 0}, {"whole", false}};
+  Cell cell(file, catalogue, options, contacts);
+  const ContactState facts = contact_state(cell);
+  out.contacts.checked = facts.checked;
+  out.contacts.unchecked = facts.unchecked;
+  if (!facts.checked) return;
+  control::ControlLoop& loop = cell.loop();
+  const Nanoseconds until = realtime::monotonic_now() + kPatience;
+  loop.begin();
+  while (!cell.finished() && !cell.failure() && loop.cycle().time < kMost && realtime::monotonic_now() < until) {
+    const Nanoseconds next = loop.cycle().time + Cell::kTick;
+    cell.tick(loop.cycle().time);
+    while (loop.cycle().time < next) loop.step_next();
   }
+  loop.end();
+  out.contacts.seconds = seconds(loop.cycle().time);
+  out.contacts.whole = cell.finished();
+  for (Finding& finding : findings_in(contacts.found, folder)) out.problems.push_back(std::move(finding));
 }
 
-Json dry_run(CellFile file, const description::Catalogue& catalogue, const fs::path& original,
-             const std::string& text) {
+ProgramDry::Answer dry_run(CellFile file, const description::Catalogue& catalogue, const fs::path& original,
+                           const std::string& text) {
   const Scratch scratch;
   const fs::path folder = scratch.path() / "program";
   fs::create_directory(folder);
@@ -188,20 +178,21 @@ Json dry_run(CellFile file, const description::Catalogue& catalogue, const fs::p
   options.allow_contact = true;
   options.no_code = true;
   options.state_folder = scratch.path() / "state";
-  Json out{{"moves", 0}, {"reached", Json()}, {"paths", Json::array()}, {"seconds", Json()}};
+  ProgramDry::Answer out;
   Silence silence;
   try {
     Cell cell(file, catalogue, options, silence);
     const Rehearsal found = rehearse(cell, true);
-    out["problems"] = problems_json(found.problems.list(), folder);
-    out["moves"] = found.moves;
-    out["paths"] = paths_json(found.paths);
+    out.problems = findings_in(found.problems.list(), folder);
+    out.moves = static_cast<std::size_t>(found.moves);
+    out.paths = ways_of(found.paths);
     if (!found.reached.file.empty())
-      out["reached"] = {{"file", shown(found.reached.file, folder)}, {"line", found.reached.line}};
+      out.reached.emplace(FileLine{shown(found.reached.file, folder), found.reached.line});
   } catch (const Error& e) {
-    out["problems"] = problems_json(e.problems(), folder);
+    out.problems = findings_in(e.problems(), folder);
   }
-  add_contacts(physics, catalogue, folder, scratch.path() / "physics", out);
+  Problems reported_already;  // by the rehearsal
+  collect(reported_already, [&] { add_contacts(physics, catalogue, folder, scratch.path() / "physics", out); });
   return out;
 }
 
@@ -240,7 +231,7 @@ void copy_project(const fs::path& from, const fs::path& to) {
 }
 
 /// Made beside its place and moved there when it is whole.
-Json make_project(const std::string& name, const std::function<void(const fs::path&)>& fill) {
+NameAndFolder make_project(const std::string& name, const std::function<void(const fs::path&)>& fill) {
   const AsUser user;
   const fs::path folder = new_project(name);
   const fs::path coming = folder.parent_path() / ("." + name + ".coming");
@@ -256,7 +247,7 @@ Json make_project(const std::string& name, const std::function<void(const fs::pa
     fs::remove_all(coming, error);
     throw;
   }
-  return {{"name", name}, {"folder", folder.string()}};
+  return {name, folder.string()};
 }
 
 void write_new_cell(const fs::path& folder, const std::string& robot) {
@@ -273,17 +264,16 @@ void write_new_cell(const fs::path& folder, const std::string& robot) {
 
 // --- handlers
 
-Poll program_dry(Cell& cell, const Json& arguments) {
-  const fs::path original = project_file(cell.file().folder, text_argument(arguments, "name"));
-  const bool given = arguments.contains("text") && !arguments["text"].is_null();
-  const std::string text = given ? text_argument(arguments, "text") : read_file(original);
+Poll<ProgramDry::Answer> program_dry(Cell& cell, const ProgramDry& request) {
+  const fs::path original = project_file(cell.file().folder, request.name);
+  const std::string text = request.text ? *request.text : read_file(original);
   if (text.size() > kLargest) throw Error("too-large", "the text has more than 900 kB");
   return aside([file = cell.file(), catalogue = cell.catalogue(), original, text] {
     return dry_run(file, catalogue, original, text);
   });
 }
 
-Poll cell_check(Cell& cell, const Json&) {
+Poll<CellCheck::Answer> cell_check(Cell& cell, const CellCheck&) {
   const CellFile& file = cell.file();
   Overrides overrides;
   if (file.robots.size() == 1) overrides.robot = file.robots.front().model;
@@ -292,93 +282,37 @@ Poll cell_check(Cell& cell, const Json&) {
     CheckOptions options;
     options.state_folder = scratch.path() / "state";
     const CheckResult result = check(path, overrides, catalogue, options);
-    return Json{{"problems", problems_json(result.problems, folder)},
-                {"points", result.points.size()},
-                {"moves", result.moves}};
+    return CellCheck::Answer{findings_in(result.problems, folder), result.points.size(),
+                             static_cast<std::size_t>(result.moves)};
   });
 }
 
-Poll cell_reach(Cell& cell, const Json& arguments) {
-  const std::vector<std::string> allowed = list_argument(arguments, "allow");
-  return aside([open = cell.file().path, folder = text_argument(arguments, "folder", ""), allowed] {
-    return reach_of_cell(open, folder, allowed);
+Poll<CellReach::Answer> cell_reach(Cell& cell, const CellReach& request) {
+  return aside([open = cell.file().path, folder = request.folder.value_or(""),
+                allowed = request.allow.value_or(Names{})] { return reach_of_cell(open, folder, allowed); });
+}
+
+Poll<CellsList::Answer> cells(Cell& cell, const CellsList&) {
+  return later(cell, [open = cell.file().folder] { return known_cells(open); });
+}
+
+Poll<NameAndFolder> cell_save_as(Cell& cell, const CellSaveAs& request) {
+  return later(cell, [name = request.name, from = cell.file().folder] {
+    return make_project(name, [&](const fs::path& to) { copy_project(from, to); });
   });
 }
 
-Poll cells(Cell& cell, const Json&) {
-  return later<Json>(
-      cell, [open = cell.file().folder] { return known_cells(open); }, [](Cell&, Json& out) { return out; });
-}
-
-Poll cell_save_as(Cell& cell, const Json& arguments) {
-  return later<Json>(
-      cell,
-      [name = text_argument(arguments, "name"), from = cell.file().folder] {
-        return make_project(name, [&](const fs::path& to) { copy_project(from, to); });
-      },
-      [](Cell&, Json& out) { return out; });
-}
-
-Poll cell_new(Cell& cell, const Json& arguments) {
-  return later<Json>(
-      cell,
-      [name = text_argument(arguments, "name"), robot = text_argument(arguments, "robot"),
-       catalogue = cell.catalogue()] {
-        catalogue.load(robot);  // throws where there is none
-        return make_project(name, [&](const fs::path& to) { write_new_cell(to, robot); });
-      },
-      [](Cell&, Json& out) { return out; });
+Poll<NameAndFolder> cell_new(Cell& cell, const CellNew& request) {
+  return later(cell, [name = request.name, robot = request.robot, catalogue = cell.catalogue()] {
+    catalogue.load(robot);  // throws where there is none
+    return make_project(name, [&](const fs::path& to) { write_new_cell(to, robot); });
+  });
 }
 
 }  // namespace
 
-const std::vector<RequestRow>& cells_rows() {
-  static const std::vector<RequestRow> table = {
-      {{"program.dry",
-        {{"name", kText, true}, {"text", kText}},
-        "{problems: [{code, severity, file, line, column, what, advice}], moves, reached: {file, line}, "
-        "paths: "
-        "[{robot, line, seconds, points: [[x, y, z]]}], contacts: {checked, unchecked, seconds, whole}}",
-        "go through a program, as it is in the file or as `text`, without moving anything: moves that cannot "
-        "be made, the TCP's way (two passes of its loop), and what it touches in physics (one pass)",
-        false},
-       program_dry},
-      {{"cell.check",
-        {},
-        "{problems: [{code, severity, file, line, column, what, advice}], points, moves}",
-        "what is wrong with the cell's files, as they are now, as polyarm check says it",
-        false},
-       cell_check},
-      {{"cell.reach",
-        {{"folder", kText}, {"allow", kNames}},
-        "{wants: [{kind, what, why, sha256, allowed}], unread}",
-        "what the cell's files want to reach beyond its folder: plugins, hosts, devices, files, secrets; of the "
-        "open cell, or of the one in `folder`, which `cells` lists. `allow`: remember that it may reach these "
-        "hosts (host:NAME) and secrets (secret:NAME) of the list, from when it is opened next. `unread`: what is "
-        "wrong in a file that could name more",
-        false},
-       cell_reach},
-      {{"cells",
-        {},
-        "{open, cells: [{name, folder, title, robots, recent}]}",
-        "cells that can be opened: those beside this one, the user's own, and those that were open lately",
-        false},
-       cells},
-      {{"cell.save_as",
-        {{"name", kText, true}},
-        "{name, folder}",
-        "copy the cell's files to a cell of the user's own; it is not opened",
-        true},
-       cell_save_as},
-      {{"cell.new",
-        {{"name", kText, true}, {"robot", kText, true}},
-        "{name, folder}",
-        "a cell of the user's own with a table, a robot of the catalogue and an empty program; it is not "
-        "opened",
-        true},
-       cell_new},
-  };
-  return table;
+std::vector<Handler> cells_handlers() {
+  return handlers<program_dry, cell_check, cell_reach, cells, cell_save_as, cell_new>();
 }
 
 }  // namespace polyarm::cell

@@ -10,12 +10,15 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/requests_later.hpp"
+#include "polyarm/protocol/projects.hpp"
 
 namespace polyarm::cell {
 
 namespace fs = std::filesystem;
 
 namespace {
+
+using namespace protocol;
 
 constexpr std::size_t kLargestText = bounds::kFileBytes, kMostFiles = bounds::kProjectFiles,
                       kMostVersions = bounds::kVersionsOfFile;
@@ -71,10 +74,12 @@ std::string read_if_there(const fs::path& path) {
   return fs::exists(path, error) ? read_file(path) : std::string{};
 }
 
-Json draft_json(const fs::path& folder, const std::string& path) {
-  const std::string text = read_if_there(draft_file(folder, path));
-  const Json draft = Json::parse(text, nullptr, false);
-  return draft.is_object() ? draft : Json();
+OrNull<FileDraft> draft_of(const fs::path& folder, const std::string& path) {
+  OrNull<FileDraft> out;
+  const std::optional<Any> kept = Any::parse(read_if_there(draft_file(folder, path)));
+  if (!kept) return out;
+  if (auto draft = value_of<FileDraft>(*kept)) out.emplace(std::move(*draft));
+  return out;
 }
 
 /// The numbers of the versions, oldest first.
@@ -152,16 +157,10 @@ void keep_out_of_git(const fs::path& folder) {
   if (!fs::exists(ignore, error)) write_file_atomically(ignore, "*\n");
 }
 
-std::string bounded(const Json& arguments, const char* name) {
-  std::string out = text_argument(arguments, name);
-  if (out.size() > kLargestText)
-    throw Error("too-large", fmt::format("the text has {} bytes", out.size()), "a file may have 900 kB");
-  return out;
-}
-
-/// Work on the files of the project, off the cell thread.
-Poll on_disk(Cell& cell, std::function<Json()> job) {
-  return later<Json>(cell, std::move(job), [](Cell&, Json& out) { return std::move(out); });
+const std::string& bounded(const std::string& text) {
+  if (text.size() > kLargestText)
+    throw Error("too-large", fmt::format("the text has {} bytes", text.size()), "a file may have 900 kB");
+  return text;
 }
 
 /// The files of the program that runs, in the form that the list has.
@@ -182,8 +181,8 @@ bool among(const fs::path& file, const std::vector<fs::path>& files) {
                      [&](const fs::path& each) { return fs::equivalent(file, each, error); });
 }
 
-Json listed(const fs::path& folder, const std::vector<fs::path>& running) {
-  Json out = Json::array();
+std::vector<ListedFile> listed(const fs::path& folder, const std::vector<fs::path>& running) {
+  std::vector<ListedFile> out;
   std::error_code error;
   fs::recursive_directory_iterator each(folder, fs::directory_options::skip_permission_denied, error), end;
   for (; !error && each != end && out.size() < kMostFiles; each.increment(error)) {
@@ -195,20 +194,16 @@ Json listed(const fs::path& folder, const std::vector<fs::path>& running) {
     if (!each->is_regular_file(error) || !has_ending(each->path()) || each->file_size(error) > kLargestText)
       continue;
     const std::string path = fs::relative(each->path(), folder, error).generic_string();
-    out.push_back({{"name", path},
-                   {"kind", kind_of(each->path())},
-                   {"bytes", each->file_size(error)},
-                   {"modified_s", changed_at(each->path())},
-                   {"hash", content_hash(read_file(each->path()))},
-                   {"running", among(each->path(), running)},
-                   {"draft", fs::exists(draft_file(folder, path), error)}});
+    out.push_back({path, kind_of(each->path()), each->file_size(error), changed_at(each->path()),
+                   content_hash(read_file(each->path())), among(each->path(), running),
+                   fs::exists(draft_file(folder, path), error)});
   }
-  std::sort(out.begin(), out.end(), [](const Json& a, const Json& b) { return a["name"] < b["name"]; });
+  std::sort(out.begin(), out.end(), [](const ListedFile& a, const ListedFile& b) { return a.name < b.name; });
   return out;
 }
 
-Json written(const fs::path& folder, const std::string& path, const std::string& text,
-             const std::string& base, bool force) {
+FilesWrite::Answer written(const fs::path& folder, const std::string& path, const std::string& text,
+                           const std::string& base, bool force) {
   const fs::path file = project_file(folder, path);
   std::error_code error;
   const bool exists = fs::exists(file, error);
@@ -225,7 +220,7 @@ Json written(const fs::path& folder, const std::string& path, const std::string&
   fs::create_directories(file.parent_path());
   if (!exists || there != text) write_file_atomically(file, text);
   fs::remove(draft_file(folder, path), error);
-  return {{"name", path}, {"hash", content_hash(text)}};
+  return {path, content_hash(text)};
 }
 
 }  // namespace
@@ -261,75 +256,67 @@ std::string content_hash(std::string_view text) {
 
 namespace {
 
-Poll files(Cell& cell, const Json&) {
-  std::string main;
-  if (cell.program()) main = fs::path(cell.program()->interpreter().program().file).filename().string();
-  return on_disk(cell, [folder = cell.file().folder, running = running_files(cell), main] {
-    return Json{{"folder", folder.string()},
-                {"files", listed(folder, running)},
-                {"main", main.empty() ? Json() : Json(main)}};
+Poll<FilesList::Answer> files(Cell& cell, const FilesList&) {
+  FilesList::Answer out;
+  out.folder = cell.file().folder.string();
+  if (cell.program()) out.main = fs::path(cell.program()->interpreter().program().file).filename().string();
+  if (out.main && out.main->empty()) out.main.reset();
+  return later(cell, [folder = cell.file().folder, running = running_files(cell), out]() mutable {
+    out.files = listed(folder, running);
+    return out;
   });
 }
 
-Poll files_read(Cell& cell, const Json& arguments) {
-  const std::string path = text_argument(arguments, "name");
-  return on_disk(cell, [folder = cell.file().folder, running = running_files(cell), path] {
+Poll<FilesRead::Answer> files_read(Cell& cell, const FilesRead& request) {
+  return later(cell, [folder = cell.file().folder, running = running_files(cell), path = request.name] {
     const fs::path file = project_file(folder, path);
     std::error_code error;
-    const Json draft = draft_json(folder, path);
+    const OrNull<FileDraft> draft = draft_of(folder, path);
     const bool exists = fs::exists(file, error);
-    if (!exists && draft.is_null()) throw Error("no-file", "there is no file '" + path + "' in the project");
+    if (!exists && !draft) throw Error("no-file", "there is no file '" + path + "' in the project");
     if (exists && fs::file_size(file, error) > kLargestText)
       throw Error("too-large", "'" + path + "' has more than 900 kB");
     const std::string text = exists ? read_file(file) : std::string{};
-    return Json{{"name", path},
-                {"text", text},
-                {"hash", exists ? content_hash(text) : ""},
-                {"running", exists && among(file, running)},
-                {"draft", draft}};
+    return FilesRead::Answer{path, text, exists ? content_hash(text) : "", exists && among(file, running), draft};
   });
 }
 
-Poll files_draft(Cell& cell, const Json& arguments) {
-  const std::string path = text_argument(arguments, "name");
-  const bool drop = !arguments.contains("text") || arguments["text"].is_null();
-  const std::string text = drop ? "" : bounded(arguments, "text"),
-                    base = text_argument(arguments, "base", ""), by = text_argument(arguments, "by", "");
-  return on_disk(cell, [folder = cell.file().folder, path, drop, text, base, by] {
-    project_file(folder, path);
-    const fs::path file = draft_file(folder, path);
-    const auto now = static_cast<double>(std::time(nullptr));
-    std::error_code error;
-    if (drop) {
-      fs::remove(file, error);
-      return Json{{"saved_s", now}};
-    }
+FilesDraft::Answer keep_draft(const fs::path& folder, const FilesDraft& request) {
+  project_file(folder, request.name);
+  const fs::path file = draft_file(folder, request.name);
+  const auto now = static_cast<double>(std::time(nullptr));
+  std::error_code error;
+  if (!request.text) {
+    fs::remove(file, error);
+    return {now};
+  }
+  keep_out_of_git(folder);
+  fs::create_directories(file.parent_path());
+  const FileDraft draft{*request.text, request.base.value_or(""), request.by.value_or(""), now};
+  require_room_for_draft(file, request.text->size());
+  write_file_atomically(file, any_of(draft).dump());
+  return {now};
+}
+
+Poll<FilesDraft::Answer> files_draft(Cell& cell, const FilesDraft& request) {
+  if (request.text) bounded(*request.text);
+  return later(cell, [folder = cell.file().folder, request] { return keep_draft(folder, request); });
+}
+
+Poll<FilesWrite::Answer> files_write(Cell& cell, const FilesWrite& request) {
+  bounded(request.text);
+  return later(cell, [folder = cell.file().folder, request] {
     keep_out_of_git(folder);
-    fs::create_directories(file.parent_path());
-    const Json draft{{"text", text}, {"base", base}, {"saved_s", now}, {"by", by}};
-    require_room_for_draft(file, text.size());
-    write_file_atomically(file, draft.dump(-1, ' ', false, Json::error_handler_t::replace));
-    return Json{{"saved_s", now}};
+    return written(folder, request.name, request.text, request.base.value_or(""), request.force);
   });
 }
 
-Poll files_write(Cell& cell, const Json& arguments) {
-  const std::string path = text_argument(arguments, "name"), text = bounded(arguments, "text"),
-                    base = text_argument(arguments, "base", "");
-  return on_disk(cell,
-                 [folder = cell.file().folder, path, text, base, force = flag_argument(arguments, "force")] {
-                   keep_out_of_git(folder);
-                   return written(folder, path, text, base, force);
-                 });
-}
-
-Poll files_versions(Cell& cell, const Json& arguments) {
-  const std::string path = text_argument(arguments, "name");
-  return on_disk(cell, [folder = cell.file().folder, path] {
+Poll<FilesVersions::Answer> files_versions(Cell& cell, const FilesVersions& request) {
+  return later(cell, [folder = cell.file().folder, path = request.name] {
     project_file(folder, path);
     const fs::path where = versions_folder(folder, path);
     const std::vector<int> numbers = version_numbers(where);
-    Json out = Json::array();
+    FilesVersions::Answer out{path, {}};
     std::error_code error;
     for (auto each = numbers.rbegin(); each != numbers.rend(); ++each) {
       const fs::path file = where / std::to_string(*each);
@@ -337,29 +324,26 @@ Poll files_versions(Cell& cell, const Json& arguments) {
       char when[32] = "";
       std::tm local{};
       if (::localtime_r(&at, &local)) std::strftime(when, sizeof when, "%Y-%m-%d %H:%M:%S", &local);
-      out.push_back(
-          {{"number", *each}, {"when", when}, {"what", "replaced"}, {"bytes", fs::file_size(file, error)}});
+      out.versions.push_back({*each, when, "replaced", fs::file_size(file, error)});
     }
-    return Json{{"name", path}, {"versions", out}};
+    return out;
   });
 }
 
-Poll files_version(Cell& cell, const Json& arguments) {
-  const std::string path = text_argument(arguments, "name");
-  const int wanted = static_cast<int>(std::clamp(number_argument(arguments, "number", 0), 0.0, 1e9));
-  return on_disk(cell, [folder = cell.file().folder, path, wanted] {
+Poll<FilesVersion::Answer> files_version(Cell& cell, const FilesVersion& request) {
+  const int wanted = static_cast<int>(std::clamp(request.number, 0.0, 1e9));
+  return later(cell, [folder = cell.file().folder, path = request.name, wanted] {
     project_file(folder, path);
     const fs::path file = versions_folder(folder, path) / std::to_string(wanted);
     std::error_code error;
     if (!fs::exists(file, error))
       throw Error("no-file", fmt::format("there is no version {} of '{}'", wanted, path));
-    return Json{{"name", path}, {"number", wanted}, {"text", read_file(file)}};
+    return FilesVersion::Answer{path, wanted, read_file(file)};
   });
 }
 
-Poll files_delete(Cell& cell, const Json& arguments) {
-  const std::string path = text_argument(arguments, "name");
-  return on_disk(cell, [folder = cell.file().folder, path] {
+Poll<JustName> files_delete(Cell& cell, const FilesDelete& request) {
+  return later(cell, [folder = cell.file().folder, path = request.name] {
     const fs::path file = project_file(folder, path);
     std::error_code error;
     if (!fs::exists(file, error)) throw Error("no-file", "there is no file '" + path + "' in the project");
@@ -367,13 +351,12 @@ Poll files_delete(Cell& cell, const Json& arguments) {
     keep_version(folder, path, read_file(file));
     fs::remove(file, error);
     fs::remove(draft_file(folder, path), error);
-    return Json{{"name", path}};
+    return JustName{path};
   });
 }
 
-Poll files_rename(Cell& cell, const Json& arguments) {
-  const std::string path = text_argument(arguments, "name"), to = text_argument(arguments, "to");
-  return on_disk(cell, [folder = cell.file().folder, path, to] {
+Poll<JustName> files_rename(Cell& cell, const FilesRename& request) {
+  return later(cell, [folder = cell.file().folder, path = request.name, to = request.to] {
     const fs::path from = project_file(folder, path), target = project_file(folder, to);
     std::error_code error;
     if (!fs::exists(from, error)) throw Error("no-file", "there is no file '" + path + "' in the project");
@@ -386,55 +369,15 @@ Poll files_rename(Cell& cell, const Json& arguments) {
     if (error) throw Error("unwritable", "'" + path + "' cannot become '" + to + "': " + error.message());
     if (fs::exists(draft_file(folder, path), error))
       fs::rename(draft_file(folder, path), draft_file(folder, to), error);
-    return Json{{"name", to}};
+    return JustName{to};
   });
 }
 
 }  // namespace
 
-const std::vector<RequestRow>& file_rows() {
-  static const std::vector<RequestRow> table = {
-      {{"files",
-        {},
-        "{folder, files: [{name, kind, bytes, modified_s, hash, running, draft}], main}",
-        "the project's files",
-        false},
-       files},
-      {{"files.read", kName, "{name, text, hash, running, draft: {text, base, saved_s, by}}",
-        "a file, and the draft of it that was not saved", false},
-       files_read},
-      {{"files.draft",
-        {{"name", kText, true}, {"text", kText}, {"base", kText}, {"by", kText}},
-        "{saved_s}",
-        "keep an edit on the disk beside the file; `base` is the hash it was begun on; without `text` the "
-        "draft goes",
-        false},
-       files_draft},
-      {{"files.write",
-        {{"name", kText, true}, {"text", kText, true}, {"base", kText}, {"force", kFlag}},
-        "{name, hash}",
-        "write a file; refused as changed-meanwhile where it is not what the hash `base` says (empty: it is "
-        "new), unless `force`; what was there becomes a version",
-        true},
-       files_write},
-      {{"files.versions", kName, "{name, versions: [{number, when, what, bytes}]}",
-        "what a file was before, newest first", false},
-       files_versions},
-      {{"files.version",
-        {{"name", kText, true}, {"number", kNumber, true}},
-        "{name, number, text}",
-        "a file as it was",
-        false},
-       files_version},
-      {{"files.delete", kName, "{name}", "a file goes; its versions stay", true}, files_delete},
-      {{"files.rename",
-        {{"name", kText, true}, {"to", kText, true}},
-        "{name}",
-        "a file gets another name",
-        true},
-       files_rename},
-  };
-  return table;
+std::vector<Handler> file_handlers() {
+  return handlers<files, files_read, files_draft, files_write, files_versions, files_version, files_delete,
+                  files_rename>();
 }
 
 }  // namespace polyarm::cell

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "polyarm/cell/point_edits.hpp"
 #include "polyarm/data/taught_frames.hpp"
@@ -10,8 +11,10 @@ namespace polyarm::cell {
 
 namespace {
 
-Vec3 place_argument(const Json& arguments, const char* name) {
-  return vector_value(arguments.value(name, Json()), name);
+using namespace protocol;
+
+Vec3 place_at(const std::optional<Any>& given, const char* name) {
+  return vector_value(given.value_or(Any{}).json(), name);
 }
 
 /// Where tool0 was when the point was taught, by its joints.
@@ -40,96 +43,73 @@ std::vector<Pose> poses_of(Cell& cell, const std::vector<std::string>& names, st
   return out;
 }
 
-Poll points_frame(Cell& cell, const Json& arguments) {
-  const std::string name = text_argument(arguments, "name");
+Poll<PointsFrame::Answer> points_frame(Cell& cell, const PointsFrame& request) {
+  const std::string& name = request.name;
   check_point_name(name);
   std::array<Vec3, 3> at;
   std::string frame;
-  if (const std::vector<std::string> from = list_argument(arguments, "from"); !from.empty()) {
-    const std::vector<Pose> poses = poses_of(cell, from, frame);
+  if (request.from && !request.from->empty()) {
+    const std::vector<Pose> poses = poses_of(cell, *request.from, frame);
     if (poses.size() != 3)
       throw Error("bad-points", "a frame comes from three points",
                   "'from': [origin, one on x, one in the xy plane]");
     for (std::size_t k = 0; k < 3; ++k) at[k] = poses[k].position;
   } else {
-    at = {place_argument(arguments, "origin"), place_argument(arguments, "on_x"),
-          place_argument(arguments, "in_plane")};
+    at = {place_at(request.origin, "origin"), place_at(request.on_x, "on_x"),
+          place_at(request.in_plane, "in_plane")};
   }
   data::Point out{data::frame_from_points(at[0], at[1], at[2]), false};
   const Vec3 x = at[1] - at[0], y = at[2] - at[0];
-  const Json found{
-      {"name", name},        {"pose", place_json(out.pose)},
-      {"frame", frame},      {"x_length", norm(x)},
-      {"y_length", norm(y)}, {"angle", std::acos(std::clamp(dot(x, y) / (norm(x) * norm(y)), -1.0, 1.0))}};
+  const PointsFrame::Answer found{.point = {},
+                                  .name = name,
+                                  .pose = pose_facts(out.pose),
+                                  .frame = frame,
+                                  .angle = std::acos(std::clamp(dot(x, y) / (norm(x) * norm(y)), -1.0, 1.0)),
+                                  .x_length = norm(x),
+                                  .y_length = norm(y)};
   if (!frame.empty()) out.taught = std::make_shared<data::Taught>(data::Taught{frame, {}, {}, {}});
-  if (flag_argument(arguments, "dry")) return at_once(found);
-  return then_with(edit_value(cell, set_for(cell, arguments, name), "frame " + name, name, out),
-                   [found](Cell&, Json answer) {
-                     answer.update(found);
-                     return at_once(std::move(answer));
-                   });
+  if (request.dry) return at_once(found);
+  return then(edit_value(cell, set_for(cell, request.file, name), "frame " + name, name, out),
+              [found](const ChangedPoint& changed) {
+                PointsFrame::Answer answer = found;
+                answer.point.emplace(changed);
+                return at_once(answer);
+              });
 }
 
-Poll points_tool(Cell& cell, const Json& arguments) {
-  const std::string name = text_argument(arguments, "name");
+Poll<PointsTool::Answer> points_tool(Cell& cell, const PointsTool& request) {
+  const std::string& name = request.name;
   check_point_name(name);
   std::vector<Pose> poses;
-  const std::vector<std::string> from = list_argument(arguments, "from");
-  if (from.empty()) {
-    const Json given = arguments.value("poses", Json::array());
+  if (request.from && !request.from->empty()) {
+    const CellRobot& robot = *cell.robots()[robot_named(cell, request.robot)];
+    for (const std::string& each : *request.from) poses.push_back(flange_at(cell, robot, each));
+  } else if (request.poses) {
+    const nlohmann::json& given = request.poses->json();
     if (!given.is_array() || given.size() > 100) throw Error("bad-argument", "'poses' is no list of poses");
-    for (const Json& each : given) poses.push_back(pose_value(each));
-  } else {
-    const CellRobot& robot = *cell.robots()[robot_argument(cell, arguments)];
-    for (const std::string& each : from) poses.push_back(flange_at(cell, robot, each));
+    for (const nlohmann::json& each : given) poses.push_back(pose_value(each));
   }
   const data::TaughtTool tool = data::tool_from_poses(poses);
-  const Json found{{"name", name},
-                   {"tcp", place_json(tool.tcp)},
-                   {"tip", place_json(tool.tip)},
-                   {"residuals", tool.residuals},
-                   {"rms", tool.rms},
-                   {"largest", tool.largest}};
-  if (flag_argument(arguments, "dry")) return at_once(found);
-  return then_with(
-      edit_value(cell, set_for(cell, arguments, name), "tool " + name, name, data::point_of(tool)),
-      [found](Cell&, Json answer) {
-        answer.update(found);
-        return at_once(std::move(answer));
-      });
+  const PointsTool::Answer found{.point = {},
+                                 .name = name,
+                                 .tcp = tool.tcp,
+                                 .tip = tool.tip,
+                                 .residuals = tool.residuals,
+                                 .rms = tool.rms,
+                                 .largest = tool.largest};
+  if (request.dry) return at_once(found);
+  return then(edit_value(cell, set_for(cell, request.file, name), "tool " + name, name, data::point_of(tool)),
+              [found](const ChangedPoint& changed) {
+                PointsTool::Answer answer = found;
+                answer.point.emplace(changed);
+                return at_once(answer);
+              });
 }
 
 }  // namespace
 
-const std::vector<RequestRow>& frame_rows() {
-  static const std::vector<RequestRow> table = {
-      {{"points.frame",
-        {{"name", kText, true},
-         {"origin", kAny},
-         {"on_x", kAny},
-         {"in_plane", kAny},
-         {"from", kNames},
-         {"file", kText},
-         {"dry", kFlag}},
-        "{name, pose, frame, angle, x_length, y_length}",
-        "a frame from three places, [x, y, z] or points by name `from`: its origin, one on x, one in the xy "
-        "plane; `angle` is between the two directions; `dry`: it is only looked at",
-        true},
-       points_frame},
-      {{"points.tool",
-        {{"name", kText, true},
-         {"poses", kAny},
-         {"from", kNames},
-         {"robot", kText},
-         {"file", kText},
-         {"dry", kFlag}},
-        "{name, tcp, tip, residuals, rms, largest}",
-        "a tool's TCP from four or more poses {p, q} of tool0 (or points `from` which they were taught) with "
-        "the tip at one place; `dry`: it is only looked at",
-        true},
-       points_tool},
-  };
-  return table;
+std::vector<Handler> frame_handlers() {
+  return handlers<points_frame, points_tool>();
 }
 
 }  // namespace polyarm::cell

@@ -2,13 +2,9 @@
 #include <cmath>
 
 #include "polyarm/cell/requests_work.hpp"
+#include "polyarm/protocol/hardware.hpp"
 
 namespace polyarm::cell {
-
-Json finite_or_null(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  return value;
-}
 
 double rate_of(Cell& cell, const hardware::HostedInfo& info) {
   return info.period > 0 ? 1 / seconds(info.period)
@@ -21,146 +17,121 @@ double rate_of(Cell& cell, const control::ListedController& controller) {
 
 namespace {
 
-Poll interfaces_list(Cell& cell, const Json&) {
-  const hardware::InterfaceTable& table = cell.loop().table();
-  const control::Snapshot& seen = cell.snapshot();
-  Json states = Json::array(), commands = Json::array();
-  for (std::size_t i = 0; i < table.state_names().size(); ++i)
-    if (!table.state_names()[i].empty())
-      states.push_back({{"name", table.state_names()[i]}, {"value", finite_or_null(seen.states[i])}});
-  for (std::size_t i = 0; i < table.command_names().size(); ++i) {
-    const std::string& name = table.command_names()[i];
-    if (!name.empty())
-      commands.push_back({{"name", name},
-                          {"value", finite_or_null(seen.commands[i])},
-                          {"claimed_by", cell.loop().controllers().holder_of(name)}});
-  }
-  return at_once({{"states", states}, {"commands", commands}});
-}
+using namespace protocol;
 
-Json times(const realtime::Histogram& values) {
-  return {{"p50_ns", values.percentile(0.5)}, {"p99_ns", values.percentile(0.99)}, {"max_ns", values.max()}};
-}
-
-/// The same, and how the samples lie.
-Json distribution(const realtime::Histogram& values) {
-  Json out = times(values), buckets = Json::array();
-  values.quarters([&](Nanoseconds to, std::uint64_t count) {
-    buckets.push_back({{"to_ns", to}, {"count", count}});
-  });
-  out["buckets"] = std::move(buckets);
+OrNull<double> number_or_null(double value) {
+  OrNull<double> out;
+  if (std::isfinite(value)) out = value;
   return out;
 }
 
-Json thread_of(const char* what, const std::string& name, double rate, bool own_clock,
-               const realtime::ThreadHealth& thread) {
-  return {{what, name},
-          {"rate_hz", rate},
-          {"own_clock", own_clock},
-          {"runs", std::uint64_t{thread.runs}},
-          {"late", std::uint64_t{thread.late}},
-          {"missed", std::uint64_t{thread.missed}},
-          {"cost", times(thread.cost)},
-          {"wake_up", times(thread.wake_up)},
-          {"period", times(thread.period)}};
-}
-
-/// What has its turns in the loop, as far as it has had any that were timed.
-void add_part(Json& parts, const char* what, const std::string& name, double rate,
-              const realtime::PartHealth& part) {
-  if (part.cost.count() == 0) return;
-  parts.push_back({{what, name},
-                   {"rate_hz", rate},
-                   {"turns", part.cost.count()},
-                   {"cost", times(part.cost)},
-                   {"period", times(part.period)}});
-}
-
-Poll health(Cell& cell, const Json&) {
-  const control::Health& h = cell.loop().health();
+InterfacesList::Answer interfaces_list(Cell& cell, const InterfacesList&) {
+  const hardware::InterfaceTable& table = cell.loop().table();
   const control::Snapshot& seen = cell.snapshot();
-  Json threads = Json::array(), parts = Json::array(), fallen = Json::array();
+  InterfacesList::Answer out;
+  for (std::size_t i = 0; i < table.state_names().size(); ++i)
+    if (!table.state_names()[i].empty())
+      out.states.push_back({table.state_names()[i], number_or_null(seen.states[i])});
+  for (std::size_t i = 0; i < table.command_names().size(); ++i) {
+    const std::string& name = table.command_names()[i];
+    if (!name.empty())
+      out.commands.push_back(
+          {name, number_or_null(seen.commands[i]), cell.loop().controllers().holder_of(name)});
+  }
+  return out;
+}
+
+Times times(const realtime::Histogram& values) {
+  return {values.percentile(0.5), values.percentile(0.99), values.max()};
+}
+
+/// The same, and how the samples are spread.
+Distribution distribution(const realtime::Histogram& values) {
+  Distribution out{values.percentile(0.5), values.percentile(0.99), values.max(), {}};
+  values.quarters([&](Nanoseconds to, std::uint64_t count) { out.buckets.push_back({to, count}); });
+  return out;
+}
+
+PartThread thread_of(double rate, bool own_clock, const realtime::ThreadHealth& thread) {
+  return {.component = {},
+          .controller = {},
+          .rate_hz = rate,
+          .own_clock = own_clock,
+          .runs = thread.runs,
+          .late = thread.late,
+          .missed = thread.missed,
+          .cost = times(thread.cost),
+          .wake_up = times(thread.wake_up),
+          .period = times(thread.period)};
+}
+
+LoopPart part_of(double rate, const realtime::PartHealth& part) {
+  return {{}, {}, rate, part.cost.count(), times(part.cost), times(part.period)};
+}
+
+void add_components(Cell& cell, protocol::LoopHealth::Answer& out) {
   hardware::Hardware& hardware = cell.loop().hardware();
+  const control::Snapshot& seen = cell.snapshot();
   for (std::size_t i = 0; i < hardware.size(); ++i) {
     const std::string& name = hardware.component_name(i);
     if (i < seen.fallen.size() && seen.fallen[i] != control::StopCause::none)
-      fallen.push_back({{"component", name},
-                        {"cause", control::name(seen.fallen[i])},
-                        {"cause_code", control::code(seen.fallen[i])}});
-    const hardware::HostedInfo info = hardware.diagnostics().info(i);
-    if (const realtime::ThreadHealth* thread = hardware.diagnostics().thread_health(i))
-      threads.push_back(thread_of("component", name, rate_of(cell, info), info.period > 0, *thread));
-    else
-      add_part(parts, "component", name, rate_of(cell, info), hardware.diagnostics().part_health(i));
+      out.fallen.push_back({name, control::name(seen.fallen[i]), control::code(seen.fallen[i])});
+    const hardware::Diagnostics& diagnostics = hardware.diagnostics();
+    const hardware::HostedInfo info = diagnostics.info(i);
+    const double rate = rate_of(cell, info);
+    if (const realtime::ThreadHealth* thread = diagnostics.thread_health(i))
+      out.threads.emplace_back(thread_of(rate, info.period > 0, *thread)).component = name;
+    else if (diagnostics.part_health(i).cost.count() > 0)
+      out.parts.emplace_back(part_of(rate, diagnostics.part_health(i))).component = name;
   }
-  for (const control::ListedController& c : cell.loop().controllers().list())
-    if (c.thread)
-      threads.push_back(thread_of("controller", c.name, rate_of(cell, c), false, *c.thread));
-    else
-      add_part(parts, "controller", c.name, rate_of(cell, c), *c.part);
-  return at_once({{"state", control::name(seen.state)},
-                  {"cause", cell.stop_cause().what},
-                  {"cause_code", cell.stop_cause().code},
-                  {"standing", seen.standing},
-                  {"parts", parts},
-                  {"override_percent", 100 * cell.loop().supervisor().override_share()},
-                  {"allowed_percent", 100 * cell.loop().supervisor().share()},
-                  {"last_stop", cell.stops().empty() ? Json() : json_of(cell.stops().back())},
-                  {"threads", threads},
-                  {"fallen", fallen},
-                  {"time_s", seconds(seen.cycle.time)},
-                  {"rate_hz", 1 / seconds(cell.loop().options().period)},
-                  {"cycles", std::uint64_t{h.cycles}},
-                  {"late", std::uint64_t{h.late}},
-                  {"cost", distribution(h.cost)},
-                  {"wake_up", distribution(h.wake_up)},
-                  {"period", distribution(h.period)},
-                  {"clamps", cell.loop().limits().clamps()}});
 }
 
-Poll limits_list(Cell& cell, const Json&) {
-  Json out = Json::array();
+void add_controllers(Cell& cell, protocol::LoopHealth::Answer& out) {
+  for (const control::ListedController& c : cell.loop().controllers().list())
+    if (c.thread)
+      out.threads.emplace_back(thread_of(rate_of(cell, c), false, *c.thread)).controller = c.name;
+    else if (c.part->cost.count() > 0)
+      out.parts.emplace_back(part_of(rate_of(cell, c), *c.part)).controller = c.name;
+}
+
+protocol::LoopHealth::Answer health(Cell& cell, const protocol::LoopHealth&) {
+  const control::Health& h = cell.loop().health();
+  const control::Snapshot& seen = cell.snapshot();
+  protocol::LoopHealth::Answer out;
+  out.state = control::name(seen.state);
+  out.cause = cell.stop_cause().what;
+  out.cause_code = cell.stop_cause().code;
+  out.standing = seen.standing;
+  out.override_percent = 100 * cell.loop().supervisor().override_share();
+  out.allowed_percent = 100 * cell.loop().supervisor().share();
+  if (!cell.stops().empty()) out.last_stop.emplace(facts_of(cell.stops().back()));
+  out.time_s = seconds(seen.cycle.time);
+  out.rate_hz = 1 / seconds(cell.loop().options().period);
+  out.cycles = h.cycles;
+  out.late = h.late;
+  out.cost = distribution(h.cost);
+  out.wake_up = distribution(h.wake_up);
+  out.period = distribution(h.period);
+  out.clamps = cell.loop().limits().clamps();
+  add_components(cell, out);
+  add_controllers(cell, out);
+  return out;
+}
+
+LimitsList::Answer limits_list(Cell& cell, const LimitsList&) {
+  LimitsList::Answer out;
   const double period = seconds(cell.loop().options().period);
   for (const control::Clamp& clamp : cell.loop().limits().report())
-    out.push_back({{"interface", clamp.interface},
-                   {"claimed_by", cell.loop().controllers().holder_of(clamp.interface)},
-                   {"limit", controllers::name(clamp.limit)},
-                   {"count", clamp.count},
-                   {"asked", finite_or_null(clamp.asked)},
-                   {"given", finite_or_null(clamp.given)},
-                   {"time_s", static_cast<double>(clamp.cycle) * period}});
-  return at_once(std::move(out));
+    out.push_back({clamp.interface, cell.loop().controllers().holder_of(clamp.interface),
+                   controllers::name(clamp.limit), clamp.count, number_or_null(clamp.asked),
+                   number_or_null(clamp.given), static_cast<double>(clamp.cycle) * period});
+  return out;
 }
 
 }  // namespace
 
-const std::vector<RequestRow>& health_rows() {
-  static const std::vector<RequestRow> table = {
-      {{"interfaces",
-        {},
-        "{states: [{name, value}], commands: [{name, value, claimed_by}]}",
-        "every state and command interface",
-        false},
-       interfaces_list},
-      {{"health",
-        {},
-        "{state, cause, cause_code, standing, time_s, rate_hz, cycles, late, cost, wake_up, period, clamps, "
-        "parts: "
-        "[{component or controller, rate_hz, turns, cost, period}], threads: [{component or controller, "
-        "rate_hz, own_clock, runs, late, missed, cost, wake_up, period}], fallen: [{component, cause, "
-        "cause_code}]}",
-        "how the control loop is doing",
-        false},
-       health},
-      {{"limits",
-        {},
-        "[{interface, claimed_by, limit, count, asked, given, time_s}]",
-        "which limits took hold of commands, how often, what was asked and given the last time, and who "
-        "commands now",
-        false},
-       limits_list},
-  };
-  return table;
+std::vector<Handler> health_handlers() {
+  return handlers<interfaces_list, health, limits_list>();
 }
 
 }  // namespace polyarm::cell

@@ -2,25 +2,29 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "polyarm/base/quantity.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/point_edits.hpp"
 #include "polyarm/cell/requests_work.hpp"
+#include "polyarm/protocol/jog.hpp"
 
 namespace polyarm::cell {
 
 namespace {
 
+using namespace protocol;
 using jog::JogCommand;
 using jog::JogHold;
 using Kind = jog::JogWish::Kind;
 
 constexpr Nanoseconds kRenewEvery = 50'000'000, kTellJogEvery = 100'000'000;
 constexpr double kMostHold = 10;
-constexpr double kMostJogged = 1e6;       // beyond it is no way or speed but a mistake
-constexpr double kTargetRounding = 1e-4;  // rad or m; of numbers in messages
+constexpr double kMostJogged = 1e6;  // beyond it is no way or speed but a mistake
+constexpr double kTargetRounding = 1e-4;   // rad or m; of numbers in messages
 
 std::string short_name(const controllers::JointFacts& joint) {
   return joint.name.substr(joint.name.find('/') + 1);
@@ -40,27 +44,26 @@ const char* such_as(Dimension dimension) {
 }
 
 /// A number in SI, or a text with its unit.
-double jog_quantity(const Json& value, const std::string& of, Dimension dimension) {
-  std::optional<double> number;
-  if (value.is_number()) number = value.get<double>();
-  if (value.is_string()) number = parse_quantity(value.get<std::string>(), dimension);
+double jog_quantity(const Any& value, const std::string& of, Dimension dimension) {
+  std::optional<double> number = value.number();
+  if (const auto text = value.text()) number = parse_quantity(*text, dimension);
   if (number && std::abs(*number) > kMostJogged)
     throw Error("beyond-limits", "'" + of + "' is asked for " + format_number(*number),
                 "a robot goes ways of some m or rad, at some m/s or rad/s");
   if (number && std::isfinite(*number)) return *number;
   throw Error("bad-argument",
-              "'" + of + "' is " + (value.is_string() ? value.get<std::string>() : value.dump()) + ", not " +
+              "'" + of + "' is " + value.text().value_or(value.dump()) + ", not " +
                   name(dimension),
               such_as(dimension));
 }
 
 /// {elbow_joint: 0.2} → the value of each joint; `absent` where it says nothing.
-jog::JogValues joint_values(const CellRobot& robot, const Json& map, bool rates, double absent) {
+jog::JogValues joint_values(const CellRobot& robot, const Map& map, bool rates, double absent) {
   jog::JogValues out;
   out.fill(absent);
   std::vector<std::string> names;
   for (const controllers::JointFacts& joint : robot.joints) names.push_back(short_name(joint));
-  for (const auto& [key, value] : map.items()) {
+  for (const auto& [key, value] : map) {
     auto found = std::find(names.begin(), names.end(), key);
     if (found == names.end() && key.starts_with(robot.entry.name + "/"))
       found = std::find(names.begin(), names.end(), key.substr(robot.entry.name.size() + 1));
@@ -78,10 +81,10 @@ jog::JogValues joint_values(const CellRobot& robot, const Json& map, bool rates,
 }
 
 /// {z: 0.02, rx: 0.1} → a twist, or a way and a rotation vector.
-jog::Twist twist_values(const Json& map, bool rates) {
+jog::Twist twist_values(const Map& map, bool rates) {
   const std::vector<std::string> names = {"x", "y", "z", "rx", "ry", "rz"};
   jog::Twist out{};
-  for (const auto& [key, value] : map.items()) {
+  for (const auto& [key, value] : map) {
     const auto found = std::find(names.begin(), names.end(), key);
     if (found == names.end())
       throw Error("bad-argument", "the TCP does not move along '" + key + "'" + did_you_mean(key, names),
@@ -113,16 +116,16 @@ jog::Twist turned(const Quaternion& r, const jog::Twist& t) {
   return {v.x, v.y, v.z, w.x, w.y, w.z};
 }
 
-Nanoseconds hold_argument(const Json& arguments) {
-  const double hold = number_argument(arguments, "hold", 0.25);
+Nanoseconds hold_of(const std::optional<double>& given) {
+  const double hold = given.value_or(0.25);
   if (!(hold >= 0.02 && hold <= kMostHold))
     throw Error("bad-argument", "'hold' is " + format_number(hold) + " s",
                 "a command is good for 0.02 to 10 s without another one");
   return nanoseconds(hold);
 }
 
-double speed_argument(const Json& arguments) {
-  const double speed = number_argument(arguments, "speed", 1);
+double speed_of(const std::optional<double>& given) {
+  const double speed = given.value_or(1);
   if (!(speed > 0 && speed <= 1))
     throw Error("bad-argument", "'speed' is " + format_number(speed), "a share of the greatest: 0.01 to 1");
   return speed;
@@ -146,93 +149,85 @@ std::string reason_text(const CellRobot& robot, JogHold hold, std::int32_t which
   return name(hold);
 }
 
-Json json_of(const Vec3& v) {
-  return {v.x, v.y, v.z};
-}
-
-Json state_of(Cell& cell, std::size_t i) {
+JogAnswer state_of(Cell& cell, std::size_t i) {
   const CellRobot& robot = *cell.robots()[i];
   const jog::JogStatus status = cell.jogging().status(i);
-  Json joints = Json::object(), names = Json::array(), slides = Json::array(), limits = Json::object();
-  std::vector<double> q;
   const bool ours = cell.jogging().engaged(i);
+  JogAnswer out;
+  std::vector<double> q;
   for (std::size_t j = 0; j < robot.joints.size(); ++j) {
     const auto index = cell.loop().table().find_state(robot.joints[j].name + "/position");
+    const std::string name = short_name(robot.joints[j]);
     q.push_back(ours ? status.joints[j] : index ? cell.snapshot().states[*index] : 0.0);
-    joints[short_name(robot.joints[j])] = q.back();
-    names.push_back(short_name(robot.joints[j]));
-    slides.push_back(robot.facts->chain.slides(j));
-    const double lower = robot.joints[j].lower, upper = robot.joints[j].upper;  // null: it turns without end
-    limits[short_name(robot.joints[j])] =
-        std::isfinite(lower) && std::isfinite(upper) && upper - lower < 1e6 ? Json{lower, upper} : Json();
+    out.joints[name] = q.back();
+    out.names.push_back(name);
+    out.slides.push_back(robot.facts->chain.slides(j));
+    const double lower = robot.joints[j].lower, upper = robot.joints[j].upper;
+    auto& limits = out.limits[name];
+    if (std::isfinite(lower) && std::isfinite(upper) && upper - lower < 1e6) limits.emplace(std::array{lower, upper});
   }
   const Pose tcp = robot.facts->chain.forward(q);
-  const Quaternion& r = tcp.rotation;
   const bool going = ours && status.session != 0 && !status.standing;
-  return {{"robot", robot.entry.name},
-          {"model", robot.entry.model},
-          {"tool", robot.entry.tool},
-          {"names", names},
-          {"slides", slides},
-          {"joints", joints},
-          {"limits", limits},
-          {"position", json_of(tcp.position)},
-          {"rpy", json_of(to_rpy(r))},
-          {"orientation", {r.x, r.y, r.z, r.w}},
-          {"speed", ours ? status.tcp_speed : 0.0},
-          {"moving", ours && !status.standing},
-          {"held_back", going ? name(status.hold) : "none"},
-          {"reason", going ? reason_text(robot, status.hold, status.which) : ""},
-          {"which", going ? which_text(robot, status.hold, status.which) : ""},
-          {"profile", cell.profile()},
-          {"control", cell.control_holder()}};
+  out.robot = robot.entry.name;
+  out.model = robot.entry.model;
+  out.tool = robot.entry.tool;
+  out.position = tcp.position;
+  out.rpy = to_rpy(tcp.rotation);
+  out.orientation = tcp.rotation;
+  out.speed = ours ? status.tcp_speed : 0.0;
+  out.moving = ours && !status.standing;
+  out.held_back = going ? name(status.hold) : "none";
+  out.reason = going ? reason_text(robot, status.hold, status.which) : "";
+  out.which = going ? which_text(robot, status.hold, status.which) : "";
+  out.profile = cell.profile();
+  out.control = cell.control_holder();
+  return out;
 }
 
-/// What to do, from the arguments of `jog`.
-JogCommand read_jog(Cell& cell, const CellRobot& robot, const Json& arguments) {
+/// What to do, from a `jog`.
+JogCommand read_jog(Cell& cell, const CellRobot& robot, const JogMotion& request) {
   JogCommand out;
-  out.hold = hold_argument(arguments);
-  out.by = flag_argument(arguments, "by");
-  out.wish.speed = speed_argument(arguments);
-  const bool joints = arguments.contains("joints"), tcp = arguments.contains("tcp");
-  if (joints == tcp)
+  out.hold = hold_of(request.hold);
+  out.by = request.by;
+  out.wish.speed = speed_of(request.speed);
+  if (request.joints.has_value() == request.tcp.has_value())
     throw Error(
-        "bad-argument", joints ? "jog moves joints or the TCP, not both" : "jog what?",
+        "bad-argument", request.joints ? "jog moves joints or the TCP, not both" : "jog what?",
         "'joints': {elbow_joint: 0.1} or 'tcp': {z: 0.02}, in rad or m (and s); with 'by' by so much");
-  if (joints) {
+  if (request.joints) {
     out.wish.kind = out.by ? Kind::joint_target : Kind::joint_velocity;
-    out.wish.joints = joint_values(robot, arguments["joints"], !out.by, 0);
+    out.wish.joints = joint_values(robot, *request.joints, !out.by, 0);
     return out;
   }
   out.wish.kind = out.by ? Kind::tcp_target : Kind::tcp_velocity;
-  const std::string frame = text_argument(arguments, "frame", "base");
-  out.wish.twist = twist_values(arguments["tcp"], !out.by);
+  const std::string frame = request.frame.value_or("base");
+  out.wish.twist = twist_values(*request.tcp, !out.by);
   out.wish.tool_frame = frame == "tool";
   if (!out.wish.tool_frame) out.wish.twist = turned(frame_of(cell, robot, frame).rotation, out.wish.twist);
   return out;
 }
 
-std::uint32_t session_argument(const Json& arguments) {
-  const double number = number_argument(arguments, "session", 0);
+std::uint32_t session_of(const std::optional<double>& given) {
+  const double number = given.value_or(0);
   if (!(number >= 0 && number < 4e9 && number == std::floor(number)))
     throw Error("bad-argument", "'session' is " + format_number(number),
                 "it is the number that an answer had");
   return static_cast<std::uint32_t>(number);
 }
 
-/// Hands the command on once the robot's joints are there for it, and tells how it is.
-Poll follow_command(std::size_t i, std::uint32_t session, JogCommand command) {
-  return [i, session, command, sent = false](Cell& cell) mutable {
+/// Hands the command on once the jog controller has the robot's joints, and reports its state.
+Poll<JogAnswer> follow_command(Cell& cell, std::size_t i, std::uint32_t session, JogCommand command) {
+  return [&cell, i, session, command, sent = false]() mutable {
     Jogging& jogging = cell.jogging();
-    if (!jogging.engage(i)) return Progress{};
+    if (!jogging.engage(i)) return Progress<JogAnswer>{};
     if (!sent) {
       session = jogging.session(i, session);
       jogging.send(i, session, command);
       sent = true;
     }
-    Json out = state_of(cell, i);
-    out["session"] = session;
-    return Progress::done(std::move(out));
+    JogAnswer out = state_of(cell, i);
+    out.session = session;
+    return Progress<JogAnswer>::done(std::move(out));
   };
 }
 
@@ -247,65 +242,64 @@ Error stopped(const Cell& cell) {
           "polyarm health shows the state"};
 }
 
-/// A step: the cell renews it as long as whoever asked is there, and tells how far it is.
-Poll follow_step(std::size_t i, std::uint32_t session, JogCommand command) {
-  return [i, session, command, own = session == 0, begun = false, renewed = Nanoseconds{0},
-          told = Nanoseconds{0}](Cell& cell) mutable {
+/// A step: the cell renews it as long as the asker is there, and reports how far it is.
+Poll<JogAnswer> follow_step(Cell& cell, std::size_t i, std::uint32_t session, JogCommand command) {
+  using Stepped = Progress<JogAnswer>;
+  return [&cell, i, session, command, own = session == 0, begun = false, renewed = Nanoseconds{0},
+          reported = Nanoseconds{0}]() mutable {
     Jogging& jogging = cell.jogging();
     if (!begun) {
-      if (!jogging.engage(i)) return Progress{};
+      if (!jogging.engage(i)) return Stepped{};
       session = jogging.session(i, session);
       command.step = jogging.new_step();
       jogging.send(i, session, command);
       begun = true;
-      renewed = told = cell.now();
-      return Progress{};
+      renewed = reported = cell.now();
+      return Stepped{};
     }
     const jog::JogStatus status = jogging.status(i);
     const bool over = status.step >= command.step;
     if (status.ended >= session || (!over && !jogging.engaged(i))) throw stopped(cell);
-    Json out = state_of(cell, i);
-    out["session"] = session;
+    JogAnswer out = state_of(cell, i);
+    out.session = session;
     if (over && status.standing) {
       if (own) jogging.end(i, session);
-      const bool done = status.step_hold == JogHold::none;
-      out["done"] = done;
-      out["held_back"] = name(status.step_hold);
-      out["reason"] = reason_text(*cell.robots()[i], status.step_hold, status.step_which);
-      out["which"] = which_text(*cell.robots()[i], status.step_hold, status.step_which);
-      return Progress::done(std::move(out));
+      out.done = status.step_hold == JogHold::none;
+      out.held_back = name(status.step_hold);
+      out.reason = reason_text(*cell.robots()[i], status.step_hold, status.step_which);
+      out.which = which_text(*cell.robots()[i], status.step_hold, status.step_which);
+      return Stepped::done(std::move(out));
     }
     if (cell.now() - renewed >= kRenewEvery) {
       renewed = cell.now();
       jogging.send(i, session, command);
     }
-    if (cell.now() - told < kTellJogEvery) return Progress{};
-    told = cell.now();
-    return Progress::more(std::move(out));
+    if (cell.now() - reported < kTellJogEvery) return Stepped{};
+    reported = cell.now();
+    return Stepped::more(std::move(out));
   };
 }
 
-Pose pose_argument(Cell& cell, const CellRobot& robot, const Json& arguments) {
-  const Json& map = arguments["pose"];
+Pose wanted_pose(Cell& cell, std::size_t i, const FollowTarget& request) {
+  const CellRobot& robot = *cell.robots()[i];
+  const Map& map = *request.pose;
   const std::vector<std::string> known = {"position", "orientation", "rpy"};
-  for (const auto& [key, value] : map.items())
+  for (const auto& [key, value] : map)
     if (std::find(known.begin(), known.end(), key) == known.end())
       throw Error("bad-argument", "a pose has no '" + key + "'" + did_you_mean(key, known));
   const auto numbers = [&](const char* key, std::size_t count) {
-    const Json& list = map[key];
+    const nlohmann::json& list = map.at(key).json();
     std::vector<double> out;
     if (list.is_array())
-      for (const Json& item : list)
-        if (item.is_number() && std::abs(item.get<double>()) <= kMostJogged)
-          out.push_back(item.get<double>());
+      for (const nlohmann::json& item : list)
+        if (item.is_number() && std::abs(item.get<double>()) <= kMostJogged) out.push_back(item.get<double>());
     if (out.size() != count)
       throw Error("bad-argument",
                   std::string("'") + key + "' of the pose has to be " + std::to_string(count) + " numbers");
     return out;
   };
-  const std::size_t i = robot_argument(cell, arguments);
-  Pose out = cell.jogging().last_target(i, session_argument(arguments));
-  const Pose frame = frame_of(cell, robot, text_argument(arguments, "frame", "world"));
+  Pose out = cell.jogging().last_target(i, session_of(request.session));
+  const Pose frame = frame_of(cell, robot, request.frame.value_or("world"));
   out = inverse(frame) * out;  // what is not said stays
   if (map.contains("position")) {
     const auto p = numbers("position", 3);
@@ -323,25 +317,25 @@ Pose pose_argument(Cell& cell, const CellRobot& robot, const Json& arguments) {
   return frame * out;
 }
 
-Poll jog(Cell& cell, const Json& arguments) {
-  const std::size_t i = robot_argument(cell, arguments);
-  if (flag_argument(arguments, "end")) {
-    cell.jogging().end(i, session_argument(arguments));
+Poll<JogAnswer> jog(Cell& cell, const JogMotion& request) {
+  const std::size_t i = robot_named(cell, request.robot);
+  if (request.end) {
+    cell.jogging().end(i, session_of(request.session));
     return at_once(state_of(cell, i));
   }
-  JogCommand command = read_jog(cell, *cell.robots()[i], arguments);
-  const std::uint32_t session = session_argument(arguments);
+  JogCommand command = read_jog(cell, *cell.robots()[i], request);
+  const std::uint32_t session = session_of(request.session);
   cell.jogging().require_allowed(i);
   if (session != 0) cell.jogging().session(i, session);  // refused at once where it is over
-  return command.by ? follow_step(i, session, command) : follow_command(i, session, command);
+  return command.by ? follow_step(cell, i, session, command) : follow_command(cell, i, session, command);
 }
 
-Poll jog_state(Cell& cell, const Json& arguments) {
-  return at_once(state_of(cell, robot_argument(cell, arguments)));
+JogAnswer jog_state(Cell& cell, const JogState& request) {
+  return state_of(cell, robot_named(cell, request.robot));
 }
 
-/// Whoever names a place that a joint cannot go to has made a mistake. From outside its limits it may stay,
-/// or come back.
+/// Whoever names a place that a joint cannot go to has made a mistake. From outside its limits it may stay, or
+/// come back.
 void require_within_limits(Cell& cell, std::size_t i, const jog::JogValues& wanted) {
   const CellRobot& robot = *cell.robots()[i];
   Problems problems;
@@ -361,90 +355,41 @@ void require_within_limits(Cell& cell, std::size_t i, const jog::JogValues& want
   problems.throw_if_errors();
 }
 
-Poll target(Cell& cell, const Json& arguments) {
-  const std::size_t i = robot_argument(cell, arguments);
-  const CellRobot& robot = *cell.robots()[i];
+Poll<JogAnswer> target(Cell& cell, const FollowTarget& request) {
+  const std::size_t i = robot_named(cell, request.robot);
   JogCommand command;
-  command.hold = hold_argument(arguments);
-  command.wish.speed = speed_argument(arguments);
-  const bool joints = arguments.contains("joints"), pose = arguments.contains("pose");
-  if (joints == pose)
-    throw Error("bad-argument", joints ? "a target is joints or a pose, not both" : "the target of what?",
+  command.hold = hold_of(request.hold);
+  command.wish.speed = speed_of(request.speed);
+  if (request.joints.has_value() == request.pose.has_value())
+    throw Error("bad-argument", request.joints ? "a target is joints or a pose, not both" : "the target of what?",
                 "'joints': {elbow_joint: 1.2}, or 'pose': {position: [x, y, z], orientation: [x, y, z, w]}");
-  if (joints) {
+  if (request.joints) {
     command.wish.kind = Kind::joint_target;
-    command.wish.joints = joint_values(robot, arguments["joints"], false, NAN);
+    command.wish.joints = joint_values(*cell.robots()[i], *request.joints, false, NAN);
     require_within_limits(cell, i, command.wish.joints);
   } else {
     command.wish.kind = Kind::tcp_target;
-    command.wish.target = pose_argument(cell, robot, arguments);
+    command.wish.target = wanted_pose(cell, i, request);
   }
-  const std::uint32_t session = session_argument(arguments);
+  const std::uint32_t session = session_of(request.session);
   cell.jogging().require_allowed(i);
   if (session != 0) cell.jogging().session(i, session);
   cell.jogging().estimate(i, session, command.wish);
-  return follow_command(i, session, command);
+  return follow_command(cell, i, session, command);
 }
 
-Poll profile(Cell& cell, const Json& arguments) {
-  if (arguments.contains("name") && !arguments["name"].is_null())
-    cell.set_profile(text_argument(arguments, "name"));
+LimitsProfile::Answer profile(Cell& cell, const LimitsProfile& request) {
+  if (request.name) cell.set_profile(*request.name);
   const jog::JogLimits limits = cell.jog_limits();
-  return at_once({{"profile", cell.profile()},
-                  {"joint_speed", limits.joint_share},
-                  {"tcp_speed", limits.tcp_speed < 1e6 ? Json(limits.tcp_speed) : Json()}});
+  LimitsProfile::Answer out{cell.profile(), limits.joint_share, {}};
+  if (limits.tcp_speed < 1e6) out.tcp_speed = limits.tcp_speed;
+  return out;
 }
-
-constexpr const char* kJogState =
-    "{session, robot, model, tool, names, slides, joints, limits, position, rpy, orientation, speed, moving, "
-    "held_back, reason, which, profile, control}; "
-    "of a step also {done}";
 
 }  // namespace
 
-const std::vector<RequestRow>& jog_rows() {
-  static const std::vector<RequestRow> table = {
-      {{"jog",
-        {{"robot", kText},
-         {"joints", kMap},
-         {"tcp", kMap},
-         {"frame", kText},
-         {"by", kFlag},
-         {"speed", kNumber},
-         {"hold", kNumber},
-         {"session", kNumber},
-         {"end", kFlag}},
-        kJogState,
-        "move joints or the TCP by hand: with velocities {elbow_joint: 0.1} or {z: 0.02} in `frame` (base, "
-        "world, tool or a point's name) for `hold` seconds (0.25) unless it comes again with the `session` "
-        "of "
-        "the answer; with `by` by so much, answered until it is done; with `end` no more",
-        true},
-       jog},
-      {{"jog.state", {{"robot", kText}}, kJogState, "where a robot is, and what holds it back", false},
-       jog_state},
-      {{"target",
-        {{"robot", kText},
-         {"joints", kMap},
-         {"pose", kMap},
-         {"frame", kText},
-         {"speed", kNumber},
-         {"hold", kNumber},
-         {"session", kNumber}},
-        kJogState,
-        "go to joints or a pose {position, orientation or rpy}, again and again with the `session` of the "
-        "answer: what a sensor or a hand streams becomes smooth motion, which ends `hold` seconds (0.25) "
-        "after the last one",
-        true},
-       target},
-      {{"profile",
-        {{"name", kText}},
-        "{profile, joint_speed, tcp_speed}",
-        "the limits profile of the cell, or another: reduced (teaching) or full",
-        true},
-       profile},
-  };
-  return table;
+std::vector<Handler> jog_handlers() {
+  return handlers<jog, jog_state, target, profile>();
 }
 
 }  // namespace polyarm::cell

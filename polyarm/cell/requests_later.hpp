@@ -1,33 +1,40 @@
 #pragma once
-/// Requests that touch the disk or plan: on the cell's worker, and on the cell thread again with what came
-/// out. Private to the room.
+/// Requests that touch the disk or plan: on the cell's worker, and then on the cell thread with the result. Private to
+/// the room.
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "polyarm/cell/requests_work.hpp"
 
 namespace polyarm::cell {
 
-/// A job for some other thread, and what asks on the cell thread whether it has been done.
+/// A job for another thread, and the poll on the cell thread that ends when it has been done.
+template <class Answer>
 struct Errand {
   std::function<void()> run;  ///< on the other thread, once; throws nothing
-  Poll done;
+  Poll<Answer> done;
 };
 
-/// `job` (it must not touch the cell) for another thread and then `finish` on the cell thread; an Error of
-/// the job becomes the request's.
-template <typename Result>
-Errand errand(std::function<Result()> job, std::function<Json(Cell&, Result&)> finish) {
+/// `job` (it must not touch the cell) for another thread and then `finish`, from its result to the answer, on the cell
+/// thread; an Error of the job becomes the request's.
+template <class Job, class Finish>
+auto errand(Job job, Finish finish) {
+  using Result = std::invoke_result_t<Job>;
+  using Answer = std::invoke_result_t<Finish, Result&>;
   struct State {
     std::atomic<bool> done{false};
     std::optional<Result> result;
     std::optional<Error> error;
   };
   auto state = std::make_shared<State>();
-  auto run = [state, job = std::move(job)] {
+  auto run = [state, job = std::move(job)]() mutable {
     try {
       state->result = job();
     } catch (const Error& e) {
@@ -37,20 +44,25 @@ Errand errand(std::function<Result()> job, std::function<Json(Cell&, Result&)> f
     }
     state->done.store(true, std::memory_order_release);
   };
-  auto done = [state, finish = std::move(finish)](Cell& c) {
-    if (!state->done.load(std::memory_order_acquire)) return Progress{};
+  auto done = [state, finish = std::move(finish)]() mutable {
+    if (!state->done.load(std::memory_order_acquire)) return Progress<Answer>{};
     if (state->error) throw *state->error;
-    return Progress::done(finish(c, *state->result));
+    return Progress<Answer>::done(finish(*state->result));
   };
-  return {std::move(run), std::move(done)};
+  return Errand<Answer>{std::move(run), std::move(done)};
 }
 
 /// An errand of the cell's worker.
-template <typename Result>
-Poll later(Cell& cell, std::function<Result()> job, std::function<Json(Cell&, Result&)> finish) {
-  Errand sent = errand<Result>(std::move(job), std::move(finish));
+template <class Job, class Finish>
+auto later(Cell& cell, Job job, Finish finish) {
+  auto sent = errand(std::move(job), std::move(finish));
   cell.worker().post(std::move(sent.run));
   return std::move(sent.done);
+}
+/// The same; what the job returns is the answer.
+template <class Job>
+auto later(Cell& cell, Job job) {
+  return later(cell, std::move(job), [](auto& result) { return std::move(result); });
 }
 
 /// A file of the project by its path in the cell's folder. Throws Error("bad-path") for one that would lead

@@ -9,16 +9,19 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/build.hpp"
 #include "polyarm/cell/program_hash.hpp"
+#include "polyarm/cell/program_status.hpp"
 #include "polyarm/cell/requests_later.hpp"
 #include "polyarm/cell/requests_work.hpp"
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/program/checker.hpp"
 #include "polyarm/program/parser.hpp"
+#include "polyarm/protocol/programs.hpp"
 
 namespace polyarm::cell {
 
 namespace {
 
+using namespace protocol;
 namespace fs = std::filesystem;
 /// A program on its way into a cell. The worker writes, then sets `ready`; the cell thread reads.
 struct Loading {
@@ -105,35 +108,35 @@ void require_may_begin(Cell& cell) {
                 "go on: polyarm control resume; or forget the motion: polyarm control discard");
 }
 
-Poll program_load(Cell& cell, const Json& arguments) {
+Poll<ProgramLoad::Answer> program_load(Cell& cell, const ProgramLoad& request) {
+  using Loaded = Progress<ProgramLoad::Answer>;
   if (cell.program() && cell.program_begun() && !cell.program()->ended())
     throw Error("program-runs", "a program is under way: " + cell.program()->sentence(),
                 "end it first: program.stop");
-  auto loading = std::make_shared<Loading>(text_argument(arguments, "file"), cell, cell.files().folder());
+  auto loading = std::make_shared<Loading>(request.file, cell, cell.files().folder());
   enum class At { reading, data, checking } at = At::reading;
-  return [loading, at, posted = false, next = std::size_t{0}, handle = std::int64_t{0}](Cell& c) mutable {
+  return [&cell, loading, at, posted = false, next = std::size_t{0}, handle = std::int64_t{0}]() mutable {
     if (at == At::reading) {
-      if (!done(c, loading, posted, &Loading::read)) return Progress{};
+      if (!done(cell, loading, posted, &Loading::read)) return Loaded{};
       at = At::data;
     }
     for (; at == At::data && next < loading->sets.size(); ++next) {
-      if (handle == 0) handle = c.files().start_load(loading->sets[next].first, loading->sets[next].second);
-      if (!c.files().poll_load(handle)) return Progress{};
+      if (handle == 0) handle = cell.files().start_load(loading->sets[next].first, loading->sets[next].second);
+      if (!cell.files().poll_load(handle)) return Loaded{};
       handle = 0;
     }
     if (at == At::data) {
-      loading->known.add(c.store());
-      add_robots(c.file(), loading->known);
+      loading->known.add(cell.store());
+      add_robots(cell.file(), loading->known);
       loading->known.folder = loading->folder;
       posted = false;
       at = At::checking;
     }
-    if (!done(c, loading, posted, &Loading::check)) return Progress{};
-    c.put_program(std::move(*loading->program));
-    Json out = program_json(c);
-    out["warnings"] = Json::array();
-    for (const Problem& problem : loading->problems.list()) out["warnings"].push_back(problem.text());
-    return Progress::done(std::move(out));
+    if (!done(cell, loading, posted, &Loading::check)) return Loaded{};
+    cell.put_program(std::move(*loading->program));
+    ProgramLoad::Answer out{program_status(cell), {}};
+    for (const Problem& problem : loading->problems.list()) out.warnings.push_back(problem.text());
+    return Loaded::done(std::move(out));
   };
 }
 
@@ -163,10 +166,10 @@ bool written_since(Cell& cell) {
   return false;
 }
 
-/// What is started has to be what was shown to who starts it.
-void require_as_shown(Cell& cell, const Json& arguments) {
+/// What starts has to be what was shown to the person who starts it.
+void require_as_shown(Cell& cell, const ProgramStart& request) {
   const program::Program& loaded = cell.program()->interpreter().program();
-  const std::string file = text_argument(arguments, "file", ""), hash = text_argument(arguments, "hash", "");
+  const std::string file = request.file.value_or(""), hash = request.hash.value_or("");
   std::error_code error;
   const bool same = file == loaded.file || fs::equivalent(cell.file().folder / file, loaded.file, error);
   if (!file.empty() && !same)
@@ -187,94 +190,59 @@ void require_saved_as_shown(Cell& cell, const std::string& saved) {
               "look at them, and start it then");
 }
 
-Poll program_start(Cell& cell, const Json& arguments) {
+ProgramStatus program_start(Cell& cell, const ProgramStart& request) {
   require_may_begin(cell);
   if (!cell.program())
     throw Error("no-program", "the cell has no program", "load one: program.load, polyarm console");
   if (cell.program_begun())
     throw Error("program-begun", "the program has begun already: " + cell.program()->sentence(),
                 cell.program()->ended() ? "load it again: program.load" : "go on: program.go");
-  const double passes = number_argument(arguments, "passes", 0);
+  const double passes = request.passes.value_or(0);
   if (!(passes >= 0 && passes < 1e15 && passes == std::floor(passes)))
     throw Error("bad-argument", "'passes' is " + format_number(passes), "a whole number; 0: no limit");
   if (!cell.all_idle()) throw Error("moving", "a robot still moves", "wait until it has arrived");
-  require_as_shown(cell, arguments);
-  if (flag_argument(arguments, "as_saved") && written_since(cell)) {
-    require_saved_as_shown(cell, text_argument(arguments, "saved", ""));
+  require_as_shown(cell, request);
+  if (request.as_saved && written_since(cell)) {
+    require_saved_as_shown(cell, request.saved.value_or(""));
     const fs::path file = cell.program()->interpreter().program().file;
     cell.prepare_program(fs::proximate(file, cell.file().folder).string(), 0);  // looked for in there
     cell.program()->interpreter().resume();
   }
   program::Interpreter& interpreter = cell.program()->interpreter();
   if (passes > 0) interpreter.limit_passes(static_cast<std::uint64_t>(passes));
-  if (flag_argument(arguments, "paused")) interpreter.pause_here();
+  if (request.paused) interpreter.pause_here();
   cell.program()->refresh();
   cell.let_begin();
-  return at_once(program_json(cell));
+  return program_status(cell);
 }
 
-Poll program_answer(Cell& cell, const Json& arguments) {
+Asked program_answer(Cell& cell, const ProgramAnswer& request) {
   const bool asks = cell.program() && cell.program_begun() && !cell.program()->ended() &&
                     cell.program()->status().waiting.kind == program::WaitKind::user;
   if (!asks) throw Error("no-question", "the program asks nothing now", "program tells what it waits for");
-  cell.answers().give(text_argument(arguments, "text", ""));
-  return at_once({{"asked", "answer"}});
+  cell.answers().give(request.text.value_or(""));
+  return {"answer"};
 }
 
-/// Told in bundles, so that who comes late gets what is kept at once.
-Poll events(Cell& cell, const Json& arguments) {
-  const double since = number_argument(arguments, "since", static_cast<double>(cell.events().last()));
-  return [told = since >= 0 ? static_cast<std::uint64_t>(since) : 0, first = true](Cell& c) mutable {
-    Json out = Json::array();
-    for (const EventLog::Event& event : c.events().events()) {
-      if (event.number <= told) continue;
-      out.push_back(event.json);
-      out.back()["number"] = event.number;
-    }
-    told = std::max(told, c.events().last());
-    if (out.empty() && !std::exchange(first, false)) return Progress{};
+/// Reported in bundles, so that a late listener gets what is kept at once.
+Poll<WatchEvents::Answer> events(Cell& cell, const WatchEvents& request) {
+  using Happened = Progress<WatchEvents::Answer>;
+  const double since = request.since.value_or(static_cast<double>(cell.events().last()));
+  return [&cell, reported = since >= 0 ? static_cast<std::uint64_t>(since) : 0, first = true]() mutable {
+    WatchEvents::Answer out;
+    for (const Event& event : cell.events().events())
+      if (event.number > reported) out.push_back(event);
+    reported = std::max(reported, cell.events().last());
+    if (out.empty() && !std::exchange(first, false)) return Happened{};
     first = false;
-    return Progress::more(std::move(out));
+    return Happened::more(std::move(out));
   };
 }
 
 }  // namespace
 
-const std::vector<RequestRow>& load_rows() {
-  static const std::vector<RequestRow> table = {
-      {{"events",
-        {{"since", kNumber}},
-        "[{number, event, time_s, …}]",
-        "tell what happens: lines, logs, questions, tags, states, stops, problems and notes, those after "
-        "number `since` (0: all that are kept) first",
-        false},
-       events},
-      {{"program.load",
-        {{"file", kText, true}},
-        "as of program, and {warnings}",
-        "read a script, or a data file that names one, with its data as the files are now, and check it; the "
-        "program that there is has not begun or has ended. It stands ready, and the cell goes on when it has "
-        "ended",
-        false},
-       program_load},
-      {{"program.start",
-        {{"passes", kNumber},
-         {"paused", kFlag},
-         {"as_saved", kFlag},
-         {"file", kText},
-         {"hash", kText},
-         {"saved", kText}},
-        kProgram,
-        "begin the program that stands ready; `passes` ends its outermost while after so many, `paused` in "
-        "front of its first line, `as_saved` reads it anew where its file has been written since. Refused as "
-        "program-changed where what stands ready is not the `file` or has not the `hash` that `program` told, "
-        "or where its files as they are now have not the hash `saved` (of `program`, or of `files.read`)",
-        true},
-       program_start},
-      {{"program.answer", {{"text", kText}}, "{asked}", "answer what the program asks", false},
-       program_answer},
-  };
-  return table;
+std::vector<Handler> load_handlers() {
+  return handlers<events, program_load, program_start, program_answer>();
 }
 
 }  // namespace polyarm::cell

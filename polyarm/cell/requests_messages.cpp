@@ -5,16 +5,22 @@
 #include <exception>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/requests_work.hpp"
 #include "polyarm/cell/worker.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/protocol/messages.hpp"
 #include "polyarm/ros_files/json_trajectory.hpp"
 #include "polyarm/ros_files/message_forms.hpp"
 
 namespace polyarm::cell {
 
 namespace {
+
+using namespace protocol;
+using Json = nlohmann::json;
 
 const controllers::Parameters& parameters_of(Cell& cell, const std::string& name) {
   const controllers::ControllerContext* context = cell.loop().controllers().context(name);
@@ -26,10 +32,9 @@ const controllers::Parameters& parameters_of(Cell& cell, const std::string& name
   return context->parameters;
 }
 
-Json json_of(const controllers::Declared& d) {
-  Json out{{"key", d.key},          {"type", controllers::name(d.type)}, {"value", d.value},
-           {"default", d.fallback}, {"changeable", d.cell != nullptr},   {"text", d.note.text}};
-  if (!d.note.choices.empty()) out["choices"] = d.note.choices;
+Parameter parameter_of(const controllers::Declared& d) {
+  Parameter out{d.key, controllers::name(d.type), d.value, d.fallback, d.cell != nullptr, d.note.text, {}};
+  if (!d.note.choices.empty()) out.choices = {d.note.choices.begin(), d.note.choices.end()};
   return out;
 }
 
@@ -136,29 +141,30 @@ std::string code_text(int code) {
   }
 }
 
-Json json_of(const controllers::GoalEvent& event, const controllers::Controller& controller) {
-  Json out{{"goal", event.goal}, {"status", outcome_name(event.outcome)}};
+SendMessage::Answer answer_of(const controllers::GoalEvent& event, const controllers::Controller& controller) {
+  SendMessage::Answer out;
+  out.goal = event.goal;
+  out.status = outcome_name(event.outcome);
   if (event.outcome == controllers::GoalOutcome::accepted) return out;
-  out["error_code"] = event.code;
-  out["error"] = code_text(event.code);
+  out.error_code = event.code;
+  out.error = code_text(event.code);
   if (event.gripper) {
-    out["position"] = event.gripper->position;
-    out["effort"] = event.gripper->effort;
-    out["stalled"] = event.gripper->stalled;
-    out["reached_goal"] = event.gripper->reached_goal;
+    out.position = event.gripper->position;
+    out.effort = event.gripper->effort;
+    out.stalled = event.gripper->stalled;
+    out.reached_goal = event.gripper->reached_goal;
   }
-  if (event.joint >= 0) {
-    const auto j = static_cast<std::size_t>(event.joint);
-    std::string joint = j < controller.command_interfaces().size() ? controller.command_interfaces()[j] : "";
-    joint = joint.substr(0, joint.rfind('/'));
-    out["joint"] = joint;
-    out["off_by"] = event.error;
-    out["tolerance"] = event.tolerance;
-    if (event.outcome == controllers::GoalOutcome::succeeded && !event.gripper)
-      out["note"] = joint + " is " + format_number(event.error) +
-                    " off its goal; no goal tolerance is set for it (constraints." +
-                    joint.substr(joint.rfind('/') + 1) + ".goal), so the goal counts as reached";
-  }
+  if (event.joint < 0) return out;
+  const auto j = static_cast<std::size_t>(event.joint);
+  std::string joint = j < controller.command_interfaces().size() ? controller.command_interfaces()[j] : "";
+  joint = joint.substr(0, joint.rfind('/'));
+  out.joint = joint;
+  out.off_by = event.error;
+  out.tolerance = event.tolerance;
+  if (event.outcome == controllers::GoalOutcome::succeeded && !event.gripper)
+    out.note = joint + " is " + format_number(event.error) +
+               " off its goal; no goal tolerance is set for it (constraints." + joint.substr(joint.rfind('/') + 1) +
+               ".goal), so the goal counts as reached";
   return out;
 }
 
@@ -168,7 +174,7 @@ constexpr const char* kRejectWhenHeld = "reject_goals_when_held";
 /// Of ros2_control's action servers, where a controller says nothing else.
 constexpr double kFeedbackRate = 20;
 
-/// How often a goal under way is told of.
+/// How often feedback of a goal under way is reported.
 Nanoseconds feedback_period(Cell& cell, const std::string& controller) {
   const controllers::Declared* declared =
       parameters_of(cell, controller).find_declared("action_monitor_rate");
@@ -176,67 +182,76 @@ Nanoseconds feedback_period(Cell& cell, const std::string& controller) {
   return nanoseconds(1 / (rate > 0 ? rate : kFeedbackRate));
 }
 
+/// A message that a controller puts out, in its ROS shape.
+Any message_of(const controllers::Output& output) {
+  return Any(Json::parse(ros_files::message_json(output)));
+}
+
+/// Reports a goal that succeeded although it is far off.
+void report_far_from_goal(Cell& cell, const std::string& controller, const SendMessage::Answer& answer) {
+  if (!answer.note) return;
+  cell.observer().on_problem(
+      cell.now(),
+      {"far-from-goal",
+       {},
+       controller + ": goal " + std::to_string(*answer.goal) + " succeeded, but " + *answer.note,
+       "set the tolerance, or send goal_tolerance with the goal",
+       Severity::warning});
+}
+
 /// Follows a goal: feedback as often as its controller says, its result last.
-Poll follow_goal(const Address& to, const std::string& feedback, std::uint64_t goal, Nanoseconds every) {
-  return [to, feedback, goal, every, told = Nanoseconds{0}, sample = Nanoseconds{-1},
-          accepted = false](Cell& cell) mutable {
+Poll<SendMessage::Answer> follow_goal(Cell& cell, const Address& to, const std::string& feedback, std::uint64_t goal,
+                                      Nanoseconds every) {
+  using Followed = Progress<SendMessage::Answer>;
+  return [&cell, to, feedback, goal, every, reported = Nanoseconds{0}, sample = Nanoseconds{-1},
+          accepted = false]() mutable {
     controllers::Controller* controller = cell.loop().controllers().find(to.controller);
-    if (!controller) throw Error("unloaded", "the controller was taken away");
+    if (!controller) throw Error("unloaded", "the controller was removed");
     for (const controllers::GoalEvent& event : cell.goal_events(to.controller)) {
       if (event.goal != goal) continue;
       const bool first = event.outcome == controllers::GoalOutcome::accepted;
       if (first && std::exchange(accepted, true)) continue;
-      Json out = json_of(event, *controller);
-      if (out.contains("note"))
-        cell.observer().on_problem(cell.now(), {"far-from-goal",
-                                                {},
-                                                to.controller + ": goal " + std::to_string(goal) +
-                                                    " succeeded, but " + out["note"].get<std::string>(),
-                                                "set the tolerance, or send goal_tolerance with the goal",
-                                                Severity::warning});
-      return first ? Progress::more(std::move(out)) : Progress::done(std::move(out));
+      SendMessage::Answer answer = answer_of(event, *controller);
+      report_far_from_goal(cell, to.controller, answer);
+      return first ? Followed::more(std::move(answer)) : Followed::done(std::move(answer));
     }
-    // It ended between the message and its first look at it: the goal is not begun any more.
+    // If it ended between the message and its first look at it, the goal does not begin any more.
     if (!accepted) require_active(cell, to.controller);
     controllers::Output* state = controller->find_output(feedback);
-    if (!accepted || !state || cell.now() - told < every) return Progress{};
+    if (!accepted || !state || cell.now() - reported < every) return Followed{};
     state->fetch();
-    if (state->value().time == sample) return Progress{};
+    if (state->value().time == sample) return Followed{};
     sample = state->value().time;
-    told += cell.now() - told < 2 * every ? every : cell.now() - told;  // no less often than asked for
-    return Progress::more({{"goal", goal}, {"feedback", Json::parse(ros_files::message_json(*state))}});
+    reported += cell.now() - reported < 2 * every ? every : cell.now() - reported;  // no less often than asked for
+    SendMessage::Answer answer;
+    answer.goal = goal;
+    answer.feedback = message_of(*state);
+    return Followed::more(std::move(answer));
   };
 }
 
-Poll param_list(Cell& cell, const Json& arguments) {
-  Json out = Json::array();
-  for (const controllers::Declared& d : parameters_of(cell, text_argument(arguments, "name")).declared())
-    out.push_back(json_of(d));
-  return at_once(std::move(out));
+ParamList::Answer param_list(Cell& cell, const ParamList& request) {
+  ParamList::Answer out;
+  for (const controllers::Declared& d : parameters_of(cell, request.name).declared()) out.push_back(parameter_of(d));
+  return out;
 }
 
-Poll param_get(Cell& cell, const Json& arguments) {
-  const controllers::Parameters& parameters = parameters_of(cell, text_argument(arguments, "name"));
-  const std::string key = text_argument(arguments, "key");
-  if (const controllers::Declared* declared = parameters.find_declared(key))
-    return at_once(json_of(*declared));
+Parameter param_get(Cell& cell, const ParamGet& request) {
+  const controllers::Parameters& parameters = parameters_of(cell, request.name);
+  if (const controllers::Declared* declared = parameters.find_declared(request.key)) return parameter_of(*declared);
   std::vector<std::string> known;
   for (const controllers::Declared& d : parameters.declared()) known.push_back(d.key);
-  throw Error("unknown-parameter", "there is no parameter '" + key + "'" + did_you_mean(key, known));
+  throw Error("unknown-parameter",
+              "there is no parameter '" + request.key + "'" + did_you_mean(request.key, known));
 }
 
-Poll param_set(Cell& cell, const Json& arguments) {
+Poll<ParamSet::Answer> param_set(Cell& cell, const ParamSet& request) {
+  using Changed = Progress<ParamSet::Answer>;
   std::vector<std::pair<std::string, std::string>> values;
-  const auto found = arguments.find("values");
-  if (found == arguments.end() || !found->is_object() || found->empty())
-    throw Error("bad-argument", "'values' is no map of parameters");
-  for (const auto& [key, value] : found->items())
-    values.emplace_back(key, value.is_string() ? value.get<std::string>()
-                                               : value.dump(-1, ' ', false, Json::error_handler_t::replace));
-  const auto job = cell.loop().controllers().begin_change(text_argument(arguments, "name"), values);
-  return [job, count = values.size()](Cell&) {
-    return job->done() ? Progress::done({{"changed", count}}) : Progress{};
-  };
+  if (request.values.empty()) throw Error("bad-argument", "'values' is no map of parameters");
+  for (const auto& [key, value] : request.values) values.emplace_back(key, value.text().value_or(value.dump()));
+  const auto job = cell.loop().controllers().begin_change(request.name, values);
+  return [job, count = values.size()] { return job->done() ? Changed::done({count}) : Changed{}; };
 }
 
 /// A goal for a cell that is held moves nothing: a person is told so, or the goal is refused where the
@@ -280,7 +295,7 @@ struct Reading {
   std::atomic<bool> done{false};
 };
 
-/// What is no finite number stays visible in the text: JSON would write null, which means "not stated".
+/// NaN and infinity as YAML writes them: JSON would write null, which means "not stated".
 void spell_out(Json& value) {
   if (value.is_structured())
     for (Json& item : value) spell_out(item);
@@ -291,7 +306,7 @@ void spell_out(Json& value) {
 std::string text_of(Json message) {
   if (message.is_string()) return message.get<std::string>();
   spell_out(message);
-  return message.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return Any(std::move(message)).dump();
 }
 
 std::shared_ptr<Reading> begin_reading(Cell& cell, const Json& given, std::vector<std::string> types) {
@@ -317,157 +332,119 @@ std::shared_ptr<Reading> begin_reading(Cell& cell, const Json& given, std::vecto
   return out;
 }
 
-Poll send_message(Cell& cell, const Json& arguments) {
-  Address to = input_address(cell, text_argument(arguments, "to"));
+Poll<SendMessage::Answer> send_message(Cell& cell, const SendMessage& request) {
+  using Sent = Progress<SendMessage::Answer>;
+  Address to = input_address(cell, request.to);
   require_active(cell, to.controller);
-  const controllers::InputPort port =
-      port_of(*cell.loop().controllers().find(to.controller), to, flag_argument(arguments, "goal"));
-  const auto reading = begin_reading(cell, arguments["message"], port.types);
-  return [to, action = port.action, feedback = port.feedback, reading, follow = Poll{}](Cell& c) mutable {
-    if (follow) return follow(c);
-    if (!reading->done.load(std::memory_order_acquire)) return Progress{};
+  const controllers::InputPort port = port_of(*cell.loop().controllers().find(to.controller), to, request.goal);
+  const auto reading = begin_reading(cell, request.message.json(), port.types);
+  return [&cell, to, action = port.action, feedback = port.feedback, reading,
+          follow = Poll<SendMessage::Answer>{}]() mutable {
+    if (follow) return follow();
+    if (!reading->done.load(std::memory_order_acquire)) return Sent{};
     if (reading->failed) std::rethrow_exception(reading->failed);
-    require_active(c, to.controller);
-    controllers::Controller* controller = c.loop().controllers().find(to.controller);
-    if (!controller) throw Error("unloaded", "the controller was taken away");
-    if (action) look_at_state(c, to.controller);
+    require_active(cell, to.controller);
+    controllers::Controller* controller = cell.loop().controllers().find(to.controller);
+    if (!controller) throw Error("unloaded", "the controller was removed");
+    if (action) look_at_state(cell, to.controller);
     const std::uint64_t id = controller->receive(to.port, *reading->message, action);
     reading->message.reset();
-    if (!action) return Progress::done({{"to", to.controller + "/" + to.port}});
-    follow = follow_goal(to, feedback, id, feedback_period(c, to.controller));
-    return follow(c);
+    if (!action) {
+      SendMessage::Answer answer;
+      answer.to = to.controller + "/" + to.port;
+      return Sent::done(std::move(answer));
+    }
+    follow = follow_goal(cell, to, feedback, id, feedback_period(cell, to.controller));
+    return follow();
   };
 }
 
 /// Where a trajectory controller's trajectory will be at `at` s of cell time.
-Poll query_state(Cell& cell, const Json& arguments) {
-  const std::string name = text_argument(arguments, "name");
-  const Nanoseconds at = nanoseconds(number_argument(arguments, "at", seconds(cell.now())));
-  controller_state(cell, name);  // it is known
-  return [name, at, asked = false](Cell& c) mutable {
+Poll<QueryTrajectory::Answer> query_state(Cell& cell, const QueryTrajectory& request) {
+  using Sampled = Progress<QueryTrajectory::Answer>;
+  const Nanoseconds at = nanoseconds(request.at.value_or(seconds(cell.now())));
+  controller_state(cell, request.name);  // it is known
+  return [&cell, name = request.name, at, asked = false]() mutable {
     auto* controller =
-        dynamic_cast<controllers::JointTrajectoryController*>(c.loop().controllers().find(name));
+        dynamic_cast<controllers::JointTrajectoryController*>(cell.loop().controllers().find(name));
     if (!controller)
       throw Error("no-trajectories", "'" + name + "' follows no trajectories", "ask a trajectory controller");
-    if (controller_state(c, name) != hardware::LifecycleState::active) {
+    if (controller_state(cell, name) != hardware::LifecycleState::active) {
       if (asked) controller->forget_sample();
       throw Error("not-active", "the controller '" + name + "' is not active",
                   "start it, and give it a goal");
     }
     asked = asked || controller->ask_sample(at);
     const auto* sampled = asked ? controller->sampled() : nullptr;
-    if (!sampled) return Progress{};
-    const Json out{{"joints", controller->told_joints()},
-                   {"found", sampled->found},
-                   {"position", sampled->position},
-                   {"velocity", sampled->velocity},
-                   {"acceleration", sampled->acceleration}};
+    if (!sampled) return Sampled{};
+    const auto list = [](const auto& values) { return std::vector<double>(values.begin(), values.end()); };
+    const auto joints = controller->told_joints();
+    QueryTrajectory::Answer out{{joints.begin(), joints.end()},
+                                sampled->found,
+                                list(sampled->position),
+                                list(sampled->velocity),
+                                list(sampled->acceleration)};
     controller->forget_sample();
-    if (!out["found"].get<bool>())
+    if (!out.found)
       throw Error("no-trajectory", "no trajectory leads all joints of '" + name + "' at that time",
                   "ask for a time between the start and the end of one that is under way");
-    return Progress::done(out);
+    return Sampled::done(std::move(out));
   };
 }
 
-Poll goal_cancel(Cell& cell, const Json& arguments) {
-  const Address to = input_address(cell, text_argument(arguments, "to"));
-  const double number = number_argument(arguments, "goal", 0);
+Asked goal_cancel(Cell& cell, const GoalCancel& request) {
+  const Address to = input_address(cell, request.to);
+  const double number = request.goal;
   const bool whole = number >= 1 && number < 9e15 && number == std::floor(number);
   if (!whole || !cell.loop().controllers().find(to.controller)->cancel(static_cast<std::uint64_t>(number)))
     throw Error("no-goal", "there is no goal " + format_number(number) + " under way");
-  return at_once({{"asked", "cancel"}});
+  return {"cancel"};
 }
 
-/// Told to a watcher once, until the next message comes.
-Json why_nothing_comes(Cell& cell, const Address& from, bool never) {
+/// Reported to a watcher once, until the next message comes.
+NoMessage why_nothing_comes(Cell& cell, const Address& from, bool never) {
   const hardware::LifecycleState state = controller_state(cell, from.controller);
   const std::string name = from.controller + "/" + from.port;
   const bool active = state == hardware::LifecycleState::active;
-  return {{"waiting", name},
-          {"state", hardware::name(state)},
-          {"what", "'" + name + "' has put out nothing " + (never ? "yet" : "more") + ": its controller is " +
-                       hardware::name(state) + (active ? ", and is not updated" : "")},
-          {"advice", active ? "look at the cell's state: polyarm health"
-                            : "start it: polyarm control state " + from.controller + " active"}};
+  return {name, hardware::name(state),
+          "'" + name + "' has put out nothing " + (never ? "yet" : "more") + ": its controller is " +
+              hardware::name(state) + (active ? ", and is not updated" : ""),
+          active ? "look at the cell's state: polyarm health"
+                 : "start it: polyarm control state " + from.controller + " active"};
 }
 
-Poll watch_output(Cell& cell, const Json& arguments) {
-  const Address from = output_address(cell, text_argument(arguments, "name"));
-  const double rate = number_argument(arguments, "rate", 10);
+Poll<WatchOutput::Answer> watch_output(Cell& cell, const WatchOutput& request) {
+  using Watched = Progress<WatchOutput::Answer>;
+  const Address from = output_address(cell, request.name);
+  const double rate = request.rate.value_or(10);
   if (!(rate >= 0.001 && rate <= 10'000))
     throw Error("bad-argument", "'rate' is " + format_number(rate) + " Hz", "it may be 0.001 to 10000");
   const Nanoseconds every = nanoseconds(1 / rate);
-  const Nanoseconds patience =
-      nanoseconds(std::clamp(number_argument(arguments, "patience", 0), 0.0, 3600.0));
-  return [from, every, patience, told = Nanoseconds{-1}, sample = Nanoseconds{0}, fresh = cell.now(),
-          patient = patience > 0](Cell& c) mutable {
-    controllers::Controller* controller = c.loop().controllers().find(from.controller);
+  const Nanoseconds patience = nanoseconds(std::clamp(request.patience.value_or(0), 0.0, 3600.0));
+  return [&cell, from, every, patience, reported = Nanoseconds{-1}, sample = Nanoseconds{0}, fresh = cell.now(),
+          patient = patience > 0]() mutable {
+    controllers::Controller* controller = cell.loop().controllers().find(from.controller);
     controllers::Output* output = controller ? controller->find_output(from.port) : nullptr;
-    if (!output) throw Error("unloaded", "the controller was taken away");
+    if (!output) throw Error("unloaded", "the controller was removed");
     output->fetch();
     if (output->value().time == sample) {
-      if (!patient || c.now() - fresh < patience) return Progress{};
+      if (!patient || cell.now() - fresh < patience) return Watched{};
       patient = false;
-      return Progress::more(why_nothing_comes(c, from, sample == 0));
+      return Watched::more(why_nothing_comes(cell, from, sample == 0));
     }
-    fresh = c.now();
+    fresh = cell.now();
     patient = patience > 0;
-    if (told >= 0 && c.now() - told < every) return Progress{};
+    if (reported >= 0 && cell.now() - reported < every) return Watched{};
     sample = output->value().time;
-    told = told < 0 ? c.now() : told + every * ((c.now() - told) / every);
-    return Progress::more(Json::parse(ros_files::message_json(*output)));
+    reported = reported < 0 ? cell.now() : reported + every * ((cell.now() - reported) / every);
+    return Watched::more(message_of(*output));
   };
 }
 
 }  // namespace
 
-const std::vector<RequestRow>& message_rows() {
-  static const std::vector<RequestRow> table = {
-      {{"param.list", kName, "[{key, type, value, default, changeable, text, choices}]",
-        "the parameters of a controller", false},
-       param_list},
-      {{"param.get",
-        {{"name", kText, true}, {"key", kText, true}},
-        "{key, type, value, default, changeable, text, choices}",
-        "one parameter",
-        false},
-       param_get},
-      {{"param.set",
-        {{"name", kText, true}, {"values", kMap, true}},
-        "{changed}",
-        "change parameters between two cycles, all or none",
-        true},
-       param_set},
-      {{"send",
-        {{"to", kText, true}, {"message", ArgumentType::message, true}, {"goal", kFlag}},
-        "{to}; of a goal {goal, status, error_code, error, joint, off_by, tolerance, note}, of a gripper's "
-        "also "
-        "{position, effort, stalled, reached_goal}, and between {goal, feedback}",
-        "give a message to a controller; a goal is followed to its end",
-        true},
-       send_message},
-      {{"goal.cancel",
-        {{"to", kText, true}, {"goal", kNumber, true}},
-        "{asked}",
-        "end a goal that is under way",
-        true},
-       goal_cancel},
-      {{"query",
-        {{"name", kText, true}, {"at", kNumber}},
-        "{joints, found, position, velocity, acceleration}",
-        "where the trajectory of a controller will be at a cell time, s; now without one",
-        false},
-       query_state},
-      {{"watch",
-        {{"name", kText, true}, {"rate", kNumber}, {"patience", kNumber}},
-        "the message in its ROS shape; {waiting, state, what, advice} where nothing comes",
-        "tell what a controller puts out, `rate` times a second (10); with `patience` it is told once why "
-        "nothing has come for so many seconds",
-        false},
-       watch_output},
-  };
-  return table;
+std::vector<Handler> message_handlers() {
+  return handlers<param_list, param_get, param_set, send_message, goal_cancel, query_state, watch_output>();
 }
 
 }  // namespace polyarm::cell

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
@@ -11,10 +12,14 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/program_host.hpp"
 #include "polyarm/cell/requests_work.hpp"
+#include "polyarm/protocol/jog.hpp"
 
 namespace polyarm::cell {
 
 namespace {
+
+using namespace protocol;
+using Json = nlohmann::json;
 
 constexpr Nanoseconds kTellMoveEvery = 100'000'000;
 /// A jog that has just ended gives the robot back within this time.
@@ -119,23 +124,18 @@ std::vector<moves::Move> one_curve(std::vector<moves::Move> lines) {
   return {curve};
 }
 
-std::vector<moves::Move> read_move(Cell& cell, const CellRobot& robot, const Json& arguments) {
-  const std::vector<std::string> kinds = {"joint", "line"};
-  const std::string kind = text_argument(arguments, "kind", "joint");
-  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end())
-    throw Error("bad-argument", "there is no move '" + kind + "'" + did_you_mean(kind, kinds),
-                "joint or line");
-  const double pace = number_argument(arguments, "pace", 0), share = number_argument(arguments, "speed", 1);
+std::vector<moves::Move> read_move(Cell& cell, const CellRobot& robot, const MoveTo& request) {
+  const bool line = request.kind == MoveKind::line;
+  const double pace = request.pace.value_or(0), share = request.speed.value_or(1);
   if (!(pace >= 0 && pace <= kLongestWay))
     throw Error("bad-argument", "'pace' is " + format_number(pace), "s for each rad, at least 0");
   if (!(share > 0 && share <= 1))
     throw Error("bad-argument", "'speed' is " + format_number(share), "a share of the limits: 0.01 to 1");
-  const Json& given = arguments["points"];
+  const Json& given = request.points.json();
   const Json points = given.is_array() ? given : Json::array({given});
   if (points.empty() || points.size() > kMostPoints)
     throw Error("bad-argument", fmt::format("'points' has {} points", points.size()),
                 fmt::format("1 to {}", kMostPoints));
-  const bool rests = flag_argument(arguments, "rests");
   std::vector<moves::Move> out;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Json point = points[i].is_string() ? Json{{"point", points[i]}} : points[i];
@@ -143,7 +143,7 @@ std::vector<moves::Move> read_move(Cell& cell, const CellRobot& robot, const Jso
     if (!point.is_object()) throw Error("bad-argument", number + " is neither a name nor a map");
     check_keys(point, number);
     moves::Move move;
-    move.kind = kind == "line" ? moves::MoveKind::line : moves::MoveKind::joint;
+    move.kind = line ? moves::MoveKind::line : moves::MoveKind::joint;
     move.targets = {target_of(cell, robot, point, point.value("name", number))};
     move.speed = share * (move.kind == moves::MoveKind::joint ? cell.pace().speed : 1);
     if (move.kind == moves::MoveKind::joint) move.joint_pace = pace;
@@ -152,10 +152,10 @@ std::vector<moves::Move> read_move(Cell& cell, const CellRobot& robot, const Jso
     if (!(move.duration >= 0 && move.duration <= kLongestWay))
       throw Error("bad-argument", fmt::format("the duration of {} is {} s", number, move.duration),
                   fmt::format("a time above 0, at most {} s", kLongestWay));
-    move.through = !rests && i + 1 < points.size();
+    move.through = !request.rests && i + 1 < points.size();
     out.push_back(std::move(move));
   }
-  return kind == "line" && !rests && out.size() > 1 ? one_curve(std::move(out)) : out;
+  return line && !request.rests && out.size() > 1 ? one_curve(std::move(out)) : out;
 }
 
 void require_may_move(Cell& cell, std::size_t i) {
@@ -198,15 +198,17 @@ class UnderWay {
   Cell& cell_;
 };
 
-Json progress_of(Cell& cell, std::size_t i, const UnderWay& moves, Nanoseconds begun) {
+MoveTo::Answer progress_of(Cell& cell, std::size_t i, const UnderWay& moves, Nanoseconds begun) {
   const moves::Travel way = cell.motion(i)->travel(moves.first, moves.last);
-  const bool planned = std::isfinite(way.remaining);
-  return {{"robot", cell.robots()[i]->entry.name},
-          {"cell", control::name(cell.snapshot().state)},
-          {"cause", control::name(cell.snapshot().cause)},
-          {"elapsed_s", seconds(cell.now() - begun)},
-          {"left_s", planned ? Json(way.remaining) : Json()},
-          {"left_m", planned ? Json(way.left) : Json()}};
+  MoveTo::Answer out;
+  out.robot = cell.robots()[i]->entry.name;
+  out.cell = control::name(cell.snapshot().state);
+  out.cause = control::name(cell.snapshot().cause);
+  out.elapsed_s = seconds(cell.now() - begun);
+  if (!std::isfinite(way.remaining)) return out;
+  out.left_s = way.remaining;
+  out.left_m = way.left;
+  return out;
 }
 
 /// The first that did not end well, if any. What failed says more than what was discarded for that reason.
@@ -226,9 +228,10 @@ void throw_bad_end(const moves::RobotMotion& motion, UnderWay& moves) {
   throw Error("discarded", "the rest of the motion was discarded", "the robot stands where it was stopped");
 }
 
-Poll follow_moves(std::size_t i, std::vector<moves::Move> asked) {
-  return [i, asked = std::move(asked), moves = std::shared_ptr<UnderWay>(), stood = false,
-          asked_at = Nanoseconds{-1}, begun = Nanoseconds{0}, told = Nanoseconds{0}](Cell& cell) mutable {
+Poll<MoveTo::Answer> follow_moves(Cell& cell, std::size_t i, std::vector<moves::Move> asked) {
+  using Moved = Progress<MoveTo::Answer>;
+  return [&cell, i, asked = std::move(asked), moves = std::shared_ptr<UnderWay>(), stood = false,
+          asked_at = Nanoseconds{-1}, begun = Nanoseconds{0}, reported = Nanoseconds{0}]() mutable {
     if (asked_at < 0) asked_at = cell.now();
     if (!moves) {  // a robot that was jogged comes back first, and moves begin where it is
       const bool free = !cell.jogging().engaged(i) && cell.snapshot().standing;
@@ -236,7 +239,7 @@ Poll follow_moves(std::size_t i, std::vector<moves::Move> asked) {
         throw Error("jogged",
                     "'" + cell.robots()[i]->entry.name + "' is moved by hand or by somebody else now",
                     "wait until they let go");
-      if (!free || !std::exchange(stood, true)) return Progress{};
+      if (!free || !std::exchange(stood, true)) return Moved{};
       require_may_move(cell, i);
       moves = std::make_shared<UnderWay>(cell);
       for (moves::Move& move : asked) {
@@ -244,52 +247,36 @@ Poll follow_moves(std::size_t i, std::vector<moves::Move> asked) {
         if (moves->first == 0) moves->first = moves->last;
       }
       cell.motion(i)->close();
-      begun = told = cell.now();
-      return Progress{};
+      begun = reported = cell.now();
+      return Moved{};
     }
     if (!cell.motion(i)) {
       moves->over = true;
       throw Error("discarded", "the controller that moved it was unloaded");
     }
     throw_bad_end(*cell.motion(i), *moves);
-    Json out = progress_of(cell, i, *moves, begun);
+    MoveTo::Answer out = progress_of(cell, i, *moves, begun);
     if (cell.motion(i)->state_of(moves->last) == moves::MoveState::done && cell.snapshot().standing) {
       moves->over = true;
-      out["done"] = true;
-      return Progress::done(std::move(out));
+      out.done = true;
+      return Moved::done(std::move(out));
     }
-    if (cell.now() - told < kTellMoveEvery) return Progress{};
-    told = cell.now();
-    return Progress::more(std::move(out));
+    if (cell.now() - reported < kTellMoveEvery) return Moved{};
+    reported = cell.now();
+    return Moved::more(std::move(out));
   };
 }
 
-Poll move(Cell& cell, const Json& arguments) {
-  const std::size_t i = robot_argument(cell, arguments);
+Poll<MoveTo::Answer> move(Cell& cell, const MoveTo& request) {
+  const std::size_t i = robot_named(cell, request.robot);
   require_may_move(cell, i);
-  return follow_moves(i, read_move(cell, *cell.robots()[i], arguments));
+  return follow_moves(cell, i, read_move(cell, *cell.robots()[i], request));
 }
 
 }  // namespace
 
-const std::vector<RequestRow>& move_rows() {
-  static const std::vector<RequestRow> table = {
-      {{"move",
-        {{"points", ArgumentType::message, true},
-         {"robot", kText},
-         {"kind", kText},
-         {"pace", kNumber},
-         {"speed", kNumber},
-         {"rests", kFlag}},
-        "{robot, cell, cause, elapsed_s, left_s, left_m}; at the end also {done}",
-        "to points, one path through all of them (with `rests` it comes to rest at each); a point is a name "
-        "of the cell's data, {joints: …} or {pose: {position, rpy or orientation}}, with a `duration` of the "
-        "way to it if it is to take at least that long; `kind` is joint (default) or line, `pace` s for each "
-        "rad of the way, `speed` a share of the limits. When nobody follows it any more it stops on the path",
-        true},
-       move},
-  };
-  return table;
+std::vector<Handler> move_handlers() {
+  return handlers<move>();
 }
 
 }  // namespace polyarm::cell

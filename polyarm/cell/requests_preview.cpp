@@ -1,5 +1,6 @@
 /// Looking along a move before it is made.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/point_edits.hpp"
@@ -9,95 +10,82 @@ namespace polyarm::cell {
 
 namespace {
 
+using namespace protocol;
+
 /// {elbow_joint: 0.5, …}; joints that it does not name stay where they are.
-std::vector<double> joints_of(Cell& cell, const CellRobot& robot, const Json& map) {
+std::vector<double> joints_at(Cell& cell, const CellRobot& robot, const Map& map) {
   std::vector<double> out = joints_now(cell, robot);
-  if (!map.is_object()) throw Error("bad-argument", "'joints' is no map of joints and angles");
   std::vector<std::string> names;
   for (const controllers::JointFacts& joint : robot.joints)
     names.push_back(joint.name.substr(joint.name.find('/') + 1));
-  for (const auto& [key, value] : map.items()) {
+  for (const auto& [key, value] : map) {
     const auto found = std::find(names.begin(), names.end(), key);
     if (found == names.end())
       throw Error("unknown-joint",
                   "'" + robot.entry.name + "' has no joint '" + key + "'" + did_you_mean(key, names));
-    if (!value.is_number()) throw Error("bad-argument", "'" + key + "' is no number");
-    out[static_cast<std::size_t>(found - names.begin())] = value.get<double>();
+    const std::optional<double> number = value.number();
+    if (!number) throw Error("bad-argument", "'" + key + "' is no number");
+    out[static_cast<std::size_t>(found - names.begin())] = *number;
   }
   return out;
 }
 
-Poll plan_preview(Cell& cell, const Json& arguments) {
-  constexpr int kSamples = 100;
-  const std::size_t i = robot_argument(cell, arguments);
-  const CellRobot& robot = *cell.robots()[i];
-  const std::string how = text_argument(arguments, "kind", "joint");
-  if (how != "joint" && how != "line")
-    throw Error("bad-argument", "there is no way '" + how + "'", "joint or line");
-  moves::Move move;
-  move.kind = how == "line" ? moves::MoveKind::line : moves::MoveKind::joint;
+moves::MoveTarget target_of(Cell& cell, const CellRobot& robot, const PlanPreview& request) {
   moves::MoveTarget target;
-  target.name = text_argument(arguments, "to", "the target");
-  if (arguments.contains("to")) {
+  target.name = request.to.value_or("the target");
+  if (request.to) {
     const data::Value& value = place_of(cell, target.name);
     if (const data::JointState* joints = value.as_joints())
-      target.at = joints_by_name(robot.model, *joints, target.name);
+      target.at = cell::joints_by_name(robot.model, *joints, target.name);
     else
       target.at = frame_in_world(cell, value.as_point()->frame()) * value.as_point()->pose;
-  } else if (arguments.contains("joints")) {
-    target.at = joints_of(cell, robot, arguments["joints"]);
+  } else if (request.joints) {
+    target.at = joints_at(cell, robot, *request.joints);
   } else {
-    target.at = pose_value(arguments.value("pose", Json()));
+    nlohmann::json pose;
+    if (request.pose) pose = nlohmann::json::object();
+    for (const auto& [key, value] : request.pose.value_or(Map{})) pose[key] = value.json();
+    target.at = pose_value(pose);
   }
-  move.targets.push_back(std::move(target));
-  move.speed = std::clamp(number_argument(arguments, "speed", 1), 0.01, 1.0);
-  // Facts and chain are const and stay for as long as the cell.
-  return later<Json>(
-      cell,
-      [facts = robot.facts.get(), from = joints_now(cell, robot), move, options = cell.plan_options()] {
-        const moves::MovePlan plan = moves::plan_moves(*facts, from, std::vector<moves::Move>{move}, options);
-        Json path = Json::array();
-        std::vector<double> q(from.size());
-        for (const moves::PlannedMotion& each : plan.motions) {
-          std::size_t hint = 0;
-          for (int k = 0; k <= kSamples; ++k) {
-            each.path.sample(each.path.duration() * k / kSamples, q, {}, {}, {}, hint);
-            path.push_back(place_json(facts->chain.forward(q).position));
-          }
-        }
-        Json problems = Json::array();
-        for (const auto& warning : plan.warnings) problems.push_back(warning.problem.text());
-        Json joints = Json::object();
-        for (std::size_t j = 0; j < plan.end.size(); ++j) joints[facts->chain.names()[j]] = plan.end[j];
-        return Json{{"ok", true},          {"reason", ""},
-                    {"path", path},        {"seconds", plan.duration()},
-                    {"joints", joints},    {"pose", place_json(facts->chain.forward(plan.end))},
-                    {"warnings", problems}};
-      },
-      [robot = robot.entry.name](Cell&, Json& out) {
-        out["robot"] = robot;
-        return out;
-      });
+  return target;
+}
+
+PlanPreview::Answer preview_of(const moves::RobotFacts& facts, const std::string& robot, const moves::MovePlan& plan) {
+  constexpr int kSamples = 100;
+  PlanPreview::Answer out;
+  out.robot = robot;
+  std::vector<double> q(plan.end.size());
+  for (const moves::PlannedMotion& each : plan.motions) {
+    std::size_t hint = 0;
+    for (int k = 0; k <= kSamples; ++k) {
+      each.path.sample(each.path.duration() * k / kSamples, q, {}, {}, {}, hint);
+      out.path.push_back(facts.chain.forward(q).position);
+    }
+  }
+  for (const auto& warning : plan.warnings) out.warnings.push_back(warning.problem.text());
+  for (std::size_t j = 0; j < plan.end.size(); ++j) out.joints[facts.chain.names()[j]] = plan.end[j];
+  out.seconds = plan.duration();
+  out.pose = pose_facts(facts.chain.forward(plan.end));
+  return out;
+}
+
+Poll<PlanPreview::Answer> plan_preview(Cell& cell, const PlanPreview& request) {
+  const CellRobot& robot = *cell.robots()[robot_named(cell, request.robot)];
+  moves::Move move;
+  move.kind = request.kind == MoveKind::line ? moves::MoveKind::line : moves::MoveKind::joint;
+  move.targets.push_back(target_of(cell, robot, request));
+  move.speed = std::clamp(request.speed.value_or(1), 0.01, 1.0);
+  // Facts and chain are const, and stay as long as the cell does.
+  return later(cell, [facts = robot.facts.get(), name = robot.entry.name, from = joints_now(cell, robot), move,
+                      options = cell.plan_options()] {
+    return preview_of(*facts, name, moves::plan_moves(*facts, from, std::vector<moves::Move>{move}, options));
+  });
 }
 
 }  // namespace
 
-const std::vector<RequestRow>& preview_rows() {
-  static const std::vector<RequestRow> table = {
-      {{"plan.preview",
-        {{"to", kText},
-         {"joints", kMap},
-         {"pose", kMap},
-         {"kind", kText},
-         {"robot", kText},
-         {"speed", kNumber}},
-        "{ok, reason, robot, path: [[x, y, z]], seconds, joints, pose, warnings}",
-        "the way `to` a point, joints or a pose {p, q} from where the robot stands, of `kind` joint or line; "
-        "nothing moves",
-        false},
-       plan_preview},
-  };
-  return table;
+std::vector<Handler> preview_handlers() {
+  return handlers<plan_preview>();
 }
 
 }  // namespace polyarm::cell

@@ -3,23 +3,25 @@
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/cell/requests_work.hpp"
+#include "polyarm/protocol/projects.hpp"
 
 namespace polyarm::cell {
 
 namespace {
+
+using namespace protocol;
 
 Recorder& recorder_of(Cell& cell) {
   if (Recorder* recorder = cell.recorder()) return *recorder;
   throw Error("no-recorder", "whoever runs this cell records nothing", "run it with polyarm run");
 }
 
-Json status_json(const RecordStatus& status) {
-  return {{"recording", status.recording}, {"file", status.file.string()}, {"seconds", status.seconds},
-          {"rate", status.rate},           {"messages", status.messages},  {"bytes", status.bytes},
-          {"lost", status.lost},           {"problem", status.problem}};
+RecordFacts facts_of(const RecordStatus& status) {
+  return {status.recording, status.file.string(), status.seconds, status.rate,
+          status.messages,  status.bytes,         status.lost,    status.problem};
 }
 
-/// Who asks from afar names a file, and never a place.
+/// A request names a file, and never a folder.
 std::filesystem::path recording_named(const Cell& cell, const std::string& name) {
   if (name.empty()) return {};
   const std::filesystem::path plain = name;
@@ -30,8 +32,8 @@ std::filesystem::path recording_named(const Cell& cell, const std::string& name)
   return cell.file().folder / ".state" / "recordings" / (has ? name : name + ".mcap");
 }
 
-Poll record_state(Cell& cell, const Json&) {
-  return at_once(status_json(recorder_of(cell).status()));
+RecordFacts record_state(Cell& cell, const RecordState&) {
+  return facts_of(recorder_of(cell).status());
 }
 
 /// Recordings are deleted by hand alone.
@@ -46,40 +48,27 @@ void require_room(const Cell& cell) {
                 "delete some of .state/recordings");
 }
 
-Poll record_start(Cell& cell, const Json& arguments) {
+RecordFacts record_start(Cell& cell, const RecordStart& request) {
   require_room(cell);
   RecordOptions options;
-  options.file = recording_named(cell, text_argument(arguments, "file", ""));
-  options.rate = number_argument(arguments, "rate", options.rate);
+  options.file = recording_named(cell, request.file.value_or(""));
+  options.rate = request.rate.value_or(options.rate);
   recorder_of(cell).start(options);
-  return at_once(status_json(recorder_of(cell).status()));
+  return facts_of(recorder_of(cell).status());
 }
 
-Poll record_stop(Cell& cell, const Json&) {
+Poll<RecordFacts> record_stop(Cell& cell, const RecordStop&) {
   recorder_of(cell).stop();
-  return [](Cell& c) {
-    const RecordStatus status = recorder_of(c).status();
-    return status.recording ? Progress{} : Progress::done(status_json(status));
+  return [&cell] {
+    const RecordStatus status = recorder_of(cell).status();
+    return status.recording ? Progress<RecordFacts>{} : Progress<RecordFacts>::done(facts_of(status));
   };
 }
-
-constexpr const char* kRecord = "{recording, file, seconds, rate, messages, bytes, lost, problem}";
 
 }  // namespace
 
-const std::vector<RequestRow>& record_rows() {
-  static const std::vector<RequestRow> table = {
-      {{"record", {}, kRecord, "whether the cell is recorded, and what that has come to", false},
-       record_state},
-      {{"record.start",
-        {{"file", kText}, {"rate", kNumber}},
-        kRecord,
-        "record into a file of this name in .state/recordings of the cell, `rate` times a second (100)",
-        false},
-       record_start},
-      {{"record.stop", {}, kRecord, "close the recording", false}, record_stop},
-  };
-  return table;
+std::vector<Handler> record_handlers() {
+  return handlers<record_state, record_start, record_stop>();
 }
 
 }  // namespace polyarm::cell

@@ -4,15 +4,18 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/requests_work.hpp"
+#include "polyarm/protocol/tags.hpp"
 
 namespace polyarm::cell {
 
 namespace {
 
+using namespace protocol;
+
 /// A force that is renewed this often shows whether its asker is still there.
 constexpr Nanoseconds kTellEvery = 200'000'000;
 
-Json json_of(const data::Value& value) {
+Any any_of_value(const data::Value& value) {
   if (const bool* flag = value.as_boolean()) return *flag;
   if (const data::Number* number = value.as_number()) return number->value;
   return value.text();
@@ -25,87 +28,82 @@ const signals::Tag* declared(const Cell& cell, const std::string& name) {
 }
 
 /// Where the tag's value comes from or goes to, and how.
-void add_source(const Cell& cell, const std::string& name, const data::NameFacts& facts, Json& out) {
+void add_source(const Cell& cell, const std::string& name, const data::NameFacts& facts, TagState& out) {
   const signals::Tag* tag = declared(cell, name);
-  std::string direction = "internal", source = facts.sets.empty() ? "cell" : "data " + join(facts.sets, ", ");
-  std::string quality = "good";
-  if (tag && tag->role == data::TagRole::command) direction = "out", source = tag->interface;
-  if (tag && tag->role == data::TagRole::state) direction = "in", source = tag->interface;
+  out.direction = "internal";
+  out.source = facts.sets.empty() ? "cell" : "data " + join(facts.sets, ", ");
+  out.quality = "good";
+  if (tag && tag->role == data::TagRole::command) out.direction = "out", out.source = tag->interface;
+  if (tag && tag->role == data::TagRole::state) out.direction = "in", out.source = tag->interface;
   if (const auto link = cell.links().source_of(name)) {
-    direction = direction == "internal" ? link->direction : direction + ", " + link->direction;
-    source += ", link " + link->link;
-    quality = link->quality;
+    out.direction = out.direction == "internal" ? link->direction : out.direction + ", " + link->direction;
+    out.source += ", link " + link->link;
+    out.quality = link->quality;
   }
-  out["unit"] = tag ? tag->unit : "";
-  out["direction"] = direction;
-  out["source"] = source;
-  out["quality"] = quality;
-  const auto sent = cell.tags().sent(name);
-  out["output"] = sent ? Json(*sent) : Json();
-  Json rules = Json::object();
-  const auto rule = [&](const char* key, const std::optional<data::Value>& value) {
-    if (value) rules[key] = json_of(*value);
+  if (const auto sent = cell.tags().sent(name)) out.output = *sent;
+  if (!tag) return;
+  out.unit = tag->unit;
+  const auto rule = [](const std::optional<data::Value>& value) {
+    return value ? std::optional(any_of_value(*value)) : std::nullopt;
   };
-  if (tag) rule("on_stop", tag->rules.on_stop);
-  if (tag) rule("on_hold", tag->rules.on_hold);
-  if (tag) rule("on_link_loss", tag->rules.on_link_loss);
-  out["rules"] = rules;
+  out.rules = {rule(tag->rules.on_stop), rule(tag->rules.on_hold), rule(tag->rules.on_link_loss)};
 }
 
-Json tag_json(Cell& cell, const std::string& name) {
+TagState tag_state(Cell& cell, const std::string& name) {
   const data::Value& value = *cell.store().find(name);
   const data::NameFacts facts = *cell.store().facts(name);
-  std::string type = data::name(value.kind());
-  Json out{{"name", name},
-           {"type", type.substr(type.find(' ') + 1)},
-           {"value", json_of(value)},
-           {"text", value.text()},
-           {"forced", facts.forced},
-           {"tag", facts.tag},
-           {"changed_s", Json()},
-           {"changed_by", facts.changed_by}};
-  if (facts.changed_at >= 0) out["changed_s"] = seconds(facts.changed_at);
+  const std::string type = data::name(value.kind());
+  TagState out;
+  out.name = name;
+  out.type = type.substr(type.find(' ') + 1);
+  out.value = any_of_value(value);
+  out.text = value.text();
+  out.forced = facts.forced;
+  out.tag = facts.tag;
+  out.changed_by = facts.changed_by;
+  if (facts.changed_at >= 0) out.changed_s = seconds(facts.changed_at);
   add_source(cell, name, facts, out);
   return out;
 }
 
-Json links_json(const Cell& cell) {
-  Json out = Json::array();
+std::vector<LinkState> link_states(const Cell& cell) {
+  std::vector<LinkState> out;
   for (const CellLinks::Status& link : cell.links().status())
-    out.push_back({{"name", link.entry->name},
-                   {"address", link.entry->address()},
-                   {"up", link.state.up},
-                   {"reason", link.state.reason},
-                   {"losses", link.state.losses},
-                   {"exchanges", link.state.exchanges},
-                   {"round_ms", static_cast<double>(link.state.round_ns) * 1e-6},
-                   {"on_loss", link.entry->on_loss == signals::LinkEntry::OnLoss::hold ? "hold" : "go_on"},
-                   {"tags", link.entry->tags.size()}});
+    out.push_back({link.entry->name, link.entry->address(), link.state.up, link.state.reason, link.state.losses,
+                   link.state.exchanges, static_cast<double>(link.state.round_ns) * 1e-6,
+                   link.entry->on_loss == signals::LinkEntry::OnLoss::hold ? "hold" : "go_on",
+                   link.entry->tags.size()});
   return out;
 }
 
 /// The value that a request says, of the kind that the name has.
-data::Value wanted_value(const data::Value& like, const Json& given) {
+data::Value wanted_value(const data::Value& like, const Any& given) {
+  const std::optional<std::string> text = given.text();
   if (like.as_boolean()) {
-    if (given.is_boolean()) return given.get<bool>();
-    if (given.is_string() && equal_ignoring_case(given.get<std::string>(), "true")) return true;
-    if (given.is_string() && equal_ignoring_case(given.get<std::string>(), "false")) return false;
+    if (const auto flag = given.flag()) return *flag;
+    if (text && equal_ignoring_case(*text, "true")) return true;
+    if (text && equal_ignoring_case(*text, "false")) return false;
   }
   if (const data::Number* number = like.as_number()) {
-    if (given.is_number()) return data::Number{given.get<double>(), number->dimension};
-    if (given.is_string())
-      if (const auto value = parse_quantity(given.get<std::string>(), number->dimension))
+    if (const auto value = given.number()) return data::Number{*value, number->dimension};
+    if (text)
+      if (const auto value = parse_quantity(*text, number->dimension))
         return data::Number{*value, number->dimension};
   }
-  if (like.as_text() && given.is_string()) return given.get<std::string>();
+  if (like.as_text() && text) return *text;
   throw Error("bad-argument", "'value' is " + given.dump() + ", the tag is " + data::name(like.kind()),
               like.as_boolean() ? "true or false" : "");
 }
 
-/// Who asks, as a door says it.
-std::string who_asks(const Json& arguments) {
-  const std::string by = text_argument(arguments, "by", "");
-  return by.empty() ? "a person" : by.substr(0, 80);
+/// The asker, as a door names it.
+std::string asker(const std::optional<std::string>& by) {
+  return !by || by->empty() ? "a person" : by->substr(0, 80);
+}
+
+const data::Value& value_named(Cell& cell, const std::string& name) {
+  if (const data::Value* value = cell.store().find(name)) return *value;
+  throw Error("unknown-name",
+              "there is no tag or variable '" + name + "'" + did_you_mean(name, cell.store().names()));
 }
 
 /// Released when the request ends, however it ends.
@@ -135,118 +133,73 @@ class Force {
   std::string name_, by_;
 };
 
-Poll tags_list(Cell& cell, const Json& arguments) {
-  std::vector<std::string> wanted = list_argument(arguments, "names");
+TagsList::Answer tags_list(Cell& cell, const TagsList& request) {
+  std::vector<std::string> wanted = request.names.value_or(Names{});
   const bool all = wanted.empty();
   if (all) wanted = cell.store().names();
-  Json tags = Json::array();
+  TagsList::Answer out;
   for (const std::string& name : wanted) {
-    const auto facts = cell.store().facts(name);
-    if (!facts)
-      throw Error("unknown-name",
-                  "there is no tag or variable '" + name + "'" + did_you_mean(name, cell.store().names()));
-    if (!all || facts->tag || cell.links().source_of(name)) tags.push_back(tag_json(cell, name));
+    value_named(cell, name);
+    if (!all || cell.store().facts(name)->tag || cell.links().source_of(name)) out.tags.push_back(tag_state(cell, name));
   }
-  return at_once({{"tags", tags}, {"links", links_json(cell)}});
+  out.links = link_states(cell);
+  return out;
 }
 
-Poll tags_set(Cell& cell, const Json& arguments) {
-  const std::string name = text_argument(arguments, "name");
-  const data::Value* like = cell.store().find(name);
-  if (!like)
-    throw Error("unknown-name",
-                "there is no tag or variable '" + name + "'" + did_you_mean(name, cell.store().names()));
-  if (cell.store().tag_role(name) == data::TagRole::state)
-    throw Error("read-only", "'" + name + "' says what the hardware measures",
-                "force it: polyarm tags force " + name + " VALUE keeps the value as long as it runs");
-  if (const auto link = cell.links().source_of(name); link && link->direction == "in")
-    throw Error("read-only", "'" + name + "' comes from the link '" + link->link + "'",
-                "force it: polyarm tags force " + name + " VALUE keeps the value as long as it runs");
-  cell.store().set(name, wanted_value(*like, arguments.value("value", Json())), who_asks(arguments));
-  return at_once(tag_json(cell, name));
+TagState tags_set(Cell& cell, const TagsSet& request) {
+  const data::Value& like = value_named(cell, request.name);
+  if (cell.store().tag_role(request.name) == data::TagRole::state)
+    throw Error("read-only", "'" + request.name + "' says what the hardware measures",
+                "force it: polyarm tags force " + request.name + " VALUE keeps the value as long as it runs");
+  if (const auto link = cell.links().source_of(request.name); link && link->direction == "in")
+    throw Error("read-only", "'" + request.name + "' comes from the link '" + link->link + "'",
+                "force it: polyarm tags force " + request.name + " VALUE keeps the value as long as it runs");
+  cell.store().set(request.name, wanted_value(like, request.value), asker(request.by));
+  return tag_state(cell, request.name);
 }
 
-Poll tags_force(Cell& cell, const Json& arguments) {
-  const std::string name = text_argument(arguments, "name");
-  const data::Value* like = cell.store().find(name);
-  if (!like)
-    throw Error("unknown-name",
-                "there is no tag or variable '" + name + "'" + did_you_mean(name, cell.store().names()));
-  auto force = std::make_shared<Force>(cell, name, wanted_value(*like, arguments.value("value", Json())),
-                                       who_asks(arguments));
-  return [force, name, told = Nanoseconds{-1}](Cell& c) mutable {
-    if (!force->forced()) return Progress::done(tag_json(c, name));
-    if (told >= 0 && c.now() - told < kTellEvery) return Progress{};
-    told = c.now();
-    return Progress::more(tag_json(c, name));
+Poll<TagState> tags_force(Cell& cell, const TagsForce& request) {
+  using Forced = Progress<TagState>;
+  const data::Value& like = value_named(cell, request.name);
+  auto force = std::make_shared<Force>(cell, request.name, wanted_value(like, request.value), asker(request.by));
+  return [&cell, force, name = request.name, reported = Nanoseconds{-1}]() mutable {
+    if (!force->forced()) return Forced::done(tag_state(cell, name));
+    if (reported >= 0 && cell.now() - reported < kTellEvery) return Forced{};
+    reported = cell.now();
+    return Forced::more(tag_state(cell, name));
   };
 }
 
-Poll tags_release(Cell& cell, const Json& arguments) {
-  const std::string name = text_argument(arguments, "name");
-  const auto facts = cell.store().facts(name);
-  if (!facts || !facts->forced) throw Error("not-forced", "'" + name + "' is not forced");
-  cell.store().release(name, who_asks(arguments));
-  cell.tell("'" + name + "' is no longer forced");
-  return at_once(tag_json(cell, name));
+TagState tags_release(Cell& cell, const TagsRelease& request) {
+  const auto facts = cell.store().facts(request.name);
+  if (!facts || !facts->forced) throw Error("not-forced", "'" + request.name + "' is not forced");
+  cell.store().release(request.name, asker(request.by));
+  cell.tell("'" + request.name + "' is no longer forced");
+  return tag_state(cell, request.name);
 }
 
-Poll tags_history(Cell& cell, const Json& arguments) {
-  const std::vector<std::string> names = list_argument(arguments, "names");
-  const auto after = static_cast<std::uint64_t>(std::max(0.0, number_argument(arguments, "after", 0)));
-  Json changes = Json::array();
+OrNull<std::string> text_of(const std::optional<data::Value>& value) {
+  OrNull<std::string> out;
+  if (value) out = value->text();
+  return out;
+}
+
+TagsHistory::Answer tags_history(Cell& cell, const TagsHistory& request) {
+  const std::vector<std::string> names = request.names.value_or(Names{});
+  const auto after = static_cast<std::uint64_t>(std::max(0.0, request.after.value_or(0)));
+  TagsHistory::Answer out;
+  out.last = cell.store().version();
   for (const data::Change& change : cell.store().changes_since(after)) {
     if (!names.empty() && std::find(names.begin(), names.end(), change.name) == names.end()) continue;
-    changes.push_back({{"number", change.version},
-                       {"name", change.name},
-                       {"old", change.old ? Json(change.old->text()) : Json()},
-                       {"now", change.now ? Json(change.now->text()) : Json()},
-                       {"by", change.who}});
+    out.changes.push_back({change.version, change.name, text_of(change.old), text_of(change.now), change.who});
   }
-  return at_once({{"last", cell.store().version()}, {"changes", changes}});
+  return out;
 }
 
 }  // namespace
 
-const std::vector<RequestRow>& tag_rows() {
-  static const std::vector<RequestRow> table = {
-      {{"tags.list",
-        {{"names", kNames}},
-        "{tags: [{name, type, unit, value, text, direction, source, quality, forced, changed_s, changed_by, "
-        "output, "
-        "rules}], links: [{name, address, up, reason, losses, exchanges, round_ms, on_loss, tags}]}",
-        "every tag, or those named (variables of data, too), and the links",
-        false},
-       tags_list},
-      {{"tags.set",
-        {{"name", kText, true}, {"value", ArgumentType::any, true}, {"by", kText}},
-        "{name, value, …}, as in tags.list",
-        "change a tag or variable once, as a person; `by` is told as who has changed it (the pendant's port "
-        "puts "
-        "its client's name there)",
-        true},
-       tags_set},
-      {{"tags.force",
-        {{"name", kText, true}, {"value", ArgumentType::any, true}, {"by", kText}},
-        "{name, value, …} again and again",
-        "the tag keeps the value whatever is set meanwhile, for as long as the asker is there",
-        true},
-       tags_force},
-      {{"tags.release",
-        {{"name", kText, true}, {"by", kText}},
-        "{name, value, …}, as in tags.list",
-        "a forced tag follows its source again, whoever forced it",
-        true},
-       tags_release},
-      {{"tags.history",
-        {{"names", kNames}, {"after", kNumber}},
-        "{last, changes: [{number, name, old, now, by}]}",
-        "who changed what, oldest first: the newest 1024 changes of tags, variables and points, or those "
-        "after a number",
-        false},
-       tags_history},
-  };
-  return table;
+std::vector<Handler> tag_handlers() {
+  return handlers<tags_list, tags_set, tags_force, tags_release, tags_history>();
 }
 
 }  // namespace polyarm::cell

@@ -1,110 +1,112 @@
 #pragma once
-/// How requests are done. Private to the room.
+/// How requests are carried out. Private to the room; cell thread.
 #include <functional>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "polyarm/cell/cell.hpp"
-#include "polyarm/cell/requests.hpp"
+#include "polyarm/protocol/request.hpp"
 
 namespace polyarm::cell {
 
-using Json = nlohmann::json;
-
 /// What a request has come to: nothing yet, an answer that is followed by more, or the last one.
+template <class Answer>
 struct Progress {
-  std::optional<Json> answer;
+  std::optional<Answer> answer;
   bool over = false;
-  static Progress done(Json answer) { return {std::move(answer), true}; }
-  static Progress more(Json answer) { return {std::move(answer), false}; }
+  static Progress done(Answer answer) { return {std::move(answer), true}; }
+  static Progress more(Answer answer) { return {std::move(answer), false}; }
 };
-/// Asked once each tick until it is over; may throw Error, which ends it.
-using Poll = std::function<Progress(Cell&)>;
-/// Begins a request; may throw Error.
-using Handler = Poll (*)(Cell&, const Json& arguments);
+/// Called once each tick until it is over; may throw Error, which ends it.
+template <class Answer>
+using Poll = std::function<Progress<Answer>()>;
+/// Of a step that has no answer of its own.
+struct Done {};
 
-/// A row of the table and what carries it out. An urgent one is begun though earlier ones are not answered.
-struct RequestRow {
-  RequestInfo info;
-  Handler handler;
-  bool urgent = false;
+using AnyProgress = Progress<protocol::Answer>;
+using AnyPoll = Poll<protocol::Answer>;
+
+/// A request and what begins it; may throw Error.
+struct Handler {
+  const protocol::RequestType* type;
+  AnyPoll (*begin)(Cell&, const protocol::Request&);
 };
-/// The table by families; each is written beside what carries it out.
-const std::vector<RequestRow>& controller_rows();
-const std::vector<RequestRow>& motion_rows();
-const std::vector<RequestRow>& tag_rows();
-const std::vector<RequestRow>& hardware_rows();
-const std::vector<RequestRow>& health_rows();
-const std::vector<RequestRow>& message_rows();
-const std::vector<RequestRow>& jog_rows();
-const std::vector<RequestRow>& move_rows();
-const std::vector<RequestRow>& load_rows();
-const std::vector<RequestRow>& program_rows();
-const std::vector<RequestRow>& record_rows();
-const std::vector<RequestRow>& point_rows();
-const std::vector<RequestRow>& frame_rows();
-const std::vector<RequestRow>& preview_rows();
-const std::vector<RequestRow>& file_rows();
-const std::vector<RequestRow>& text_rows();
-const std::vector<RequestRow>& cells_rows();
-const std::vector<RequestRow>& connect_rows();
 
-/// What rows are written with.
-inline constexpr auto kText = ArgumentType::text;
-inline constexpr auto kNumber = ArgumentType::number;
-inline constexpr auto kFlag = ArgumentType::flag;
-inline constexpr auto kNames = ArgumentType::names;
-inline constexpr auto kMap = ArgumentType::map;
-inline constexpr auto kAny = ArgumentType::any;
-inline const std::vector<RequestArgument> kName = {{"name", kText, true}};
-inline constexpr const char* kProgram =
-    "{state, control, cause, holder, folder, robots, held, events, file, hash, paused, where: {file, line}, "
-    "source, sentence, passes, breakpoints, question, problem, tasks: [{name, state, where, source, "
-    "waits_for, names, text, passes, paused, calls, variables: [{name, value}], robot, tool, frame, "
-    "problem}]}";
-
-/// A request from its text, and whether its arguments are those that its row has. Throw Error("bad-request")
-/// and Error("bad-argument").
-Json parse_request(const std::string& line);
-void check_arguments(const Json& request, const RequestInfo& info);
-
-inline Poll at_once(Json answer) {
-  return [answer = std::move(answer)](Cell&) { return Progress::done(answer); };
+template <class Answer>
+Poll<Answer> at_once(Answer answer) {
+  return [answer = std::move(answer)] { return Progress<Answer>::done(answer); };
 }
 
-/// Arguments; each throws Error("bad-argument") that names it.
-std::string text_argument(const Json& arguments, const char* name);
-std::string text_argument(const Json& arguments, const char* name, const std::string& fallback);
-std::vector<std::string> list_argument(const Json& arguments, const char* name);
-bool flag_argument(const Json& arguments, const char* name);
-double number_argument(const Json& arguments, const char* name, double fallback);
-/// The index of the robot that 'robot' names; the only one where it names none.
-std::size_t robot_argument(Cell& cell, const Json& arguments);
+template <auto kFunction>
+struct HandlerOf;
+/// A handler is a function of the cell and the request's struct. It returns the answer, or what is polled for it.
+template <class R, class Result, Result (*kFunction)(Cell&, const R&)>
+struct HandlerOf<kFunction> {
+  using Answer = typename R::Answer;
+  static AnyPoll begin(Cell& cell, const protocol::Request& request) {
+    if constexpr (std::is_same_v<Result, Answer>) {
+      return at_once(protocol::Answer::of<R>(kFunction(cell, request.as<R>())));
+    } else {
+      return [poll = kFunction(cell, request.as<R>())]() mutable {
+        Progress<Answer> progress = poll();
+        if (!progress.answer) return AnyProgress{{}, progress.over};
+        return AnyProgress{protocol::Answer::of<R>(std::move(*progress.answer)), progress.over};
+      };
+    }
+  }
+  static Handler handler() { return {&protocol::request_type<R>(), begin}; }
+};
+template <auto... kFunctions>
+std::vector<Handler> handlers() {
+  return {HandlerOf<kFunctions>::handler()...};
+}
 
-/// `state` as a state of the life cycle.
-hardware::LifecycleState state_argument(const Json& arguments);
+/// The handlers by families; each family is in one file.
+std::vector<Handler> controller_handlers();
+std::vector<Handler> motion_handlers();
+std::vector<Handler> tag_handlers();
+std::vector<Handler> hardware_handlers();
+std::vector<Handler> health_handlers();
+std::vector<Handler> message_handlers();
+std::vector<Handler> jog_handlers();
+std::vector<Handler> move_handlers();
+std::vector<Handler> load_handlers();
+std::vector<Handler> program_handlers();
+std::vector<Handler> record_handlers();
+std::vector<Handler> point_handlers();
+std::vector<Handler> frame_handlers();
+std::vector<Handler> preview_handlers();
+std::vector<Handler> file_handlers();
+std::vector<Handler> text_handlers();
+std::vector<Handler> cells_handlers();
+std::vector<Handler> connect_handlers();
+
+/// Two steps one after the other: `second` takes what the first answered and returns a Poll.
+template <class First, class Second>
+auto then(Poll<First> first, Second second) {
+  using Next = std::invoke_result_t<Second, First>;
+  using Answer = typename decltype(std::declval<Next>()().answer)::value_type;
+  return Next([first = std::move(first), second = std::move(second), next = Next{}]() mutable {
+    if (next) return next();
+    Progress<First> progress = first();
+    if (!progress.over) return Progress<Answer>{};
+    next = second(progress.answer ? std::move(*progress.answer) : First{});
+    return next();
+  });
+}
+
+/// The index of the robot of that name; the only one where none is named. Throws Error("which-robot" |
+/// "unknown-robot").
+std::size_t robot_named(Cell& cell, const std::optional<std::string>& name);
+/// A state of the life cycle by its word. Throws Error("bad-argument").
+hardware::LifecycleState state_named(const std::string& word);
 /// The state of a controller by name. Throws Error("unknown-controller").
 hardware::LifecycleState controller_state(Cell& cell, const std::string& name);
 /// How often a second the component is read and written, and the controller updated.
 double rate_of(Cell& cell, const hardware::HostedInfo& info);
 double rate_of(Cell& cell, const control::ListedController& controller);
-/// The value; null where it is NaN or infinite, which JSON has no word for.
-Json finite_or_null(double value);
-
-/// A switch that is begun again when the loop changed something by itself meanwhile.
-Poll switch_controllers(Cell& cell, control::SwitchRequest request, Json answer);
-/// Stops who uses the component, then takes it there.
-Poll take_to(Cell& cell, std::size_t component, hardware::LifecycleState wanted);
-/// Two steps one after the other; the second may be told what the first answered.
-Poll then(Poll first, std::function<Poll(Cell&)> second);
-Poll then_with(Poll first, std::function<Poll(Cell&, Json)> second);
-
-/// Where the program is, as all of these answer.
-Json program_json(Cell& cell);
-/// What a program that begins in the middle takes for given.
-Json assumed(Cell& cell, const program::StartReport& report);
 
 }  // namespace polyarm::cell

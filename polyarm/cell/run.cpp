@@ -10,13 +10,14 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <thread>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/socket_door.hpp"
+#include "polyarm/cell/typed_words.hpp"
 #include "polyarm/cell/worker.hpp"
+#include "polyarm/protocol/hardware.hpp"
 #include "polyarm/realtime/bell.hpp"
 #include "polyarm/realtime/periodic.hpp"
 #include "polyarm/realtime/refusals.hpp"
@@ -297,51 +298,29 @@ class Runner {
   }
 
   void typed(const std::string& line) {
-    if (line == "resume") {
-      stops_asked = 0;
-      ask("control.resume");
-    } else if (line == "back") {
-      ask("control.back");
-    } else if (line.starts_with("override ") && parse_number(percent_of(line))) {
-      ask("control.override", {{"percent", *parse_number(percent_of(line))}});
-    } else if (line == "discard") {
-      ask("control.discard");
-    } else if (line == "recover") {
-      ask("control.recover");
-    } else if (line == "arm" && cell_.arming().needed() && !console_.is_terminal()) {
+    const std::optional<protocol::Request> request = typed_request(line);
+    if (line == "resume") stops_asked = 0;
+    if (line == "arm" && cell_.arming().needed() && !console_.is_terminal()) {
       observer_.on_note("only a person at a terminal arms real hardware");
     } else if (line == "arm" && cell_.arming().needed()) {
-      cell_.requests().handle(R"({"request": "control.arm", "confirmed": true})",
-                              [this](const std::string& answer) {
-                                if (answer.find("\"ok\":true") == std::string::npos)
-                                  observer_.on_note("not armed: " + answer);
-                                return true;
-                              });
-    } else if (line == "hold") {
-      cell_.loop().supervisor().latch().request(realtime::StopKind::controlled);
+      protocol::ControlArm arm;
+      arm.confirmed = true;
+      ask(arm);
     } else if (line == "stop") {
       request_stop();
+    } else if (request) {
+      ask(*request);
     } else {
       cell_.answers().give(line);
-      return;
     }
   }
 
-  /// "override 50%" → "50"
-  static std::string percent_of(const std::string& line) {
-    std::string out = line.substr(line.find(' ') + 1);
-    if (out.ends_with('%')) out.pop_back();
-    return out;
-  }
-
-  /// What is typed is asked as any program asks it; a refusal is told.
-  void ask(const char* request, nlohmann::json arguments = nlohmann::json::object()) {
-    arguments["request"] = request;
-    cell_.requests().handle(arguments.dump(), [this](const std::string& text) {
-      const auto answer = nlohmann::json::parse(text, nullptr, false);
-      if (!answer.value("ok", false))
-        observer_.on_note(answer["error"].value("what", text) + " (" + answer["error"].value("advice", "") +
-                          ")");
+  /// What a person types is a request like those of any program; a refusal is reported.
+  void ask(protocol::Request request) {
+    cell_.requests().ask(std::move(request), [this](const protocol::Reply& reply) {
+      if (!reply.refusal) return true;
+      const Problem& why = reply.refusal->problems().front();
+      observer_.on_note(why.what + " (" + why.advice + ")");
       return true;
     });
   }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <span>
 
 namespace polyarm::cell {
@@ -35,17 +34,12 @@ Facts StopReport::facts() const {
   return out;
 }
 
-nlohmann::json json_of(const StopReport& stop) {
-  nlohmann::json tcps = nlohmann::json::object(), joints = nlohmann::json::object();
-  for (const StopReport::Way& tcp : stop.tcps) tcps[tcp.name] = tcp.way;
-  for (const StopReport::Way& joint : stop.joints) joints[joint.name] = joint.way;
-  return {{"at_s", seconds(stop.begun)},
-          {"time_s", stop.time_s},
-          {"category", stop.category},
-          {"cause", stop.cause},
-          {"cause_code", stop.cause_code},
-          {"tcp_m", tcps},
-          {"joints", joints}};
+protocol::StopFacts facts_of(const StopReport& stop) {
+  protocol::StopFacts out{
+      seconds(stop.begun), stop.time_s, stop.category, stop.cause, stop.cause_code, {}, {}};
+  for (const StopReport::Way& tcp : stop.tcps) out.tcp_m[tcp.name] = tcp.way;
+  for (const StopReport::Way& joint : stop.joints) out.joints[joint.name] = joint.way;
+  return out;
 }
 
 JointPlaces::JointPlaces(const CellRobots& robots, const hardware::InterfaceTable& table) {

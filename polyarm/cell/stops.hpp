@@ -1,6 +1,5 @@
 #pragma once
 /// What a stop took, and whether somebody has moved the robot since it stands.
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +9,7 @@
 #include "polyarm/base/time.hpp"
 #include "polyarm/cell/robots.hpp"
 #include "polyarm/control/control_loop.hpp"
+#include "polyarm/protocol/motion.hpp"
 
 namespace polyarm::cell {
 
@@ -34,8 +34,7 @@ struct StopReport {
   Facts facts() const;
 };
 
-/// {at_s, time_s, category, cause, tcp_m: {robot: m}, joints: {joint: rad or m}}
-nlohmann::json json_of(const StopReport& stop);
+protocol::StopFacts facts_of(const StopReport& stop);
 
 /// The joints of all robots in a snapshot.
 class JointPlaces {

@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "polyarm/cell/cell.hpp"
-#include "polyarm/cell/problem_json.hpp"
 
 namespace polyarm::cell {
 
@@ -107,16 +104,17 @@ std::optional<Problem> why_no_statement(const Cell& cell) {
   return std::nullopt;
 }
 
-nlohmann::json ways_json(Cell& cell) {
+protocol::PossibleNow possible_now(Cell& cell) {
   const auto of = [](const std::optional<Problem>& why) {
-    return why ? problem_json(*why) : nlohmann::json();
+    protocol::OrNull<protocol::ProblemFacts> out;
+    if (why) out.emplace(protocol::problem_facts(*why));
+    return out;
   };
-  nlohmann::json jog = nlohmann::json::object();
+  protocol::PossibleNow out{of(why_no_resume(cell)),  of(why_no_discard(cell)),   of(why_no_back(cell)),
+                            of(why_no_recover(cell)), of(why_no_statement(cell)), {}};
   for (std::size_t i = 0; i < cell.robots().size(); ++i)
-    jog[cell.robots()[i]->entry.name] = of(cell.jogging().why_not(i));
-  return {{"resume", of(why_no_resume(cell))},     {"discard", of(why_no_discard(cell))},
-          {"back", of(why_no_back(cell))},         {"recover", of(why_no_recover(cell))},
-          {"program", of(why_no_statement(cell))}, {"jog", std::move(jog)}};
+    out.jog[cell.robots()[i]->entry.name] = of(cell.jogging().why_not(i));
+  return out;
 }
 
 }  // namespace polyarm::cell

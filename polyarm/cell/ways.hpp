@@ -1,9 +1,9 @@
 #pragma once
 /// Why a request about stopped motion cannot be now, and what can. Cell thread.
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/protocol/motion.hpp"
 
 namespace polyarm::cell {
 
@@ -17,8 +17,7 @@ std::optional<Problem> why_no_recover(const Cell& cell);
 /// Statements of a program go on only while the cell runs.
 std::optional<Problem> why_no_statement(const Cell& cell);
 
-/// {resume, discard, back, recover, program, jog: {ROBOT: …}}: null if it is possible now, else the JSON of
-/// the problem.
-nlohmann::json ways_json(Cell& cell);
+/// All of them, and for each robot why it cannot be jogged.
+protocol::PossibleNow possible_now(Cell& cell);
 
 }  // namespace polyarm::cell

@@ -7,6 +7,7 @@
 
 #include "polyarm/messages/json.hpp"
 #include "polyarm/messages/types.hpp"
+#include "polyarm/protocol/messages.hpp"
 #include "polyarm/ros2/cell_door.hpp"
 
 namespace polyarm::ros2 {
@@ -48,19 +49,22 @@ Json feedback_of(const std::string& type, Json sample) {
   return out;
 }
 
-Json result_of(const std::string& type, const Json& ended, const std::string& why = {}) {
+using GoalAnswer = protocol::SendMessage::Answer;
+
+/// `ended`: what the cell answered last.
+Json result_of(const std::string& type, const GoalAnswer& ended, const std::string& why = {}) {
   if (type.ends_with("FollowJointTrajectory")) {
-    std::string text = ended.value("error", std::string());
+    std::string text = ended.error.value_or("");
     if (!why.empty()) text += (text.empty() ? "" : ": ") + why;
-    if (ended.contains("note"))
-      text += ": " + ended["note"].get<std::string>();
-    else if (ended.contains("joint") && ended["off_by"].is_number())
-      text += ": " + ended["joint"].get<std::string>() + " is off by " + ended["off_by"].dump() +
-              ", allowed " + ended.value("tolerance", Json()).dump();
-    return {{"error_code", ended.value("error_code", 0)}, {"error_string", text}};
+    if (ended.note)
+      text += ": " + *ended.note;
+    else if (ended.joint && ended.off_by && std::isfinite(*ended.off_by))
+      text += ": " + *ended.joint + " is off by " + protocol::Any(*ended.off_by).dump() + ", allowed " +
+              protocol::Any(ended.tolerance.value_or(NAN)).dump();
+    return {{"error_code", ended.error_code.value_or(0)}, {"error_string", text}};
   }
-  Json out{{"stalled", ended.value("stalled", false)}, {"reached_goal", ended.value("reached_goal", false)}};
-  const Json position = ended.value("position", Json(0.0)), effort = ended.value("effort", Json(0.0));
+  Json out{{"stalled", ended.stalled.value_or(false)}, {"reached_goal", ended.reached_goal.value_or(false)}};
+  const double position = ended.position.value_or(0), effort = ended.effort.value_or(0);
   if (type.ends_with("ParallelGripperCommand"))
     out["state"] = {{"position", Json::array({position})}, {"effort", Json::array({effort})}};
   else
@@ -137,37 +141,40 @@ class Server : public std::enable_shared_from_this<Server> {
       message.erase("goal_time_tolerance");
     const auto self = shared_from_this();
     ++asking_;
-    bridge_.ask({{"request", "send"}, {"to", target()}, {"message", std::move(message)}, {"goal", true}},
-                [self, goal, reply](const Json& answer) {
-                  if (goal->status == GoalStatus::STATUS_UNKNOWN) --self->asking_;
-                  if (!self->closed_) self->answered(goal, answer, reply);
-                });
+    protocol::SendMessage sent;
+    sent.to = target();
+    sent.message = protocol::Message(std::move(message));
+    sent.goal = true;
+    bridge_.ask(std::move(sent), [self, goal, reply](const protocol::Reply& replied) {
+      if (goal->status == GoalStatus::STATUS_UNKNOWN) --self->asking_;
+      if (!self->closed_) self->answered(goal, replied, reply);
+    });
   }
 
-  void answered(const GoalPointer& goal, const Json& answer, const Reply& reply) {
-    if (!answer.value("ok", false)) {
+  void answered(const GoalPointer& goal, const protocol::Reply& replied, const Reply& reply) {
+    if (replied.refusal) {
       if (goal->status == GoalStatus::STATUS_UNKNOWN) {
-        tell_refusal(answer);
+        report_refusal(refusal_of(replied));
         return reply({{"accepted", false}, {"stamp", goal->stamp}});
       }
-      const std::string why = answer.value("error", Json::object()).value("what", std::string());
-      return end(goal, GoalStatus::STATUS_ABORTED,
-                 result_of(port_.type, {{"error_code", kInvalidGoal}}, why));
+      GoalAnswer ended;
+      ended.error_code = kInvalidGoal;
+      return end(goal, GoalStatus::STATUS_ABORTED, result_of(port_.type, ended, refusal_of(replied)));
     }
-    const Json& told = answer["result"];
-    if (told.contains("feedback")) return tell_feedback(*goal, told["feedback"]);
-    const std::string status = told.value("status", std::string());
-    goal->number = told.value("goal", std::uint64_t{0});
+    const GoalAnswer& answer = replied.answer->as<protocol::SendMessage>();
+    if (answer.feedback) return tell_feedback(*goal, answer.feedback->json());
+    const std::string status = answer.status.value_or("");
+    goal->number = answer.goal.value_or(0);
     if (goal->status == GoalStatus::STATUS_UNKNOWN) accept(goal, reply);
-    if (status == "succeeded") end(goal, GoalStatus::STATUS_SUCCEEDED, result_of(port_.type, told));
+    if (status == "succeeded") end(goal, GoalStatus::STATUS_SUCCEEDED, result_of(port_.type, answer));
     if (status == "aborted")
-      end(goal, GoalStatus::STATUS_ABORTED, result_of(port_.type, told, why_aborted(*goal, told)));
-    if (status == "canceled") end(goal, GoalStatus::STATUS_CANCELED, result_of(port_.type, told));
+      end(goal, GoalStatus::STATUS_ABORTED, result_of(port_.type, answer, why_aborted(*goal, answer)));
+    if (status == "canceled") end(goal, GoalStatus::STATUS_CANCELED, result_of(port_.type, answer));
   }
 
   /// What the code alone does not say.
-  std::string why_aborted(const Goal& goal, const Json& told) const {
-    if (told.value("error_code", 0) != kInvalidGoal) return "";
+  std::string why_aborted(const Goal& goal, const GoalAnswer& answer) const {
+    if (answer.error_code != kInvalidGoal) return "";
     for (const control::ListedController& c : bridge_.cell().loop().controllers().list())
       if (c.name == port_.controller && c.state != hardware::LifecycleState::active)
         return "the controller is not active any more";
@@ -175,10 +182,8 @@ class Server : public std::enable_shared_from_this<Server> {
     return asking_ > 0 || newer ? "another goal took its place" : "the motion was given up at the cell";
   }
 
-  /// ROS's answer has no place for the reason: a person at the cell is told, of the same one not at once
-  /// again.
-  void tell_refusal(const Json& answer) {
-    const std::string why = answer.value("error", Json::object()).value("what", std::string("refused"));
+  /// ROS's answer has no place for the reason: it is reported at the cell, the same one not again at once.
+  void report_refusal(const std::string& why) {
     const Nanoseconds now = bridge_.cell().now();
     if (why == refusal_ && now - refused_ < kTellAgain) return;
     refusal_ = why;
@@ -229,7 +234,7 @@ class Server : public std::enable_shared_from_this<Server> {
       if (!meant || goal->over() || goal->status == GoalStatus::STATUS_CANCELING) continue;
       goal->status = GoalStatus::STATUS_CANCELING;
       canceling.push_back({{"goal_id", goal->id}, {"stamp", goal->stamp}});
-      bridge_.ask({{"request", "goal.cancel"}, {"to", target()}, {"goal", goal->number}}, [](const Json&) {});
+      bridge_.ask(protocol::GoalCancel{target(), static_cast<double>(goal->number)}, [](const protocol::Reply&) {});
     }
     const bool any = !canceling.empty();
     reply({{"return_code", Cancel::ERROR_NONE}, {"goals_canceling", std::move(canceling)}});

@@ -2,10 +2,12 @@
 #include <chrono>
 #include <cstdlib>
 #include <exception>
+#include <string_view>
 #include <utility>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/messages/json.hpp"
+#include "polyarm/protocol/messages.hpp"
 #include "polyarm/ros2/cell_door.hpp"
 
 namespace polyarm::ros2 {
@@ -48,8 +50,11 @@ std::string Bridge::interface_name(const std::string& name) const {
   return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
 }
 
+std::string refusal_of(const protocol::Reply& reply) {
+  return reply.refusal ? reply.refusal->problems().front().what : "refused";
+}
+
 namespace {
-/// About the memory that a request takes.
 std::size_t weight_of(const Json& value) {
   std::size_t out = sizeof(Json);
   if (value.is_string()) out += value.get_ref<const std::string&>().size();
@@ -57,20 +62,25 @@ std::size_t weight_of(const Json& value) {
     for (const Json& item : value) out += weight_of(item);
   return out;
 }
+
+/// About the memory that a request takes: a message from a peer may be long.
+std::size_t weight_of(const protocol::Request& request) {
+  if (&request.facts() != &protocol::SendMessage::kFacts) return 0;
+  return weight_of(request.as<protocol::SendMessage>().message.json());
+}
 }  // namespace
 
-void Bridge::ask(Json request, OnAnswer answer, const void* from) {
-  const bool changes = request["request"].get_ref<const std::string&>().starts_with("control.");
-  // As JSON, not as text: a goal of thousands of points would be printed and parsed for nothing.
+void Bridge::ask(protocol::Request request, OnReply on_reply, const void* from) {
+  const bool changes = std::string_view(request.facts().name).starts_with("control.");
   const std::size_t bytes = weight_of(request);
   cell_.requests().ask(
-      std::move(request), bytes,
-      [this, changes, answer = std::move(answer)](const Json& given) {
+      std::move(request),
+      [this, changes, on_reply = std::move(on_reply)](const protocol::Reply& reply) {
         changed_ = changed_ || changes;
-        guarded([&] { answer(given); });
+        guarded([&] { on_reply(reply); });
         return true;
       },
-      from);
+      from, bytes);
 }
 
 void Bridge::guarded(const std::function<void()>& work) {

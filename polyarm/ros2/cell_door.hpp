@@ -12,14 +12,17 @@
 
 #include "polyarm/base/time.hpp"
 #include "polyarm/cell/cell.hpp"
+#include "polyarm/protocol/request.hpp"
 #include "polyarm/ros2/wire.hpp"
 
 namespace polyarm::ros2 {
 
 using Json = nlohmann::json;
 
-/// Answers of the cell: called once, or again and again while `more`.
-using OnAnswer = std::function<void(const Json& answer)>;
+/// Takes replies of the cell: called once, or again and again while there are more.
+using OnReply = std::function<void(const protocol::Reply& reply)>;
+/// Why a request was refused, in a sentence.
+std::string refusal_of(const protocol::Reply& reply);
 /// A service whose fields come and go as JSON; `reply` may be called later, and once.
 using Reply = std::function<void(Json response)>;
 using OnCall = std::function<void(Json request, Reply reply)>;
@@ -39,7 +42,7 @@ class Bridge {
   std::string interface_name(const std::string& name) const;
 
   /// Asks the cell as every door does; `from` keeps requests of one asker in order.
-  void ask(Json request, OnAnswer answer, const void* from = nullptr);
+  void ask(protocol::Request request, OnReply on_reply, const void* from = nullptr);
 
   /// Whether controllers may have changed since this was asked last: somebody has been answered who asked for
   /// it here.

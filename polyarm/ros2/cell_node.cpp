@@ -3,6 +3,8 @@
 
 #include "polyarm/messages/json.hpp"
 #include "polyarm/messages/types.hpp"
+#include "polyarm/protocol/hardware.hpp"
+#include "polyarm/protocol/programs.hpp"
 #include "polyarm/ros2/cell_door.hpp"
 
 namespace polyarm::ros2 {
@@ -18,10 +20,9 @@ std::string text_of(const Json& value) {
                            : value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// What std_srvs/Trigger says of an answer of the cell.
-Json triggered(const Json& answer) {
-  const Json error = answer.value("error", Json::object());
-  return {{"success", answer.value("ok", false)}, {"message", error.value("what", std::string())}};
+/// A reply of the cell as std_srvs/Trigger says it.
+Json triggered(const protocol::Reply& reply) {
+  return {{"success", reply.answer.has_value()}, {"message", reply.refusal ? refusal_of(reply) : ""}};
 }
 
 class CellNode : public Part {
@@ -31,11 +32,14 @@ class CellNode : public Part {
         node_, "/diagnostics", messages::type_info<messages::diagnostic_msgs::msg::DiagnosticArray>());
     log_ = bridge.wire().publisher(node_, "/rosout", messages::type_info<Log>(), {true, true, 1000});
     // Nothing moves that a person has not asked for: these do what the verbs of the same names do.
-    for (const char* verb : {"stop", "hold", "resume", "discard", "recover"})
-      offer(verb, std::string("control.") + verb);
+    offer("stop", protocol::ControlStop{});
+    offer("hold", protocol::ControlHold{});
+    offer("resume", protocol::ControlResume{});
+    offer("discard", protocol::ControlDiscard{});
+    offer("recover", protocol::ControlRecover{});
     if (bridge.cell().program()) {
-      offer("program/pause", "program.pause");
-      offer("program/stop", "program.stop");
+      offer("program/pause", protocol::ProgramPause{});
+      offer("program/stop", protocol::ProgramStop{});
       trigger("program/start", [this](const Reply& reply) { start_program(reply); });
     }
     ParameterSource none;
@@ -50,37 +54,37 @@ class CellNode : public Part {
     if (told_ >= 0 && now - told_ < kDiagnostics) return;
     told_ = now;
     if (bridge_.wire().wanted(diagnostics_))
-      bridge_.ask({{"request", "health"}}, [this](const Json& answer) { tell_diagnostics(answer); });
+      bridge_.ask(protocol::LoopHealth{}, [this](const protocol::Reply& reply) { tell_diagnostics(reply); });
   }
 
  private:
-  /// What a person at the cell is told, ROS's tools are told on /rosout.
+  /// What is reported at the cell is reported on /rosout as well.
   void tell_events() {
-    for (const cell::EventLog::Event& event : bridge_.cell().events().events())
-      if (event.number > last_event_) tell_event(event.json);
+    for (const protocol::Event& event : bridge_.cell().events().events())
+      if (event.number > last_event_) tell_event(event);
     last_event_ = bridge_.cell().events().last();
   }
-  void tell_event(const Json& event) {
-    const std::string kind = event["event"];
-    const auto text = [&](const char* key) { return event.value(key, std::string()); };
-    std::string message = text("text"), name = "polyarm";
+  void tell_event(const protocol::Event& event) {
+    const std::string& kind = event.event;
+    const auto text = [](const std::optional<std::string>& member) { return member.value_or(""); };
+    std::string message = text(event.text), name = "polyarm";
     if (kind == "problem")
-      message = text("what") + (text("advice").empty() ? "" : " (" + text("advice") + ")");
+      message = text(event.what) + (text(event.advice).empty() ? "" : " (" + text(event.advice) + ")");
     else if (kind == "state")
-      message = "the cell is " + text("state") + (text("cause").empty() ? "" : ": " + text("cause"));
+      message = "the cell is " + text(event.state) + (text(event.cause).empty() ? "" : ": " + text(event.cause));
     else if (kind == "log")
-      name += "." + text("task");
+      name += "." + text(event.task);
     else if (kind != "note" && kind != "stop" && kind != "question")
       return;  // lines and tags come too often
     const bool problem = kind == "problem";
-    const bool error = problem ? text("severity") == "error" : kind == "state" && text("state") == "fault";
-    const bool warning = problem || (kind == "state" && text("state") != "running");
+    const bool error = problem ? event.severity == protocol::FindingSeverity::error : kind == "state" && event.state == "fault";
+    const bool warning = problem || (kind == "state" && event.state != "running");
     const int level = error ? Log::ERROR : warning ? Log::WARN : Log::INFO;
     const Json out{{"stamp", bridge_.ros_stamp(bridge_.cell().now())},
                    {"level", level},
                    {"name", name},
                    {"msg", message},
-                   {"file", problem ? text("where") : ""}};
+                   {"file", problem ? text(event.where) : ""}};
     bridge_.wire().publish(log_, messages::from_json(messages::type_info<Log>(), out));
   }
 
@@ -88,20 +92,21 @@ class CellNode : public Part {
     bridge_.service(node_, node_ + "/" + service, "std_srvs/srv/Trigger",
                     [work = std::move(work)](const Json&, const Reply& reply) { work(reply); });
   }
-  void offer(const std::string& service, const std::string& request) {
+  void offer(const std::string& service, const protocol::Request& request) {
     trigger(service, [this, request](const Reply& reply) { pass(request, reply); });
   }
-  void pass(const std::string& request, const Reply& reply, Json arguments = Json::object()) {
-    arguments["request"] = request;
-    bridge_.ask(std::move(arguments), [reply](const Json& answer) { reply(triggered(answer)); });
+  void pass(const protocol::Request& request, const Reply& reply) {
+    bridge_.ask(request, [reply](const protocol::Reply& replied) { reply(triggered(replied)); });
   }
 
   /// Goes on where it is paused, and begins anew where it has ended.
   void start_program(const Reply& reply) {
-    bridge_.ask({{"request", "program"}}, [this, reply](const Json& answer) {
-      if (!answer.value("ok", false)) return reply(triggered(answer));
-      if (answer["result"].value("paused", false)) return pass("program.go", reply);
-      pass("program.from", reply, {{"confirmed", true}});
+    bridge_.ask(protocol::ProgramState{}, [this, reply](const protocol::Reply& replied) {
+      if (replied.refusal) return reply(triggered(replied));
+      if (replied.answer->as<protocol::ProgramState>().paused) return pass(protocol::ProgramGo{}, reply);
+      protocol::ProgramFrom anew;
+      anew.confirmed = true;
+      pass(anew, reply);
     });
   }
 
@@ -143,9 +148,10 @@ class CellNode : public Part {
                   worse ? "messages were refused, dropped or not sent" : "ok", std::move(values));
   }
 
-  void tell_diagnostics(const Json& answer) {
+  void tell_diagnostics(const protocol::Reply& reply) {
+    const Json health = reply.answer ? reply.answer->any().json() : Json::object();
     const Json message{{"header", {{"stamp", bridge_.ros_stamp(bridge_.cell().now())}}},
-                       {"status", {of_loop(answer.value("result", Json::object())), of_wire()}}};
+                       {"status", {of_loop(health), of_wire()}}};
     const auto& type = messages::type_info<messages::diagnostic_msgs::msg::DiagnosticArray>();
     bridge_.wire().publish(diagnostics_, messages::from_json(type, message));
   }

@@ -7,6 +7,7 @@
 #include "polyarm/base/yaml.hpp"
 #include "polyarm/messages/json.hpp"
 #include "polyarm/messages/types.hpp"
+#include "polyarm/protocol/messages.hpp"
 #include "polyarm/ros2/cell_door.hpp"
 #include "polyarm/ros2/life_cycle.hpp"
 #include "polyarm/ros2/typed_topic.hpp"
@@ -205,33 +206,31 @@ class ControllerNode {
     bridge_.service(
         ports_, node_ + "/query_state", "control_msgs/srv/QueryTrajectoryState",
         [this](const Json& request, const Reply& reply) {
-          Json asked{{"request", "query"}, {"name", controller_}};
+          protocol::QueryTrajectory query;
+          query.name = controller_;
           if (const std::int64_t at = nanoseconds_of(request["time"]); at != 0)
-            asked["at"] = seconds(bridge_.cell_time(at));
-          bridge_.ask(std::move(asked), [reply](const Json& answer) {
-            if (!answer.value("ok", false))
-              return reply({{"success", false}, {"message", answer["error"].value("what", "refused")}});
-            const Json& at = answer["result"];
+            query.at = seconds(bridge_.cell_time(at));
+          bridge_.ask(std::move(query), [reply](const protocol::Reply& replied) {
+            if (replied.refusal) return reply({{"success", false}, {"message", refusal_of(replied)}});
+            const auto& at = replied.answer->as<protocol::QueryTrajectory>();
             reply({{"success", true},
-                   {"name", at["joints"]},
-                   {"position", at["position"]},
-                   {"velocity", at["velocity"]},
-                   {"acceleration", at["acceleration"]}});
+                   {"name", at.joints},
+                   {"position", at.position},
+                   {"velocity", at.velocity},
+                   {"acceleration", at.acceleration}});
           });
         });
   }
 
-  /// The last message that was ignored, and when that was told.
+  /// The last message that was ignored, and when that was reported.
   struct Ignored {
     std::string why;
     Nanoseconds at = 0;
   };
-  /// A topic has no answer: the cell is told, of the same reason not at once again.
-  static void tell_ignored(Bridge& bridge, Ignored& told, const std::string& topic, const Json& answer) {
-    if (answer.value("ok", false)) return;
-    const Json error = answer.value("error", Json::object());
-    if (error.value("code", std::string()) == "not-active") return;
-    const std::string why = error.value("what", std::string("refused"));
+  /// A topic has no answer: it is reported at the cell, the same reason not again at once.
+  static void tell_ignored(Bridge& bridge, Ignored& told, const std::string& topic, const protocol::Reply& reply) {
+    if (!reply.refusal || reply.refusal->problems().front().code == "not-active") return;
+    const std::string why = refusal_of(reply);
     const Nanoseconds now = bridge.cell().now();
     if (why == told.why && now - told.at < kTellAgain) return;
     told = {why, now};
@@ -245,10 +244,13 @@ class ControllerNode {
     bridge_.subscribe(group, topic, type,
                       [this, topic, to = controller_ + "/" + port](Json message) {
                         bridge_.to_cell(message);
+                        protocol::SendMessage sent;
+                        sent.to = to;
+                        sent.message = protocol::Message(std::move(message));
                         bridge_.ask(
-                            {{"request", "send"}, {"to", to}, {"message", std::move(message)}},
-                            [told = told_, topic, &bridge = bridge_](const Json& answer) {
-                              tell_ignored(bridge, *told, topic, answer);
+                            std::move(sent),
+                            [told = told_, topic, &bridge = bridge_](const protocol::Reply& reply) {
+                              tell_ignored(bridge, *told, topic, reply);
                             },
                             this);
                       },
@@ -258,38 +260,35 @@ class ControllerNode {
   ParameterSource parameters() {
     ParameterSource out;
     out.list = [this](std::function<void(Json)> got) {
-      bridge_.ask({{"request", "param.list"}, {"name", controller_}},
-                  [got = std::move(got)](const Json& answer) {
-                    Json all = Json::object();
-                    for (const Json& p : answer.value("result", Json::array()))
-                      all[p["key"].get<std::string>()] = entry_of(p);
-                    got(std::move(all));
-                  });
+      bridge_.ask(protocol::ParamList{controller_}, [got = std::move(got)](const protocol::Reply& reply) {
+        Json all = Json::object();
+        if (reply.answer)
+          for (const protocol::Parameter& p : reply.answer->as<protocol::ParamList>()) all[p.key] = entry_of(p);
+        got(std::move(all));
+      });
     };
     out.set = [this](const Json& values, std::function<void(std::string)> done) {
-      bridge_.ask({{"request", "param.set"}, {"name", controller_}, {"values", values}},
-                  [done = std::move(done)](const Json& answer) {
-                    done(answer.value("ok", false) ? "" : answer["error"].value("what", "refused"));
-                  });
+      protocol::ParamSet request{controller_, {}};
+      for (const auto& [key, value] : values.items()) request.values[key] = value;
+      bridge_.ask(std::move(request), [done = std::move(done)](const protocol::Reply& reply) {
+        done(reply.answer ? "" : refusal_of(reply));
+      });
     };
     return out;
   }
 
-  static Json entry_of(const Json& parameter) {
+  static Json entry_of(const protocol::Parameter& parameter) {
     using Type = messages::rcl_interfaces::msg::ParameterType;
-    Json out{{"value", value_of(parameter)},
-             {"text", parameter["text"]},
-             {"read_only", !parameter["changeable"].get<bool>()}};
-    if (parameter["type"] == "a list of numbers") out["type"] = Type::PARAMETER_DOUBLE_ARRAY;
-    if (parameter["type"] == "a list of texts") out["type"] = Type::PARAMETER_STRING_ARRAY;
-    if (const auto choices = parameter.find("choices"); choices != parameter.end())
-      out["constraints"] = "one of " + choices->dump();
+    Json out{{"value", value_of(parameter)}, {"text", parameter.text}, {"read_only", !parameter.changeable}};
+    if (parameter.type == "a list of numbers") out["type"] = Type::PARAMETER_DOUBLE_ARRAY;
+    if (parameter.type == "a list of texts") out["type"] = Type::PARAMETER_STRING_ARRAY;
+    if (parameter.choices) out["constraints"] = "one of " + Json(*parameter.choices).dump();
     return out;
   }
 
   /// The text that a parameter's value is kept as, as its type has it.
-  static Json value_of(const Json& parameter) {
-    const std::string type = parameter["type"], text = parameter["value"];
+  static Json value_of(const protocol::Parameter& parameter) {
+    const std::string &type = parameter.type, &text = parameter.value;
     try {
       const Yaml yaml = Yaml::parse(text, "parameter");
       if (type == "true or false") return text == "true";

@@ -4,6 +4,7 @@
 
 #include "polyarm/messages/json.hpp"
 #include "polyarm/messages/types.hpp"
+#include "polyarm/protocol/controllers.hpp"
 
 namespace polyarm::ros2 {
 
@@ -137,11 +138,10 @@ LifeCycle::LifeCycle(Bridge& bridge, std::string node, std::string controller)
                    const Transition* wanted = transition_of(request["transition"]);
                    if (!wanted || state_of(bridge.cell(), name) != wanted->from)
                      return reply({{"success", false}});
-                   bridge.ask(
-                       {{"request", "control.state"}, {"name", name}, {"state", success_after(*wanted)->to}},
-                       [reply](const Json& answer) {
-                         reply({{"success", answer.value("ok", false)}});
-                       });
+                   bridge.ask(protocol::ControlState{name, success_after(*wanted)->to},
+                              [reply](const protocol::Reply& replied) {
+                                reply({{"success", replied.answer.has_value()}});
+                              });
                  });
 }
 

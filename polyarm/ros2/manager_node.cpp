@@ -7,6 +7,8 @@
 #include "polyarm/base/yaml.hpp"
 #include "polyarm/messages/json.hpp"
 #include "polyarm/messages/types.hpp"
+#include "polyarm/protocol/controllers.hpp"
+#include "polyarm/protocol/hardware.hpp"
 #include "polyarm/ros2/cell_door.hpp"
 #include "polyarm/ros2/life_cycle.hpp"
 
@@ -54,162 +56,164 @@ class ManagerNode : public Part {
   }
 
  private:
-  /// A service that asks the cell one thing and gives its result in ROS's words.
-  void offer(const char* name, const char* type, const char* request,
-             std::function<Json(const Json&)> arguments, std::function<Json(const Json& answer)> response) {
+  /// A service that asks the cell one thing and gives its answer in ROS's words. `response` takes the answer, or null
+  /// where the cell has refused.
+  template <class R>
+  void offer(const char* name, const char* type, std::function<R(const Json& asked)> request,
+             std::function<Json(const typename R::Answer* answer)> response) {
     bridge_.service(node_, node_ + "/" + name, kTypes + type,
-                    [this, request, arguments = std::move(arguments), response = std::move(response)](
-                        const Json& asked, const Reply& reply) {
-                      Json line = arguments(asked);
-                      line["request"] = request;
-                      bridge_.ask(std::move(line),
-                                  [response, reply](const Json& answer) { reply(response(answer)); });
+                    [this, request = std::move(request), response = std::move(response)](const Json& asked,
+                                                                                         const Reply& reply) {
+                      bridge_.ask(request(asked), [response, reply](const protocol::Reply& replied) {
+                        reply(response(replied.answer ? &replied.answer->as<R>() : nullptr));
+                      });
                     });
   }
+  /// Of a request without arguments.
+  template <class R>
+  void offer(const char* name, const char* type, std::function<Json(const typename R::Answer* answer)> response) {
+    offer<R>(name, type, [](const Json&) { return R{}; }, std::move(response));
+  }
 
-  Json names(const Json& interfaces) const {
+  Json names(const std::vector<std::string>& interfaces) const {
     Json out = Json::array();
-    for (const Json& name : interfaces) out.push_back(bridge_.interface_name(name.get<std::string>()));
+    for (const std::string& name : interfaces) out.push_back(bridge_.interface_name(name));
     return out;
   }
 
-  Json controller(const Json& c) const {
+  static std::uint16_t whole_rate(double rate) { return static_cast<std::uint16_t>(std::min(rate, 65535.0)); }
+
+  Json controller(const protocol::ListedController& c) const {
     Json chains = Json::array();
     std::map<std::string, Json> by_controller;
-    for (const Json& command : c["commands"]) {
-      const std::string name = command;
+    for (const std::string& name : c.commands)
       for (const std::string& other : bridge_.cell().loop().controllers().names())
         if (name.starts_with(other + "/")) by_controller[other].push_back(name.substr(other.size() + 1));
-    }
     for (const auto& [name, references] : by_controller)
       chains.push_back({{"name", name}, {"reference_interfaces", references}});
-    return {{"name", c["name"]},
-            {"state", c["state"]},
-            {"type", c["type"]},
-            {"is_async", c["async"]},
-            {"update_rate", static_cast<std::uint16_t>(std::min(c["rate"].get<double>(), 65535.0))},
-            {"claimed_interfaces", names(c["claimed"])},
-            {"required_command_interfaces", names(c["commands"])},
-            {"required_state_interfaces", names(c["states"])},
-            {"is_chainable", !c["references"].empty()},
-            {"is_chained", c["chained"]},
-            {"exported_state_interfaces", c["exported_states"]},
-            {"reference_interfaces", c["references"]},
+    return {{"name", c.name},
+            {"state", c.state},
+            {"type", c.type},
+            {"is_async", c.async},
+            {"update_rate", whole_rate(c.rate)},
+            {"claimed_interfaces", names(c.claimed)},
+            {"required_command_interfaces", names(c.commands)},
+            {"required_state_interfaces", names(c.states)},
+            {"is_chainable", !c.references.empty()},
+            {"is_chained", c.chained},
+            {"exported_state_interfaces", c.exported_states},
+            {"reference_interfaces", c.references},
             {"chain_connections", chains}};
   }
 
-  /// An interface is a name here and {name, claimed_by} there.
-  Json interface(const Json& given, bool available) const {
-    const std::string name = given.is_string() ? given.get<std::string>() : given["name"].get<std::string>();
+  Json interface(const std::string& name, const std::string& claimed_by, bool available) const {
     return {{"name", bridge_.interface_name(name)},
             {"data_type", "double"},
             {"is_available", available},
-            {"is_claimed", given.is_object() && !given.value("claimed_by", std::string()).empty()}};
+            {"is_claimed", !claimed_by.empty()}};
   }
-  Json interfaces(const Json& given, bool available) const {
+  template <class Command>
+  Json commands(const std::vector<Command>& all, bool available) const {
     Json out = Json::array();
-    for (const Json& one : given) out.push_back(interface(one, available));
+    for (const Command& each : all) out.push_back(interface(each.name, each.claimed_by, available));
     return out;
   }
 
-  Json component(const Json& h) const {
-    const std::string state = h["state"];
-    const bool available = state == "active" || state == "inactive";
-    return {{"name", h["name"]},
-            {"type", h["type"]},
-            {"is_async", h["async"]},
-            {"rw_rate", static_cast<std::uint16_t>(std::min(h["rate"].get<double>(), 65535.0))},
-            {"class_type", h["plugin"]},
-            {"plugin_name", h["plugin"]},
-            {"state", state_json(state)},
-            {"command_interfaces", interfaces(h["commands"], available)},
-            {"state_interfaces", interfaces(h["states"], available)}};
+  Json component(const protocol::ListedHardware& h) const {
+    const bool available = h.state == "active" || h.state == "inactive";
+    Json states = Json::array();
+    for (const std::string& name : h.states) states.push_back(interface(name, "", available));
+    return {{"name", h.name},
+            {"type", h.type},
+            {"is_async", h.async},
+            {"rw_rate", whole_rate(h.rate)},
+            {"class_type", h.plugin},
+            {"plugin_name", h.plugin},
+            {"state", state_json(h.state)},
+            {"command_interfaces", commands(h.commands, available)},
+            {"state_interfaces", std::move(states)}};
   }
 
-  template <class Each>
-  static Json all(const Json& answer, Each each) {
+  template <class List, class Each>
+  static Json all(const List* answer, Each each) {
     Json out = Json::array();
-    for (const Json& one : answer.value("result", Json::array())) out.push_back(each(one));
+    if (answer)
+      for (const auto& one : *answer) out.push_back(each(one));
     return out;
   }
 
   void offer_lists() {
-    const auto nothing = [](const Json&) { return Json::object(); };
-    offer("list_controllers", "ListControllers", "control.list", nothing, [this](const Json& answer) {
-      return Json{{"controller", all(answer, [this](const Json& c) { return controller(c); })}};
+    offer<protocol::ControlList>("list_controllers", "ListControllers", [this](const auto* answer) {
+      return Json{{"controller", all(answer, [this](const auto& c) { return controller(c); })}};
     });
-    offer("list_controller_types", "ListControllerTypes", "control.types", nothing, [](const Json& answer) {
-      return Json{{"types", all(answer, [](const Json& t) { return t["type"]; })},
+    offer<protocol::ControlTypes>("list_controller_types", "ListControllerTypes", [](const auto* answer) {
+      return Json{{"types", all(answer, [](const auto& t) { return t.type; })},
                   {"base_classes",
-                   all(answer, [](const Json&) { return "controller_interface::ControllerInterface"; })}};
+                   all(answer, [](const auto&) { return "controller_interface::ControllerInterface"; })}};
     });
-    offer("list_hardware_components", "ListHardwareComponents", "hardware.list", nothing,
-          [this](const Json& answer) {
-            return Json{{"component", all(answer, [this](const Json& h) { return component(h); })}};
-          });
-    offer("list_hardware_interfaces", "ListHardwareInterfaces", "interfaces", nothing,
-          [this](const Json& answer) {
-            const Json result = answer.value("result", Json::object());
-            return Json{{"command_interfaces", interfaces(result.value("commands", Json::array()), true)},
-                        {"state_interfaces", interfaces(result.value("states", Json::array()), true)}};
-          });
+    offer<protocol::HardwareList>("list_hardware_components", "ListHardwareComponents", [this](const auto* answer) {
+      return Json{{"component", all(answer, [this](const auto& h) { return component(h); })}};
+    });
+    offer<protocol::InterfacesList>("list_hardware_interfaces", "ListHardwareInterfaces", [this](const auto* answer) {
+      if (!answer) return Json{{"command_interfaces", Json::array()}, {"state_interfaces", Json::array()}};
+      return Json{{"command_interfaces", commands(answer->commands, true)},
+                  {"state_interfaces",
+                   all(&answer->states, [this](const auto& state) { return interface(state.name, "", true); })}};
+    });
   }
 
   void offer_changes() {
-    const auto name = [](const Json& asked) { return Json{{"name", asked["name"]}}; };
-    const auto ok = [](const Json& answer) { return Json{{"ok", answer.value("ok", false)}}; };
+    const auto ok = [](const auto* answer) { return Json{{"ok", answer != nullptr}}; };
     bridge_.service(node_, node_ + "/load_controller", kTypes + "LoadController",
                     [this](const Json& asked, const Reply& reply) { load(asked["name"], reply); });
-    offer("unload_controller", "UnloadController", "control.unload", name, ok);
-    offer("cleanup_controller", "CleanupController", "control.cleanup", name, ok);
+    offer<protocol::ControlUnload>(
+        "unload_controller", "UnloadController",
+        [](const Json& asked) { return protocol::ControlUnload{asked["name"]}; }, ok);
+    offer<protocol::ControlCleanup>(
+        "cleanup_controller", "CleanupController",
+        [](const Json& asked) { return protocol::ControlCleanup{asked["name"]}; }, ok);
     bridge_.service(node_, node_ + "/configure_controller", kTypes + "ConfigureController",
                     [this](const Json& asked, const Reply& reply) { configure(asked["name"], reply); });
-    offer(
-        "set_hardware_component_state", "SetHardwareComponentState", "hardware.state",
+    offer<protocol::HardwareState>(
+        "set_hardware_component_state", "SetHardwareComponentState",
         [](const Json& asked) {
-          return Json{{"name", asked["name"]}, {"state", state_label(asked["target_state"])}};
+          return protocol::HardwareState{asked["name"], state_label(asked["target_state"])};
         },
-        [](const Json& answer) {
-          const Json result = answer.value("result", Json::object());
-          return Json{{"ok", answer.value("ok", false)},
-                      {"state", state_json(result.value("state", std::string()))}};
+        [](const auto* answer) {
+          return Json{{"ok", answer != nullptr}, {"state", state_json(answer ? answer->state : "")}};
         });
     bridge_.service(
         node_, node_ + "/reload_controller_libraries", kTypes + "ReloadControllerLibraries",
         [this](const Json& asked, const Reply& reply) { reload(asked["force_kill"].get<bool>(), reply); });
   }
 
-  /// ROS's answers have no place for the reason: a person at the cell is told.
-  void tell(const std::string& what, const Json& answer) {
-    bridge_.cell().tell("ROS 2: " + what + ": " +
-                        answer.value("error", Json::object()).value("what", std::string("refused")));
-  }
+  /// ROS's answers have no place for the reason: it is reported at the cell.
+  void tell(const std::string& what, const std::string& why) { bridge_.cell().tell("ROS 2: " + what + ": " + why); }
 
   /// `load` of the cell configures at once; a controller that ROS 2 has loaded is not configured yet.
   void load(const std::string& name, const Reply& reply) {
-    Json request;
+    protocol::ControlLoad request;
     try {
       request = to_load(name);
     } catch (const Error& e) {
-      tell("'" + name + "' cannot be loaded", {{"error", {{"what", e.what()}}}});
+      tell("'" + name + "' cannot be loaded", e.what());
       return reply({{"ok", false}});
     }
-    request["request"] = "control.load";
-    bridge_.ask(std::move(request), [this, name, reply](const Json& answer) {
-      if (!answer.value("ok", false)) {
-        tell("'" + name + "' cannot be loaded", answer);
+    bridge_.ask(std::move(request), [this, name, reply](const protocol::Reply& loaded) {
+      if (loaded.refusal) {
+        tell("'" + name + "' cannot be loaded", refusal_of(loaded));
         return reply({{"ok", false}});
       }
-      bridge_.ask({{"request", "control.cleanup"}, {"name", name}}, [reply](const Json& cleaned) {
-        reply({{"ok", cleaned.value("ok", false)}});
+      bridge_.ask(protocol::ControlCleanup{name}, [reply](const protocol::Reply& cleaned) {
+        reply({{"ok", cleaned.answer.has_value()}});
       });
     });
   }
 
-  /// Nothing that is at work is taken away unless it is forced; then all controllers go. Libraries of plugins
-  /// stay loaded: what is loaded afterwards is made anew from them.
+  /// No active controller is unloaded unless that is forced; then all controllers are. Libraries of plugins stay
+  /// loaded: controllers that are loaded afterwards are made from them.
   void reload(bool force, const Reply& reply) {
-    Json active = Json::array();
+    protocol::Names active;
     const auto names = std::make_shared<std::vector<std::string>>();
     for (const control::ListedController& c : bridge_.cell().loop().controllers().list()) {
       if (c.state == LifecycleState::active) active.push_back(c.name);
@@ -217,35 +221,33 @@ class ManagerNode : public Part {
     }
     if (active.empty()) return unload_all(names, reply);
     if (!force) return reply({{"ok", false}});
-    bridge_.ask({{"request", "control.switch"}, {"deactivate", active}, {"strictness", "force"}},
-                [this, names, reply](const Json& answer) {
-                  if (answer.value("ok", false) && answer["result"].value("ok", false))
-                    return unload_all(names, reply);
-                  reply({{"ok", false}});
-                });
+    protocol::ControlSwitch off;
+    off.deactivate = active;
+    off.strictness = protocol::Strictness::force;
+    bridge_.ask(std::move(off), [this, names, reply](const protocol::Reply& switched) {
+      if (switched.answer && switched.answer->as<protocol::ControlSwitch>().ok) return unload_all(names, reply);
+      reply({{"ok", false}});
+    });
   }
   void unload_all(const std::shared_ptr<std::vector<std::string>>& names, const Reply& reply) {
     if (names->empty()) return reply({{"ok", true}});
     const std::string name = names->back();
     names->pop_back();
-    bridge_.ask({{"request", "control.unload"}, {"name", name}},
-                [this, names, name, reply](const Json& answer) {
-                  if (answer.value("ok", false)) return unload_all(names, reply);
-                  tell("'" + name + "' cannot be taken away", answer);
-                  reply({{"ok", false}});
-                });
+    bridge_.ask(protocol::ControlUnload{name}, [this, names, name, reply](const protocol::Reply& unloaded) {
+      if (unloaded.answer) return unload_all(names, reply);
+      tell("'" + name + "' cannot be unloaded", refusal_of(unloaded));
+      reply({{"ok", false}});
+    });
   }
 
   /// What is configured already stays so. A cell starts its controllers by itself, and launch files of users
   /// start them once more: a spawner configures and then activates, and both succeed where that is done.
   void configure(const std::string& name, const Reply& reply) {
     if (is_active(name)) return reply({{"ok", true}});
-    bridge_.ask({{"request", "control.state"}, {"name", name}, {"state", "inactive"}},
-                [this, name, reply](const Json& answer) {
-                  const bool ok = answer.value("ok", false);
-                  if (!ok) tell("'" + name + "' cannot be configured", answer);
-                  reply({{"ok", ok}});
-                });
+    bridge_.ask(protocol::ControlState{name, "inactive"}, [this, name, reply](const protocol::Reply& configured) {
+      if (configured.refusal) tell("'" + name + "' cannot be configured", refusal_of(configured));
+      reply({{"ok", configured.answer.has_value()}});
+    });
   }
 
   bool is_active(const std::string& name) const {
@@ -275,26 +277,26 @@ class ManagerNode : public Part {
                on.end());
     if (on.empty() && off.empty()) return reply({{"ok", true}, {"message", "nothing is to be changed"}});
     const int strictness = asked["strictness"];
-    const std::string word = strictness == 0                      ? unsaid_strictness()
-                             : strictness == Request::BEST_EFFORT ? "best_effort"
-                             : strictness == Request::AUTO        ? "auto"
-                             : strictness == Request::FORCE_AUTO  ? "force"
-                                                                  : "strict";
-    bridge_.ask({{"request", "control.switch"}, {"activate", on}, {"deactivate", off}, {"strictness", word}},
-                [this, on, reply](const Json& answer) { reply(switched(on, answer)); });
+    protocol::ControlSwitch request;
+    request.activate = on.get<std::vector<std::string>>();
+    request.deactivate = off.get<std::vector<std::string>>();
+    using Word = protocol::Strictness;
+    request.strictness = strictness == 0                      ? unsaid_strictness()
+                         : strictness == Request::BEST_EFFORT ? Word::best_effort
+                         : strictness == Request::AUTO        ? Word::automatic
+                         : strictness == Request::FORCE_AUTO  ? Word::force
+                                                              : Word::strict;
+    bridge_.ask(std::move(request),
+                [this, on, reply](const protocol::Reply& replied) { reply(switched(on, replied)); });
   }
 
-  /// What is left out with best effort is told, too: who could be active and is not has not been switched.
-  Json switched(const Json& on, const Json& answer) const {
-    if (!answer.value("ok", false))
-      return {{"ok", false},
-              {"message", answer.value("error", Json::object()).value("what", std::string("refused"))}};
-    const Json result = answer.value("result", Json::object());
-    if (!result.value("ok", false))
-      return {{"ok", false}, {"message", result.value("reason", std::string())}};
+  /// With best effort, a controller that was left out has not been switched: that is no success.
+  Json switched(const Json& on, const protocol::Reply& reply) const {
+    if (reply.refusal) return {{"ok", false}, {"message", refusal_of(reply)}};
+    const protocol::SwitchOutcome& outcome = reply.answer->as<protocol::ControlSwitch>();
+    if (!outcome.ok) return {{"ok", false}, {"message", outcome.reason}};
     std::string left_out;
-    for (const Json& why : result.value("left_out", Json::array()))
-      left_out += (left_out.empty() ? "" : "; ") + why.get<std::string>();
+    for (const std::string& why : outcome.left_out) left_out += (left_out.empty() ? "" : "; ") + why;
     bool all = true;
     for (const control::ListedController& c : bridge_.cell().loop().controllers().list())
       all =
@@ -303,10 +305,10 @@ class ManagerNode : public Part {
   }
 
   /// Of a request that states none: as the controllers' file says, else as the distribution has it.
-  std::string unsaid_strictness() const {
-    const std::string& stated = bridge_.cell().manager().strictness;
-    if (!stated.empty()) return stated;
-    return bridge_.wire().distribution() == messages::Distribution::kilted ? "strict" : "best_effort";
+  std::optional<protocol::Strictness> unsaid_strictness() const {
+    if (!bridge_.cell().manager().strictness.empty()) return std::nullopt;  // the cell takes the file's
+    const bool strict = bridge_.wire().distribution() == messages::Distribution::kilted;
+    return strict ? protocol::Strictness::strict : protocol::Strictness::best_effort;
   }
 
   static Json json_of(const Yaml& yaml) {
@@ -331,22 +333,25 @@ class ManagerNode : public Part {
   /// What a spawner has set of the controller before it loads it: its type, which may stand in its files,
   /// too, and the files, of which later ones have the last word. Where no type is known the cell looks for
   /// the controller in the last file, or in its own.
-  Json to_load(const std::string& name) const {
+  protocol::ControlLoad to_load(const std::string& name) const {
     const auto spawned = [&](const char* key) {
       const auto at = spawned_.find(name + key);
       return at == spawned_.end() ? Json() : at->second;
     };
-    Json out{{"name", name}}, parameters = Json::object();
+    protocol::ControlLoad out;
+    out.name = name;
+    Json parameters = Json::object();
     const Json files = spawned(".params_file");
     for (const Json& file : files) add_parameters(file.get<std::string>(), name, parameters);
     Json type = spawned(".type");
     if (type.is_null() && parameters.contains("type")) type = parameters["type"];
     parameters.erase("type");
     if (!type.is_null()) {
-      out["type"] = type;
-      if (!parameters.empty()) out["parameters"] = parameters;
+      out.type = type.get<std::string>();
+      if (!parameters.empty()) out.parameters.emplace();
+      for (const auto& [key, value] : parameters.items()) (*out.parameters)[key] = value;
     } else if (!files.empty()) {
-      out["file"] = files.back();
+      out.file = files.back().get<std::string>();
     }
     return out;
   }

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "polyarm/base/bounds.hpp"
-#include "polyarm/cell/request_roles.hpp"
+#include "polyarm/protocol/facts.hpp"
 #include "polyarm/realtime/bell.hpp"
 
 namespace polyarm::server {
@@ -39,7 +39,7 @@ class Client {
   struct Side {
     std::string address;                ///< of the other side
     bool local = true;                  ///< it is on this machine
-    cell::Role role = cell::Role::administer;  ///< of the token that it has shown
+    protocol::Role role = protocol::Role::administer;  ///< of the token that it has shown
   };
   /// `rope`: pulled when a line has come in; may be null, as may `all`.
   Client(std::uint64_t its_number, Side side, std::shared_ptr<realtime::BellRope> rope = nullptr,
@@ -57,7 +57,7 @@ class Client {
   const std::uint64_t number;  ///< counts up from 1
   const std::string from;      ///< address of the other side
   const bool local;            ///< it is on this machine
-  const cell::Role role;       ///< what its token allows
+  const protocol::Role role;       ///< what its token allows
 
   // --- I/O thread
   /// Keeps the line, or refuses it where too much waits; false: it comes too fast. Everything is read at once,

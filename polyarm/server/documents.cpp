@@ -9,6 +9,7 @@
 #include "polyarm/base/hash.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/meshes/robot_meshes.hpp"
+#include "polyarm/protocol/reference.hpp"
 
 namespace polyarm::server {
 
@@ -297,18 +298,7 @@ Json scene_json(const cell::Cell& cell) {
 }
 
 Json requests_json() {
-  Json out = Json::array();
-  for (const cell::RequestInfo& info : cell::request_table()) {
-    Json arguments = Json::array();
-    for (const cell::RequestArgument& a : info.arguments)
-      arguments.push_back({{"name", a.name}, {"type", cell::name(a.type)}, {"needed", a.needed}});
-    out.push_back({{"request", info.name},
-                   {"arguments", arguments},
-                   {"result", info.result},
-                   {"text", info.text},
-                   {"moves", info.moves}});
-  }
-  return out;
+  return protocol::any_of(protocol::help_rows()).json();
 }
 
 std::map<std::string, description::RobotModel> meshes_of(const cell::Cell& cell) {

@@ -5,8 +5,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "polyarm/cell/problem_json.hpp"
-#include "polyarm/cell/program_hash.hpp"
+#include "polyarm/cell/program_status.hpp"
 #include "polyarm/cell/ways.hpp"
 #include "polyarm/server/documents.hpp"
 
@@ -22,36 +21,12 @@ Json place_json(const Location& where) {
   return {{"file", where.file}, {"line", where.line}, {"column", where.column}};
 }
 
-/// As the cell's folder has it.
-std::string in_folder(const cell::Cell& cell, const std::string& file) {
-  const auto inside = std::filesystem::path(file).lexically_relative(cell.file().folder);
-  return inside.empty() || inside.string().starts_with("..") ? file : inside.generic_string();
-}
-
-Json program_json(const cell::Cell& cell, const cell::Task& task, bool begun = true) {
-  const program::TaskStatus& status = task.status();
-  return {{"file", in_folder(cell, task.interpreter().program().file)},
-          {"state", program::name(task.interpreter().state())},
-          {"line", status.where.line},
-          {"where", place_json(status.where)},
-          {"source", status.source},
-          {"cycle", status.cycles},
-          {"last_pass_s", task.last_pass() ? Json(seconds(*task.last_pass())) : Json()},
-          {"paused", task.interpreter().paused()},
-          {"begun", begun},
-          {"hash", begun ? "" : cell::program_hash(task.interpreter().program())},
-          {"ended", task.ended()},
-          {"tasks", task.interpreter().status().size()},
-          {"waits_for", status.waiting.text},
-          {"problem", status.problem ? Json(status.problem->text()) : Json()}};
-}
-
-/// To 0.1 mm and about 0.1 deg, so that what stands still has no news.
-Json rounded(const Pose& pose) {
-  Json out = pose_json(pose);
-  for (Json& each : out["p"]) each = std::round(each.get<double>() * 1e4) / 1e4 + 0.0;
-  for (Json& each : out["q"]) each = std::round(each.get<double>() * 1e3) / 1e3 + 0.0;
-  return out;
+/// To 0.1 mm and about 0.1 deg, so that a base that stands does not change.
+protocol::BasePose rounded(const Pose& pose) {
+  const auto to = [](double value, double steps) { return std::round(value * steps) / steps + 0.0; };
+  const Vec3& p = pose.position;
+  const Quaternion& q = pose.rotation;
+  return {{to(p.x, 1e4), to(p.y, 1e4), to(p.z, 1e4)}, {to(q.x, 1e3), to(q.y, 1e3), to(q.z, 1e3), to(q.w, 1e3)}};
 }
 
 bool same_place(const hardware::PartState& a, const hardware::PartState& b) {
@@ -75,49 +50,44 @@ std::string idle_mover(cell::Cell& cell, std::size_t robot) {
 
 }  // namespace
 
-Json status_of(cell::Cell& cell, const Journal& journal) {
+protocol::CellStatus status_of(cell::Cell& cell, const Journal& journal) {
   const control::Snapshot& seen = cell.snapshot();
   const control::Supervisor& supervisor = cell.loop().supervisor();
-  const bool running = seen.state == control::RunState::running;
+  protocol::CellStatus out;
+  out.cell = cell.file().name;
+  out.state = control::name(seen.state);
   const Problem cause = cell.stop_cause();
-  Json bases = Json::object(), jogged = Json::array();
-  for (std::size_t i = 0; i < cell.robots().size(); ++i) {
-    bases[cell.robots()[i]->entry.name] = rounded(cell.base(i).pose(seen));
-    if (cell.jogging().engaged(i)) jogged.push_back(cell.robots()[i]->entry.name);
-  }
-  Json inactive = Json::array();
+  out.cause = cause.what;
+  out.cause_code = cause.code;
+  out.cause_facts = protocol::fact_values(cause.facts);
+  if (seen.state != control::RunState::running) out.held = out.cause;
+  out.can = cell::possible_now(cell);
+  out.contacts = cell::contact_state(cell);
+  out.standing = seen.standing;
+  out.motion_left = cell.motion_left();
+  out.armed = cell.arming().armed();
+  out.needs_arming = cell.arming().needed();
+  out.simulated = !out.needs_arming;
+  out.profile = cell.profile();
+  out.reduced = cell.arming().reduced();
+  out.override_ = 100 * supervisor.override_share();
+  out.allowed = 100 * supervisor.share();
+  out.control = cell.control_holder();
+  if (cell.program()) out.program.emplace(cell::program_overview(cell, *cell.program(), cell.program_begun()));
+  if (cell.plc()) out.plc.emplace(cell::program_overview(cell, *cell.plc(), true));
+  if (cell.failure()) out.failure = cell.failure()->problem.text();
+  out.alarms = journal.last_alarm();
   const hardware::Hardware& hardware = cell.loop().hardware();
   for (std::size_t i = 0; i < hardware.size(); ++i)
     if (hardware.takes_commands(i) && hardware.state_of(i) != hardware::LifecycleState::active)
-      inactive.push_back(hardware.component_name(i));
-  for (std::size_t i = 0; i < cell.robots().size(); ++i)
-    if (const std::string mover = idle_mover(cell, i); !mover.empty()) inactive.push_back(mover);
-  return {{"event", "status"},
-          {"cell", cell.file().name},
-          {"state", control::name(seen.state)},
-          {"cause", cause.what},
-          {"cause_code", cause.code},
-          {"cause_facts", cell::facts_json(cause.facts)},
-          {"held", running ? "" : cause.what},
-          {"can", cell::ways_json(cell)},
-          {"contacts", cell::contacts_json(cell)},
-          {"standing", seen.standing},
-          {"motion_left", cell.motion_left()},
-          {"armed", cell.arming().armed()},
-          {"needs_arming", cell.arming().needed()},
-          {"simulated", !cell.arming().needed()},
-          {"profile", cell.profile()},
-          {"reduced", cell.arming().reduced()},
-          {"override", 100 * supervisor.override_share()},
-          {"allowed", 100 * supervisor.share()},
-          {"control", cell.control_holder()},
-          {"jogged", jogged},
-          {"program", cell.program() ? program_json(cell, *cell.program(), cell.program_begun()) : Json()},
-          {"plc", cell.plc() ? program_json(cell, *cell.plc()) : Json()},
-          {"failure", cell.failure() ? Json(cell.failure()->problem.text()) : Json()},
-          {"alarms", journal.last_alarm()},
-          {"inactive", inactive},
-          {"bases", bases}};
+      out.inactive.push_back(hardware.component_name(i));
+  for (std::size_t i = 0; i < cell.robots().size(); ++i) {
+    const std::string& robot = cell.robots()[i]->entry.name;
+    if (const std::string mover = idle_mover(cell, i); !mover.empty()) out.inactive.push_back(mover);
+    if (cell.jogging().engaged(i)) out.jogged.push_back(robot);
+    out.bases[robot] = rounded(cell.base(i).pose(seen));
+  }
+  return out;
 }
 
 Json TagEvents::value_of(const std::string& name) const {
@@ -275,18 +245,16 @@ Text PlanEvents::full() {
 
 void ProgramEvents::watch() {
   told_->on = true;
-  cell_.requests().handle(R"({"request": "program.watch", "rate": 10})",
-                          [watch = std::weak_ptr(told_)](const std::string& line) {
-                            const auto to = watch.lock();
-                            if (!to) return false;
-                            Json answer = Json::parse(line, nullptr, false);
-                            to->on = answer.value("ok", false);
-                            if (!to->on) return false;
-                            Json& result = answer["result"];
-                            result["event"] = "program";
-                            to->text = text_of(result);
-                            return to->fresh = true;
-                          });
+  cell_.requests().ask(protocol::ProgramWatch{}, [watch = std::weak_ptr(told_)](const protocol::Reply& reply) {
+    const auto to = watch.lock();
+    if (!to) return false;
+    to->on = reply.answer.has_value();
+    if (!to->on) return false;
+    Json event = reply.answer->any().json();
+    event["event"] = "program";
+    to->text = text_of(event);
+    return to->fresh = true;
+  });
 }
 
 Text ProgramEvents::changes(double now) {
@@ -307,7 +275,7 @@ Text log_event(const Journal& journal, std::uint64_t after) {
                        {"level", line.level},
                        {"text", line.text},
                        {"code", line.code},
-                       {"facts", cell::facts_json(line.facts)}});
+                       {"facts", protocol::any_of(protocol::fact_values(line.facts)).json()}});
   if (lines.empty()) return nullptr;
   return text_of({{"event", "log"}, {"lines", lines}});
 }
@@ -321,7 +289,7 @@ Text alarm_event(const Journal::Alarm& alarm) {
                   {"what", p.what},
                   {"where", place_json(p.where)},
                   {"advice", p.advice},
-                  {"facts", cell::facts_json(p.facts)},
+                  {"facts", protocol::any_of(protocol::fact_values(p.facts)).json()},
                   {"severity", p.severity == Severity::error ? "error" : "warning"}});
 }
 

@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "polyarm/cell/cell.hpp"
+#include "polyarm/protocol/status.hpp"
 #include "polyarm/server/client.hpp"
 #include "polyarm/server/journal.hpp"
 
 namespace polyarm::server {
 
-/// State in words, modes, program, alarms: {"event": "status", …} without what the port adds.
-nlohmann::json status_of(cell::Cell& cell, const Journal& journal);
+/// State in words, modes, program, alarms; without who has control.
+protocol::CellStatus status_of(cell::Cell& cell, const Journal& journal);
 
 /// Tags and variables that are no places.
 class TagEvents {

@@ -126,13 +126,13 @@ namespace {
 
 struct Claim {
   Shown how = Shown::nothing;
-  cell::Role role = cell::Role::watch;
+  protocol::Role role = protocol::Role::watch;
 };
 
 Claim claim_of(const Head& head, const GateRules& rules) {
   const auto judged = [&](std::string_view token, Shown as) {
-    Claim out{Shown::wrong, cell::Role::watch};
-    if (same_token(token, rules.token)) out = {as, cell::Role::administer};
+    Claim out{Shown::wrong, protocol::Role::watch};
+    if (same_token(token, rules.token)) out = {as, protocol::Role::administer};
     for (const auto& [lesser, role] : rules.lesser)
       if (same_token(token, lesser)) out = {as, role};
     return out;
@@ -153,7 +153,7 @@ Shown shown_token(const Head& head, const GateRules& rules) {
   return claim_of(head, rules).how;
 }
 
-cell::Role shown_role(const Head& head, const GateRules& rules) {
+protocol::Role shown_role(const Head& head, const GateRules& rules) {
   return claim_of(head, rules).role;
 }
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/cell/request_roles.hpp"
+#include "polyarm/protocol/facts.hpp"
 
 namespace polyarm::server {
 
@@ -18,7 +18,7 @@ struct Head {
 
 struct GateRules {
   std::string token;               ///< it allows everything
-  std::vector<std::pair<std::string, cell::Role>> lesser;  ///< tokens that allow less
+  std::vector<std::pair<std::string, protocol::Role>> lesser;  ///< tokens that allow less
   std::string cookie;              ///< name of the cookie that carries it
   bool loopback = true;            ///< only names of this machine itself are served
   std::vector<std::string> names;  ///< of this machine, lower case, served where not only loopback is
@@ -40,7 +40,7 @@ bool host_allowed(std::string_view host, const GateRules& rules);
 enum class Shown { nothing, wrong, cookie, query, bearer };
 Shown shown_token(const Head& head, const GateRules& rules);
 /// What the token that it shows allows; watch where it shows none that is right.
-cell::Role shown_role(const Head& head, const GateRules& rules);
+protocol::Role shown_role(const Head& head, const GateRules& rules);
 
 /// May it read what only a holder of the token sees? `changes`: it is no GET, or opens a WebSocket: then its
 /// Origin has to be the Host, or absent together with a token that is not the cookie.

@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "polyarm/cell/cell.hpp"
+#include "polyarm/protocol/session.hpp"
 
 namespace polyarm::server {
 
@@ -18,20 +18,16 @@ class JogWatch {
   /// Rest begins so long after the last heartbeat, s.
   static constexpr double kSilence = 0.12;
 
-  using Json = nlohmann::json;
-  /// Tells client `to` an event, or an answer to the request that began it.
-  using Tell = std::function<void(std::uint64_t to, const Json& message)>;
+  /// Sends client `to` an event, or the reply to the request that began it, as a line.
+  using Tell = std::function<void(std::uint64_t to, const std::string& line)>;
 
   JogWatch(cell::Cell& cell, Tell tell) : cell_(cell), tell_(std::move(tell)) {}
 
-  /// `request`: {id?, robot?, mode: joint | tcp | drive (axis 0: ahead, 1: to the left, of a base), frame?,
-  /// axis: number or six numbers, direction?, speed?}. It is answered {jog: number} once it moves, or with
-  /// why not. Throws Error for what makes no sense.
-  void begin(std::uint64_t client, const Json& request);
-  /// The same towards a place: {id?, robot?, joints: {…} | pose: {p, q}, kind?: joint | line, speed?}. The
-  /// way is planned first; where there is none it is refused with the reason, and nothing moves. Else the
-  /// joints go there, or the TCP in a straight line, and it is over when it stands there ("arrived").
-  void go_to(std::uint64_t client, const Json& request);
+  /// Answered {jog: number} once it moves, or with why not. Throws Error for what makes no sense.
+  void begin(std::uint64_t client, const protocol::Any& id, const protocol::JogBegin& request);
+  /// The same towards a place. The way is planned first; where there is none it is refused with the reason, and nothing
+  /// moves. Else the joints go there, or the TCP in a straight line, and it is over when it stands there ("arrived").
+  void go_to(std::uint64_t client, const protocol::Any& id, const protocol::JogGoto& request);
   /// A heartbeat; of one that is over it does nothing.
   void beat(std::uint64_t client, std::uint64_t jog);
   /// Brought to rest. `why`: "released", "lost", "control", "blur".
@@ -41,36 +37,44 @@ class JogWatch {
   void tick();
   bool any() const { return !jogs_.empty(); }
 
-  /// The same motion by an amount, as the cell's request: {robot, mode, frame, axis, amount, speed} of
-  /// `request`.
-  Json step(const Json& request) const;
+  /// The same motion by an amount, as the cell's request.
+  protocol::JogMotion step(const protocol::JogStep& request) const;
 
  private:
+  /// What holds a motion back now; all are empty if nothing does.
+  struct HeldBack {
+    std::string by, reason, which;
+    bool operator==(const HeldBack&) const = default;
+  };
   struct Jog {
     std::uint64_t number = 0, client = 0;
     std::size_t robot = 0;
-    Json id, wish;
+    protocol::Any id;
+    std::optional<protocol::Request> wish;  ///< what each heartbeat asks for
     std::uint32_t session = 0;
     Nanoseconds beat = 0;
     bool asked = false, begun = false, over = false, beaten = false;
-    bool drives = false;         ///< a base with wheels
-    Json rest;                   ///< of those: what brings it to rest
-    bool goes = false;           ///< to a place
-    bool planning = false;       ///< the way there, which is then
-    bool planned = false;        ///< and not yet asked for
-    std::vector<double> joints;  ///< of that place; empty: it is `place`
+    std::optional<protocol::Request> rest;  ///< of a base with wheels: what brings it to rest
+    bool goes = false;                      ///< to a place
+    bool planning = false;                  ///< the way there, which is then
+    bool planned = false;                   ///< and not yet asked for
+    std::vector<double> joints;             ///< of that place; empty: it is `place`
     Pose place;
-    Json held_back, told;  ///< {why, text, which} of what holds it back; null: nothing does
-    std::string refused;
+    HeldBack held_back, reported;
+    std::optional<Error> refused;
   };
-  std::size_t robot_of(const Json& request) const;
-  Json wish_of(std::size_t robot, const Json& request, double amount, bool by) const;
-  void drive(std::uint64_t client, std::size_t robot, const Json& request);
-  std::shared_ptr<Jog> begun_by(std::uint64_t client, std::size_t robot, const Json& request);
-  void take_plan(Jog& jog, const Json& plan, bool line, double speed);
+  std::size_t robot_of(const std::optional<std::string>& name) const;
+  template <class Keys>
+  protocol::JogMotion wish_of(std::size_t robot, const Keys& request, double amount, bool by) const;
+  void drive(std::uint64_t client, const protocol::Any& id, std::size_t robot, const protocol::JogBegin& request);
+  std::shared_ptr<Jog> begun_by(std::uint64_t client, const protocol::Any& id, std::size_t robot);
+  void take_plan(Jog& jog, const protocol::PlanPreview::Answer& plan, bool line, double speed);
   bool is_there(const Jog& jog) const;
   void ask(const std::shared_ptr<Jog>& jog);
+  void take_reply(Jog& jog, const protocol::Reply& reply) const;
   void finish(Jog& jog, const std::string& why, const std::string& text);
+  void report(const Jog& jog, bool over, const std::string& why, const std::string& text,
+              const std::string& which = {}) const;
   void follow(Jog& jog);
 
   cell::Cell& cell_;
@@ -79,5 +83,8 @@ class JogWatch {
   std::shared_ptr<const bool> here_ = std::make_shared<const bool>(true);  ///< as long as it is there
   std::uint64_t last_ = 0;
 };
+
+/// The way of a jog.goto, only planned.
+protocol::PlanPreview way_of(const protocol::JogGoto& request);
 
 }  // namespace polyarm::server

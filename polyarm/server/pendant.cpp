@@ -49,7 +49,7 @@ PortOptions port_options(const PendantOptions& options) {
   out.certificate = options.certificate;
   out.key = options.key;
   out.rules.token = options.token;
-  for (const cell::Role role : {cell::Role::watch, cell::Role::operate, cell::Role::program})
+  for (const protocol::Role role : {protocol::Role::watch, protocol::Role::operate, protocol::Role::program})
     out.rules.lesser.emplace_back(token_for(options.token, role), role);
   out.rules.loopback = !options.listen;
   if (options.listen) out.rules.names = own_names();
@@ -97,18 +97,18 @@ class Pendant::Work {
     port_->wake();
   }
   /// Through TLS alone where other machines are served so; on this one in clear.
-  std::string link(const std::string& host, bool outside, cell::Role role) const {
+  std::string link(const std::string& host, bool outside, protocol::Role role) const {
     return (outside && !options_.certificate.empty() ? "https://" : "http://") + host + ":" +
            std::to_string(port_->number()) + "/?token=" + token_for(options_.token, role);
   }
-  std::string outside_link(cell::Role role) const {
+  std::string outside_link(protocol::Role role) const {
     if (!options_.listen) return {};
     const bool any = options_.listen->empty() || *options_.listen == "0.0.0.0";
     const std::string address = any ? outside_address() : *options_.listen;
     if (address.empty()) return {};
     return link(address.find(':') == std::string::npos ? address : "[" + address + "]", true, role);
   }
-  std::string link_for(cell::Role role) const {
+  std::string link_for(protocol::Role role) const {
     const std::string outside = outside_link(role);
     return outside.empty() ? link("localhost", false, role) : outside;
   }
@@ -160,12 +160,12 @@ std::optional<cell::RestartWish> Pendant::take_wish() {
   return work_->sessions.take_wish();
 }
 std::string Pendant::link() const {
-  return work_->link("localhost", false, cell::Role::administer);
+  return work_->link("localhost", false, protocol::Role::administer);
 }
 std::string Pendant::outside_link() const {
-  return work_->outside_link(cell::Role::administer);
+  return work_->outside_link(protocol::Role::administer);
 }
-std::string Pendant::link_for(cell::Role role) const {
+std::string Pendant::link_for(protocol::Role role) const {
   return work_->link_for(role);
 }
 std::string Pendant::fingerprint() const {

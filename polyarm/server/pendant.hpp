@@ -8,7 +8,7 @@
 
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/door.hpp"
-#include "polyarm/cell/request_roles.hpp"
+#include "polyarm/protocol/facts.hpp"
 
 namespace polyarm::server {
 
@@ -52,7 +52,7 @@ class Pendant : public cell::Door {
   /// The same for other machines; empty where only loopback is served.
   std::string outside_link() const;
   /// The link, for other machines where they are served, of those who may do no more than that.
-  std::string link_for(cell::Role role) const;
+  std::string link_for(protocol::Role role) const;
   std::string fingerprint() const;
   std::uint16_t port() const;
 

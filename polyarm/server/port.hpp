@@ -19,7 +19,7 @@ struct HttpRequest {
   std::string body, if_none_match;
   bool gzip = false;  ///< the other side takes it
   Shown token = Shown::nothing;
-  cell::Role role = cell::Role::watch;
+  protocol::Role role = protocol::Role::watch;
   bool secure = false;  ///< it came through TLS
 };
 

@@ -8,8 +8,9 @@
 #include <utility>
 
 #include "polyarm/cell/known_cells.hpp"
-#include "polyarm/cell/problem_json.hpp"
-#include "polyarm/cell/request_roles.hpp"
+#include "polyarm/protocol/projects.hpp"
+#include "polyarm/protocol/tags.hpp"
+#include "polyarm/protocol/wire.hpp"
 #include "polyarm/realtime/periodic.hpp"
 #include "polyarm/server/control.hpp"
 #include "polyarm/server/documents.hpp"
@@ -33,9 +34,8 @@ struct Seat {
   double reserved_until = 0;  ///< it has one of the seats for control, and takes it until then; 0: none
 };
 
-Json error_of(const Error& error) {
-  return cell::problem_json(error.problems().front());
-}
+using protocol::Any;
+using protocol::Role;
 
 }  // namespace
 
@@ -46,7 +46,7 @@ class Sessions::Work {
   /// Beyond the seats for everybody there are some for those who come to take control.
   std::shared_ptr<Client> welcome(Client::Side side) {
     const std::lock_guard lock(mutex_);
-    const bool may_take = side.role != cell::Role::watch;
+    const bool may_take = side.role != protocol::Role::watch;
     if (connected_ >= bounds::kPageClients + (may_take ? bounds::kControlSeats : 0)) return nullptr;
     ++connected_;
     auto client = std::make_shared<Client>(++last_client_, std::move(side), rope, waiting_);
@@ -56,7 +56,7 @@ class Sessions::Work {
 
   void attach(cell::Cell& cell) {
     cell_ = &cell;
-    jogs_.emplace(cell, [this](std::uint64_t to, const Json& message) { tell(to, message); });
+    jogs_.emplace(cell, [this](std::uint64_t to, const std::string& line) { tell(to, line); });
     frames_.emplace(cell, ++layout_);
     tags_.emplace(cell);
     parts_.emplace(cell);
@@ -114,28 +114,6 @@ class Sessions::Work {
   const std::shared_ptr<realtime::BellRope> rope = std::make_shared<realtime::BellRope>();
 
  private:
-  using Handler = Json (Work::*)(Seat&, const Json&);
-
- public:
-  static const std::map<std::string, Handler>& handlers() {
-    static const std::map<std::string, Handler> table = {{"session.hello", &Work::hello},
-                                                         {"session.watch", &Work::watch},
-                                                         {"session.take", &Work::take_control},
-                                                         {"session.release", &Work::release},
-                                                         {"session.answer", &Work::answer_asker},
-                                                         {"jog.begin", &Work::jog_begin},
-                                                         {"jog.end", &Work::jog_end},
-                                                         {"jog.goto", &Work::jog_goto},
-                                                         {"session.end", &Work::end_request},
-                                                         {"cell.change", &Work::change_cell},
-                                                         {"cell.open", &Work::change_cell},
-                                                         {"cell.reset", &Work::change_cell},
-                                                         {"jog.step", &Work::jog_step}};
-    return table;
-  }
-
- private:
-
   // --- coming and going
 
   void look_at_clients() {
@@ -232,7 +210,7 @@ class Sessions::Work {
 
   void take(Seat& seat, const Client::Line& line) {
     ++requests;
-    Json id;
+    Any id;
     try {
       const bool holds = control_.holds(seat.client->number);
       if (!holds && line.text.size() > bounds::kWatcherRequestBytes)
@@ -240,62 +218,45 @@ class Sessions::Work {
                     "a request without control may have " + std::to_string(bounds::kWatcherRequestBytes) +
                         " bytes",
                     "take control first: session.take");
-      if (cell::nested_too_deep(line.text))
-        throw Error("bad-request", "the request is nested more than 64 deep");
-      Json request = Json::parse(line.text, nullptr, false);
-      if (!request.is_object() || !request.contains("request") || !request["request"].is_string())
+      const Any fields = protocol::parse_request(line.text);
+      const auto name = fields.json().find("request");
+      if (name == fields.json().end() || !name->is_string())
         throw Error("bad-request", "a request is one JSON object with the text 'request'",
                     "for example {\"id\": 1, \"request\": \"control.list\"}");
-      id = cell::request_id(request);
-      const std::string name = request["request"].get<std::string>();
-      require_may(seat, name, request);
-      require_not_overtaken(line, name, request);
-      if (name == "jog.beat") return beat(seat, request);
-      const auto own = handlers().find(name);
-      if (own == handlers().end()) return pass_on(seat, name, std::move(request), line.text.size());
-      if (const auto result = (this->*own->second)(seat, request); !result.is_discarded())
-        answer(seat, id, result);
+      id = protocol::request_id(fields);
+      const protocol::RequestType* const type = protocol::find_request(name->get<std::string>());
+      if (type) {
+        require_may(seat, *type, fields);
+        require_not_overtaken(line, *type, fields);
+      }
+      if (type && type->facts->session) return take_own(seat, id, protocol::read_request(*type, fields));
+      pass_on(seat, id, type, fields, line.text.size());
     } catch (const Error& e) {
-      refuse(seat, id, error_of(e));
-    } catch (const Json::exception& e) {
-      refuse(seat, id,
-             error_of(Error("bad-argument", std::string("an argument is of the wrong type: ") + e.what())));
+      seat.client->answer(protocol::refusal_line(e, id));
     }
   }
 
-  /// What is no mere telling needs a link that allows it, and control.
-  void require_may(const Seat& seat, const std::string& name, const Json& request) const {
-    cell::Role needed = cell::role_needed(name, request);
-    const bool known = handlers().contains(name) || cell::knows_request(name);
-    if (!known) needed = cell::Role::watch;  // it is refused by name
-    const bool takes = name == "session.take";
-    if (takes) needed = cell::Role::operate;
+  /// A request that only reads needs no control; any other needs it, and a link that allows it.
+  void require_may(const Seat& seat, const protocol::RequestType& type, const Any& fields) const {
+    const std::string name = type.facts->name;
+    const bool takes = type.facts == &protocol::SessionTake::kFacts;
+    const Role needed = takes ? Role::operate : protocol::role_needed(type, fields);
     if (seat.client->role < needed)
       throw Error("no-role",
-                  "'" + name + "' is refused: this link allows to " + cell::name(seat.client->role) +
-                      ", and that needs the right to " + cell::name(needed),
+                  "'" + name + "' is refused: this link allows to " + protocol::name(seat.client->role) +
+                      ", and that needs the right to " + protocol::name(needed),
                   "open a link that allows it");
-    if (needed != cell::Role::watch && !takes) require_control(seat, name);
+    if (needed != Role::watch && !takes) require_control(seat, name);
   }
 
-  /// What was sent before a stop, and is read after it, must not move what has been stopped.
-  static void require_not_overtaken(const Client::Line& line, const std::string& name, const Json& request) {
-    const bool jogs = name == "jog.begin" || name == "jog.goto";
+  /// A request that was sent before a stop, and is read after it, must not move what has been stopped.
+  static void require_not_overtaken(const Client::Line& line, const protocol::RequestType& type, const Any& fields) {
+    const bool jogs = type.facts == &protocol::JogBegin::kFacts || type.facts == &protocol::JogGoto::kFacts;
     if (!line.before_stop && !(line.before_end && jogs)) return;
-    if (cell::role_needed(name, request) != cell::Role::operate) return;
-    throw Error("overtaken", "'" + name + "' is refused: a stop of yours came after it and was taken first",
+    if (protocol::role_needed(type, fields) != Role::operate) return;
+    throw Error("overtaken",
+                std::string("'") + type.facts->name + "' is refused: a stop of yours came after it and was taken first",
                 "send it again if it is still wanted");
-  }
-
-  static void answer(Seat& seat, const Json& id, const Json& result) {
-    Json line{{"ok", true}, {"result", result}};
-    if (!id.is_null()) line["id"] = id;
-    seat.client->answer(dump(line));
-  }
-  static void refuse(Seat& seat, const Json& id, const Json& error) {
-    Json line{{"ok", false}, {"error", error}};
-    if (!id.is_null()) line["id"] = id;
-    seat.client->answer(dump(line));
   }
 
   void require_control(const Seat& seat, const std::string& what) const {
@@ -309,176 +270,211 @@ class Sessions::Work {
     if (!cell_) throw Error("no-cell", "no cell is running now", "wait until it has started again");
   }
 
-  /// To the cell's table. Who did it is told by the cell, and not by who asks.
-  void pass_on(Seat& seat, const std::string& name, Json request, std::size_t bytes) {
-    if (!cell_ && (name == "cell.restart" || name == "cell.connect"))
-      return answer(seat, request.value("id", Json()), restart(request));
-    if (!cell_ && name == "cells") return answer(seat, request.value("id", Json()), cell::known_cells({}));
-    if (!cell_ && name == "cell.reach")
-      return answer(seat, request.value("id", Json()),
-                    cell::reach_of_cell({}, request.value("folder", ""),
-                                        request.value("allow", std::vector<std::string>{})));
-    require_cell();
-    if (name == "tags.set" || name == "tags.force" || name == "tags.release" || name == "files.draft")
-      request["by"] = name_of(seat.client->number);
-    hand_over(seat, std::move(request), bytes);
+  template <class R>
+  static void answer(Seat& seat, const Any& id, typename R::Answer result) {
+    seat.client->answer(protocol::result_line(protocol::Answer::of<R>(std::move(result)).any(), id));
   }
 
-  void hand_over(Seat& seat, Json request, std::size_t bytes = 0) {
+  /// To the cell's requests. Who did it is what the port knows, and not what the client says.
+  void pass_on(Seat& seat, const Any& id, const protocol::RequestType* type, const Any& fields, std::size_t bytes) {
+    if (!cell_ && type) return without_cell(seat, id, protocol::read_request(*type, fields));
+    require_cell();
+    const bool names_asker = type && (type->facts == &protocol::TagsSet::kFacts ||
+                                      type->facts == &protocol::TagsForce::kFacts ||
+                                      type->facts == &protocol::TagsRelease::kFacts ||
+                                      type->facts == &protocol::FilesDraft::kFacts);
+    Json request = fields.json();
+    if (names_asker) request["by"] = name_of(seat.client->number);
     cell_->requests().handle(
-        std::move(request), bytes,
+        Any(std::move(request)), bytes,
         [client = seat.client](const std::string& text) { return client->answer(text); }, seat.client.get());
   }
 
-  /// A request of this client that goes on ends, as if the client had gone.
-  Json end_request(Seat& seat, const Json& request) {
-    if (cell_) cell_->requests().end(seat.client.get(), request.value("of", Json()));
-    return Json::object();
+  /// The few requests of a cell that make sense while there is none: it has failed, or could not be built.
+  void without_cell(Seat& seat, const Any& id, const protocol::Request& request) {
+    const protocol::Facts* const facts = &request.facts();
+    if (facts == &protocol::CellsList::kFacts) return answer<protocol::CellsList>(seat, id, cell::known_cells({}));
+    if (facts == &protocol::CellReach::kFacts) {
+      const auto& asked = request.as<protocol::CellReach>();
+      return answer<protocol::CellReach>(
+          seat, id,
+          cell::reach_of_cell({}, asked.folder.value_or(""), asked.allow.value_or(protocol::Names{})));
+    }
+    if (facts == &protocol::CellRestart::kFacts) {
+      const auto& asked = request.as<protocol::CellRestart>();
+      begin_anew({asked.robot.value_or(""), asked.hardware.value_or(""), asked.program.value_or(""),
+                  asked.cell.value_or("")});
+    } else if (facts == &protocol::CellConnect::kFacts) {
+      begin_anew({{}, {}, {}, {}, request.as<protocol::CellConnect>().real});
+    } else {
+      require_cell();
+    }
+    answer<protocol::CellRestart>(seat, id, {"restart"});
   }
 
-  /// The way there is only looked at with `dry`; else it is gone as long as heartbeats come.
-  Json jog_goto(Seat& seat, const Json& request) {
-    require_cell();
-    if (request.value("dry", false)) {
-      Json plan = request;
-      plan["request"] = "plan.preview";
-      plan.erase("dry");
-      hand_over(seat, std::move(plan));
-      return Json(Json::value_t::discarded);
-    }
-    jogs_->go_to(seat.client->number, request);
-    return Json(Json::value_t::discarded);
+  /// To the cell, with this client's id.
+  void hand_over(Seat& seat, const Any& id, protocol::Request request) {
+    cell_->requests().ask(
+        std::move(request),
+        [client = seat.client, id](const protocol::Reply& reply) {
+          return client->answer(protocol::reply_line(reply, id));
+        },
+        seat.client.get());
+  }
+
+  // --- requests of a session
+
+  /// One function for each; a request that is answered later returns nothing.
+  void take_own(Seat& seat, const Any& id, const protocol::Request& request) {
+    using namespace protocol;
+    const protocol::Facts* const facts = &request.facts();
+    if (facts == &SessionHello::kFacts) return answer<SessionHello>(seat, id, hello(seat, request.as<SessionHello>()));
+    if (facts == &SessionWatch::kFacts) return answer<SessionWatch>(seat, id, watch(seat, request.as<SessionWatch>()));
+    if (facts == &SessionEnd::kFacts) return answer<SessionEnd>(seat, id, end_request(seat, request.as<SessionEnd>()));
+    if (facts == &SessionTake::kFacts) return answer<SessionTake>(seat, id, take_control(seat, request.as<SessionTake>()));
+    if (facts == &SessionRelease::kFacts) return answer<SessionRelease>(seat, id, release(seat));
+    if (facts == &SessionAnswer::kFacts) return answer<SessionAnswer>(seat, id, answer_asker(seat, request.as<SessionAnswer>()));
+    if (facts == &JogBeat::kFacts) return beat(seat, request.as<JogBeat>());
+    if (facts == &JogEnd::kFacts) return answer<JogEnd>(seat, id, jog_end(seat, request.as<JogEnd>()));
+    if (facts == &JogBegin::kFacts) return jog_begin(seat, id, request.as<JogBegin>());
+    if (facts == &JogGoto::kFacts) return jog_goto(seat, id, request.as<JogGoto>());
+    if (facts == &JogStep::kFacts) return jog_step(seat, id, request.as<JogStep>());
+    if (facts == &CellChange::kFacts) return answer<CellChange>(seat, id, change_cell(request.as<CellChange>()));
+    if (facts == &CellOpen::kFacts) return answer<CellOpen>(seat, id, change_cell(request.as<CellOpen>()));
+    if (facts == &CellReset::kFacts) return answer<CellReset>(seat, id, change_cell(request.as<CellReset>()));
+  }
+
+  /// A request of this client that goes on ends, as if the client had gone.
+  protocol::Nothing end_request(Seat& seat, const protocol::SessionEnd& request) {
+    if (cell_) cell_->requests().end(seat.client.get(), request.of.value_or(Any{}));
+    return {};
   }
 
   /// The cell's own request by the names of the page's menus.
-  Json change_cell(Seat&, const Json& request) {
+  template <class Change>
+  protocol::Asked change_cell(const Change& request) {
     cell::RestartWish asked;
-    if (request.contains("model")) {
-      const std::string robot = request.value("robot", "");
-      asked.robot = (robot.empty() ? "" : robot + "=") + request["model"].get<std::string>();
-    }
-    asked.cell = request.value("folder", "");
-    require_within_reach(asked);
-    if (cell_)
+    const std::string robot = request.robot.value_or("");
+    if (request.model) asked.robot = (robot.empty() ? "" : robot + "=") + *request.model;
+    asked.cell = request.folder.value_or("");
+    if (!cell_) {
+      begin_anew(std::move(asked));
+    } else {
+      cell::require_within_reach(asked, cell_->file().folder);
       cell_->ask_restart(std::move(asked));
-    else
-      wish = std::move(asked);
-    return {{"asked", "restart"}};
+    }
+    return {"restart"};
   }
 
-  /// The cell's own request, while there is none: it has failed, or could not be built.
-  Json restart(const Json& request) {
-    cell::RestartWish asked{request.value("robot", ""), request.value("hardware", ""),
-                            request.value("program", ""), request.value("cell", "")};
-    if (request.contains("real")) asked.real = request["real"].get<bool>();
-    require_within_reach(asked);
+  /// While no cell runs.
+  void begin_anew(cell::RestartWish asked) {
+    cell::require_within_reach(asked, {});
     wish = std::move(asked);
-    return {{"asked", "restart"}};
   }
 
-  void require_within_reach(const cell::RestartWish& asked) const {
-    cell::require_within_reach(asked, cell_ ? cell_->file().folder : std::filesystem::path());
-  }
-
-  Json who(std::uint64_t client) const {
-    if (client == 0) return {};
-    return {{"client", client}, {"name", name_of(client)}};
+  protocol::OrNull<protocol::ClientName> who(std::uint64_t client) const {
+    protocol::OrNull<protocol::ClientName> out;
+    if (client != 0) out.emplace(protocol::ClientName{client, name_of(client)});
+    return out;
   }
   std::string name_of(std::uint64_t client) const {
     const auto found = seats_.find(client);
     return found == seats_.end() ? "somebody who is gone" : found->second.name;
   }
 
-  Json hello(Seat& seat, const Json& request) {
-    if (request.contains("name")) seat.name = request["name"].get<std::string>().substr(0, bounds::kClientNameBytes);
+  protocol::SessionHello::Answer hello(Seat& seat, const protocol::SessionHello& request) {
+    if (request.name) seat.name = request.name->substr(0, bounds::kClientNameBytes);
     seat.listens = true;
-    return {{"client", seat.client->number},
-            {"holder", who(control_.holder())},
-            {"you_hold", control_.holds(seat.client->number)},
-            {"version", version_},
-            {"token_ok", true},
-            {"cell", cell_ ? Json(cell_->file().name) : Json()},
-            {"local", seat.client->local},
-            {"role", cell::name(seat.client->role)}};
+    protocol::SessionHello::Answer out;
+    out.client = seat.client->number;
+    out.holder = who(control_.holder());
+    out.you_hold = control_.holds(seat.client->number);
+    out.version = version_;
+    if (cell_) out.cell = cell_->file().name;
+    out.local = seat.client->local;
+    out.role = seat.client->role;
+    return out;
   }
 
-  Json watch(Seat& seat, const Json& request) {
-    const double rate = request.value("rate", 30.0);
+  protocol::SessionWatch::Answer watch(Seat& seat, const protocol::SessionWatch& request) {
+    const double rate = request.rate.value_or(30.0);
     if (!(rate >= 0 && rate <= 1000))
       throw Error("bad-argument", "'rate' is no number of frames a second", "0 to 60");
     const bool news = seat.rate == 0 && rate > 0;
     seat.rate = std::min(rate, kFastest);
     seat.listens = true;
     if (news && frames_ && seat.greeted) seat.client->put(Kind::layout, frames_->layout());
-    return {{"rate", seat.rate}};
+    return {seat.rate};
   }
 
-  Json take_control(Seat& seat, const Json& request) {
+  protocol::SessionTake::Answer take_control(Seat& seat, const protocol::SessionTake& request) {
     const std::uint64_t client = seat.client->number;
-    const bool at_once = request.value("force", false);
-    if (at_once && !seat.client->local && control_.holder() != 0)
+    if (request.force && !seat.client->local && control_.holder() != 0)
       throw Error("no-force", "control is taken without asking only at the machine itself",
                   "ask: session.take");
     const std::uint64_t before = control_.holder();
-    const Control::Taken taken = control_.take(client, at_once, now_);
+    const Control::Taken taken = control_.take(client, request.force, now_);
     if (taken == Control::Taken::others)
       throw Error("asked-already", "'" + name_of(control_.asker()) + "' has asked for control already",
                   "wait a moment");
     if (taken == Control::Taken::yes && before != 0 && before != client && jogs_)
       jogs_->end_all(before, "control");
-    return {{"you_hold", taken == Control::Taken::yes},
-            {"holder", who(control_.holder())},
-            {"seconds", control_.left(now_)}};
+    return {taken == Control::Taken::yes, who(control_.holder()), control_.left(now_)};
   }
 
-  Json release(Seat& seat, const Json&) {
+  protocol::ControlHolder release(Seat& seat) {
     if (jogs_) jogs_->end_all(seat.client->number, "control");
     control_.release(seat.client->number);
-    return {{"you_hold", false}, {"holder", who(control_.holder())}};
+    return {false, who(control_.holder())};
   }
 
-  Json answer_asker(Seat& seat, const Json& request) {
-    const bool give = request.value("give", false);
-    if (!control_.answer(seat.client->number, give)) throw Error("not-asked", "nobody asks you for control");
-    if (give && jogs_) jogs_->end_all(seat.client->number, "control");
-    return {{"you_hold", control_.holds(seat.client->number)}, {"holder", who(control_.holder())}};
+  protocol::ControlHolder answer_asker(Seat& seat, const protocol::SessionAnswer& request) {
+    if (!control_.answer(seat.client->number, request.give))
+      throw Error("not-asked", "nobody asks you for control");
+    if (request.give && jogs_) jogs_->end_all(seat.client->number, "control");
+    return {control_.holds(seat.client->number), who(control_.holder())};
   }
 
   /// Answered once it moves.
-  Json jog_begin(Seat& seat, const Json& request) {
+  void jog_begin(Seat& seat, const Any& id, const protocol::JogBegin& request) {
     require_cell();
-    jogs_->begin(seat.client->number, request);
-    return Json(Json::value_t::discarded);
+    jogs_->begin(seat.client->number, id, request);
   }
 
-  void beat(Seat& seat, const Json& request) {
-    const Json jog = request.value("jog", Json());
+  /// With `dry` the way is only planned; else the robot goes it as long as heartbeats come.
+  void jog_goto(Seat& seat, const Any& id, const protocol::JogGoto& request) {
+    require_cell();
+    if (request.dry)
+      hand_over(seat, id, way_of(request));
+    else
+      jogs_->go_to(seat.client->number, id, request);
+  }
+
+  void beat(Seat& seat, const protocol::JogBeat& request) {
+    const Any named = request.jog.value_or(Any{});
+    const Json& jog = named.json();
     if (jogs_ && jog.is_number_unsigned()) jogs_->beat(seat.client->number, jog.get<std::uint64_t>());
   }
 
-  Json jog_end(Seat& seat, const Json& request) {
+  protocol::Nothing jog_end(Seat& seat, const protocol::JogEnd& request) {
     require_cell();
-    if (request.contains("jog"))
-      jogs_->end(seat.client->number, request["jog"].get<std::uint64_t>(), "released");
+    if (request.jog)
+      jogs_->end(seat.client->number, *request.jog, "released");
     else
       jogs_->end_all(seat.client->number, "released");
-    return Json::object();
+    return {};
   }
 
   /// Answered by the cell's request.
-  Json jog_step(Seat& seat, const Json& request) {
+  void jog_step(Seat& seat, const Any& id, const protocol::JogStep& request) {
     require_cell();
-    Json step = jogs_->step(request);
-    if (request.contains("id")) step["id"] = request["id"];
-    hand_over(seat, std::move(step));
-    return Json(Json::value_t::discarded);
+    hand_over(seat, id, jogs_->step(request));
   }
 
-  // --- telling
+  // --- reporting
 
-  void tell(std::uint64_t to, const Json& message) {
-    if (const auto found = seats_.find(to); found != seats_.end())
-      found->second.client->answer(dump(message));
+  void tell(std::uint64_t to, const std::string& line) {
+    if (const auto found = seats_.find(to); found != seats_.end()) found->second.client->answer(line);
   }
 
   void tell_control() {
@@ -493,7 +489,7 @@ class Sessions::Work {
                        {"name", name_of(news.other)},
                        {"seconds", asked ? Json(control_.left(now_)) : Json()},
                        {"you_hold", control_.holds(news.to)}};
-      if (news.to != 0) tell(news.to, event);
+      if (news.to != 0) tell(news.to, dump(event));
     }
   }
 
@@ -517,13 +513,16 @@ class Sessions::Work {
     }
   }
 
-  Json status() {
-    Json out = cell_ ? status_of(*cell_, journal)
-                     : Json{{"event", "status"}, {"cell", Json()}, {"state", "no cell"}};
-    out["holder"] = who(control_.holder());
-    out["asker"] = who(control_.asker());
-    out["clients"] = seats_.size();
-    return out;
+  std::string status() {
+    if (cell_) return status_line(status_of(*cell_, journal));
+    return status_line(protocol::NoCellStatus{});
+  }
+  template <class Status>
+  std::string status_line(Status status) {
+    status.holder = who(control_.holder());
+    status.asker = who(control_.asker());
+    status.clients = seats_.size();
+    return protocol::any_of(status).dump();
   }
 
   void tell_events() {
@@ -534,7 +533,7 @@ class Sessions::Work {
         cell_ ? (static_cast<std::uint64_t>(cell_->snapshot().state) << 8) + control_.holder() : ~0ull;
     if (due(told_status_, kStatusEvery) || key != status_key_) {
       status_key_ = key;
-      std::string text = dump(status());
+      std::string text = status();
       if (text != status_) {
         status_ = std::move(text);
         broadcast(Kind::status, std::make_shared<const std::string>(status_));
@@ -570,7 +569,7 @@ class Sessions::Work {
     const auto put = [&](Kind kind, const Text& text) {
       if (text) seat.client->put(kind, text);
     };
-    put(Kind::status, std::make_shared<const std::string>(status_.empty() ? dump(status()) : status_));
+    put(Kind::status, std::make_shared<const std::string>(status_.empty() ? status() : status_));
     put(Kind::log, log_event(journal, 0));
     for (const Journal::Alarm& alarm : journal.alarms()) put(Kind::log, alarm_event(alarm));
     if (!cell_) return;
@@ -622,12 +621,6 @@ class Sessions::Work {
          told_plans_ = 0;
   std::uint64_t frames_sent_ = 0, frames_left_out_ = 0, events_left_out_ = 0;
 };
-
-std::vector<std::string> Sessions::requests() {
-  std::vector<std::string> out = {"jog.beat"};
-  for (const auto& [name, handler] : Work::handlers()) out.push_back(name);
-  return out;
-}
 
 Sessions::Sessions(cell::Observer& next, std::string version)
     : work_(std::make_unique<Work>(next, std::move(version))) {}

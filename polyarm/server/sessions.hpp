@@ -19,9 +19,6 @@ class Sessions {
  public:
   static constexpr double kFastest = 60;  ///< frames a second
 
-  /// The requests that a session takes itself, beside the cell's.
-  static std::vector<std::string> requests();
-
   Sessions(cell::Observer& next, std::string version);
   ~Sessions();
   /// I/O thread; null: there are too many.

@@ -190,10 +190,10 @@ void PageSite::post(std::function<HttpReply()> job, const Reply& reply) {
 
 /// Backs the cell's folder up, or unpacks one beside it.
 void PageSite::project(HttpRequest request, const Reply& reply) {
-  const cell::Role needed = request.method == "GET" ? cell::Role::program : cell::Role::administer;
+  const protocol::Role needed = request.method == "GET" ? protocol::Role::program : protocol::Role::administer;
   if (request.role < needed)
-    return reply(plain(403, std::string("this link allows to ") + cell::name(request.role) +
-                                ": open one that allows to " + cell::name(needed)));
+    return reply(plain(403, std::string("this link allows to ") + protocol::name(request.role) +
+                                ": open one that allows to " + protocol::name(needed)));
   const std::filesystem::path folder = documents()->folder;
   if (folder.empty()) return reply(plain(503, "no cell is running now"));
   if (request.method == "GET")

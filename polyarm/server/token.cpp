@@ -64,9 +64,9 @@ std::string make_token() {
   return base64url(random);
 }
 
-std::string token_for(const std::string& token, cell::Role role) {
-  if (role == cell::Role::administer) return token;
-  const std::string what = std::string("polyarm pendant ") + cell::name(role);
+std::string token_for(const std::string& token, protocol::Role role) {
+  if (role == protocol::Role::administer) return token;
+  const std::string what = std::string("polyarm pendant ") + protocol::name(role);
   std::array<std::uint8_t, kBytes> made{};
   unsigned size = kBytes;
   ::HMAC(::EVP_sha256(), token.data(), static_cast<int>(token.size()),

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "polyarm/cell/request_roles.hpp"
+#include "polyarm/protocol/facts.hpp"
 
 namespace polyarm::server {
 
@@ -16,7 +16,7 @@ bool same_token(std::string_view a, std::string_view b) noexcept;
 
 /// The token of a link that allows no more than `role`, made from the one that allows everything, which cannot be
 /// found from it.
-std::string token_for(const std::string& token, cell::Role role);
+std::string token_for(const std::string& token, protocol::Role role);
 
 /// The token that `file` keeps, readable for this user alone, so that a page that is open outlives a restart;
 /// made anew where there is none or somebody else could have read it. Throws Error("no-token").

@@ -145,6 +145,7 @@ TEST_F(ReachOfCells, ADoorBuildsTheCellWithNothingFromElsewhere) {
 }
 
 TEST_F(ReachOfCells, ADryRunReadsNoScriptThatALinkLeadsOutTo) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // a fork would lack the thread that an earlier dry run left
   home.write("elsewhere/job.script", "movej SecretPoint\n");
   fs::create_symlink(home.path() / "elsewhere/job.script", folder_of("own") / "other.script");
   home.write("cells/own/job.script", "include \"other.script\"\n");
@@ -166,13 +167,12 @@ TEST_F(ReachOfCells, AListThatCannotBeWholeSaysSo) {
   EXPECT_NE(reach()["result"]["unread"].get<std::string>().find("signals.yaml:3"), std::string::npos);
 }
 
-TEST_F(ReachOfCells, CellsAreListedAndToldOfWhileNoneIsOpen) {
+TEST_F(ReachOfCells, CellsAreListedWhileNoneIsOpen) {
   fs::create_directories(home.path() / "polyarm/cells");
   fs::rename(folder_of("theirs"), home.path() / "polyarm/cells/theirs");
-  const Json known = known_cells({});
-  ASSERT_FALSE(known["cells"].empty()) << known;
+  ASSERT_FALSE(known_cells({}).cells.empty());
   const std::string folder = (home.path() / "polyarm/cells/theirs").string();
-  EXPECT_FALSE(reach_of_cell({}, folder, {})["wants"].empty());
+  EXPECT_FALSE(reach_of_cell({}, folder, {}).wants.empty());
 }
 
 }  // namespace

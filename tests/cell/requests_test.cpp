@@ -3,6 +3,9 @@
 #include <set>
 
 #include "polyarm/base/bounds.hpp"
+#include "polyarm/protocol/controllers.hpp"
+#include "polyarm/protocol/messages.hpp"
+#include "polyarm/protocol/reference.hpp"
 #include "tests/cell/requests_cell.hpp"
 
 namespace polyarm {
@@ -23,17 +26,17 @@ Json trajectory(double to, double seconds) {
 
 TEST_F(RequestsTest, EveryRowHasASentenceAndAnswersSomething) {
   std::set<std::string> names;
-  for (const cell::RequestInfo& info : cell::request_table()) {
-    EXPECT_TRUE(names.insert(info.name).second) << info.name << " stands twice";
-    EXPECT_GT(std::string(info.text).size(), 8u) << info.name;
-    EXPECT_GT(std::string(info.result).size(), 1u) << info.name;
-    const auto answers = cell.give(Json{{"request", info.name}});
+  for (const protocol::HelpRow& row : protocol::help_rows()) {
+    EXPECT_TRUE(names.insert(row.request).second) << row.request << " stands twice";
+    EXPECT_GT(row.text.size(), 8u) << row.request;
+    EXPECT_GT(row.result.size(), 1u) << row.request;
+    const auto answers = cell.give(Json{{"request", row.request}});
     cell.tick();
     for (int more = 0; answers->empty() && more < 10'000; ++more) {  // some go to the cell's worker
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       cell.tick();
     }
-    EXPECT_FALSE(answers->empty()) << info.name;
+    EXPECT_FALSE(answers->empty()) << row.request;
   }
   EXPECT_EQ(names.size(), cell.result({{"request", "help"}}).size());
 }
@@ -58,35 +61,50 @@ TEST_F(RequestsTest, WrongRequestsAreAnsweredWithASentence) {
 }
 
 /// As the door of ROS 2 asks: neither side is printed and parsed.
-TEST_F(RequestsTest, AskersInThisProcessGiveAndGetJson) {
-  std::vector<Json> answers;
-  const auto keep = [&](Json answer) {
-    answers.push_back(std::move(answer));
+TEST_F(RequestsTest, AskersInThisProcessGiveAndGetStructs) {
+  std::vector<protocol::Reply> replies;
+  const auto keep = [&](const protocol::Reply& reply) {
+    replies.push_back(reply);
     return true;
   };
-  cell.cell().requests().ask({{"request", "control.list"}, {"id", 7}}, 100, keep);
-  cell.cell().requests().ask({{"request", "nothing"}}, 100, keep);
+  cell.cell().requests().ask(protocol::ControlList{}, keep);
+  cell.cell().requests().ask(protocol::ControlUnload{"nothing"}, keep);
   cell.tick();
-  ASSERT_EQ(answers.size(), 2u);
-  EXPECT_EQ(answers[0]["id"], 7);
-  EXPECT_TRUE(answers[0]["result"].is_array());
-  EXPECT_EQ(error_of(answers[1]), "unknown-request");
+  ASSERT_EQ(replies.size(), 2u);
+  EXPECT_FALSE(replies[0].answer->as<protocol::ControlList>().empty());
+  EXPECT_EQ(replies[1].refusal->problems().front().code, "unknown-controller");
+}
+
+TEST_F(RequestsTest, LargeRequestsOfThisProcessCountTowardsTheBound) {
+  std::vector<protocol::Reply> replies;
+  const auto keep = [&](const protocol::Reply& reply) {
+    replies.push_back(reply);
+    return true;
+  };
+  cell.cell().requests().ask(protocol::ControlList{}, keep, nullptr, bounds::kOpenRequestBytes + 1);
+  cell.tick();
+  ASSERT_EQ(replies.size(), 1u);
+  ASSERT_TRUE(replies[0].refusal);
+  EXPECT_EQ(replies[0].refusal->problems().front().code, "busy");
 }
 
 /// Texts from the network may be no UTF-8: that is a message that cannot be read, not a fault of the cell.
 TEST_F(RequestsTest, TextsThatAreNoUtf8AreAnsweredInWords) {
   Json message = trajectory(0.1, 1);
   message["joint_names"] = {"joint_1", "\xff\xfe"};
-  std::vector<Json> answers;
-  cell.cell().requests().ask({{"request", "send"}, {"to", "follow"}, {"message", message}}, 100,
-                             [&](Json answer) {
-                               answers.push_back(std::move(answer));
-                               return true;
-                             });
-  for (int i = 0; answers.empty() && i < 100; ++i) cell.tick();
-  ASSERT_EQ(answers.size(), 1u);
-  EXPECT_FALSE(answers[0]["ok"].get<bool>());
-  EXPECT_NE(error_of(answers[0]), "internal") << what_of(answers[0]);
+  protocol::SendMessage request;
+  request.to = "follow";
+  request.message = protocol::Message(message);
+  std::vector<protocol::Reply> replies;
+  cell.cell().requests().ask(request, [&](const protocol::Reply& reply) {
+    replies.push_back(reply);
+    return true;
+  });
+  for (int i = 0; replies.empty() && i < 100; ++i) cell.tick();
+  ASSERT_EQ(replies.size(), 1u);
+  ASSERT_TRUE(replies[0].refusal);
+  const Problem& problem = replies[0].refusal->problems().front();
+  EXPECT_NE(problem.code, "internal") << problem.what;
 }
 
 TEST(StreamedCommands, ThatStopComingAreToldOnceAndSeen) {
@@ -166,11 +184,11 @@ TEST_F(RequestsTest, RandomRequestsAreAnsweredAndBreakNothing) {
         return static_cast<int>(random() % 5) - 2;
     }
   };
-  const auto& table = cell::request_table();
+  const auto table = protocol::help_rows();
   for (int n = 0; n < 4000; ++n) {
-    const cell::RequestInfo& info = table[random() % table.size()];
-    Json request{{"request", info.name}};
-    for (const cell::RequestArgument& a : info.arguments)
+    const protocol::HelpRow& row = table[random() % table.size()];
+    Json request{{"request", row.request}};
+    for (const protocol::HelpArgument& a : row.arguments)
       if (random() % 5) request[a.name] = random() % 3 ? Json(word()) : value();
     if (random() % 10 == 0) request[word()] = value();
     std::string line = request.dump();
@@ -475,13 +493,6 @@ TEST_F(RequestsTest, LimitsNameWhatTookHold) {
     }
   EXPECT_TRUE(found);
   EXPECT_GT(cell.result({{"request", "health"}})["clamps"].get<int>(), 0);
-}
-
-TEST(RequestReference, TheDocsHaveTheTable) {
-  const std::string page = read_file(std::string(POLYARM_SOURCE_DIR) + "/docs/control.md");
-  EXPECT_NE(page.find(cell::request_reference()), std::string::npos)
-      << "docs/control.md should have this table:\n"
-      << cell::request_reference();
 }
 
 }  // namespace

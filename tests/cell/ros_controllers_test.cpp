@@ -11,9 +11,8 @@ using test::LockStepCell;
 /// How many problems among the cell's events say this.
 int problems_with(LockStepCell& cell, const std::string& piece) {
   int out = 0;
-  for (const cell::EventLog::Event& event : cell.cell().events().events())
-    out += event.json["event"] == "problem" &&
-           event.json["what"].get<std::string>().find(piece) != std::string::npos;
+  for (const protocol::Event& event : cell.cell().events().events())
+    out += event.event == "problem" && event.what->find(piece) != std::string::npos;
   return out;
 }
 

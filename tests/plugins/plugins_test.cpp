@@ -11,6 +11,7 @@
 #include "polyarm/controllers/types.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/hardware/hardware.hpp"
+#include "polyarm/protocol/type.hpp"
 #include "polyarm/ros_files/hardware_names.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
@@ -288,7 +289,7 @@ TEST_F(ACell, ToldOfAControllerThatThrowsWhatIsNoException) {
   write("", "    throws: on_configure\n");
   const auto cell = make();  // the rest of the cell starts
   std::string said;
-  for (const auto& event : cell->events().events()) said += event.json.dump();
+  for (const auto& event : cell->events().events()) said += protocol::any_of(event).dump();
   EXPECT_SAYS(said, "the controller 'hold', on_configure, threw: something that is no std::exception");
 }
 

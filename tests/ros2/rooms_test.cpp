@@ -11,7 +11,8 @@ namespace {
 
 TEST(Ros2Rooms, NeitherControlNorCellIncludesAnythingOfTheDoorOrItsMiddleware) {
   int files = 0;
-  for (const char* room : {"base", "realtime", "hardware", "controllers", "control", "moves", "jog", "cell"})
+  for (const char* room :
+       {"base", "realtime", "hardware", "controllers", "control", "moves", "jog", "protocol", "cell"})
     for (const auto& entry : std::filesystem::recursive_directory_iterator(std::string(POLYARM_SOURCE_DIR) +
                                                                            "/polyarm/" + room)) {
       if (!entry.is_regular_file()) continue;

@@ -1,4 +1,5 @@
 /// The pendant's server in front of a whole cell, in lock-step: time is the cell's.
+#include "polyarm/protocol/reference.hpp"
 #include "polyarm/server/assets.hpp"
 #include "polyarm/server/pendant.hpp"
 
@@ -217,7 +218,7 @@ TEST_F(PendantTest, TheCellItsModelAndItsSceneAreThereToBeDrawn) {
   EXPECT_EQ(model["joints"].size() + 1, model["links"].size());
   for (const Json& joint : model["joints"]) EXPECT_EQ(joint["origin"]["q"].size(), 4u);
   EXPECT_TRUE(Json::parse(body(fetch("/api/scene"))).contains("fixtures"));
-  EXPECT_EQ(Json::parse(body(fetch("/api/requests"))).size(), cell::request_table().size());
+  EXPECT_EQ(Json::parse(body(fetch("/api/requests"))).size(), protocol::help_rows().size());
   for (const char* path :
        {"/api/model/other", "/api/mesh/0.glb", "/api/", "/api/cell/", "/assets/../api/cell"})
     EXPECT_NE(WebPeer::status(fetch(path)), 200) << path;

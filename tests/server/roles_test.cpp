@@ -1,6 +1,4 @@
 /// Who may ask what: every request, at every role, in front of a whole cell.
-#include "polyarm/cell/request_roles.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/cell/cell_file.hpp"
+#include "polyarm/protocol/request.hpp"
 #include "polyarm/server/pendant.hpp"
 #include "polyarm/server/sessions.hpp"
 #include "polyarm/server/token.hpp"
@@ -20,45 +19,10 @@
 namespace polyarm::server {
 namespace {
 
-using cell::Role;
+using protocol::Role;
 using test::Json;
 using test::LockStepCell;
 using test::WebPeer;
-
-std::set<std::string> every_request() {
-  std::set<std::string> out;
-  for (const cell::RequestInfo& info : cell::request_table()) out.insert(info.name);
-  for (const std::string& name : Sessions::requests()) out.insert(name);
-  return out;
-}
-
-TEST(RolesTest, EveryRequestHasOneAndEveryRowARequest) {
-  std::set<std::string> rows;
-  for (const cell::RequestRole& row : cell::request_roles())
-    EXPECT_TRUE(rows.insert(row.request).second) << row.request << " is there twice";
-  EXPECT_EQ(rows, every_request());
-  EXPECT_EQ(cell::role_needed("what.was.forgotten", Json::object()), Role::administer);
-}
-
-/// What may bring to rest is no motion; everything else that moves needs control.
-TEST(RolesTest, WhatMayMoveIsNotForWatchers) {
-  const std::set<std::string> rests = {"control.hold", "control.stop"};
-  for (const cell::RequestInfo& info : cell::request_table()) {
-    Json full = Json::object();
-    for (const cell::RequestRole& row : cell::request_roles())
-      if (row.tells_without && row.request == std::string(info.name)) full[row.tells_without] = true;
-    if (info.moves && !rests.contains(info.name)) {
-      EXPECT_NE(cell::role_needed(info.name, full), Role::watch) << info.name;
-    }
-  }
-}
-
-TEST(RolesTest, ThePageOfThePendantHasTheTable) {
-  const std::string page = read_file(std::string(POLYARM_SOURCE_DIR) + "/docs/pendant.md");
-  EXPECT_NE(page.find(cell::role_reference()), std::string::npos)
-      << "docs/pendant.md should have this table:\n"
-      << cell::role_reference();
-}
 
 class RolesInACell : public ::testing::Test {
  protected:
@@ -99,16 +63,16 @@ class RolesInACell : public ::testing::Test {
            : answer.is_null()        ? "none"
                                      : answer["error"]["code"].get<std::string>();
   }
-  /// The request as somebody asks it who does not only want to be told.
-  static Json asked(const cell::RequestRole& row) {
-    Json out{{"request", row.request}};
-    if (row.tells_without) out[row.tells_without] = true;
+  /// The request with the argument with which it does more than read.
+  static Json asked(const protocol::Facts& facts) {
+    Json out{{"request", facts.name}};
+    if (facts.watch_without) out[facts.watch_without] = true;
     return out;
   }
-  std::vector<cell::RequestRole> above(Role role) {
-    std::vector<cell::RequestRole> out;
-    for (const cell::RequestRole& row : cell::request_roles())
-      if (row.role > role) out.push_back(row);
+  static std::vector<protocol::Facts> above(Role role) {
+    std::vector<protocol::Facts> out;
+    for (const protocol::RequestType* type : protocol::request_types())
+      if (type->facts->role > role) out.push_back(*type->facts);
     return out;
   }
 
@@ -123,8 +87,8 @@ class RolesInACell : public ::testing::Test {
 TEST_F(RolesInACell, WithoutControlNothingIsDoneThatIsMoreThanTelling) {
   const auto holder = connect(Role::administer), watcher = connect(Role::administer);
   ASSERT_EQ(code(ask(*holder, {{"request", "session.take"}})), "ok");
-  for (const cell::RequestRole& row : above(Role::watch))
-    EXPECT_EQ(code(ask(*watcher, asked(row))), "no-control") << row.request;
+  for (const protocol::Facts& row : above(Role::watch))
+    EXPECT_EQ(code(ask(*watcher, asked(row))), "no-control") << row.name;
   EXPECT_FALSE(std::filesystem::exists(folder.path() / ".state" / "drafts"));
   EXPECT_FALSE(lock_step->cell().restart());
 }
@@ -132,10 +96,10 @@ TEST_F(RolesInACell, WithoutControlNothingIsDoneThatIsMoreThanTelling) {
 TEST_F(RolesInACell, ALinkAllowsNoMoreThanItsRoleEvenInControl) {
   for (const Role role : {Role::operate, Role::program}) {
     const auto peer = connect(role);
-    EXPECT_EQ(ask(*peer, {{"request", "session.hello"}})["result"]["role"], cell::name(role));
+    EXPECT_EQ(ask(*peer, {{"request", "session.hello"}})["result"]["role"], protocol::name(role));
     ASSERT_TRUE(ask(*peer, {{"request", "session.take"}})["result"]["you_hold"].get<bool>());
-    for (const cell::RequestRole& row : above(role))
-      EXPECT_EQ(code(ask(*peer, asked(row))), "no-role") << row.request;
+    for (const protocol::Facts& row : above(role))
+      EXPECT_EQ(code(ask(*peer, asked(row))), "no-role") << row.name;
     EXPECT_EQ(code(ask(*peer, {{"request", "control.override"}, {"percent", 50}})), "ok");
     ask(*peer, {{"request", "session.release"}});
   }
@@ -144,8 +108,8 @@ TEST_F(RolesInACell, ALinkAllowsNoMoreThanItsRoleEvenInControl) {
 TEST_F(RolesInACell, WhoMayOnlyWatchIsToldEverythingAndStops) {
   const auto watcher = connect(Role::watch);
   EXPECT_EQ(code(ask(*watcher, {{"request", "session.take"}})), "no-role");
-  for (const cell::RequestRole& row : above(Role::watch))
-    EXPECT_EQ(code(ask(*watcher, asked(row))), "no-role") << row.request;
+  for (const protocol::Facts& row : above(Role::watch))
+    EXPECT_EQ(code(ask(*watcher, asked(row))), "no-role") << row.name;
   EXPECT_EQ(code(ask(*watcher, {{"request", "health"}})), "ok");
   EXPECT_EQ(code(ask(*watcher, {{"request", "control.override"}})), "ok") << "without percent it only tells";
   EXPECT_EQ(code(ask(*watcher, {{"request", "control.stop"}})), "ok");

@@ -38,14 +38,14 @@ TEST(StateFrames, ABaseThatDrivesIsInEachFrameAndInTheStatus) {
   const Journal journal(nobody);
   StateFrames frames(cell, 1);
   EXPECT_NEAR(value(frames, frames.frame(), "jetbot/base/position.y"), 2, 1e-6);
-  EXPECT_EQ(status_of(cell, journal)["bases"]["jetbot"]["p"], Json({0.0, 2.0, 0.0}));
+  EXPECT_EQ(status_of(cell, journal).bases.at("jetbot").p, Vec3(0, 2, 0));
   while (!cell.program()->ended() && cell.now() < nanoseconds(60)) bench.tick();
   bench.run(0.1);
   const Text frame = frames.frame();
   EXPECT_NEAR(value(frames, frame, "jetbot/base/position.x"), 0.5, 0.005);
   EXPECT_NEAR(value(frames, frame, "jetbot/base/position.y"), 2, 0.005);
   EXPECT_NEAR(value(frames, frame, "jetbot/base/orientation.w"), 1, 1e-3);
-  EXPECT_NEAR(status_of(cell, journal)["bases"]["jetbot"]["p"][0].get<double>(), 0.5, 0.005);
+  EXPECT_NEAR(status_of(cell, journal).bases.at("jetbot").p.x, 0.5, 0.005);
 }
 
 TEST(StateFrames, ABaseThatIsFixedCostsNone) {

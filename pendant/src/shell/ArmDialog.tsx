@@ -5,19 +5,14 @@ import { attempt, cell, complain, mayMove, request } from '../state/cell';
 import { Button, Loading } from '../ui/controls';
 import { Dialog } from '../ui/Dialog';
 import { jointText, jointTitle } from '../ui/format';
-
-interface Compared {
-  joint: string;
-  measured: number;
-  expected: number;
-}
+import type { ExpectedJoint } from '../wire/requests';
 
 export function ArmDialog({ onClose }: { onClose: () => void }) {
-  const [joints, setJoints] = useState<Compared[] | null>(null);
+  const [joints, setJoints] = useState<ExpectedJoint[] | null>(null);
   const [asked, setAsked] = useState(false);
   if (!asked) {
     setAsked(true);
-    request<{ joints: Compared[] }>('control.arm').then((answer) => setJoints(answer.joints), complain);
+    request('control.arm').then((answer) => setJoints(answer.joints ?? []), complain);
   }
   const robots = cell.value?.robots ?? [];
   const jointOf = (name: string) => robots.flatMap((robot) => robot.joints.map((joint) => ({ robot: robot.name, joint }))).find(({ joint }) => joint.interface === name);
@@ -58,8 +53,8 @@ export function ArmDialog({ onClose }: { onClose: () => void }) {
             {joints.map((each) => (
               <tr key={each.joint}>
                 <th scope="row">{title(each.joint)}</th>
-                <td class="right">{jointText(each.measured, unit(each.joint))}</td>
-                <td class="right">{jointText(each.expected, unit(each.joint))}</td>
+                <td class="right">{jointText(each.measured ?? NaN, unit(each.joint))}</td>
+                <td class="right">{jointText(each.expected ?? NaN, unit(each.joint))}</td>
               </tr>
             ))}
           </tbody>

@@ -13,21 +13,16 @@ export function activateAll(): void {
   });
 }
 
-interface Named {
-  name: string;
-  state: string;
-}
-
 async function activate(): Promise<void> {
   const names = status.peek()?.inactive ?? [];
-  const devices = await request<Named[]>('hardware.list');
+  const devices = await request('hardware.list');
   const controllers = new Set<string>(names.filter((name) => !devices.some((each) => each.name === name)));
   for (const { name, state } of devices.filter((each) => names.includes(each.name))) {
     if (state === 'inactive' || state === 'unconfigured') {
       await request('hardware.state', { name, state: 'active' });
       continue;
     }
-    const { fallen } = await request<{ fallen?: string[] }>('hardware.recover', { name });
+    const { fallen } = await request('hardware.recover', { name });
     for (const each of fallen ?? []) controllers.add(each);
   }
   if (controllers.size) await request('control.switch', { activate: [...controllers], deactivate: [] });

@@ -18,6 +18,7 @@ import type {
   Status,
   TagValue,
 } from '../wire/types';
+import type { Requests } from '../wire/requests';
 import { readAlarm, readCell, readHolder, readJog, readPart, readPlans, readStatus } from '../wire/read';
 import { forgetFrames, takeFrame, takeLayout } from './live';
 import { settings } from './settings';
@@ -77,22 +78,29 @@ const kFrameRate = 30;
 
 let connection: Connection | null = null;
 
-export function request<T = unknown>(name: string, args: Json = {}, timeout?: number): Promise<T> {
+export type RequestName = keyof Requests;
+export type Args<Name extends RequestName> = Requests[Name]['args'];
+export type Answer<Name extends RequestName> = Requests[Name]['answer'];
+/** Arguments may be left out where none is needed. */
+type Rest<Name extends RequestName> = object extends Args<Name> ? [args?: Args<Name>, timeout?: number] : [args: Args<Name>, timeout?: number];
+
+/** Arguments and answer have the types that the cell has for them (wire/requests.ts). */
+export function request<Name extends RequestName>(name: Name, ...[args, timeout]: Rest<Name>): Promise<Answer<Name>> {
   if (!connection) return Promise.reject(new RequestError(name, { code: 'not-connected', what: t('link.lost') }));
-  return connection.request<T>(name, args, timeout);
+  return connection.request<Answer<Name>>(name, (args ?? {}) as Json, timeout);
 }
-export function tell(name: string, args: Json = {}): boolean {
-  return connection?.tell(name, args) ?? false;
+export function tell<Name extends RequestName>(name: Name, ...[args]: Rest<Name>): boolean {
+  return connection?.tell(name, (args ?? {}) as Json) ?? false;
 }
-export function stream<T>(name: string, args: Json, each: (result: T) => void) {
+export function stream<Name extends RequestName>(name: Name, args: Args<Name>, each: (result: Answer<Name>) => void) {
   if (!connection) throw new RequestError(name, { code: 'not-connected', what: t('link.lost') });
-  return connection.stream<T>(name, args, each);
+  return connection.stream<Answer<Name>>(name, args as Json, each);
 }
 
 /** Asks, and says in a toast what went wrong. True where it was done. */
-export async function attempt(name: string, args: Json = {}): Promise<boolean> {
+export async function attempt<Name extends RequestName>(name: Name, ...rest: Rest<Name>): Promise<boolean> {
   try {
-    await request(name, args);
+    await request(name, ...rest);
     return true;
   } catch (error) {
     complain(error);
@@ -135,7 +143,7 @@ export async function loadCell(): Promise<void> {
 
 async function greet(): Promise<void> {
   try {
-    const hello = await request<Json>('session.hello', { name: settings.clientName.value });
+    const hello = await request('session.hello', { name: settings.clientName.value });
     client.value = Number(hello.client ?? -1);
     version.value = String(hello.version ?? '');
     holder.value = readHolder(hello.holder);
@@ -151,7 +159,7 @@ async function greet(): Promise<void> {
 
 export async function takeControl(force: boolean): Promise<void> {
   try {
-    const answer = await request<Json>('session.take', force ? { force: true } : {});
+    const answer = await request('session.take', force ? { force: true } : {});
     if (answer.you_hold === true) {
       youHold.value = true;
       waiting.value = null;
@@ -180,8 +188,8 @@ export function markSeen(which: (alarm: Alarm) => boolean): void {
 
 /** The first state is asked for; changes come by themselves. A cell without a program refuses. */
 async function loadProgram(): Promise<void> {
-  const now = await request<Json>('program').catch(() => null);
-  if (now && !program.peek()) program.value = now;
+  const now = await request('program').catch(() => null);
+  if (now && !program.peek()) program.value = now as unknown as Json;
 }
 
 /** The newest alarm when this page came; -1 while that is not known. */

@@ -46,9 +46,9 @@ export const controllers = signal<Controller[]>([]);
 export async function loadHealth(): Promise<void> {
   try {
     const [now, clamped, components, list] = await Promise.all([
-      request<Json>('health'), request<Limit[]>('limits'), request<Component[]>('hardware.list'), request<Controller[]>('control.list'),
+      request('health'), request('limits'), request('hardware.list'), request('control.list'),
     ]);
-    health.value = readHealth(now);
+    health.value = readHealth(now as unknown as Json);
     limits.value = clamped;
     hardware.value = components;
     controllers.value = list;

@@ -1,10 +1,11 @@
 /** The one motion by hand of this page, as signals; ended by everything that may mean that nobody holds the key any more. */
 import { effect, signal } from '@preact/signals';
 import { Follower } from '../wire/follower';
-import { Jogger } from '../wire/jogger';
+import { Jogger, type JogWire } from '../wire/jogger';
 import type { Json } from '../wire/connection';
+import type { JogBegun } from '../wire/requests';
 import { t } from '../i18n';
-import { complain, connected, jogEvents, mayMove, request, robot, status, tell } from './cell';
+import { type Args, complain, connected, jogEvents, mayMove, request, robot, status, tell } from './cell';
 import { toast } from './toasts';
 import { kept } from './settings';
 
@@ -23,7 +24,12 @@ export const jogStep = kept<number>('jogStep', 0);
 /** A step of so many mm; turning takes at most 5°. */
 export const stepDegrees = (step: number) => Math.min(step, 5);
 
-const jogger = new Jogger({ request: (name, args) => request(name, args), tell }, (held, error) => {
+/** The arguments are the keys', made here and in the pages of Move. */
+const wire: JogWire = {
+  request: (name, args) => request<'jog.begin' | 'jog.goto'>(name, args as Args<'jog.begin'>) as Promise<JogBegun>,
+  tell: (name, args) => tell<'jog.beat' | 'jog.end'>(name, args),
+};
+const jogger = new Jogger(wire, (held, error) => {
   if (!held) heldKey.value = '';
   if (error) complain(error);
 });
@@ -133,7 +139,7 @@ export function dropSteps(): void {
 async function oneStep(args: Json, key: string): Promise<void> {
   heldKey.value = key;
   try {
-    await request('jog.step', args, 30_000);
+    await request('jog.step', args as Args<'jog.step'>, 30_000);
   } catch (error) {
     dropSteps();
     complain(error);

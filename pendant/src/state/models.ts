@@ -18,7 +18,7 @@ export const chain = computed(() => chains.value[robot.value?.name ?? ''] ?? nul
 /** Points of the cell's data, in the world: each is a frame that a person may jog in. */
 export const frames = signal<({ name: string } & Pose)[]>([]);
 function loadFrames(): void {
-  request<{ values: { name: string; kind: string; world: Pose | null }[] }>('points').then(
+  request('points').then(
     ({ values }) => (frames.value = values.flatMap(({ name, kind, world }) => (kind === 'pose' && world ? [{ name, ...world }] : []))),
     (error: unknown) => console.warn('the frames cannot be had', error),
   );

@@ -1,37 +1,12 @@
 /** The cell's points and other data, and the names that a program may use. */
 import { computed, effect, signal } from '@preact/signals';
-import type { Pose, Vec3 } from '../wire/types';
-import { complain, connected, onEvent, request } from './cell';
+import type { KnownName, PointFacts } from '../wire/requests';
+import type { Vec3 } from '../wire/types';
+import { type Args, complain, connected, onEvent, request, type RequestName } from './cell';
 import { type NamedPose, pointsIn3d } from './preview';
 
-export type ValueKind = 'pose' | 'joints' | 'boolean' | 'number' | 'text' | 'list' | 'record';
-
-export interface DataValue {
-  name: string;
-  kind: ValueKind;
-  file: string;
-  /** As a person reads it. */
-  text: string;
-  value: boolean | number | string | null;
-  unit?: string;
-  /** In its own frame; `world`: where that is. */
-  pose: Pose | null;
-  world: Pose | null;
-  joints: Record<string, number> | null;
-  taught: { frame: string; tool: string; robot: string } | null;
-  group: string;
-}
-export interface Here {
-  tcp: Pose;
-  flange: Pose;
-  joints: Record<string, number>;
-  tool: string;
-}
-export interface KnownName {
-  name: string;
-  kind: string;
-  text: string;
-}
+/** `pose` is in the point's own frame; `world`: where that is. */
+export type DataValue = PointFacts;
 
 export const values = signal<DataValue[]>([]);
 export const pointsFile = signal('');
@@ -50,7 +25,7 @@ export const groupNames = computed(() => [...new Set(values.value.map((each) => 
 
 export async function loadPoints(): Promise<void> {
   try {
-    const answer = await request<{ file: string; files: string[]; values: DataValue[] }>('points');
+    const answer = await request('points');
     pointsFile.value = answer.file;
     dataFiles.value = answer.files;
     values.value = answer.values;
@@ -63,7 +38,7 @@ export async function loadPoints(): Promise<void> {
 
 export async function loadNames(): Promise<void> {
   try {
-    names.value = (await request<{ names: KnownName[] }>('program.names')).names;
+    names.value = (await request('program.names')).names;
   } catch (error) {
     complain(error);
   }
@@ -105,9 +80,9 @@ export async function teach(wish: TeachWish): Promise<void> {
 }
 
 /** Change of any kind; says what was refused. */
-export async function changePoints(name: string, args: Record<string, unknown>): Promise<boolean> {
+export async function changePoints<Name extends RequestName>(name: Name, args: Args<Name>): Promise<boolean> {
   try {
-    await request(name, args);
+    await request<RequestName>(name, args);
     await Promise.all([loadPoints(), loadNames()]);
     return true;
   } catch (error) {

@@ -1,48 +1,21 @@
 /** Tags with all that is known of them: what stands still is asked for, values come as events. Forces and simulations of this page. */
 import { effect, signal } from '@preact/signals';
+import type { LinkState, TagState } from '../wire/requests';
 import { complain, connected, request, stream, tags } from './cell';
 
-export interface TagInfo {
-  name: string;
-  type: string;
-  unit: string;
-  value: unknown;
-  text: string;
-  direction: string;
-  source: string;
-  quality: string;
-  forced: boolean;
-  tag: boolean;
-  changed_s: number | null;
-  changed_by: string;
-  output: unknown;
-  rules: Record<string, unknown>;
-}
-export interface LinkInfo {
-  name: string;
-  address: string;
-  up: boolean;
-  reason: string;
-  losses: number;
-  exchanges: number;
-  round_ms: number;
-  on_loss: string;
-  tags: number;
-}
-
-export const tagInfos = signal<TagInfo[]>([]);
-export const links = signal<LinkInfo[]>([]);
+export const tagInfos = signal<TagState[]>([]);
+export const links = signal<LinkState[]>([]);
 export const tagsKnown = signal(false);
 
 const kEvery = 2000;
 
 export async function loadTags(): Promise<void> {
   try {
-    const answer = await request<{ tags: TagInfo[]; links: LinkInfo[] }>('tags.list');
+    const answer = await request('tags.list');
     let all = answer.tags;
     // Variables of data, which the list of tags leaves out, are tags of the events.
     const others = Object.keys(tags.peek()).filter((name) => !all.some((each) => each.name === name));
-    if (others.length) all = [...all, ...(await request<{ tags: TagInfo[] }>('tags.list', { names: others })).tags];
+    if (others.length) all = [...all, ...(await request('tags.list', { names: others })).tags];
     tagInfos.value = all;
     links.value = answer.links;
     tagsKnown.value = true;
@@ -65,7 +38,7 @@ export function followTags(): () => void {
 }
 
 /** What is known now: the event's values over the list's. */
-export function tagNow(info: TagInfo): TagInfo {
+export function tagNow(info: TagState): TagState {
   const live = tags.value[info.name];
   if (!live) return info;
   const since = live.since === null || live.since === undefined ? null : Number(live.since);

@@ -17,7 +17,7 @@ export class Follower {
   private target: Json | null = null;
 
   constructor(
-    private readonly ask: <T>(request: string, args: Json, timeout: number) => Promise<T>,
+    private readonly ask: (request: 'target', args: Json, timeout: number) => Promise<{ session?: number }>,
     private readonly onEnd: (error?: unknown) => void,
   ) {}
 
@@ -52,7 +52,7 @@ export class Follower {
     const round = this.round;
     const session = this.session === null ? {} : { session: this.session };
     ++this.underway;
-    this.ask<{ session?: number }>('target', { ...this.target, hold: kGoodForS, ...session }, 2_000)
+    this.ask('target', { ...this.target, hold: kGoodForS, ...session }, 2_000)
       .then(
         (answer) => {
           if (round === this.round && this.session === null) this.session = answer.session ?? null;

@@ -3,17 +3,18 @@
  * new press begins anew. At most one motion at a time.
  */
 import type { Json } from './connection';
+import type { JogBegun } from './requests';
 
 export const kBeatMs = 40;
 
 export interface JogWire {
-  request: <T>(name: string, args: Json) => Promise<T>;
-  tell: (name: string, args: Json) => boolean;
+  request: (name: 'jog.begin' | 'jog.goto', args: Json) => Promise<Pick<JogBegun, 'jog'>>;
+  tell: (name: 'jog.beat' | 'jog.end', args: Json) => boolean;
 }
 
 export interface JogMotion {
-  /** The request that begins it (`jog.begin`, `jog.goto`) and its arguments. */
-  request: string;
+  /** The request that begins it and its arguments. */
+  request: 'jog.begin' | 'jog.goto';
   args: Json;
 }
 
@@ -41,7 +42,7 @@ export class Jogger {
     this.change = {};
     this.onChange(true);
     try {
-      const answer = await this.wire.request<{ jog: number }>(motion.request, motion.args);
+      const answer = await this.wire.request(motion.request, motion.args);
       if (press !== this.press || !this.active) {
         // Let go of before the answer came.
         this.wire.tell('jog.end', { jog: answer.jog });

@@ -1,6 +1,7 @@
 /** From what the server says to what the pages read. Missing fields become harmless ones; nothing here throws. */
 import type {Alarm, CellInfo, Contacts, Facts, Holder, JogEvent, PartPose, Plan, ProgramStatus, Quat, SceneInfo, SceneThing, Status, Touch, Vec3, Visual, Why} from './types';
 import type { Json } from './connection';
+import type { ProgramOverview } from './requests';
 
 const list = (value: unknown): Json[] => (Array.isArray(value) ? (value as Json[]) : []);
 const text = (value: unknown): string => (typeof value === 'string' ? value : '');
@@ -14,21 +15,20 @@ export function readHolder(value: unknown): Holder | null {
 
 function readProgram(value: unknown): ProgramStatus | null {
   if (!value || typeof value !== 'object') return null;
-  const program = value as Json;
+  const program = value as Partial<ProgramOverview>;
+  const { where, problem } = program;
   return {
-    file: text(program.file),
+    file: text(program.name),
     state: text(program.state) as ProgramStatus['state'],
     paused: program.paused === true,
     ended: program.ended === true,
-    ready: program.state === 'ready' || program.begun === false,
+    ready: program.state === 'ready',
     hash: text(program.hash),
-    line: num(program.line, 0),
+    line: num(where?.line, 0),
     source: text(program.source),
-    passes: num(program.cycle, 0),
+    passes: num(program.passes, 0),
     lastPass: num(program.last_pass_s, NaN),
-    tasks: num(program.tasks, 1),
-    waitsFor: text(program.waits_for),
-    problem: text(program.problem),
+    problem: problem ? [problem.where, problem.what].filter(Boolean).join(': ') : '',
   };
 }
 

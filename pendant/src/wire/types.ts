@@ -34,8 +34,7 @@ export interface ProgramStatus {
   passes: number;
   /** The newest whole one, s of cell time; NaN before. */
   lastPass: number;
-  tasks: number;
-  waitsFor: string;
+  /** Why it failed, with its place. */
   problem: string;
 }
 

@@ -1,7 +1,7 @@
 /** Simulated or on the real robot: what would be connected is shown first, and a person arms it. */
 import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
-import { type Problem, problemWords } from '../../i18n/told';
+import { problemWords } from '../../i18n/told';
 import { able } from '../../state/abilities';
 import { complain, mayMove, request, status } from '../../state/cell';
 import { ArmDialog } from '../../shell/ArmDialog';
@@ -9,22 +9,8 @@ import { ask, open } from '../../ui/ask';
 import { Button, Card, Loading, Segmented } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
 import { Icon } from '../../ui/Icon';
+import type { CellConnectAnswer } from '../../wire/requests';
 import { restart, restarting } from './restart';
-
-interface Hardware {
-  robot: string;
-  component: string;
-  driver: string;
-  /** The devices it is for, in words. */
-  drives: string;
-  devices: { parameter: string; path: string; there: boolean }[];
-}
-interface Reachable {
-  real: boolean;
-  hardware: Hardware[];
-  possible: boolean;
-  problem: Problem | null;
-}
 
 export function Mode() {
   const now = status.value;
@@ -62,11 +48,11 @@ async function connect(real: boolean): Promise<void> {
 
 /** What would be connected. Nothing has been touched before it is agreed to. */
 function ConnectDialog({ onClose }: { onClose: () => void }) {
-  const [found, setFound] = useState<Reachable | null>(null);
+  const [found, setFound] = useState<CellConnectAnswer | null>(null);
   const [asked, setAsked] = useState(false);
   if (!asked) {
     setAsked(true);
-    request<Reachable>('cell.connect').then(setFound, (error) => (complain(error), onClose()));
+    request('cell.connect').then(setFound, (error) => (complain(error), onClose()));
   }
   const go = () => {
     onClose();
@@ -88,7 +74,7 @@ function ConnectDialog({ onClose }: { onClose: () => void }) {
   );
 }
 
-function WhatIsThere({ found }: { found: Reachable }) {
+function WhatIsThere({ found }: { found: CellConnectAnswer }) {
   const why = problemWords(found.problem ?? { code: 'refused', what: '' });
   return (
     <>

@@ -84,7 +84,7 @@ function Check() {
   const [busy, setBusy] = useState(false);
   const go = () => {
     setBusy(true);
-    request<{ problems: Found[] }>('cell.check', {}, 60_000)
+    request('cell.check', {}, 60_000)
       .then((answer) => setFound(answer.problems), complain)
       .finally(() => setBusy(false));
   };

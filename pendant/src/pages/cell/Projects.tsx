@@ -37,7 +37,7 @@ function nameFor(file: string, taken: string[]): string {
 export function Projects() {
   const [list, setList] = useState<Project[] | null>(null);
   const load = () =>
-    request<{ open: string; cells: Project[] }>('cells').then(
+    request('cells').then(
       (answer) => setList(answer.cells),
       (error) => {
         complain(error);
@@ -158,7 +158,7 @@ function NameDialog({ kind, onClose, onDone }: { kind: 'copy' | 'new'; onClose: 
     if (bad) return;
     onClose();
     try {
-      const answer = await request<{ folder: string }>(kind === 'copy' ? 'cell.save_as' : 'cell.new', kind === 'copy' ? { name } : { name, robot }, 20_000);
+      const answer = await request(kind === 'copy' ? 'cell.save_as' : 'cell.new', kind === 'copy' ? { name } : { name, robot }, 20_000);
       toast({ kind: 'ok', text: t('cell.made', { name }), detail: answer.folder });
       onDone();
     } catch (error) {

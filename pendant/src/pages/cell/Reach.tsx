@@ -4,24 +4,16 @@ import { type Key, t } from '../../i18n';
 import { plain, problemWords, type Told } from '../../i18n/told';
 import { complain, mayMove, request } from '../../state/cell';
 import { RequestError } from '../../wire/connection';
+import type { CellReachAnswer, WantedThing } from '../../wire/requests';
 import { Button, Loading } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
 import { Icon } from '../../ui/Icon';
 
-interface Wanted {
-  kind: 'plugin' | 'host' | 'device' | 'file' | 'secret';
-  what: string;
-  why: string;
-  allowed: boolean;
-}
+type Wanted = WantedThing;
+type Reach = CellReachAnswer;
 
 const kPatienceMs = 20_000;
-interface Reach {
-  wants: Wanted[];
-  /** What is wrong in a file that could name more. */
-  unread: string | null;
-}
-const ask = (folder: string, allow?: string[]) => request<Reach>('cell.reach', allow ? { folder, allow } : { folder }, kPatienceMs);
+const ask = (folder: string, allow?: string[]) => request('cell.reach', allow ? { folder, allow } : { folder }, kPatienceMs);
 
 /** What a person may allow on this page. */
 const open = (each: Wanted) => !each.allowed && (each.kind === 'host' || each.kind === 'secret');

@@ -1,4 +1,5 @@
 /** Requests after which the cell begins anew: the connection stays, the cell is away for a moment. */
+import type { Args, RequestName } from '../../state/cell';
 import { signal } from '@preact/signals';
 import { t } from '../../i18n';
 import { complain, request } from '../../state/cell';
@@ -12,12 +13,12 @@ export const restarting = signal('');
 const kPatienceMs = 30_000;
 
 /** True when the new cell is there, and `wrong` says of it that nothing is. */
-export async function restart(what: string, done: string, name: string, args: Record<string, unknown>, wrong: () => string = () => ''): Promise<boolean> {
+export async function restart<Name extends RequestName>(what: string, done: string, name: Name, args: Args<Name>, wrong: () => string = () => ''): Promise<boolean> {
   if (restarting.value) return false;
   restarting.value = what;
   const before = layout.peek().id;
   try {
-    await request(name, args, kPatienceMs);
+    await request<RequestName>(name, args, kPatienceMs);
     await newLayout(before);
     const problem = wrong();
     toast(problem ? { kind: 'warning', text: problem } : { kind: 'ok', text: done });

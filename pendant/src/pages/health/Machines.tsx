@@ -1,4 +1,5 @@
 /** Hardware and controllers: their states, who uses what, and taking them to another state. */
+import type { Args, RequestName } from '../../state/cell';
 import { useEffect, useState } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
 import { causeWords, plain, problemLine, problemOf } from '../../i18n/told';
@@ -15,15 +16,15 @@ function StateChip({ state }: { state: string }) {
   return <span class={`chip ${tone(state)}`}>{word('health.s', state)}</span>;
 }
 
-async function change(name: string, args: Record<string, unknown>): Promise<void> {
-  await attempt(name, args);
+async function change<Name extends RequestName>(name: Name, args: Args<Name>): Promise<void> {
+  await attempt<RequestName>(name, args);
   await loadHealth();
 }
 
 /** What fell with the component does not begin by itself: a person is asked. */
 async function recover(name: string): Promise<void> {
   try {
-    const { fallen } = await request<{ fallen?: string[] }>('hardware.recover', { name });
+    const { fallen } = await request('hardware.recover', { name });
     if (fallen?.length)
       ask({
         title: t('health.startQ'),
@@ -137,7 +138,7 @@ function SwitchDialog({ onClose }: { onClose: () => void }) {
   useEffect(() => {
     setPlan(null);
     if (!changes) return;
-    request<Plan>('control.switch', { ...args, dry: true }).then(setPlan, (error: Error) => setPlan({ ok: false, reason: problemLine(problemOf(error)), start: [], stop: [] }));
+    request('control.switch', { ...args, dry: true }).then(setPlan, (error: Error) => setPlan({ ok: false, reason: problemLine(problemOf(error)), start: [], stop: [] }));
   }, [key]);
   const toggle = (name: string) => {
     const next = new Set(on);

@@ -1,4 +1,5 @@
 /** The way to a place: looked along by the cell and shown first, then gone as long as the key is held. */
+import type { PlanPreviewAnswer } from '../../wire/requests';
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
 import { type Problem, problemLine, problemOf } from '../../i18n/told';
@@ -53,11 +54,12 @@ export function GoKey({ goal }: { goal: Goal | null }) {
     if (!args) return;
     let gone = false;
     const timer = setTimeout(() => {
-      request<Omit<Dry, 'of'>>('jog.goto', { ...args, dry: true }).then(
-        (got) => {
+      request('jog.goto', { ...args, dry: true }).then(
+        (answer) => {
+          const { ok, path, seconds, joints } = answer as PlanPreviewAnswer;  // as it is with `dry`
           if (gone) return;
-          setDry({ ...got, of: wish });
-          preview.value = got.ok ? { robot: robot.peek()!.name, path: got.path ?? [], joints: got.joints ?? null } : null;
+          setDry({ ok, path, seconds, joints, of: wish });
+          preview.value = ok ? { robot: robot.peek()!.name, path, joints } : null;
         },
         (error: Error) => {
           if (gone) return;

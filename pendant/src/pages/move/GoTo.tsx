@@ -34,7 +34,7 @@ export function GoTo({ onClose }: { onClose: () => void }) {
   const [points, setPoints] = useState<PointValue[]>([]);
   const [point, setPoint] = useState('');
   useEffect(() => {
-    ask<{ values: PointValue[] }>('points').then(
+    ask('points').then(
       (got) => {
         const able = got.values.filter((each) => each.joints || each.world);
         setPoints(able);

@@ -66,7 +66,7 @@ function Actions({ list, only }: { list: DataValue[]; only: DataValue | null }) 
 }
 
 async function touchUp(value: DataValue): Promise<void> {
-  const args = { name: value.name, robot: robot.value?.name ?? '', kind: value.kind, frame: value.taught?.frame || undefined, replace: true };
+  const args = { name: value.name, robot: robot.value?.name ?? '', kind: value.kind === 'joints' ? ('joints' as const) : ('pose' as const), frame: value.taught?.frame || undefined, replace: true };
   if (await changePoints('points.teach', args)) toast({ kind: 'ok', text: t('points.touched', { name: value.name }) });
 }
 
@@ -86,7 +86,7 @@ function Rename({ value, onClose }: { value: DataValue; onClose: () => void }) {
     if (bad) return;
     onClose();
     try {
-      const answer = await request<{ uses?: { file: string; line: number }[] }>('points.rename', { name: value.name, to: name });
+      const answer = await request('points.rename', { name: value.name, to: name });
       chosen.value = [name];
       const uses = answer.uses ?? [];
       if (uses.length)

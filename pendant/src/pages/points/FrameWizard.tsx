@@ -3,7 +3,7 @@ import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
 import { problemLine, problemOf } from '../../i18n/told';
 import { complain, mayMove, request, robot } from '../../state/cell';
-import { changePoints, distance, frameNames, goodName, type Here, values } from '../../state/points';
+import { changePoints, distance, frameNames, goodName, values } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { Button, Field } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
@@ -35,10 +35,10 @@ export function FrameWizard({ onClose }: { onClose: () => void }) {
     setAnswer(null);
     setProblem('');
     if (!whole) return;
-    request<Answer>('points.frame', { ...args, dry: true }).then(setAnswer, (error: Error) => setProblem(problemLine(problemOf(error))));
+    request('points.frame', { ...args, dry: true }).then(setAnswer, (error: Error) => setProblem(problemLine(problemOf(error))));
   }, [touched]);
   const touch = (i: number) =>
-    request<Here>('points.here', { robot: robot.value?.name ?? '' }).then((here) => (touches.value = touches.value.map((old, k) => (k === i ? here.tcp.p : old))), complain);
+    request('points.here', { robot: robot.value?.name ?? '' }).then((here) => (touches.value = touches.value.map((old, k) => (k === i ? here.tcp.p : old))), complain);
   const taken = values.value.some((each) => each.name === name);
   const nameProblem = name !== '' && !goodName(name) ? t('points.badName') : taken ? t('points.exists') : '';
   const save = async () => {

@@ -20,7 +20,7 @@ const found = signal<Changed[]>([]);
 
 async function look(): Promise<void> {
   if (!connected.peek() || !able('points.outside')) return;
-  found.value = await request<{ files: Changed[] }>('points.outside').then(
+  found.value = await request('points.outside').then(
     (answer) => answer.files,
     () => [],
   );

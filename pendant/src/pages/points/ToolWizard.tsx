@@ -3,7 +3,7 @@ import { useEffect, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { problemLine, problemOf } from '../../i18n/told';
 import { complain, mayMove, request, robot } from '../../state/cell';
-import { changePoints, goodName, type Here, values } from '../../state/points';
+import { changePoints, goodName, values } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { Button, Field } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
@@ -34,9 +34,9 @@ export function ToolWizard({ onClose }: { onClose: () => void }) {
     setAnswer(null);
     setProblem('');
     if (poses.length < kLeast) return;
-    request<Answer>('points.tool', { name, poses, dry: true }).then(setAnswer, (error: Error) => setProblem(problemLine(problemOf(error))));
+    request('points.tool', { name, poses, dry: true }).then(setAnswer, (error: Error) => setProblem(problemLine(problemOf(error))));
   }, [poses]);
-  const touch = () => request<Here>('points.here', { robot: robot.value?.name ?? '' }).then((here) => (toolPoses.value = [...toolPoses.value, here.flange]), complain);
+  const touch = () => request('points.here', { robot: robot.value?.name ?? '' }).then((here) => (toolPoses.value = [...toolPoses.value, here.flange]), complain);
   const taken = values.value.some((each) => each.name === name);
   const nameProblem = name !== '' && !goodName(name) ? t('points.badName') : taken ? t('points.exists') : '';
   const save = async () => {

@@ -54,7 +54,7 @@ export default function Page() {
 
 async function undo(): Promise<void> {
   try {
-    const answer = await request<{ what: string }>('points.undo');
+    const answer = await request('points.undo');
     toast({ kind: 'ok', text: t('points.undone', { what: answer.what }) });
     await loadPoints();
   } catch (error) {

@@ -149,9 +149,9 @@ export function VersionsDialog({ onClose }: { onClose: () => void }) {
   const [list, setList] = useState<Version[] | null>(null);
   const [chosen, setChosen] = useState<{ version: Version; text: string } | null>(null);
   const look = (version: Version) =>
-    request<{ text: string }>('files.version', { name, number: version.number }).then((answer) => setChosen({ version, text: answer.text }), complain);
+    request('files.version', { name, number: version.number }).then((answer) => setChosen({ version, text: answer.text }), complain);
   useEffect(() => {
-    request<{ versions: Version[] }>('files.versions', { name }).then(
+    request('files.versions', { name }).then(
       (answer) => {
         setList(answer.versions);
         if (answer.versions[0]) void look(answer.versions[0]);

@@ -1,4 +1,5 @@
 /** Beside the program: begin, pause, step; where its tasks stand and their variables; what is wrong, by line. */
+import type { Args, RequestName } from '../../state/cell';
 import { number, t, word } from '../../i18n';
 import { plain } from '../../i18n/told';
 import { attempt, complain, connected, mayMove, pausing, program, request, status, ways } from '../../state/cell';
@@ -97,8 +98,8 @@ function Buttons() {
 }
 
 /** For what is answered when the robot stands, however long that takes. */
-async function longAttempt(name: string, args: Record<string, unknown> = {}): Promise<void> {
-  await request(name, args, 0).catch(complain);
+async function longAttempt<Name extends RequestName>(name: Name, args: Args<Name>): Promise<void> {
+  await request<RequestName>(name, args, 0).catch(complain);
 }
 
 function beginDry(): void {
@@ -124,7 +125,7 @@ interface Assumed {
 export async function runFrom(line: number): Promise<void> {
   if (doc.dirty.value && !(await doc.save())) return;
   try {
-    const assumed = await request<Assumed>('program.from', { program: doc.fileName.value, line, ...doc.shownHash() });
+    const assumed = await request('program.from', { program: doc.fileName.value, line, ...doc.shownHash() });
     open((close) => <FromDialog assumed={assumed} onClose={close} />);
   } catch (error) {
     complain(error);
@@ -134,7 +135,7 @@ export async function runFrom(line: number): Promise<void> {
 function FromDialog({ assumed, onClose }: { assumed: Assumed; onClose: () => void }) {
   const no = () => {
     onClose();
-    void longAttempt('program.stop');
+    void longAttempt('program.stop', {});
   };
   const rows: [string, string][] = [
     [t('program.aRobot'), assumed.robot],

@@ -8,7 +8,7 @@ import { type ChangeDesc, Compartment, EditorState, type Extension, RangeSet, St
 import {
   Decoration, drawSelection, EditorView, gutter, GutterMarker, highlightActiveLine, keymap, lineNumbers,
 } from '@codemirror/view';
-import type { KnownName } from '../../state/points';
+import type { KnownName } from '../../wire/requests';
 import { type LineMap, lineMap } from './breakpoints';
 import type { Problem } from './documents';
 import { colours, indents, mode } from './mode';

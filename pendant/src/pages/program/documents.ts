@@ -1,4 +1,5 @@
 /** The program file that is open: its text, the file and draft behind it, what the checker says, earlier texts. */
+import type { Args } from '../../state/cell';
 import { computed, effect, signal, untracked } from '@preact/signals';
 import { t } from '../../i18n';
 import { attempt, complain, connected, program, request, status } from '../../state/cell';
@@ -28,14 +29,6 @@ export interface Problem {
   line: number;
   column: number;
 }
-interface ReadAnswer {
-  name: string;
-  text: string;
-  hash: string;
-  running: boolean;
-  draft: { text: string; base: string; saved_s: number; by: string } | null;
-}
-
 export const files = signal<FileInfo[]>([]);
 export const mainFile = signal<string | null>(null);
 export const chosenFile = kept<string>('program.file', '');
@@ -96,7 +89,7 @@ const keeper = new DraftKeeper({
 
 export async function loadFiles(): Promise<void> {
   try {
-    const answer = await request<{ files: FileInfo[]; main: string | null }>('files');
+    const answer = await request('files');
     if (JSON.stringify(answer.files) !== JSON.stringify(files.value)) files.value = answer.files;
     mainFile.value = answer.main;
     const mine = answer.files.find((each) => each.name === fileName.value);
@@ -121,7 +114,7 @@ export async function openSomething(): Promise<void> {
 export async function openFile(name: string, quiet = false): Promise<boolean> {
   keeper.flush();
   try {
-    const answer = await request<ReadAnswer>('files.read', { name });
+    const answer = await request('files.read', { name });
     const local = localDrafts.get(name);
     const draft = local ?? answer.draft;
     show(name, draft?.text ?? answer.text, answer.text, draft?.base ?? answer.hash);
@@ -229,7 +222,7 @@ export function discardDraft(): void {
 }
 
 async function lookAtTheirs(): Promise<void> {
-  const answer = await request<ReadAnswer>('files.read', { name: fileName.value });
+  const answer = await request('files.read', { name: fileName.value });
   if (answer.hash === base.value) return;
   if (answer.text === text.value || text.value === savedText.value) {
     // Nothing of ours is at stake: what is new is shown.
@@ -245,7 +238,7 @@ export async function save(): Promise<boolean> {
   const name = fileName.value;
   const now = text.value;
   try {
-    const answer = await request<{ hash: string }>('files.write', { name, text: now, base: base.value });
+    const answer = await request('files.write', { name, text: now, base: base.value });
     written(now, answer.hash);
     return true;
   } catch (error) {
@@ -283,7 +276,7 @@ export async function saveMerged(next: string): Promise<void> {
 
 export async function saveAs(name: string): Promise<boolean> {
   try {
-    const answer = await request<{ hash: string }>('files.write', { name, text: text.value, base: '' });
+    const answer = await request('files.write', { name, text: text.value, base: '' });
     const now = text.value;
     show(name, now, now, answer.hash);
     chosenFile.value = name;
@@ -300,7 +293,7 @@ export async function saveAs(name: string): Promise<boolean> {
 
 async function check(name: string, now: string): Promise<void> {
   try {
-    const answer = await request<{ problems: Problem[] }>('program.check', { name, text: now });
+    const answer = await request('program.check', { name, text: now });
     if (text.peek() !== now || fileName.peek() !== name) return;
     problems.value = answer.problems.filter((each) => each.file === '' || sameFile(each.file, name));
     checked.value = true;
@@ -406,8 +399,8 @@ const marks = new BreakpointKeeper({
     if (String(lines) !== String(breakpoints.peek())) breakpoints.value = lines;
   },
 });
-async function askBreakpoints(what: string, args: Record<string, unknown>): Promise<number[]> {
-  const answer = await request<{ breakpoints: Place[] }>(what, args);
+async function askBreakpoints<Name extends 'program.edited' | 'program.break'>(what: Name, args: Args<Name>): Promise<number[]> {
+  const answer = await request<'program.edited' | 'program.break'>(what, args);
   if (program.peek()) program.value = { ...program.peek(), breakpoints: answer.breakpoints };
   return ofThisFile(answer.breakpoints);
 }

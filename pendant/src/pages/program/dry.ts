@@ -21,9 +21,7 @@ export const dry = signal<DryState>({ kind: 'none' });
 export async function dryRun(file: string, text: string): Promise<void> {
   forgetDry();
   try {
-    const asked = stream<{ line?: number; moves?: number }>('program.dry', { name: file, text }, (each) => {
-      if (dry.peek().kind === 'runs') dry.value = { kind: 'runs', line: each.line ?? 0, moves: each.moves ?? 0, stop };
-    });
+    const asked = stream('program.dry', { name: file, text }, () => undefined);
     const stop = () => {
       asked.stop();
       dry.value = { kind: 'none' };

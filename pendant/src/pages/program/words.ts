@@ -10,7 +10,7 @@ export async function loadWords(): Promise<void> {
   if (asked) return;
   asked = true;
   try {
-    language.value = await request<Language>('language.words');
+    language.value = await request('language.words');
   } catch {
     asked = false;
   }

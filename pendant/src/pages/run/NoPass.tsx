@@ -17,7 +17,7 @@ export function NoPass() {
     setLoop(null);
     if (!file) return;
     let gone = false;
-    request<{ text: string }>('files.read', { name: file }).then((got) => gone || setLoop(outermostLoop(got.text)), complain);
+    request('files.read', { name: file }).then((got) => gone || setLoop(outermostLoop(got.text)), complain);
     return () => void (gone = true);
   }, [file]);
   if (!file || !loop) return null;

@@ -25,7 +25,7 @@ export function Text() {
     shownText.value = { file: '', hash: '' };
     if (!file) return;
     let left = false;
-    request<{ text: string; hash: string }>('files.read', { name: file }).then(
+    request('files.read', { name: file }).then(
       (got) => {
         if (left) return;
         setLines(got.text.split('\n'));

@@ -6,7 +6,8 @@ import { WatchOnly } from '../../shell/Control';
 import { mayMove } from '../../state/cell';
 import { cellTime } from '../../state/live';
 import { kept } from '../../state/settings';
-import { followTags, forcedHere, links, setTag, tagInfos, type TagInfo, tagNow, tagsKnown } from '../../state/tags';
+import { followTags, forcedHere, links, setTag, tagInfos, tagNow, tagsKnown } from '../../state/tags';
+import type { TagState } from '../../wire/requests';
 import { open } from '../../ui/ask';
 import { Button, Card, Empty, Loading, Search, Segmented } from '../../ui/controls';
 import { duration } from '../../ui/format';
@@ -61,7 +62,7 @@ function Forces() {
   );
 }
 
-export function shownTags(all: TagInfo[], show: Which, words: string): TagInfo[] {
+export function shownTags(all: TagState[], show: Which, words: string): TagState[] {
   const wanted = words.toLowerCase().split(/\s+/).filter(Boolean);
   return all.filter((each) => {
     if (show === 'in' && !/\bin\b|both/.test(each.direction)) return false;
@@ -108,16 +109,16 @@ export function directionWord(direction: string): string {
 }
 
 /** Its kind of program, or the name of who was connected. */
-export const whoText = (tag: TagInfo) => (tag.changed_by ? word('signals.by', tag.changed_by) : t('signals.cell'));
+export const whoText = (tag: TagState) => (tag.changed_by ? word('signals.by', tag.changed_by) : t('signals.cell'));
 
 /** Since when and by whom: `PLC, 3.2 s ago`. */
-export function changedText(tag: TagInfo): string {
+export function changedText(tag: TagState): string {
   if (tag.changed_s === null) return t('signals.never');
   const ago = Math.max(0, cellTime.value - tag.changed_s);
   return t('signals.ago', { who: whoText(tag), time: duration(ago) });
 }
 
-function Row({ tag }: { tag: TagInfo }) {
+function Row({ tag }: { tag: TagState }) {
   const flag = typeof tag.value === 'boolean';
   const fixed = tag.direction === 'in' && tag.tag;
   return (
@@ -155,7 +156,7 @@ function Row({ tag }: { tag: TagInfo }) {
   );
 }
 
-export function Value({ tag }: { tag: TagInfo }) {
+export function Value({ tag }: { tag: TagState }) {
   if (typeof tag.value === 'boolean')
     return (
       <span class={`signals-flag ${tag.value ? 'on' : ''}`}>

@@ -1,12 +1,12 @@
-#include "polyarm/cell/problem_json.hpp"
+#include "polyarm/protocol/problem.hpp"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/printable.hpp"
 
-namespace polyarm::cell {
+namespace polyarm::protocol {
 
 namespace {
 /// A problem may quote what was wrong, however long that is.
@@ -17,8 +17,8 @@ std::string clipped(const std::string& text) {
 }
 }  // namespace
 
-nlohmann::json facts_json(const Facts& facts) {
-  nlohmann::json out = nlohmann::json::object();
+FactValues fact_values(const polyarm::Facts& facts) {
+  FactValues out;
   for (const Fact& fact : facts) {
     if (const std::string* text = std::get_if<std::string>(&fact.value))
       out[fact.name] = clipped(*text);
@@ -28,13 +28,11 @@ nlohmann::json facts_json(const Facts& facts) {
   return out;
 }
 
-nlohmann::json problem_json(const Problem& problem) {
-  nlohmann::json out{{"code", problem.code},
-                     {"what", clipped(problem.what)},
-                     {"advice", clipped(problem.advice)},
-                     {"where", clipped(problem.where.text())}};
-  if (!problem.facts.empty()) out["facts"] = facts_json(problem.facts);
+ProblemFacts problem_facts(const Problem& problem) {
+  ProblemFacts out{
+      problem.code, clipped(problem.what), clipped(problem.advice), clipped(problem.where.text()), {}};
+  if (!problem.facts.empty()) out.facts = fact_values(problem.facts);
   return out;
 }
 
-}  // namespace polyarm::cell
+}  // namespace polyarm::protocol

@@ -1,0 +1,21 @@
+#pragma once
+/// The list of all requests, by families. Private to the room.
+#include <vector>
+
+#include "polyarm/protocol/request.hpp"
+
+namespace polyarm::protocol {
+
+using Family = const std::vector<const RequestType*>&();
+Family help_requests, controller_requests, motion_requests, tag_requests, hardware_requests, message_requests,
+    jog_requests, program_requests, point_requests, project_requests, session_requests;
+
+inline constexpr Family* kFamilies[] = {help_requests,    controller_requests, motion_requests,
+                                        tag_requests,     hardware_requests,   message_requests,
+                                        jog_requests,     program_requests,    point_requests,
+                                        project_requests, session_requests};
+
+/// What the pendant's port reports beside answers, as far as it has structs.
+const std::vector<const Type*>& event_types();
+
+}  // namespace polyarm::protocol

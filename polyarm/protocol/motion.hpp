@@ -1,0 +1,169 @@
+#pragma once
+/// Requests that stop the motion of a cell and let it go on, and what touches what.
+#include "polyarm/base/pose.hpp"
+#include "polyarm/protocol/facts.hpp"
+#include "polyarm/protocol/problem.hpp"
+
+namespace polyarm::protocol {
+
+/// The answer of a request that only starts something: its own verb.
+struct Asked {
+  std::string asked;
+  POLYARM_MEMBERS(Asked, asked)
+};
+
+struct ControlHold {
+  static constexpr Facts kFacts{
+      .name = "control.hold", .role = Role::watch, .text = "stop on the path", .moves = true, .urgent = true};
+  using Answer = Asked;
+  POLYARM_MEMBERS(ControlHold)
+};
+
+struct ControlStop {
+  static constexpr Facts kFacts{
+      .name = "control.stop",
+      .role = Role::watch,
+      .text =
+          "stop at once, on the path, as hard as the joints can; category 1 then switches "
+          "the drives off, 2 (default) holds",
+      .moves = true,
+      .urgent = true};
+  std::optional<double> category;
+  struct Answer {
+    static constexpr const char* kOf = "ControlStop";
+    std::string asked = "stop";
+    int category = 2;
+    std::optional<std::vector<std::string>> inactive;  ///< components that were switched off
+    POLYARM_MEMBERS(Answer, asked, category, inactive)
+  };
+  POLYARM_MEMBERS(ControlStop, category)
+};
+
+struct ControlResume {
+  static constexpr Facts kFacts{.name = "control.resume",
+                                .role = Role::operate,
+                                .text =
+                                    "go on along the path after a hold; refused if the robot was moved "
+                                    "meanwhile, or still touches something "
+                                    "that the motion goes on into, unless `anyway`",
+                                .moves = true};
+  bool anyway = false;
+  using Answer = Asked;
+  POLYARM_MEMBERS(ControlResume, anyway)
+};
+
+struct ControlBack {
+  static constexpr Facts kFacts{
+      .name = "control.back",
+      .role = Role::operate,
+      .text =
+          "from a hold, slowly back along the planned path: by `time` s of the plan (1) or "
+          "`distance` along the path; then hold again",
+      .moves = true};
+  std::optional<double> time, distance;
+  struct Answer {
+    static constexpr const char* kOf = "ControlBack";
+    std::string asked = "back", state;
+    std::map<std::string, double> joints;  ///< how far each has gone, rad or m
+    POLYARM_MEMBERS(Answer, asked, state, joints)
+  };
+  POLYARM_MEMBERS(ControlBack, time, distance)
+};
+
+struct ControlOverride {
+  static constexpr Facts kFacts{
+      .name = "control.override",
+      .role = Role::operate,
+      .text = "how much of the planned speed is used, 0 to 100; without `percent` the answer only says it",
+      .moves = true,
+      .watch_without = "percent"};
+  std::optional<double> percent;
+  struct Answer {
+    static constexpr const char* kOf = "ControlOverride";
+    std::string asked = "override";
+    double percent = 0, allowed = 0;
+    POLYARM_MEMBERS(Answer, asked, percent, allowed)
+  };
+  POLYARM_MEMBERS(ControlOverride, percent)
+};
+
+struct ControlDiscard {
+  static constexpr Facts kFacts{
+      .name = "control.discard",
+      .role = Role::operate,
+      .text = "forget what is left of a motion that is held, and where it was to go on from",
+      .moves = true};
+  struct Answer {
+    static constexpr const char* kOf = "ControlDiscard";
+    std::string asked = "discard";
+    bool discarded = false;  ///< something was left
+    std::string next;
+    POLYARM_MEMBERS(Answer, asked, discarded, next)
+  };
+  POLYARM_MEMBERS(ControlDiscard)
+};
+
+/// Two bodies that touched. Lengths in m, in the world.
+struct Touch {
+  std::string a, b, robot;
+  double at_s = 0, depth = 0;
+  Vec3 position;
+  bool now = false;
+  std::string doing, where, text;
+  POLYARM_MEMBERS(Touch, a, b, robot, at_s, depth, position, now, doing, where, text)
+};
+
+/// Bodies whose contacts nothing detects, for pages in other languages.
+struct UncheckedBody {
+  std::string code;
+  FactValues facts;
+  POLYARM_MEMBERS(UncheckedBody, code, facts)
+};
+
+struct ContactState {
+  bool checked = false;  ///< something in this cell detects contacts
+  OrNull<int> stop;      ///< the category of the stop that a contact leads to
+  bool touching = false;
+  std::vector<std::string> unchecked;        ///< bodies whose contacts nothing detects, a sentence each
+  std::vector<UncheckedBody> unchecked_why;  ///< what these sentences contain, in the same order
+  std::vector<Touch> list;                   ///< newest last
+  POLYARM_MEMBERS(ContactState, checked, stop, touching, unchecked, unchecked_why, list)
+};
+
+struct Contacts {
+  static constexpr Facts kFacts{
+      .name = "contacts",
+      .role = Role::watch,
+      .text =
+          "what touched what in physics and where, what touches now, and which contacts are not detected"};
+  using Answer = ContactState;
+  POLYARM_MEMBERS(Contacts)
+};
+
+struct ControlRecover {
+  static constexpr Facts kFacts{.name = "control.recover",
+                                .role = Role::operate,
+                                .text = "leave the fault state for held; nothing moves",
+                                .moves = true};
+  using Answer = Asked;
+  POLYARM_MEMBERS(ControlRecover)
+};
+
+/// A stop that has ended.
+struct StopFacts {
+  double at_s = 0, time_s = 0;
+  int category = 2;
+  std::string cause, cause_code;
+  std::map<std::string, double> tcp_m;   ///< by robot
+  std::map<std::string, double> joints;  ///< rad or m
+  POLYARM_MEMBERS(StopFacts, at_s, time_s, category, cause, cause_code, tcp_m, joints)
+};
+
+/// By request about stopped motion, why it cannot be done now: null if it can.
+struct PossibleNow {
+  OrNull<ProblemFacts> resume, discard, back, recover, program;
+  std::map<std::string, OrNull<ProblemFacts>> jog;  ///< by robot
+  POLYARM_MEMBERS(PossibleNow, resume, discard, back, recover, program, jog)
+};
+
+}  // namespace polyarm::protocol
