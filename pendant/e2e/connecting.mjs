@@ -70,7 +70,6 @@ test('Stop keeps its corner on a phone, too, whatever stands beside it', async (
   }
   await page.setViewportSize({ width: 390, height: 844 });
   places.add(await corner());
-  await mode('Simulation').waitFor();
   assert.equal(places.size, 1, [...places].join(' | '));
   const box = await stopKey(page).boundingBox();
   assert.equal(Math.round(box.x + box.width), 380, 'at the right');
@@ -102,6 +101,6 @@ test('goes back to the simulation', async () => {
   await mode('Simulation').click();
   await page.getByRole('dialog').getByRole('button').last().click();
   await until(() => at.watcher.events.status?.simulated, 60, 'the simulation');
-  await bar().getByText('Simulation').waitFor();
+  await bar().getByText('Simulation', { exact: true }).waitFor();
   assert.deepEqual(page.problems, []);
 });

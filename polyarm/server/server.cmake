@@ -3,10 +3,10 @@ find_path(POLYARM_BEAST boost/beast/websocket.hpp)
 if(NOT POLYARM_BEAST)
   message(FATAL_ERROR "Boost.Beast is missing: install libboost-dev, or run tools/setup")
 endif()
-polyarm_room(server USES cell)
+polyarm_room(server USES base realtime kinematics controllers protocol cell recording meshes)
 find_package(OpenSSL REQUIRED)  # libssl-dev
 find_package(ZLIB REQUIRED)  # zlib1g-dev
-target_link_libraries(polyarm_server PRIVATE polyarm_recording polyarm_meshes OpenSSL::SSL OpenSSL::Crypto ZLIB::ZLIB)
+target_link_libraries(polyarm_server PRIVATE OpenSSL::SSL OpenSSL::Crypto ZLIB::ZLIB)
 target_include_directories(polyarm_server SYSTEM PRIVATE ${POLYARM_BEAST})
 find_path(POLYARM_ZIP zip.h)
 find_library(POLYARM_ZIP_LIBRARY zip)
