@@ -1,6 +1,6 @@
 #pragma once
-/// What the user of this machine has approved once, in `config_folder()/approved`: one line for each, fields
-/// between tabs, private to the user. Any thread; reads and writes disk.
+/// The approvals of this machine's user, in `config_folder()/approved`: one per line, fields separated by
+/// tabs, file private to the user. Any thread; reads and writes disk.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,17 +14,17 @@ struct Approval {
   bool operator==(const Approval&) const = default;
 };
 
-/// All, oldest first. A file that cannot be read has none.
+/// Returns all approvals, oldest first. Returns none if the file cannot be read.
 std::vector<Approval> approvals();
 /// `what` is not compared for libraries and folders.
 bool is_approved(const Approval& approval);
-/// Throws Error("unwritable") and for texts with tabs or line ends.
+/// Throws Error("unwritable") if the file cannot be written, and an Error for texts with tabs or line ends.
 void approve(const Approval& approval);
-/// Takes back all whose subject or text is `named`, or whose hash begins so (8 digits at least). Returns them.
+/// Removes and returns all whose subject or text equals `named`, or whose hash starts with it (>= 8 digits).
 std::vector<Approval> revoke(const std::string& named);
 
-/// A folder whose libraries are rebuilt and loaded without being asked about again: the user's own, not
-/// writable by everybody. Empty if it may be one, else the reason.
+/// Checks a folder whose libraries may be rebuilt and loaded without a new approval: the user must own it,
+/// and it must not be writable by everybody. Returns "" if it is suitable, else the reason.
 std::string unfit_for_development(const std::filesystem::path& folder);
 
 }  // namespace polyarm

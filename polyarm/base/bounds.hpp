@@ -1,6 +1,6 @@
 #pragma once
-/// How much of anything a cell takes from outside: one list for each room, from which both the constants and
-/// docs/bounds.md are made. A row is NAME, value, unit, what is bounded, what happens beyond.
+/// Bounds on everything that a cell accepts from outside. There is one list per room; the constants and
+/// docs/bounds.md are generated from it. A row is NAME, value, unit, what is bounded, what happens beyond.
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-/// A file descriptor with one owner, which closes it at the end.
+/// A file descriptor with one owner, which closes it on destruction.
 #include <unistd.h>
 
 #include <utility>
@@ -17,7 +17,7 @@ class Descriptor {
     Descriptor old(std::exchange(number_, std::exchange(other.number_, -1)));
     return *this;
   }
-  /// -1: none.
+  /// -1 means none.
   int number() const { return number_; }
   explicit operator bool() const { return number_ >= 0; }
 

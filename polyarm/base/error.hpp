@@ -1,5 +1,5 @@
 #pragma once
-/// What went wrong, where, and what to do about it. Exceptions are for outside the control cycle only.
+/// Errors: what went wrong, where, and what to do. Exceptions are used outside the control cycle only.
 #include <stdexcept>
 #include <string>
 #include <variant>
@@ -7,7 +7,7 @@
 
 namespace polyarm {
 
-/// A place in a file a user wrote. Line and column count from 1; 0 means unknown.
+/// A place in a user's file. Line and column count from 1; 0 means unknown.
 struct Location {
   std::string file;
   int line = 0;
@@ -18,8 +18,8 @@ struct Location {
 
 enum class Severity { error, warning };
 
-/// A name, text or number that a sentence contains, so that a page can say the sentence in another language.
-/// The name of a number ends with its unit: depth_m, moved_rad, time_s.
+/// A name, text or number that a sentence contains; a page needs it to translate the sentence. The name of a
+/// number ends with its unit: depth_m, moved_rad, time_s.
 struct Fact {
   std::string name;
   std::variant<std::string, double> value;
@@ -50,13 +50,13 @@ class Error : public std::runtime_error {
   std::vector<Problem> problems_;
 };
 
-/// Within `catch (...)`: what the exception says, whatever it is.
+/// Call it inside `catch (...)`: returns the text of the exception, of any type.
 std::string what_was_thrown();
-/// Within `catch (...)`: an Error goes on as it is; anything else becomes one that says "<who> threw: …". For
-/// callbacks of others, which may throw what they like.
+/// Call it inside `catch (...)`: rethrows an Error unchanged and turns any other exception into an Error
+/// "<who> threw: …". Use it around foreign callbacks, which may throw anything.
 [[noreturn]] void rethrow_as_error(std::string code, const std::string& who, std::string advice = {});
 
-/// Findings collected before giving up, so that a user sees all of them at once.
+/// Collects findings, so that a user sees all of them at once.
 class Problems {
  public:
   void add(Problem problem) { list_.push_back(std::move(problem)); }
@@ -72,14 +72,14 @@ class Problems {
   }
   bool has_errors() const;
   const std::vector<Problem>& list() const { return list_; }
-  /// Throws one Error with everything found, if there is an error among it.
+  /// Throws one Error with all findings if at least one of them is an error.
   void throw_if_errors() const;
 
  private:
   std::vector<Problem> list_;
 };
 
-/// Runs `step`; what it throws joins the problems, so that one fault does not hide the next.
+/// Runs `step` and adds what it throws to the problems, so that one fault does not hide the next.
 template <typename Step>
 void collect(Problems& problems, Step step) {
   try {

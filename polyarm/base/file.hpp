@@ -1,5 +1,5 @@
 #pragma once
-/// Files, read whole and replaced atomically. What a cell may reach is asked of reach(): base/reach.hpp.
+/// Reads whole files and replaces files atomically. reach() (base/reach.hpp) decides what a cell may access.
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -7,21 +7,20 @@
 
 namespace polyarm {
 
-/// More than this is not read into memory.
+/// Larger files are not read into memory.
 inline constexpr std::size_t kLargestFile = std::size_t{512} << 20;
 
-/// The whole file, at most `most` bytes. Throws Error that names it: "no-file"; "not-a-file" for a pipe, a
-/// device or a socket, which are never waited for; "too-large"; "unreadable"; "outside-cell".
+/// Reads the whole file, at most `most` bytes. Throws an Error that names the file: "no-file"; "not-a-file"
+/// for a pipe, device or socket (it never waits for them); "too-large"; "unreadable"; "outside-cell".
 std::string read_file(const std::filesystem::path& path, std::size_t most = kLargestFile);
 
-/// Replaces the file's content so that at any moment, also after a kill or a power cut, it is either all old
-/// or all new: writes a temporary neighbour, flushes it to disk, renames it over. Throws Error("unwritable" |
-/// "not-a-file" | "outside-cell").
-/// A new file gets `mode`; one that is there keeps its own.
+/// Replaces the file's content. The file is always all old or all new, even after a kill or a power cut: the
+/// function writes a temporary file beside it, flushes it to disk and renames it. A new file gets `mode`; an
+/// existing file keeps its own. Throws Error("unwritable" | "not-a-file" | "outside-cell").
 void write_file_atomically(const std::filesystem::path& path, std::string_view content,
                            unsigned mode = 0644);
 
-/// Removes the temporary neighbours that processes left which were killed while they wrote. Not recursive.
+/// Removes temporary files left by processes that were killed while writing. Not recursive.
 void sweep_temporaries(const std::filesystem::path& folder);
 
 }  // namespace polyarm

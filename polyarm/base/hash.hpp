@@ -1,12 +1,13 @@
 #pragma once
+/// Hash for traces and replay checks. Not for security.
 #include <bit>
 #include <cstdint>
 #include <string>
 
 namespace polyarm {
 
-/// A running 64-bit hash of numbers, bit for bit, for traces and replay checks; not for security. Each word
-/// is mixed by a multiplication and a shift of the high half down (the round of a multiplicative hash).
+/// A running 64-bit hash over the bits of numbers. Each word is mixed by a multiplication and a shift of the
+/// high half down (the round of a multiplicative hash).
 class TraceHash {
  public:
   void add(std::uint64_t word) noexcept {

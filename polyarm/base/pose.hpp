@@ -1,6 +1,6 @@
 #pragma once
-/// Poses and the little algebra they need, in standard types only, so that headers which a plugin includes
-/// carry no matrix library. Lengths are metres, angles radians.
+/// Poses and their algebra, in standard types only, so that plugin headers need no matrix library. Lengths
+/// are in metres, angles in radians.
 #include <array>
 #include <cmath>
 
@@ -32,7 +32,7 @@ constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
 inline double norm(const Vec3& a) {
   return std::sqrt(dot(a, a));
 }
-/// The unit vector along `a`; z where `a` is zero.
+/// The unit vector along `a`; z if `a` is zero.
 inline Vec3 normalized(const Vec3& a) {
   const double n = norm(a);
   return n > 0 ? (1.0 / n) * a : Vec3{0, 0, 1};
@@ -59,7 +59,7 @@ constexpr Vec3 operator*(const Quaternion& q, const Vec3& v) {
 Quaternion normalized(const Quaternion& q);
 /// Roll, pitch, yaw about fixed x, y, z: R = Rz(yaw) Ry(pitch) Rx(roll), as in URDF.
 Quaternion from_rpy(double roll, double pitch, double yaw);
-/// The inverse of from_rpy; pitch in [-pi/2, pi/2], yaw 0 where pitch is at its end.
+/// The inverse of from_rpy. Pitch is in [-pi/2, pi/2]; yaw is 0 where pitch is +-pi/2.
 Vec3 to_rpy(const Quaternion& q);
 Quaternion from_axis_angle(const Vec3& unit_axis, double angle);
 /// The rotation vector (axis times angle, angle in [0, pi]) of `q`.

@@ -1,4 +1,5 @@
 #pragma once
+/// Prints without blocking the calling thread.
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -7,41 +8,40 @@
 
 namespace polyarm {
 
-/// Writes texts to a file descriptor in a thread of its own, in order, so that who tells what happens never
-/// waits for who reads it: a pager that shows its first page, a terminal after Ctrl-S, or a pipe that nobody
-/// empties would stop the thread that tells, and with it a robot. Any thread may put.
+/// Writes texts to a file descriptor in order, on its own thread, so that a slow reader does not block the
+/// caller. A pager on its first page, a terminal after Ctrl-S or a full pipe would otherwise stop the calling
+/// thread, and with it a robot. Any thread may call put().
 class Printer {
  public:
   enum class Full {
-    waits,      ///< who puts waits for the reader: for what may be slow, and must be whole
-    leaves_out  ///< what no longer fits is left out and counted
+    waits,      ///< put() waits for the reader: for output that must be complete and may be slow
+    leaves_out  ///< texts that do not fit are dropped and counted
   };
-  /// What is written in the place of `count` texts that were left out.
+  /// The text written in place of `count` dropped texts.
   using Gap = std::function<std::string(std::size_t count)>;
 
   /// The descriptor stays the caller's, and open. @param most bytes that wait to be written.
   Printer(int descriptor, Full full, Gap gap, std::size_t most = std::size_t{1} << 20);
-  /// Settles; what nobody has read by then is lost.
+  /// Settles first; text that is unread by then is lost.
   ~Printer();
   Printer(const Printer&) = delete;
   Printer& operator=(const Printer&) = delete;
 
-  /// A write has failed: the reader is gone, or the terminal closed.
+  /// True if a write has failed: the reader is gone or the terminal is closed.
   bool gone() const;
-  /// Called once when that happens, in the thread that writes.
+  /// Called once when a write fails, on the writing thread.
   void when_gone(std::function<void()> tell);
 
-  /// A text longer than all that may wait is taken when nothing else waits. After a failed write (a reader
-  /// that is gone) nothing more is written.
+  /// A text longer than the whole buffer is accepted when the buffer is empty. After a failed write nothing
+  /// more is written.
   void put(std::string_view text);
-  /// Waits until all that was put is written, so that something else may be written behind it; where it
-  /// leaves out, no longer than two seconds after the reader last took something. False where that was not
-  /// enough.
+  /// Waits until all texts are written, so that other output may follow. With `leaves_out` it waits at most
+  /// two seconds after the reader last took something. Returns false if that was not enough.
   bool settle();
 
  private:
   struct Work;
-  std::shared_ptr<Work> work_;  ///< of the thread, too, which a reader may keep for ever
+  std::shared_ptr<Work> work_;  ///< shared with the thread, which a reader may block for ever
 };
 
 }  // namespace polyarm

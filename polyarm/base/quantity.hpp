@@ -26,7 +26,7 @@ const char* name(Dimension dimension);
 struct Unit {
   std::string_view text;
   Dimension dimension;
-  double scale;  ///< times this gives SI
+  double scale;  ///< factor from this unit to SI
 };
 
 /// The unit that `text` spells exactly, if there is one (mm cm m deg rad ms s min kg g N Nm Hz % mm/s …).
@@ -34,8 +34,8 @@ const Unit* find_unit(std::string_view text);
 /// The longest unit that `text` starts with, if any.
 const Unit* longest_unit(std::string_view text);
 
-/// The value in SI of a number with or without a unit of the dimension asked for.
-/// Empty when the text is no number or the unit is of another dimension.
+/// Parses a number with or without a unit of the requested dimension; returns SI. Empty if the text is not a
+/// number or the unit has another dimension.
 std::optional<double> parse_quantity(std::string_view text, Dimension dimension);
 
 }  // namespace polyarm

@@ -1,7 +1,7 @@
 #pragma once
-/// Which files and hosts a cell may reach. A cell may come from a stranger: what its files name stays inside
-/// its folder. Every file is read by read_file() and written by write_file_atomically(), which ask here, so
-/// that no reader of a format needs a check of its own. Any thread; not for the control loop.
+/// Decides which files and hosts a cell may access. A cell may come from a stranger, so its files may name
+/// only paths inside its folder. read_file() and write_file_atomically() check here for every file; readers
+/// of formats need no check of their own. Any thread; not for the control loop.
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -13,18 +13,18 @@ namespace polyarm {
 
 /// `path` with links resolved as far as it exists; absolute.
 std::filesystem::path resolved(const std::filesystem::path& path);
-/// Is `path` the folder `root`, or below it? By name alone: pass resolved paths.
+/// True if `path` is the folder `root` or below it. Compares names only: pass resolved paths.
 bool inside(const std::filesystem::path& path, const std::filesystem::path& root);
 /// The folder that a cell may reach: its own, or the outermost one above it that is a cell itself, without a
 /// gap: `pick/cell.yaml` reaches the files of `pick/far_plc/cell.yaml`, and the other way round.
 std::filesystem::path project_root(const std::filesystem::path& cell_folder);
 
-/// Files, hosts and secrets that somebody has allowed. Any thread.
+/// Allowed files, hosts and secrets. Any thread.
 class ReachGrant {
  public:
-  /// The file, or the folder and all below, may be read and written.
+  /// Allows reading and writing a file, or a folder and everything below it.
   void allow(const std::filesystem::path& path);
-  /// Installed descriptions and packages may be read. Their own links may lead elsewhere: they are the user's.
+  /// Allows reading installed descriptions and packages. Their links may lead outside: the user owns them.
   void allow_reading(const std::filesystem::path& folder);
   /// A name or address, or "all".
   void allow_host(const std::string& host);
@@ -34,7 +34,7 @@ class ReachGrant {
   bool has_path(const std::filesystem::path& path, const std::filesystem::path& real, bool writes) const;
   bool has_host(const std::string& host) const;
   bool has_secret(const std::string& name) const;
-  /// The folder of the cell that it was given to; empty for none.
+  /// The folder of the cell that holds the grant; empty if there is none.
   std::filesystem::path cell() const;
 
  private:
@@ -45,13 +45,13 @@ class ReachGrant {
   std::set<std::string> hosts_, secrets_;
 };
 
-/// What the user allows every cell (`--allow`, installed packages), and the grants of the cells that are open.
-/// A grant ends with its last owner, so that a cell that is opened later begins without it.
+/// The permissions of every cell (`--allow`, installed packages) and the grants of the open cells. A grant
+/// ends with its last owner; a cell that is opened later starts without it.
 class Reach {
  public:
   enum class Use { read, write };
 
-  /// Nothing is refused before confine() was called and a cell was opened.
+  /// Refuses nothing until confine() was called and a cell was opened.
   void confine();
   /// For every cell of this process, as ReachGrant.
   void allow(const std::filesystem::path& path) { all_.allow(path); }
@@ -65,13 +65,13 @@ class Reach {
   /// An empty grant, of a scratch folder or of a cell without a folder.
   [[nodiscard]] std::shared_ptr<ReachGrant> grant();
 
-  /// `grant`: that of the cell that wants it; null for none.
+  /// `grant` is that of the requesting cell; null if there is none.
   bool host_allowed(const std::string& host, const ReachGrant* grant) const;
   bool secret_allowed(const std::string& name, const ReachGrant* grant) const;
-  /// True where nothing forbids it, by the grants of all open cells: threads are not told apart. `real`: `path`
-  /// with its links resolved.
+  /// True if the common permissions or the grant of any open cell allow it, on any calling thread. `real` is
+  /// `path` with its links resolved.
   bool allows(const std::filesystem::path& path, const std::filesystem::path& real, Use use) const;
-  /// Throws Error("outside-cell") that names the option; passes in an AsUser.
+  /// Throws Error("outside-cell"), which names the option. Never throws inside an AsUser.
   void check(const std::filesystem::path& path, const std::filesystem::path& real, Use use) const;
   void check(const std::filesystem::path& path, Use use) const { check(path, resolved(path), use); }
   /// True once files are refused.
@@ -89,8 +89,8 @@ class Reach {
 /// That of this process.
 Reach& reach();
 
-/// While it lives, this thread reads and writes for the user and not for a cell: projects that a person
-/// lists or copies, settings.
+/// While it exists, this thread reads and writes on behalf of the user, not of a cell: for settings and for
+/// projects that a person lists or copies.
 class AsUser {
  public:
   AsUser();
@@ -100,12 +100,12 @@ class AsUser {
   static bool active();
 };
 
-/// Is the name or address this machine's own ("localhost", 127.0.0.0/8, ::1)?
+/// True if the name or address is this machine's own ("localhost", 127.0.0.0/8, ::1).
 bool is_loopback(const std::string& host);
 
 /// `$XDG_CONFIG_HOME/polyarm` (or `~/.config/polyarm`): settings of this user. Empty without a home.
 std::filesystem::path config_folder();
-/// `$XDG_CACHE_HOME/polyarm` (or `~/.cache/polyarm`): what can be made anew. Empty without a home.
+/// `$XDG_CACHE_HOME/polyarm` (or `~/.cache/polyarm`): data that can be regenerated. Empty without a home.
 std::filesystem::path cache_folder();
 
 }  // namespace polyarm

@@ -1,5 +1,5 @@
 #pragma once
-/// Passwords and private keys: they never go into a recording, a record of a fault, or a project's zip.
+/// Passwords and private keys. They are never written to a recording, a fault record or a project's zip.
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -9,14 +9,14 @@ namespace polyarm {
 /// In front of the name of a secret, where a cell's file may name a file: `password_file: secret:broker`.
 inline constexpr std::string_view kSecretPrefix = "secret:";
 
-/// The file of a secret by its name, `config_folder()/secrets/NAME`. Throws Error("bad-secret") for a name
-/// that is a path, a file that is not there, and one that others may read.
+/// Returns the file of a secret, `config_folder()/secrets/NAME`. Throws Error("bad-secret") if the name is a
+/// path, the file does not exist, or others may read it.
 std::filesystem::path secret_file(const std::string& name);
 
-/// From now on the file is known to hold a secret: something loads it as one. Any thread.
+/// Marks the file as secret. Call it when a file is loaded as a secret. Any thread.
 void mark_secret(const std::filesystem::path& file);
-/// Was it marked, or does its name or content say that it is a secret: NAME.key, .password, .token …, a PEM
-/// file with a private key?
+/// True if the file is marked, or if its name or content shows a secret: NAME.key, .password, .token …, a
+/// PEM file with a private key.
 bool is_secret(const std::filesystem::path& file);
 bool is_secret(const std::filesystem::path& file, std::string_view content);
 

@@ -1,11 +1,11 @@
 #pragma once
-/// For who accepts connections when the process has no descriptor left.
+/// Lets a server reject connections when the process has no file descriptor left.
 #include <cerrno>
 
 namespace polyarm {
 
-/// Keeps one descriptor back. With it a connection that waits can be accepted and closed; left waiting, it would
-/// wake who listens again and again. One thread.
+/// Reserves one descriptor, with which a waiting connection can be accepted and closed. A connection left
+/// waiting would wake the listener again and again. One thread.
 class SpareDescriptor {
  public:
   SpareDescriptor();
@@ -13,9 +13,9 @@ class SpareDescriptor {
   SpareDescriptor(const SpareDescriptor&) = delete;
   SpareDescriptor& operator=(const SpareDescriptor&) = delete;
 
-  /// Was `error` of accept() that there are no descriptors or no memory for one?
+  /// True if `error` of accept() means that no descriptor, or no memory for one, is left.
   static bool is_shortage(int error);
-  /// Accepts a connection of the socket and closes it, where one waits. The socket must not block.
+  /// Accepts and closes a waiting connection, if any. The socket must be non-blocking.
   void turn_away(int listening);
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// Small things done with text everywhere: trimming, splitting, comparing without case, the nearest name.
+/// Text functions: trim, split, compare without case, find the nearest name.
 #include <optional>
 #include <span>
 #include <string>
@@ -11,19 +11,18 @@ namespace polyarm {
 std::string_view trim(std::string_view s);
 std::string lower(std::string_view s);
 bool equal_ignoring_case(std::string_view a, std::string_view b);
-/// Split at any of `separators`, empty fields dropped.
+/// Splits at any of `separators` and drops empty fields.
 std::vector<std::string> split_words(std::string_view s, std::string_view separators = " \t\r\n");
-/// Split at every `separator`, empty fields kept, fields trimmed.
+/// Splits at every `separator`, keeps empty fields and trims all fields.
 std::vector<std::string> split_fields(std::string_view s, char separator);
-/// A number that fills all of `s` (surrounding blanks allowed), finite; locale plays no part.
+/// Parses all of `s` (surrounding blanks allowed) as a finite number, independent of the locale.
 std::optional<double> parse_number(std::string_view s);
 /// The shortest text that parses back to exactly `value`.
 std::string format_number(double value);
-/// The candidate that `wrong` was most likely meant to be, case ignored: by edit distance of the whole name, in
-/// which swapped neighbours count as one, or the name that `wrong` is the beginning of; nothing where none is
-/// near.
+/// The candidate that `wrong` most likely means, ignoring case: the nearest by edit distance (swapped
+/// neighbours count as one edit), or the name that starts with `wrong`. Empty if no candidate is near.
 std::optional<std::string> nearest_name(std::string_view wrong, std::span<const std::string> candidates);
-/// "; did you mean 'X'?" or nothing.
+/// Returns "; did you mean 'X'?" or "".
 std::string did_you_mean(std::string_view wrong, std::span<const std::string> candidates);
 std::string join(std::span<const std::string> items, std::string_view separator);
 

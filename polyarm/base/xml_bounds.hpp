@@ -1,5 +1,5 @@
 #pragma once
-/// What a text in XML may cost, looked at before it is parsed: the parser's time grows with the square of the
+/// Checks the size of an XML text before parsing: the parser's time grows with the square of the number of
 /// attributes of one element.
 #include <cstddef>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-/// A YAML file read with the places of its nodes, so that every complaint names file, line and column.
+/// Reads YAML and keeps the place of each node, so that every error names file, line and column.
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace polyarm {
 
-/// A node (map, list, scalar or nothing) of a YAML document. Copies are cheap and share the document.
+/// A node (map, list, scalar or undefined) of a YAML document. Copies are cheap and share the document.
 /// Accessors throw Error("bad-value" | "missing-key") with the node's place.
 class Yaml {
  public:
@@ -31,7 +31,7 @@ class Yaml {
   bool is_scalar() const;
   Location where() const;
 
-  /// The value of `key`; an undefined node where the map has none or this is no map.
+  /// The value of `key`; an undefined node if the key is missing or this is not a map.
   Yaml operator[](std::string_view key) const;
   /// The same, but a missing key is an error.
   Yaml required(std::string_view key) const;
@@ -39,11 +39,11 @@ class Yaml {
   std::vector<std::string> keys() const;  ///< in the order of the file
   Location key_location(std::string_view key) const;
   struct Entry;
-  /// The pairs of a map in the order of the file, a key that stands twice twice; empty for anything else.
+  /// The pairs of a map in file order, including duplicate keys; empty for other nodes.
   std::vector<Entry> entries() const;
   std::vector<Yaml> items() const;  ///< of a list; a scalar counts as a list of one; undefined as none
 
-  /// The tag written before the node ("!degrees"); empty where there is none.
+  /// The tag of the node ("!degrees"); empty if there is none.
   std::string tag() const;
   std::string text() const;
   std::string text(std::string fallback) const;
@@ -62,7 +62,7 @@ class Yaml {
   std::string named() const;
   std::string kind() const;
 
-  /// Every key of this map that is not in `known` becomes a problem with the nearest known name.
+  /// Reports every key of this map that is not in `known` as a problem, with the nearest known name.
   void check_keys(const std::vector<std::string>& known, Problems& problems) const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-/// The nodes of a YAML text as a tree that is made in one pass, keeps the order and the places of the file,
-/// and finds a key of a large map without walking it.
+/// The nodes of a YAML text as a tree. It is built in one pass, keeps the order and places of the file, and
+/// finds keys of large maps without a linear search.
 #include <cstddef>
 #include <deque>
 #include <memory>
@@ -19,23 +19,23 @@ struct YamlNode {
   Kind kind = Kind::null;
   int line = 0, column = 0;  ///< 1-based; 0: unknown
   std::string scalar, tag;
-  /// Of a map keys and values, of a list values without keys; in the order of the file.
+  /// A map has keys and values; a list has values without keys. In file order.
   std::vector<std::pair<const YamlNode*, const YamlNode*>> entries;
 
-  /// The last value behind `key`, and the first place that the key stands at; null where the map has none.
+  /// The last value of `key` and the first place of the key; null if the map does not contain it.
   const YamlNode* value_of(std::string_view key) const;
   const YamlNode* key_of(std::string_view key) const;
-  /// To be called when the entries are complete.
+  /// Call it when the entries are complete.
   void index();
 
  private:
   struct Found {
     const YamlNode *key, *value;
   };
-  std::unique_ptr<std::unordered_map<std::string_view, Found>> found_;  ///< of a large map
+  std::unique_ptr<std::unordered_map<std::string_view, Found>> found_;  ///< used for large maps
 };
 
-/// A document owns its nodes; aliases share them, and none contains itself.
+/// A document owns its nodes. Aliases share nodes; no node contains itself.
 struct YamlDocument {
   std::string file;
   std::deque<YamlNode> nodes;

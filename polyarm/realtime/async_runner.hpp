@@ -1,5 +1,5 @@
 #pragma once
-/// Work on a thread of its own, triggered by the real-time thread, which never waits for it.
+/// Runs work on its own thread. The real-time thread triggers it and never waits for it.
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -12,13 +12,12 @@
 
 namespace polyarm::realtime {
 
-/// One trigger, one run of `work`. The real-time thread looks whether the last run has ended, takes its
-/// results, and triggers the next; a trigger while it runs is missed and counted. In lock-step the work is
-/// done inside trigger(), and as its results are taken at the next look, they are one period old just the
-/// same.
+/// Each trigger runs `work` once. The real-time thread checks that the last run has ended, takes its results
+/// and triggers the next run. A trigger during a run is counted as missed. In lock-step, trigger() runs the
+/// work itself; the results are taken at the next check, so they are one period old in both modes.
 class AsyncRunner {
  public:
-  /// `period`: between triggers, ns; 0: any, and no run is late.
+  /// `period`: time between triggers, ns; 0 means irregular, and no run counts as late.
   AsyncRunner(std::function<void()> work, bool lock_step, ThreadOptions options = {}, Nanoseconds period = 0)
       : work_(std::move(work)), lock_step_(lock_step), period_(period) {
     if (!lock_step_)
@@ -43,9 +42,9 @@ class AsyncRunner {
   AsyncRunner(const AsyncRunner&) = delete;
   AsyncRunner& operator=(const AsyncRunner&) = delete;
 
-  /// Real-time thread: no run is under way; what the work reads and writes may be touched.
+  /// Real-time thread: true if no run is active; the data of the work may then be accessed.
   bool idle() const noexcept { return !busy_->load(std::memory_order_acquire); }
-  /// True while a run is under way. Who has no more to trigger may wait for its end.
+  /// True while a run is active. A thread that triggers no more runs may wait for its end.
   std::shared_ptr<const std::atomic<bool>> busy() const noexcept { return busy_; }
   /// Real-time thread, when idle.
   void trigger() noexcept {
@@ -57,7 +56,7 @@ class AsyncRunner {
     busy_->store(true, std::memory_order_release);
     go_.release();
   }
-  /// Real-time thread: what was late before counts no more, and the time until the next run is no period.
+  /// Real-time thread: resets the lateness; the time until the next run does not count as a period.
   void forgive() noexcept {
     health_.late_in_a_row.store(0, std::memory_order_relaxed);
     rested_.store(true, std::memory_order_relaxed);

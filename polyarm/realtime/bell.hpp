@@ -20,8 +20,8 @@ class Bell {
     }
     wake_.notify_one();
   }
-  /// Sleeps until it is rung, at most until `due` of the monotonic clock, ns. True when it was rung, also
-  /// since the last time somebody waited; however often, it counts once.
+  /// Sleeps until it is rung, at most until `due` (monotonic clock, ns). Returns true if it was rung since
+  /// the last wait; several rings count as one.
   bool wait_until(Nanoseconds due) {
     const std::chrono::steady_clock::time_point end{std::chrono::nanoseconds(due)};
     std::unique_lock lock(mutex_);
@@ -35,7 +35,7 @@ class Bell {
   bool rung_ = false;
 };
 
-/// Rings the bell that it is tied to, if any. Bells are shared, since who pulls may do so while a run ends.
+/// Rings the bell that it is tied to, if any. Bells are shared because a thread may ring while a run ends.
 class BellRope {
  public:
   /// Any thread; null: to none.

@@ -1,12 +1,13 @@
 #pragma once
+/// Exchanges large objects with the real-time thread without allocation on its side.
 #include <memory>
 
 #include "polyarm/realtime/queue.hpp"
 
 namespace polyarm::realtime {
 
-/// Hands large things (trajectories, models) to the real-time side and takes them back to be freed, so that
-/// the real-time side neither builds nor destroys anything. One thread on each side; neither ever waits.
+/// Passes large objects (trajectories, models) to the real-time side and takes them back to free them, so
+/// that the real-time side neither constructs nor destroys anything. One thread on each side; neither waits.
 template <typename T>
 class Handover {
  public:
@@ -18,19 +19,19 @@ class Handover {
   Handover(const Handover&) = delete;
   Handover& operator=(const Handover&) = delete;
 
-  /// Builder's side: false when the other side has not taken the last ones yet; `item` stays with the caller.
+  /// Builder's side: returns false if the other side has not taken the last ones; the caller keeps `item`.
   bool give(std::unique_ptr<T>& item) {
     collect();
     if (!there_.push(item.get())) return false;
     item.release();
     return true;
   }
-  /// Builder's side: frees what came back.
+  /// Builder's side: frees returned items.
   void collect() {
     for (T* item = nullptr; back_.pop(item);) delete item;
   }
 
-  /// Real-time side: the next item, or null. It is owned by the taker until put_back.
+  /// Real-time side: the next item, or null. The real-time side owns it until put_back().
   T* take() noexcept {
     T* item = nullptr;
     return there_.pop(item) ? item : nullptr;

@@ -1,4 +1,5 @@
 #pragma once
+/// Counters and duration histograms (ns) with one writer thread and any number of readers, without locks.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -10,7 +11,7 @@
 
 namespace polyarm::realtime {
 
-/// A count that one thread raises and any may read: as cheap as a plain number.
+/// A counter that one thread increments and any thread may read; as cheap as a plain number.
 class Counter {
  public:
   Counter& operator+=(std::uint64_t n) noexcept {
@@ -24,9 +25,9 @@ class Counter {
   std::atomic<std::uint64_t> value_{0};
 };
 
-/// Counts of durations in buckets of 1/16 of an octave (6 % wide), for percentiles without keeping samples.
-/// add() is a few instructions, allocates nothing; percentiles are upper bucket edges. One thread adds, any
-/// may read meanwhile.
+/// Counts durations in buckets of 1/16 of an octave (6 % wide), to compute percentiles without keeping
+/// samples. add() takes a few instructions and allocates nothing. Percentiles are upper bucket edges. One
+/// thread adds; any thread may read at the same time.
 class Histogram {
  public:
   void add(Nanoseconds value) noexcept {

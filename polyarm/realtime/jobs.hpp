@@ -1,5 +1,5 @@
 #pragma once
-/// Work that one thread prepares and the real-time thread does between two of its cycles.
+/// Jobs that one thread prepares and the real-time thread runs between two cycles.
 #include <atomic>
 #include <deque>
 #include <memory>
@@ -8,8 +8,8 @@
 
 namespace polyarm::realtime {
 
-/// Prepared and freed by the thread that posts it; run once by the real-time thread, which must find nothing
-/// to allocate, lock or wait for in it.
+/// The posting thread prepares and frees a job; the real-time thread runs it once. run() must not allocate,
+/// lock or wait.
 class Job {
  public:
   virtual ~Job() = default;
@@ -21,10 +21,10 @@ class Job {
   std::atomic<bool> done_{false};
 };
 
-/// From one posting thread to one real-time thread. Before start() jobs are run by the poster, at once.
+/// Passes jobs from one posting thread to one real-time thread. Before start(), post() runs them at once.
 class Jobs {
  public:
-  /// Poster: false when too many are waiting.
+  /// Posting thread: returns false if too many jobs are waiting.
   bool post(std::shared_ptr<Job> job) {
     while (!kept_.empty() && kept_.front()->done()) kept_.pop_front();
     if (!started_.load(std::memory_order_acquire)) {
@@ -35,7 +35,7 @@ class Jobs {
     kept_.push_back(std::move(job));
     return true;
   }
-  /// Real-time thread: does what has been waiting longest, if anything.
+  /// Real-time thread: runs the oldest waiting job, if any.
   void run_one() noexcept {
     Job* job = nullptr;
     if (queue_.pop(job)) finish(*job);
@@ -43,7 +43,7 @@ class Jobs {
   /// From now on a real-time thread calls run_one().
   void start() noexcept { started_.store(true, std::memory_order_release); }
   bool started() const noexcept { return started_.load(std::memory_order_relaxed); }
-  /// The real-time thread has ended: what still waits is done here, in the posting thread.
+  /// Posting thread, after the real-time thread has ended: runs the remaining jobs here.
   void stop() noexcept {
     for (Job* job = nullptr; queue_.pop(job);) finish(*job);
     started_.store(false, std::memory_order_release);

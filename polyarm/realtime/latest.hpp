@@ -1,4 +1,5 @@
 #pragma once
+/// Exchanges the latest value between two threads without locks.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -6,18 +7,18 @@
 
 namespace polyarm::realtime {
 
-/// The latest value, from one writer thread to one reader thread. Neither ever waits; the reader always gets
-/// the newest whole value, and values it did not fetch in time are lost. T is made three times up front, so a
-/// writer that fills it in place allocates nothing.
+/// Passes the latest value from one writer thread to one reader thread (triple buffer). Neither thread waits.
+/// The reader gets the newest complete value; older values that it did not fetch are lost. All three slots
+/// are constructed up front: a writer that fills its slot in place allocates nothing.
 template <typename T>
 class Latest {
  public:
   explicit Latest(const T& initial = T{}) : slots_{initial, initial, initial} {}
 
-  /// Before either thread runs: makes all three slots equal to `value`.
+  /// Sets all three slots to `value`. Call it before either thread runs.
   void reset(const T& value) { slots_.fill(value); }
 
-  /// Writer: the slot to fill; call publish() when it is whole.
+  /// Writer: the slot to fill; call publish() when it is complete.
   T& draft() noexcept { return slots_[writing_]; }
   void publish() noexcept {
     writing_ =
@@ -28,7 +29,7 @@ class Latest {
     publish();
   }
 
-  /// Reader: fetches the newest value; true if there is one since the last call.
+  /// Reader: fetches the newest value. Returns true if the writer published since the last call.
   bool fetch() noexcept {
     if (!(middle_.load(std::memory_order_relaxed) & kFresh)) return false;
     reading_ = middle_.exchange(reading_, std::memory_order_acq_rel) & kIndex;
@@ -41,8 +42,8 @@ class Latest {
   static constexpr std::uint8_t kIndex = 3, kFresh = 4;
   std::array<T, 3> slots_;
   std::atomic<std::uint8_t> middle_{1};
-  std::uint8_t writing_ = 0;  // writer's
-  std::uint8_t reading_ = 2;  // reader's
+  std::uint8_t writing_ = 0;  // used by the writer only
+  std::uint8_t reading_ = 2;  // used by the reader only
 };
 
 }  // namespace polyarm::realtime

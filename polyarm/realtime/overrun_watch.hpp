@@ -7,7 +7,7 @@
 
 namespace polyarm::realtime {
 
-/// A callback of the loop that took longer than it may.
+/// A callback of the loop that exceeded its time budget.
 struct Overrun {
   std::int32_t who = -1;
   const char* callback = "";
@@ -15,9 +15,9 @@ struct Overrun {
   std::uint64_t cycle = 0;
 };
 
-/// Times callbacks against their budgets on the control thread, and tells one other thread which overran.
-/// Without a budget that costs one comparison, with one two looks at the clock. Of
-/// overruns that nobody takes only the first 256 are kept.
+/// Times callbacks against their budgets on the control thread and reports overruns to one other thread.
+/// A call without a budget costs one comparison; a call with a budget costs two clock reads. The queue holds
+/// 256 overruns; further ones are dropped until the other thread takes some.
 class OverrunWatch {
  public:
   template <typename Call>
@@ -30,7 +30,7 @@ class OverrunWatch {
     if (took > budget) queue_.push(Overrun{who, callback, took, budget, cycle});
     return result;
   }
-  /// The other thread.
+  /// The other thread: takes the oldest overrun. Returns false if there is none.
   bool take(Overrun& out) { return queue_.pop(out); }
 
  private:

@@ -6,29 +6,30 @@
 
 namespace polyarm::realtime {
 
-/// Monotonic time, ns. Not the cell's time: for measuring and for waking up.
+/// Monotonic time, ns, for measuring and waking up. It is not the cell's time.
 Nanoseconds monotonic_now() noexcept;
 /// Wall-clock time since the Unix epoch, ns; for display and messages only.
 Nanoseconds wall_now() noexcept;
 
 struct WakeUp {
-  Nanoseconds due = 0;      ///< when it should have been
-  Nanoseconds latency = 0;  ///< how much later it was, >= 0
+  Nanoseconds due = 0;      ///< ns, monotonic: the scheduled time
+  Nanoseconds latency = 0;  ///< ns by which the wake-up was late, >= 0
   std::uint64_t skipped =
-      0;  ///< whole periods that passed while nobody ran (a stopped process, a sleeping laptop)
+      0;  ///< whole periods missed (a stopped process, a sleeping laptop)
 };
 
-/// Absolute wake-ups: lateness does not add up. After a gap it never catches up: missed periods are skipped
-/// and reported, and the grid goes on from now.
+/// Wakes up at absolute times, so lateness does not accumulate. After a gap it skips and reports the missed
+/// periods and continues on the same grid.
 class Periodic {
  public:
   explicit Periodic(Nanoseconds period) : period_(period) {}
   void start() noexcept { due_ = monotonic_now() + period_; }
   WakeUp wait() noexcept;
-  /// Sleeps until the next wake-up is due, at most `most` ns; true when it is due, and wait() returns at
-  /// once.
+  /// Sleeps until the next wake-up is due, at most `most` ns. Returns true if it is due; wait() then returns
+  /// at once.
   bool doze(Nanoseconds most) const noexcept;
-  /// Somebody else's clock has woken the thread: the grid goes on from now. How it lies to the grid so far.
+  /// Call it when another clock woke the thread: the grid restarts from now. Returns this wake-up measured
+  /// against the old grid.
   WakeUp woken() noexcept;
 
  private:
@@ -37,16 +38,16 @@ class Periodic {
 };
 
 struct ThreadOptions {
-  int priority = 0;          ///< SCHED_FIFO priority; 0: ordinary scheduling
-  int cpu = -1;              ///< pin to this processor; -1: none
+  int priority = 0;          ///< SCHED_FIFO priority; 0 means ordinary scheduling
+  int cpu = -1;              ///< processor to pin to; -1 means no pinning
   bool lock_memory = false;  ///< keep all pages in memory
 };
 /// What the machine did not permit.
 enum class Refusal : unsigned { cpu = 1, priority = 2, memory = 4 };
-/// Applies to the calling thread what the machine permits; returns the bits of what it refused. Its timers
-/// are made as exact as the kernel can in any case.
+/// Applies to the calling thread what the machine permits. Returns the `Refusal` bits of what it refused.
+/// Always sets the thread's timers as exact as the kernel allows.
 unsigned apply_each(const ThreadOptions& options) noexcept;
-/// The same; returns a sentence for what it refused of the control thread, else "".
+/// The same for the control thread. Returns a sentence about what was refused, or "".
 const char* apply(const ThreadOptions& options) noexcept;
 
 }  // namespace polyarm::realtime

@@ -1,5 +1,5 @@
 #pragma once
-/// Work on a thread of its own at a rate of its own, triggered by nobody.
+/// Runs periodic work on its own thread at its own rate, without an external trigger.
 #include <algorithm>
 #include <atomic>
 #include <functional>
@@ -10,12 +10,12 @@
 
 namespace polyarm::realtime {
 
-/// Runs `work` at absolute times of its own period on the monotonic clock. Runs that take longer than a
-/// period are not made up for: what passed meanwhile is counted as missed, and the grid goes on.
+/// Runs `work` at absolute times of its own period (ns) on the monotonic clock. If a run takes longer than a
+/// period, the periods that passed are counted as missed and skipped.
 class PeriodicRunner {
  public:
-  /// `work` returns whether there was anything to do: only that is measured. It may touch nothing that other
-  /// threads touch but through `Latest` and atomics.
+  /// `work` returns true if it had something to do; only such runs are measured. It may share data with other
+  /// threads only through `Latest` and atomics.
   PeriodicRunner(std::function<bool()> work, Nanoseconds period, ThreadOptions options, ThreadHealth& health)
       : thread_([this, work = std::move(work), period, options, &health] {
           health.refused.store(apply_each(options), std::memory_order_release);
@@ -29,7 +29,7 @@ class PeriodicRunner {
   PeriodicRunner& operator=(const PeriodicRunner&) = delete;
 
  private:
-  /// How long the end of a thread with a long period is waited for.
+  /// Longest sleep, ns: bounds how long the destructor waits for a thread with a long period.
   static constexpr Nanoseconds kDoze = 50'000'000;
 
   void loop(const std::function<bool()>& work, Nanoseconds period, ThreadHealth& health) {

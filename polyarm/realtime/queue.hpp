@@ -1,4 +1,5 @@
 #pragma once
+/// Lock-free queue of fixed capacity between two threads.
 #include <atomic>
 #include <cstddef>
 #include <utility>
@@ -6,10 +7,10 @@
 
 namespace polyarm::realtime {
 
-/// First in, first out, from one writer thread to one reader thread; neither ever waits. Room for `capacity`
-/// values is made up front; push() says so when it is full and leaves the value with the caller. Made for
-/// queues that are nearly always empty and looked at in every cycle: a look is one cache line, which the two
-/// threads share.
+/// First-in, first-out queue from one writer thread to one reader thread. Neither thread waits. Space for
+/// `capacity` values is allocated up front. If the queue is full, push() returns false and the caller keeps
+/// the value. It suits queues that are nearly always empty and checked in every cycle: a check reads one cache
+/// line, which the two threads share.
 template <typename T>
 class alignas(64) Queue {
  public:

@@ -1,5 +1,5 @@
 #pragma once
-/// What a machine did not permit a thread, in words.
+/// Describes the thread options that the machine refused.
 #include <string>
 #include <vector>
 
@@ -7,7 +7,8 @@
 
 namespace polyarm::realtime {
 
-/// One sentence for each bit of `refused`, of what was asked for `who` ("the control thread").
+/// Returns one sentence for each bit of `refused`. `asked` are the requested options; `who` names the thread
+/// ("the control thread").
 std::vector<std::string> refusals(unsigned refused, const ThreadOptions& asked, const std::string& who);
 
 }  // namespace polyarm::realtime

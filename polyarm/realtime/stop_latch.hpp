@@ -6,11 +6,11 @@ namespace polyarm::realtime {
 
 enum class StopKind : std::uint32_t { none = 0, controlled = 1, immediate = 2 };
 
-/// The word beside the loop that any thread, socket or signal handler may set and that the loop reads every
-/// cycle: no queue, no lock, no living cell thread needed. It stays set until a person clears it.
+/// Stop request that any thread, socket or signal handler may set and that the loop reads every cycle. It
+/// needs no queue, no lock and no running cell thread. It stays set until a person clears it.
 class StopLatch {
  public:
-  /// Never weakens a stop already asked for. Safe in signal handlers.
+  /// Never weakens an earlier request. Safe in signal handlers.
   void request(StopKind kind) noexcept {
     count_.fetch_add(1, std::memory_order_release);
     std::uint32_t seen = word_.load(std::memory_order_relaxed);
@@ -19,7 +19,7 @@ class StopLatch {
     }
   }
   StopKind requested() const noexcept { return static_cast<StopKind>(word_.load(std::memory_order_acquire)); }
-  /// How often a stop has been asked for.
+  /// Number of stop requests so far.
   std::uint32_t count() const noexcept { return count_.load(std::memory_order_acquire); }
   void clear() noexcept { word_.store(0, std::memory_order_release); }
 
