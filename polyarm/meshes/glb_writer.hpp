@@ -1,5 +1,5 @@
 #pragma once
-/// glTF 2.0 in one binary file. Source: Khronos' glTF 2.0 specification, 4.4 (GLB).
+/// Writes glTF 2.0 as one binary file. Source: Khronos' glTF 2.0 specification, 4.4 (GLB).
 #include <string>
 #include <vector>
 
@@ -12,7 +12,7 @@ struct GlbNode {
   Mesh mesh;
 };
 
-/// Nodes side by side under one scene, with their meshes where they are. The same nodes give the same bytes.
+/// Writes all nodes under one scene, each with its meshes and pose. The same nodes give the same bytes.
 std::string write_glb(const std::vector<GlbNode>& nodes);
 
 }  // namespace polyarm::meshes

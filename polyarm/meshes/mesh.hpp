@@ -1,5 +1,5 @@
 #pragma once
-/// Meshes as triangles, whatever file they come from.
+/// Triangle meshes, read from any supported file format.
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -14,10 +14,10 @@ namespace polyarm::meshes {
 /// Triangles of one colour. Positions in m in the mesh's own frame, x right, y ahead, z up as its file says.
 struct MeshPart {
   std::vector<std::array<float, 3>> positions;
-  std::vector<std::array<float, 3>> normals;  ///< as many as positions
+  std::vector<std::array<float, 3>> normals;  ///< one per position
   std::vector<std::uint32_t> triangles;       ///< three indices each
   std::array<float, 4> color{0.8f, 0.8f, 0.8f, 1};
-  bool colored = false;  ///< the file says a colour
+  bool colored = false;  ///< true if the file gives a colour
 };
 using Mesh = std::vector<MeshPart>;
 
@@ -33,14 +33,14 @@ Mesh read_mesh(const std::filesystem::path& path);
 Mesh read_stl(const std::string& bytes, const std::string& name);
 /// `materials`: the text of its MTL files.
 Mesh read_obj(const std::string& text, const std::string& name, const std::string& materials = {});
-/// In metres; `up_axis` is not followed, as RViz does not.
+/// Returns metres. Ignores `up_axis`, as RViz does.
 Mesh read_collada(const std::string& text, const std::string& name);
 
-/// Boxes, cylinders, spheres and capsules, in the frame of the shape itself; nothing of a mesh.
+/// Makes boxes, cylinders, spheres and capsules in the frame of the shape; nothing for a mesh.
 Mesh mesh_of_shape(const description::Shape& shape);
 
-/// Corners with the same place and normal become one; triangles without area go. Where normals are missing
-/// they are made, smooth where triangles meet at less than 30 degrees.
+/// Merges corners with equal position and normal and drops triangles without area. Missing normals are
+/// computed; they are smooth where triangles meet at less than 30 degrees.
 void tidy(MeshPart& part);
 
 }  // namespace polyarm::meshes

@@ -1,5 +1,5 @@
 #pragma once
-/// The meshes of a robot as one file that a browser shows.
+/// The meshes of a robot as one file for a browser.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -11,23 +11,23 @@
 namespace polyarm::meshes {
 
 struct RobotMeshes {
-  /// glTF 2.0, binary; empty where the robot has no meshes. For each link that looks like a mesh there is a
-  /// node of its name, in the link's frame, in m, z up as in URDF.
+  /// glTF 2.0, binary; empty if the robot has no meshes. Each link with a visual mesh has a node of its name,
+  /// in the link's frame, in m, z up as in URDF.
   std::string glb;
-  /// A sentence for each mesh that is missing or broken: its link's node holds what the link collides with.
+  /// One sentence per missing or broken mesh. The node of its link then holds the collision geometry.
   std::vector<Problem> warnings;
 };
 
-/// Does a link look like a mesh? Then its node in the GLB holds all its visual meshes.
+/// True if a link has a visual mesh. Its node in the GLB then holds all its visual meshes.
 bool has_mesh(const description::Link& link);
 
-/// Of everything that the GLB depends on, the files' sizes and times among it: 16 hexadecimal digits; empty
-/// where the robot has no meshes. Asks the disk for these alone.
+/// Hash of everything that the GLB depends on, including sizes and times of the files: 16 hexadecimal digits;
+/// empty if the robot has no meshes. Reads only these file attributes from disk.
 std::string mesh_hash(const description::RobotModel& model);
 
-/// Converts what the links look like, or takes it from `cache`, where it lies under its hash until the files
-/// change. An empty path: no cache. Takes its time and reads the disk: any thread but those of a cell.
-/// `most_triangles`: of all meshes; links beyond it are shown by what they collide with.
+/// Converts the visual geometry, or takes the result from `cache`, where it is stored under its hash until
+/// the files change. An empty path disables the cache. Slow, reads the disk: any thread except those of a
+/// cell. `most_triangles` limits all meshes together; links beyond it show their collision geometry.
 RobotMeshes robot_meshes(const description::RobotModel& model, const std::filesystem::path& cache,
                          std::size_t most_triangles = bounds::kRobotTriangles);
 

@@ -19,14 +19,14 @@ namespace polyarm::messages {
 
 inline constexpr std::size_t kCdrHeader = 4;
 
-/// Writes into memory of a fixed size, little-endian; any thread, allocates nothing. What does not fit is
-/// counted and not written.
+/// Writes into memory of a fixed size, little-endian. Any thread; allocates nothing. Bytes that do not fit
+/// are counted but not written.
 class CdrWriter {
  public:
-  /// `room` may be empty: then it only counts.
+  /// `room` may be empty: the writer then only counts.
   explicit CdrWriter(std::span<std::byte> room) : room_{room} { header(); }
 
-  /// Bytes of the payload so far, header and all, whether they fitted or not.
+  /// Size of the payload so far, including the header and bytes that did not fit.
   std::size_t size() const { return at_; }
   bool fits() const { return at_ <= room_.size(); }
 
@@ -45,7 +45,7 @@ class CdrWriter {
   void write(const std::string& text) { write(std::string_view(text)); }
   void write(const char* text) { write(std::string_view(text)); }
   void write_length(std::size_t count) { write(static_cast<std::uint32_t>(count)); }
-  /// Numbers one after the other, without their length.
+  /// Writes consecutive numbers without a length.
   template <class T>
   requires std::is_arithmetic_v<T>
   void write_all(std::span<const T> values) {
@@ -73,7 +73,7 @@ class CdrWriter {
   std::size_t at_ = 0;
 };
 
-/// What is wrong with a payload.
+/// Errors of a payload.
 enum class CdrError {
   none,
   header,    ///< no header, or a representation that ROS 2 does not use
@@ -85,9 +85,9 @@ enum class CdrError {
 };
 const char* name(CdrError error);
 
-/// Reads a payload of either byte order; any thread. After the first error nothing more is read: what was
-/// asked for stays as it is, and `error()` tells. A length never makes it allocate more than the payload has
-/// bytes for.
+/// Reads a payload of either byte order. Any thread. After the first error it reads nothing more: outputs
+/// stay unchanged and `error()` reports the error. A length never makes it allocate more than the payload
+/// has bytes for.
 class CdrReader {
  public:
   explicit CdrReader(std::span<const std::byte> payload);
@@ -122,7 +122,7 @@ class CdrReader {
     }
     for (T& value : values) value = take<T>();
   }
-  /// At the end: behind the last field there may be up to three bytes of padding.
+  /// Call it at the end: up to three bytes of padding may follow the last field.
   void finish() {
     if (left() > 3) fail(CdrError::trailing);
   }
@@ -178,7 +178,7 @@ std::vector<std::byte> to_cdr(const Message& message) {
   return payload;
 }
 
-/// Into memory that is there already: how many bytes, or 0 where they do not fit. Allocates nothing.
+/// Writes into existing memory. Returns the number of bytes, or 0 if they do not fit. Allocates nothing.
 template <class Message>
 std::size_t to_cdr(const Message& message, std::span<std::byte> room) {
   CdrWriter out(room);
@@ -186,7 +186,7 @@ std::size_t to_cdr(const Message& message, std::span<std::byte> room) {
   return out.fits() ? out.size() : 0;
 }
 
-/// Reads a payload into `message`, whose memory is used again. On an error the message may hold part of it.
+/// Reads a payload into `message` and reuses its memory. After an error the message may be partly filled.
 template <class Message>
 CdrError from_cdr(std::span<const std::byte> payload, Message& message) {
   CdrReader in(payload);

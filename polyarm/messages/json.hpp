@@ -1,5 +1,5 @@
 #pragma once
-/// Messages as JSON and as CDR, by what is known of their type; any thread.
+/// Converts messages between JSON and CDR, using their type information. Any thread.
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -10,8 +10,8 @@
 
 namespace polyarm::messages {
 
-/// The payload as JSON in the shape of its message; a number that is none becomes null. On an error `out`
-/// holds what was read before it.
+/// The payload as JSON in the shape of its message. NaN and infinity become null. On an error `out` holds
+/// what was read before the error.
 CdrError to_json(const TypeInfo& type, std::span<const std::byte> payload, nlohmann::json& out);
 
 /// The payload of a message in JSON. What is left out is zero, false or empty, null as a number is no number,

@@ -1,12 +1,12 @@
 #pragma once
-/// What is known of a message type besides its C++ struct.
+/// Type information of a message beyond its C++ struct.
 #include <cstdint>
 #include <span>
 #include <string_view>
 
 namespace polyarm::messages {
 
-/// As the type descriptions of ROS 2 number them (type_description_interfaces/FieldType).
+/// Numbered as in the type descriptions of ROS 2 (type_description_interfaces/FieldType).
 enum class FieldKind : std::uint8_t {
   nested = 1,
   int8,
@@ -58,7 +58,7 @@ enum class Distribution { humble, jazzy, kilted };
 std::span<const TypeInfo* const> humble_types();
 std::span<const TypeInfo* const> kilted_types();
 
-/// By the name as above, also without its middle part ("sensor_msgs/JointState"); null where there is none.
+/// Finds a type by that name, also without the middle part ("sensor_msgs/JointState"); null if unknown.
 const TypeInfo* find_type(std::string_view name, Distribution distribution = Distribution::jazzy);
 
 }  // namespace polyarm::messages

@@ -1,8 +1,8 @@
 #pragma once
-/// Plugins: shared libraries with hardware and controllers. They run with all rights of the user: they are
-/// loaded from where Polyarm is installed, from folders that the user names to the command, and, where a cell
-/// names a folder, only if the user has approved them on this machine (base/approvals.hpp). What they bring
-/// is then known by its name like everything else. Building thread only.
+/// Plugins: shared libraries with hardware and controllers. They run with all rights of the user. They are
+/// loaded from Polyarm's installation, from folders that the user names on the command line and, if a cell
+/// names a folder, only after the user has approved them on this machine (base/approvals.hpp). Their types
+/// are then found by name like built-in ones. Building thread only.
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -18,47 +18,48 @@ struct Entry {
   std::string help;
 };
 
-/// A plugin that is in use.
+/// A loaded plugin.
 struct Plugin {
   std::filesystem::path file;
   std::string name, version, compiler;
   std::vector<Entry> entries;
 };
 
-/// A library that is not used; that never hinders the others.
+/// A library that was refused. It does not affect the others.
 struct Refusal {
   std::filesystem::path file;
   std::string reason, advice;
 };
 
-/// A library as it lies there; not a byte of it has run.
+/// A library on disk; none of its code has run.
 struct Library {
   std::filesystem::path file;
-  std::string sha256;  ///< empty where it cannot be read
+  std::string sha256;  ///< empty if it cannot be read
   std::size_t bytes = 0;
   bool approved = false;  ///< by its hash, or by its folder
 };
 
-/// Loads every `*.so` of a folder that the user has named, by name; what was loaded or refused before is passed over. Of two that
-/// claim one name the first is used. A folder that cannot be read becomes a refusal.
+/// Loads every `*.so` of a folder that the user has named, in order of name, and skips those loaded or
+/// refused before. If two claim one name, the first is used. A folder that cannot be read becomes a
+/// refusal.
 void load_folder(const std::filesystem::path& folder);
-/// The same for a folder that a cell names: of approved libraries the bytes that were hashed are loaded, and
-/// what lies in a folder that was approved for development; the others become unapproved().
+/// The same for a folder that a cell names: loads exactly the hashed bytes of approved libraries, and all
+/// libraries of a folder approved for development. The others become unapproved().
 void load_approved_in(const std::filesystem::path& folder);
-/// The libraries of the folder, read and hashed; nothing is loaded.
+/// Reads and hashes the libraries of the folder; loads nothing.
 std::vector<Library> look_at(const std::filesystem::path& folder);
 Library look_at_file(const std::filesystem::path& file);
-/// The `*.so` of the folder that this process has not loaded or refused; nothing is loaded.
+/// The `*.so` of the folder that this process has neither loaded nor refused; loads nothing.
 std::vector<std::filesystem::path> not_loaded_in(const std::filesystem::path& folder);
-/// The folders that are looked through when nobody names one: those of POLYARM_PLUGINS (separated by ':'),
-/// then `lib/polyarm/plugins` where Polyarm is installed.
+/// The default folders: those of POLYARM_PLUGINS (separated by ':'), then `lib/polyarm/plugins` of the
+/// installation.
 std::vector<std::filesystem::path> default_folders();
-/// Loads those of them that there are; one that POLYARM_PLUGINS names and is not there is a refusal.
+/// Loads the existing default folders. A missing folder of POLYARM_PLUGINS is a refusal.
 void load_default_folders();
 
 const std::vector<Plugin>& found();
 const std::vector<Refusal>& refused();
-/// Those that cells named and that were not loaded as nobody has approved them.
+/// Libraries that cells name and that were not loaded because they are not approved.
 const std::vector<Library>& unapproved();
 
 }  // namespace polyarm::plugins

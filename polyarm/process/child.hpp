@@ -1,6 +1,6 @@
 #pragma once
-/// A program of Polyarm's own that runs beside it, for what is not to share its memory: started, looked
-/// after, and known how it ended.
+/// Runs a program of Polyarm in a child process with separate memory: starts it, monitors it and reports
+/// how it ended.
 #include <sys/types.h>
 
 #include <chrono>
@@ -14,10 +14,10 @@
 
 namespace polyarm::process {
 
-/// Where a program lies that is built with Polyarm: beside the module or program that this code is in, or
-/// where modules lie. Empty: nowhere.
+/// Path of a program built with Polyarm: beside the module or program that contains this code, or in the
+/// modules folder. Empty if not found.
 std::string find_program(const std::string& name);
-/// The folders that find_program looks into, for a message.
+/// The folders that find_program searches, for messages.
 std::string program_folders();
 
 /// How a process ended.
@@ -41,12 +41,12 @@ class Child {
   void start(const std::string& program, std::vector<std::string> words, std::span<const int> handed);
   bool running() const { return process_ > 0; }
   pid_t process() const { return process_; }
-  /// To poll for its end, and for what it writes as errors; -1 where there is none.
+  /// Descriptors to poll for its end and for its error output; -1 if there is none.
   int end() const { return end_.number(); }
   int errors() const { return errors_.number(); }
-  /// Takes what it has written as errors; never waits.
+  /// Reads its error output so far; never waits.
   void listen();
-  /// Nothing while it runs; never waits.
+  /// Empty while it runs; never waits.
   std::optional<Ending> ended();
   /// Waits for its end for so long, then kills it.
   Ending finish(std::chrono::milliseconds patience);

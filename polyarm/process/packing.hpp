@@ -1,6 +1,6 @@
 #pragma once
-/// Numbers, texts and bytes one after the other, for messages between two processes of one machine. A reader
-/// trusts nothing: what is not there is nothing, and `good()` is false from then on.
+/// Packs numbers, texts and bytes in sequence, for messages between two processes of one machine. A reader
+/// trusts nothing: missing data reads as empty, and `good()` is false afterwards.
 #include <array>
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #pragma once
-/// A queue of frames in memory that two processes share: one writes, one reads, neither waits. Nothing that
-/// the other side can change is trusted: each side keeps its own position, checks the other's against the
-/// size, and copies a frame before it looks at it.
+/// A queue of frames in memory shared by two processes: one writes, one reads, neither waits. A side trusts
+/// nothing that the other can change: it keeps its own position, checks the other's against the size, and
+/// copies a frame before it reads it.
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +24,7 @@ enum class RingResult {
   broken  ///< the other side says what cannot be
 };
 
-/// So many bytes of payload at most stand in one frame.
+/// Largest payload of one frame, bytes.
 inline constexpr std::size_t kMostInFrame = 64 * 1024;
 
 class RingWriter {
@@ -46,7 +46,7 @@ class RingReader {
   RingReader(RingState& state, std::span<const std::byte> bytes) : state_{state}, bytes_{bytes} {}
   /// Appends the payload of the next frame to `message`, which then has at most `most` bytes.
   RingResult take(std::vector<std::byte>& message, std::size_t most, bool& last);
-  /// Whether there is a frame, or the other side says what cannot be.
+  /// True if there is a frame or the other side's state is invalid.
   bool something() const { return state_.written.load(std::memory_order_acquire) != read_; }
   bool half_empty() const {
     return state_.written.load(std::memory_order_relaxed) - read_ <= bytes_.size() / 2;
