@@ -1,4 +1,5 @@
 #pragma once
+/// Time budgets of callbacks on the control thread; times in ns.
 #include <cstdint>
 
 #include "polyarm/base/time.hpp"

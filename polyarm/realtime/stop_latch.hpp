@@ -1,4 +1,5 @@
 #pragma once
+/// The stop request shared by all threads and the control loop.
 #include <atomic>
 #include <cstdint>
 

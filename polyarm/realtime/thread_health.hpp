@@ -1,4 +1,5 @@
 #pragma once
+/// Run-time statistics of threads and of parts of a cycle; times in ns.
 #include <atomic>
 #include <utility>
 
