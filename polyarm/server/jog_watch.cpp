@@ -175,7 +175,7 @@ std::shared_ptr<JogWatch::Jog> JogWatch::begun_by(std::uint64_t client, const An
   jog->number = ++last_;
   jog->client = client;
   jog->id = id;
-  jog->beat = cell_.now();
+  jog->pressed = jog->beat = cell_.now();
   jogs_.push_back(jog);
   return jog;
 }
@@ -353,6 +353,16 @@ void JogWatch::follow(Jog& jog) {
   if (jog.goes && is_there(jog)) finish(jog, "arrived", "");
 }
 
+/// A key that is pressed while the joints settle from the motion before begins when they stand.
+bool JogWatch::waits_for_rest(const std::shared_ptr<Jog>& jog) {
+  constexpr double kPatience = 0.3;  // s
+  if (!jog->refused || jog->begun || jog->refused->problems().front().code != "moving") return false;
+  if (seconds(cell_.now() - jog->pressed) > kPatience) return false;
+  jog->refused.reset();
+  ask(jog);
+  return true;
+}
+
 void JogWatch::tick() {
   const std::vector<std::shared_ptr<Jog>> all = jogs_;
   for (const auto& jog : all) {
@@ -363,6 +373,7 @@ void JogWatch::tick() {
       finish(*jog, "lost", "no heartbeat came: press again");
       continue;
     }
+    if (waits_for_rest(jog)) continue;
     follow(*jog);
     if (!jog->over && jog->begun && !jog->asked && std::exchange(jog->beaten, false)) ask(jog);
     if (jog->over || !jog->begun || jog->reported == jog->held_back) continue;

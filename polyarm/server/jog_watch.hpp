@@ -52,7 +52,7 @@ class JogWatch {
     protocol::Any id;
     std::optional<protocol::Request> wish;  ///< what each heartbeat asks for
     std::uint32_t session = 0;
-    Nanoseconds beat = 0;
+    Nanoseconds pressed = 0, beat = 0;
     bool asked = false, begun = false, over = false, beaten = false;
     std::optional<protocol::Request> rest;  ///< of a base with wheels: what brings it to rest
     bool goes = false;                      ///< to a place
@@ -75,6 +75,7 @@ class JogWatch {
   void finish(Jog& jog, const std::string& why, const std::string& text);
   void report(const Jog& jog, bool over, const std::string& why, const std::string& text,
               const std::string& which = {}) const;
+  bool waits_for_rest(const std::shared_ptr<Jog>& jog);
   void follow(Jog& jog);
 
   cell::Cell& cell_;
