@@ -23,7 +23,7 @@ set_target_properties(polyarm_ros2_dds PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PRO
 install(TARGETS polyarm_ros2_dds RUNTIME DESTINATION lib/polyarm)
 add_library(polyarm_ros2_wire STATIC ros2/dds_view.cpp ros2/remote_participant.cpp ros2/wire.cpp ros2/options.cpp)
 target_include_directories(polyarm_ros2_wire PUBLIC ${PROJECT_SOURCE_DIR})
-target_link_libraries(polyarm_ros2_wire PUBLIC polyarm_ros2_types polyarm_base polyarm_process polyarm_messages Threads::Threads)
+target_link_libraries(polyarm_ros2_wire PUBLIC polyarm_ros2_types polyarm_base polyarm_realtime polyarm_process polyarm_messages Threads::Threads)
 add_dependencies(polyarm_ros2_wire polyarm_ros2_dds)
 add_library(polyarm_door_ros2 MODULE ros2/module.cpp ros2/bridge.cpp ros2/controller_nodes.cpp ros2/manager_node.cpp
   ros2/robot_node.cpp ros2/cell_node.cpp ros2/action_server.cpp ros2/parameters.cpp ros2/type_descriptions.cpp

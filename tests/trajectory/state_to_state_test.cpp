@@ -246,7 +246,9 @@ TEST_P(OfAnyKind, BetweenTwoRestsItNeverTurnsBack) {
       const double side = to[i].position >= from[i].position ? 1 : -1;
       for (std::size_t p = 0; p < m.pieces(); ++p)
         ASSERT_GE(side * m.state_of(p).velocity, -1e-9 * limits[i].max_velocity);
-      if (n > 2) ASSERT_EQ(plan.axis(2).at(plan.duration() / 2).position, from[2].position);
+      if (n > 2) {
+        ASSERT_EQ(plan.axis(2).at(plan.duration() / 2).position, from[2].position);
+      }
     }
   }
 }
