@@ -82,7 +82,9 @@ class HardwareCheck {
   }
 
   void mimic(ComponentInfo& component) {
-    const Joint& joint = model_.joints[static_cast<std::size_t>(model_.find_joint(component.name))];
+    const int found = model_.find_joint(component.name);
+    if (found < 0) return;  // it has no name, which is reported
+    const Joint& joint = model_.joints[static_cast<std::size_t>(found)];
     if (component.mimic.value_or(false) && !joint.mimic) {
       warnings_.warning(
           "no-mimic", component.where,
