@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "polyarm/cell/open_names.hpp"
 #include "polyarm/cell/prompter.hpp"
 #include "polyarm/cell/rehearsal_stage.hpp"
+#include "polyarm/program/code.hpp"
 #include "polyarm/program/interpreter.hpp"
 
 namespace polyarm::cell {
@@ -28,13 +30,16 @@ constexpr int kMostVariants = 24;             // of values that decide about bra
 /// Ends waits. One thing at a time, so that what waits for one of two sees one of them.
 class Helper {
  public:
-  Helper(Stage& stage, const PossibleValues& values) : stage_(stage), prompter_(values) {}
+  /// `late`: the place of a wait that always times out; empty: each comes to what it waits for.
+  Helper(Stage& stage, const PossibleValues& values, std::string late)
+      : stage_(stage), prompter_(values), late_(std::move(late)) {}
   /// False where nothing helps.
   bool help(const std::vector<program::TaskStatus>& tasks) {
     for (const program::TaskStatus& task : tasks) {
       if (task.state != program::TaskState::waiting) continue;
       where_ = task.where;
-      if (task.waiting.kind == program::WaitKind::time) {
+      const bool times_out = task.waiting.until && task.where.text() == late_;
+      if (task.waiting.kind == program::WaitKind::time || times_out) {
         stage_.wait_until(task.waiting.until.value_or(0));
         return true;
       }
@@ -61,6 +66,7 @@ class Helper {
  private:
   Stage& stage_;
   Prompter prompter_;
+  std::string late_;
   int stalls_ = 0;
   Location where_;
 };
@@ -79,12 +85,12 @@ std::uint64_t passes_of(const program::Program& program) {
 }
 
 void go_through(Stage& stage, const std::shared_ptr<program::Compiled>& compiled,
-                const PossibleValues& values) {
+                const PossibleValues& values, const std::string& late) {
   program::Interpreter interpreter(compiled, stage);
   stage.attend(&interpreter);
   const std::uint64_t passes = passes_of(compiled->program);
   interpreter.limit_passes(passes);
-  Helper helper(stage, values);
+  Helper helper(stage, values, late);
   std::uint64_t events = 0;
   for (int step = 0, quiet = 0;; ++step, ++quiet) {
     const program::StepResult result = interpreter.step(kStatements);
@@ -119,30 +125,42 @@ struct Subject {
   const program::Program* others() const { return other ? &other->interpreter().program() : nullptr; }
 };
 
-/// Once, with values that end its waits. `kept`: a name that has one value all the time.
-Rehearsal go_once(const Subject& subject, const PossibleValues& values, const NamedValue* kept,
+/// What one pass through the program supposes.
+struct Variant {
+  std::optional<NamedValue> kept = {};  ///< a name that has one value all the time
+  std::string late = {};                ///< the place of a wait that times out
+};
+
+/// Once, with values that end its waits.
+Rehearsal go_once(const Subject& subject, const PossibleValues& values, const Variant& variant,
                   bool with_paths) {
   Stage stage(subject.cell, subject.compiled()->program, subject.others(), subject.moves, with_paths);
-  if (kept) stage.keep(*kept);
+  if (variant.kept) stage.keep(*variant.kept);
   try {
-    go_through(stage, subject.compiled(), values);
+    go_through(stage, subject.compiled(), values, variant.late);
   } catch (const Error&) {  // what else is wrong with it others tell
   }
   return std::move(stage.result());
 }
 
-/// Values by which the program takes other branches: of names that others set, and of tags that nobody sets
-/// but a person.
-std::vector<NamedValue> variants(const Subject& subject, const PossibleValues& values) {
+/// What leads to other branches: values of names that others set, and of tags that nobody sets but a person;
+/// and each wait that may time out.
+std::vector<Variant> variants(const Subject& subject, const PossibleValues& values) {
   const std::set<std::string> open = open_names(subject.cell, subject.others());
   const std::set<std::string> own = names_set(subject.compiled()->program);
-  std::vector<NamedValue> out;
+  std::vector<Variant> out;
+  const program::Program& program = subject.compiled()->program;
+  program::for_each_statement(program.statements, [&](const program::Statement& s) {
+    if (s.kind == program::Statement::Kind::wait && s.second)
+      out.push_back({.late = program.at(s.place).text()});
+  });
   for (const std::string& name : values.deciding()) {
     const data::Value* now = subject.cell.store().find(name);
     const bool of_a_person = subject.cell.store().is_tag(name) && !own.contains(name);
     if (!now || (!open.contains(name) && !of_a_person)) continue;
-    out.push_back({name, *now});  // all the time
-    for (data::Value& value : values.instead_of(name, *now)) out.push_back({name, std::move(value)});
+    out.push_back({.kept = NamedValue{name, *now}});
+    for (data::Value& value : values.instead_of(name, *now))
+      out.push_back({.kept = NamedValue{name, std::move(value)}});
   }
   return out;
 }
@@ -156,9 +174,9 @@ void add_branches(const Subject& subject, const PossibleValues& values, Rehearsa
   for (const Problem& problem : out.problems.list()) is_new(problem);
   std::size_t moves = 0;
   int count = 0;
-  for (const NamedValue& value : variants(subject, values)) {
+  for (const Variant& variant : variants(subject, values)) {
     if (++count > kMostVariants || moves > Stage::kMostMoves) return;
-    const Rehearsal found = go_once(subject, values, &value, false);
+    const Rehearsal found = go_once(subject, values, variant, false);
     moves += found.moves;
     for (const Problem& problem : found.problems.list())
       if (problem.code != "busy-loop" && is_new(problem)) out.problems.add(problem);
@@ -167,7 +185,7 @@ void add_branches(const Subject& subject, const PossibleValues& values, Rehearsa
 
 Rehearsal go_everywhere(const Subject& subject, bool with_paths) {
   const PossibleValues values(subject.compiled()->program, subject.others());
-  Rehearsal out = go_once(subject, values, nullptr, with_paths);
+  Rehearsal out = go_once(subject, values, {}, with_paths);
   add_branches(subject, values, out);
   return out;
 }

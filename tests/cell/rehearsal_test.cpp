@@ -184,6 +184,15 @@ TEST(Rehearsal, BlendsThatAreShrunkAreTold) {
   EXPECT_EQ(texts.rfind("W3 blend-shrunk", 0), 0u) << texts;
 }
 
+TEST(Rehearsal, ATimeOutIsTakenToo) {
+  const auto texts = [](const std::string& program) { return checked(program, kTags).texts.substr(0, 9); };
+  const std::string far = "movej pose(3m, 0, 1m)\n";
+  EXPECT_EQ(texts("wait Ready timeout 1s else\n  " + far + "end\n").substr(0, 3), "E2 ");
+  EXPECT_EQ(texts("try\n  wait Ready timeout 1s\non error e\n  " + far + "end\n").substr(0, 3), "E4 ");
+  EXPECT_EQ(texts("let n = 0\nwait Ready timeout 1s else\n  set n = 3\nend\nlog(10 / (n - 3))\n").substr(1), "5 zero '");
+  EXPECT_EQ(texts("wait Ready timeout 1s else\n  stop\nend\n"), "");
+}
+
 TEST(Rehearsal, ThePlcIsGoneThrough) {
   const auto texts = [](const std::string& plc) {
     return checked("wait Ready\nset Kind = 2\nmovej joints(0, 0, 0, 0, 0, 0)\n", kTags, "", plc)

@@ -13,6 +13,8 @@ export type JogMode = 'joint' | 'base' | 'world' | 'tool' | 'user' | 'drive';
 
 /** Which key is held: `joint/2/+1`, `goto` …; empty when none. */
 export const heldKey = signal('');
+/** The key that is held and waits for steps of this page; empty: none. */
+let waitsForSteps = '';
 export const heldBack = signal<{what: string; which: string}|null>(null);
 export const jogMode = kept<JogMode>('jogMode', 'joint');
 export const userFrame = kept<string>('userFrame', '');
@@ -64,8 +66,17 @@ export function pressJog(axis: number, direction: 1 | -1): void {
   if (jogStep.peek() > 0 && jogMode.peek() !== 'drive') return step(axis, direction, key);
   heldBack.value = null;
   heldKey.value = key;
-  void jogger.begin({ request: 'jog.begin', args: jogArgs(axis, direction) });
-  heldKey.value = key;
+  const begin = () => {
+    void jogger.begin({ request: 'jog.begin', args: jogArgs(axis, direction) });
+    heldKey.value = key;
+  };
+  if (stepsToGo.peek() === 0) return begin();
+  waitsForSteps = key;
+  void last.then(() => {
+    if (waitsForSteps !== key || !mayMove.peek()) return;
+    waitsForSteps = '';
+    begin();
+  });
 }
 
 /** A stick is pushed: `axis` are shares of the speed along and about x, y, z. */
@@ -103,6 +114,8 @@ export function dragHandle(position: number[], orientation: number[]): void {
 }
 
 export function release(): void {
+  if (waitsForSteps !== '' && heldKey.peek() === waitsForSteps) heldKey.value = '';
+  waitsForSteps = '';
   jogger.end();
   follower.end();
 }
