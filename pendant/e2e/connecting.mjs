@@ -78,7 +78,7 @@ test('Stop keeps its corner on a phone, too, whatever stands beside it', async (
 
 test('a person compares the joints, arms, resumes and moves it', async () => {
   await go(page, 'Cell');
-  await button('Compare and arm').click();
+  await button('Compare and arm', page.getByRole('main')).click();
   const dialog = page.getByRole('dialog', { name: 'Compare and arm' });
   await dialog.getByRole('rowheader').nth(5).waitFor();
   assert.equal(await dialog.getByRole('rowheader').count(), 6);
