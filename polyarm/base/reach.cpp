@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 
 #include "polyarm/base/error.hpp"
 
@@ -26,10 +27,37 @@ void add(std::vector<fs::path>& to, const fs::path& path) {
 }
 }  // namespace
 
-fs::path resolved(const fs::path& path) {
+namespace {
+/// `path` with the first link in it replaced by where it leads; unchanged if there is none.
+fs::path without_first_link(const fs::path& path) {
   std::error_code error;
-  const fs::path out = fs::weakly_canonical(path, error);
-  return error ? plain(path) : fs::absolute(out, error).lexically_normal();
+  fs::path before;
+  for (auto part = path.begin(); part != path.end(); ++part) {
+    const fs::path here = before / *part;
+    if (!fs::is_symlink(fs::symlink_status(here, error))) {
+      before = here;
+      continue;
+    }
+    fs::path out = before / fs::read_symlink(here, error);  // an absolute target replaces what is before it
+    for (auto rest = std::next(part); rest != path.end(); ++rest) out /= *rest;
+    return error ? path : out;
+  }
+  return path;
+}
+}  // namespace
+
+fs::path resolved(const fs::path& path) {
+  constexpr int kMostLinks = 40;  // as Linux follows
+  fs::path out = path;
+  for (int i = 0; i < kMostLinks; ++i) {
+    std::error_code error;
+    const fs::path real = fs::weakly_canonical(out, error);
+    if (error) return plain(path);
+    // A link whose target does not exist is left as it is: whoever creates the file creates the target.
+    out = without_first_link(fs::absolute(real, error).lexically_normal());
+    if (out == real) return out;
+  }
+  return out;
 }
 
 bool inside(const fs::path& path, const fs::path& root) {

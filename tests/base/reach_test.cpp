@@ -52,6 +52,22 @@ TEST(ReadFile, ReadsNoMoreThanItMay) {
   EXPECT_EQ(code_of([&] { read_file(file); }), "too-large");
 }
 
+TEST(Resolved, FollowsLinksWhoseTargetsDoNotExist) {
+  const Folder cell, outside;
+  const fs::path real = fs::canonical(outside.path()) / "out.mcap", here = fs::canonical(cell.path());
+  fs::create_symlink(real, cell.path() / "absolute.mcap");
+  fs::create_symlink("../" + outside.path().filename().string() + "/out.mcap", cell.path() / "relative.mcap");
+  fs::create_symlink("absolute.mcap", cell.path() / "twice.mcap");
+  fs::create_symlink(outside.path() / "missing", cell.path() / "folder");
+  fs::create_symlink("loop", cell.path() / "loop");
+  EXPECT_EQ(resolved(cell.path() / "absolute.mcap"), real);
+  EXPECT_EQ(resolved(cell.path() / "relative.mcap"), real);
+  EXPECT_EQ(resolved(cell.path() / "twice.mcap"), real);
+  EXPECT_EQ(resolved(cell.path() / "folder/a/b"), fs::canonical(outside.path()) / "missing/a/b");
+  EXPECT_EQ(resolved(cell.path() / "none/of/them"), here / "none/of/them");
+  resolved(cell.path() / "loop");  // ends
+}
+
 TEST(WriteFile, GivesANewFileItsModeAndKeepsThatOfAnOldOne) {
   const Folder folder;
   const fs::path file = folder.path() / "secret";
