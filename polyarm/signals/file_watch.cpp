@@ -60,8 +60,15 @@ void FileWatch::lose_track() {
 }
 
 void FileWatch::take(std::uint32_t mask) {
-  if ((mask & IN_OPEN) && !std::exchange(own_open_, false)) take_open(standing_);
-  if (mask & IN_ACCESS) accessed_ = true;
+  if ((mask & IN_OPEN) && !std::exchange(own_open_, false)) {
+    if (in_doubt_ && opened_ && !accessed_) last_read_ = std::nullopt;
+    take_open(standing_);
+    in_doubt_ = std::exchange(just_replaced_, false);
+  }
+  if (mask & IN_ACCESS) {
+    accessed_ = true;
+    in_doubt_ = false;
+  }
   if (mask & (kRewrites | kReplaces)) take_rewrite((mask & kReplaces) != 0);
 }
 
@@ -74,6 +81,11 @@ void FileWatch::take_open(std::optional<Label> label) {
 /// News about the file that we have just displaced.
 void FileWatch::take_late(std::uint32_t mask) {
   if ((mask & IN_OPEN) && !std::exchange(own_late_open_, false)) take_open(displaced_);
+  if ((mask & IN_ACCESS) && in_doubt_ && opened_ && !accessed_) {
+    last_read_ = std::nullopt;  // of the displaced file, or of the new one as well
+    accessed_ = true;
+    in_doubt_ = false;
+  }
   if ((mask & IN_ACCESS) && last_read_ == displaced_) accessed_ = true;
   if (!(mask & kRewrites) || !opened_ || accessed_) return;
   last_read_ = read_before_;  // it was opened to be written
@@ -102,7 +114,7 @@ FileWatch::Label FileWatch::collect_replaced(std::uint64_t version, const std::s
   own_late_open_ = own_open;
   bool replaced = false;
   const auto replace = [&] {
-    replaced = true;
+    replaced = just_replaced_ = true;
     displaced_ = std::exchange(standing_, version);
   };
   drain([&](std::uint32_t mask, bool displaced) {

@@ -65,6 +65,9 @@ class FileWatch {
   std::vector<Rewrite> rewrites_;
   bool opened_ = false, accessed_ = false;  ///< the latest opening may turn out to be for writing
   bool own_open_ = false, own_late_open_ = false;
+  /// The first opening after an exchange may be of the displaced file, although it has the name of the new
+  /// one: its news can come late (seen on Linux 6.18). Readings tell.
+  bool just_replaced_ = false, in_doubt_ = false;
   bool rewritten_ = false;
 };
 
