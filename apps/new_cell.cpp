@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -366,7 +367,8 @@ int write_new_cell(const NewCell& asked) {
     throw Error("exists", folder.string() + " is there already, nothing was written",
                 "choose another folder with --folder DIR, or another name");
   const Scratch scratch;
-  reach().allow(scratch.path());  // it is written again after a cell in it was opened
+  const std::shared_ptr<ReachGrant> grant = reach().grant();
+  grant->allow(scratch.path());  // it is written again after a cell in it was opened
   Sizes sizes;
   sizes = sizes_of(robot_with_tool(asked, scratch.path(), sizes).front()->model,
                    robot_with_tool(asked, scratch.path(), sizes).front()->facts->chain.reach());

@@ -28,7 +28,7 @@ void add(std::vector<fs::path>& to, const fs::path& path) {
 }  // namespace
 
 namespace {
-/// `path` with the first link in it replaced by where it leads; unchanged if there is none.
+/// Replaces the first symbolic link in `path` by its target. Returns `path` unchanged if it contains no link.
 fs::path without_first_link(const fs::path& path) {
   std::error_code error;
   fs::path before;

@@ -17,8 +17,8 @@ constexpr Nanoseconds kDeadlockPatience = 2'000'000'000;
 constexpr Nanoseconds kSettlePatience = 2'000'000'000;
 /// A cell that only sends messages ends when nothing has moved for this long.
 constexpr Nanoseconds kSendSettle = 500'000'000;
-/// A program that neither waits nor moves for this long is told about; where nothing that it reads changes
-/// any more, it is called a deadlock after the second time.
+/// A program that neither waits nor moves gets a warning after the first time. After the second, if nothing that
+/// it reads changes, the run fails with "endless-loop".
 constexpr Nanoseconds kBusyPatience = 1'000'000'000, kEndlessPatience = 30'000'000'000;
 }  // namespace
 

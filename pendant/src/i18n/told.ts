@@ -97,8 +97,8 @@ function sentence(code: string, facts: Facts): string|null {
 }
 
 /**
- * A problem by its code: with its values where they are told; else in English as the cell says it, in other
- * languages the sentence of the code with the cell's own below it.
+ * Returns the text of a problem. If the cell sent the values, the sentence of the code contains them. If not,
+ * English shows the cell's own sentence; other languages show the sentence of the code, and the cell's below it.
  */
 export function problemWords({code, what, advice, facts = {}}: Problem): Told {
   const own = kOfPage.has(code) ? '' : plain(what);

@@ -22,7 +22,7 @@ export const told = {
   'cause.program-hold': 'The program holds the cell: {reason}',
   'cause.connected': 'The real robot has just been connected',
   'cause.run-failed': 'The run failed',
-  // where the values of the sentence are told
+  // if the cell sent the values of the sentence
   'with.fault': 'The cell is in a fault: {cause}',
   'with.fault.who': '{cause}: {who}',
   'with.contact': '{a} touched {b}, {depth} deep',
