@@ -74,7 +74,7 @@ test('after a contact only what can be done now can be pressed', async () => {
   assert.ok(await button('Step').isDisabled(), 'a step would go on');
   await picture(page, 'touching');
   await button('Cancel motion', strip).click();
-  await strip.getByText('No motion is left to go on with.').waitFor();
+  await strip.getByText('The motion is canceled.').waitFor();
   assert.equal(await button('Cancel motion').count(), 0, 'neither in the strip nor in the bar');
   await button('Jog away', strip).click();
   await page.getByRole('radiogroup', { name: 'Move in' }).getByText('Base').click();

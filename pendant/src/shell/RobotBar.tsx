@@ -73,6 +73,7 @@ function ProfileChip() {
       text: t('mode.toFullText'),
       action: t('mode.toFullDo'),
       onYes: () => void setProfile('full'),
+      still: () => mayMove.value,
     });
   return (
     <button
@@ -111,7 +112,7 @@ function Go() {
           label={t(forgets)}
           class="cancel-motion"
           disabled={!canBe(forget)}
-          onClick={() => ask({ title: `${t(forgets)}?`, text: t(discards === 'motion' ? 'bar.discardText' : 'bar.acceptText'), action: t(forgets), onYes: () => void discard() })}
+          onClick={() => ask({ title: `${t(forgets)}?`, text: t(discards === 'motion' ? 'bar.discardText' : 'bar.acceptText'), action: t(forgets), onYes: () => void discard(), still: () => canBe(ways.value.discard ?? 'why.noProgram') })}
         />
       )}
       {resumesToo !== null && <Button label={t('bar.resume')} class="cancel-motion" disabled={!canBe(resumesToo)} onClick={() => void goOn()} />}

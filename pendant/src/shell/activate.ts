@@ -1,6 +1,6 @@
 /** Switching on what is not active, hardware and then the controllers that fell with it. */
 import { t } from '../i18n';
-import { complain, request, status } from '../state/cell';
+import { complain, mayMove, request, status, ways } from '../state/cell';
 import { ask } from '../ui/ask';
 
 export function activateAll(): void {
@@ -10,6 +10,7 @@ export function activateAll(): void {
     text: t('state.activateText'),
     action: t('state.activate'),
     onYes: () => void activate().catch(complain),
+    still: () => mayMove.value && ways.value.next === 'activate',
   });
 }
 

@@ -1,5 +1,5 @@
 /** The cell as signals: connection, status, control, tags, parts, alarms, log. Pages read these and call `actions`. */
-import {computed, signal} from '@preact/signals';
+import {computed, effect, signal} from '@preact/signals';
 
 import {t} from '../i18n';
 import {problemWords} from '../i18n/told';
@@ -141,6 +141,14 @@ export async function loadCell(): Promise<void> {
   document.title = `${cell.value.name} · Polyarm`;
 }
 
+/** This page was connected before. */
+let greeted = false;
+/** It had control when the connection was last there. */
+let heldBefore = false;
+effect(() => {
+  if (link.value === 'open' && status.value !== null) heldBefore = youHold.value;
+});
+
 async function greet(): Promise<void> {
   try {
     const hello = await request('session.hello', { name: settings.clientName.value });
@@ -150,8 +158,11 @@ async function greet(): Promise<void> {
     mayForce.value = hello.local === true;
     youHold.value = hello.you_hold === true;
     await request('session.watch', { rate: kFrameRate });
-    // A cell that nobody controls is taken by who opens the page; one that has a holder is only watched.
-    if (!holder.value && settings.takeWhenFree.value) await takeControl(false);
+    // A cell that nobody controls is taken by who opens the page; one that has a holder is only watched. After a
+    // lost connection the page that had control takes it again, and pages that only watched go on watching.
+    const again = greeted;
+    greeted = true;
+    if (!holder.value && settings.takeWhenFree.value && (!again || heldBefore)) await takeControl(false);
   } catch (error) {
     if (link.value === 'open') complain(error);
   }

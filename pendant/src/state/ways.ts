@@ -89,7 +89,7 @@ export function waysOf({status, mayMove, pausing}: Seen): Ways {
     resumesToo: held && next === 'activate' ? resume : null,
     discard: forgets && next !== 'activate' ? blocked(cannot.discard) : null,
     discards: now?.motionLeft ? 'motion' : 'push',
-    back: blocked(!held && 'why.resumeFirst', !now?.motionLeft && 'contact.canceled', cannot.back),
+    back: blocked(!held && 'why.resumeFirst', !now?.motionLeft && 'why.noMotion', cannot.back),
     start: blocked(cannot.program, unarmed && 'why.armFirst', state !== 'running' && 'why.resumeFirst'),
     step,
     stepInto: step || (program?.paused ? '' : 'why.pauseFirst'),

@@ -1,4 +1,5 @@
 import type { ComponentChildren } from 'preact';
+import { useSignalEffect } from '@preact/signals';
 import { useEffect, useId, useRef } from 'preact/hooks';
 import { t } from '../i18n';
 import { Button, type Tone } from './controls';
@@ -78,10 +79,15 @@ export interface Question {
   action: string;
   tone?: Tone;
   onYes: () => void;
+  /** Reads signals; once it is false the question makes no sense any more, and closes. */
+  still?: () => boolean;
 }
 
 /** A question with one way to say yes; closing it says no. */
 export function Confirm({ question, onClose }: { question: Question; onClose: () => void }) {
+  useSignalEffect(() => {
+    if (question.still && !question.still()) onClose();
+  });
   return (
     <Dialog
       title={question.title}

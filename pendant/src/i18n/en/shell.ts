@@ -170,7 +170,8 @@ export const shell = {
   'why.programFirst': 'Pause or end the program first.',
   'why.activateFirst': 'Activate the hardware first.',
   'why.moving': 'Wait until the robot stands.',
+  'why.noMotion': 'No motion is held.',
   'why.noProgram': 'No program is under way.',
   'why.pauseFirst': 'Press Step first: the program is not paused.',
-  'contact.canceled': 'No motion is left to go on with.',
+  'contact.canceled': 'The motion is canceled.',
 } as const;

@@ -173,7 +173,8 @@ export const shell: Record<keyof typeof en, string> = {
   'why.programFirst': 'Ponga en pausa o termine antes el programa.',
   'why.activateFirst': 'Active antes los equipos.',
   'why.moving': 'Espere a que el robot esté parado.',
+  'why.noMotion': 'No hay ningún movimiento retenido.',
   'why.noProgram': 'Ningún programa en curso.',
   'why.pauseFirst': 'Pulse antes Paso: el programa no está en pausa.',
-  'contact.canceled': 'No queda ningún movimiento por continuar.',
+  'contact.canceled': 'El movimiento está cancelado.',
 };

@@ -47,6 +47,6 @@ export function Keys() {
 
 export function EndKey() {
   const end = () =>
-    ask({ title: `${t('run.stop')}?`, text: t('run.stopText'), action: t('run.stop'), tone: 'danger', onYes: () => void attempt('program.stop') });
+    ask({ title: `${t('run.stop')}?`, text: t('run.stopText'), action: t('run.stop'), tone: 'danger', onYes: () => void attempt('program.stop'), still: () => canBe(ways.value.end) });
   return <Button label={t('run.stop')} class="end-program" disabled={!canBe(ways.value.end)} onClick={end} />;
 }
