@@ -4,9 +4,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/printable.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 
@@ -33,6 +37,53 @@ void write_list(const std::vector<Approval>& list) {
   write_file_atomically(file, text, 0600);
 }
 
+[[noreturn]] void refuse(const fs::path& file, int line, const std::string& what, const std::string& advice) {
+  throw Error(Problem{"bad-approvals", {file.string(), line}, "this list of approvals is not used: " + what, advice});
+}
+
+/// As they are; split_fields() would take blanks away.
+std::vector<std::string> parts_of(std::string_view text, char separator) {
+  std::vector<std::string> out;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(separator, at), text.size());
+    out.emplace_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return out;
+}
+
+/// Only the user can have written it. False if there is none.
+bool require_own(const fs::path& file) {
+  struct stat status {};
+  if (::lstat(file.c_str(), &status) != 0) {
+    if (errno == ENOENT || errno == ENOTDIR) return false;
+    refuse(file, 0, std::string("it cannot be read: ") + std::strerror(errno), "check its permissions");
+  }
+  if (S_ISLNK(status.st_mode))
+    refuse(file, 0, "it is a link to another file", "put the file itself there, or delete the link");
+  if (!S_ISREG(status.st_mode)) refuse(file, 0, "it is not an ordinary file", "delete it");
+  if (status.st_uid != ::geteuid())
+    refuse(file, 0, "it belongs to another user", "delete it: what you approved is asked for again");
+  if ((status.st_mode & (S_IWGRP | S_IWOTH)) != 0)
+    refuse(file, 0, "other users may write to it",
+           "look at what it says (polyarm plugins approved), then type chmod 600 " + file.string());
+  return true;
+}
+
+/// "" for an approval as this program writes it.
+std::string wrong_with(const Approval& each) {
+  constexpr std::array kKinds = {"library", "folder", "host", "path", "secret"};
+  const bool digits = each.subject.size() == 64 &&
+                      each.subject.find_first_not_of("0123456789abcdef") == std::string::npos;
+  if (std::find(kKinds.begin(), kKinds.end(), each.kind) == kKinds.end())
+    return "'" + printable_line(shortened(each.kind)) + "' is no kind of approval";
+  if (each.kind == "library" ? !digits : !each.subject.starts_with('/'))
+    return each.kind == "library" ? "a library needs its SHA-256" : "a " + each.kind + " needs an absolute folder";
+  if (printable_line(each.subject) != each.subject || printable_line(each.what) != each.what)
+    return "it has control characters, or is not UTF-8";
+  return {};
+}
+
 bool same(const Approval& a, const Approval& b) {
   const bool by_subject = a.kind == "library" || a.kind == "folder";
   return a.kind == b.kind && a.subject == b.subject && (by_subject || a.what == b.what);
@@ -41,16 +92,23 @@ bool same(const Approval& a, const Approval& b) {
 
 std::vector<Approval> approvals() {
   std::vector<Approval> out;
-  Problems ignored;
-  collect(ignored, [&] {
-    const AsUser user;
-    std::error_code error;
-    if (config_folder().empty() || !fs::exists(list_file(), error)) return;
-    for (const std::string& line : split_fields(read_file(list_file(), kLargestList), '\n')) {
-      const std::vector<std::string> fields = split_fields(line, '\t');
-      if (fields.size() >= 2) out.push_back({fields[0], fields[1], fields.size() > 2 ? fields[2] : ""});
-    }
-  });
+  if (config_folder().empty()) return out;
+  const AsUser user;
+  const fs::path file = list_file();
+  if (!require_own(file)) return out;
+  int number = 0;
+  std::vector<std::string> lines = parts_of(read_file(file, kLargestList), '\n');
+  if (lines.back().empty()) lines.pop_back();  // after the last line's end
+  for (const std::string& line : lines) {
+    ++number;
+    std::vector<std::string> fields = parts_of(line, '\t');
+    fields.resize(std::max<std::size_t>(fields.size(), 3));
+    Approval each{fields[0], fields[1], fields[2]};
+    if (fields.size() > 3 || !wrong_with(each).empty())
+      refuse(file, number, fields.size() > 3 ? "it has more than three fields" : wrong_with(each),
+             "nothing in the file counts; look at who wrote to it, then delete it: what you approved is asked for again");
+    out.push_back(std::move(each));
+  }
   return out;
 }
 
@@ -60,9 +118,8 @@ bool is_approved(const Approval& approval) {
 }
 
 void approve(const Approval& approval) {
-  for (const std::string& text : {approval.subject, approval.what})
-    if (text.find_first_of("\t\n\r") != std::string::npos)
-      throw Error("bad-name", "a name with tabs or line ends cannot be approved", "rename it");
+  if (const std::string wrong = wrong_with(approval); !wrong.empty())
+    throw Error("bad-name", "this cannot be approved: " + wrong, "rename it");
   std::vector<Approval> all = approvals();
   std::erase_if(all, [&](const Approval& each) { return same(each, approval); });
   all.push_back(approval);

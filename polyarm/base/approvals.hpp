@@ -14,11 +14,13 @@ struct Approval {
   bool operator==(const Approval&) const = default;
 };
 
-/// Returns all approvals, oldest first. Returns none if the file cannot be read.
+/// Returns all approvals, oldest first; none if there is no file. Throws Error("bad-approvals") with file, line and
+/// advice if the file could have been written by somebody else (a link, another owner, writable by others), or if any
+/// line is not one that approve() writes: then no line counts.
 std::vector<Approval> approvals();
 /// `what` is not compared for libraries and folders.
 bool is_approved(const Approval& approval);
-/// Throws Error("unwritable") if the file cannot be written, and an Error for texts with tabs or line ends.
+/// Throws Error("unwritable") if the file cannot be written, and Error("bad-name") for texts with control characters.
 void approve(const Approval& approval);
 /// Removes and returns all whose subject or text equals `named`, or whose hash starts with it (>= 8 digits).
 std::vector<Approval> revoke(const std::string& named);

@@ -1,6 +1,7 @@
 #include "polyarm/base/secrets.hpp"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -63,6 +64,8 @@ fs::path secret_file(const std::string& name) {
   if (::stat(file.c_str(), &status) != 0 || !S_ISREG(status.st_mode))
     refuse("there is no secret '" + name + "' on this machine",
            "write it into this file and type chmod 600 " + file.string());
+  if (status.st_uid != ::geteuid() && status.st_uid != 0)
+    refuse("this secret belongs to another user, who could exchange it", "write it as a file of your own");
   if ((status.st_mode & 0077) != 0) refuse("other users may read this secret", "chmod 600 " + file.string());
   return file;
 }

@@ -158,8 +158,8 @@ Library judged_by_hash(const fs::path& file, std::string& bytes) {
 /// Named by a cell: only what the user has approved runs.
 void load_approved(const fs::path& file) {
   if (seen(file)) return;
-  if (in_development(file)) return load_once(file);
   try {
+    if (in_development(file)) return load_once(file);
     std::string bytes;
     const Library library = judged_by_hash(file, bytes);
     if (!library.approved) return known().unapproved.push_back(library);

@@ -244,6 +244,69 @@ TEST(ApprovalList, KeepsWhatWasApprovedForThisUserAlone) {
   ::unsetenv("XDG_CONFIG_HOME");
 }
 
+/// What the list is refused for; "" where it counts.
+std::string refusal_of_list() {
+  try {
+    is_approved({"library", std::string(64, 'a'), {}});
+  } catch (const Error& e) {
+    EXPECT_EQ(e.problems().front().code, "bad-approvals");
+    EXPECT_FALSE(e.problems().front().advice.empty());
+    return e.what();
+  }
+  return "";
+}
+
+TEST(ApprovalList, ALineWithinRubbishCountsAsLittleAsTheRubbish) {
+  const Folder home;
+  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  const std::string good = "library\t" + std::string(64, 'a') + "\t/x/arm.so\n";
+  const auto holds = [&](const std::string& text) { fs::permissions(home.write("polyarm/approved", text), fs::perms(0600)); };
+  holds(good);
+  EXPECT_EQ(refusal_of_list(), "");
+  EXPECT_TRUE(is_approved({"library", std::string(64, 'a'), {}}));
+  for (const std::string& rubbish :
+       {std::string("\x7f" "ELF\0\1\2\n", 8), std::string("\xff\xfe\n"), std::string("library\tabc\t/x\n"),
+        std::string("host\tmy/cell\t10.0.0.5\n"), std::string("host\t/my/cell\t10.0.0.5\t/more\n"),
+        std::string("host\t/my/cell\t10.0.0.5\x1b[2J\n"), std::string("anything\t/a\t/b\n"), std::string(" \n"),
+        std::string("path\t/my\t/a\0b\n", 14)}) {
+    for (const std::string& text : {rubbish + good, good + rubbish}) {
+      holds(text);
+      EXPECT_NE(refusal_of_list().find("approved:" + std::string(text == rubbish + good ? "1" : "2")), std::string::npos)
+          << refusal_of_list();
+    }
+    EXPECT_EQ(code_of([] { approve({"host", "/my/cell", "b"}); }), "bad-approvals") << "and it is not written over";
+  }
+  ::unsetenv("XDG_CONFIG_HOME");
+}
+
+TEST(ApprovalList, OneThatSomebodyElseCouldHaveWrittenIsNotUsed) {
+  const Folder home;
+  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  const std::string good = "library\t" + std::string(64, 'a') + "\t/x/arm.so\n";
+  const fs::path list = home.write("polyarm/approved", good);
+  for (const unsigned mode : {0620u, 0602u, 0666u}) {
+    fs::permissions(list, fs::perms(mode));
+    EXPECT_NE(refusal_of_list().find("other users may write to it"), std::string::npos) << mode;
+  }
+  fs::permissions(list, fs::perms(0600));
+  EXPECT_EQ(refusal_of_list(), "");
+  fs::rename(list, home.path() / "theirs");
+  fs::create_symlink(home.path() / "theirs", list);
+  EXPECT_NE(refusal_of_list().find("it is a link"), std::string::npos);
+  fs::remove(list);
+  fs::create_directory(list);
+  EXPECT_NE(refusal_of_list().find("not an ordinary file"), std::string::npos);
+  fs::remove(list);
+  EXPECT_EQ(refusal_of_list(), "");
+  if (::geteuid() == 0) {
+    const fs::path other = home.write("polyarm/approved", good);
+    fs::permissions(other, fs::perms(0600));
+    ASSERT_EQ(::chown(other.c_str(), 12345, 0), 0);
+    EXPECT_NE(refusal_of_list().find("belongs to another user"), std::string::npos);
+  }
+  ::unsetenv("XDG_CONFIG_HOME");
+}
+
 TEST(ApprovalList, AFolderForDevelopmentIsNobodyElses) {
   const Folder home;
   EXPECT_EQ(unfit_for_development(home.path() / "build"), "") << "it need not be there yet";
