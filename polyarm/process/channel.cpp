@@ -57,7 +57,7 @@ SharedMemory::~SharedMemory() {
 /// At the beginning of the memory; zeros are its first state.
 struct Channel::Shared {
   RingState to_child, to_parent;
-  std::atomic<std::uint64_t> beats, dropped_by_child, dropped_by_parent;
+  std::atomic<std::uint64_t> beats, pulses, dropped_by_child, dropped_by_parent;
 };
 
 Channel::Shared& Channel::shared() const {
@@ -209,6 +209,12 @@ std::uint64_t Channel::beats() const {
 }
 void Channel::beat() {
   shared().beats.fetch_add(1, std::memory_order_relaxed);
+}
+std::uint64_t Channel::pulses() const {
+  return shared().pulses.load(std::memory_order_relaxed);
+}
+void Channel::pulse() {
+  shared().pulses.fetch_add(1, std::memory_order_relaxed);
 }
 
 }  // namespace polyarm::process

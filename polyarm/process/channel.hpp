@@ -78,9 +78,12 @@ class Channel {
   bool broken() const;
   /// Messages of the other side that it has dropped, as it says.
   std::uint64_t dropped_there() const;
-  /// Signs of life of the child, seen by the parent.
+  /// How often the child's main loop has come round, seen by the parent.
   std::uint64_t beats() const;
   void beat();
+  /// Signs of life of the child's process (pulse.hpp), seen by the parent.
+  std::uint64_t pulses() const;
+  void pulse();
 
  private:
   struct Shared;

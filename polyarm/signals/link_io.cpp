@@ -85,7 +85,10 @@ class Link::Io {
 
   LinkState state() const {
     const std::lock_guard lock(mutex_);
-    return state_;
+    LinkState out = state_;
+    // Values age while a round is under way, too: the far side, or the process that speaks with it, may hang.
+    if (options_.thread && state_.was_up) age(out, steady_now());
+    return out;
   }
 
   bool idle() const {
@@ -214,11 +217,16 @@ class Link::Io {
       const std::size_t tag = value.tag;
       events_.push_back({{LinkEvent::Kind::value, tag, std::move(value.value), {}}, known[tag]});
     }
+    age(state_, now);
+    if (events_.size() > bounds::kLinkEvents) leave_out_events();
+  }
+
+  /// Marks the tags that have not been heard of for longer than their `stale`.
+  void age(LinkState& state, Nanoseconds now) const {
     for (std::size_t i = 0; i < heard_at_.size(); ++i) {
       const Nanoseconds limit = entry_.tags[i].stale;
-      state_.stale[i] = limit > 0 && (heard_at_[i] < 0 || now - heard_at_[i] > limit);
+      state.stale[i] = limit > 0 && (heard_at_[i] < 0 || now - heard_at_[i] > limit);
     }
-    if (events_.size() > bounds::kLinkEvents) leave_out_events();
   }
 
   /// Each once; of a far side that sends ever other rubbish only some.

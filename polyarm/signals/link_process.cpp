@@ -14,6 +14,7 @@
 #include "polyarm/process/channel.hpp"
 #include "polyarm/process/child.hpp"
 #include "polyarm/process/confinement.hpp"
+#include "polyarm/process/pulse.hpp"
 #include "polyarm/signals/link_exchange.hpp"
 
 namespace polyarm::signals {
@@ -67,6 +68,7 @@ class LinkProcess {
     const std::vector<LinkValue> known = unpack_values(in);
     if (!in.good()) throw Error("link-lost", "the link is of another version of Polyarm");
     confine_to(entry);
+    pulse_.emplace(channel_);
     port_.reset(make_(entry));
     port_->remember(known);
     tell(LinkAnswer::done, [&](Packer& out) { out.number(port_->waits()); });
@@ -108,6 +110,7 @@ class LinkProcess {
 
   Channel& channel_;
   const MakeLinkPort make_;
+  std::optional<process::Pulse> pulse_;
   std::unique_ptr<LinkPort> port_;
   std::vector<std::byte> message_;
 };

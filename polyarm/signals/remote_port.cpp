@@ -69,6 +69,7 @@ void RemotePort::start() {
     throw Error("link-lost", e.problems().front().what);
   }
   process_.store(child_.process(), std::memory_order_relaxed);
+  pulse_ = {};
   std::vector<LinkValue> known;
   for (std::size_t i = 0; i < known_.size(); ++i)
     if (known_[i]) known.push_back({i, *known_[i]});
@@ -140,6 +141,8 @@ Unpacker RemotePort::answer(LinkAnswer expected, Nanoseconds limit) {
 
 /// The next message; false where it has not come by then.
 bool RemotePort::receive(Nanoseconds until) {
+  using Clock = process::PulseWatch::Clock;
+  pulse_.restart(Clock::now());
   for (;;) {
     const auto received = channel_->receive(message_);
     if (received == Channel::Received::message) return true;
@@ -148,12 +151,16 @@ bool RemotePort::receive(Nanoseconds until) {
     if (const auto ending = child_.ended()) lose(ending->text());
     const Nanoseconds left = until - clock_now();
     if (left <= 0) return false;
+    if (pulse_.silent(*channel_, Clock::now(), options_.silence))
+      lose("hangs: it gave no sign of life for " + format_number(seconds(options_.silence.count())) +
+           " s, and was ended");
     if (channel_->may_sleep()) {
       std::array<pollfd, 4> fds{{{channel_->bell(), POLLIN, 0},
                                  {child_.end(), POLLIN, 0},
                                  {child_.errors(), POLLIN, 0},
                                  {give_up_.number(), POLLIN, 0}}};
-      if (::poll(fds.data(), fds.size(), static_cast<int>(left / 1'000'000) + 1) < 0) errno = 0;
+      const Nanoseconds most = std::min<Nanoseconds>(left, std::chrono::nanoseconds(process::kPulse).count());
+      if (::poll(fds.data(), fds.size(), static_cast<int>(most / 1'000'000) + 1) < 0) errno = 0;
       if (fds[3].revents != 0) lose("was ended, as the cell ends");
     }
     channel_->woken();

@@ -13,6 +13,7 @@
 
 #include "polyarm/process/channel.hpp"
 #include "polyarm/process/child.hpp"
+#include "polyarm/process/pulse.hpp"
 #include "polyarm/signals/link.hpp"
 #include "polyarm/signals/link_exchange.hpp"
 
@@ -22,6 +23,8 @@ struct RemotePortOptions {
   /// For an answer, beside what the far side may take by the link's timeout: names are looked up, the machine is
   /// busy. Longer, and the process is ended.
   Nanoseconds patience = 10'000'000'000;
+  /// Without a sign of life while an answer is awaited: the process hangs, and is ended.
+  std::chrono::nanoseconds silence = process::kLongestSilence;
 };
 
 /// open(), exchange() and close() belong to one thread, with which the process ends.
@@ -56,6 +59,7 @@ class RemotePort : public LinkPort {
   const RemotePortOptions options_;
   process::Child child_;
   std::unique_ptr<process::Channel> channel_;
+  process::PulseWatch pulse_;
   std::vector<std::byte> message_;
   std::vector<std::optional<data::Value>> known_;  ///< by tag: what the two sides told each other last
   bool waits_ = false;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cmath>
 #include <csignal>
 #include <fstream>
@@ -179,6 +180,70 @@ TEST_F(RemoteModbus, AProcessThatNoLongerAnswersIsEndedAndStartedAgain) {
   EXPECT_NO_THROW(port.exchange({}, 0, 0, news));
 }
 
+constexpr const char* kHangs = "hangs: it gave no sign of life for 1 s, and was ended";
+
+TEST_F(RemoteModbus, AServersProcessThatIsStoppedIsALostLinkAndStartedAgain) {
+  plc->post("Wanted", 7);
+  cell->post("Count", 5);
+  plc->look();
+  ASSERT_TRUE(cell->comes("Wanted", 7));
+  ASSERT_TRUE(plc->comes("Count", 5));
+  const int child = process();
+  plc->values.clear();
+  ASSERT_EQ(::kill(child, SIGSTOP), 0);
+  ASSERT_TRUE(cell->down());
+  ASSERT_TRUE(eventually([&] { return cell->look(), cell->losses.size() == 1; }));
+  EXPECT_NE(cell->losses[0].find(kHangs), std::string::npos) << cell->losses[0];
+  EXPECT_EQ(status_of(child, "PPid"), "") << "it is still there";
+  ASSERT_TRUE(cell->up());
+  EXPECT_NE(process(child), child);
+  EXPECT_TRUE(plc->comes("Count", 5)) << "what the cell had set is offered again";
+}
+
+TEST(RemotePortTest, AClientsProcessThatIsStoppedIsALostLinkAndStartedAgain) {
+  const int port = test::free_port();
+  const LinkEntry server = link_entry(kCellServer, port), client = link_entry(kPlcClient, port);
+  RunningLink far(server, modbus::make_server(server));
+  far.look();
+  auto owned = std::make_unique<RemotePort>(client, program_of("modbus"));
+  RemotePort& remote = *owned;
+  RunningLink cell(client, std::move(owned));
+  far.post("Count", 3);
+  ASSERT_TRUE(cell.comes("Count", 3));
+  const int child = remote.process();
+  ASSERT_EQ(::kill(child, SIGSTOP), 0);
+  ASSERT_TRUE(eventually([&] { return cell.look(), cell.losses.size() == 1; }));
+  EXPECT_NE(cell.losses[0].find(kHangs), std::string::npos) << cell.losses[0];
+  far.post("Count", 4);
+  ASSERT_TRUE(cell.comes("Count", 4));
+  EXPECT_NE(remote.process(), child);
+}
+
+/// What was heard ages while the process is asked, and not only once it answers.
+TEST(RemotePortTest, AValueGrowsStaleWhileTheProcessHangs) {
+  struct Asked : signals::LinkPort {
+    std::atomic<int>& rounds;
+    std::atomic<bool>& over;
+    Asked(std::atomic<int>& r, std::atomic<bool>& o) : rounds(r), over(o) {}
+    void open() override {}
+    void close() noexcept override {}
+    bool waits() const override { return true; }
+    void exchange(const std::vector<signals::LinkValue>&, Nanoseconds, Nanoseconds, LinkNews& news) override {
+      if (++rounds == 1) return news.seen.push_back(0);
+      while (!over) ::usleep(1000);
+    }
+  };
+  LinkEntry entry = link_entry(
+      "broker: {mqtt: client, port: PORT, tags: {Level: {topic: l, type: number, direction: in, stale: 50ms}}}", 1);
+  std::atomic<int> rounds{0};
+  std::atomic<bool> over{false};
+  RunningLink cell(entry, std::make_unique<Asked>(rounds, over));
+  ASSERT_TRUE(eventually([&] { return cell.look(), rounds == 2; }));
+  EXPECT_TRUE(eventually([&] { return cell.link().state().stale[0] != 0; }, 5));
+  EXPECT_EQ(rounds, 2);
+  over = true;
+}
+
 TEST(RemotePortTest, AFarSideThatIsNotThereIsSaidAsEver) {
   const int port = test::free_port();
   const LinkEntry entry = link_entry(kPlcClient, port);
@@ -216,6 +281,31 @@ TEST(RemoteMqtt, APasswordGoesToTheProcessAndNoFile) {
   write_file_atomically(entry.password_file, "open sesame\n");
   EXPECT_NO_THROW(RemotePort(entry, program_of("mqtt")));
   std::filesystem::remove_all(folder);
+}
+
+TEST(RemoteMqtt, StoppedItIsALostLinkAndItsValuesComeAgain) {
+  if (!test::has_mosquitto()) GTEST_SKIP() << "mosquitto is not installed";
+  const int port = test::free_port();
+  test::Peer broker(std::vector<std::string>{"/usr/sbin/mosquitto", "-p", std::to_string(port)});
+  ASSERT_TRUE(eventually([&] { return test::listens(port); }));
+  const LinkEntry entry = link_entry(
+      "broker: {mqtt: client, port: PORT, tags: {Kind: {topic: kind, type: text, direction: both, retain: true}}}",
+      port);
+  auto owned = std::make_unique<RemotePort>(entry, program_of("mqtt"));
+  RemotePort& remote = *owned;
+  RunningLink cell(entry, std::move(owned));
+  cell.post("Kind", "red");
+  ASSERT_TRUE(cell.up());
+  ASSERT_TRUE(cell.given());
+  const int child = remote.process();
+  ASSERT_EQ(::kill(child, SIGSTOP), 0);
+  ASSERT_TRUE(eventually([&] { return cell.look(), cell.losses.size() == 1; }));
+  EXPECT_NE(cell.losses[0].find(kHangs), std::string::npos) << cell.losses[0];
+  cell.post("Kind", "blue");
+  ASSERT_TRUE(cell.given());
+  EXPECT_NE(remote.process(), child);
+  RunningLink other(entry, std::make_unique<RemotePort>(entry, program_of("mqtt")));
+  EXPECT_TRUE(other.comes("Kind", "blue"));
 }
 
 TEST(RemoteMqtt, KilledItIsALostLinkAndItsValuesComeAgain) {
