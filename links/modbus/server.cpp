@@ -1,12 +1,16 @@
+#include <fcntl.h>
 #include <modbus.h>
 #include <poll.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <span>
 
 #include "links/modbus/context.hpp"
+#include "links/modbus/frame.hpp"
 #include "links/modbus/port.hpp"
 #include "links/modbus/registers.hpp"
 #include "polyarm/base/bounds.hpp"
@@ -41,12 +45,13 @@ class Server : public signals::LinkPort {
   void open() override {
     close();
     context_ = new_context(entry_);
-    modbus_set_byte_timeout(context_, 0, 200'000);
+    modbus_set_response_timeout(context_, 0, 1);  // some of its refusals wait for so long
     listening_ = modbus_tcp_pi_listen(context_, static_cast<int>(bounds::kModbusClients));
     if (listening_ < 0) {
       const std::string why = modbus_strerror(errno);
       throw Error("link-lost", entry_.address() + " cannot listen: " + why);
     }
+    do_not_wait(listening_);  // a connection may be gone before it is accepted
     asked_at_ = -1;
   }
 
@@ -78,7 +83,12 @@ class Server : public signals::LinkPort {
  private:
   struct Client {
     int socket = -1;
-    Nanoseconds heard = 0;  ///< when it connected, or asked last
+    Nanoseconds heard = 0;         ///< when it connected, or asked last
+    Nanoseconds begun = 0;         ///< when the first byte of an unfinished request came
+    std::uint64_t answered = 0;    ///< requests
+    std::size_t size = 0;          ///< of what has come and is not answered yet
+    bool gone = false;             ///< it is to be closed
+    std::array<std::uint8_t, kMostFrame> bytes{};
   };
 
   std::vector<std::uint16_t> words_at(const LinkTag& tag) const {
@@ -104,47 +114,86 @@ class Server : public signals::LinkPort {
     last_[write.tag] = words_at(tag);
   }
 
-  /// Whether anybody asked anything that could be answered.
+  /// True if anybody asked anything that could be answered. Nobody is waited for: of each connection what is there
+  /// is read, once, and what makes a whole request is answered.
   bool serve(Nanoseconds now, Nanoseconds patience) {
+    close_unfinished(now);
     std::vector<pollfd> waiting{{listening_, POLLIN, 0}};
     for (const Client& client : clients_) waiting.push_back({client.socket, POLLIN, 0});
     if (::poll(waiting.data(), waiting.size(), static_cast<int>(patience / 1'000'000)) <= 0) return false;
     bool asked = false;
-    for (std::size_t k = 1; k < waiting.size(); ++k)
-      if (waiting[k].revents != 0) asked |= answer(waiting[k].fd, now);
+    for (std::size_t k = 1; k < waiting.size(); ++k) {
+      if (waiting[k].revents == 0) continue;
+      Client& client = clients_[k - 1];
+      const std::uint64_t before = client.answered;
+      client.gone = !hear(client, now);
+      asked |= client.answered != before;
+    }
+    close_gone();
     if (waiting[0].revents != 0) accept(now);
     return asked;
   }
 
-  /// Where all places are taken, whoever has been silent for longest gives up its own: connections that ask
-  /// nothing lock nobody out.
+  /// When all places are taken, the one that was silent for longest is closed: connections that ask nothing lock
+  /// nobody out.
   void accept(Nanoseconds now) {
     int listening = listening_;
     const int socket = modbus_tcp_pi_accept(context_, &listening);
     if (socket < 0) return;
-    if (clients_.size() >= bounds::kModbusClients)
-      leave(std::min_element(clients_.begin(), clients_.end(), [](const Client& a, const Client& b) {
-              return a.heard < b.heard;
-            })->socket);
-    clients_.push_back({socket, now});
+    do_not_wait(socket);
+    if (clients_.size() >= bounds::kModbusClients) {
+      std::min_element(clients_.begin(), clients_.end(), [](const Client& a, const Client& b) {
+        return a.heard < b.heard;
+      })->gone = true;
+      close_gone();
+    }
+    Client& client = clients_.emplace_back();
+    client.socket = socket;
+    client.heard = now;
   }
 
-  void leave(int socket) {
-    ::close(socket);
-    std::erase_if(clients_, [&](const Client& client) { return client.socket == socket; });
+  static void do_not_wait(int socket) { ::fcntl(socket, F_SETFL, ::fcntl(socket, F_GETFL) | O_NONBLOCK); }
+
+  void close_gone() {
+    std::erase_if(clients_, [](const Client& client) { return client.gone && ::close(client.socket) <= 0; });
+  }
+  void close_unfinished(Nanoseconds now) {
+    constexpr auto kMost = static_cast<Nanoseconds>(bounds::kModbusFrame_ms) * 1'000'000;
+    for (Client& client : clients_) client.gone |= client.size > 0 && now - client.begun > kMost;
+    close_gone();
   }
 
-  /// Who sends what is no request is sent away; what stood in the tables stays.
-  bool answer(int socket, Nanoseconds now) {
-    std::uint8_t request[MODBUS_TCP_MAX_ADU_LENGTH];
+  /// False if the connection has ended or sends what is no Modbus; what the tables hold stays.
+  bool hear(Client& client, Nanoseconds now) {
+    const ssize_t came =
+        ::recv(client.socket, client.bytes.data() + client.size, client.bytes.size() - client.size, MSG_DONTWAIT);
+    if (came < 0) return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+    if (came == 0) return false;
+    if (client.size == 0) client.begun = now;
+    client.size += static_cast<std::size_t>(came);
+    std::size_t taken = 0;
+    Frame frame;
+    const auto rest = [&] { return std::span<const std::uint8_t>(client.bytes).subspan(taken, client.size - taken); };
+    while ((frame = first_frame(rest())).kind == Frame::Kind::request || frame.kind == Frame::Kind::refused) {
+      if (!answer(client.socket, rest(), frame)) return false;
+      client.heard = client.begun = now;
+      ++client.answered;
+      taken += frame.length;
+    }
+    std::copy(client.bytes.begin() + static_cast<std::ptrdiff_t>(taken),
+              client.bytes.begin() + static_cast<std::ptrdiff_t>(client.size), client.bytes.begin());
+    client.size -= taken;
+    return frame.kind != Frame::Kind::broken;
+  }
+
+  /// False if the client takes no answer: its buffer is full, or it is gone.
+  bool answer(int socket, std::span<const std::uint8_t> bytes, const Frame& frame) {
     modbus_set_socket(context_, socket);
-    const int length = modbus_receive(context_, request);
-    const bool answered = length > 0 && (modbus_reply(context_, request, length, table_) >= 0 ||
-                                         errno >= MODBUS_ENOBASE);  // with an exception
-    if (!answered) leave(socket);
-    for (Client& client : clients_)
-      if (client.socket == socket) client.heard = now;
-    return answered;
+    errno = 0;
+    const int sent = frame.kind == Frame::Kind::refused
+                         ? modbus_reply_exception(context_, bytes.data(), static_cast<unsigned>(frame.exception))
+                         : modbus_reply(context_, bytes.data(), static_cast<int>(frame.length), table_);
+    return sent >= 0 || errno >= MODBUS_ENOBASE;  // an exception of ours
   }
 
   void look(std::size_t index, bool asked, LinkNews& news) {

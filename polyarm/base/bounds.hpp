@@ -104,6 +104,8 @@
 #define POLYARM_BOUNDS_LINKS(X)                                                                               \
   X(kModbusClients, 16, "connections", "connections to a Modbus server",                                      \
     "the one that was silent for longest is closed")                                                          \
+  X(kModbusFrame_ms, 1000, "ms", "time for one request to a Modbus server, from its first byte to its last",    \
+    "the connection is closed")                                                                               \
   X(kLinkMemory, 256 << 20, "bytes", "memory of the process that speaks a link's protocol",                   \
     "it ends, and is started again")                                                                          \
   X(kLinkRoundBytes, 4 << 20, "bytes", "texts that are taken or handed over in one round of a link",          \

@@ -4,14 +4,19 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <random>
+#include <span>
 #include <stdexcept>
 #include <thread>
 
+#include "links/modbus/frame.hpp"
 #include "links/modbus/port.hpp"
 #include "links/modbus/registers.hpp"
+#include "polyarm/base/bounds.hpp"
 #include "tests/links/running_link.hpp"
 
 namespace polyarm {
@@ -300,6 +305,18 @@ class Connection {
     std::uint8_t byte = 0;
     return ::recv(socket_, &byte, 1, 0) == 0;
   }
+  bool is_open_now() {
+    std::uint8_t byte = 0;
+    return ::recv(socket_, &byte, 1, MSG_DONTWAIT | MSG_PEEK) < 0 && errno == EAGAIN;
+  }
+  void say(const std::vector<std::uint8_t>& what) {
+    EXPECT_EQ(::send(socket_, what.data(), what.size(), MSG_NOSIGNAL), static_cast<ssize_t>(what.size()));
+  }
+  /// How many bytes there are to hear, in `bytes`.
+  ssize_t heard_now() { return last = ::recv(socket_, bytes, sizeof bytes, MSG_DONTWAIT); }
+
+  std::uint8_t bytes[64]{};
+  ssize_t last = 0;
 
  private:
   int socket_;
@@ -317,6 +334,118 @@ TEST_F(ModbusServer, ConnectionsThatAskNothingLockNobodyOut) {
   EXPECT_TRUE(late.asks()) << "and who comes late is let in";
   EXPECT_TRUE(plc.asks());
   EXPECT_TRUE(idle.front().is_closed()) << "the one that was silent for longest";
+}
+
+/// A server without a thread, so that the test has its clock.
+class SteppedModbusServer : public testing::Test {
+ protected:
+  SteppedModbusServer() : server(modbus::make_server(link_entry(kServer, port))) { server->open(); }
+  /// A round at `now`, ms; what has come is there.
+  void step(int now) {
+    signals::LinkNews news;
+    server->exchange({}, Nanoseconds{now} * 1'000'000, 20'000'000, news);
+  }
+  /// Whether it is answered within a few rounds at one time.
+  bool answers(Connection& client, int now) {
+    client.say({0, 1, 0, 0, 0, 6, 1, 1, 0, 0, 0, 1});
+    for (int i = 0; i < 50; ++i) {
+      step(now);
+      if (client.heard_now() == 10) return true;
+    }
+    return false;
+  }
+  int port = test::free_port();
+  std::unique_ptr<signals::LinkPort> server;
+};
+
+TEST_F(SteppedModbusServer, UnfinishedRequestsDelayNobodyAndAreClosedInTime) {
+  std::deque<Connection> unfinished;
+  for (std::uint8_t i = 0; i < 10; ++i) {
+    unfinished.emplace_back(port);
+    std::vector<std::uint8_t> begin{0, 1, 0, 0, 0, 6, 1, 1, 0, 0, 0, 1};
+    begin.resize(std::size_t{1} + i);
+    unfinished.back().say(begin);
+  }
+  Connection good(port);
+  for (int i = 0; i < 12; ++i) step(0);  // all are accepted
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(answers(good, 10 * i)) << i;
+  for (Connection& each : unfinished) EXPECT_TRUE(each.is_open_now()) << "it was answered while they were there";
+  unfinished.front().say({1, 0, 0, 0, 6, 1, 1, 0, 0, 0, 1});
+  for (int i = 0; i < 50 && unfinished.front().heard_now() != 10; ++i) step(300);
+  EXPECT_EQ(unfinished.front().last, 10) << "one that ends is answered";
+  step(static_cast<int>(bounds::kModbusFrame_ms) + 1);
+  for (std::size_t i = 1; i < unfinished.size(); ++i) EXPECT_TRUE(unfinished[i].is_closed()) << i;
+  EXPECT_TRUE(answers(good, static_cast<int>(bounds::kModbusFrame_ms) + 10));
+  EXPECT_TRUE(answers(unfinished.front(), static_cast<int>(bounds::kModbusFrame_ms) + 20));
+}
+
+TEST_F(SteppedModbusServer, SeveralRequestsInOnePieceAndOneInManyAreAllAnswered) {
+  Connection client(port);
+  const std::vector<std::uint8_t> request{0, 1, 0, 0, 0, 6, 1, 1, 0, 0, 0, 1};
+  std::vector<std::uint8_t> three;
+  for (int i = 0; i < 3; ++i) three.insert(three.end(), request.begin(), request.end());
+  client.say(three);
+  ssize_t answered = 0;
+  for (int i = 0; i < 50 && answered < 30; ++i) step(i), answered += std::max<ssize_t>(0, client.heard_now());
+  EXPECT_EQ(answered, 30);
+  for (const std::uint8_t byte : request) client.say({byte}), step(60);
+  for (int i = 0; i < 50 && client.heard_now() != 10; ++i) step(70);
+  EXPECT_EQ(client.last, 10);
+}
+
+TEST_F(SteppedModbusServer, WhatIsNoModbusIsClosedAndWhatCannotBeIsAnException) {
+  const std::vector<std::uint8_t> broken[] = {
+      {0, 1, 0, 1, 0, 6, 1, 1, 0, 0, 0, 1},              // another protocol
+      {0, 1, 7},                                         // the same, and more may come
+      {0, 1, 0, 0, 0, 1, 1},                             // no function
+      {0, 1, 0, 0, 0, 255},                              // longer than any
+      {0, 1, 0, 0, 255, 255},                            //
+      {0, 1, 0, 0, 0, 7, 1, 1, 0, 0, 0, 1, 0},           // a byte too many for its function
+      {0, 1, 0, 0, 0, 5, 1, 3, 0, 0, 0},                 // one too few
+      {0, 1, 0, 0, 0, 9, 1, 16, 0, 0, 0, 1, 4, 0, 1},    // says four bytes, has two
+      {0, 1, 0, 0, 0, 3, 1, 15, 0},                      // ends before its count
+      {0, 1, 0, 0, 0, 13, 1, 23, 0, 0, 0, 1, 0, 0, 0, 1, 4, 0, 1}};
+  for (const auto& bytes : broken) {
+    Connection client(port);
+    client.say(bytes);
+    for (int i = 0; i < 50 && client.is_open_now(); ++i) step(0);
+    EXPECT_FALSE(client.is_open_now()) << testing::PrintToString(bytes);
+  }
+  const std::pair<std::vector<std::uint8_t>, int> refused[] = {
+      {{0, 1, 0, 0, 0, 2, 1, 99}, 1},                              // no such function
+      {{0, 1, 0, 0, 0, 6, 1, 1, 0, 0, 0, 0}, 3},                   // no coils
+      {{0, 1, 0, 0, 0, 6, 1, 3, 0, 0, 0, 126}, 3},                 // more registers than there may be
+      {{0, 1, 0, 0, 0, 6, 1, 5, 0, 0, 1, 2}, 3},                   // neither on nor off
+      {{0, 1, 0, 0, 0, 9, 1, 16, 0, 0, 0, 2, 2, 0, 1}, 3},         // two registers in two bytes
+      {{0, 1, 0, 0, 0, 6, 1, 3, 99, 0, 0, 1}, 2}};                 // no such address
+  Connection client(port);
+  for (const auto& [bytes, code] : refused) {
+    client.say(bytes);
+    for (int i = 0; i < 50 && client.heard_now() != 9; ++i) step(0);
+    ASSERT_EQ(client.last, 9) << testing::PrintToString(bytes);
+    EXPECT_EQ(client.bytes[7], bytes[7] | 0x80);
+    EXPECT_EQ(client.bytes[8], code) << testing::PrintToString(bytes);
+  }
+  EXPECT_TRUE(answers(client, 0)) << "and the connection stays";
+}
+
+TEST(ModbusFrame, NoBytesAreReadBeyondTheirEndAndNoFrameIsLongerThanTheyAre) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 200'000; ++round) {
+    std::vector<std::uint8_t> bytes(random() % 300);
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random() % 4 == 0 ? random() : random() % 8);
+    if (bytes.size() > 6 && random() % 2 == 0) {
+      bytes[2] = bytes[3] = bytes[4] = 0;
+      bytes[5] = static_cast<std::uint8_t>(bytes.size() - 6);
+    }
+    const modbus::Frame frame = modbus::first_frame(bytes);
+    ASSERT_LE(frame.length, bytes.size());
+    if (frame.kind == modbus::Frame::Kind::request) ASSERT_GE(frame.length, 12u);
+    const std::vector<std::uint8_t> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(frame.length));
+    if (frame.length > 0) {
+      EXPECT_EQ(modbus::first_frame(std::span(cut).first(frame.length - 1)).kind, modbus::Frame::Kind::unfinished);
+    }
+  }
 }
 
 class AskedModbusServer : public ModbusServer {
