@@ -14,7 +14,8 @@ class HardwareCheck {
  public:
   HardwareCheck(const RobotModel& model, Problems& problems, Problems& warnings)
       : model_(model), problems_(problems), warnings_(warnings) {
-    for (const Joint& joint : model.joints) joints_.push_back(joint.name);
+    for (const Joint& joint : model.joints)
+      if (joint.moves()) joints_.push_back(joint.name);
   }
 
   void block(HardwareInfo& hardware) {
@@ -140,7 +141,7 @@ class HardwareCheck {
   const RobotModel& model_;
   Problems& problems_;
   Problems& warnings_;
-  std::vector<std::string> joints_;
+  std::vector<std::string> joints_;  ///< that are suggested
   std::set<std::string> blocks_;
 };
 

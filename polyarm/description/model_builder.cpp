@@ -102,9 +102,10 @@ bool has_one_value(JointType type) {
   return type == JointType::revolute || type == JointType::continuous || type == JointType::prismatic;
 }
 
-std::vector<std::string> joint_names(const RobotModel& model) {
+std::vector<std::string> names_to_follow(const RobotModel& model) {
   std::vector<std::string> out;
-  for (const Joint& joint : model.joints) out.push_back(joint.name);
+  for (const Joint& joint : model.joints)
+    if (has_one_value(joint.type)) out.push_back(joint.name);
   return out;
 }
 
@@ -120,7 +121,7 @@ void find_mimicked(RobotModel& model, const std::vector<NamedJoint>& joints, Pro
     if (!model.joints[i].mimic) continue;
     const int source = model.find_joint(joints[i].mimics);
     if (source < 0) {
-      alone(i, "which is not there" + did_you_mean(joints[i].mimics, joint_names(model)));
+      alone(i, "which is not there" + did_you_mean(joints[i].mimics, names_to_follow(model)));
       continue;
     }
     const JointType type = model.joints[static_cast<std::size_t>(source)].type;

@@ -15,7 +15,10 @@ class SrdfReader : private XmlReader {
   SrdfReader(const std::string& file, RobotModel& model, Problems& problems)
       : XmlReader(file, problems, problems), model_(model) {
     for (const Link& l : model.links) links_.push_back(l.name);
-    for (const Joint& j : model.joints) joints_.push_back(j.name);
+    for (const Joint& j : model.joints) {
+      joints_.push_back(j.name);
+      if (j.moves()) moving_.push_back(j.name);
+    }
   }
 
   void read(std::string_view text) {
@@ -63,7 +66,7 @@ class SrdfReader : private XmlReader {
     const std::string name = attribute(e, "name");
     const int out = name.empty() ? -1 : model_.find_joint(name);
     if (out < 0 && !name.empty() && !virtual_.contains(name))
-      error(e, "unknown-joint", "there is no joint '" + name + "'" + did_you_mean(name, joints_));
+      error(e, "unknown-joint", "there is no joint '" + name + "'" + did_you_mean(name, moving_));
     return out;
   }
 
@@ -261,6 +264,7 @@ class SrdfReader : private XmlReader {
 
   RobotModel& model_;
   std::vector<std::string> links_, joints_, names_of_groups_;
+  std::vector<std::string> moving_;  ///< joints that are suggested
   std::map<std::string, Draft> drafts_;
   std::set<std::string> virtual_;
 };

@@ -214,6 +214,20 @@ TEST(Srdf, SaysThatItIsOfAnotherRobot) {
   EXPECT_TRUE(has(problems.list()[0].what, "'leg'"));
 }
 
+TEST(Srdf, SuggestsNoJointThatDoesNotMove) {
+  for (const std::string& line : {std::string("<group name=\"g\"><joint name=\"wrst\"/></group>"),
+                                  std::string("<group name=\"g\"><joint name=\"elbow\"/></group>"
+                                              "<group_state name=\"s\" group=\"g\"><joint name=\"wrst\" value=\"1\"/></group_state>")}) {
+    Problems problems;
+    with("<robot name=\"arm\">" + line + "</robot>", problems);
+    ASSERT_FALSE(problems.list().empty()) << line;
+    EXPECT_EQ(problems.list().front().what.find("wrist"), std::string::npos) << problems.list().front().what;
+  }
+  Problems problems;
+  with("<robot name=\"arm\"><group name=\"g\"><joint name=\"elbw\"/></group></robot>", problems);
+  EXPECT_NE(problems.list().front().what.find("did you mean 'elbow'"), std::string::npos);
+}
+
 TEST(Srdf, RefusesWhatIsNoSrdf) {
   for (const char* text : {"", "<model/>", "<robot>",
                            "\x7f"
