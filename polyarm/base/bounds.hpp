@@ -136,10 +136,16 @@
   X(kQuotedBytes, 200, "bytes", "a value that a message quotes", "cut, with an ellipsis")                     \
   X(kSuggestedBytes, 100, "bytes", "a name for which the nearest is looked for", "none is suggested")         \
   X(kSuggestedNames, 5000, "names", "names among which it is looked for", "the others are not looked at")     \
+  X(kSuggestions, 100, "names", "wrong names of one description for which the nearest is looked for",           \
+    "none is suggested")                                                                                      \
+  X(kSrdfMembers, 1000000, "entries", "joints and links of all groups of an SRDF, and its pairs of links",      \
+    "refused: too-large")                                                                                     \
   X(kMeshBytes, 128 << 20, "bytes", "a mesh file", "the link is shown by what it collides with")                \
   X(kMeshTriangles, 2000000, "triangles", "one mesh", "the link is shown by what it collides with")             \
   X(kRobotTriangles, 4000000, "triangles", "all meshes of a robot", "the other links are shown by what they collide with") \
-  X(kXacroElements, 2000000, "elements", "elements and evaluations of a xacro", "refused")                    \
+  X(kXacroElements, 500000, "elements", "elements and evaluations of a xacro", "refused")                     \
+  X(kXacroWork, 30000000, "steps", "work of a xacro: expressions, lists, texts, macros, includes and blocks",   \
+    "refused")                                                                                                \
   X(kXacroNesting, 150, "levels", "macros, includes and texts of a xacro within each other", "refused")       \
   X(kXacroTextBytes, 5000000, "bytes", "one evaluated text of a xacro", "refused")                            \
   X(kXacroBytes, 100000000, "bytes", "all evaluated texts of a xacro", "refused")                             \

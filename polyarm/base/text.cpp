@@ -113,12 +113,16 @@ std::string_view comparable(std::string_view candidate, std::string_view wrong) 
 
 std::optional<std::string> nearest_name(std::string_view wrong, std::span<const std::string> candidates) {
   constexpr std::size_t kLongest = bounds::kSuggestedBytes, kMostLookedAt = bounds::kSuggestedNames;
+  constexpr std::size_t kMostCells = 4'000'000;  // of edit distances: names of 20 letters, ten thousand times
+  std::size_t cells = 0;
   const std::string* best = nullptr;
   if (wrong.size() > kLongest) return std::nullopt;
   std::size_t best_distance = std::max<std::size_t>(1, wrong.size() / 3) + 1;
   for (const std::string& candidate : candidates.first(std::min(candidates.size(), kMostLookedAt))) {
     for (const std::string_view name : {std::string_view(candidate), comparable(candidate, wrong)}) {
+      if (cells > kMostCells) break;
       const std::size_t apart = std::max(name.size(), wrong.size()) - std::min(name.size(), wrong.size());
+      if (apart < best_distance) cells += wrong.size() * name.size();
       const std::size_t distance = apart < best_distance ? edit_distance(wrong, name) : best_distance;
       if (distance >= best_distance) continue;
       best = &candidate;

@@ -17,12 +17,15 @@ void GazeboReader::apply(const Element& e, RobotModel& model) {
   const std::string reference = optional_attribute(e, "reference");
   const int link_index = model.find_link(reference), joint_index = model.find_joint(reference);
   if (!reference.empty() && link_index < 0 && joint_index < 0) {
-    std::vector<std::string> names;
-    for (const Link& l : model.links) names.push_back(l.name);
-    for (const Joint& j : model.joints) names.push_back(j.name);
+    const auto names = [&] {
+      std::vector<std::string> out;
+      for (const Link& l : model.links) out.push_back(l.name);
+      for (const Joint& j : model.joints) out.push_back(j.name);
+      return out;
+    };
     return warning(
         e, "unknown-link",
-        "<gazebo> names '" + reference + "', which is no link and no joint" + did_you_mean(reference, names));
+        "<gazebo> names '" + reference + "', which is no link and no joint" + suggest_(reference, names));
   }
   for (const Element* c = e.FirstChildElement(); c; c = c->NextSiblingElement()) {
     if (reference.empty()) controllers(*c, model);

@@ -1,8 +1,10 @@
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/ros2_control_reader.hpp"
+#include "polyarm/description/suggestions.hpp"
 
 namespace polyarm::description {
 
@@ -42,7 +44,7 @@ class HardwareCheck {
       if (model_.find_joint(end.name) < 0)
         warnings_.warning("unknown-joint", t.where,
                           "the transmission '" + t.name + "' names the joint '" + end.name +
-                              "', which the robot does not have" + did_you_mean(end.name, joints_));
+                              "', which the robot does not have" + suggest_(end.name, joints_));
   }
 
  private:
@@ -51,7 +53,8 @@ class HardwareCheck {
     const std::string given = hardware.name;
     std::string wanted = !given.empty() ? given : model_.name.empty() ? "hardware" : model_.name;
     const std::string base = wanted;
-    for (int i = 2; !blocks_.insert(wanted).second; ++i) wanted = base + "_" + std::to_string(i);
+    for (int& next = next_name_.try_emplace(base, 2).first->second; !blocks_.insert(wanted).second; ++next)
+      wanted = base + "_" + std::to_string(next);
     hardware.name = wanted;
     if (given.empty())
       warnings_.warning("missing-attribute", hardware.where,
@@ -70,7 +73,7 @@ class HardwareCheck {
         "<ros2_control> '" + hardware.name + "' names the joint '" + component.name + "'";
     if (found < 0)
       warnings_.warning("unknown-joint", component.where,
-                        names + ", which the robot does not have" + did_you_mean(component.name, joints_) +
+                        names + ", which the robot does not have" + suggest_(component.name, joints_) +
                             "; it is left out",
                         "write the name of a <joint> of the robot");
     else if (!model_.joints[static_cast<std::size_t>(found)].moves())
@@ -134,7 +137,7 @@ class HardwareCheck {
         problems_.error("unknown-joint", t.where,
                         "the transmission '" + t.name + "' moves the joint '" + end.name +
                             "', which its <ros2_control> '" + hardware.name + "' does not have" +
-                            did_you_mean(end.name, names),
+                            suggest_(end.name, names),
                         "add <joint name=\"" + end.name + "\"> to the same <ros2_control>");
   }
 
@@ -142,6 +145,8 @@ class HardwareCheck {
   Problems& problems_;
   Problems& warnings_;
   std::vector<std::string> joints_;  ///< that are suggested
+  Suggestions suggest_;
+  std::map<std::string, int> next_name_;  ///< by the name that several have: the number of the next
   std::set<std::string> blocks_;
 };
 

@@ -1,4 +1,5 @@
 #include "polyarm/description/model_builder.hpp"
+#include "polyarm/description/suggestions.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -32,6 +33,7 @@ std::vector<std::string> names_of(const Index& index) {
 bool resolve(const RobotModel& model, std::vector<NamedJoint>& joints, const Index& links,
              Problems& problems) {
   bool good = true;
+  Suggestions suggest;
   std::map<std::string, int> seen;
   std::vector<int> parents(model.links.size(), 0);
   for (NamedJoint& j : joints) {
@@ -46,7 +48,7 @@ bool resolve(const RobotModel& model, std::vector<NamedJoint>& joints, const Ind
       if (found == links.end()) {
         problems.error("unknown-link", j.where,
                        "the joint '" + j.joint.name + "' names the link '" + *link + "', which is not there" +
-                           did_you_mean(*link, names_of(links)));
+                           suggest(*link, [&] { return names_of(links); }));
         good = false;
       } else {
         *target = found->second;
@@ -117,11 +119,12 @@ void find_mimicked(RobotModel& model, const std::vector<NamedJoint>& joints, Pro
                      "its <mimic> is passed over: the joint moves by itself");
     model.joints[i].mimic.reset();
   };
+  Suggestions suggest;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     if (!model.joints[i].mimic) continue;
     const int source = model.find_joint(joints[i].mimics);
     if (source < 0) {
-      alone(i, "which is not there" + did_you_mean(joints[i].mimics, names_to_follow(model)));
+      alone(i, "which is not there" + suggest(joints[i].mimics, [&] { return names_to_follow(model); }));
       continue;
     }
     const JointType type = model.joints[static_cast<std::size_t>(source)].type;

@@ -57,7 +57,7 @@ class SrdfReader : private XmlReader {
     const std::string name = attribute(e, attribute_name);
     const int out = name.empty() ? -1 : model_.find_link(name);
     if (out < 0 && !name.empty())
-      error(e, "unknown-link", "there is no link '" + name + "'" + did_you_mean(name, links_));
+      error(e, "unknown-link", "there is no link '" + name + "'" + suggest_(name, links_));
     return out;
   }
 
@@ -66,7 +66,7 @@ class SrdfReader : private XmlReader {
     const std::string name = attribute(e, "name");
     const int out = name.empty() ? -1 : model_.find_joint(name);
     if (out < 0 && !name.empty() && !virtual_.contains(name))
-      error(e, "unknown-joint", "there is no joint '" + name + "'" + did_you_mean(name, moving_));
+      error(e, "unknown-joint", "there is no joint '" + name + "'" + suggest_(name, moving_));
     return out;
   }
 
@@ -92,6 +92,7 @@ class SrdfReader : private XmlReader {
     });
     for (const std::string& name : order) {
       const Draft& draft = resolved(name, 0);
+      count(model_.groups.size() / 16 + draft.joints.size() + draft.links.size());
       std::erase_if(model_.groups, [&](const GroupInfo& g) { return g.name == name; });
       model_.groups.push_back(
           {name, {draft.joints.begin(), draft.joints.end()}, {draft.links.begin(), draft.links.end()}});
@@ -113,8 +114,19 @@ class SrdfReader : private XmlReader {
     return draft;
   }
 
+  /// Small files can say much: groups of groups, chains, each link with all others.
+  void count(std::size_t entries) {
+    if ((counted_ += entries) > bounds::kSrdfMembers)
+      throw Error(Problem{"too-large",
+                          {file_},
+                          "the groups and pairs of the file come to more than " + std::to_string(bounds::kSrdfMembers) +
+                              " joints and links",
+                          "name fewer groups, or shorter chains"});
+  }
+
   void add_joint(Draft& draft, int index) {
     if (index < 0) return;
+    count(1);
     draft.joints.insert(index);
     draft.links.insert(model_.joints[static_cast<std::size_t>(index)].child_link);
   }
@@ -137,6 +149,7 @@ class SrdfReader : private XmlReader {
                      "the link '" + links_[static_cast<std::size_t>(tip)] + "' is not carried by '" +
                          links_[static_cast<std::size_t>(base)] + "'",
                      "write the link nearer to the root as base_link");
+      count(1);
       path.push_back(parent);
       at = model_.joints[static_cast<std::size_t>(parent)].parent_link;
     }
@@ -149,17 +162,18 @@ class SrdfReader : private XmlReader {
     if (name.empty()) return;
     if (found == drafts_.end())
       return error(e, "unknown-group",
-                   "there is no group '" + name + "'" + did_you_mean(name, names_of_groups_));
+                   "there is no group '" + name + "'" + suggest_(name, names_of_groups_));
     if (found->second.open || depth > 100)
       return error(e, "circle", "the group '" + name + "' contains itself in the end");
     const Draft& other = resolved(name, depth + 1);
+    count(other.joints.size() + other.links.size());
     draft.joints.insert(other.joints.begin(), other.joints.end());
     draft.links.insert(other.links.begin(), other.links.end());
   }
 
   bool known_group(const Element& e, const std::string& name) {
     if (name.empty() || drafts_.contains(name)) return !name.empty();
-    error(e, "unknown-group", "there is no group '" + name + "'" + did_you_mean(name, names_of_groups_));
+    error(e, "unknown-group", "there is no group '" + name + "'" + suggest_(name, names_of_groups_));
     return false;
   }
 
@@ -173,7 +187,7 @@ class SrdfReader : private XmlReader {
       if (!group.empty() && !drafts_.contains(group))
         return warning(e, "unknown-group",
                        "the end effector '" + out.name + "' is passed over: there is no group '" + group + "'" +
-                           did_you_mean(group, names_of_groups_));
+                           suggest_(group, names_of_groups_));
     if (out.group.empty() || out.parent_link < 0) return;
     std::erase_if(model_.end_effectors, [&](const EndEffectorInfo& other) { return other.name == out.name; });
     model_.end_effectors.push_back(std::move(out));
@@ -238,12 +252,14 @@ class SrdfReader : private XmlReader {
     std::set<std::array<int, 2>> pairs(model_.allowed_collisions.begin(), model_.allowed_collisions.end());
     for_each(robot, "disable_default_collisions", [&](const Element& e) {
       const int one = collision_link(e, "link");
+      count(model_.links.size());
       for (int other = 0; one >= 0 && other < static_cast<int>(model_.links.size()); ++other)
         if (other != one) pairs.insert({std::min(one, other), std::max(one, other)});
     });
     for (const bool enable : {false, true})
       for_each(robot, enable ? "enable_collisions" : "disable_collisions", [&](const Element& e) {
         const int one = collision_link(e, "link1"), other = collision_link(e, "link2");
+        count(1 + model_.links.size() / 128);  // which are looked through
         if (one < 0 || other < 0 || one == other) return;
         if (enable)
           pairs.erase({std::min(one, other), std::max(one, other)});
@@ -258,13 +274,14 @@ class SrdfReader : private XmlReader {
     const int out = name.empty() ? -1 : model_.find_link(name);
     if (out < 0 && !name.empty())
       warning(e, "unknown-link",
-              "there is no link '" + name + "'" + did_you_mean(name, links_) + "; the line is passed over");
+              "there is no link '" + name + "'" + suggest_(name, links_) + "; the line is passed over");
     return out;
   }
 
   RobotModel& model_;
   std::vector<std::string> links_, joints_, names_of_groups_;
   std::vector<std::string> moving_;  ///< joints that are suggested
+  std::size_t counted_ = 0;
   std::map<std::string, Draft> drafts_;
   std::set<std::string> virtual_;
 };

@@ -265,7 +265,7 @@ class UrdfReader : private XmlReader {
       if (text == name(type)) return type;
       names.emplace_back(name(type));
     }
-    if (!text.empty()) error(e, "bad-type", "'" + text + "' is no joint type" + did_you_mean(text, names));
+    if (!text.empty()) error(e, "bad-type", "'" + text + "' is no joint type" + suggest_(text, names));
     return JointType::fixed;
   }
 
@@ -413,7 +413,7 @@ class UrdfReader : private XmlReader {
     const std::string joint = attribute(e, "joint");
     const auto found = std::find(names.begin(), names.end(), joint);
     if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-    error(e, "unknown-joint", "there is no joint '" + joint + "'" + did_you_mean(joint, names));
+    error(e, "unknown-joint", "there is no joint '" + joint + "'" + suggest_(joint, names));
     return std::nullopt;
   }
 
@@ -448,7 +448,7 @@ class UrdfReader : private XmlReader {
       const std::string joint = attribute(*j, "name");
       const auto found = std::find(names.begin(), names.end(), joint);
       if (found == names.end())
-        error(*j, "unknown-joint", "there is no joint '" + joint + "'" + did_you_mean(joint, names));
+        error(*j, "unknown-joint", "there is no joint '" + joint + "'" + suggest_(joint, names));
       else
         values[static_cast<std::size_t>(found - names.begin())] = number(j, "value").value_or(0);
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <set>
@@ -13,6 +14,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/xml_bounds.hpp"
 #include "polyarm/description/xacro_texts.hpp"
+#include "polyarm/description/xacro_work.hpp"
 
 namespace polyarm::description {
 
@@ -39,6 +41,7 @@ class Expander : private XacroTexts {
   using XacroTexts::XacroTexts;
 
   std::string expand(std::string_view text, const fs::path& file) {
+    const XacroWork work;
     find_package_ = packages_near(file, options_.packages);
     reading_ = {file};
     const XMLElement* root = load(text, file);
@@ -60,12 +63,35 @@ class Expander : private XacroTexts {
     fs::path file;
     XacroScope* scope = nullptr;
   };
+  /// spend(), of work that has a place.
+  void pay(std::size_t units) {
+    try {
+      spend(units);
+    } catch (const Error& e) {
+      fail(e.problems().front().what, e.problems().front().advice);
+    }
+  }
+
+  /// What a copy of an element costs.
+  static std::size_t size_of_xml(const XMLNode& node) {
+    std::size_t out = 20 + std::strlen(node.Value() ? node.Value() : "") / 16;
+    if (const XMLElement* e = node.ToElement())
+      for (const tinyxml2::XMLAttribute* a = e->FirstAttribute(); a; a = a->Next()) out += 10 + std::strlen(a->Value()) / 16;
+    for (const XMLNode* child = node.FirstChild(); child; child = child->NextSibling()) out += size_of_xml(*child);
+    return out;
+  }
+  XMLNode* copy_of_xml(const XMLNode& from, XMLDocument& into) {
+    pay(size_of_xml(from));
+    return from.DeepClone(&into);
+  }
+
   // --- documents and scopes, which live as long as the expander ---
 
   const XMLElement* load(std::string_view text, const fs::path& file) {
     documents_.push_back(std::make_unique<XMLDocument>());
     XMLDocument& document = *documents_.back();
     if (report_) report_->files.push_back(file);
+    pay(text.size() / 2);
     check_xml_bounds(text, file.string());
     if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
       throw Error(Problem{"xml-syntax",
@@ -95,6 +121,7 @@ class Expander : private XacroTexts {
         reads_comments = false;
       } else if (const tinyxml2::XMLText* text = child->ToText()) {
         const std::string value = text->CData() ? text->Value() : text_of(text->Value(), frame.scope);
+        pay(10 + value.size() / 8);
         tinyxml2::XMLText* made = output_.NewText(value.c_str());
         made->SetCData(text->CData());
         out.InsertEndChild(made);
@@ -113,15 +140,17 @@ class Expander : private XacroTexts {
       return;
     }
     const std::string value = reads_comments ? text_of(written, frame.scope) : written;
+    pay(10 + value.size() / 8);
     if (is_about_xacro(note) || value.find("--") != std::string::npos) return;
     out.InsertEndChild(output_.NewComment(value.c_str()));
   }
 
   /// No empty line is between them, and nothing but other comments.
-  static bool is_about_xacro(const tinyxml2::XMLComment& note) {
+  bool is_about_xacro(const tinyxml2::XMLComment& note) {
     const XMLNode* above = &note;
     for (const XMLNode* next = note.NextSibling(); next; above = next, next = next->NextSibling()) {
       const std::string_view written = above->Value();
+      pay(2 + written.size() / 32);
       const auto lines = std::count(written.begin(), written.end(), '\n');
       if (next->GetLineNum() - above->GetLineNum() - lines > 1) return false;
       if (next->ToComment()) continue;
@@ -144,6 +173,7 @@ class Expander : private XacroTexts {
   void element(const XMLElement& e, XMLNode& out, Frame& frame) {
     if (++elements_ > kMostElements) fail("the expansion has too many elements");
     const Inside inside(*this, Step{frame.file, e.GetLineNum(), ""});
+    pay(40);
     const std::string tag = e.Name();
     if (!tag.starts_with("xacro:")) {
       XMLElement* made = output_.NewElement(e.Name());
@@ -178,7 +208,7 @@ class Expander : private XacroTexts {
     auto holder = std::make_shared<XMLDocument>();
     XMLElement* made = output_.NewElement("holder");  // made in the output document, copied out of it
     children(e, *made, frame);
-    holder->InsertEndChild(made->DeepClone(holder.get()));
+    holder->InsertEndChild(copy_of_xml(*made, *holder));
     output_.DeleteNode(made);
     return holder;
   }
@@ -201,7 +231,7 @@ class Expander : private XacroTexts {
     XacroScope& target = target_of(e, name, frame, lazy);
     if (!value) {  // a block, evaluated where it is inserted
       auto holder = std::make_shared<XMLDocument>();
-      holder->InsertEndChild(e.DeepClone(holder.get()));
+      holder->InsertEndChild(copy_of_xml(e, *holder));
       target.blocks["**" + name] = holder;
       return;
     }
@@ -341,6 +371,7 @@ class Expander : private XacroTexts {
     const Macro* found = find_macro(name, home);
     if (!found) unknown_macro(name, frame);
     if (steps_.size() > kDeepest) fail("the macro '" + name + "' leads deeper and deeper into itself");
+    pay(20 + 20 * found->parameters.size());  // they are copied, and each may be looked for
     const Macro macro = *found;
     Frame outer{frame.file, home};  // what is given is read where the macro lives, if it is a name space
     if (home != frame.scope) {
@@ -380,11 +411,11 @@ class Expander : private XacroTexts {
       if (!next) fail("the macro '" + name + "' was given no element for its block '" + p.name + "'");
       auto holder = std::make_shared<XMLDocument>();
       if (p.block == 2) {
-        holder->InsertEndChild(next->DeepClone(holder.get()));
+        holder->InsertEndChild(copy_of_xml(*next, *holder));
       } else {
         XMLElement* outer = holder->NewElement("holder");
         holder->InsertEndChild(outer);
-        outer->InsertEndChild(next->DeepClone(holder.get()));
+        outer->InsertEndChild(copy_of_xml(*next, *holder));
       }
       scope.blocks[std::string(static_cast<std::size_t>(p.block), '*') + p.name] = holder;
       next = next->NextSiblingElement();

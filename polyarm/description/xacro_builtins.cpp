@@ -19,6 +19,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/xacro_functions.hpp"
 #include "polyarm/description/xacro_parts.hpp"
+#include "polyarm/description/xacro_work.hpp"
 
 namespace polyarm::description {
 
@@ -79,6 +80,7 @@ XacroValue range_of(const XacroList& a) {
   auto out = std::make_shared<XacroList>();
   for (std::int64_t k = begin; step > 0 ? k < end : k > end;) {
     if (out->size() >= kLongest) refuse("the range is too long");
+    spend(1);
     out->emplace_back(k);
     if (__builtin_add_overflow(k, step, &k)) break;
   }

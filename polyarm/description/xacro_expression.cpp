@@ -11,6 +11,7 @@
 #include "polyarm/description/xacro_functions.hpp"
 #include "polyarm/description/xacro_parts.hpp"
 #include "polyarm/description/xacro_value.hpp"
+#include "polyarm/description/xacro_work.hpp"
 
 namespace polyarm::description {
 
@@ -135,6 +136,7 @@ class Evaluator {
     explicit Deeper(Evaluator& e) : e_(e) {
       if (++e_.depth_ > kDeepestExpression) refuse("it is nested too deeply");
       if (++e_.steps_ > kMostSteps) refuse("it takes too long");
+      spend(8);
     }
     ~Deeper() { --e_.depth_; }
     Evaluator& e_;
@@ -594,6 +596,8 @@ class Evaluator {
 
 XacroValue evaluate_expression(std::string_view text, const XacroNames& names) {
   if (text.size() > 20'000) refuse("it is too long");
+  const XacroWork work;
+  spend(5 * text.size());
   return Evaluator(Lexer(text).all(), names).all();
 }
 

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "polyarm/description/xacro_parts.hpp"
+#include "polyarm/description/xacro_work.hpp"
 
 namespace polyarm::description {
 
@@ -37,8 +38,9 @@ const XacroValue* value_at(const XacroDict& dict, const XacroValue& key) {
 }
 
 bool equal(const XacroValue& a, const XacroValue& b) {
+  spend(1);
   if (a.is_number() && b.is_number()) return number_of(a) == number_of(b);
-  if (a.text() && b.text()) return *a.text() == *b.text();
+  if (a.text() && b.text()) return spend(a.text()->size() / 64), *a.text() == *b.text();
   if (a.list() && b.list())
     return a.list()->is_tuple == b.list()->is_tuple &&
            std::equal(a.list()->begin(), a.list()->end(), b.list()->begin(), b.list()->end(), equal);
@@ -55,8 +57,9 @@ bool equal(const XacroValue& a, const XacroValue& b) {
 }
 
 bool less(const XacroValue& a, const XacroValue& b) {
+  spend(3);
   if (a.is_number() && b.is_number()) return number_of(a) < number_of(b);
-  if (a.text() && b.text()) return *a.text() < *b.text();
+  if (a.text() && b.text()) return spend(a.text()->size() / 64), *a.text() < *b.text();
   if (a.list() && b.list())
     return std::lexicographical_compare(a.list()->begin(), a.list()->end(), b.list()->begin(),
                                         b.list()->end(), less);
@@ -64,6 +67,7 @@ bool less(const XacroValue& a, const XacroValue& b) {
 }
 
 void require_short(std::size_t size) {
+  spend(size / 32);
   if (size > kLongest) refuse("the result is too long");
 }
 
@@ -76,6 +80,13 @@ XacroValue list_from(XacroList items) {
   items.is_tuple = false;
   return std::make_shared<XacroList>(std::move(items));
 }
+
+namespace {
+/// Items, keys or letters.
+std::size_t length_of(const XacroValue& value) {
+  return value.list() ? value.list()->size() : value.dict() ? value.dict()->size() : value.text() ? value.text()->size() : 0;
+}
+}  // namespace
 
 XacroValue set_of(const XacroList& items) {
   XacroList out;
@@ -137,7 +148,7 @@ XacroValue whole_arithmetic(std::int64_t a, const std::string& sign, std::int64_
 
 bool contains(const XacroValue& in, const XacroValue& item) {
   if (in.text() && !item.text()) refuse(repr_of(item) + " cannot be in a text");
-  if (in.text()) return in.text()->find(*item.text()) != std::string::npos;
+  if (in.text()) return spend_on_search(*in.text(), *item.text()), in.text()->find(*item.text()) != std::string::npos;
   const XacroList items = items_of(in);
   return std::any_of(items.begin(), items.end(), [&](const XacroValue& other) { return equal(other, item); });
 }
@@ -145,6 +156,7 @@ bool contains(const XacroValue& in, const XacroValue& item) {
 XacroValue repeated(const XacroValue& what, std::int64_t times) {
   const std::size_t size = size_of(what);
   if (size == 0 || times < 0) times = 0;
+  if (times > 0 && static_cast<std::size_t>(times) <= kLongest / size) spend(1 + size * static_cast<std::size_t>(times));
   if (size > 0 && static_cast<std::size_t>(times) > kLongest / size) refuse("the result is too long");
   if (const std::string* text = what.text()) {
     std::string out;
@@ -165,6 +177,7 @@ XacroValue set_arithmetic(const XacroList& a, const std::string& sign, const Xac
                          [&](const XacroValue& other) { return equal(other, item); });
     };
   };
+  spend(a.size() + b.size());
   XacroList out = a;
   if (sign == "&")
     std::erase_if(out, [&](const XacroValue& item) { return !within(b)(item); });
@@ -204,12 +217,14 @@ XacroValue arithmetic(const XacroValue& left, const std::string& sign, const Xac
   if (left.list() && right.list() && (sign == "-" || sign == "&" || sign == "|" || sign == "^"))
     return set_arithmetic(*left.list(), sign, *right.list());
   if (sign == "|" && left.dict() && right.dict()) {
+    spend(left.dict()->size());
     auto out = std::make_shared<XacroDict>(*left.dict());
     for (const auto& [key, value] : *right.dict()) set_key(*out, key, value);
     return out;
   }
   if (sign == "+" && left.list() && right.list() && left.list()->is_tuple == right.list()->is_tuple) {
     require_short(size_of(left) + size_of(right));
+    spend(left.list()->size() + right.list()->size());
     XacroList out = *left.list();
     out.insert(out.end(), right.list()->begin(), right.list()->end());
     return out.is_tuple ? tuple_from(std::move(out)) : list_from(std::move(out));
@@ -231,6 +246,7 @@ bool compare(const XacroValue& left, const std::string& sign, const XacroValue& 
 }
 
 XacroList items_of(const XacroValue& value) {
+  spend(1 + (value.text() ? 6 : 1) * length_of(value));  // a letter becomes a text of its own
   if (value.list()) return *value.list();
   XacroList out;
   if (const XacroDict* dict = value.dict()) {
@@ -285,6 +301,7 @@ XacroValue slice_of(const XacroValue& on, const XacroValue& begin, const XacroVa
 }
 
 int depth_of(const XacroValue& value) {
+  spend(1);
   int out = 0;
   if (value.list())
     for (const XacroValue& item : *value.list()) out = std::max(out, depth_of(item));
@@ -294,6 +311,7 @@ int depth_of(const XacroValue& value) {
 }
 
 std::size_t size_of(const XacroValue& value) {
+  spend(1);
   if (value.text()) return value.text()->size();
   std::size_t out = 0;
   if (value.list())

@@ -16,6 +16,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/xacro_functions.hpp"
 #include "polyarm/description/xacro_parts.hpp"
+#include "polyarm/description/xacro_work.hpp"
 
 namespace polyarm::description {
 
@@ -59,6 +60,7 @@ XacroValue formatted(const std::string& pattern, const XacroList& values, const 
       const XacroValue* value = place < values.size() ? &values[place] : value_at(named, name);
       if (!value) refuse("format has no value for {" + inner + "}");
       out += shown_as(*value, format);
+      if (out.size() > kLongest) require_short(out.size());
       i = end;
       continue;
     }
@@ -99,6 +101,7 @@ XacroValue filled_in(const std::string& pattern, const XacroValue& given) {
     else
       out += shown_as(is_whole ? XacroValue(int_of(value)) : XacroValue(number_of(value)),
                       format + (pattern[kind] == 'i' || pattern[kind] == 'u' ? 'd' : pattern[kind]));
+    if (out.size() > kLongest) require_short(out.size());
   }
   if (next < values.size() && !given.dict()) refuse("there are more values than '%'");
   return out;
@@ -117,6 +120,7 @@ struct TextCall {
   const XacroList& a;
   const std::string& argument(std::size_t i) const {
     if (i >= a.size() || !a[i].text()) refuse("'" + name + "' takes a text");
+    spend_on_search(text, *a[i].text());
     return *a[i].text();
   }
 };
@@ -204,7 +208,8 @@ std::optional<XacroValue> finding_method(const TextCall& call) {
     std::size_t begin = 0;
     for (std::size_t at; (at = text.find(from, begin)) != std::string::npos; begin = at + from.size()) {
       out += text.substr(begin, at - begin) + to;
-      require_short(out.size());
+      spend(1 + to.size() / 32);
+      if (out.size() > kLongest) require_short(out.size());
     }
     return out + text.substr(begin);
   }
@@ -221,7 +226,7 @@ std::optional<XacroValue> parting_method(const TextCall& call) {
       if (!std::exchange(first, false)) out += text;
       if (!item.text()) refuse("'join' takes texts, not " + repr_of(item));
       out += *item.text();
-      require_short(out.size());
+      if (out.size() > kLongest) require_short(out.size());
     }
     return out;
   }
@@ -244,6 +249,7 @@ std::optional<XacroValue> parting_method(const TextCall& call) {
     std::int64_t most = a.size() > 1 ? int_of(a[1]) : -1;
     std::string rest = text;
     for (std::size_t at; most-- != 0;) {
+      spend(1 + rest.size() / 16);  // it is copied
       at = name == "split" ? rest.find(by) : rest.rfind(by);
       if (at == std::string::npos) break;
       const std::string after = rest.substr(at + by.size()), before = rest.substr(0, at);
@@ -323,6 +329,9 @@ XacroValue method_of(const XacroValue& on, const std::string& name, const XacroL
 XacroValue call_method(const XacroValue& on, const std::string& name, const XacroList& a,
                        const XacroDict& named) {
   if (!named.empty() && !(on.text() && name == "format")) refuse("'" + name + "' takes no named values");
+  if (on.text()) spend(on.text()->size() / 16);
+  if (on.dict()) spend(on.dict()->size());
+  if (on.list() && (name == "copy" || name == "pop")) spend(on.list()->size());
   try {
     return method_of(on, name, a, named);
   } catch (const std::out_of_range&) {

@@ -7,6 +7,7 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/xacro_yaml.hpp"
+#include "polyarm/description/xacro_work.hpp"
 
 namespace polyarm::description {
 
@@ -89,6 +90,7 @@ XacroScope& XacroTexts::new_scope(XacroScope* parent) {
 XacroValue* XacroTexts::find_property(XacroScope* scope, const std::string& name) {
   const XacroScope* asked = scope;
   for (; scope; scope = scope->parent) {
+    spend(3 + name.size() / 64);
     const auto found = scope->properties.find(name);
     if (found == scope->properties.end()) continue;
     XacroScope::Property& property = found->second;
@@ -108,8 +110,10 @@ XacroValue* XacroTexts::find_property(XacroScope* scope, const std::string& name
 XacroNames XacroTexts::names_for(XacroScope* scope) {
   XacroNames out;
   out.property = [this, scope](const std::string& name, XacroValue& value) {
-    if (const XacroValue* found = find_property(scope, name)) return value = *found, true;
-    return false;
+    const XacroValue* found = find_property(scope, name);
+    if (!found) return false;
+    if (found->text()) spend(found->text()->size() / 32);
+    return value = *found, true;
   };
   out.function = [this, scope](const std::string& name, const XacroList& arguments, XacroValue& value) {
     return function(name, arguments, value);
@@ -125,6 +129,7 @@ XacroNames XacroTexts::names_for(XacroScope* scope) {
 XacroValue XacroTexts::evaluate(const std::string& text, XacroScope* scope) {
   if (text.find('$') == std::string::npos) return text;
   if (++evaluations_ > kMostElements) fail("the expansion takes too long");
+  spend(10 + text.size() / 4);
   if (++depth_ > kDeepest) {
     depth_ = 0;
     throw Error("bad-expression", "properties lead deeper and deeper into each other");
@@ -158,6 +163,7 @@ XacroValue XacroTexts::evaluate(const std::string& text, XacroScope* scope) {
       only = open == '{' ? evaluate_expression(resolved, names_for(scope)) : substitution(resolved, scope);
       out += str_of(only);
       if (out.size() > kLongestText) throw Error("bad-expression", "the text is too long");
+      spend(out.size() / 64);
       at = close + 1;
       continue;
     }
@@ -265,6 +271,7 @@ bool XacroTexts::function(const std::string& name, const XacroList& a, XacroValu
   if (name == "abs_filename") return out = resolve(text(0)).string(), true;
   if (name == "load_yaml") return out = load_yaml(text(0)), true;
   if (name == "tokenize") {
+    spend(text(0).size() / 2);
     auto list = std::make_shared<XacroList>();
     const std::string by = a.size() > 1 ? text(1) : ",; ", all = text(0);
     const bool skip_empty = a.size() < 3 || truth_of(a[2]);

@@ -51,7 +51,7 @@ std::optional<std::vector<XacroScope::Parameter>> xacro_parameters(const std::st
 
 /// More than this is no description any more, but a mistake or an attack.
 inline constexpr int kDeepest = 150;
-inline constexpr std::size_t kMostElements = 2'000'000;
+inline constexpr std::size_t kMostElements = 500'000;
 inline constexpr std::size_t kLongestText = 5'000'000;  // bytes
 inline constexpr std::size_t kMostText = 100'000'000;   // of all evaluated texts together
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/description/xacro_work.hpp"
 
 namespace polyarm::description {
 
@@ -32,6 +33,7 @@ std::string float_text(double value) {
 
 std::string repr_of(const XacroValue& value) {
   if (const std::string* text = value.text()) {
+    spend(text->size() / 8);
     const char quote =
         text->find('\'') != std::string::npos && text->find('"') == std::string::npos ? '"' : '\'';
     std::string out(1, quote);
@@ -48,7 +50,8 @@ std::string repr_of(const XacroValue& value) {
 }
 
 std::string str_of(const XacroValue& value) {
-  if (const std::string* text = value.text()) return *text;
+  if (const std::string* text = value.text()) return spend(text->size() / 64), *text;
+  spend(10);
   if (const auto* flag = std::get_if<bool>(&value.data)) return *flag ? "True" : "False";
   if (const auto* whole = std::get_if<std::int64_t>(&value.data)) return std::to_string(*whole);
   if (const auto* number = std::get_if<double>(&value.data)) return float_text(*number);
@@ -68,6 +71,7 @@ std::string str_of(const XacroValue& value) {
 }
 
 XacroValue copy_of(const XacroValue& value) {
+  spend(1);
   if (const XacroList* list = value.list()) {
     auto out = std::make_shared<XacroList>(*list);
     for (XacroValue& item : *out) item = copy_of(item);

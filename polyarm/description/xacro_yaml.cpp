@@ -11,6 +11,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/description/xacro_functions.hpp"
+#include "polyarm/description/xacro_work.hpp"
 
 namespace polyarm::description {
 
@@ -85,6 +86,7 @@ class Reader {
   XacroValue value(const YAML::Node& node, int depth = 0) {
     if (depth > kDeepestYaml || ++nodes_ > kMostNodes)
       throw Error("yaml-syntax", "the YAML file is nested too deeply");
+    spend(node.IsScalar() ? 10 + node.Scalar().size() / 16 : 10);
     if (node.IsMap()) return map(node, depth);
     if (!node.IsSequence()) return scalar(node);
     auto out = std::make_shared<XacroList>();

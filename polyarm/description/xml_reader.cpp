@@ -111,7 +111,7 @@ XmlReader::Parameters XmlReader::parameters(const Element& e) {
 void XmlReader::check_children(const Element& e, const std::vector<std::string>& known) {
   for (const Element* c = e.FirstChildElement(); c; c = c->NextSiblingElement()) {
     if (holds(known, c->Name())) continue;
-    const std::string hint = did_you_mean(c->Name(), known);
+    const std::string hint = suggest_(c->Name(), known);
     if (hint.empty())
       warning(*c, "unknown-tag", tag_of(*c) + " in " + tag_of(e) + " is passed over",
               "known here: " + tags(known));
@@ -126,7 +126,7 @@ void XmlReader::check_attributes(const Element& e, const std::vector<std::string
     const std::string name = a->Name();
     if (name.find(':') != std::string::npos || name == "xmlns" || holds(known, name)) continue;
     warning(e, "unknown-attribute",
-            "the attribute '" + name + "' of " + tag_of(e) + " is passed over" + did_you_mean(name, known));
+            "the attribute '" + name + "' of " + tag_of(e) + " is passed over" + suggest_(name, known));
   }
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/description/suggestions.hpp"
 
 namespace polyarm::description {
 
@@ -63,6 +64,7 @@ class XmlReader {
   std::string file_;
   Problems& problems_;
   Problems& warnings_;
+  Suggestions suggest_;
 };
 
 }  // namespace polyarm::description

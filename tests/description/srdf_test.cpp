@@ -4,7 +4,9 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/description/urdf.hpp"
@@ -243,6 +245,59 @@ TEST(Srdf, SurvivesALongRowOfGroupsWithinGroups) {
   Problems problems;
   with(srdf(body + "<group name=\"g5000\"><joint name=\"elbow\"/></group>"), problems);
   EXPECT_TRUE(problems.has_errors());
+}
+
+/// A long chain, as text.
+std::string chain(int links) {
+  std::string out = "<robot name=\"b\"><link name=\"l0\"/>";
+  for (int i = 1; i < links; ++i) {
+    const std::string at = std::to_string(i), before = std::to_string(i - 1);
+    out += "<link name=\"l" + at + "\"/><joint name=\"j" + at + "\" type=\"continuous\"><parent link=\"l" + before +
+           "\"/><child link=\"l" + at + "\"/></joint>";
+  }
+  return out + "</robot>";
+}
+
+std::string times(int count, const std::function<std::string(const std::string&)>& line) {
+  std::string out;
+  for (int i = 0; i < count; ++i) out += line(std::to_string(i));
+  return out;
+}
+
+TEST(Srdf, SmallFilesThatSayMuchAreRefused) {
+  const std::string whole = "<chain base_link=\"l0\" tip_link=\"l999\"/>";
+  Problems warnings;
+  const RobotModel model = read_urdf(chain(1000), "b.urdf", warnings);
+  for (const std::string& body :
+       {times(10000, [&](const std::string& i) { return "<group name=\"g" + i + "\">" + whole + "</group>"; }),
+        "<group name=\"g\">" + whole + "</group>" +
+            times(10000, [](const std::string& i) { return "<group name=\"h" + i + "\"><group name=\"g\"/></group>"; }),
+        times(10000, [](const std::string& i) { return "<disable_default_collisions link=\"l" + std::to_string(std::stoi(i) % 1000) + "\"/>"; })}) {
+    Problems problems;
+    try {
+      with("<robot name=\"b\">" + body + "</robot>", problems, model);
+      ADD_FAILURE() << body.substr(0, 80);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.problems().front().code, "too-large");
+    }
+  }
+  Problems problems;
+  with("<robot name=\"b\"><group name=\"g\">" + whole + "</group>" +
+           times(500, [](const std::string& i) { return "<disable_collisions link1=\"l" + i + "\" link2=\"l7\"/>"; }) + "</robot>",
+       problems, model);
+  EXPECT_TRUE(problems.list().empty());
+}
+
+TEST(Srdf, OfThousandsOfWrongNamesTheFirstGetASuggestion) {
+  Problems problems;
+  with("<robot name=\"arm\">" +
+           times(5000, [](const std::string& i) { return "<disable_collisions link1=\"uper\" link2=\"q" + i + "\"/>"; }) + "</robot>",
+       problems);
+  EXPECT_EQ(problems.list().size(), 10000u);
+  EXPECT_NE(problems.list().front().what.find("did you mean 'upper'"), std::string::npos);
+  std::size_t suggested = 0;
+  for (const Problem& problem : problems.list()) suggested += problem.what.find("did you mean") != std::string::npos;
+  EXPECT_LE(suggested, bounds::kSuggestions);
 }
 
 TEST(Srdf, BelongsToTheDescriptionOfItsName) {
