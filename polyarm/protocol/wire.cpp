@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "polyarm/base/bounds.hpp"
+#include "polyarm/base/printable.hpp"
 #include "polyarm/protocol/describe.hpp"
 #include "polyarm/protocol/problem.hpp"
 
@@ -65,6 +66,39 @@ void require_known(const RequestType& type, const Json& fields) {
                   known.empty() ? "it takes none" : "it takes " + join(known, ", "));
 }
 
+/// Texts of any form: what a file or a program says. A value of free form ("any", "message") is its owner's to judge.
+bool is_content(const std::string& key) {
+  return key == "text";
+}
+
+/// Names become names of files, lines of files and lines on terminals.
+void require_plain(const std::string& text, const std::string& of) {
+  if (printable_line(text) == text) return;
+  throw Error("bad-argument", of + " has control characters: '" + shortened(printable_line(text)) + "'",
+              "a name may have letters, digits, spaces and punctuation");
+}
+
+void require_plain_names(const Json& value, const std::string& of) {
+  if (value.is_string()) require_plain(value.get_ref<const std::string&>(), of);
+  if (!value.is_structured()) return;
+  for (const auto& [key, item] : value.items()) {
+    if (value.is_object()) require_plain(key, "a key in " + of);
+    if (!value.is_object() || !is_content(key)) require_plain_names(item, of);
+  }
+}
+
+void require_plain_names(const RequestType& type, const Json& fields) {
+  for (const Member& member : type.arguments->members()) {
+    const auto found = fields.find(member.name);
+    const bool free = member.type->shape().find("any") != std::string::npos || member.type->word() == "message";
+    if (found == fields.end() || is_content(member.name)) continue;
+    const std::string of = "'" + member.name + "' of " + type.facts->name;
+    if (!free) require_plain_names(*found, of);
+    if (free && found->is_object())
+      for (const auto& [key, item] : found->items()) require_plain(key, "a key in " + of);
+  }
+}
+
 }  // namespace
 
 Request read_request(const RequestType& type, const Any& fields) {
@@ -80,6 +114,7 @@ Request read_request(const RequestType& type, const Any& fields) {
     }
   }
   if (!type.facts->session) require_known(type, fields.json());
+  require_plain_names(type, fields.json());
   return {type, std::move(out)};
 }
 

@@ -77,6 +77,40 @@ TEST(Requests, SayWhichArgumentIsWrong) {
   EXPECT_EQ(unknown.advice, "it takes activate, deactivate, strictness, dry");
 }
 
+/// Names become names of files, lines of files and lines on terminals. Only what a file or a program says is free.
+TEST(Requests, TakeNoNameWithControlCharacters) {
+  std::size_t looked_at = 0;
+  for (const RequestType* type : request_types())
+    for (const Member& member : type->arguments->members()) {
+      const std::string shape = member.type->shape(), word = member.type->word();
+      if ((shape != "text" && word != "names" && shape != "[text]") || member.name == "text") continue;
+      for (const char* bad : {"a\nb", "a\x1b[2J", "a\x7f", "a\tb", "a\xc2\x9b", "\xe2\x80\xae" "a", "\r"}) {
+        Json fields{{"request", type->facts->name}};
+        for (const Member& other : type->arguments->members())  // what is needed beside it
+          if (other.needed) {
+            const std::string kind = other.type->word();
+            fields[other.name] = kind == "number" ? Json(1) : kind == "flag" ? Json(true) : kind == "map" ? Json::object()
+                                 : kind == "names" || kind == "list" ? Json::array() : Json("a");
+          }
+        fields[member.name] = shape == "[text]" ? Json::array({bad}) : Json(bad);
+        std::string what;
+        try {
+          read_request(*type, Any(fields));
+        } catch (const Error& e) {
+          what = e.problems().front().what;
+        }
+        EXPECT_NE(what.find("has control characters"), std::string::npos)
+            << type->facts->name << " " << member.name << ": " << what;
+        EXPECT_EQ(what.find('\x1b'), std::string::npos);
+      }
+      ++looked_at;
+    }
+  EXPECT_GT(looked_at, 60u);
+  EXPECT_NO_THROW(read({{"request", "files.write"}, {"name", "a b.script"}, {"text", "log 1\n\tlog 2\n"}}));
+  EXPECT_NO_THROW(read({{"request", "tags.set"}, {"name", "Kind"}, {"value", "two\nlines"}}));
+  EXPECT_EQ(refused({{"request", "param.set"}, {"name", "x"}, {"values", {{"a\nb", 1}}}}).code, "bad-argument");
+}
+
 TEST(Requests, SayTheWordsOfAnEnumeration) {
   const Problem wrong = refused({{"request", "program.step"}, {"how", "ovr"}});
   EXPECT_EQ(wrong.code, "bad-argument");
