@@ -3,7 +3,7 @@ import { beforeEach, describe, expect, it, vi } from 'vitest';
 import supervisor from '../../polyarm/control/supervisor.cpp?raw';
 
 vi.stubGlobal('navigator', { language: 'en', userAgent: '' });
-const {causeWords, lineWords, plain, problemWords} = await import('../src/i18n/told');
+const {causeWords, kSaysAll, lineWords, plain, problemWords} = await import('../src/i18n/told');
 const { settings } = await import('../src/state/settings');
 const {en} = await import('../src/i18n/en');
 const {es} = await import('../src/i18n/es');
@@ -144,6 +144,18 @@ describe('what the cell tells', () => {
     for (const state of states) expect(`state.${state}` in en, state).toBe(true);
   });
 
+  it('shows no English below a sentence that says all', () => {
+    settings.language.value = 'es';
+    for (const code of kSaysAll) {
+      const { text, detail } = problemWords({ code, what: 'the move to Pass2 was discarded' });
+      expect([text, detail], code).toEqual([es[`told.${code}` as keyof typeof codes], '']);
+      expect(lineWords({ text: 'the move to Pass2 was discarded', code }), code).toBe(text);
+    }
+    const canceled = { code: 'discarded', what: 'the move to Pass2 was discarded', facts: { target: 'Pass2' } };
+    expect(inBoth(() => problemWords(canceled).text)).toEqual(['The motion to Pass2 was canceled', 'Se canceló el movimiento a Pass2']);
+    expect(problemWords({ code: 'unreachable', what: 'A is 0.2 m too far' }).detail).toBe('A is 0.2 m too far');
+  });
+
   it('never advises to type a command', () => {
     const texts = Object.values(sources).flatMap((text) => [...text.matchAll(/"((?:[^"\\]|\\.)*\bpolyarm (?:control|run|hardware|tags)\b(?:[^"\\]|\\.)*)"/g)].map((found) => found[1]!));
     expect(texts.length).toBeGreaterThan(20);
@@ -166,6 +178,6 @@ describe('what the cell tells', () => {
     const problem = { code: 'motion-held', what: "'arm' is not jogged", advice: 'go on: polyarm control resume' };
     expect(problemWords(problem)).toEqual({ text: "'arm' is not jogged", detail: '', advice: 'Press Resume, or Cancel motion' });
     settings.language.value = 'es';
-    expect(problemWords(problem)).toEqual({ text: 'Hay un movimiento en pausa a medio camino', detail: "'arm' is not jogged", advice: 'Pulse Reanudar o Cancelar movimiento' });
+    expect(problemWords(problem)).toEqual({ text: 'Hay un movimiento en pausa a medio camino', detail: '', advice: 'Pulse Reanudar o Cancelar movimiento' });
   });
 });

@@ -350,8 +350,12 @@ std::optional<program::Progress> ProgramMoves::bad_end(Arm& arm, std::uint64_t t
       const Open told = open;
       arm.open.clear();
       if (wanted == moves::MoveState::discarded)
-        return program::Progress::ended(
-            {"discarded", told.where, "the move to " + told.name + " was discarded", {}});
+        return program::Progress::ended({"discarded",
+                                         told.where,
+                                         "the move to " + told.name + " was discarded",
+                                         {},
+                                         Severity::error,
+                                         {{"target", told.name}}});
       Problem problem = motion.problem_of(told.id).value_or(
           Problem{"refused",
                   {},

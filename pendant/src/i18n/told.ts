@@ -27,6 +27,14 @@ export interface Told {
   advice: string;
 }
 
+/** The sentence of these codes says all that matters: the cell's own words add only advice for a terminal. */
+export const kSaysAll = new Set([
+  'asked-already', 'discarded', 'disarmed', 'has-ended', 'held', 'moving', 'motion-held', 'no-cell',
+  'no-control', 'no-fault', 'no-program', 'no-role', 'no-speed', 'not-asked', 'not-begun', 'not-held', 'not-paused',
+  'nothing-to-step-back', 'overtaken', 'program-changed', 'program-runs', 'session-over', 'still-running', 'stopped',
+  'stopping', 'wrong-state'
+]);
+
 /** What the page finds itself: there are no words of the cell for it. */
 const kOfPage = new Set(['not-connected', 'no-answer']);
 
@@ -98,7 +106,8 @@ function sentence(code: string, facts: Facts): string|null {
 
 /**
  * Returns the text of a problem. If the cell sent the values, the sentence of the code contains them. If not,
- * English shows the cell's own sentence; other languages show the sentence of the code, and the cell's below it.
+ * English shows the cell's own sentence; other languages show the sentence of the code, and the cell's below it
+ * unless the sentence says all.
  */
 export function problemWords({code, what, advice, facts = {}}: Problem): Told {
   const own = kOfPage.has(code) ? '' : plain(what);
@@ -111,7 +120,7 @@ export function problemWords({code, what, advice, facts = {}}: Problem): Told {
   }
   const said = known(`told.${code}`) ? t(`told.${code}` as Key) : own || t('told.refused');
   const first = language.value === 'en' && own ? own : said;
-  return {text: first, detail: first === own ? '' : own, advice: todo};
+  return {text: first, detail: first === own || kSaysAll.has(code) ? '' : own, advice: todo};
 }
 
 /** In one line, with what the cell said itself in brackets. */
@@ -126,7 +135,9 @@ export function lineWords(line: {text: string; code?: string; facts?: Facts}): s
   if (!line.code || language.value === 'en') return own;
   const whole = sentence(line.code, line.facts ?? {});
   if (whole !== null) return whole;
-  return known(`told.${line.code}`) ? `${t(`told.${line.code}` as Key)} (${own})` : own;
+  if (!known(`told.${line.code}`)) return own;
+  const said = t(`told.${line.code}` as Key);
+  return kSaysAll.has(line.code) ? said : `${said} (${own})`;
 }
 
 // --- what only a terminal can do

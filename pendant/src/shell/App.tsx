@@ -62,6 +62,9 @@ function Shown({ page }: { page: Page }) {
   useEffect(() => {
     if (!Body) load();
   }, []);
+  useEffect(() => {
+    if (failed && connected.value) load();
+  }, [connected.value]);
   if (failed) return <Broken again={load} />;
   if (!Body) return <Loading />;
   return (

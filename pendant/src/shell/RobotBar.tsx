@@ -121,15 +121,18 @@ function Go() {
   );
 }
 
-/** In its corner at its size whatever else is shown. Without a connection it says that it does nothing, and is still tried. */
+/**
+ * In its corner at its size whatever else is shown. Without a connection or a cell it says that it does nothing, and
+ * is still tried.
+ */
 export function StopButton() {
-  const dead = !connected.value;
+  const dead: Key | null = !connected.value ? 'stop.offline' : status.value?.state === 'no cell' ? 'stop.noCell' : null;
   return (
     <button
       type="button"
       class={`stop-button ${dead ? 'dead' : ''}`}
       aria-keyshortcuts="Escape"
-      aria-disabled={dead || undefined}
+      aria-disabled={dead !== null || undefined}
       onPointerDown={(e) => {
         e.preventDefault();
         close();
@@ -151,7 +154,7 @@ export function StopButton() {
       <span class="stop-words">
         <strong>{t('stop.label')}</strong>
         <kbd>{t('stop.key')}</kbd>
-        <small>{t(dead ? 'stop.offline' : 'stop.note')}</small>
+        <small>{t(dead ?? 'stop.note')}</small>
       </span>
     </button>
   );

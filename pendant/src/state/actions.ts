@@ -1,5 +1,6 @@
 /** What a person does to the cell as a whole. */
 import {t} from '../i18n';
+import type { RequestError } from '../wire/connection';
 
 import {attempt, complain, pausing, programRuns, request, status, ways} from './cell';
 import {dropSteps} from './jog';
@@ -11,14 +12,18 @@ export async function stop(): Promise<void> {
   dropSteps();
   try {
     await request('control.stop', {}, 2_000);
-  } catch {
+  } catch (error) {
+    if ((error as RequestError).code === 'no-cell') return toast({ kind: 'info', text: t('stop.noCell') });
     toast({ kind: 'error', text: t('stop.failed'), detail: t('stop.useRealOne') });
   }
 }
 export const hold = () => (dropSteps(), attempt('control.hold'));
 export const resume = () => attempt('control.resume');
 export const recover = () => attempt('control.recover');
-export const discard = () => attempt('control.discard');
+export async function discard(): Promise<void> {
+  const motion = ways.peek().discards === 'motion';
+  if ((await attempt('control.discard')) && motion) toast({ kind: 'info', text: t('told.discarded') });
+}
 /** What is paused goes on: what is held along its path, else the program that a step or a breakpoint has paused. */
 export const goOn = () => (status.peek()?.state === 'held' ? resume() : attempt('program.go'));
 export const back = () => attempt('control.back', {time: 0.5});

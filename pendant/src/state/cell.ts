@@ -1,7 +1,7 @@
 /** The cell as signals: connection, status, control, tags, parts, alarms, log. Pages read these and call `actions`. */
 import {computed, effect, signal} from '@preact/signals';
 
-import {t} from '../i18n';
+import {type Key, t} from '../i18n';
 import {problemWords} from '../i18n/told';
 
 import { Connection, type Json, type LinkState, RequestError } from '../wire/connection';
@@ -108,8 +108,13 @@ export async function attempt<Name extends RequestName>(name: Name, ...rest: Res
   }
 }
 
+/** A person stopped it or canceled it: that is an answer to what they pressed, and no error. */
+const kByPerson = new Set(['discarded', 'stopped', 'overtaken']);
+export const isByPerson = (code: string): boolean => kByPerson.has(code);
+
 export function complain(error: unknown): void {
   if (error instanceof RequestError) {
+    if (isByPerson(error.code)) return toast({ kind: 'info', text: t(`told.${error.code}` as Key) });
     const control = error.code === 'no-control';
     const told = problemWords(error.problem);
     toast({
@@ -143,10 +148,12 @@ export async function loadCell(): Promise<void> {
 
 /** This page was connected before. */
 let greeted = false;
+/** The greeting of this connection is over: control is where it stays until somebody changes that. */
+const settled = signal(false);
 /** It had control when the connection was last there. */
 let heldBefore = false;
 effect(() => {
-  if (link.value === 'open' && status.value !== null) heldBefore = youHold.value;
+  if (settled.value && status.value !== null) heldBefore = youHold.value;
 });
 
 async function greet(): Promise<void> {
@@ -163,6 +170,7 @@ async function greet(): Promise<void> {
     const again = greeted;
     greeted = true;
     if (!holder.value && settings.takeWhenFree.value && (!again || heldBefore)) await takeControl(false);
+    settled.value = true;
   } catch (error) {
     if (link.value === 'open') complain(error);
   }
@@ -205,6 +213,12 @@ async function loadProgram(): Promise<void> {
 
 /** The newest alarm when this page came; -1 while that is not known. */
 let lastOld = -1;
+/**
+ * The alarms of the connection before. The cell sends all of its alarms again after a connection; a process that
+ * was started anew does not have these.
+ */
+let alarmsBefore: Alarm[] = [];
+const isSame = (a: Alarm, b: Alarm) => a.number === b.number && a.time === b.time && a.what === b.what;
 
 type Event = Json & { event: string };
 const events: Record<string, (event: Event) => void> = {
@@ -247,10 +261,11 @@ const events: Record<string, (event: Event) => void> = {
   },
   alarm: (e) => {
     const alarm = readAlarm(e);
-    if (alarms.value.some((each) => each.number === alarm.number && each.what === alarm.what)) return;
+    if (alarms.value.some((each) => isSame(each, alarm))) return;
     // Those from before this page came are listed, and announced where the cell stands for one of them.
     const old = lastOld < 0 || alarm.number <= lastOld;
-    alarm.seen = old && status.peek()?.state === 'running';
+    const known = alarmsBefore.find((each) => isSame(each, alarm));
+    alarm.seen = known?.seen || isByPerson(alarm.code) || (old && status.peek()?.state === 'running');
     alarms.value = [...alarms.value, alarm].slice(-kAlarms);
   },
   program: (e) => {
@@ -296,8 +311,11 @@ export function onEvent(name: string, take: (event: Json) => void): void {
 let wasOpen = false;
 function changeLink(state: LinkState): void {
   link.value = state;
+  settled.value = false;
   if (state === 'open') {
     lastOld = -1;
+    if (alarms.peek().length > 0) alarmsBefore = alarms.peek();
+    alarms.value = [];
     if (wasOpen) toast({ kind: 'ok', text: t('link.back') });
     wasOpen = true;
     forgetFrames();

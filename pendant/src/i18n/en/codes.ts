@@ -103,7 +103,7 @@ export const codes = {
   'told.base-short': 'The base ended too far from its target',
   'told.no-odometry': 'The base does not tell where it is',
   'told.no-motion': 'There is no motion',
-  'told.discarded': 'The motion was canceled',
+  'told.discarded': 'Motion canceled',
   'told.bad-move': 'The move cannot be made',
   'told.not-planned': 'The move cannot be planned',
   'told.at-outside': 'A tag is to be set outside the path of the move',

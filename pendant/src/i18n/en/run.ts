@@ -31,6 +31,7 @@ export const run = {
   'program.paused': 'paused',
   'program.finished': 'finished',
   'program.failed': 'failed',
+  'program.canceled': 'canceled',
   'program.stopped': 'ended',
   'program.held': 'held',
 

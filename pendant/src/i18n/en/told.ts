@@ -28,6 +28,7 @@ export const told = {
   'with.contact': '{a} touched {b}, {depth} deep',
   'with.contact.start': '{a} is inside {b} where it starts, {depth} deep',
   'with.contact.jog': '{a} touched {b} while it was jogged, {depth} deep',
+  'with.discarded': 'The motion to {target} was canceled',
   'with.in-contact': '{a} still touches {b}, {depth} deep',
   'with.moved-while-held': '{joint} was moved by {moved} while it was held',
   'with.held': 'The cell is held: {cause}',

@@ -101,7 +101,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.base-short': 'La base terminó lejos de su destino',
   'told.no-odometry': 'La base no dice dónde está',
   'told.no-motion': 'No hay ningún movimiento',
-  'told.discarded': 'El movimiento se canceló',
+  'told.discarded': 'Movimiento cancelado',
   'told.bad-move': 'El movimiento no es posible',
   'told.not-planned': 'El movimiento no se puede planificar',
   'told.at-outside': 'Una señal se debe fijar fuera de la trayectoria del movimiento',

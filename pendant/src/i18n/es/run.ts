@@ -34,6 +34,7 @@ export const run: Record<keyof typeof en, string> = {
   'program.paused': 'en pausa',
   'program.finished': 'acabado',
   'program.failed': 'fallido',
+  'program.canceled': 'cancelado',
   'program.stopped': 'terminado',
   'program.held': 'retenido',
 

@@ -24,6 +24,7 @@ export const told: Record<keyof typeof en, string> = {
   'with.contact': '{a} tocó {b}, {depth} de profundidad',
   'with.contact.start': '{a} está dentro de {b} donde empieza, {depth} de profundidad',
   'with.contact.jog': '{a} tocó {b} al moverlo a mano, {depth} de profundidad',
+  'with.discarded': 'Se canceló el movimiento a {target}',
   'with.in-contact': '{a} todavía toca {b}, {depth} de profundidad',
   'with.moved-while-held': '{joint} se movió {moved} mientras estaba retenido',
   'with.held': 'La celda está retenida: {cause}',

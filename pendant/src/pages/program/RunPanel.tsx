@@ -74,7 +74,7 @@ function Buttons() {
   const open = doc.fileName.value !== '' && doc.isProgram.value;
   if (!now.going) {
     const wrong = doc.errors.value > 0;
-    const why = open ? blockedWords(now.start) || (wrong ? t('program.startErrors') : '') : '';
+    const why = blockedWords(now.start) || (!open ? t('why.noneOpen') : wrong ? t('program.startErrors') : '');
     return (
       <div key="start" class="program-buttons">
         <Button label={t('program.start')} icon="run" big tone="good" disabled={!open || !canBe(now.start) || wrong} onClick={() => void doc.start()} />

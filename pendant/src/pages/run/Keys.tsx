@@ -36,7 +36,7 @@ export function Keys() {
       </div>
     );
   const nothing = !it && !chosen.value;
-  const why = nothing ? '' : blockedWords(now.start);
+  const why = blockedWords(now.start);
   return (
     <div key="start" class="run-keys">
       <Button label={t('run.start')} icon="run" tone="good" big disabled={nothing || !canBe(now.start)} class="main" onClick={() => void start()} />

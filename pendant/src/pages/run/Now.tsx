@@ -1,6 +1,6 @@
 import { t, word } from '../../i18n';
 import { plain, problemWords } from '../../i18n/told';
-import { pausing, program, status } from '../../state/cell';
+import { isByPerson, pausing, program, status } from '../../state/cell';
 import type { Json } from '../../wire/connection';
 import { NoPass } from './NoPass';
 
@@ -12,9 +12,10 @@ export function shortName(file: string): string {
 export function programWord(): { text: string; tone: string } {
   const now = status.value;
   const it = now?.program;
-  if (!it) return { text: t('run.none'), tone: 'off' };
+  if (!it) return { text: t(!now ? 'why.offline' : now.state === 'no cell' ? 'why.noCell' : 'run.none'), tone: 'off' };
   if (now.state === 'fault') return { text: t('state.fault'), tone: 'bad' };
   if (it.ready) return { text: t('program.ready'), tone: 'off' };
+  if (it.ended && wasCanceled()) return { text: t('program.canceled'), tone: 'off' };
   if (it.ended) return { text: word('program', it.state), tone: it.state === 'failed' ? 'bad' : 'off' };
   if (now.state === 'held' || now.state === 'stopping') return { text: t('program.held'), tone: 'warn' };
   if (pausing.value) return { text: t('state.pausing'), tone: 'warn' };
@@ -39,13 +40,13 @@ export function Now() {
         <>
           <p class="statement">
             <span class="line">{t('run.line', { line: it.line })}</span>
-            <code>{it.source || '…'}</code>
+            <code title={it.source}>{it.source || '…'}</code>
           </p>
           <Tasks />
         </>
       )}
       {it.ended && it.problem && (
-        <p class="problem-text">
+        <p class={wasCanceled() ? 'note' : 'problem-text'}>
           <b>{t('run.problem')}:</b> {whyEnded(it.problem)}
         </p>
       )}
@@ -53,6 +54,9 @@ export function Now() {
     </div>
   );
 }
+
+/** A person canceled the motion that the program waited for. */
+const wasCanceled = () => isByPerson((program.value?.problem as { code?: string } | null | undefined)?.code ?? '');
 
 /** In the page's language where its code is known. */
 function whyEnded(told: string): string {
