@@ -66,6 +66,9 @@ test('pauses at a line whose number is pressed, and again at the next start', as
   await page.getByRole('button', { name: /^In control/ }).waitFor();
   await go(page, 'Program');
   await page.getByRole('radiogroup', { name: 'Shown as' }).getByText('Text').click();
+  const top = async () => (await editor().boundingBox()).y;
+  await page.getByText(/^The program goes by the text/).waitFor();
+  const running = await top();
   await pressNumber('let third');
   await pausedAt(6);
   await side().getByText('job.script, line 6').waitFor();
@@ -79,9 +82,21 @@ test('pauses at a line whose number is pressed, and again at the next start', as
   await button('End program').click();
   await page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
   await until(() => now().ended, 30, 'the end of the program');
+  await page.getByText(/^The program goes by the text/).waitFor({ state: 'detached' });
+  assert.equal(await top(), running, 'a notice that comes and goes moves no line');
   await atRest();
   await button('Start').click();
   await pausedAt(6);
+});
+
+test('Start waits until the robot that was ended in its motion stands, and says so', async () => {
+  await at.bar().getByRole('button', { name: 'Resume' }).click();
+  await until(() => at.watcher.speed() > 0.1, 60, 'motion');
+  await button('End program').click();
+  await page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
+  await button('Start').click();
+  await pausedAt(6);
+  assert.equal(await page.getByRole('region', { name: 'Messages' }).getByRole('alert').count(), 0, 'nothing was refused');
 });
 
 test('shows the tasks with their variables, the one that is paused as the program’s line, and steps it', async () => {

@@ -90,7 +90,9 @@ export function waysOf({status, mayMove, pausing}: Seen): Ways {
     discard: forgets && next !== 'activate' ? blocked(cannot.discard) : null,
     discards: now?.motionLeft ? 'motion' : 'push',
     back: blocked(!held && 'why.resumeFirst', !now?.motionLeft && 'why.noMotion', cannot.back),
-    start: blocked(cannot.program, unarmed && 'why.armFirst', state !== 'running' && 'why.resumeFirst'),
+    start: blocked(
+        cannot.program, unarmed && 'why.armFirst', state !== 'running' && 'why.resumeFirst',
+        now?.moving && 'why.moving'),
     step,
     stepInto: step || (program?.paused ? '' : 'why.pauseFirst'),
     end: blocked(!going && 'why.noProgram'),
