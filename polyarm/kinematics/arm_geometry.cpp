@@ -24,7 +24,7 @@ void ArmGeometry::forward(std::span<const double> values, Rotation& rotation, Ve
 
 namespace {
 
-/// From a point to its foot on the axis.
+/// The vector from a point to its foot on the axis.
 Vec3 to_axis(const JointAxis& axis, const Vec3& point) {
   const Vec3 away = axis.point - point;
   return away - dot(away, axis.direction) * axis.direction;

@@ -1,13 +1,13 @@
 #pragma once
-/// A length to measure an arm's deviations by. Used inside this room only.
+/// A reference length for an arm's deviations. Private to this room.
 #include "polyarm/kinematics/arm_geometry.hpp"
 
 namespace polyarm::kinematics {
 
-/// The sum of the ways from axis to axis, m; the same wherever the arm is mounted and whatever tool it has.
+/// The sum of the distances from axis to axis, m. It does not depend on the mounting or on the tool.
 inline double length_between_axes(const ArmGeometry& arm) noexcept {
   if (arm.count < 2) return 0;
-  // From the point of the first axis that is nearest to the second, where there is one.
+  // Starts at the point of the first axis that is nearest to the second, if that point is unique.
   const JointAxis &one = arm.axes[0], &two = arm.axes[1];
   const Vec3 square = cross(one.direction, two.direction), way = two.point - one.point;
   const double sine2 = dot(square, square);

@@ -53,8 +53,7 @@ Chain::Frame Chain::frame_of(const Pose& pose) noexcept {
           {pose.position.x, pose.position.y, pose.position.z}};
 }
 
-/// The rotation by the branch with the largest quaternion component, so that no division is by a small
-/// number.
+/// Uses the largest quaternion component, which avoids a division by a small number.
 Pose Chain::pose_of(const Frame& f) noexcept {
   const double* r = f.r;
   Quaternion q;
@@ -181,7 +180,8 @@ void Chain::find_periods() {
   for (const Step& step : steps_) {
     if (step.drive.variable < 0) continue;
     const auto i = static_cast<std::size_t>(step.drive.variable);
-    // Whatever else the joint drives, before it or behind it, does not come round with it.
+    // A joint that also drives others, before or behind this one, does not return to the same pose after one
+    // turn.
     const bool whole_turns = !step.prismatic && std::abs(step.drive.multiplier) == 1.0;
     period_[i] = ++uses[i] == 1 && whole_turns ? 2 * std::numbers::pi : 0.0;
   }
@@ -266,7 +266,7 @@ double Chain::distance_squared(std::span<const double> q) const noexcept {
 
 namespace {
 
-/// Where `f` is largest between two ends: the best of a coarse grid, narrowed by golden section.
+/// The maximum of `f` between two ends: the best value of a coarse grid, refined by golden section.
 template <typename Function>
 double peak_between(double lower, double upper, const Function& f) {
   constexpr int kCells = 24, kNarrowings = 45;
@@ -287,8 +287,8 @@ double peak_between(double lower, double upper, const Function& f) {
 
 }  // namespace
 
-/// The joint's value that takes the TCP furthest from the base, the others standing still. For a joint that
-/// turns once the squared distance is a + b cos q + c sin q, which three values determine.
+/// The value of the joint that takes the TCP furthest from the base while the others stay. For a joint that
+/// turns once the squared distance is a + b cos q + c sin q, so three values determine it.
 double Chain::furthest_turn(std::span<double> q, std::size_t joint) const noexcept {
   const auto at = [&](double value) {
     q[joint] = value;
@@ -304,7 +304,7 @@ double Chain::furthest_turn(std::span<double> q, std::size_t joint) const noexce
   return best + period_[joint] * std::max(0.0, std::ceil((lower - best) / period_[joint]));
 }
 
-/// Moves one joint to where the TCP is furthest from the base: as furthest_turn() says, or to a limit.
+/// Moves one joint to the value of furthest_turn(), or to a limit.
 void Chain::stretch_joint(std::span<double> q, std::size_t joint) const noexcept {
   const double was = q[joint];
   const double turned = slides_[joint] ? was : furthest_turn(q, joint);

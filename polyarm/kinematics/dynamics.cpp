@@ -3,7 +3,7 @@
 namespace polyarm::kinematics {
 namespace {
 
-/// For one state, or for many.
+/// The kernels for one state or for a batch.
 const TreeKernels& tree_kernels(InstructionSet set, bool many) noexcept {
 #if defined(__x86_64__)
   if (set == InstructionSet::avx512) return many ? avx512::many::kTreeKernels : avx512::single::kTreeKernels;

@@ -1,7 +1,6 @@
 #pragma once
-/// Torques, accelerations and mass matrices of a tree of rigid bodies: what the links' masses ask of the
-/// joints. Friction, damping and the inertia of motors are not in it. SI: kg, m, rad, N m (N where a joint
-/// slides).
+/// Joint torques, accelerations and mass matrices of a tree of rigid bodies. Friction, damping and motor
+/// inertia are not included. SI units: kg, m, rad, N m (N for sliding joints).
 #include <array>
 #include <cstddef>
 #include <span>
@@ -11,29 +10,30 @@
 
 namespace polyarm::kinematics {
 
-/// Joint states are those of Tree: q has positions() values; v, accelerations and torques velocities(). The
-/// torque of a joint that others mimic is what it has to bring for all of them.
-/// Batches: `states` states; joint_after_joint: value i of state s at i * states + s (fastest),
-/// state_after_state: at s * values + i. A batch and one state after the other give the same bits.
-/// Thread: one at a time, for it has room to calculate in; a copy has its own. Nothing but the constructor
-/// allocates or throws; all else may be called in the control cycle. Precondition: sizes as stated.
+/// Joint states are those of Tree: q has positions() values; v, accelerations and torques have velocities()
+/// values. The torque of a joint that others mimic is the total for all of them.
+/// Batches have `states` states. joint_after_joint: value i of state s is at i * states + s (fastest).
+/// state_after_state: it is at s * values + i. A batch gives the same bits as single calls.
+/// Thread: one thread at a time, because the object contains scratch memory; each copy has its own. Only the
+/// constructor allocates or throws; all other functions may run in the control cycle. Precondition: spans
+/// have the sizes stated.
 class Dynamics {
  public:
   explicit Dynamics(const Tree& tree, InstructionSet set = fastest_instructions());
   const Tree& tree() const noexcept { return tree_; }
   InstructionSet instructions() const noexcept { return set_; }
 
-  /// The torques that give these accelerations: M a + bias.
+  /// The torques for these accelerations: M a + bias.
   void inverse(std::span<const double> q, std::span<const double> v, std::span<const double> a,
                std::span<double> tau) noexcept;
-  /// The torques that hold the robot still against gravity.
+  /// The torques that hold the robot at rest against gravity.
   void gravity(std::span<const double> q, std::span<double> tau) noexcept;
-  /// The torques at zero acceleration: gravity, centrifugal and Coriolis forces.
+  /// The torques at zero acceleration: gravity, centrifugal and Coriolis terms.
   void bias(std::span<const double> q, std::span<const double> v, std::span<double> tau) noexcept;
-  /// velocities() by velocities(), symmetric, row after row.
+  /// velocities() by velocities(), symmetric, row-major.
   void mass_matrix(std::span<const double> q, std::span<double> M) noexcept;
-  /// The accelerations that these torques give. False, and no numbers to use, where the mass matrix is not
-  /// positive definite: something moves without mass.
+  /// The accelerations for these torques. Returns false, and no usable values, if the mass matrix is not
+  /// positive definite: some joint moves no mass.
   [[nodiscard]] bool forward(std::span<const double> q, std::span<const double> v,
                              std::span<const double> tau, std::span<double> a) noexcept;
 

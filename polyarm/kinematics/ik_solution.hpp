@@ -1,5 +1,5 @@
 #pragma once
-/// What inverse kinematics answers, whichever way it goes. Metres, radians; the TCP in the world.
+/// Results of inverse kinematics; all solvers share them. Metres, radians; the TCP in the world.
 #include <array>
 #include <cstddef>
 
@@ -7,15 +7,16 @@
 
 namespace polyarm::kinematics {
 
-/// One joint state that leads to the pose, or near it.
+/// One joint state that reaches the pose, or comes near it.
 struct IkSolution {
-  std::array<double, Chain::kMaxJoints> q;  ///< a joint state of the chain; the first joints() count
+  std::array<double, Chain::kMaxJoints> q;  ///< a joint state of the chain; only the first joints() values
+                                            ///< are valid
   double position_error = 0;                ///< of the TCP, m
-  double orientation_error = 0;             ///< rad, for small ones at most a factor 1.5 too large
+  double orientation_error = 0;             ///< rad; for small errors at most a factor of 1.5 too large
   double distance = 0;                      ///< weighted distance from the seed
   bool exact = false;                       ///< within IkSettings' tolerances
-  /// At a singularity a whole family of joint states leads to the pose; this is its member with the seed's
-  /// value of the joint that is free.
+  /// At a singularity infinitely many joint states reach the pose; this one has the seed's value of the free
+  /// joint.
   bool singular = false;
 };
 
@@ -33,8 +34,8 @@ enum class IkOutcome {
   solved,
   immovable,    ///< no joint moves the TCP
   malformed,    ///< the pose or the seed contains NaN or infinity, or sizes do not match
-  unreachable,  ///< no joint state leads to the pose, whatever the limits
-  limits,       ///< joint states lead there, all of them outside the limits
+  unreachable,  ///< no joint state reaches the pose, even without limits
+  limits,       ///< joint states reach the pose, but all of them violate limits
 };
 const char* name(IkOutcome outcome);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Repeatable random joint values, the same on every machine.
+/// Repeatable random joint values: the same seed gives the same values on every machine. Radians or metres.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -21,7 +21,7 @@ class Random {
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
     return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
   }
-  /// As if so many numbers had been drawn.
+  /// Skips `count` values.
   void skip(std::uint64_t count) noexcept { state_ += count * 0x9e3779b97f4a7c15ULL; }
   double between(double lower, double upper) noexcept { return lower + (upper - lower) * unit(); }
 
@@ -29,8 +29,9 @@ class Random {
   std::uint64_t state_;
 };
 
-/// A value of joint `i` within its limits; of a joint that turns further than once, within the one turn
-/// nearest zero; of a prismatic joint without limits, within a metre of zero or of its one limit.
+/// A random value of joint `i` within its limits. If the limits allow more than one turn, it is within the
+/// one turn nearest zero; for a prismatic joint without limits, within one metre of zero or of its single
+/// limit.
 inline double random_value(const Chain& chain, std::size_t i, Random& random) noexcept {
   double lower = chain.lower()[i], upper = chain.upper()[i];
   const double half = chain.period(i) > 0 ? chain.period(i) / 2 : std::numbers::pi;

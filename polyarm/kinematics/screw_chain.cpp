@@ -11,7 +11,7 @@
 namespace polyarm::kinematics {
 namespace {
 
-/// Directions and offsets (m) smaller than this are rounding of the zero that was meant.
+/// Directions and offsets (m) below this count as zero: they are rounding errors.
 constexpr double kNothing = 5e-15;
 
 using Matrix = std::array<double, 9>;  // columns
@@ -35,7 +35,7 @@ Turn turn_about(const Vec3& h) {
   return Turn::any;
 }
 
-/// Axes of which as many joints as possible turn about one: the world's, or those of one of the joints.
+/// The reference axes about which the most joints turn: the world's, or those of one of the joints.
 Quaternion reference_axes(std::span<const ScrewAxis> axes) {
   std::vector<Quaternion> candidates{{}};
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -60,12 +60,12 @@ void write(double* to, const Vec3& v) {
   to[0] = v.x, to[1] = v.y, to[2] = v.z;
 }
 
-/// Which components are not nothing (bits).
+/// Bit mask of the components that are not zero.
 unsigned components(const double* v) {
   return (v[0] != 0 ? 1u : 0u) | (v[1] != 0 ? 2u : 0u) | (v[2] != 0 ? 4u : 0u);
 }
 
-/// Which of the reference axes a column is.
+/// The reference axis that a column equals.
 Turn axis_of(const double* column) {
   return column[0] == 1 ? Turn::x : column[1] == 1 ? Turn::y : column[2] == 1 ? Turn::z : Turn::any;
 }
@@ -85,7 +85,7 @@ ScrewBlock block_of(std::span<const ScrewStep> steps) {
   return out;
 }
 
-/// Moves the columns, which are world-aligned at `tcp`, to another frame.
+/// Transforms world-aligned columns at `tcp` to another frame.
 void express(JacobianFrame frame, const Pose& tcp, std::size_t n, double* J) {
   for (std::size_t j = 0; j < n; ++j) {
     Vec3 linear{J[j], J[n + j], J[2 * n + j]}, angular{J[3 * n + j], J[4 * n + j], J[5 * n + j]};
@@ -128,7 +128,7 @@ ScrewChain::ScrewChain(std::span<const ScrewAxis> axes, std::size_t joints, cons
     Vec3 h = normalized(without_noise(back * axis.direction));
     if (!axis.slides) step.turn = turn_about(h);
     if (step.turn != Turn::any && h.x + h.y + h.z < 0 && !axis.slides) h = -h, step.ratio = -axis.ratio;
-    // Any point of a turning axis will do: the one level with the point before leaves a zero.
+    // Any point of a turning axis is valid; the one level with the previous point gives an offset of zero.
     Vec3 point = axis.point;
     if (!axis.slides) point = point - dot(point - at, axis.direction) * axis.direction;
     write(step.h, h);

@@ -51,8 +51,8 @@ double smallest_singular_value(const Chain& chain, std::span<const double> q) {
   std::size_t used = 0;
   for (std::size_t k = 0; k < n; ++k)
     if (chain.moves_tcp(k)) columns[used++] = k;
-  // The smaller of the two squares; of fewer than six joints filled up with values that are never the
-  // smallest.
+  // Uses the smaller of J J^T and J^T J. With fewer than six joints the rest is filled with values that are
+  // never the smallest.
   Square square{};
   for (std::size_t i = 0; i < 6; ++i)
     for (std::size_t j = 0; j < 6; ++j) {

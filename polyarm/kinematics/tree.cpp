@@ -12,7 +12,7 @@ Vec3 vec(const double* v) {
   return {v[0], v[1], v[2]};
 }
 
-/// How a step moves in its parent, in the reference axes.
+/// The motion of a step relative to its parent, in the reference axes.
 Pose motion_of(const TreeStep& step, std::span<const double> q) {
   const Vec3 h = vec(step.h), p = vec(step.p);
   switch (step.motion) {

@@ -15,7 +15,7 @@ using description::JointType;
 
 namespace {
 
-/// Parts of directions and lengths (m) below this are rounding of the zero that was meant.
+/// Components of directions and lengths (m) below this count as zero: they are rounding errors.
 constexpr double kNothing = 5e-15;
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -175,7 +175,7 @@ void TreeBuilder::add_link_of(int j) {
   const Vec3 axis = normalized(joint.axis);
   if (joint.type == JointType::prismatic) {
     at.position = at * (drive.offset * axis);
-    // A slide has no place of its own: it starts where its offset puts it.
+    // A slide has no position of its own: it starts at its offset.
     if (step != out_.links_[parent].step) {
       TreeStep& last = steps_.back();
       const Vec3 from = last.parent < 0 ? Vec3{} : origins_[static_cast<std::size_t>(last.parent)];

@@ -1,5 +1,5 @@
 #pragma once
-/// Makes the steps of a Tree from a model. Used by tree.cpp only.
+/// Makes the steps of a Tree from a model. Private to tree.cpp.
 #include <vector>
 
 #include "polyarm/kinematics/tree.hpp"
@@ -12,9 +12,9 @@ class TreeBuilder {
   void build();
 
  private:
-  /// Joint values of the model's joints: which joint they follow and how.
+  /// For each joint of the model: the joint that it follows, and the ratio and offset.
   struct Drive {
-    int joint = -1;  ///< of the model; -1: it stands still
+    int joint = -1;  ///< of the model; -1: it does not move
     double ratio = 1, offset = 0;
   };
   Drive drive_of(int joint) const;
@@ -22,8 +22,8 @@ class TreeBuilder {
   void add_joint(const TreeJoint& joint);
   void add_root();
   void add_link_of(int joint);
-  /// Steps of one joint whose axes stand at `at` (in the reference frame, at zero), on the link `from`;
-  /// returns the last.
+  /// Adds the steps of one joint to the link `from`; `at` is the pose of the joint's axes in the reference
+  /// frame at zero. Returns the last step.
   int add_steps(const TreeJoint& joint, const Vec3& axis, const Pose& at, int from_step, double ratio);
   int add_step(Motion motion, const Vec3& h, const Vec3& origin, int parent, std::size_t position,
                std::size_t velocity, double ratio);

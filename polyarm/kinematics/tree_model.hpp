@@ -1,28 +1,26 @@
 #pragma once
-/// Constants of a tree as the kernels of dynamics read them, and the table of kernels. Used inside this room
-/// only.
+/// Constants of a tree in the layout of the dynamics kernels, and the table of kernels. Private to this room.
 #include <cstddef>
 
 #include "polyarm/kinematics/screw_model.hpp"
 
 namespace polyarm::kinematics {
 
-/// What a step does with its value. turn_*: turns about its h, which is that reference axis (any: any
-/// direction). slide: moves along h. ball: turns by a quaternion, its velocity is about h; held: does not
-/// move by itself, its velocity is about h too (the second and third axis of a ball).
+/// The motion of a step. turn_*: turns about its h, which is that reference axis (any: another direction).
+/// slide: moves along h. ball: turns by a quaternion; its velocity is about h. held: the second and third
+/// axis of a ball; it has a velocity about h but no value of its own.
 enum class Motion { turn_x, turn_y, turn_z, turn_any, slide, ball, held };
 
-/// One degree of freedom and the body behind it. All frames have the reference axes where all values are
-/// zero; vectors are in these.
+/// One degree of freedom and the body behind it. Vectors are in the reference axes at zero joint values.
 struct TreeStep {
   Motion motion = Motion::turn_any;
   int parent = -1;               ///< step; -1: the world
   std::size_t position = 0;      ///< of its value (ball: of the quaternion x y z w) in q
   std::size_t velocity = 0;      ///< of its rate in v
-  double ratio = 1;              ///< its value is ratio * q[position]
+  double ratio = 1;              ///< ratio * q[position] is its value
   double h[3] = {0, 0, 0};       ///< unit
   double p[3] = {0, 0, 0};       ///< from the parent's origin to its own
-  double ball_axes[9] = {};      ///< columns: the axes in which the quaternion is given
+  double ball_axes[9] = {};      ///< columns: the axes of the quaternion
   double mass = 0;               ///< kg
   double moment[3] = {0, 0, 0};  ///< mass times centre of mass, from its origin
   double inertia[6] = {};        ///< about its origin: xx xy xz yy yz zz
@@ -34,8 +32,8 @@ struct TreeModel {
   double gravity[3] = {0, 0, 0};  ///< m/s^2, in the reference axes
 };
 
-/// States in and results out, laid out alike: value i of state s at i * value_stride + s * state_stride.
-/// Null inputs are zeros.
+/// Inputs and results of a batch in one layout: value i of state s is at i * value_stride + s * state_stride.
+/// A null input counts as zeros.
 struct TreeJob {
   const double *q = nullptr, *v = nullptr, *in = nullptr;  ///< in: accelerations or torques
   double* out = nullptr;
@@ -43,13 +41,13 @@ struct TreeJob {
   bool state_after_state = true;
 };
 
-/// `scratch` has scratch_lanes(model) vectors of 64 bytes, aligned so.
+/// `scratch` has scratch_lanes(model) vectors of 64 bytes with 64-byte alignment.
 struct TreeKernels {
   std::size_t (*scratch_lanes)(const TreeModel&) noexcept;
   void (*inverse)(const TreeModel&, double* scratch, const TreeJob&) noexcept;
-  /// out: velocities * velocities values, row after row.
+  /// out: velocities * velocities values, row-major.
   void (*mass)(const TreeModel&, double* scratch, const TreeJob&) noexcept;
-  /// Whether the mass matrix was positive definite in all states.
+  /// True if the mass matrix is positive definite in all states.
   bool (*forward)(const TreeModel&, double* scratch, const TreeJob&) noexcept;
 };
 

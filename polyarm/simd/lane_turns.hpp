@@ -1,5 +1,5 @@
 #pragma once
-/// Sines and cosines of eight angles. Used inside this room only.
+/// Sines and cosines of eight angles, rad. Private to the kernels.
 #include <numbers>
 
 #include "polyarm/simd/lanes.hpp"
@@ -10,9 +10,9 @@
 
 namespace POLYARM_LANES {
 
-/// Sine and cosine to a few units in the last place, for angles up to 1e5: whole quarter turns are taken off
-/// in three pieces of pi/2 (Cody and Waite 1980); the polynomials are those of the rest, Taylor's to within
-/// rounding on [-pi/4, pi/4].
+/// Sine and cosine to a few units in the last place, for angles up to 1e5. Subtracts whole quarter turns in
+/// three pieces of pi/2 (Cody and Waite 1980); the polynomials are Taylor polynomials of the remainder, to
+/// within rounding on [-pi/4, pi/4].
 POLYARM_INLINE LaneAngle turn_by(const Lane& a) {
   constexpr double kHigh = 1.5707963267341256, kMiddle = 6.0771005063039e-11, kLow = 2.0222662487959506e-21;
   const Lane quarters = rounded(a * (2 / std::numbers::pi));
@@ -30,7 +30,7 @@ POLYARM_INLINE LaneAngle turn_by(const Lane& a) {
   c = c * z - 1.38888888888730564116e-3;
   c = c * z + 4.16666666666665929218e-2;
   c = 1.0 - (0.5 * z - z * (z * c));
-  // What the number of quarters leaves beside fours: 0, 1/4, 1/2 of either sign, -1/4.
+  // The number of quarters modulo four: 0, 1/4, +-1/2, -1/4.
   const Lane part = off_whole(0.25 * quarters), size = magnitude(part);
   const LaneMask two = below(splat(0.4), size), odd = below(splat(0.1), size) & ~two;
   const Lane sine = select(odd, c, s), cosine = select(odd, s, c);

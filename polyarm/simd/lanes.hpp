@@ -1,9 +1,9 @@
 #pragma once
-/// Eight numbers that go through the same arithmetic side by side. Used inside this room only. Everything
-/// here is inlined into its caller and becomes whatever vector instructions that caller is compiled for, or
-/// pairs of numbers where it is compiled for any x86-64 (GCC's and Clang's vector extension). Files that are
-/// compiled once for each set of instructions say which by POLYARM_WIDTH, the numbers in one register, and
-/// POLYARM_LANES, a namespace of their own (native_eight.hpp).
+/// Arithmetic on eight numbers side by side. Private to the kernels. Everything here is inlined into its
+/// caller and becomes the vector instructions that the caller is compiled for, or pairs of numbers if the
+/// caller is compiled for any x86-64 (vector extension of GCC and Clang). A file that is compiled once for
+/// each instruction set defines POLYARM_WIDTH, the numbers in one register, and POLYARM_LANES, its own
+/// namespace (native_eight.hpp).
 #include <cstddef>
 
 #include "polyarm/base/pose.hpp"
@@ -41,8 +41,8 @@ POLYARM_INLINE Lane with_sign(Lane a, Lane sign) {
   constexpr long long kSign = static_cast<long long>(0x8000000000000000ULL);
   return (Lane)(((LaneMask)a & ~kSign) | ((LaneMask)sign & kSign));
 }
-/// Where a < b. By the sign of the difference: a comparison as such would be taken apart into eight before it
-/// is inlined to where there are instructions for it.
+/// True where a < b. Uses the sign of the difference: the compiler would split a comparison into eight
+/// scalars before it inlines it.
 POLYARM_INLINE LaneMask below(Lane a, Lane b) {
   return (LaneMask)(a - b) >> 63;
 }
@@ -92,13 +92,13 @@ POLYARM_INLINE Lane inverse_root(Lane a) {
 
 namespace POLYARM_LANES {
 
-/// To the nearest whole number, halves to even; for |a| < 2^51.
+/// To the nearest integer, halves to even; for |a| < 2^51.
 POLYARM_INLINE Lane rounded(Lane a) {
   constexpr double kShift = 6755399441055744.0;  // 1.5 * 2^52: no bits are left for fractions
   return (a + kShift) - kShift;
 }
 
-/// What is left of `a` beside the nearest whole number.
+/// `a` minus its nearest integer.
 POLYARM_INLINE Lane off_whole(const Lane& a) {
 #if defined(POLYARM_WIDTH) && POLYARM_WIDTH == 8
   return Parts{(Part)_mm512_reduce_pd((__m512d)a.v.at[0], 0)};
@@ -107,9 +107,9 @@ POLYARM_INLINE Lane off_whole(const Lane& a) {
 #endif
 }
 
-/// The angle of the point (x, y), to about one unit in the last place; 0 where both are zero. With
-/// m = min/max of the sizes reduced to [-tan(pi/8), tan(pi/8)]; the polynomial is the Chebyshev interpolant
-/// of atan(m)/m in m^2 there, relative error 4e-17.
+/// The angle of the point (x, y), to about one unit in the last place; 0 if both are zero. m = min/max of the
+/// sizes is reduced to [-tan(pi/8), tan(pi/8)]; there the polynomial is the Chebyshev interpolant of
+/// atan(m)/m in m^2 with a relative error of 4e-17.
 POLYARM_INLINE Lane angle_of(Lane y, Lane x) {
   constexpr double kPi = 3.14159265358979323846, kTanEighth = 0.41421356237309503;
   const Lane ax = magnitude(x), ay = magnitude(y);
@@ -119,7 +119,7 @@ POLYARM_INLINE Lane angle_of(Lane y, Lane x) {
   const Lane over = select(wide, small - large, small);
   const Lane under = most_of(select(wide, small + large, large), splat(1e-290));
   const Lane m = over * inverse(under), z = m * m, z2 = z * z;
-  // In pairs, so that steps do not wait for each other.
+  // In pairs, to shorten the chain of dependent steps.
   const auto pair = [&](double a, double b) __attribute__((always_inline)) {
     return fma(z, splat(b), splat(a));
   };
@@ -210,7 +210,7 @@ POLYARM_INLINE LaneVec turned(const Vec3& axis, const LaneAngle& angle, const La
   return {part(v.x, across.x, axis.x), part(v.y, across.y, axis.y), part(v.z, across.z, axis.z)};
 }
 
-/// The same of one vector for all: what the axis leaves alone, and what it turns, are known beforehand.
+/// The same for one vector in all lanes; the parts along and across the axis are computed once.
 POLYARM_INLINE LaneVec turned(const Vec3& axis, const LaneAngle& angle, const Vec3& v) {
   const Vec3 still = dot(axis, v) * axis, ahead = v - still, across = cross(axis, v);
   const auto part = [&](double a, double b, double c) __attribute__((always_inline)) {

@@ -1,10 +1,10 @@
 #pragma once
-/// Eight numbers in the registers of the instructions that the including file is compiled for: one of
-/// AVX-512, two of AVX2, four of what every processor has. Included by lanes.hpp where POLYARM_WIDTH says how
-/// many numbers a register holds; everything is in a namespace of that set of instructions, so that nothing
-/// compiled for one processor is linked into code for another. Eight lanes as one vector of the compiler
-/// (the other way, in lanes.hpp) live in memory where no register is that wide: written in halves and read
-/// whole, each time past the processor's store forwarding.
+/// Eight numbers in the registers of the instruction set that the including file is compiled for: one of
+/// AVX-512, two of AVX2, four of SSE2. lanes.hpp includes it if POLYARM_WIDTH gives the numbers per register.
+/// Everything is in a namespace of that instruction set, so the linker cannot mix code for different
+/// processors. The alternative in lanes.hpp, one compiler vector of eight lanes, goes through memory if no
+/// register is that wide: it is written in halves and read whole, which defeats the processor's store
+/// forwarding.
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -219,11 +219,11 @@ POLYARM_INLINE Lane with_sign(const Lane& a, const Lane& sign) {
   constexpr long long kSign = static_cast<long long>(0x8000000000000000ULL);
   return POLYARM_EACH(Parts, (Part)(((PartBits)a.v.at[i] & ~kSign) | ((PartBits)sign.v.at[i] & kSign)));
 }
-/// Where one of the two is negative and the other not (-0 is).
+/// True where exactly one of the two is negative (-0 counts as negative).
 POLYARM_INLINE LaneMask of_unlike_sign(const Lane& a, const Lane& b) {
   return below(with_sign(1.0, a) * with_sign(1.0, b), 0.0);
 }
-/// a * b + c, rounded once where there is an instruction for it.
+/// a * b + c, rounded once if there is an instruction for it.
 POLYARM_INLINE Lane fma(const Lane& a, const Lane& b, const Lane& c) {
   return POLYARM_EACH(Parts, part_fma(a.v.at[i], b.v.at[i], c.v.at[i]));
 }
@@ -240,8 +240,8 @@ POLYARM_INLINE Lane most_of(const Lane& a, const Lane& b) {
 POLYARM_INLINE Lane root(const Lane& a) {
   return POLYARM_EACH(Parts, part_root(a.v.at[i]));
 }
-/// 1 / a to one or two units in the last place, for 1e-290 < |a| < 1e290. With an instruction for the first
-/// 14 bits by Newton's method, which keeps the divider out of it.
+/// 1 / a to one or two units in the last place, for 1e-290 < |a| < 1e290. If an instruction gives the first
+/// 14 bits, Newton's method does the rest without the divider.
 POLYARM_INLINE Lane inverse(const Lane& a) {
 #if POLYARM_WIDTH == 8
   Lane y = Parts{(Part)_mm512_rcp14_pd((__m512d)a.v.at[0])};

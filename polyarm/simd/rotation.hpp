@@ -1,10 +1,10 @@
 #pragma once
-/// Rotation matrices of plain numbers, as vector code takes them. Radians. Any thread; nothing here allocates.
+/// Rotation matrices as plain numbers, for vector code. Radians. Any thread; nothing here allocates.
 #include "polyarm/base/pose.hpp"
 
 namespace polyarm::kinematics {
 
-/// A rotation matrix by its columns.
+/// A rotation matrix, stored by columns.
 struct Rotation {
   Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
 
@@ -20,7 +20,7 @@ struct Rotation {
   }
 };
 Rotation rotation_of(const Quaternion& unit);
-/// By `angle` about a unit axis (Rodrigues' formula).
+/// Rotation by `angle` about a unit axis (Rodrigues' formula).
 Rotation rotation_about(const Vec3& unit_axis, double angle);
 
 }  // namespace polyarm::kinematics
