@@ -1,19 +1,19 @@
 #pragma once
-/// The kernels of closed_form.hpp, compiled once for each set of instructions (branches_*.cpp). Used inside
-/// this room only.
+/// The kernels of closed_form.hpp, compiled once for each instruction set (branches_*.cpp). Private to this
+/// room.
 #include "polyarm/closed_form/closed_form.hpp"
 #include "polyarm/kinematics/ik_solution.hpp"
 
 namespace polyarm::kinematics {
 
-/// Values of axis 4, a `cell` apart from each other.
+/// Values of axis 4, `cell` apart.
 inline constexpr std::size_t kSearchSamples = 64;
 struct SearchSamples {
   double cell;
   alignas(64) double s[kSearchSamples], c[kSearchSamples];
 };
 extern const SearchSamples kSearchAllRound;
-/// As many samples in the cells `of` these that are marked, and nowhere else.
+/// Refines the marked cells of `of` with the same number of samples, and no other cells.
 void search_closer(const SearchSamples& of, const bool* marked, SearchSamples& out) noexcept;
 
 struct BranchKernels {

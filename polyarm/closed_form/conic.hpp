@@ -1,9 +1,9 @@
 #pragma once
-/// Subproblems 5 and 6 without a quartic in sight: both are a conic met by the unit circle. Through the up to
-/// four points where they meet go pairs of straight lines; one pair is always real and its parameter lies in
-/// a known interval, so its lines are found by a safe iteration on real numbers, and each line meets the
-/// circle in two points, or is nearest to it in one (the touching solution, which stays where a double root
-/// is). Eight at a time. Used inside this room only.
+/// Subproblems 5 and 6 without a quartic: both intersect a conic with the unit circle. Pairs of straight
+/// lines pass through the up to four intersection points. One pair is always real, and its parameter lies in
+/// a known interval, so a safe iteration on real numbers finds its lines. Each line meets the circle in two
+/// points, or has one nearest point (the touching solution, which persists at a double root). Eight at a
+/// time. Private to this room.
 #include "polyarm/closed_form/closed_form.hpp"
 #include "polyarm/closed_form/subproblems.hpp"
 
@@ -32,8 +32,8 @@ struct LaneLines {
   Lane reach[2];
 };
 
-/// A root in [0, 1] of t^3 + b t^2 + c t - d, where d >= 0 and 1 + b + c - d >= 0: Newton's steps, halving
-/// the bracket where they would leave it or do not become half as long.
+/// A root in [0, 1] of t^3 + b t^2 + c t - d, where d >= 0 and 1 + b + c - d >= 0. Newton's method; bisects
+/// the bracket when a step leaves it or is not half as long as the one before.
 POLYARM_INLINE Lane root_between_0_and_1(Lane b, Lane c, Lane d) {
   constexpr int kSteps = 22;
   Lane low{}, high = splat(1.0), t = splat(0.5), before = splat(1.0);
@@ -53,10 +53,9 @@ POLYARM_INLINE Lane root_between_0_and_1(Lane b, Lane c, Lane d) {
   return t;
 }
 
-/// The lines through the points where conic and circle meet. `least`: coefficients smaller than this are
-/// nothing.
+/// The lines through the intersection of conic and circle. Coefficients below `least` count as zero.
 POLYARM_INLINE LaneLines lines_of(const LaneConic& q, double least) {
-  // Turned so that the conic is k c^2 + 2 d c + 2 e s + g.
+  // Rotated so that the conic is k c^2 + 2 d c + 2 e s + g.
   const Lane even = q.cc - q.ss, floor = least + 1e-12 * (magnitude(q.c1) + magnitude(q.s1));
   const Lane length = root(even * even + q.cs * q.cs);
   const LaneMask round = below(length, floor);
@@ -73,7 +72,7 @@ POLYARM_INLINE LaneLines lines_of(const LaneConic& q, double least) {
   Lane t = root_between_0_and_1(g - 1.0, d2 + e2 - g, e2);
   t = select(below(t, Lane{}), Lane{}, select(below(splat(1.0), t), splat(1.0), t));
   const Lane p = root(1.0 - t), r = root(t), product = g + t;
-  // (p c - r s + u)(p c + r s + v): u + v, u - v and u v are known, one of the first two more safely.
+  // (p c - r s + u)(p c + r s + v): u + v, u - v and u v are known; one of the first two is more accurate.
   const LaneMask steep = below(p, r);
   const Lane known = 2.0 * select(steep, e, d) / select(steep, r, p);
   const Lane rest = select(steep, known * known + 4.0 * product, known * known - 4.0 * product);
@@ -92,18 +91,18 @@ POLYARM_INLINE LaneLines lines_of(const LaneConic& q, double least) {
   return out;
 }
 
-/// One of up to four points: a line, and the side on it by `sign`.
+/// One of up to four points: selected by a line and by the side on it (`sign`).
 POLYARM_INLINE LaneAngle point_on(const LaneAngle& normal, Lane reach, Lane sign, const Edge& edge,
                                   LaneMask& free) {
   const LaneAngle zero{splat(0.0), splat(1.0)};
   return level(normal, reach, (1.0 - reach) * (1.0 + reach), sign, edge, 1e-3, zero, free);
 }
 
-/// What the four solutions have in common.
+/// The part that the four solutions share.
 struct ShoulderAim {
   LaneVec p, f0, fc, fs;  ///< p23 + R3 p34 = f0 + c fc + s fs
   Lane a0, ac, as, b0, bc, bs;
-  LaneLines lines;  ///< in (c3, s3); of kinds with axes that meet or are parallel only the first
+  LaneLines lines;  ///< in (c3, s3); if axes meet or are parallel, only the first line is used
 };
 
 POLYARM_INLINE ShoulderAim aim_shoulder(const Shoulder& f, const LaneVec& p, const LaneVec& p34) {
@@ -148,9 +147,9 @@ POLYARM_INLINE ShoulderAim aim_shoulder(const Shoulder& f, const LaneVec& p, con
   return out;
 }
 
-/// Of the four, the one that `line` (+1 or -1) and `sign` tell; where kinds have two q3 only, `line` tells
-/// what the second axis does.
-/// Returns the square of what is left between the point and where it should be.
+/// One of the four solutions, selected by `line` (+1 or -1) and `sign`; for kinds with only two values of q3,
+/// `line` selects the second axis.
+/// Returns the squared distance of the point from its target.
 POLYARM_INLINE Lane solve_shoulder(const Shoulder& f, const ShoulderAim& aim, Lane line, Lane sign,
                                    const Edge& edge, const LaneAngle* offered, LaneAngle* q, LaneMask& free) {
   const LaneMask second = below(line, Lane{});

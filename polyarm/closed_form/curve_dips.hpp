@@ -1,5 +1,6 @@
 #pragma once
-/// Where the distance from a seed has dips over one variable of a redundant arm. Used inside this room only.
+/// Local minima of the distance from a seed over one variable of a redundant arm. Private to this room. Any
+/// thread; allocates nothing.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,20 +11,20 @@
 
 namespace polyarm::kinematics {
 
-/// Keeps the `kMost` states of the least cost, nearer ones first.
+/// Keeps the `kMost` states of least cost, in order of cost.
 template <std::size_t kMost>
 class Dips {
  public:
   using State = std::array<double, ArmGeometry::kMostAxes>;
   using Rows = std::array<const double*, 7>;
-  static constexpr double kNowhere = 1e300;  ///< the cost of a value at which there is no state
+  static constexpr double kNowhere = 1e300;  ///< the cost of a value without a state
 
   explicit Dips(std::span<State, kMost> states) noexcept : states_(states) {}
   std::size_t count() const noexcept { return count_; }
 
-  /// `costs` of `count` values of the variable, and the states there: the value of joint j at row[j][k].
-  /// `round`: the last is beside the first. States of neighbours that differ by more than 0.6 rad are on
-  /// different curves: each curve has its own dips.
+  /// Adds all local minima. `costs` has `count` values of the variable; joint j has the value row[j][k]
+  /// there. `round`: the last value is a neighbour of the first. Neighbouring states that differ by more than
+  /// 0.6 rad are on different curves, and each curve has its own minima.
   void take_all(const double* costs, const Rows& rows, std::size_t count, bool round) noexcept {
     constexpr double kJump = 0.6;  // rad
     const auto better = [&](std::size_t other, std::size_t k) {

@@ -1,6 +1,6 @@
 #pragma once
-/// The families that three neighbouring axes make solvable, eight branches side by side. Used inside this
-/// room only.
+/// The families that three neighbouring axes make solvable, eight branches side by side. Private to this
+/// room.
 #include "polyarm/closed_form/closed_form.hpp"
 #include "polyarm/closed_form/conic.hpp"
 #include "polyarm/closed_form/lane_polish.hpp"
@@ -31,14 +31,14 @@ POLYARM_INLINE LaneVec turned_by(const LaneTarget& t, const Vec3& v) {
 POLYARM_INLINE LaneVec turned_back_by(const LaneTarget& t, const LaneVec& v) {
   return {dot(t.rotation.x, v), dot(t.rotation.y, v), dot(t.rotation.z, v)};
 }
-/// The base as seen from the target.
+/// The pose of the base in the frame of the target.
 POLYARM_INLINE LaneTarget inverse(const LaneTarget& t) {
   const auto& [x, y, z] = t.rotation;
   const LaneVec p = turned_back_by(t, t.position);
   return {{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}, {-p.x, -p.y, -p.z}};
 }
 
-/// The wrist's point as seen from axis 1, and the rotation from zero to the target.
+/// The wrist's point relative to axis 1, and the rotation from zero to the target.
 struct Aim {
   Vec3 p;
   Rotation r;
@@ -47,7 +47,7 @@ POLYARM_INLINE Aim aim_of(const SixAxisForm& f, const PoseTarget& target) {
   return {target.position + target.rotation * f.center_in_tool - f.first,
           target.rotation * f.from_tool_rotation};
 }
-/// The same in lanes: what families take of the rotation is where axis 6 and what is beside it point.
+/// The same in lanes. Families use of the rotation only the direction of axis 6 and of its perpendicular.
 struct LaneAim {
   LaneVec p, u, w;
 };
@@ -56,7 +56,7 @@ POLYARM_INLINE LaneAim aim_of(const SixAxisForm& f, const LaneTarget& t) {
           turned_by(t, f.beside_in_tool)};
 }
 
-/// Which of two solutions a branch takes at each of the three places where there are two.
+/// The sign of the solution that a branch takes at each of the three places with two solutions.
 POLYARM_INLINE Lane sign_of_first() {
   return Lane{1, 1, 1, 1, -1, -1, -1, -1};
 }
@@ -67,15 +67,15 @@ POLYARM_INLINE Lane sign_of_third() {
   return Lane{1, -1, 1, -1, 1, -1, 1, -1};
 }
 
-/// Eight questions on their way through a family. At each of three steps there are two ways to go on; a step
-/// leaves what the ones after it need, so that branches side by side and questions side by side with one
-/// branch after the other are the same arithmetic.
+/// Eight questions on their way through a family. Each of three steps has two solutions. A step stores what
+/// later steps need, so eight branches of one question and one branch of eight questions use the same
+/// arithmetic.
 struct Question {
   LaneAim aim;
   LaneTarget target;
   LaneAngle offered[6];
   LaneAngle q[6];
-  LaneMask free[3], beyond[3];  ///< of each step: an angle is free; there is no solution, only a nearest
+  LaneMask free[3], beyond[3];  ///< for each step: an angle is free; there is no solution, only a nearest one
   LaneVec seen_1, u_1, w_1, u_2, w_2, held;
   LaneAngle turned_1;
 };
@@ -84,9 +84,8 @@ POLYARM_INLINE Edge edge_of(const SixAxisForm& f, Question& s, std::size_t step)
   return {f.edge, f.edge_slope, f.wary, f.near_edge, &s.beyond[step]};
 }
 
-/// Angles 4 to 6 of a wrist that puts axis 6 along u_2 and what is beside it along w_2, both as the third
-/// link sees them. A wrist whose axes are square to each other bends either way alike, axes 4 and 6 half a
-/// turn on.
+/// Angles 4 to 6 of a wrist that turns axis 6 to u_2 and its perpendicular to w_2, both in the frame of the
+/// third link. A square wrist bends equally to either side, with axes 4 and 6 half a turn further.
 POLYARM_INLINE void wrist(const SixAxisForm& f, Question& s, Lane sign) {
   const Edge edge = edge_of(f, s, 2);
   const Lane bend = f.square_wrist ? splat(1.0) : sign;
@@ -97,7 +96,7 @@ POLYARM_INLINE void wrist(const SixAxisForm& f, Question& s, Lane sign) {
   s.q[5] = subproblem_1(splat(f.beside_6), back, f.h[5], f.least_sine, s.offered[5], s.free[2]);
 }
 
-/// The other way of a wrist that is square, where it is not singular.
+/// The other solution of a square wrist that is not singular.
 POLYARM_INLINE void flip(const SixAxisForm& f, Question& s, Lane side) {
   if (!f.square_wrist) return;
   const Lane sign = select(s.free[2], splat(1.0), side);
@@ -108,7 +107,7 @@ POLYARM_INLINE void flip(const SixAxisForm& f, Question& s, Lane side) {
   s.q[5] = {sign * s.q[5].s, sign * s.q[5].c};
 }
 
-/// With the first three angles known, the wrist.
+/// The wrist, after the first three angles are known.
 POLYARM_INLINE void see_wrist(const SixAxisForm& f, Question& s) {
   const auto seen = [&](const LaneVec& v) __attribute__((always_inline)) {
     return turned(f.h[2], -s.q[2], turned(f.h[1], -s.q[1], turned(f.h[0], -s.q[0], v)));
@@ -119,12 +118,12 @@ POLYARM_INLINE void see_wrist(const SixAxisForm& f, Question& s) {
 
 struct Wrist2Parallel3 {
   static constexpr int kFrom[4] = {0, 1, 3, 6};
-  static constexpr int kAxes[6] = {0, 1, 2, 3, 4, 5};  ///< in the order of the steps that find them
+  static constexpr int kAxes[6] = {0, 1, 2, 3, 4, 5};  ///< in the order in which the steps find them
   POLYARM_INLINE static void first(const SixAxisForm& f, Question& s, Lane sign) {
     s.q[0] = subproblem_4(splat(f.h[1]), s.aim.p, -f.h[0], splat(f.height), sign, edge_of(f, s, 0),
                           f.least_length, s.offered[0], s.free[0]);
     const LaneVec v = turned(f.h[0], -s.q[0], s.aim.p) - f.p12;
-    // In the plane of both axes only: what is along them has been the first step's.
+    // In the plane perpendicular to both axes only: the first step has solved the part along them.
     s.held = v - dot(f.h[1], v) * f.h[1];
     s.u_1 = turned(f.h[0], -s.q[0], s.aim.u);
     s.w_1 = turned(f.h[0], -s.q[0], s.aim.w);
@@ -201,8 +200,8 @@ struct Wrist2Meets3 {
   POLYARM_INLINE static void third(const SixAxisForm& f, Question& s, Lane sign) { wrist(f, s, sign); }
 };
 
-/// The sum of angles 2 to 4 where they turn about parallel axes and 1 and 5 are known, and angle 6. Where
-/// axis 6 is parallel to axes 2 to 4 its angle is free, and the sum of theirs follows from it.
+/// The sum of angles 2 to 4 for parallel axes, with 1 and 5 known, and angle 6. If axis 6 is parallel to axes
+/// 2 to 4, its angle is free and determines the sum.
 POLYARM_INLINE LaneAngle parallel_sum(const SixAxisForm& f, Question& s, const LaneVec& u, const LaneVec& w,
                                       std::size_t step) {
   const LaneVec bent = turned(f.h[4], s.q[4], f.h[5]);
@@ -210,7 +209,8 @@ POLYARM_INLINE LaneAngle parallel_sum(const SixAxisForm& f, Question& s, const L
   LaneAngle q234 = subproblem_1(bent, u, f.h[1], squared(f.least_sine), {splat(0.0), splat(1.0)}, singular);
   if (bits_of(singular) != 0) {
     const LaneVec across = cross(u, w);
-    const LaneVec freed = s.offered[5].c * w - s.offered[5].s * across;  // R6^T of what is beside axis 6
+    const LaneVec freed = s.offered[5].c * w - s.offered[5].s * across;  // R6^T of the perpendicular of axis
+                                                                         // 6
     LaneMask never{};
     const LaneAngle q234_free = subproblem_1(turned(f.h[4], s.q[4], f.beside_6), freed, f.h[1], f.least_sine,
                                              {splat(0.0), splat(1.0)}, never);
@@ -221,7 +221,7 @@ POLYARM_INLINE LaneAngle parallel_sum(const SixAxisForm& f, Question& s, const L
   s.q[5] = subproblem_1(splat(f.beside_6), back, f.h[5], f.least_sine, s.offered[5], s.free[step]);
   return q234;
 }
-/// Angles 2 to 4 of that sum, which leave their fourth joint's point at `d`.
+/// Angles 2 to 4 with that sum that put the fourth joint's point at `d`.
 POLYARM_INLINE void parallel_parts(const SixAxisForm& f, Question& s, const LaneVec& flat,
                                    const LaneAngle& q234, Lane elbow) {
   s.q[2] = reach_with(f.elbow, dot(flat, flat), elbow, edge_of(f, s, 2), s.offered[2], s.free[2]);
@@ -262,7 +262,7 @@ struct Parallel123 {
     s.u_1 = turned(f.h[3], -s.q[3], f.h[0]);
   }
   POLYARM_INLINE static void second(const SixAxisForm& f, Question& s, Lane sign) {
-    // h1 . R4 R5 = (R^T h1) . R6^T, of which h5 keeps its part whatever q5 is.
+    // h1 . R4 R5 = (R^T h1) . R6^T; the part along h5 does not depend on q5.
     const auto at_tool = [&](const Vec3& v) __attribute__((always_inline)) {
       return f.tool_rotation * turned_back_by(s.target, splat(v));
     };
@@ -271,7 +271,7 @@ struct Parallel123 {
                           f.least_sine, s.offered[5], s.free[1]);
     const LaneVec from_six = turned(f.h[5], s.q[5], seen);
     s.q[4] = subproblem_1(s.u_1, from_six, -f.h[4], squared(f.least_sine), s.offered[4], s.free[1]);
-    // All that turns about axis 1 together.
+    // Everything that turns about axis 1.
     const LaneVec before =
         turned(f.h[3], s.q[3], turned(f.h[4], s.q[4], turned(f.h[5], s.q[5], at_tool(f.beside_1))));
     s.turned_1 =
@@ -290,7 +290,7 @@ struct Parallel123 {
   }
 };
 
-/// Any shoulder: the first three angles through a conic.
+/// A general shoulder: the first three angles from a conic.
 __attribute__((noinline)) inline void wrist_any(const SixAxisForm& f, Question& s) {
   const ShoulderAim shoulder = aim_shoulder(f.shoulder, s.aim.p, splat(f.p34));
   solve_shoulder(f.shoulder, shoulder, sign_of_first(), sign_of_second(), edge_of(f, s, 0), s.offered, s.q,
@@ -300,7 +300,8 @@ __attribute__((noinline)) inline void wrist_any(const SixAxisForm& f, Question& 
   flip(f, s, sign_of_third());
 }
 
-/// Axes 5 and 6 apart: heights along axis 2 of a point and of a direction tie angle 5 to angle 1.
+/// If axes 5 and 6 do not meet: the heights along axis 2 of a point and of a direction relate angle 5 to
+/// angle 1.
 __attribute__((noinline)) inline void parallel_234_apart(const SixAxisForm& f, Question& s) {
   const LaneAim& aim = s.aim;
   const double h12 = dot(f.h[0], f.h[1]), h25 = dot(f.h[1], f.h[4]);
@@ -341,13 +342,13 @@ POLYARM_INLINE void all_branches_in(const SixAxisForm& f, Question& s) {
   if constexpr (Family::kAxes[5] == 5) flip(f, s, sign_of_third());
 }
 
-/// A function of its own for each family: all of them in one would take a compiler minutes.
+/// One function for each family: a single function for all takes minutes to compile.
 template <class Family>
 __attribute__((noinline)) void all_branches(const SixAxisForm& f, Question& s) {
   all_branches_in<Family>(f, s);
 }
 
-/// Calls `with` with the family, where it goes in steps.
+/// Calls `with` with the family, if the fast solver supports it.
 template <class With>
 POLYARM_INLINE bool with_family(ArmFamily family, const With& with) {
   switch (family) {
@@ -374,7 +375,7 @@ POLYARM_INLINE bool with_family(ArmFamily family, const With& with) {
   }
 }
 
-/// Puts a question; `target` as the arm sees it.
+/// Starts a question; `target` is in the arm's view.
 POLYARM_INLINE void put(const SixAxisForm& f, const LaneTarget& target, Question& s) {
   s.target = f.from_tool ? inverse(target) : target;
   s.aim = aim_of(f, s.target);
@@ -382,7 +383,7 @@ POLYARM_INLINE void put(const SixAxisForm& f, const LaneTarget& target, Question
   for (LaneMask& mask : s.beyond) mask = LaneMask{};
 }
 
-/// The eight branches of one target side by side; `offered` is set.
+/// The eight branches of one target side by side; `offered` must be set.
 POLYARM_INLINE void solve_family(const SixAxisForm& f, const LaneTarget& target, Question& s) {
   put(f, target, s);
   const bool steps = with_family(

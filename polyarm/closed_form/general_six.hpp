@@ -1,8 +1,9 @@
 #pragma once
-/// All joint states of six turning axes of any kind that lead to a pose, by algebra: Raghavan and Roth 1993
+/// All joint states of six general turning axes that reach a pose, by algebra. Raghavan and Roth 1993
 /// ("Inverse Kinematics of the General 6R Manipulator and Related Linkages", ASME J. Mech. Design 115)
-/// eliminate four of the six angles, Manocha and Canny 1994 ("Efficient Inverse Kinematics for General 6R
-/// Manipulators", IEEE T-RA 10) turn what is left into eigenvalues. Used inside this room only.
+/// eliminate four of the six angles; Manocha and Canny 1994 ("Efficient Inverse Kinematics for General 6R
+/// Manipulators", IEEE T-RA 10) turn the rest into an eigenvalue problem. Private to the rooms closed_form
+/// and ik. Metres, radians, world frame. After prepare() the object is const: any thread.
 #include <array>
 #include <cstddef>
 #include <span>
@@ -11,25 +12,24 @@
 
 namespace polyarm::kinematics {
 
-/// What of the arm alone enters, taken once.
+/// The constants of the arm, computed once.
 class GeneralSix {
  public:
-  static constexpr std::size_t kMost = 24;  ///< sixteen, and touching ones twice
+  static constexpr std::size_t kMost = 24;  ///< sixteen, with touching solutions twice
   using State = std::array<double, 6>;
 
-  /// `arm` has six turning axes. `from_tool`: solved as the reversed arm, which other arms suit.
-  /// `prepared` false: only for finds(), until prepare().
+  /// `arm` has six turning axes. `from_tool`: solve the reversed arm, which suits other arms. `prepared`
+  /// false: only finds() may be called until prepare().
   explicit GeneralSix(const ArmGeometry& arm, bool from_tool = false, bool prepared = true);
-  /// Takes what all poses have in common, for solve().
+  /// Computes what all poses share, for solve().
   void prepare() noexcept;
   enum class Finds { it, not_this, nothing_ever };
-  /// Whether `q`, each angle within `tolerance` but for whole turns, is among what solve() has for its pose;
-  /// or that the arm's axes are so special to each other that no pose is solved. Prepares where that has any
-  /// prospect.
+  /// Finds whether solve() recovers `q` (each angle within `tolerance`, except for whole turns) from its
+  /// pose, or that the arm's axes are too special for any pose. Prepares if that makes sense.
   Finds finds(const State& q, const PoseTarget& target, double tolerance) noexcept;
 
-  /// Joint states near all of the solutions (to some 1e-6 rad, worse where two are about to meet), in the
-  /// order of the arm's axes; among them some that are none. Returns how many. Allocates nothing.
+  /// Joint states near all solutions (to about 1e-6 rad, worse where two are about to meet), in the order of
+  /// the arm's axes; some of them are not solutions. Returns their number. Allocates nothing.
   std::size_t solve(const PoseTarget& target, std::span<State, kMost> out) const noexcept;
 
  private:
@@ -57,19 +57,19 @@ class GeneralSix {
   Features right_with(const Ends& ends, const Rotation& first, const Rotation& second) const noexcept;
 
   bool from_tool_;
-  double scale_ = 1;             ///< 1 / m: lengths inside are parts of the arm's size
+  double scale_ = 1;             ///< 1 / m: internal lengths are in units of the arm's size
   std::array<Vec3, 6> h_;        ///< directions of the axes
   std::array<Vec3, 5> p_;        ///< from a point of one axis to a point of the next
-  Vec3 first_, last_in_tool_;    ///< a point of axis 1, and one of axis 6 as the tool sees it
+  Vec3 first_, last_in_tool_;    ///< a point of axis 1, and one of axis 6 in the tool frame
   Rotation from_tool_rotation_;  ///< transposed rotation of the tool at zero
   Vec3 beside_6_;
-  /// Features of what axes 3 to 5 do, as polynomials: (1, sin, cos) of angle 3, then powers of the half-angle
-  /// tangents of angles 4 and 5 (3 * power of 4's + power of 5's): columns of features, 9 * first + second.
+  /// Features of axes 3 to 5 as polynomials: (1, sin, cos) of angle 3, times powers of the half-angle
+  /// tangents of angles 4 and 5 (3 * power of 4's + power of 5's). Columns of features, 9 * first + second.
   std::array<double, kFeatures * 27> left_{};
   std::array<Rotation, 3> first_back_, second_back_;  ///< angles 1 and 2 undone at 0, 120, 240 degrees
   bool ready_ = false;
-  /// Square to the roots +-i that every pose has four times over and that are no solutions: 16 columns of 24,
-  /// row by row.
+  /// The complement of the roots +-i, which every pose has four times and which are not solutions: 16 columns
+  /// of 24, row-major.
   std::array<std::array<double, 16>, 24> wanted_;
 };
 

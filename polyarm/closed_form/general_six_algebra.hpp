@@ -1,6 +1,6 @@
 #pragma once
-/// The dense linear algebra that GeneralSix needs, in its sizes, rows one after the other. Used inside it
-/// only. In Eigen's terms the same takes a compiler a minute. Nothing here allocates.
+/// Dense linear algebra in the sizes that GeneralSix needs, row-major. Private to GeneralSix. The same in
+/// Eigen takes a minute to compile. Nothing here allocates.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,7 +24,7 @@ void add_part(double part, const std::array<double, N>& what, std::array<double,
   for (std::size_t i = 0; i < N; ++i) to[i] += part * what[i];
 }
 
-/// Twelve equations, solved by elimination; of each column the largest comes first.
+/// Twelve equations, solved by elimination with the largest pivot of each column.
 class TwelveEquations {
  public:
   explicit TwelveEquations(const Grid<12, 12>& rows) noexcept : upper_(rows) {
@@ -42,7 +42,7 @@ class TwelveEquations {
       }
     }
   }
-  /// The least pivot in parts of the largest.
+  /// The smallest pivot relative to the largest.
   double least_pivot() const noexcept {
     double least = std::abs(upper_[0][0]), most = least;
     for (std::size_t k = 1; k < 12; ++k) {
@@ -51,7 +51,7 @@ class TwelveEquations {
     }
     return least / most;
   }
-  /// Right sides become solutions; not finite where a pivot is zero.
+  /// Replaces right sides by solutions; not finite if a pivot is zero.
   template <std::size_t N>
   void solve(Grid<12, N>& b) const noexcept {
     for (std::size_t k = 0; k < 12; ++k) {
@@ -66,14 +66,14 @@ class TwelveEquations {
 
  private:
   Grid<12, 12> upper_, lower_{};
-  std::array<std::size_t, 12> from_;  ///< the row that came to this place
+  std::array<std::size_t, 12> from_;  ///< the original row at this position
 };
 
-/// Fourteen equations for eight unknowns, by reflections; the largest column that is left comes first.
+/// Fourteen equations for eight unknowns, by reflections with the largest remaining column first.
 class FourteenForEight {
  public:
   using Column = std::array<double, 14>;
-  /// Takes the unknowns' columns.
+  /// Takes the columns of the unknowns.
   void take(std::array<Column, 8> columns) noexcept {
     double most = 0;
     rank_ = 0;
@@ -95,7 +95,7 @@ class FourteenForEight {
     }
     upper_ = columns;
   }
-  /// Turns rows so that all but the first eight are free of the unknowns.
+  /// Transforms rows so that all but the first eight are free of the unknowns.
   template <std::size_t N>
   void turn(Grid<14, N>& rows) const noexcept {
     for (std::size_t k = 0; k < rank_; ++k) {
@@ -104,7 +104,7 @@ class FourteenForEight {
       for (std::size_t f = k; f < 14; ++f) add_part(-normal_[k][f], along, rows[f]);
     }
   }
-  /// The unknowns that come nearest to `b`; those that the columns say nothing about are zero.
+  /// The least-squares solution for `b`; unknowns that the columns do not determine are zero.
   std::array<double, 8> solve(Column b) const noexcept {
     for (std::size_t k = 0; k < rank_; ++k) add_part(-inner(normal_[k], b), normal_[k], b);
     std::array<double, 8> x{};
@@ -116,16 +116,16 @@ class FourteenForEight {
   }
 
  private:
-  static constexpr double kNone = 1e-32;  ///< of the largest column's square: rounding
+  static constexpr double kNone = 1e-32;  ///< of the largest column's square: below this it is rounding
 
-  /// Takes column k, `size` long from its place k on, into that place, and the others with it.
+  /// Moves column k, with length `size` from row k on, into place and transforms the others with it.
   void reflect(std::array<Column, 8>& columns, std::size_t k, double size) noexcept {
     Column& normal = normal_[k];
     normal = columns[k];
     std::fill_n(normal.begin(), k, 0.0);
     const double to = normal[k] > 0 ? -size : size;
     normal[k] -= to;
-    const double scale = 1 / std::sqrt(size * std::abs(normal[k]));  // the square is then 2
+    const double scale = 1 / std::sqrt(size * std::abs(normal[k]));  // makes the square 2
     for (double& value : normal) value *= scale;
     columns[k][k] = to;
     for (std::size_t j = k + 1; j < 8; ++j) add_part(-inner(normal, columns[j]), normal, columns[j]);
@@ -136,7 +136,8 @@ class FourteenForEight {
   std::size_t rank_ = 0;
 };
 
-/// Makes `v` a unit vector square to the first `count` of `basis`; where it lies among them, any such vector.
+/// Makes `v` a unit vector perpendicular to the first `count` vectors of `basis`; if it lies in their span,
+/// any such vector.
 template <std::size_t N, std::size_t kMost>
 void make_square_to(const std::array<std::array<double, N>, kMost>& basis, std::size_t count,
                     std::array<double, N>& v) noexcept {
@@ -146,7 +147,7 @@ void make_square_to(const std::array<std::array<double, N>, kMost>& basis, std::
     for (double& value : v) value /= size;
     for (std::size_t k = 0; k < count; ++k) add_part(-inner(basis[k], v), basis[k], v);
     size = std::sqrt(inner(v, v));
-    if (size > 0.7) break;  // what rounding leaves of the others is small
+    if (size > 0.7) break;  // the remaining parts along the others are rounding errors
   }
   for (double& value : v) value /= size;
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// The true arm in lanes: how far eight joint states are from a pose, and descent from all of them towards
-/// it. Used inside this room only.
+/// The true arm in lanes: the error of eight joint states against a pose, and descent from all of them.
+/// Private to this room. Errors in m and rad.
 #include <algorithm>
 
 #include "polyarm/closed_form/closed_form.hpp"
@@ -11,14 +11,14 @@
 
 namespace POLYARM_LANES {
 
-inline constexpr double kGoodEnough = 1e-11;  // m and rad: better than this is not polished
+inline constexpr double kGoodEnough = 1e-11;  // m and rad: smaller errors are not polished
 inline constexpr double kLargestTurn = 0.3;   // rad in one step of the polish
-/// Where the second step is longer than this part of the first the way is bent as much as it is long: what it
-/// leads to may be one of several. Shorter second steps than the other are rounding, rad.
+/// If the second step is longer than this part of the first, the path bends as much as it is long, and the
+/// result may be one of several. Second steps shorter than kLeastBend (rad) are rounding.
 inline constexpr double kMostOfTheStepBefore = 0.1, kLeastBend = 1e-7;
-/// Errors on the true arm, in BranchJob::ideal: up to these are those of an ideal arm's answers, of poses
-/// just beyond its reach, of poses not far beyond; and of what descent from there leads so near to that there
-/// may be a solution.
+/// Errors on the true arm, in units of BranchJob::ideal. Up to these values the error is that of: an ideal
+/// arm's answer; a pose just beyond its reach; a pose not far beyond its reach. kNearlyThere: a descent that
+/// ends this close may be near a solution.
 inline constexpr double kAnswer = 30, kNearAnswer = 300, kAroundAnswer = 3000, kNearlyThere = 100;
 
 inline constexpr std::size_t kMost = ArmGeometry::kMostAxes;
@@ -33,7 +33,7 @@ POLYARM_INLINE void turn_pair(const LaneAngle& a, Lane& u, Lane& v) {
   v = fma(a.s, was, a.c * v);
 }
 
-/// Two of the tool's axes and its origin, by the shorter way (LaneArm::square).
+/// Two of the tool's axes and its origin, by the faster form (LaneArm::square).
 POLYARM_INLINE void place_square(const LaneArm& arm, const LaneAngle* q, LaneVec& x, LaneVec& y, LaneVec& p) {
   x = splat(arm.tool_x), y = splat(arm.tool_y), p = splat(arm.tool_step);
   for (std::size_t i = arm.count; i-- > 0;) {
@@ -52,8 +52,8 @@ POLYARM_INLINE void place_square(const LaneArm& arm, const LaneAngle* q, LaneVec
   x = arm.frame * x, y = arm.frame * y, p = arm.frame * p;
 }
 
-/// Squares of what is between the target and where these angles lead. Goes from the tool to the base with
-/// three vectors: two of the tool's axes and its origin.
+/// Squared errors between the target and the pose at these angles. Goes from the tool to the base with three
+/// vectors: two of the tool's axes and its origin.
 template <class Target>
 POLYARM_INLINE void measure(const LaneArm& arm, const LaneAngle* q, const Target& target, Lane& position,
                             Lane& orientation) {
@@ -114,8 +114,8 @@ POLYARM_INLINE void solve_definite(Lane (&a)[6][6], Lane (&b)[6]) {
 }
 
 /// One step of damped least squares (damping proportional to the squared error: Chan and Lawrence 1988) of
-/// all branches. `moves`: which axes may. Returns by how much axis `watched` moves; `largest`: what the axis
-/// that turns most would, if steps had no end.
+/// all branches. `moves`: the axes that may move. Returns the step of axis `watched`; `largest`: the largest
+/// step of any axis before steps are clipped.
 POLYARM_INLINE Lane descend(const LaneArm& arm, const bool* moves, const PoseTarget& target, LaneAngle* q,
                             std::size_t watched = 0, Lane* largest = nullptr) {
   const std::size_t n = arm.count;
@@ -201,23 +201,22 @@ POLYARM_INLINE Lane load(const double* from) {
 }
 #endif
 
-/// Whether a branch is not exact, but near enough to become so.
+/// True if a branch is not exact but near enough to become so.
 POLYARM_INLINE bool worth_more(Lane position, Lane orientation, double good_enough, double worth) {
   const Lane worst = most_of(position, orientation);
   return bits_of(below(splat(good_enough * good_enough), worst) & below(worst, splat(worth * worth))) != 0;
 }
 
-/// An arm of five axes or fewer comes to few poses: some of the branches that the six axes have end close by,
-/// and stay there.
+/// An arm of five axes or fewer reaches few poses: some branches of the six axes end close by and stay there.
 struct Staying {
   LaneMask stays{};
   Lane last{};
 
-  /// Whether all that is worth more stays where it is. Called for each step.
+  /// True if all branches that are worth more steps have stalled. Called after each step.
   POLYARM_INLINE bool over(const BranchJob& job, int step, Lane position, Lane orientation, double worth) {
     constexpr int kFirstSteps = 3;
-    constexpr double kLess = 0.9;    // of the squared error, in one step: else it is no descent
-    constexpr double kClose = 1e-4;  // m and rad: descent from further off may be slow at first
+    constexpr double kLess = 0.9;    // of the squared error in one step: above this the branch has stalled
+    constexpr double kClose = 1e-4;  // m and rad: a descent from farther off may be slow at first
     if (job.arm->count > 5 || step < kFirstSteps) return false;
     const Lane left = most_of(position, orientation);
     if (step > kFirstSteps) stays |= ~below(left, kLess * last) & below(left, splat(kClose * kClose));
@@ -227,18 +226,18 @@ struct Staying {
   }
 };
 
-/// To the next whole number above; for |a| < 2^51.
+/// The next greater integer; for |a| < 2^51.
 POLYARM_INLINE Lane whole_above(Lane a) {
   const Lane near = rounded(a);
   return near + select(below(near, a), splat(1.0), Lane{});
 }
 
-/// Brings one joint's values to the turn within limits that is nearest to `near`; says where there is one.
+/// Moves one joint's values to the turn within limits nearest to `near`; returns the lanes that have one.
 POLYARM_INLINE LaneMask bring_near(Lane& value, double near, double lower, double upper, bool slides) {
   constexpr double kTurn = 6.283185307179586477, kAtLimit = 1e-10;  // rad or m beyond a limit: rounding
   const Lane low = splat(lower - kAtLimit), high = splat(upper + kAtLimit);
   if (!slides) {
-    // Half a turn away is as near on either side; rounding must not decide which it is.
+    // Half a turn is equally near on either side; rounding must not decide.
     value += kTurn * rounded((near - value) * (1 / kTurn) - 1e-9);
     const Lane up = value + kTurn * whole_above((lower - value) * (1 / kTurn) - 1e-11);
     value = select(below(value, low), up, value);
@@ -251,7 +250,7 @@ POLYARM_INLINE LaneMask bring_near(Lane& value, double near, double lower, doubl
   return ~outside;
 }
 
-/// Joint values out of the angles.
+/// Writes joint values from angles.
 POLYARM_INLINE void write_values(const BranchJob& job, const LaneAngle* q, Branches& out) {
   const LaneArm& arm = *job.arm;
   Lane distance2{};
@@ -274,7 +273,7 @@ POLYARM_INLINE LaneAngle angle_at(const LaneArm& arm, std::size_t axis, double v
   return {splat(__builtin_sin(value)), splat(__builtin_cos(value))};
 }
 
-/// Which of the angles are far from where they began.
+/// The lanes with an angle far from where it began.
 POLYARM_INLINE LaneMask far_from(const LaneArm& arm, const LaneAngle* begin, const LaneAngle* q) {
   constexpr double kCosineOfFar = 0.995;  // 0.1 rad
   LaneMask out{};
@@ -283,8 +282,8 @@ POLYARM_INLINE LaneMask far_from(const LaneArm& arm, const LaneAngle* begin, con
   return out;
 }
 
-/// How good a state is to begin with, of an arm that is not quite ideal: an answer of the ideal arm, or what
-/// it has nearest to a pose beyond its reach.
+/// Rates a start for a slightly non-ideal arm: an answer of the ideal arm, or its nearest state to a pose
+/// beyond its reach.
 struct Beginning {
   LaneMask answer{}, near{}, around{};
   LaneAngle q[kMost];
@@ -299,8 +298,8 @@ POLYARM_INLINE Beginning beginning_of(const BranchJob& job, const LaneAngle* q, 
   return out;
 }
 
-/// Descent from answers of the ideal arm led far, round a bend or not to the end; or there is something where
-/// the ideal arm has no answer, but nearly one.
+/// Bit mask of strayed branches: the descent from the ideal arm's answer went far, bent or did not converge;
+/// or there is almost a solution where the ideal arm has none.
 POLYARM_INLINE std::uint32_t strayed(const BranchJob& job, const Beginning& begin, const LaneAngle* q,
                                      const Lane* largest, Lane error2) {
   const LaneMask unfinished = below(splat(1e-18), error2);

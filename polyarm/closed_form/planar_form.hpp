@@ -1,13 +1,13 @@
 #pragma once
-/// Six axes of which the second and the third are parallel, with a wrist or with a fourth axis parallel to
-/// them and axes 5 and 6 that meet: most arms there are. Everything that turns about those axes stays in a
-/// plane, so in frames whose z they are a turn costs four products, and a length known beforehand spares a
-/// root. The steps are those of families.hpp. Used inside this room only.
+/// Six axes with parallel axes 2 and 3, and either a wrist or a parallel axis 4 with axes 5 and 6 that meet:
+/// most existing arms. Everything that turns about the parallel axes stays in a plane, so in frames with that
+/// z a turn costs four products, and constant lengths save a square root. The steps are those of
+/// families.hpp. Private to this room. Metres, radians; any thread.
 #include "polyarm/closed_form/closed_form.hpp"
 
 namespace polyarm::kinematics {
 
-/// The constants of such an arm. False where a step has nothing to hold on to: the general way is then right.
+/// The constants of such an arm. False if a step would be degenerate: use the general solver then.
 bool planar_form(const SixAxisForm& form, PlanarForm& out) noexcept;
 
 }  // namespace polyarm::kinematics

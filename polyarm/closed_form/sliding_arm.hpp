@@ -1,7 +1,8 @@
 #pragma once
-/// Arms with joints that slide, in closed form: SCARAs (three parallel turning axes and one that slides along
-/// them, in any order) and gantries (three that slide, then one to three that turn). Used inside this room
-/// only.
+/// Closed forms for arms with sliding joints: SCARAs (three parallel turning axes and one that slides along
+/// them, in any order) and gantries (three sliding axes, then one to three turning ones). Private to the
+/// rooms closed_form and ik. Metres, radians, world frame; const after construction: any thread. Nothing
+/// throws.
 #include <array>
 #include <cstddef>
 #include <span>
@@ -16,13 +17,13 @@ class SlidingArm {
   using State = std::array<double, ArmGeometry::kMostAxes>;
 
   enum class Kind { none, scara, gantry };
-  /// What `arm` is. Axes parallel within kLooseTolerance count as parallel.
+  /// The kind of `arm`. Axes parallel within kLooseTolerance count as parallel.
   static Kind kind_of(const ArmGeometry& arm) noexcept;
-  /// Precondition: `arm` is one of the two, and outlives this.
+  /// Precondition: `arm` is a SCARA or a gantry, and outlives this object.
   SlidingArm(const ArmGeometry& arm, Kind kind) noexcept;
 
-  /// Both solutions; where there is none, states near the pose. `seed` (values of the arm's axes) decides
-  /// where endlessly many lead there. Allocates nothing.
+  /// Both solutions; if there is none, states near the pose. `seed` (values of the arm's axes) selects one of
+  /// infinitely many. Allocates nothing.
   std::size_t solve(const PoseTarget& target, const double* seed, std::span<State, kMost> out) const noexcept;
 
  private:
@@ -32,7 +33,7 @@ class SlidingArm {
 
   const ArmGeometry* arm_;
   Kind kind_;
-  std::array<std::size_t, 3> turning_{};  ///< of a SCARA
+  std::array<std::size_t, 3> turning_{};  ///< for a SCARA
   std::array<double, 3> sign_{};
   std::size_t sliding_ = 0;
 };

@@ -1,8 +1,9 @@
 #pragma once
-/// Seven turning axes of which the first or the last may be the one to spare and the other six have a quick
-/// closed form: another value of that axis is another pose for the same six, so eight values are eight poses
-/// side by side (for the Panda by its last angle: He and Liu 2021, "Analytical inverse kinematics for Franka
-/// Emika Panda"). Used inside this room only.
+/// Arms of seven turning axes whose first or last axis may be the redundant one while the other six have a
+/// fast closed form. Another value of that axis is another pose for the same six axes, so eight values are
+/// solved as eight poses side by side (for the Panda by its last angle: He and Liu 2021, "Analytical inverse
+/// kinematics for Franka Emika Panda"). Private to the rooms closed_form and ik. Metres, radians, world
+/// frame; const after construction: any thread.
 #include <optional>
 #include <span>
 
@@ -14,25 +15,26 @@ class SpareEnd {
  public:
   using State = std::array<double, ArmGeometry::kMostAxes>;
 
-  /// Nothing where neither end leaves such a form.
+  /// Returns nothing if neither end leaves such a form.
   static std::optional<SpareEnd> of(const ArmGeometry& arm, const LaneLimits& limits);
 
   std::size_t axis() const noexcept { return axis_; }
 
   static constexpr std::size_t kMostDips = 8;
-  /// Joint states within limits that lead to the target, of which one slides (SelfMotion) to the one that is
-  /// nearest to `seed` (a joint state): where the distance has a dip over 32 values of the spare axis, the
-  /// nearer first. Returns how many; 0 where no value that was looked at leads there. Allocates nothing.
+  /// Joint states within limits that reach the target, at the local minima of the distance from `seed` (a
+  /// joint state) over 32 values of the spare axis, nearest first. SelfMotion slides from one of them to the
+  /// nearest state. Returns their number; 0 if no tried value reaches the target. Allocates nothing.
   std::size_t dips(const Pose& target, const double* seed, std::span<State, kMostDips> out) const noexcept;
 
  private:
-  /// `values` eight of them, evenly spaced.
+  /// `values` are eight evenly spaced values.
   void ask(const Pose& target, const double* seed, double first, double step, QuickAnswers& found,
            double* costs) const noexcept;
 
-  std::size_t axis_ = 0, joint_ = 0;  ///< of the spare one
+  std::size_t axis_ = 0, joint_ = 0;  ///< of the spare axis
   bool last_ = false;
-  Vec3 direction_, point_;  ///< of it: as the tool at zero sees them where it is the last, else in the world
+  Vec3 direction_, point_;  ///< of the spare axis: in the frame of the tool at zero if it is the last one,
+                            ///< else in the world
   double lower_ = 0, upper_ = 0, weight_ = 1;
   QuickJob job_;
   LaneArm six_;

@@ -1,8 +1,8 @@
 #pragma once
-/// The small geometric problems that closed-form inverse kinematics is made of (Paden 1985; Kahan 1983; the
-/// numbering and the least-squares answers after Elias and Wen 2025), eight at a time. Angles stay sine and
-/// cosine. Where a problem has no solution the answer is the nearest there is, continuous at the border;
-/// where any angle will do, it is the one offered. Used inside this room only.
+/// The small geometric problems that closed-form inverse kinematics consists of (Paden 1985; Kahan 1983; the
+/// numbering and the least-squares answers after Elias and Wen 2025), eight at a time. Angles are kept as
+/// sine and cosine. If a problem has no solution, the answer is the nearest one, continuous at the border; if
+/// any angle is a solution, the answer is the offered one. Private to this room.
 #include "polyarm/closed_form/closed_form.hpp"
 #include "polyarm/simd/lanes.hpp"
 
@@ -11,8 +11,8 @@
 
 namespace POLYARM_LANES {
 
-/// The angle of the point (c, s); `offered` where the point is within `least` of the origin, which joins
-/// `free`.
+/// The angle of the point (c, s). If the point is within `least` of the origin, the answer is `offered` and
+/// the lane is marked in `free`.
 POLYARM_INLINE LaneAngle toward(Lane s, Lane c, double least, const LaneAngle& offered, LaneMask& free) {
   const Lane square = s * s + c * c;
   const LaneMask any = below(square, splat(least * least));
@@ -21,28 +21,28 @@ POLYARM_INLINE LaneAngle toward(Lane s, Lane c, double least, const LaneAngle& o
   return {select(any, offered.s, s * scale), select(any, offered.c, c * scale)};
 }
 
-/// 1: turns p as near to q as can be, about the unit axis k. Free where either is within `least` of the axis
-/// (the product of both distances).
+/// 1: turns p as near to q as possible, about the unit axis k. Free if either is within `least` of the axis
+/// (as the product of both distances).
 POLYARM_INLINE LaneAngle subproblem_1(const LaneVec& p, const LaneVec& q, const Vec3& k, double least,
                                       const LaneAngle& offered, LaneMask& free) {
-  // From the parts square to the axis, which are known to as many digits when they are small.
+  // From the parts perpendicular to the axis, which keep their digits when they are small.
   const LaneVec a = cross(k, p), b = cross(k, q);
   return toward(dot(k, cross(a, b)), dot(a, b), least, offered, free);
 }
 
-/// How solutions that meet are told apart. On the ideal form of an arm that is not quite ideal, two solutions
-/// near a border may be none, or one: with `part` > 0 the answer is not the border itself but a solution on
-/// either side of it, from which descent on the true arm finds both.
+/// How solutions that meet are kept apart. On the ideal form of a slightly non-ideal arm, two solutions near
+/// a border may be one or none. With `part` > 0 the answer is not the border itself but a solution on either
+/// side of it; descents on the true arm find both from there.
 struct Edge {
   double part = 0;             ///< of the square of the circle's radius
   double slope = 0;            ///< sqrt(part / (1 - part))
-  bool tell = false;           ///< whether what is near to a border counts as free:
-  double near = 0;             ///< what is this near, of the square of the circle's radius
-  LaneMask* beyond = nullptr;  ///< where there is no solution; not asked for without it
+  bool tell = false;           ///< a pose near a border counts as free
+  double near = 0;             ///< near: up to this part of the squared radius of the circle
+  LaneMask* beyond = nullptr;  ///< output: lanes without a solution; null disables it
 };
 
-/// s * along.s + c * along.c = b, the solution on the side of `sign` (+1 or -1). `open` is the square of
-/// |along| minus the square of b, which callers may know to more digits.
+/// s * along.s + c * along.c = b, the solution on the side of `sign` (+1 or -1). `open` is |along|^2 - b^2;
+/// callers may know it to more digits.
 POLYARM_INLINE LaneAngle level(const LaneAngle& along, Lane b, Lane open, Lane sign, const Edge& edge,
                                double least, const LaneAngle& offered, LaneMask& free) {
   const Lane square = along.s * along.s + along.c * along.c;
@@ -59,8 +59,8 @@ POLYARM_INLINE LaneAngle level(const LaneAngle& along, Lane b, Lane open, Lane s
   return select(any, offered, out);
 }
 
-/// Of two known lengths and the angle between them: the one at which they end a distance apart (3 with the
-/// points p and q, of which all but the distance is known beforehand).
+/// The angle between two known lengths at which their ends are a given distance apart (subproblem 3 with
+/// points p and q, with everything but the distance constant).
 POLYARM_INLINE LaneAngle reach_with(const Reach& known, Lane d_squared, Lane sign, const Edge& edge,
                                     const LaneAngle& offered, LaneMask& free) {
   const Lane b = fnma(d_squared, splat(0.5), splat(known.half));
@@ -85,7 +85,7 @@ POLYARM_INLINE LaneAngle subproblem_3(const LaneVec& p, const LaneVec& q, const 
   return subproblem_4(q, p, k, 0.5 * (dot(p, p) + dot(q, q) - d_squared), sign, edge, least, offered, free);
 }
 
-/// 2: R(a, first) p = R(b, second) q. Free where p or q is within `least` of its axis.
+/// 2: R(a, first) p = R(b, second) q. Free if p or q is within `least` of its axis.
 POLYARM_INLINE void subproblem_2(const LaneVec& p, const LaneVec& q, const Vec3& a, const Vec3& b, Lane sign,
                                  const Edge& edge, double least, const LaneAngle& offered_first,
                                  const LaneAngle& offered_second, LaneAngle& first, LaneAngle& second,
@@ -94,9 +94,9 @@ POLYARM_INLINE void subproblem_2(const LaneVec& p, const LaneVec& q, const Vec3&
   second = subproblem_1(q, turned(a, first, p), b, least * least, offered_second, free);
 }
 
-/// 4 for unit vectors: a . R(b, angle) c = a . u, where u is a unit vector; exact where u is near +-a and the
-/// axes a, b, c stand at equal angles, which is where a wrist is singular: the opening
-/// (1 - (a.b)^2)(1 - (b.c)^2) - (a.u - (a.b)(b.c))^2 is written with |a x u|^2 instead of 1 - (a.u)^2.
+/// 4 for unit vectors: a . R(b, angle) c = a . u. It is exact where u is near +-a and the axes a, b, c have
+/// equal angles, which is where a wrist is singular. The opening (1 - (a.b)^2)(1 - (b.c)^2) - (a.u -
+/// (a.b)(b.c))^2 is computed with |a x u|^2 instead of 1 - (a.u)^2.
 POLYARM_INLINE LaneAngle wrist_bend(const Vec3& a, const Vec3& b, const Vec3& c, const LaneVec& u, Lane sign,
                                     const Edge& edge, LaneMask& free) {
   const double ab = dot(a, b), bc = dot(b, c);

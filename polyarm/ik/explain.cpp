@@ -13,13 +13,13 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr int kLooks = 48;        // descents for each possible reason
-constexpr int kSettleSteps = 40;  // to the bottom, for the nearest
+constexpr int kSettleSteps = 40;  // steps to the minimum, for the nearest state
 
 std::string meters(double length) {
   return length < 1e5 ? fmt::format("{:.2f} m", length) : fmt::format("{:.3g} m", length);
 }
 
-/// The same question with orientations counted at this weight, rad per rad or length.
+/// The same question with another weight of orientation, rad per rad or length.
 NumericQuestion weighed(const NumericQuestion& question, double weight) {
   NumericQuestion out = question;
   if (!out.task) out.task.emplace();
@@ -34,7 +34,7 @@ bool all_turns_free(const NumericQuestion& question) {
   return out;
 }
 
-/// The best of many descents, followed to the bottom. `size2` says how good a place is.
+/// The best of many descents, followed to its minimum. `size2` rates a place.
 template <typename Size>
 NumericPlace best_of(const NumericCore& core, const NumericQuestion& question, const Size& size2) {
   NumericCore::Places found;
@@ -61,8 +61,8 @@ std::string limit_sentence(const Chain& chain, const IkSolution& at) {
                      chain.slides(worst) ? "m" : "rad", upper ? "upper" : "lower", limit);
 }
 
-/// Whether the pose could be had without limits; then the sentence names the joint in the way of the best
-/// try.
+/// True if the pose is reachable without limits; `sentence` then names the joint that blocks the best
+/// attempt.
 bool blame_limits(const NumericCore& core, NumericQuestion question, std::span<const double> seed,
                   std::string& sentence) {
   double least = 1e300;
@@ -82,8 +82,7 @@ bool blame_limits(const NumericCore& core, NumericQuestion question, std::span<c
   return least < 1e300;
 }
 
-/// Whether the place alone can be had; then the sentence tells by how much the orientation misses at the
-/// least.
+/// True if the position alone is reachable; `sentence` then gives the smallest orientation error.
 bool blame_orientation(const NumericCore& core, const NumericQuestion& question, std::string& sentence) {
   constexpr double kLightly = 0.03, kSamePlace = 1e-3;
   double least = 1e300;

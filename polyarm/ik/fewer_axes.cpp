@@ -1,4 +1,4 @@
-// Arms of three to five axes, solved as six of which some stand still.
+// Arms of three to five axes, solved as arms of six axes with some axes fixed.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ Vec3 nearest_point(const JointAxis& a, const JointAxis& b) noexcept {
   return 0.5 * (a.point + s * a.direction + b.point + t * b.direction);
 }
 
-/// An arm with axes added that stand still, so that it is one of six.
+/// An arm with fixed axes added, so that it has six.
 struct Completed {
   ArmGeometry six;
   std::array<int, 6> to_arm;
@@ -27,7 +27,7 @@ struct Completed {
 
 using Attempts = std::array<Completed, 24>;
 
-/// `extra` axes through `point` from place `at` on: along `a`, then square to it and to each other.
+/// Adds axes through `point` at index `at`: along `directions`, then perpendicular to them and to each other.
 Completed completed(const ArmGeometry& arm, std::size_t at, std::initializer_list<Vec3> directions,
                     const Vec3& point) {
   Completed out{arm, {}};
@@ -46,8 +46,8 @@ Completed completed(const ArmGeometry& arm, std::size_t at, std::initializer_lis
   return out;
 }
 
-/// Other places for a sixth axis, where three neighbours meet or are parallel once it is there: beside an
-/// axis and parallel to it, so that the elbow of both is square; radial, so that it lifts; in front of all.
+/// Other places for a sixth axis that make three neighbours meet or become parallel: beside an axis and
+/// parallel to it (the elbow of both is square), radial (it lifts), or in front of all.
 void add_elsewhere(const ArmGeometry& arm, Attempts& attempts, std::size_t& count) {
   const double size = length_between_axes(arm);
   const auto add = [&](std::size_t place, const Vec3& direction, const Vec3& point) {
@@ -73,8 +73,8 @@ void add_elsewhere(const ArmGeometry& arm, Attempts& attempts, std::size_t& coun
   add(0, flat, aim + 4 * size * cross(h, flat));
 }
 
-/// Axes at the tool that meet the last, or one in a wrist whose other two meet, or elsewhere. Returns how
-/// many of `attempts` there are.
+/// Adds axes at the tool that meet the last one, or one in a wrist whose other two axes meet, or elsewhere.
+/// Returns the number of `attempts`.
 std::size_t complete_to_six(const ArmGeometry& arm, Attempts& attempts) {
   const std::size_t n = arm.count;
   if (n < 3) return 0;
@@ -105,8 +105,8 @@ constexpr int kOwnStates = 6, kStatesOfNearly = 60;
 
 }  // namespace
 
-/// Three to five axes are six of which some stand still. The true arm decides which of the six axes' answers
-/// are its own.
+/// Treats three to five axes as six with some fixed. The true arm decides which solutions of the six axes are
+/// valid.
 void InverseKinematics::Arm::find_fewer() {
   const std::size_t n = geometry.count;
   report = fmt::format("no closed form for these {} axes", n);
@@ -118,12 +118,12 @@ void InverseKinematics::Arm::find_fewer() {
     const SixAxisClass found = classify(attempts[k].six);
     if (effort(found.family) >= best) continue;
     if (n == 5) {
-      // Added axes may stand where the six are always singular.
+      // Added axes can make the six axes singular everywhere.
       const SixAxisClass before = known;
       const std::array<int, 6> before_axes = to_arm;
       worth_polishing = 0.1;
       settle(found, attempts[k].to_arm);
-      // Where the six axes fit only nearly, only some of the states may have their answer near enough.
+      // If the six axes fit only nearly, only some of the states may have a solution near enough.
       const int states = found.exact() ? kOwnStates : kStatesOfNearly;
       if (!searched(found.family) && found_of_own_states(states) < states) {
         if (before.family == ArmFamily::none)
@@ -149,8 +149,8 @@ void InverseKinematics::Arm::find_fewer() {
   if (formed()) worth_polishing = n < 5 ? 10 : 0.1;
 }
 
-/// The same, for an arm that is too far from ideal to find all branches that way: the form from which most of
-/// a few states of the arm are found again.
+/// The same for an arm that is too far from ideal to find all branches: chooses the form that recovers most
+/// of a few states of the arm.
 void InverseKinematics::Arm::find_start_of_fewer() {
   constexpr int kStates = 8;
   Attempts attempts;

@@ -1,5 +1,5 @@
-// Where a whole curve of joint states hardly moves the tool: what solutions are left of such a family are
-// anywhere along it.
+// Curves of joint states along which the tool hardly moves. Near such a curve the solutions can lie anywhere
+// along it, so it is searched as a whole.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,22 +10,22 @@ namespace polyarm::ik {
 
 namespace {
 
-constexpr double kStillFlat = 0.03;  // the same on the way
-constexpr double kCrossing = 0.02;   // where two directions move it by less, two curves cross
-constexpr double kOff = 3e-3;        // in lengths of the arm and rad: further from the pose it is no curve
-constexpr double kStride = 0.4;      // rad, in eight
+constexpr double kStillFlat = 0.03;  // the same limit while walking
+constexpr double kCrossing = 0.02;   // where a second direction moves the tool by less, two curves cross
+constexpr double kOff = 3e-3;        // in lengths of the arm and rad: farther from the pose the curve ends
+constexpr double kStride = 0.4;      // rad, in eight places
 constexpr double kLeastStride = 0.02;
-constexpr int kMostStrides = 44;  // each way: once round for most curves
+constexpr int kMostStrides = 44;  // in each direction: once around for most curves
 constexpr std::size_t kMostCurves = 4;
 constexpr int kComingNear = 4;      // steps of descent
 constexpr double kMember2 = 1e-18;  // m^2 and rad^2
 constexpr std::size_t kEnough = 12;
-constexpr double kClose = 1.2;  // of the way between neighbours
+constexpr double kClose = 1.2;  // of the distance between neighbours
 constexpr double kPassed = 0.03;
-constexpr double kTurnsBack = 4;       // places further from each other than this in parts of what was meant
+constexpr double kTurnsBack = 4;       // ratio of actual to intended distance between places
 constexpr double kAtCrossing = 0.003;  // rad: the smallest circle
 
-/// From one angle to another, the short way; quicker than std::remainder.
+/// The shortest change from one angle to another; faster than std::remainder.
 double way_to(double from, double to) {
   const double way = to - from;
   return way - kTurn * std::nearbyint(way / kTurn);
@@ -41,7 +41,7 @@ double furthest_apart(const AxisValues& a, const AxisValues& b, std::size_t axes
 
 }  // namespace
 
-/// The two directions that move the tool least, square to each other, and by how much they do.
+/// The two perpendicular directions that move the tool least, and by how much.
 struct FlatWays {
   AxisValues way{}, next_way{};
   double least = 0, next = 0;
@@ -58,14 +58,14 @@ struct FlatCurve {
     FlatWays ways;
   };
   static constexpr std::size_t kMostCrossings = 3;
-  std::array<Begin, kMostCrossings> crossings;  ///< where another curve was passed, and its way
-  std::size_t crossed = 0, taken = 0;           ///< taken: walked from
+  std::array<Begin, kMostCrossings> crossings;  ///< places where another curve crosses, with its direction
+  std::size_t crossed = 0, taken = 0;           ///< taken: those already walked from
   AxisValues start, here, way;
   double stride = kStride, travelled = 0;
-  std::array<bool, IkSolutions::kCapacity> passed{};  ///< solutions that are on it
+  std::array<bool, IkSolutions::kCapacity> passed{};  ///< solutions on this curve
   WaitingStates waiting;
 
-  /// Of what is seen of one crossing stride after stride the flattest stays.
+  /// Keeps the flattest of several sightings of one crossing.
   void note(const Begin& one, std::size_t axes) noexcept {
     for (std::size_t c = 0; c < crossed; ++c) {
       if (furthest_apart(crossings[c].at, one.at, axes) > kStride) continue;
@@ -79,12 +79,12 @@ struct FlatCurve {
 /// The eight places of one stride.
 struct FlatStride {
   Branches relaxed, stepped;
-  LeastMotions flat;         ///< where they are relaxed
-  double part = 0, gap = 0;  ///< between places, in all and of the held axis
+  LeastMotions flat;         ///< at the relaxed places
+  double part = 0, gap = 0;  ///< step between places: in total, and of the held axis
   std::size_t held = 0;
 };
 
-/// Along the tangent; the axis that moves most is held while the others come as near to the pose as they can.
+/// Along the tangent: fixes the axis that moves most; the others descend as near to the pose as they can.
 void InverseKinematics::Arm::stride_along(const BranchJob& asked, const FlatCurve& curve,
                                           FlatStride& out) const noexcept {
   for (std::size_t i = 0; i < geometry.count; ++i)
@@ -105,8 +105,7 @@ void InverseKinematics::Arm::stride_along(const BranchJob& asked, const FlatCurv
   polish_branches(whatever_the_error(asked, 1), out.stepped);
 }
 
-/// One stride; from where a step of all axes stays close, descent goes on to the end. False where the curve
-/// ends, or has come round.
+/// One stride. Where a step of all axes stays close, descends to the end. False if the curve ends or closes.
 bool InverseKinematics::Arm::go_along(const BranchJob& asked, std::size_t since, FlatCurve& curve,
                                       Gathered& out) const noexcept {
   const std::size_t n = geometry.count;
@@ -134,7 +133,7 @@ bool InverseKinematics::Arm::go_along(const BranchJob& asked, std::size_t since,
     for (std::size_t c = since; c < out.count; ++c)
       curve.passed[c] |= furthest_apart(out.all[c].value, last, n) < kPassed;
     if (apart(stepped.value[held][good], relaxed.value[held][good]) > kClose * gap) continue;
-    // Of what is a family as far as tolerances go a few members are enough.
+    // A few members represent a family that is continuous within tolerances.
     const bool member =
         relaxed.position_error2[good] < kMember2 && relaxed.orientation_error2[good] < kMember2;
     if (member && (good % 4 != 0 || out.count > kEnough)) continue;
@@ -163,7 +162,7 @@ bool InverseKinematics::Arm::go_along(const BranchJob& asked, std::size_t since,
   return curve.travelled < 1 || furthest_apart(last, curve.start, n) > curve.stride;
 }
 
-/// Both ways.
+/// In both directions.
 void InverseKinematics::Arm::walk(const BranchJob& asked, const AxisValues& from, const FlatWays& ways,
                                   std::size_t since, FlatCurve& curve, Gathered& out) const noexcept {
   curve.start = from;
@@ -179,7 +178,7 @@ void InverseKinematics::Arm::walk(const BranchJob& asked, const AxisValues& from
   descend_all(asked, curve.waiting, since, out);
 }
 
-/// From each solution at which the arm is that singular, and from where other curves were passed.
+/// From each solution that is singular enough, and from each crossing with another curve.
 void InverseKinematics::Arm::along_curves(const BranchJob& asked, std::size_t since,
                                           Gathered& out) const noexcept {
   const std::size_t known_before = out.count;
@@ -203,8 +202,8 @@ void InverseKinematics::Arm::along_curves(const BranchJob& asked, std::size_t si
   }
 }
 
-/// Where two directions hardly move the tool, up to four solutions are near: descent from circles in the
-/// plane of both.
+/// Where two directions hardly move the tool, up to four solutions are near: descends from circles in the
+/// plane of both directions.
 void InverseKinematics::Arm::look_all_round(const BranchJob& asked, const AxisValues& at,
                                             const FlatWays& ways, double least_radius, std::size_t since,
                                             Gathered& out) const noexcept {

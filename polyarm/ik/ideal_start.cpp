@@ -1,4 +1,4 @@
-// The quick way of arms that are not quite ideal: the ideal arm's branches, improved on the true arm.
+// The fast path of slightly non-ideal arms: the branches of the ideal arm, improved on the true arm.
 #include <algorithm>
 #include <cmath>
 
@@ -9,13 +9,14 @@ namespace polyarm::ik {
 
 namespace {
 
-constexpr double kOfDeviation = 30;     // errors of the ideal arm's answers on the true one, in deviations
-constexpr double kMostError = 0.1;      // m and rad: from further off descent is not worth it
-constexpr double kClose = 0.05;         // m and rad: what descent leaves this close may hide a solution
-constexpr double kCloseOfFewer = 1e-3;  // the same of five axes and fewer, which come close to most poses
+constexpr double kOfDeviation = 30;     // errors of the ideal arm's answers on the true arm, in deviations
+constexpr double kMostError = 0.1;      // m and rad: a descent from farther off is not worth it
+constexpr double kClose = 0.05;         // m and rad: a descent that ends this close may hide a solution
+constexpr double kCloseOfFewer = 1e-3;  // the same for five axes and fewer, which come close to most poses
 constexpr double kSameBranch = 1e-3;    // rad
-constexpr double kSeedNear = 0.3;       // of the arm's size, and rad: descent from the seed is worth it
-constexpr double kHere = 0.1;           // weighted rad: nothing else is nearer than what is so near
+constexpr double kSeedNear = 0.3;       // in units of the arm's size, and rad: a descent from the seed is
+                                        // worth it
+constexpr double kHere = 0.1;           // weighted rad: no other solution is nearer than one this near
 constexpr int kPatientFromSeed = 14;    // steps
 constexpr double kAside = 0.1;          // rad: how far from a doubtful branch another solution may be
 constexpr int kPatient = 6;             // steps
@@ -36,7 +37,7 @@ bool is_near(const Pose& a, const Pose& b, double size) {
   return norm(a.position - b.position) < kSeedNear * size && cosine > 1 - squared(kSeedNear) / 8;
 }
 
-/// Whether something else may be nearer to the seed than the best.
+/// True if another solution may be nearer to the seed than the best one.
 bool hides_nearer(const NearestBranch& best) {
   const double least = std::max(0.0, std::sqrt(best.doubt2) - kAside);
   return least * least < best.distance2;
@@ -67,7 +68,7 @@ void InverseKinematics::Arm::find_start() {
   start = start_of(seen, axes);
 }
 
-/// Of a few states within limits, how many poses are solved from the start.
+/// For a number of states within limits: how many poses are solved from the start.
 int InverseKinematics::Arm::states_found_from_start(int states) const noexcept {
   Random random(9);
   JointValues q{}, seed{};
@@ -83,7 +84,7 @@ int InverseKinematics::Arm::states_found_from_start(int states) const noexcept {
   return out;
 }
 
-/// Takes what is exact and within limits, and notes where something else may be.
+/// Takes exact solutions within limits, and notes where another may exist.
 void InverseKinematics::Arm::compare(const Branches& found, NearestBranch& best) const noexcept {
   const double position2 = squared(settings.position_tolerance),
                orientation2 = squared(settings.orientation_tolerance);
@@ -98,7 +99,7 @@ void InverseKinematics::Arm::compare(const Branches& found, NearestBranch& best)
   }
   for (std::size_t k = 0; k < kBranches; ++k) {
     if (!(exact >> k & 1)) continue;
-    // Two branches that have become one: the other solution may be elsewhere.
+    // Two branches have merged: the other solution may be elsewhere.
     for (std::size_t j = 0; j < k; ++j)
       if ((exact >> j & 1) && alike(found, j, k, geometry.count)) doubtful |= 1u << k;
     if (!(found.inside >> k & 1) || !(found.distance2[k] < best.distance2)) continue;
@@ -111,7 +112,7 @@ void InverseKinematics::Arm::compare(const Branches& found, NearestBranch& best)
     if (doubtful >> k & 1) best.doubt2 = std::min(best.doubt2, found.distance2[k]);
 }
 
-/// Descent from the seed, where that is worth it: a small step then ends where it should.
+/// Descends from the seed if that is worth it, so that a small step of the target stays on its branch.
 void InverseKinematics::Arm::descend_from_seed(BranchJob job, NearestBranch& best) const noexcept {
   Branches at;
   for (std::size_t i = 0; i < geometry.count; ++i) std::fill_n(at.value[i], kBranches, job.seed[i]);
@@ -122,9 +123,9 @@ void InverseKinematics::Arm::descend_from_seed(BranchJob job, NearestBranch& bes
   compare(at, best);
 }
 
-/// What descent from a seed nearby leads to, else the nearest of the ideal arm's branches, improved. Where
-/// one of them may hide a nearer solution, branches beside singularities are looked at, too. False where none
-/// is exact.
+/// Takes the solution of a descent from a nearby seed, else the nearest improved branch of the ideal arm. If
+/// one of them may hide a nearer solution, also looks at branches beside singularities. False if none is
+/// exact.
 bool InverseKinematics::Arm::solve_from_start(const Pose& target, std::span<const double> seed,
                                               IkSolution& out) const noexcept {
   if (!accepts(target, seed)) return false;
@@ -165,7 +166,7 @@ bool InverseKinematics::Arm::solve_from_start(const Pose& target, std::span<cons
   return true;
 }
 
-/// Of arms that are searched or solved by algebra: what the ideal arm's branches add to it.
+/// For arms that are searched or solved by algebra: adds the branches of the ideal arm.
 void InverseKinematics::Arm::offer_start(BranchJob job, std::size_t before, Gathered& out) const noexcept {
   job.to_arm = start->to_arm;
   job.worth_polishing = kMostError;

@@ -1,4 +1,4 @@
-// Which way an arm is solved: read off its axes when the robot is loaded.
+// Chooses the method for an arm from its axes when the robot is loaded.
 #include "polyarm/ik/ik_arm.hpp"
 
 #include <fmt/format.h>
@@ -14,7 +14,7 @@ namespace polyarm::ik {
 
 namespace {
 
-/// Whether neighbouring axes are parallel or square to each other, to what descriptions are rounded to.
+/// True if neighbouring axes are parallel or perpendicular, to the rounding of descriptions.
 bool right_angled(const ArmGeometry& arm) noexcept {
   constexpr double kRounded = 2e-5;  // rad
   for (std::size_t i = 0; i + 1 < arm.count; ++i) {
@@ -47,7 +47,7 @@ NumericSettings InverseKinematics::Arm::numeric_settings() const {
 }
 
 NumericSettings InverseKinematics::Arm::move_settings() const {
-  constexpr int kStepsPerRestart = 8;  // of eight descents side by side
+  constexpr int kStepsPerRestart = 8;  // each with eight descents side by side
   NumericSettings out;
   out.position_tolerance = out.orientation_tolerance = settings.descent_tolerance;
   out.weights = settings.weights;
@@ -63,7 +63,7 @@ void InverseKinematics::Arm::add_numeric() {
   if (!solvable()) report += "; solved by iteration";
 }
 
-/// What is known of the six axes that the closed form is about, in words.
+/// Describes the six axes of the closed form, as text for a person.
 std::string InverseKinematics::Arm::describe_known() const {
   std::string out = describe(known.family);
   if (known.from_tool) out += ", counted from the tool";
@@ -73,13 +73,13 @@ std::string InverseKinematics::Arm::describe_known() const {
   return out;
 }
 
-/// As settled before: `axes` are those of the form.
+/// Restores an earlier settle(): `axes` are those of the form.
 void InverseKinematics::Arm::restore(const SixAxisClass& found, std::array<int, 6> axes) {
   if (found.from_tool) std::reverse(axes.begin(), axes.end());
   settle(found, axes);
 }
 
-/// `six` are axes of the arm, -1 one that it has not.
+/// `six` are axes of the arm; -1 marks an axis that the arm does not have.
 void InverseKinematics::Arm::settle(const SixAxisClass& found, std::array<int, 6> six) {
   known = found;
   if (found.from_tool) std::reverse(six.begin(), six.end());
@@ -140,14 +140,15 @@ void InverseKinematics::Arm::find_six() {
     settle(found, {0, 1, 2, 3, 4, 5});
     report = describe_known();
     if (searched(found.family)) {
-      // The polynomial's roots have next to nothing that the search of an arm of right angles has not
+      // For an arm of right angles the polynomial finds almost nothing that the search misses
       // (bench/journal/kinematics.md).
       constexpr double kRounded = 1e-6;  // m
       if (found.worst_gap > kRounded || !right_angled(geometry)) find_general(false);
       return;
     }
     if (found.exact() || found_of_own_states(kOwnStates) == kOwnStates) return;
-    // What axes miss may be little beside the arm and much beside the lengths that its solution hangs on.
+    // A deviation can be small compared with the arm and large compared with the lengths that its solution
+    // depends on.
     const std::string nearly = report;
     find_general(true);
     weak = !general;
@@ -162,8 +163,8 @@ namespace {
 
 constexpr int kStates = 4;
 
-/// Of a few states, how many the algebra finds again: arms whose axes are special to each other may suit it
-/// from one end only. Stops where `needed` cannot be had any more, or there are `enough`.
+/// Counts how many of a few states the algebra recovers; arms with special axes may suit it from one end
+/// only. Stops if `needed` is out of reach or `enough` are found.
 int found_again(const ArmGeometry& arm, GeneralSix& six, int needed, int enough) {
   Random random(7);
   int out = 0;
@@ -181,7 +182,7 @@ int found_again(const ArmGeometry& arm, GeneralSix& six, int needed, int enough)
 
 }  // namespace
 
-/// Whether `value(axis)` is what state `q` has there, but for whole turns.
+/// True if `value(axis)` equals state `q`, except for whole turns.
 template <typename Value>
 bool InverseKinematics::Arm::is_state(const JointValues& q, const Value& value) const noexcept {
   double worst = 0;
@@ -192,7 +193,7 @@ bool InverseKinematics::Arm::is_state(const JointValues& q, const Value& value) 
   return worst < 1e-3;
 }
 
-/// Of a few states within limits, how many are among the answers to their poses.
+/// Counts how many of a few states within limits are among the solutions of their poses.
 int InverseKinematics::Arm::found_of_own_states(int states) const noexcept {
   Random random(8);
   int out = 0;
@@ -217,8 +218,8 @@ int InverseKinematics::Arm::found_of_own_states(int states) const noexcept {
   return out;
 }
 
-/// Whether the ideal arm's branches, improved, hold state `q` of its pose: then no search beside
-/// singularities is needed to tell that it is found.
+/// True if the improved branches of the ideal arm contain state `q` of its pose: then the state counts as
+/// found without a search beside singularities.
 bool InverseKinematics::Arm::branches_hold(const Pose& target, const JointValues& q,
                                            const JointValues& seed) const noexcept {
   AxisValues at;
@@ -258,7 +259,7 @@ void InverseKinematics::Arm::find_general(bool both_ends) {
   int most = kLeast - 1;
   for (const bool from_tool : {false, true}) {
     auto six = std::make_unique<GeneralSix>(geometry, from_tool, false);
-    // Of the last end only matters whether it is good enough, and whether it is better.
+    // For the last end it only matters whether it is good enough and better than the others.
     const int enough = !from_tool || most == kLeast ? kStates : kLeast;
     const int again = found_again(geometry, *six, both_ends ? kLeast : most + 1, enough);
     if (again < kLeast) continue;
@@ -284,8 +285,7 @@ void InverseKinematics::Arm::find_sliding() {
                                            : "three axes that slide, the others turn";
 }
 
-/// Seven axes are six for each value of the one that is held; the one whose hold leaves a family whatever its
-/// value.
+/// Seven axes are six axes for each value of the fixed one. Fixes the axis that leaves a family at any value.
 void InverseKinematics::Arm::find_seven() {
   constexpr std::size_t kOrder[] = {2, 6, 4, 0, 3, 5, 1};
   constexpr double kValues[] = {0.37, 1.1, -0.9, 2.3};

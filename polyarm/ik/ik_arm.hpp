@@ -1,5 +1,6 @@
 #pragma once
-/// What InverseKinematics knows of its arm, and what it gathers for one question. Used inside this room only.
+/// The inside of InverseKinematics: what it knows about its arm, and the candidates of one question. Private
+/// to this room. Metres, radians; axis values in the order of ArmGeometry unless noted otherwise.
 #include <algorithm>
 #include <memory>
 #include <numbers>
@@ -19,7 +20,8 @@ namespace polyarm::ik {
 inline constexpr double kTurn = 2 * std::numbers::pi;
 using AxisValues = std::array<double, ArmGeometry::kMostAxes>;
 
-/// What one branch offers. Without initial values: sixty-four of them would cost more than the solve.
+/// One candidate solution. Deliberately uninitialised: initialising sixty-four of them costs more than the
+/// solve.
 struct Candidate {
   AxisValues value;
   double position2, orientation2;  ///< squares of the errors
@@ -27,20 +29,20 @@ struct Candidate {
   bool exact, singular;
 };
 
-/// The candidates of one question that are within limits and exact, and the best of the others.
+/// The candidates of one question that are exact and within limits, and the best of the others.
 struct Gathered {
   std::array<Candidate, IkSolutions::kCapacity> all;
   std::size_t count = 0;
-  Candidate nearest;  ///< to the pose, of those that are not exact
+  Candidate nearest;  ///< nearest to the pose among those that are not exact
   double nearest_size = 1e300;
   AxisValues seed{};
-  bool beyond_limits = false;  ///< something exact was found outside of them
-  bool at_limit = false;       ///< what comes now has been put on limits
-  /// Branches that came close to the pose and are not exact.
+  bool beyond_limits = false;  ///< an exact candidate outside the limits was found
+  bool at_limit = false;       ///< the next candidates were moved onto limits
+  /// Branches that came close to the pose but are not exact.
   std::array<AxisValues, 8> nearly;
   std::size_t nearly_count = 0;
-  bool spread = false;  ///< where there is no more room, the one most like another goes
-  /// Of members of a family the one nearest to the seed stays, else the one that came first.
+  bool spread = false;  ///< when full: replace one of the two closest candidates
+  /// Of two members of one solution family keep the one nearer to the seed, else the first one.
   bool nearest_stays = false;
 
   const Candidate& best() const noexcept {
@@ -62,14 +64,15 @@ struct Gathered {
   }
 };
 
-/// A curve of joint states that hardly moves the tool, on the way; and one stride of it.
+/// A curve of joint states along which the tool hardly moves; one stride along it; its directions.
 struct FlatCurve;
 struct FlatStride;
 struct FlatWays;
-/// What moves the tool by less in one direction may be near such a curve; lengths in sizes of the arm.
+/// The arm may be near such a curve if some direction moves the tool by less than this; lengths in units of
+/// the arm's size.
 inline constexpr double kFlatCurve = 6e-4;
 
-/// So many steps of descent, however large or small the error is.
+/// The same job with a fixed number of descent steps, independent of the error and of limits.
 inline BranchJob whatever_the_error(BranchJob job, int steps) noexcept {
   job.limits = nullptr;
   job.worth_polishing = 1e3;
@@ -79,24 +82,24 @@ inline BranchJob whatever_the_error(BranchJob job, int steps) noexcept {
   return job;
 }
 
-/// Joint states waiting for descent.
+/// Joint states that wait for a descent.
 struct WaitingStates {
   Branches branches;
   std::size_t count = 0;
 };
 
-/// The ideal arm nearest to one that is not quite ideal, as something to begin from.
+/// The ideal arm nearest to a slightly non-ideal one; descents start from its solutions.
 struct IdealStart {
-  SixAxisForm strict, wary;  ///< wary: what is nearly singular counts as singular
+  SixAxisForm strict, wary;  ///< wary: nearly singular counts as singular
   std::array<int, 6> to_arm{0, 1, 2, 3, 4, 5};
-  double deviation = 0;  ///< of the true arm, m and rad
+  double deviation = 0;  ///< distance of the true arm from the ideal one, m and rad
 };
 
-/// How far axes may be from what a family asks (rad, and in parts of the arm's size), so that its branches
-/// are worth beginning from: two axes tilted by 5 mrad each are 10 mrad apart.
+/// Largest deviation of axes from the conditions of a family (rad, and lengths in units of the arm's size) at
+/// which its branches are useful starts. Two axes tilted by 5 mrad each are 10 mrad apart.
 inline constexpr double kWidestStart = 1.2e-2;
 
-/// The best of what several sweeps found, and how near to the seed something else may be.
+/// The best solution of several sweeps, and the distance from the seed at which another one may exist.
 struct NearestBranch {
   AxisValues value{};
   double position2 = 0, orientation2 = 0;
@@ -104,7 +107,7 @@ struct NearestBranch {
   double doubt2 = 1e300;  ///< square of the distance of the nearest branch that may hide another solution
 };
 
-/// The same form; what is so near to a border that solutions are parted there counts as singular.
+/// The same form, except that poses near a border of the solution set count as singular.
 inline SixAxisForm telling_of(SixAxisForm form) noexcept {
   form.wary = true;
   form.near_edge = 4 * form.edge;
@@ -119,40 +122,42 @@ struct InverseKinematics::Arm {
   std::string report;
   SixAxisClass known;
   ArmGeometry geometry;
-  std::optional<Chain> described;             ///< always there once constructed
-  std::optional<NumericIk> moves;             ///< by descent_tolerance; none where nothing moves the TCP
-  std::optional<NumericIk> numeric;           ///< where no closed form has the last word
-  std::unique_ptr<const GeneralSix> general;  ///< of six axes without a closed form of their own
-  /// The same from the arm's other end, where that suits it, too: what rounding takes from one elimination,
-  /// one state in a thousand, it seldom takes from both.
+  std::optional<Chain> described;             ///< always set after construction
+  std::optional<NumericIk> moves;             ///< descends to descent_tolerance; empty if no joint moves the
+                                              ///< TCP
+  std::optional<NumericIk> numeric;           ///< set if the closed form may miss solutions
+  std::unique_ptr<const GeneralSix> general;  ///< for six axes without a closed form
+  /// The same from the arm's other end, if the algebra suits both ends. Rounding loses about one state in a
+  /// thousand in one elimination, but seldom the same state in both.
   std::unique_ptr<const GeneralSix> general_too;
-  std::unique_ptr<const SlidingArm> sliding;  ///< of SCARAs and gantries
-  std::unique_ptr<const SrsArm> srs;          ///< of seven axes with a spherical shoulder and wrist
-  std::optional<SpareEnd> end;                ///< of other seven axes, where one end suits
-  std::optional<SelfMotion> curves;           ///< of seven turning axes
+  std::unique_ptr<const SlidingArm> sliding;  ///< for SCARAs and gantries
+  std::unique_ptr<const SrsArm> srs;          ///< for seven axes with a spherical shoulder and wrist
+  std::optional<SpareEnd> end;                ///< for other arms of seven axes with one suitable end
+  std::optional<SelfMotion> curves;           ///< for seven turning axes
   LaneArm lanes;
   SixAxisForm form;
-  /// The same, but what is nearly singular counts as singular.
+  /// The same form, but nearly singular counts as singular.
   SixAxisForm wary;
-  /// Of an arm that is not quite ideal: borders are told, as near as solutions are parted there.
+  /// For a slightly non-ideal arm: the form that reports poses near borders, where solutions meet.
   SixAxisForm first;
-  /// Of arms that are not quite ideal, also of those that are searched or solved by algebra as they are too
-  /// far from ideal to find all branches that way.
+  /// For slightly non-ideal arms. Also set for arms that are searched or solved by algebra because they are
+  /// too far from ideal to find all branches from here.
   std::optional<IdealStart> start;
-  /// For what is neither nearly singular nor out of reach; without family where there is no quick way.
+  /// The fast path for poses that are neither nearly singular nor out of reach; its family is `none` if there
+  /// is no fast path.
   QuickJob quick;
   std::array<int, 6> to_arm{0, 1, 2, 3, 4, 5};
-  /// A closed form that does not find all of a few states again: the true arm is too far from the ideal one.
+  /// The closed form fails to recover some test states: the true arm is too far from the ideal one.
   bool weak = false;
-  int spare = -1;  ///< the axis that is held at one value after another; -1: none
+  int spare = -1;  ///< the axis that is fixed at one value after another; -1 if there is none
   std::size_t joints = 0;
   LaneLimits limits;
   double worth_polishing = 1e-3;
 
   bool formed() const noexcept { return known.family != ArmFamily::none || general || sliding; }
-  /// Solved by the polynomial alone.
+  /// True if only the polynomial solves this arm.
   bool algebraic() const noexcept { return general && known.family == ArmFamily::none; }
-  /// The nearest is found along curves of states, as nothing shorter leads to it.
+  /// True if the nearest solution has to be found along curves of states, because no shorter method applies.
   bool slides_along() const noexcept {
     const auto slides = [](const JointAxis& axis) { return axis.slides; };
     return formed() && spare >= 0 && !srs && !end &&
@@ -168,7 +173,7 @@ struct InverseKinematics::Arm {
   void restore(const SixAxisClass& found, std::array<int, 6> axes);
   void find_form();
   void find_six();
-  /// @param both_ends the algebra is all there is: from both ends, where it suits both.
+  /// @param both_ends algebra is the only method: try it from both ends.
   void find_general(bool both_ends);
   template <typename Value>
   bool is_state(const JointValues& q, const Value& value) const noexcept;
@@ -217,7 +222,7 @@ struct InverseKinematics::Arm {
                    Gathered& out) const noexcept;
   void solve_nearly_ideal(BranchJob& job, const SixAxisForm& strict_form, const SixAxisForm& wary_form,
                           Gathered& out) const noexcept;
-  /// @param least_edge SixAxisForm::edge is at least that.
+  /// @param least_edge a lower bound for SixAxisForm::edge.
   void along_families(const BranchJob& job, double least_edge, std::size_t before,
                       Gathered& out) const noexcept;
   void along_family(BranchJob job, const BranchJob& asked, std::uint32_t axes, std::uint32_t branches_of_it,

@@ -10,10 +10,10 @@ namespace polyarm::ik {
 
 namespace {
 
-constexpr double kSameSolution = 1e-6;  // rad: nearer than this is one solution
-constexpr double kSharper = 1e-4;       // rad: nearer than this it may be the same, more exactly
-constexpr double kSameFamily = 0.3;     // rad: nearer than this may be
-constexpr std::size_t kCrowd = 16;      // solutions; where there are more, most are members of families
+constexpr double kSameSolution = 1e-6;  // rad: solutions nearer than this are the same
+constexpr double kSharper = 1e-4;       // rad: nearer than this may be the same solution with more digits
+constexpr double kSameFamily = 0.3;     // rad: nearer than this may be members of one family
+constexpr std::size_t kCrowd = 16;      // solutions; above this, most are members of families
 constexpr double kNearly = 1e-3;        // m and rad
 
 double largest_change(const AxisValues& a, const AxisValues& b, std::size_t n) noexcept {
@@ -37,7 +37,7 @@ bool InverseKinematics::Arm::accepts(const Pose& target, std::span<const double>
   return true;
 }
 
-/// Whether there is a quick way, and the seed is one for it.
+/// True if there is a fast path that accepts the seed.
 bool InverseKinematics::Arm::takes_quick(std::span<const double> seed) const noexcept {
   if (quick.form.family == ArmFamily::none || seed.size() != joints) return false;
   for (std::size_t i = 0; i < 6; ++i)
@@ -56,8 +56,9 @@ void InverseKinematics::Arm::write_quick(const QuickAnswers& from, std::size_t l
   to.singular = false;
 }
 
-/// All branches. Near singularities both those with the seed's value of what is nearly free, and those that
-/// the pose determines; of an arm that is not ideal also what descent finds around the seed and beyond folds.
+/// Finds all branches. Near singularities it takes both the solution with the seed's value of the nearly free
+/// joint and those that the pose determines; for a non-ideal arm also what descents find around the seed and
+/// beyond folds.
 void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_form,
                                       const SixAxisForm& wary_form, Gathered& out) const noexcept {
   const std::size_t before = out.count;
@@ -72,23 +73,23 @@ void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_
   Branches branches;
   job.form = &wary_form;
   solve_branches(job, branches);
-  // Two branches that differ by a hundredth of a radian may be one as far as tolerances go.
+  // Two branches that differ by a hundredth of a radian may be one solution within tolerances.
   out.nearest_stays = true;
   if (branches.free == 0) return sift(job, branches, before, out);
-  // Of a family the member nearest to the seed stands for others that hardly differ: so it comes first.
+  // The family member nearest to the seed represents others that hardly differ, so it comes first.
   offer_alone(job, out.seed, out);
   sift(job, branches, before, out);
   job.form = &strict_form;
   solve_branches(job, branches);
   sift(job, branches, before, out);
-  // What is free of six axes is not of fewer: those that stand still leave but few members of the family.
+  // An angle that is free for six axes is not free for fewer: the fixed axes leave few members of the family.
   if (branches.free != 0 && geometry.count < 6) along_families(job, 0, before, out);
 }
 
-/// All that the search along one axis ends in, and what descent finds around the seed.
+/// All results of the search along one axis, and of descents around the seed.
 void InverseKinematics::Arm::search_at(BranchJob& job, const SixAxisForm& strict_form, std::size_t before,
                                        Gathered& out) const noexcept {
-  // Once more as many where the search looks closer in places.
+  // Twice as many, because the search may refine some cells.
   std::array<Branches, 2 * kSearchBlocks> found;
   job.form = &strict_form;
   job.worth_polishing = 1;
@@ -102,7 +103,7 @@ void InverseKinematics::Arm::search_at(BranchJob& job, const SixAxisForm& strict
   look_for_twins(job, before, out);
 }
 
-/// States that are nearly solutions: improved on the true arm, and looked at.
+/// Improves near solutions on the true arm and sifts them.
 void InverseKinematics::Arm::offer(BranchJob& job, std::span<const AxisValues> states, std::size_t before,
                                    Gathered& out) const noexcept {
   job.all_move = true;
@@ -126,7 +127,7 @@ void InverseKinematics::Arm::offer_alone(const BranchJob& job, const AxisValues&
   offer(nearly, {&state, 1}, out.count, out);
 }
 
-/// The nearest along curves that closed forms of the arm with one axis held are on.
+/// The nearest solution along curves that pass through closed forms of the arm with one axis fixed.
 void InverseKinematics::Arm::offer_dips(const BranchJob& job, const Pose& target,
                                         std::span<const double> seed, Gathered& out) const noexcept {
   const Pose pose{target.position, normalized(target.rotation)};
@@ -141,8 +142,8 @@ void InverseKinematics::Arm::offer_dips(const BranchJob& job, const Pose& target
   for (std::size_t k = 0; k < count && out.count == 0; ++k) offer_alone(job, states[k], out);
 }
 
-/// Where curves of joint states that lead to the pose come nearest to the seed, and where not the nearest
-/// only is wanted, states all over them. False where others may well be nearer.
+/// The points nearest to the seed on the curves of joint states that reach the pose; if more than the nearest
+/// is wanted, states all along them. False if others may well be nearer.
 bool InverseKinematics::Arm::offer_slides(const BranchJob& job, const Pose& target,
                                           std::span<const double> seed, bool nearest_only,
                                           Gathered& out) const noexcept {
@@ -153,7 +154,7 @@ bool InverseKinematics::Arm::offer_slides(const BranchJob& job, const Pose& targ
   for (std::size_t k = 0; k < count && (out.count == 0 || !nearest_only); ++k)
     offer_alone(job, states[k], out);
   if (nearest_only) return !doubtful && out.count > 0;
-  // Some of them are no new ones.
+  // Some of them repeat others.
   std::array<AxisValues, IkSolutions::kCapacity + 16> all;
   BranchJob nearly = job;
   offer(nearly, {all.data(), curves->spread(pose, seed, all)}, 0, out);
@@ -179,7 +180,7 @@ void InverseKinematics::Arm::offer_roots(BranchJob& job, std::size_t before, Gat
   look_for_twins(job, before, out);
 }
 
-/// Descent from the seed and from close to it.
+/// Descends from the seed and from states close to it.
 void InverseKinematics::Arm::around_seed(const BranchJob& job, std::size_t before,
                                          Gathered& out) const noexcept {
   Branches branches;
@@ -191,7 +192,7 @@ void InverseKinematics::Arm::around_seed(const BranchJob& job, std::size_t befor
   sift(job, branches, before, out);
 }
 
-/// Whether two solutions are one, or members of what is a family as far as tolerances go.
+/// True if two solutions are the same, or members of one family within tolerances.
 bool InverseKinematics::Arm::same(const BranchJob& job, const AxisValues& a, const AxisValues& b,
                                   bool crowded) const noexcept {
   const double change = largest_change(a, b, geometry.count);
@@ -214,7 +215,7 @@ bool InverseKinematics::Arm::same(const BranchJob& job, const AxisValues& a, con
   return moved < 0.1 * change;
 }
 
-/// Looks at what each branch offers. Candidates `since` that number are of the same question.
+/// Judges the result of each branch. Candidates from index `since` on belong to the same question.
 void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches, std::size_t since,
                                   Gathered& out) const noexcept {
   const std::size_t n = geometry.count;
@@ -240,7 +241,7 @@ void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches
     one.singular = (branches.free >> k & 1u) != 0;
     if (!one.exact) {
       if (!(size < 1.02 * out.nearest_size)) continue;
-      // As good as the best so far: the one nearer to the seed.
+      // Equally near to the pose: keep the one nearer to the seed.
       if (size > 0.98 * out.nearest_size && one.distance2 > out.nearest.distance2) continue;
       out.nearest = one;
       out.nearest_size = size;
@@ -251,7 +252,7 @@ void InverseKinematics::Arm::sift(const BranchJob& job, const Branches& branches
       Candidate& other = out.all[j];
       known_already = same(job, other.value, one.value, out.count > kCrowd);
       if (!known_already) continue;
-      // Descent to where solutions meet may have ended early: the one with more digits stays.
+      // A descent to where solutions meet can end early: keep the one with more digits.
       const bool alike = largest_change(other.value, one.value, n) < kSharper;
       const bool sharper = one.position2 + one.orientation2 < 0.01 * (other.position2 + other.orientation2);
       if (alike ? sharper : out.nearest_stays && one.distance2 < other.distance2) other = one;
@@ -284,7 +285,7 @@ void InverseKinematics::Arm::gather(const Pose& target, std::span<const double> 
   if (numeric && out.count == 0) iterate(target, seed, nearest_only && !formed(), out);
 }
 
-/// What the numeric solver finds: of arms without another way all that it does, of others what they lack.
+/// The numeric solver: for arms without another method all that it finds, for others what they lack.
 void InverseKinematics::Arm::iterate(const Pose& target, std::span<const double> seed, bool nearest_only,
                                      Gathered& out) const noexcept {
   IkSolution one;
@@ -318,8 +319,8 @@ void InverseKinematics::Arm::take(const IkSolution& from, Gathered& out) const n
   out.nearest_size = size;
 }
 
-/// The spare axis at its seed's value and at values all over its range; then, where only the nearest solution
-/// is wanted, at values ever closer around the best one.
+/// Tries the spare axis at the seed's value and at values over its whole range. If only the nearest solution
+/// is wanted, then at ever closer values around the best one.
 void InverseKinematics::Arm::sample(BranchJob& job, AxisValues& at, bool nearest_only,
                                     Gathered& out) const noexcept {
   const auto k = static_cast<std::size_t>(spare);
@@ -342,11 +343,11 @@ void InverseKinematics::Arm::sample(BranchJob& job, AxisValues& at, bool nearest
   };
   look_at(out.seed[k]);
   for (int i = 0; i < settings.samples; ++i) look_at(least + (i + 0.5) * cell);
-  // Where limits leave but a little of the range: look closer before giving up.
+  // If limits leave only a small part of the range: looks more closely before it gives up.
   constexpr int kCloser = 4;
   for (int i = 0; out.count == 0 && i < kCloser * settings.samples; ++i) look_at(least + i * cell / kCloser);
-  // Nor need a stretched arm be that long for more than a little of it: closer still to where it misses
-  // least, by how much being no smooth function beside singularities.
+  // A nearly stretched arm may reach the pose in a small part of the range only: narrows around the smallest
+  // error, which is not smooth beside singularities.
   constexpr int kNarrowings = 6, kEachSide = 6;
   constexpr double kNarrower = 0.4;
   double aside = cell / 8;
@@ -393,7 +394,7 @@ InverseKinematics::InverseKinematics(const Chain& chain, IkSettings settings) {
   const bool closed =
       arm->formed() && arm->spare < 0 && !searched(arm->known.family) && !arm->algebraic() && !arm->weak;
   if (!chain.axes().empty()) arm->moves.emplace(chain, arm->move_settings());
-  // Calibrated arms of few axes: what their six axes have nearest may lead nowhere.
+  // Calibrated arms of few axes: the nearest solutions of their six axes may lead nowhere.
   const bool few = arm->geometry.count < 6 && !arm->sliding && !arm->known.exact();
   if (!closed || few) arm->add_numeric();
   const bool slides = arm->slides_along();
@@ -504,7 +505,7 @@ IkOutcome InverseKinematics::solve_all(const Pose& target, std::span<const doubl
   if (!arm_->takes_quick(seed) || !solve_quickly(arm_->quick, arm_->lanes, target, seed.data(), found) ||
       found.good == 0)
     return arm_->solve_all_slowly(target, seed, out);
-  // Each goes to the place that the number of nearer ones tells: without branches, which nobody could guess.
+  // Sorts without branches, which the processor cannot predict: each index is the number of nearer ones.
   std::array<std::uint8_t, kBranches> lane;
   std::array<std::uint8_t, kBranches> place{};
   std::array<double, kBranches> distance;

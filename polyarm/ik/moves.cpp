@@ -12,9 +12,9 @@ namespace polyarm::ik {
 
 namespace {
 
-constexpr double kSameSolution = 1e-3;  // rad or m: nearer than this is one solution
+constexpr double kSameSolution = 1e-3;  // rad or m: solutions nearer than this are the same
 constexpr int kStepsFromSeed = 60;
-constexpr int kLimitSteps = 120;  // spent on whether limits are in the way
+constexpr int kLimitSteps = 120;  // steps to find out whether limits are in the way
 
 double distance(const IkSolution& one, std::span<const double> from) noexcept {
   double sum = 0;
@@ -75,7 +75,7 @@ void measure(const Chain& chain, const Pose& target, double position_tolerance, 
   out.exact = out.position_error <= position_tolerance && out.orientation_error <= orientation_tolerance;
 }
 
-/// Keeps the first of those that are the same, and puts `first` (if any) before all others.
+/// Keeps the first of several equal solutions, and puts `first` (if any) before all others.
 void keep_distinct(const IkSolution* first, std::size_t joints, IkSolutions& all) noexcept {
   std::size_t kept = 0;
   for (std::size_t k = 0; k < all.count; ++k) {
@@ -94,8 +94,8 @@ void keep_distinct(const IkSolution* first, std::size_t joints, IkSolutions& all
   all.all[0] = *first;
 }
 
-/// Of solutions sorted by distance from `current`: away from singularities before near them, then the
-/// nearest; of those as near as the nearest, the one nearest home.
+/// Chooses from solutions sorted by distance from `current`: those away from singularities before those near
+/// one, then the nearest; on a tie the one nearest home.
 const IkSolution& choose(const Chain& chain, const IkSolutions& found, std::span<const double> current,
                          std::span<const double> home) noexcept {
   constexpr double kTie = 1e-6;
@@ -199,7 +199,7 @@ void collect_descents(const NumericIk& numeric, const DescentQuestion& question,
   IkSolution direct;
   const bool there = descend_directly(numeric.core(), question, direct);
   keep_distinct(there ? &direct : nullptr, seed.size(), out);
-  // By insertion, which is stable and allocates nothing.
+  // Insertion sort: stable, allocates nothing.
   for (std::size_t k = 1; k < out.count; ++k)
     for (std::size_t j = k; j > 0 && distance(out.all[j], seed) < distance(out.all[j - 1], seed); --j)
       std::swap(out.all[j], out.all[j - 1]);
@@ -236,7 +236,7 @@ IkOutcome InverseKinematics::solve_move(const Pose& target, std::span<const doub
   return arm_->why_unreached(question);
 }
 
-/// All branches of the arm's closed form, else what descents find.
+/// All branches of the closed form, else what descents find.
 void InverseKinematics::Arm::collect(const DescentQuestion& question, const InverseKinematics& self,
                                      IkSolutions& out) const noexcept {
   out.count = 0;
@@ -247,7 +247,7 @@ void InverseKinematics::Arm::collect(const DescentQuestion& question, const Inve
     self.solve_all(question.target, question.seed(), out);
     keep_distinct(has_nearest ? &nearest : nullptr, question.joints, out);
   }
-  // A closed form that finds all branches and finds none has the last word.
+  // A complete closed form is final, even if it finds nothing.
   if (out.count == 0 && !(self && self.complete()))
     collect_descents(*moves, question, settings.restarts, out);
 }

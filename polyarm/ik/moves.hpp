@@ -1,6 +1,6 @@
 #pragma once
-/// Questions that InverseKinematics answers by descent: moves, parts of poses, reasons. Used inside this room
-/// only.
+/// The questions that InverseKinematics answers by descent: moves, partial poses, explanations. Private to
+/// this room. Metres, radians; no hidden state: any thread.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -14,7 +14,7 @@ namespace polyarm::ik {
 /// What is wrong with a question.
 enum class Flaw { none, not_finite, no_rotation, no_joints, seed_size, task, nothing_moves, too_far };
 
-/// A question as the numeric solver takes it.
+/// A question in the form of the numeric solver.
 struct DescentQuestion {
   Pose target;  ///< with a unit quaternion
   std::array<double, Chain::kMaxJoints> values;
@@ -23,28 +23,30 @@ struct DescentQuestion {
   std::span<const double> seed() const noexcept { return {values.data(), joints}; }  ///< within limits
 };
 
-/// Reads a question into `out`.
+/// Checks a question and converts it into `out`.
 Flaw read(const NumericCore& core, const Pose& target, std::span<const double> seed, const IkTask& task,
           DescentQuestion& out) noexcept;
-/// `flaw` in words, with the values of the question. Allocates.
+/// `flaw` as text, with the values of the question. Allocates.
 std::string describe(Flaw flaw, const Chain& chain, std::span<const double> seed, const IkTask& task);
 
-/// Whether a question asks for one place and no room about it.
+/// True if a question requires one exact position.
 bool place_is_fixed(const NumericQuestion& question) noexcept;
-/// True if the place is beyond all lengths of the arm; never if the task gives the place some room.
+/// True if the position is beyond the sum of all lengths of the arm. False if the task allows a position
+/// deviation.
 bool out_of_bounds(const NumericCore& core, const DescentQuestion& question) noexcept;
 
-/// From the seed: first free and wound back into the limits; if they are still broken, with the limits as
-/// walls.
+/// Descends from the seed: first without limits, then unwound into them; if limits are still violated, with
+/// the limits as walls.
 bool descend_directly(const NumericCore& core, const DescentQuestion& question, IkSolution& out) noexcept;
-/// The same, then from other states. False: `out` is the nearest that was found within limits.
+/// The same, then from other states. If it returns false, `out` is the nearest state within limits that was
+/// found.
 bool search(const NumericCore& core, const DescentQuestion& question, int restarts, IkSolution& out) noexcept;
-/// All that descents find, nearest to the seed first, no two within 1e-3 of each other.
+/// All solutions that descents find, nearest to the seed first, no two within 1e-3 of each other.
 void collect_descents(const NumericIk& numeric, const DescentQuestion& question, int restarts,
                       IkSolutions& out) noexcept;
 
-/// For a question that has no solution: the nearest joint state within limits (a radian counts like a metre),
-/// its errors, outcome and reason. Some hundred descents at most; allocates.
+/// For a question without solution: the nearest joint state within limits (a radian counts like a metre), its
+/// errors, the outcome and the reason. At most some hundred descents; allocates.
 IkExplanation explain_failure(const NumericCore& core, const DescentQuestion& question);
 
 }  // namespace polyarm::ik

@@ -1,5 +1,5 @@
-// Arms that are not quite ideal, near poses at which the ideal arm has a family of answers: of the family the
-// true arm has a few members left, up to six or so, anywhere along it.
+// Slightly non-ideal arms near poses where the ideal arm has a continuous family of solutions. The true arm
+// keeps a few members of it, up to about six, anywhere along the family.
 #include <algorithm>
 #include <cmath>
 
@@ -14,15 +14,16 @@ constexpr double kCell = kTurn / kAround;  ///< between values of a free axis
 constexpr double kNear = 1.2 * kCell;
 constexpr double kFollows = 0.1;  ///< rad
 constexpr int kRelaxing = 4;
-/// How far solutions that meet are parted (Edge::part), in deviations of the true arm from the ideal one.
+/// Distance between solutions that meet (Edge::part), in deviations of the true arm from the ideal one.
 constexpr double kParted = 12;
-constexpr double kWider = 30;  ///< the same where branches have come close and no further
-/// At least, where descent strayed: 0.1 rad from wrists' singularities.
+constexpr double kWider = 30;  ///< the same where branches come close without meeting
+/// Lower bound where a descent strayed: 0.1 rad from wrist singularities.
 constexpr double kEdgeOfStrayed = 0.01;
-constexpr double kLeadsBack = 0.45;  ///< of a parabola's: half the way or less leads to the root at hand
+constexpr double kLeadsBack = 0.45;  ///< of a parabola: half the distance or less leads back to the known
+                                     ///< root
 constexpr double kBeside = 1e-4;     ///< rad or m beyond a limit
 
-/// Which of the form's axes are free in each branch, as bits: those that follow the seed wherever it is.
+/// Bit mask of the form's free axes in each branch: those that keep any value of the seed.
 using FreeAxes = std::array<std::uint32_t, kBranches>;
 
 void add(WaitingStates& waiting, const Branches& from, std::size_t k, std::size_t axes) {
@@ -58,8 +59,8 @@ FreeAxes free_axes(BranchJob job, std::size_t axes) {
 
 }  // namespace
 
-/// Where descent takes the ideal arm's answers but a little way on the true one, these are its answers. Else
-/// folds and families are near, of which the true arm has others.
+/// If descents move the ideal arm's solutions only a little, they are the solutions of the true arm. Else
+/// folds and families are near, where the true arm has others.
 void InverseKinematics::Arm::solve_nearly_ideal(BranchJob& job, const SixAxisForm& strict_form,
                                                 const SixAxisForm& wary_form, Gathered& out) const noexcept {
   const std::size_t before = out.count;
@@ -88,8 +89,8 @@ void InverseKinematics::Arm::solve_nearly_ideal(BranchJob& job, const SixAxisFor
   look_for_twins(job, before, out);
 }
 
-/// Where solutions meet, joint values are known to half the digits, and what is on a limit may seem to be
-/// beyond it: the same with these axes on their limits, if the others can make up for it.
+/// Where solutions meet, joint values are known to half the digits, and a value on a limit may seem to
+/// violate it. Tries the same state with these axes on their limits, if the others can compensate.
 void InverseKinematics::Arm::put_on_limits(const BranchJob& asked, const AxisValues& state,
                                            std::size_t before, Gathered& out) const noexcept {
   BranchJob job = asked;
@@ -114,7 +115,7 @@ void InverseKinematics::Arm::put_on_limits(const BranchJob& asked, const AxisVal
   out.at_limit = false;
 }
 
-/// Of the two that are most alike the one further from the seed makes room.
+/// When full, evicts the one of the two closest candidates that is farther from the seed.
 void Gathered::replace_most_alike(const Candidate& one) noexcept {
   const auto apart = [](const Candidate& a, const Candidate& b) {
     double sum = 0;
@@ -134,7 +135,7 @@ void Gathered::replace_most_alike(const Candidate& one) noexcept {
   if (goes < count) all[goes] = one;
 }
 
-/// Descent from all that wait.
+/// Descends from all waiting states.
 void InverseKinematics::Arm::descend_all(const BranchJob& asked, WaitingStates& waiting, std::size_t before,
                                          Gathered& out) const noexcept {
   if (waiting.count == 0) return;
@@ -149,7 +150,7 @@ void InverseKinematics::Arm::descend_all(const BranchJob& asked, WaitingStates& 
   waiting.count = 0;
 }
 
-/// Every kind of family that the ideal arm has here, with what is nearly singular for it counted in.
+/// Walks along each family of the ideal arm at this pose; nearly singular counts as singular.
 void InverseKinematics::Arm::along_families(const BranchJob& asked, double least_edge, std::size_t before,
                                             Gathered& out) const noexcept {
   BranchJob job = asked;
@@ -172,9 +173,9 @@ void InverseKinematics::Arm::along_families(const BranchJob& asked, double least
   }
 }
 
-/// Free axes (up to two) are held at values all round while the others come as near to the pose as they can;
-/// where a step of all of them from there stays close, descent goes on to the end. `axes` of the form and
-/// `branches_of_it` are bits.
+/// Fixes the free axes (at most two) at values all around while the others descend as near to the pose as
+/// they can. Where a step of all axes from there stays close, descends to the end. `axes` (of the form) and
+/// `branches_of_it` are bit masks.
 void InverseKinematics::Arm::along_family(BranchJob job, const BranchJob& asked, std::uint32_t axes,
                                           std::uint32_t branches_of_it, std::size_t before,
                                           Gathered& out) const noexcept {
@@ -212,7 +213,7 @@ void InverseKinematics::Arm::along_family(BranchJob job, const BranchJob& asked,
   descend_all(asked, waiting, before, out);
 }
 
-/// Near a fold a solution has a twin on the other side of it; where folds meet it has more of them.
+/// Near a fold a solution has a twin on the other side; where folds meet it has more.
 void InverseKinematics::Arm::look_for_twins(const BranchJob& asked, std::size_t since,
                                             Gathered& out) const noexcept {
   constexpr std::size_t kMostLookedAt = 24;
@@ -237,7 +238,7 @@ void InverseKinematics::Arm::look_for_twins(const BranchJob& asked, std::size_t 
     look_beside(asked, out.nearly[k], flat, k, false, since, out);
 }
 
-/// Of up to eight joint states.
+/// For up to eight joint states.
 void InverseKinematics::Arm::see_motions(std::span<const AxisValues> states, bool both,
                                          LeastMotions& out) const noexcept {
   Branches at;
@@ -246,15 +247,16 @@ void InverseKinematics::Arm::see_motions(std::span<const AxisValues> states, boo
   find_least_motions(lanes, at, both, out);
 }
 
-/// In the direction that hardly moves the tool (lane `lane` of `flat`): the axis that moves most that way is
-/// held at values on either side while the others come as near to the pose as they can; from where a step of
-/// all of them does not lead back to a solution (`solved`) at hand, descent goes on to the end.
+/// In the direction that hardly moves the tool (lane `lane` of `flat`): fixes the axis that moves most at
+/// values on either side while the others descend as near to the pose as they can. Where a step of all axes
+/// does not lead back to a known solution (`solved`), descends to the end.
 void InverseKinematics::Arm::look_beside(const BranchJob& asked, const AxisValues& at,
                                          const LeastMotions& flat, std::size_t lane, bool solved,
                                          std::size_t since, Gathered& out) const noexcept {
   constexpr double kFar = 0.02, kFlat = 0.002, kSteps[] = {3, 10, 40, 150};
   constexpr double kWide[] = {0.03, 0.08, 0.16, 0.35}, kWidest[] = {0.6, 1, 1.5, 2.2};
-  constexpr double kFlatter = 1e-4, kOfRoot[] = {1, 2, 4, 8};  // where three meet they part with the root
+  constexpr double kFlatter = 1e-4, kOfRoot[] = {1, 2, 4, 8};  // where three solutions meet, their distance
+                                                               // grows with the root
   const std::size_t n = geometry.count;
   const double least = flat.least[lane];
   if (least > kFar) return;

@@ -8,27 +8,27 @@ namespace polyarm::ik {
 
 namespace {
 
-constexpr int kDescentSteps = 4;  // which need not end
+constexpr int kDescentSteps = 4;  // need not converge
 constexpr int kPatientSteps = 8;
-constexpr double kSettled2 = 1e-10;                   // squared error: what is left is polished by others
-constexpr double kSpread = 0.15;                      // rad: of states all over the curves
-constexpr double kOnCurve2 = 1e-6;                    // squared error: they are on a curve
-constexpr double kApart = 0.1;                        // rad: starts that are nearer to another are left out
-constexpr double kNearCurve2 = 0.1;                   // squared error: slides may begin
+constexpr double kSettled2 = 1e-10;                   // squared error: the rest is left to the polish
+constexpr double kSpread = 0.15;                      // rad: distance between states spread over the curves
+constexpr double kOnCurve2 = 1e-6;                    // squared error of a state on a curve
+constexpr double kApart = 0.1;                        // rad: starts nearer to another one are dropped
+constexpr double kNearCurve2 = 0.1;                   // squared error below which slides may begin
 constexpr double kExact = 1e-11;                      // lengths and rad
-constexpr double kShort = 1e-3;                       // rad: what a shorter stride would gain is nothing
+constexpr double kShort = 1e-3;                       // rad: a shorter stride gains nothing
 constexpr double kSame = 1e-3;                        // rad
-constexpr double kHere = 0.15;                        // rad: nothing else is nearer than what is so near
+constexpr double kHere = 0.15;                        // rad: no other is nearer than one this near
 constexpr double kPatience = 14, kLongPatience = 40;  // steps of a slide
-constexpr double kDoubtful = 0.3;  // of all slides: where so many end nowhere, the arm is near a singularity
-constexpr double kFar = 1e4;       // rad: of seeds further out sines have fewer digits
+constexpr double kDoubtful = 0.3;  // fraction of all slides: if so many fail, the arm is near a singularity
+constexpr double kFar = 1e4;       // rad: for seeds farther out sines lose digits
 constexpr int kMostSteps = 400;
 constexpr double kAsDeep =
-    2;  // of the best start's squared distance: what a slide may still make better than it
+    2;  // starts up to this multiple of the best start's squared distance are worth a slide
 constexpr std::size_t kJoints = Slides::kJoints;
 constexpr std::size_t kMostStarts = 448;
 
-/// Where limits leave a whole turn.
+/// For limits that allow a whole turn.
 double nearest_turn(double value, double near, double lower, double upper) noexcept {
   constexpr double kTurn = 2 * std::numbers::pi, kShift = 6755399441055744.0;  // as rounded() of lanes.hpp
   value += kTurn * (((near - value) * (1 / kTurn) + kShift) - kShift);
@@ -57,7 +57,7 @@ struct SelfMotion::Start {
 };
 struct SelfMotion::States {
   std::array<Start, kStateGroups> all;
-  std::array<std::uint8_t, kStateGroups> order;  ///< the better ones first
+  std::array<std::uint8_t, kStateGroups> order;  ///< best first
 };
 struct SelfMotion::Starts {
   std::array<Start, kMostStarts> all;
@@ -69,7 +69,7 @@ struct SelfMotion::Starts {
     const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
     count = static_cast<std::size_t>(std::remove_if(all.begin(), end, off) - all.begin());
   }
-  /// The nearest to the seed, each away from those before.
+  /// The nearest to the seed, each at a distance from the previous ones.
   std::span<const Start* const> apart(double distance, std::size_t most) noexcept {
     for (std::size_t k = 0; k < count; ++k) order[k] = &all[k];
     std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),
@@ -87,10 +87,10 @@ struct SelfMotion::Starts {
 struct SelfMotion::Found {
   std::array<Start, kMost> all;
   std::size_t count = 0;
-  std::size_t lost = 0;                               ///< slides that ended nowhere
-  std::array<const Start*, 2 * kDescents> lost_from;  ///< of the first so many, where they began
+  std::size_t lost = 0;                               ///< slides that failed
+  std::array<const Start*, 2 * kDescents> lost_from;  ///< where the first failed slides began
 
-  /// Nearest first, each once.
+  /// Nearest first, without duplicates.
   void take(const Start& one) noexcept {
     for (std::size_t k = 0; k < count; ++k)
       if (one.far_from(all[k]) < kSame) return;
@@ -154,7 +154,7 @@ double SelfMotion::distance2(const Question& question, const double* x) const no
   return sum;
 }
 
-/// To the turns within limits that are nearest to the seed.
+/// Moves each joint to the turn within limits that is nearest to the seed.
 void SelfMotion::unwind(const Question& question, double* x) const noexcept {
   for (std::size_t k = 0; k < kJoints; ++k) {
     if (turns_[k]) x[k] = nearest_turn(x[k], question.seed[k], lower_[k], upper_[k]);
@@ -162,7 +162,7 @@ void SelfMotion::unwind(const Question& question, double* x) const noexcept {
   }
 }
 
-/// Some steps from the states in `all`; what came near a curve is a start.
+/// Does some steps from the states in `all`; states that come near a curve become starts.
 void SelfMotion::descend_from(const Question& question, int steps, Descents& all,
                               Starts& out) const noexcept {
   DescentRules rules = core_->rules;
@@ -180,7 +180,7 @@ void SelfMotion::descend_from(const Question& question, int steps, Descents& all
   }
 }
 
-/// The states of the table that are nearest to the seed, in view of how far their ends are from the target.
+/// The table states nearest to the seed, considering the distance of their ends from the target.
 void SelfMotion::find_near(const Question& question, const StatesWanted& wanted, std::size_t most,
                            States& out) const noexcept {
   StatesNear near;
@@ -191,7 +191,7 @@ void SelfMotion::find_near(const Question& question, const StatesWanted& wanted,
     unwind(question, x.data());
     std::copy_n(x.begin(), kJoints, out.all[i].x.begin());
     out.all[i].cost = near.cost[i];
-    // The first and the last joint follow from the pose.
+    // The pose determines the first and the last joint.
     for (const std::size_t k : {std::size_t{0}, kJoints - 1})
       if (k < wanted.first || k >= wanted.first + wanted.joints)
         out.all[i].cost += weight_[k] * (x[k] - question.seed[k]) * (x[k] - question.seed[k]);
@@ -201,7 +201,7 @@ void SelfMotion::find_near(const Question& question, const StatesWanted& wanted,
                    out.order.end(), [&](auto a, auto b) { return out.all[a].cost < out.all[b].cost; });
 }
 
-/// From the seed, and from states of the table whose end is near the target and which are near the seed.
+/// Starts from the seed, and from table states near the seed whose end is near the target.
 void SelfMotion::start_near_seed(const Question& question, std::size_t descents, int steps,
                                  Starts& out) const noexcept {
   StatesWanted wanted;
@@ -232,7 +232,7 @@ void SelfMotion::start_near_seed(const Question& question, std::size_t descents,
   }
 }
 
-/// From the states whose ends are nearest to the target, wherever the seed is, and patiently.
+/// Starts from the states whose ends are nearest to the target, independent of the seed, with more steps.
 void SelfMotion::start_anywhere(const Question& question, std::size_t enough, Starts& out) const noexcept {
   SeedTable::Search search = question.search;
   Descents all;
@@ -267,7 +267,7 @@ void SelfMotion::slide_from(const Question& question, std::span<const Start* con
     const Start& from = *starts[more ? next : 0];
     for (std::size_t k = 0; k < kJoints; ++k) {
       all.x[k][lane] = from.x[k];
-      // Any direction, but seldom one that is square to the curve.
+      // Any direction that is seldom perpendicular to the curve.
       all.along[k][lane] = weight_[k] * (rules.seed[k] - from.x[k]) + 1e-3 * static_cast<double>(k + 1);
     }
     at[lane] = &from;
@@ -296,8 +296,8 @@ void SelfMotion::slide_from(const Question& question, std::span<const Start* con
   }
 }
 
-/// Of slides that ended nowhere, as they do near singularities: where their starts lead without sliding, if
-/// that is nearer than what others have found; lanes without work have the seed.
+/// Slides fail near singularities: tries where their starts lead without sliding, if that is nearer than the
+/// solutions found. Unused lanes hold the seed.
 void SelfMotion::settle_lost(const Question& question, Found& out) const noexcept {
   const std::size_t count = std::min(out.lost, out.lost_from.size());
   Starts settled;
@@ -325,7 +325,7 @@ double SelfMotion::away_from(const Question& question, const Start& one) noexcep
   return most;
 }
 
-/// Where the curve that is nearest comes so near to the seed that no other can come nearer.
+/// The nearest point of the nearest curve, if it is so near to the seed that no other can be nearer.
 bool SelfMotion::look_here(const Question& question, Found& out) const noexcept {
   constexpr double kFine2 = 1e-4 * 1e-4;
   constexpr int kFewSteps = 4;
@@ -335,7 +335,7 @@ bool SelfMotion::look_here(const Question& question, Found& out) const noexcept 
   Start one;
   std::copy_n(at.x.begin(), kJoints, one.x.begin());
   unwind(question, one.x.data());
-  // Sliding takes little off the way that descent has come.
+  // Sliding shortens the distance of the descent only a little.
   if (away_from(question, one) > 2 * kHere) return false;
   const Start* const start = &one;
   slide_from(question, {&start, 1}, kPatience, out);
@@ -389,7 +389,7 @@ bool SelfMotion::nearest_from(const Pose& target, std::span<const double> seed, 
     from[k] = &all[k];
   }
   Found found;
-  // Starts are answers as well: slides that do not promise more end soon.
+  // Starts are solutions too: slides that promise no improvement end early.
   for (std::size_t k = 0; k < count; ++k) found.take(all[k]);
   std::size_t worth = 0;
   while (worth < count && all[worth].cost <= kAsDeep * all[0].cost) ++worth;

@@ -1,8 +1,9 @@
 #pragma once
-/// Seven turning axes have one to spare: the joint states that lead to a pose lie on curves, along which the
-/// arm moves and its tool does not. The nearest to a seed is where one of these curves comes nearest to it.
-/// Descents from states of a table lead onto the curves, eight side by side, and from there each slides to
-/// where the distance is least. Used inside this room only.
+/// Self-motions of arms with seven turning axes. One joint is redundant, so the joint states that reach a
+/// pose form curves: along a curve the arm moves and the tool does not. This class finds the points on these
+/// curves that are nearest to a seed. Descents from the states of a table reach the curves, eight side by
+/// side; from there each slides to where the distance is smallest. Private to this room. Radians, metres,
+/// poses in the world; const after construction: any thread. Nothing throws.
 #include <array>
 #include <memory>
 #include <optional>
@@ -21,29 +22,27 @@ class SelfMotion {
   using State = std::array<double, ArmGeometry::kMostAxes>;
   static constexpr std::size_t kMost = 4;
 
-  /// Nothing where an axis slides or a joint drives more than one. Keeps a reference to `core`. With
-  /// `thorough`, of twice as many starts.
-  /// With `only_slides`, nearest() and spread() must not be called.
+  /// Returns nothing if an axis slides or a joint drives more than one axis. Keeps a reference to `core`.
+  /// `thorough` uses twice as many starts. With `only_slides`, nearest() and spread() must not be called.
   static std::optional<SelfMotion> of(const NumericCore& core, const ArmGeometry& arm,
                                       const LaneLimits& limits, bool thorough, bool only_slides = false);
 
-  /// Up to kMost different states within limits that lead to `target` and are, each along its curve, nearest
-  /// to `seed` (a joint state of the chain); nearest first, axis values in the order of the geometry. Returns
-  /// how many. Those of few curves are missed, and where limits leave but a little of them, all may be.
-  /// `doubtful`: many slides ended nowhere, as they do near singularities of the arm, so that there may well
-  /// be nearer ones. Allocates nothing.
+  /// Up to kMost different states within limits that reach `target`, each the nearest to `seed` (a joint
+  /// state of the chain) on its curve; nearest first, axis values in the order of the geometry. Returns their
+  /// number. It can miss curves, and can miss all of them if limits leave only small parts. `doubtful` is set
+  /// if many slides failed, as happens near singularities of the arm: nearer states may then well exist.
+  /// Allocates nothing.
   std::size_t nearest(const Pose& target, std::span<const double> seed, std::span<State, kMost> out,
                       bool& doubtful) const noexcept;
-  /// Where the curve that one descent from the seed leads to comes so near to the seed (0.15 rad) that no
-  /// other can come much nearer; false where it does not.
+  /// The nearest point of the curve that one descent from the seed reaches. True if it is so near to the seed
+  /// (0.15 rad) that no other can be much nearer.
   bool nearest_here(const Pose& target, std::span<const double> seed, State& out) const noexcept;
-  /// The nearest along the curves of up to eight `starts`, states within limits that lead to the target;
-  /// where there is none, along curves that descents from states of the table lead to. False where nothing is
-  /// found.
+  /// The nearest state along the curves of up to eight `starts`, which are within limits and reach the
+  /// target; without starts, along curves that descents from table states reach. False if nothing is found.
   bool nearest_from(const Pose& target, std::span<const double> seed, std::span<const State> starts,
                     State& out) const noexcept;
-  /// States all over the curves, nearest to `seed` first: 0.15 rad and more from each other, within limits
-  /// and within 1e-3 of the target (lengths and rad). Returns how many.
+  /// States spread over the curves, nearest to `seed` first: at least 0.15 rad apart, within limits, and
+  /// within 1e-3 of the target (lengths and rad). Returns their number.
   std::size_t spread(const Pose& target, std::span<const double> seed, std::span<State> out) const noexcept;
 
  private:
@@ -67,13 +66,12 @@ class SelfMotion {
   void settle_lost(const Question& question, Found& out) const noexcept;
 
   const NumericCore* core_ = nullptr;
-  /// What squares of lengths and directions count beside squares of radians, in one choice of states after
-  /// another.
+  /// Weights of squared lengths and directions relative to squared radians, one for each selection of states.
   std::vector<double> factors_;
-  std::size_t descents_ = 0, slides_ = 0;  ///< of each choice; of all
+  std::size_t descents_ = 0, slides_ = 0;  ///< descents for each selection; slides for all
   std::array<double, Slides::kJoints> lower_{}, upper_{}, weight_{};
-  std::array<bool, Slides::kJoints> turns_{};  ///< limits leave more than one turn
-  std::unique_ptr<float[]> values_;            ///< of the table's states, joint after joint
+  std::array<bool, Slides::kJoints> turns_{};  ///< limits allow more than one turn
+  std::unique_ptr<float[]> values_;            ///< values of the table's states, joint after joint
 };
 
 }  // namespace polyarm::ik

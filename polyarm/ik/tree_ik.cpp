@@ -23,12 +23,12 @@ bool finite(const Pose& p) {
   return norm(p.position) < 1e9 && std::isfinite(size2) && size2 > 1e-12;
 }
 
-/// What is left of `e` where deviations -e in [low, high] are as good as none.
+/// The part of `e` outside the tolerance: deviations -e in [low, high] count as zero.
 double rest(double e, double low, double high) {
   return std::max(0.0, e + low) + std::min(0.0, e + high);
 }
 
-/// The one axis of the tool about which the task lets it turn freely; -1: none, or several.
+/// The single tool axis about which the task allows rotation; -1 if there is none or several.
 int free_spin_of(const IkTask& task) {
   int free = -1, count = 0;
   for (int i = 0; i < 3; ++i) {
@@ -42,15 +42,15 @@ int free_spin_of(const IkTask& task) {
 
 }  // namespace
 
-/// One descent: the normal equations of all rows, and errors. Of all joints: q, seed, jacobian; the others
-/// are of those that move a tip.
+/// One descent: the normal equations of all rows, and errors. q, seed and jacobian cover all joints; the
+/// other members cover the joints that move a tip.
 struct TreeIk::Work {
   std::array<double, Chain::kMaxJoints> q, seed;
   std::array<double, 6 * Chain::kMaxJoints> jacobian;
   std::array<double, kMost> gradient, dq;
   std::array<double, kMost * kMost> square;  ///< J^T J, its lower half
   std::array<double, TreeSolution::kMaxTips> position{}, orientation{};
-  double size2 = 0;  ///< what is minimised
+  double size2 = 0;  ///< the objective
   bool within = false;
 };
 
@@ -148,8 +148,8 @@ void TreeIk::measure(std::span<const TreeTask> tasks, Work& work) const noexcept
   for (std::size_t tip = 0; tip < tips(); ++tip) add_rows(tip, tasks[tip], work);
 }
 
-/// Solves (J^T J + damping) dq = J^T e by Cholesky's method, joints that stand at a limit and are drawn
-/// beyond it left out, and moves.
+/// Solves (J^T J + damping) dq = J^T e by Cholesky's method and moves. Leaves out joints at a limit that
+/// would be pushed beyond it.
 bool TreeIk::step(Work& work) const noexcept {
   const std::size_t n = moving_.size();
   const Chain& limits = chains_.front();
@@ -200,7 +200,7 @@ bool TreeIk::descend(std::span<const TreeTask> tasks, Work& work, TreeSolution& 
   for (int i = 0; i < settings_.steps && stuck < kPatience; ++i) {
     measure(tasks, work);
     if (!std::isfinite(work.size2)) break;
-    // Within tolerance it goes on as long as that helps much.
+    // Within tolerance, continues while that helps much.
     if (found && work.size2 > 0.25 * least) break;
     if (work.size2 < least || (work.within && !found)) {
       least = work.size2;

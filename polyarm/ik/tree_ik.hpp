@@ -1,6 +1,6 @@
 #pragma once
-/// Inverse kinematics of several tips of one tree at once: two arms on a shared torso, a hand's fingers, a
-/// tool and a camera. Metres, radians, poses in the world.
+/// Inverse kinematics of several tips of one tree at once: two arms on a shared torso, the fingers of a hand,
+/// a tool and a camera. Metres, radians; poses in the world.
 #include <array>
 #include <cstddef>
 #include <span>
@@ -14,14 +14,14 @@ namespace polyarm::ik {
 
 using namespace kinematics;
 
-/// A point of the tree that is to be put somewhere.
+/// A point of the tree that gets a target.
 struct TreeTip {
   int link = 0;  ///< indexes RobotModel::links
   Pose T_link_tcp;
 };
 
-/// Where one tip is wanted, what of the pose counts, and how much against the other tips where not all can be
-/// had; with weight 0 the tip is left alone.
+/// The target of one tip, the components of the pose that count, and the weight against the other tips if not
+/// all can be reached; weight 0 ignores the tip.
 struct TreeTask {
   Pose target;
   IkTask task;
@@ -44,13 +44,14 @@ struct TreeSolution {
 
 /// Damped least squares over all tips (Nakamura and Hanafusa 1986) with joint limits as walls. Built once
 /// (allocates), then const and without hidden state: any thread. solve() allocates nothing, throws nothing,
-/// reads no clock, and its work is bounded; some 60 kB of stack. The same question has the same answer.
+/// reads no clock, does a bounded amount of work and always gives the same answer; it uses about 60 kB of
+/// stack.
 class TreeIk {
  public:
   static constexpr std::size_t kMostMoving = 64;
-  /// Joint states are those of the model: one value for each actuated joint. Throws Error("bad-model") for
-  /// what a Chain to one of the tips refuses, for no tip, and for more than TreeSolution::kMaxTips;
-  /// Error("too-many-joints") where more than kMostMoving joints move the tips.
+  /// A joint state has one value for each actuated joint of the model. Throws Error("bad-model") as Chain
+  /// does for each tip, for zero tips, and above TreeSolution::kMaxTips; throws Error("too-many-joints") if
+  /// more than kMostMoving joints move the tips.
   TreeIk(const description::RobotModel& model, std::span<const TreeTip> tips, const Pose& T_world_base = {},
          TreeSettings settings = {});
 
@@ -58,9 +59,9 @@ class TreeIk {
   std::size_t tips() const noexcept { return chains_.size(); }
   Pose forward(std::size_t tip, std::span<const double> q) const noexcept { return chains_[tip].forward(q); }
 
-  /// From `seed`, then from random states. `tasks` has one for each tip. Joints that move no tip with a
-  /// weight keep the seed's values; joints that turn further than once come to the turn nearest the seed.
-  /// `unreachable`: `out` is the nearest within limits that was found.
+  /// Descends from `seed`, then from random states. `tasks` has one entry for each tip. Joints that move no
+  /// weighted tip keep the seed's values; joints that can turn more than once take the turn nearest the seed.
+  /// For the outcome `unreachable`, `out` is the nearest state within limits that was found.
   IkOutcome solve(std::span<const TreeTask> tasks, std::span<const double> seed,
                   TreeSolution& out) const noexcept;
 
@@ -75,9 +76,9 @@ class TreeIk {
   std::vector<Chain> chains_;
   std::vector<std::size_t> moving_;                 ///< joints that move a tip
   std::array<double, Chain::kMaxJoints> unit_{};    ///< rad or m of one unit
-  std::array<double, Chain::kMaxJoints> period_{};  ///< as Chain::period, over all tips
+  std::array<double, Chain::kMaxJoints> period_{};  ///< as Chain::period, for all tips
   TreeSettings settings_;
-  double length_ = 1;  ///< m that a radian counts as
+  double length_ = 1;  ///< m that one radian counts as
 };
 
 }  // namespace polyarm::ik
