@@ -13,9 +13,9 @@ namespace polyarm::kinematics {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Axes closer to parallel than this neither meet nor span a wrist, rad.
+/// Axes nearer to parallel than this neither meet nor form a wrist, rad.
 constexpr double kLeastAngle = 0.02;
-/// Where it is not needed that axes meet, but helps where they do: in parts of the arm's size.
+/// For axes that need not meet but simplify the solution if they do: in units of the arm's size.
 constexpr double kMeetsForSure = 1e-7;
 
 double sine_between(const JointAxis& a, const JointAxis& b) {
@@ -42,7 +42,7 @@ Vec3 nearest_point(std::initializer_list<const JointAxis*> axes) {
                       right.z * cross(rows[0], rows[1]));
 }
 
-/// The largest distance of any of these axes from their common point; infinite where neighbours are parallel.
+/// The largest distance of these axes from their common point; infinite if neighbours are parallel.
 double gap(std::initializer_list<const JointAxis*> axes) {
   for (auto axis = axes.begin(); axis + 1 != axes.end(); ++axis)
     if (sine_between(**axis, **(axis + 1)) < kLeastAngle) return kInfinity;
@@ -52,8 +52,8 @@ double gap(std::initializer_list<const JointAxis*> axes) {
   return worst;
 }
 
-/// An attempt to see a family in an arm: questions that note how far off the arm is, answers that bring it
-/// into line. Axes are counted from 1, as people do.
+/// One attempt to find a family in an arm. Queries note how far off the arm is; corrections idealise it. Axes
+/// are numbered from 1.
 class Look {
  public:
   /// `length` is length_between_axes() of the arm.
@@ -64,9 +64,9 @@ class Look {
   bool meet(int a, int b, int c) const { return gap({&axis(a), &axis(b), &axis(c)}) <= length_; }
   bool parallel(int a, int b) const { return sine_between(axis(a), axis(b)) <= angle_; }
   bool slanted(int a, int b) const { return sine_between(axis(a), axis(b)) >= kLeastAngle; }
-  /// Parallel axes that are not one and the same.
+  /// True if two parallel axes do not coincide.
   bool apart(int a, int b) const { return distance_to(axis(a), axis(b).point) > length_; }
-  /// Whether `point` is off axis `a`.
+  /// True if `point` is off axis `a`.
   bool off(int a, const Vec3& point) const { return distance_to(axis(a), point) > length_; }
   Vec3 meeting(int a, int b) const { return nearest_point({&axis(a), &axis(b)}); }
   Vec3 meeting(int a, int b, int c) const { return nearest_point({&axis(a), &axis(b), &axis(c)}); }
@@ -78,7 +78,7 @@ class Look {
   double angle_, length_;
 };
 
-/// Moves axes of the ideal arm and keeps account of how far.
+/// Moves axes of the ideal arm and records how far.
 class Idealiser {
  public:
   explicit Idealiser(SixAxisClass& out) : out_(out) {}
@@ -107,7 +107,7 @@ class Idealiser {
   SixAxisClass& out_;
 };
 
-/// The position part of a wrist's families: what the first three axes are to each other.
+/// The position part of a wrist's family: the relation of the first three axes.
 ArmFamily shoulder_of(const Look& look, const Vec3& wrist) {
   if (look.parallel(2, 3) && look.apart(2, 3) && look.slanted(1, 2) && look.off(3, wrist))
     return ArmFamily::wrist_2_parallel_3;
@@ -126,7 +126,7 @@ bool three_parallel(const Look& look, int a, int b, int c) {
          look.apart(b, c);
 }
 
-/// Whether the first three axes put a point anywhere in a space.
+/// True if the first three axes can move a point in three dimensions.
 bool places_points(const Look& look) {
   const bool first = look.slanted(1, 2) || (look.parallel(1, 2) && look.apart(1, 2));
   const bool second = look.slanted(2, 3) || (look.parallel(2, 3) && look.apart(2, 3));
@@ -150,16 +150,16 @@ ArmFamily family_of(const Look& look) {
   return ArmFamily::none;
 }
 
-/// Of an arm that one axis has to be searched along: which, from which end. The point where two axes meet
-/// that the first three reach for goes round the axis that is searched along; the smaller that circle, the
-/// smoother is what is left of the pose, and the less of it is out of reach.
+/// Chooses the axis to search along, and the end to start from. The first three axes reach for the point
+/// where two axes meet; that point moves on a circle about the search axis. A smaller circle gives a smoother
+/// error function, and less of it is out of reach.
 void choose_search(const Look& from_base, const Look& from_tool, ArmFamily& family, bool& turn_round) {
   constexpr double kClearly = 0.9;
   double least = kInfinity;
   for (const bool last : {false, true})
     for (const bool turned : {false, true}) {
       const Look& look = turned ? from_tool : from_base;
-      const int first = last ? 4 : 5, along = last ? 6 : 4;  // of the two that meet
+      const int first = last ? 4 : 5, along = last ? 6 : 4;  // of the two axes that meet
       if (!look.meet(first, first + 1) || !places_points(look)) continue;
       const Vec3 at = look.meeting(first, first + 1);
       if (!look.off(along, at) || (last && !look.off(3, at))) continue;
@@ -173,7 +173,7 @@ void choose_search(const Look& from_base, const Look& from_tool, ArmFamily& fami
 
 void idealise(SixAxisClass& out) {
   const ArmGeometry seen = out.ideal;
-  const Look look(seen, kLooseTolerance, 0);  // asked for places and directions only
+  const Look look(seen, kLooseTolerance, 0);  // used for positions and directions only
   Idealiser ideal(out);
   switch (out.family) {
     case ArmFamily::wrist_2_parallel_3:

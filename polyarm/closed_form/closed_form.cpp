@@ -41,7 +41,7 @@ const BranchKernels& kKernels = kernels_for(wanted_instructions());
 
 namespace {
 
-/// Points of two axes that are not parallel where they are nearest to each other.
+/// The nearest points of two axes that are not parallel.
 void nearest_points(const JointAxis& a, const JointAxis& b, Vec3& on_a, Vec3& on_b) {
   const Vec3 n = cross(a.direction, b.direction), way = b.point - a.point;
   const double scale = 1 / dot(n, n);
@@ -49,7 +49,7 @@ void nearest_points(const JointAxis& a, const JointAxis& b, Vec3& on_a, Vec3& on
   on_b = b.point + (scale * dot(way, cross(a.direction, n))) * b.direction;
 }
 
-/// The first three axes of an ideal arm as what puts a point somewhere.
+/// The first three axes of an ideal arm as a Shoulder.
 Shoulder shoulder_of(const ArmGeometry& arm, double least_length) {
   Shoulder s;
   const JointAxis &one = arm.axes[0], &two = arm.axes[1], &three = arm.axes[2];
@@ -81,13 +81,13 @@ Shoulder shoulder_of(const ArmGeometry& arm, double least_length) {
   return s;
 }
 
-/// The shoulder's point of axis 1 for the form's.
+/// Uses the shoulder's point of axis 1 for the form.
 void take_points(SixAxisForm& f, const ArmGeometry& arm) {
   f.first = f.shoulder.first;
   f.p34 = arm.axes[3].point - arm.axes[2].point;
 }
 
-/// What parallel axes 2 to 4 leave alone: heights along them.
+/// The constants that parallel axes 2 to 4 do not change: heights along them.
 void tie_5_to_1(SixAxisForm& f, const ArmGeometry& arm) {
   Vec3 on_5, on_6;
   nearest_points(arm.axes[4], arm.axes[5], on_5, on_6);
@@ -113,7 +113,7 @@ void tie_5_to_1(SixAxisForm& f, const ArmGeometry& arm) {
 
 namespace {
 
-/// Where p turns about k and q stands.
+/// p turns about k; q is fixed.
 Reach reach_of(const Vec3& p, const Vec3& q, const Vec3& k, double least) {
   Reach out;
   const double qk = dot(q, k), pk = dot(p, k);
@@ -193,7 +193,7 @@ SixAxisForm form_of(const SixAxisClass& known, bool wary) {
       f.to_56 = center - point(4);
       f.to_45 = point(4) - center;
       f.beside_5 = beside(f.h[4]);
-      f.edge = 0;  // samples on either side part solutions well enough
+      f.edge = 0;  // samples on either side keep solutions apart well enough
       break;
     default:
       break;
@@ -224,7 +224,7 @@ bool takes_quick(const QuickJob& job) noexcept {
 SixAxisForm form_for_quick(const SixAxisClass& known) {
   SixAxisForm f = form_of(known, true);
   f.wary = true;
-  // Angles are then known to 1e-13, whichever way sums are rounded.
+  // Above this, angles are known to 1e-13 in any order of summation.
   f.near_edge = 1e-6;
   f.least_sine = 1e-3;
   f.least_length = f.least_sine * known.ideal.size();
@@ -242,7 +242,7 @@ JointWindow window_of(double lower, double upper, double weight) noexcept {
 
 namespace {
 
-/// Components that are rounding of the zero that was meant are left out.
+/// Removes components that are only rounding errors of zero.
 Vec3 without_noise(Vec3 v) {
   constexpr double kNothing = 5e-15;  // m, and of directions
   for (double* c : {&v.x, &v.y, &v.z})
@@ -250,7 +250,7 @@ Vec3 without_noise(Vec3 v) {
   return v;
 }
 
-/// Fills in the shorter way, if all axes lie along those of `frame` (to the world).
+/// Fills in the faster form if all axes lie along those of `frame` (which maps to the world).
 bool go_square(const ArmGeometry& arm, const Rotation& frame, LaneArm& out) {
   const Rotation back = transposed(frame);
   Vec3 at;
@@ -258,7 +258,7 @@ bool go_square(const ArmGeometry& arm, const Rotation& frame, LaneArm& out) {
     const JointAxis& axis = arm.axes[i];
     const Vec3 h = without_noise(back * axis.direction);
     if (axis.slides || (h.x != 0) + (h.y != 0) + (h.z != 0) != 1) return false;
-    // Any point of the axis will do: the one level with the point before leaves a zero.
+    // Any point of the axis is valid; the one level with the previous point gives an offset of zero.
     const Vec3 point = axis.point - dot(axis.point - at, axis.direction) * axis.direction;
     const Vec3 step = without_noise(back * (point - at));
     out.along[i] = {static_cast<std::uint8_t>(h.x != 0   ? 0
@@ -274,7 +274,7 @@ bool go_square(const ArmGeometry& arm, const Rotation& frame, LaneArm& out) {
   return true;
 }
 
-/// The world's axes, or those that axis 1 and the first that is square to it give.
+/// Tries the world's axes, and those of axis 1 and the first axis perpendicular to it.
 void find_square(const ArmGeometry& arm, LaneArm& out) {
   out.square = out.level = go_square(arm, {}, out);
   for (std::size_t i = 1; i < arm.count && !out.square; ++i) {

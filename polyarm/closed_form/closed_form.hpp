@@ -52,7 +52,7 @@ struct SixAxisForm {
   Vec3 beside_6;                  ///< a unit vector perpendicular to axis 6
   Vec3 beside_1;                  ///< a unit vector perpendicular to axis 1
   Rotation from_tool_rotation;    ///< transposed rotation of the tool at zero
-  double height = 0;              ///< the constant length that the first step uses, m
+  double height = 0;              ///< the constant length that the first step of the family uses, m
   double side_3 = 1, side_4 = 1;  ///< 1 if axes 3 and 4 point along axis 2, -1 if against it
   double least_length = 0;        ///< a smaller length counts as zero, m
   double least_sine = 0;          ///< below this two axes count as parallel
@@ -207,7 +207,7 @@ struct QuickJob {
   PlanarForm planar;                     ///< a faster method, if it is usable
   double most_weight = 1;                ///< largest weight of the windows
 };
-/// True if the fast solver supports the family.
+/// True if the fast solver supports this class: exact, and solved by square roots only.
 bool takes_quick(const SixAxisClass& known) noexcept;
 /// True if the quick solver's preconditions hold.
 bool takes_quick(const QuickJob& job) noexcept;

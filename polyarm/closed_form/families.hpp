@@ -348,7 +348,7 @@ __attribute__((noinline)) void all_branches(const SixAxisForm& f, Question& s) {
   all_branches_in<Family>(f, s);
 }
 
-/// Calls `with` with the family, if the fast solver supports it.
+/// Calls `with` with the family if it is solved in steps, without a conic or a search; else returns false.
 template <class With>
 POLYARM_INLINE bool with_family(ArmFamily family, const With& with) {
   switch (family) {

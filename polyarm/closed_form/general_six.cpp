@@ -14,15 +14,15 @@ namespace {
 using Rows6x9 = Grid<6, 9>;
 
 constexpr double kThird = 2 * std::numbers::pi / 3;
-/// Where half-angle tangents of angles 4 and 5 are infinite is turned off the values that poses like.
+/// Rotates the infinity of the half-angle tangents of angles 4 and 5 away from common poses.
 constexpr double kOffset4 = 0.7345, kOffset5 = -1.1931;
-constexpr double kNearlyReal = 0.1;  // rad off the real axis: polish tells whether there is a solution
+constexpr double kNearlyReal = 0.1;  // rad off the real axis: the polish decides whether it is a solution
 
-/// Values at 0, 120 and 240 degrees to (1, sin, cos) of what is of first degree in both.
+/// From values at 0, 120 and 240 degrees to coefficients of (1, sin, cos).
 constexpr double kRoot3 = 1.7320508075688772;
 constexpr double kToTrig[3][3] = {
     {1.0 / 3, 1.0 / 3, 1.0 / 3}, {0, kRoot3 / 3, -kRoot3 / 3}, {2.0 / 3, -1.0 / 3, -1.0 / 3}};
-/// The same to powers 0, 1, 2 of the half-angle's tangent, all times 1 + tan^2.
+/// From the same values to powers 0, 1, 2 of the half-angle tangent, all times 1 + tan^2.
 constexpr double kToHalf[3][3] = {
     {1, 0, 0}, {0, 2 * kRoot3 / 3, -2 * kRoot3 / 3}, {-1.0 / 3, 2.0 / 3, 2.0 / 3}};
 
@@ -33,13 +33,13 @@ std::array<double, 14> features_of(const Vec3& p, const Vec3& l) noexcept {
           pl,  across.x, across.y, across.z, mirrored.x, mirrored.y, mirrored.z};
 }
 
-/// Not inlined: all that it is called with is constant, and would become a hundred thousand lines.
+/// Not inlined: all arguments are constant, so it would expand to a hundred thousand lines.
 [[gnu::noinline]] void add(double part, const std::array<double, 14>& what, double* to) noexcept {
   if (part == 0) return;
   for (std::size_t f = 0; f < what.size(); ++f) to[f] += part * what[f];
 }
 
-/// A complex vector's product with i.
+/// The product of a complex vector with i.
 template <std::size_t N>
 std::array<double, N> times_i(const std::array<double, N>& v) noexcept {
   std::array<double, N> out;
@@ -54,14 +54,14 @@ double angle_between_about(const Vec3& from, const Vec3& to, const Vec3& h) noex
 
 }  // namespace
 
-/// What the target adds, lengths in parts of the arm's size.
+/// The target's part, lengths in units of the arm's size.
 struct GeneralSix::Ends {
-  Vec3 place, axis, beside;  ///< of axis 6, seen from the point of axis 1; and what is beside axis 6
+  Vec3 place, axis, beside;  ///< axis 6 relative to the point of axis 1, and its perpendicular
 };
 
-/// What is left when angles 1 and 2 are eliminated.
+/// The equations after the elimination of angles 1 and 2.
 struct GeneralSix::Elimination {
-  Rows6x9 one, sine, cosine;  ///< of angle 3, on powers of half-angle tangents of 4 and 5
+  Rows6x9 one, sine, cosine;  ///< of angle 3, on powers of the half-angle tangents of 4 and 5
   FourteenForEight right;
   Features constant;
 };
@@ -69,7 +69,7 @@ struct GeneralSix::Elimination {
 GeneralSix::GeneralSix(const ArmGeometry& given, bool from_tool, bool prepared) : from_tool_(from_tool) {
   const ArmGeometry arm = from_tool ? reversed(given) : given;
   scale_ = 1 / std::max(arm.size(), 1e-9);
-  // Points of neighbouring axes that are near to each other keep the numbers small.
+  // Near points of neighbouring axes keep the numbers small.
   std::array<Vec3, 6> points;
   for (std::size_t k = 0; k < 6; ++k) {
     h_[k] = arm.axes[k].direction;
@@ -90,7 +90,7 @@ GeneralSix::GeneralSix(const ArmGeometry& given, bool from_tool, bool prepared) 
   if (prepared) prepare();
 }
 
-/// Polynomials from values at three of each angle: all features of one coefficient side by side.
+/// Polynomials from values at three places of each angle; all features of one coefficient side by side.
 void GeneralSix::see_middle() noexcept {
   Rotation third[3], fourth[3], fifth[3];
   for (std::size_t k = 0; k < 3; ++k) {
@@ -108,10 +108,10 @@ void GeneralSix::see_middle() noexcept {
       }
 }
 
-/// Where the half-angle tangent of angle 3 is i, the equations know of four combinations of the powers only,
-/// those of the plane that axis 3 turns: these and their product with the half-angle tangent of angle 4 span
-/// what is wanted, which is the same for every pose. Complex vectors are real ones of twice the length, the
-/// imaginary parts last; with each comes its product with i.
+/// If the half-angle tangent of angle 3 is i, the equations contain only four combinations of the powers,
+/// those of the plane that axis 3 turns. These and their products with the half-angle tangent of angle 4 span
+/// the wanted space, which is the same for every pose. Complex vectors are stored as real ones of twice the
+/// length, imaginary parts last, each with its product with i.
 void GeneralSix::prepare() noexcept {
   if (ready_) return;
   ready_ = true;
@@ -134,7 +134,7 @@ void GeneralSix::prepare() noexcept {
   std::array<std::array<double, 24>, 16> wanted;
   for (std::size_t k = 0; k < wanted.size(); k += 2) {
     std::array<double, 24>& both = wanted[k] = {};
-    const std::size_t power = k < 8 ? 0 : 3;  // of the half-angle tangent of angle 4: none, or one
+    const std::size_t power = k < 8 ? 0 : 3;  // of the half-angle tangent of angle 4: zero or one
     for (std::size_t j = 0; j < 9; ++j) {
       both[power + j] = span[k % 8][j];
       both[12 + power + j] = span[k % 8][9 + j];
@@ -146,7 +146,7 @@ void GeneralSix::prepare() noexcept {
     for (std::size_t k = 0; k < 16; ++k) wanted_[r][k] = wanted[k][r];
 }
 
-/// The way from axis 3 to axis 6, and the direction of that, seen from axis 3 where it stands at zero.
+/// The vector from axis 3 to axis 6 and its direction, relative to axis 3 at zero.
 GeneralSix::Features GeneralSix::left_at(double third, double fourth, double fifth) const noexcept {
   return left_with(rotation_about(h_[2], third), rotation_about(h_[3], fourth), rotation_about(h_[4], fifth));
 }
@@ -172,8 +172,8 @@ GeneralSix::Ends GeneralSix::ends_of(const PoseTarget& given) const noexcept {
           turn * beside_6_};
 }
 
-/// Fourteen equations, linear in eight products of sines and cosines of angles 1 and 2; six combinations are
-/// free of them.
+/// Fourteen equations that are linear in eight products of sines and cosines of angles 1 and 2; six
+/// combinations do not contain these.
 void GeneralSix::see_target(const Ends& ends, Elimination& e) const noexcept {
   std::array<Features, 9> right{};
   for (std::size_t a = 0; a < 3; ++a)
@@ -185,7 +185,7 @@ void GeneralSix::see_target(const Ends& ends, Elimination& e) const noexcept {
   std::array<Features, 8> unknowns;
   std::copy(right.begin() + 1, right.end(), unknowns.begin());
   e.right.take(unknowns);
-  Grid<kFeatures, 28> rows;  // the last column fills them up to whole registers
+  Grid<kFeatures, 28> rows;  // the last column pads to whole registers
   for (std::size_t f = 0; f < kFeatures; ++f) {
     for (std::size_t k = 0; k < 27; ++k) rows[f][k] = left_[kFeatures * k + f];
     rows[f][27] = 0;
@@ -221,8 +221,8 @@ Rows6x9 mixed(double a, const Rows6x9& x, double b, const Rows6x9& y, double c, 
 
 }  // namespace
 
-/// What stands before the powers of the half-angle's tangent of what angle 3 is beyond `turn`: the lowest,
-/// the next, and the highest, which is to be divided by.
+/// The coefficients of the powers of the half-angle tangent of (angle 3 - `turn`): the lowest, the next, and
+/// the highest, which is the divisor.
 struct GeneralSix::Start {
   Start(const Elimination& e, double angle) noexcept
       : lowest(mixed(1, e.one, std::cos(angle), e.cosine, std::sin(angle), e.sine)),
@@ -234,7 +234,7 @@ struct GeneralSix::Start {
   double turn;
 };
 
-/// From one start; false where the roots do not come.
+/// From one start; false if the roots do not converge.
 bool GeneralSix::find_thirds(const Start& start, Thirds& out) const noexcept {
   Grid<12, 16> image{};
   for (std::size_t i = 0; i < 6; ++i)
@@ -263,8 +263,8 @@ bool GeneralSix::find_thirds(const Start& start, Thirds& out) const noexcept {
   return true;
 }
 
-/// Angles 4 and 5 from what the twelve equations leave free, then 1 and 2, then 6. False where a sign of a
-/// solution is missing.
+/// Angles 4 and 5 from the null space of the twelve equations, then 1 and 2, then 6. False if there is no
+/// sign of a solution.
 bool GeneralSix::complete(const Elimination& e, const Ends& ends, double third, State& q) const noexcept {
   const TwelveEquations twelve(doubled(mixed(1, e.one, std::sin(third), e.sine, std::cos(third), e.cosine)));
   Grid<12, 1> v;
@@ -290,7 +290,7 @@ bool GeneralSix::complete(const Elimination& e, const Ends& ends, double third, 
   return std::isfinite(finish(e, ends, q));
 }
 
-/// Angles 1, 2 and 6 where 3 to 5 are known.
+/// Angles 1, 2 and 6 from angles 3 to 5.
 double GeneralSix::finish(const Elimination& e, const Ends& ends, State& q) const noexcept {
   Features known = left_at(q[2], q[3], q[4]);
   add_part(-1, e.constant, known);
@@ -307,15 +307,16 @@ double GeneralSix::finish(const Elimination& e, const Ends& ends, State& q) cons
 
 namespace {
 
-constexpr double kTurns[] = {0.4137, 1.9, -1.2, 3.3};  // to start from, one after the other
+constexpr double kTurns[] = {0.4137, 1.9, -1.2, 3.3};  // starts, tried in order
 constexpr double kLeastPivot = 1e-9;                   // of the largest
-/// Less is rounding: the equations of an arbitrary pose are never independent, nor are those of any other.
+/// Below this a pivot is rounding: the equations of an arbitrary pose are then never independent, and neither
+/// are those of any other.
 constexpr double kNoPivot = 1e-14;
 
 }  // namespace
 
-/// Angles 3 of all solutions. `prepare` is called before what it prepares is needed. False where a pivot is
-/// below `give_up`.
+/// Angles 3 of all solutions. Calls `prepare` before it needs the prepared data. False if a pivot is below
+/// `give_up`.
 template <typename Prepare>
 bool GeneralSix::find_all_thirds(const Elimination& e, double give_up, const Prepare& prepare,
                                  Thirds& out) const noexcept {

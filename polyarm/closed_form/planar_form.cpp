@@ -7,7 +7,7 @@ namespace polyarm::kinematics {
 
 namespace {
 
-/// Rows x, y, z: coordinates in a frame whose z is `h`; x as near to `toward` as can be.
+/// Rows x, y, z: maps into a frame whose z is `h` and whose x is as near to `toward` as possible.
 Rotation into_frame(const Vec3& h, const Vec3& toward) noexcept {
   Vec3 x = toward - dot(toward, h) * h;
   if (norm(x) < 1e-6) {
@@ -29,13 +29,13 @@ PlanarCircle circle_of(double s, double c, double least) noexcept {
   return out;
 }
 
-/// v turned about h by an angle: the part that stays, and what its cosine and sine are multiplied with.
+/// v turned about h by an angle: the constant part, and the factors of cosine and sine.
 TurnedVector turned_vector(const Vec3& h, const Vec3& v) noexcept {
   const Vec3 still = dot(h, v) * h;
   return {still, v - still, cross(h, v)};
 }
 
-/// Smaller components of unit vectors are rounding of the zero that was meant.
+/// Smaller components of unit vectors are rounding errors of zero.
 bool nothing(double v) noexcept {
   return std::abs(v) < 5e-15;
 }
@@ -75,7 +75,7 @@ bool planar_form(const SixAxisForm& form, PlanarForm& out) noexcept {
   out.rise_along = second.z;
   out.height = form.height;
   out.upright = nothing(second.z);
-  // Its x is square to axes 1 and 2.
+  // Its x is perpendicular to axes 1 and 2.
   const Vec3 level = transposed(out.into_base).y;
   const Rotation into_plane = transposed(Rotation{level, cross(h2, level), h2});
   const auto flat = [&](const Vec3& v) { return into_plane * v; };

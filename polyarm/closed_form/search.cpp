@@ -1,4 +1,4 @@
-// What every set of instructions takes for the search along axis 4 (search_kernels.inc).
+// The part of the search along axis 4 that all instruction sets share (search_kernels.inc).
 #include <cmath>
 #include <numbers>
 
@@ -9,7 +9,7 @@ namespace polyarm::kinematics {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kOffset = 0.0123;  // rad: so that no sample is at a right angle
+constexpr double kOffset = 0.0123;  // rad: avoids samples at a right angle
 
 SearchSamples all_round() {
   SearchSamples out;

@@ -60,7 +60,7 @@ SlidingArm::SlidingArm(const ArmGeometry& arm, Kind kind) noexcept : arm_(&arm),
   for (std::size_t k = 0; k < 3; ++k) sign_[k] = dot(z, arm.axes[turning_[k]].direction) < 0 ? -1 : 1;
 }
 
-/// Two links in the plane, then what is left of the turn, then the height.
+/// Two links in the plane, then the remaining rotation, then the height.
 void SlidingArm::solve_scara(const PoseTarget& target, const double* seed, double side,
                              State& out) const noexcept {
   const auto axis = [&](std::size_t k) -> const JointAxis& { return arm_->axes[turning_[k]]; };
@@ -85,7 +85,7 @@ void SlidingArm::solve_scara(const PoseTarget& target, const double* seed, doubl
   out[sliding_] = dot(z, target.position - arm_->tool_position) / dot(z, way);
 }
 
-/// Of up to three axes that turn: as near to the orientation as they come.
+/// As near to the orientation as up to three turning axes can come.
 void SlidingArm::turn_wrist(const Rotation& turn, const double* seed, double side,
                             State& out) const noexcept {
   const auto h = [&](std::size_t k) { return arm_->axes[2 + k].direction; };

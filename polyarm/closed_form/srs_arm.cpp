@@ -16,7 +16,7 @@ namespace polyarm::kinematics {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr std::size_t kEven = 6;  // elbow angles tried whatever the limits
+constexpr std::size_t kEven = 6;  // elbow angles that are always tried
 constexpr double kNowhere = 1e300;
 
 Vec3 square_to(const Vec3& h) noexcept {
@@ -31,7 +31,7 @@ Vec3 between(const JointAxis& a, const JointAxis& b) noexcept {
   return 0.5 * (a.point + s * a.direction + b.point + t * b.direction);
 }
 
-/// The rotation by the least angle from one direction to another; both unit vectors.
+/// The rotation by the smallest angle from one unit vector to another.
 Rotation least_turn(const Vec3& from, const Vec3& to) noexcept {
   const Vec3 across = cross(from, to);
   const double sine = norm(across);
@@ -41,10 +41,10 @@ Rotation least_turn(const Vec3& from, const Vec3& to) noexcept {
 
 }  // namespace
 
-/// The elbow on one side: what does not depend on the elbow angle, which is zero here.
+/// The elbow on one side: the part that does not depend on the elbow angle, evaluated at zero.
 struct SrsSide {
   bool there = false;
-  Vec3 axis_3, beside_3;  ///< axis 3 and what is beside it after the first three
+  Vec3 axis_3, beside_3;  ///< axis 3 and its perpendicular after the first three joints
   Rotation before_wrist;  ///< of link 4
   Rotation before_elbow;  ///< of link 3
   double elbow = 0, elbow_cost = 0;
@@ -55,12 +55,12 @@ struct SrsQuestion {
   const SrsArm& arm;
   const double* near;
   Vec3 line;              ///< unit vector from the shoulder to the wrist
-  Vec3 axis_7, beside_7;  ///< the last axis and what is beside it, in the world
+  Vec3 axis_7, beside_7;  ///< the last axis and its perpendicular, in the world
   Rotation turn;          ///< from zero to the target
   SrsSide sides[2];
   LaneAngle offered[7];
-  /// The turn of each joint that is wanted: within half a turn of the center, which is that of the limits, or
-  /// the seed where these leave more than one turn.
+  /// The wanted turn of each joint: within half a turn of the center, which is the middle of the limits, or
+  /// the seed if the limits allow more than one turn.
   struct Window {
     double center = 0, half = 0;
   } windows[7];
@@ -127,7 +127,7 @@ SrsArm::SrsArm(const ArmGeometry& arm, const LaneLimits& limits) noexcept : limi
   }
 }
 
-/// The elbow at this angle, brought into its limits.
+/// The elbow at this angle, moved into its limits.
 void SrsQuestion::bend(double elbow, const Rotation& turn_to_line, SrsSide& out) const noexcept {
   const double lower = arm.limits_.lower[3], upper = arm.limits_.upper[3];
   out.elbow_cost = arm.limits_.weight[3] * (elbow - near[3]) * (elbow - near[3]);
@@ -138,8 +138,8 @@ void SrsQuestion::bend(double elbow, const Rotation& turn_to_line, SrsSide& out)
   out.beside_3 = turn_to_line * arm.beside_3_;
 }
 
-/// The law of cosines gives angle 4. False where shoulder and wrist are too far apart or too close, or limits
-/// allow neither side of the elbow.
+/// The law of cosines gives angle 4. False if shoulder and wrist are too far apart or too close, or if limits
+/// exclude both sides of the elbow.
 bool SrsQuestion::ask(const PoseTarget& target) noexcept {
   turn = target.rotation * arm.from_tool_rotation_;
   const Vec3 way = target.position + target.rotation * arm.wrist_in_tool_ - arm.shoulder_;
@@ -176,8 +176,8 @@ bool SrsQuestion::ask(const PoseTarget& target) noexcept {
   return any;
 }
 
-/// Elbow angles at which joints come to their limits, for each side: axes that are square to their neighbours
-/// make each border the root of a sin + b cos = c.
+/// Elbow angles at which joints reach their limits, for each side. Because axes are perpendicular to their
+/// neighbours, each border is the root of a sin + b cos = c.
 POLYARM_INLINE std::size_t SrsQuestion::borders(double (*out)[2 * SrsArm::kMostBorders],
                                                 std::size_t* counts) const {
   constexpr std::size_t kAll = 2 * SrsArm::kMostBorders;
@@ -192,7 +192,7 @@ POLYARM_INLINE std::size_t SrsQuestion::borders(double (*out)[2 * SrsArm::kMostB
       const Vec3& h = arm.h_[border.wrist ? 4 : 0];
       const Rotation *from_first = border.wrist ? &s.before_wrist : nullptr,
                      *from_last = border.wrist ? &turn : &s.before_elbow;
-      // What is turned by the elbow angle, and how it is seen: the last axis from the first, or back.
+      // The vector that the elbow angle turns, and the view on it: the last axis from the first, or back.
       const Vec3 start = from_first ? *from_first * h : h, last = border.wrist ? axis_7 : s.axis_3;
       const Vec3 turned = border.from_last ? start : last;
       const Vec3 seen = border.from_last ? *from_last * border.seen
@@ -223,8 +223,9 @@ POLYARM_INLINE std::size_t SrsQuestion::borders(double (*out)[2 * SrsArm::kMostB
   return count;
 }
 
-/// Three angles that put their last axis along `u`, of both ways the one nearer to the seed within limits. As
-/// axes are square to their neighbours, the other way is the bend mirrored and the others half a turn on.
+/// Three angles that turn their last axis to `u`: of both solutions the one within limits that is nearer to
+/// the seed. As axes are perpendicular to their neighbours, the other solution mirrors the bend and adds half
+/// a turn to the others.
 POLYARM_INLINE Lane SrsQuestion::triple(std::size_t first, const LaneVec& u, const LaneVec& w,
                                         const Vec3& beside, Lane* value) const {
   const Vec3 &a = arm.h_[first], &b = arm.h_[first + 1], &c = arm.h_[first + 2];
@@ -280,7 +281,7 @@ namespace {
 
 using SrsDips = Dips<SrsArm::kMostDips>;
 
-/// One look into each sixth of a turn and into each stretch between borders, on both sides of the elbow.
+/// Tries one angle in each sixth of a turn and in each interval between borders, on both sides of the elbow.
 POLYARM_INLINE void find_dips(SrsQuestion& question, SrsDips& out) {
   constexpr std::size_t kOfSide = 2 * SrsArm::kMostBorders + kEven, kRoom = 2 * kOfSide + kLanes;
   double borders[2][2 * SrsArm::kMostBorders], ends[kOfSide + 1];

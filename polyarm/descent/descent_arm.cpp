@@ -11,14 +11,14 @@ using Bend = DescentArm::Bend;
 
 namespace {
 
-constexpr std::size_t kMostAxes = 64;  // what sweep() keeps
+constexpr std::size_t kMostAxes = 64;  // the capacity of sweep()
 
 Vec3 any_square_to(const Vec3& v) {
   const Vec3 least = std::abs(v.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   return normalized(cross(v, least));
 }
 
-/// The common perpendicular of two axes as x of the frame between them; of parallel ones `before`.
+/// The common perpendicular of two axes as x of the frame between them; `before` if they are parallel.
 Vec3 between(const Vec3& a, const Vec3& b, const Vec3& before) {
   const Vec3 n = cross(a, b);
   const Vec3 x = norm(n) < 1e-12 ? before : n;

@@ -1,6 +1,6 @@
 #pragma once
-/// The kernels of descent_lanes.hpp, compiled once for each set of instructions (descent_*.cpp). Used inside
-/// this room only.
+/// The kernels of descent_lanes.hpp, compiled once for each instruction set (descent_*.cpp). Private to this
+/// room.
 #include "polyarm/descent/descent_lanes.hpp"
 
 namespace polyarm::kinematics {

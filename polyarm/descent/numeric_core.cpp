@@ -9,9 +9,9 @@ namespace polyarm::kinematics {
 
 namespace {
 
-constexpr double kRounding = 1e-11;  // of errors, in lengths and rad: nearer is not asked for
+constexpr double kRounding = 1e-11;  // of errors, in lengths and rad: a smaller error counts as zero
 constexpr int kPolish = 4;
-constexpr int kStepsAlone = 6;  // two, mostly
+constexpr int kStepsAlone = 6;  // usually two
 
 double squared(double v) {
   return v * v;
@@ -23,7 +23,7 @@ bool finite(const Pose& p) noexcept {
   return std::isfinite(p.position.x + p.position.y + p.position.z + size2) && size2 > 1e-12 && size2 < 1e12;
 }
 
-/// The task in the kernel's units; false where its numbers are none.
+/// The task in the units of the kernel; false if it contains NaN or infinity where that is not allowed.
 bool convert(const IkTask& task, double length, DescentTask& out) noexcept {
   out.of_tool = task.frame == IkTask::Frame::tool;
   int free_turns = 0, free_turn = -1;
@@ -57,7 +57,7 @@ NumericCore::NumericCore(std::shared_ptr<const NumericArm> a, NumericSettings s)
       chain(shared->chain),
       arm(shared->arm),
       table(shared->table) {
-  // A hair inside, so that rounding in the last conversion does not matter.
+  // Slightly smaller, so that rounding in the last conversion does not matter.
   rules.position2 = squared(0.99 * settings.position_tolerance / arm.length);
   rules.orientation2 = squared(0.99 * settings.orientation_tolerance);
 }
@@ -75,7 +75,7 @@ bool NumericCore::read(const Pose& target, const IkTask* task, std::span<const d
   if (task && !convert(*task, arm.length, out.task.emplace())) return false;
   for (std::size_t k = 0; k < arm.joints; ++k) {
     const double value = seed[arm.chain_joint[k]];
-    // Whole turns are put back at the end; so far out, sines would lose digits.
+    // Removes whole turns, because sines of large angles lose digits; they are restored at the end.
     const double period = chain.period(arm.chain_joint[k]);
     const double far = std::abs(value);
     const double near =
@@ -151,7 +151,7 @@ bool NumericCore::race(const NumericQuestion& question, int steps, NumericPlace&
       const bool converged = all.converged >> lane & 1;
       if (!converged && (all.converged || !(all.stale >> lane & 1))) continue;
       const NumericPlace at = place_of(all, lane);
-      // Within tolerances is better than nearer in sum and outside one of them.
+      // A state within both tolerances is better than one that is nearer in sum but outside one of them.
       const bool better = converged != good(out) ? converged
                           : converged            ? distance2(at.x.data(), question.seed.data()) <
                                             distance2(out.x.data(), question.seed.data())
@@ -214,7 +214,7 @@ void NumericCore::polish(const NumericQuestion& question, NumericPlace& at) cons
   here.patience = 2;
   descend(arm, here, task_of(question), all);
   const NumericPlace then = place_of(all, 0);
-  // Nearer on the whole may be further in one of the two.
+  // A smaller sum may have a larger error in one of the two.
   if (then.size2() < at.size2() && (good(then) || !good(at))) at = then;
 }
 

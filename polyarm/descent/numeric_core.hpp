@@ -1,5 +1,6 @@
 #pragma once
-/// The inside of NumericIk, for its own files and for the room ik.
+/// The inside of NumericIk, for its own files and for the room ik. Internal units as in descent_lanes.hpp.
+/// const and without hidden state: any thread.
 #include <array>
 #include <memory>
 #include <optional>
@@ -11,23 +12,23 @@
 
 namespace polyarm::kinematics {
 
-/// One question in the kernel's terms.
+/// One question in the units of the kernel.
 struct NumericQuestion {
   std::array<double, 12> target;    ///< as Descents::target
-  std::optional<DescentTask> task;  ///< none: the whole pose
+  std::optional<DescentTask> task;  ///< empty: the whole pose
   std::array<double, Chain::kMostMoving>
-      seed;  ///< of the joints that move, in the arm's units, within limits
+      seed;  ///< of the moving joints, in the internal units of the arm, within limits
   bool walls = true;
 };
 
-/// Where one descent has come to.
+/// The end of one descent.
 struct NumericPlace {
   std::array<double, Chain::kMostMoving> x;
-  double position2 = 1e300, orientation2 = 1e300;  ///< in lengths and rad, squared
+  double position2 = 1e300, orientation2 = 1e300;  ///< squared, in lengths and rad
   double size2() const noexcept { return position2 + orientation2; }
 };
 
-/// What descents know of an arm, whatever their settings.
+/// The data of an arm that all settings share.
 struct NumericArm {
   Chain chain;
   DescentArm arm;
@@ -37,7 +38,7 @@ struct NumericArm {
 };
 
 struct NumericCore {
-  /// Shared, as one arm is asked with different settings and its table is large.
+  /// Shared, because one arm is used with different settings and its table is large.
   std::shared_ptr<const NumericArm> shared;
   NumericSettings settings;
   const Chain& chain;
@@ -47,7 +48,7 @@ struct NumericCore {
 
   NumericCore(std::shared_ptr<const NumericArm> arm, NumericSettings settings);
   NumericCore(const Chain& chain, NumericSettings settings);
-  /// False where pose, task or seed have numbers that are none, or sizes do not match.
+  /// False if pose, task or seed contains NaN or infinity, or if sizes do not match.
   bool read(const Pose& target, const IkTask* task, std::span<const double> seed,
             NumericQuestion& out) const noexcept;
   const DescentTask* task_of(const NumericQuestion& question) const noexcept {
@@ -60,35 +61,35 @@ struct NumericCore {
   /// From the seed and the table's states until one descent converges or `steps` are done; `out` is that one,
   /// else the nearest.
   bool race(const NumericQuestion& question, int steps, NumericPlace& out) const noexcept;
-  /// By descend_alone(), to these tolerances; false where that is no way.
+  /// Uses descend_alone() with these tolerances; false if that is not possible.
   bool follow_alone(const NumericQuestion& question, const double* from, double position2,
                     double orientation2, int steps, NumericPlace& out) const noexcept;
-  /// From the seed alone.
+  /// From the seed only.
   bool follow(const NumericQuestion& question, int steps, NumericPlace& out) const noexcept;
-  /// Runs `searches` descents and calls `see(place)` with where each came to.
+  /// Runs `searches` descents and calls `see(place)` with the end of each.
   template <typename See>
   void look_around(const NumericQuestion& question, int searches, const See& see) const noexcept;
-  /// A few steps more, as far as they help; `out` is one of eight alike.
+  /// A few more steps, while they help; `out` is one of eight alike.
   void polish(const NumericQuestion& question, NumericPlace& at) const noexcept;
-  /// So many steps more from eight places, however little they help.
+  /// A fixed number of further steps from eight places, even if they help little.
   using Places = std::array<NumericPlace, kDescents>;
   void settle(const NumericQuestion& question, int steps, Places& all) const noexcept;
-  /// Moves within what the pose leaves free.
+  /// Moves within the null space of the pose towards the goal.
   void improve(const NumericQuestion& question, std::span<const double> seed,
                NumericPlace& at) const noexcept;
-  /// The joint state; `seed` gives turns and joints that do not move the TCP.
+  /// The joint state; `seed` determines turns and the joints that do not move the TCP.
   void write(const NumericPlace& at, std::span<const double> seed, IkSolution& out) const noexcept;
   IkOutcome finish(const NumericQuestion& question, std::span<const double> seed, bool found,
                    NumericPlace& at, IkSolution& out) const noexcept;
 
   void set_target(const NumericQuestion& question, std::size_t lane, Descents& all) const noexcept;
-  /// Of all lanes.
+  /// For all lanes.
   void set_targets(const NumericQuestion& question, Descents& all) const noexcept;
   void set_states(const double* x, Descents& all) const noexcept;
   void set_state(const double* x, std::size_t lane, Descents& all) const noexcept;
   NumericPlace place_of(const Descents& all, std::size_t lane) const noexcept;
   void begin_search(const NumericQuestion& question, SeedTable::Search& search) const noexcept;
-  /// The lane takes the table's next state.
+  /// Gives the lane the next state of the table.
   void restart(SeedTable::Search& search, std::size_t lane, Descents& all) const noexcept;
   double distance2(const double* x, const double* seed) const noexcept;
 
@@ -108,7 +109,7 @@ void NumericCore::look_around(const NumericQuestion& question, int searches, con
   DescentRules here = rules;
   here.walls = question.walls;
   here.steps = 60 * (searches / static_cast<int>(kDescents) + 1);
-  // What is exact enough is taken as it is; the caller polishes what it keeps.
+  // Takes an exact result as it is; the caller polishes the ones it keeps.
   for (int ended = 0; ended < searches && here.steps > 0;) {
     here.steps -= descend(arm, here, task_of(question), all);
     if ((all.converged | all.stale) == 0) break;

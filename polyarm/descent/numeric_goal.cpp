@@ -9,9 +9,9 @@ namespace polyarm::kinematics {
 namespace {
 
 constexpr double kProbe = 1e-5;  // rad or lengths, for differences
-constexpr int kReturnSteps = 6;  // back to the pose after a move along what is free
+constexpr int kReturnSteps = 6;  // back to the pose after a move in its null space
 
-/// Of joints with both limits: their middle and half their range; of others nothing to aim at.
+/// For joints with both limits: the middle and half the range; false for others.
 bool middle_of(const DescentArm& arm, std::size_t k, double& middle, double& half) {
   if (arm.lower[k] < -1e8 || arm.upper[k] > 1e8) return false;
   middle = 0.5 * (arm.lower[k] + arm.upper[k]);
@@ -71,7 +71,7 @@ void NumericCore::improve(const NumericQuestion& question, std::span<const doubl
     climb(question, at, direction);
     double steepest = 1e-12;
     for (std::size_t k = 0; k < arm.joints; ++k) steepest = std::max(steepest, std::abs(direction[k]));
-    // Lane 0 stays, the others go further and further.
+    // Lane 0 stays, the others move farther and farther.
     double reach = 0;
     for (std::size_t lane = 0; lane < kDescents; ++lane) {
       set_state(at.x.data(), lane, all);

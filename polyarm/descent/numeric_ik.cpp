@@ -9,8 +9,8 @@ namespace polyarm::kinematics {
 
 namespace {
 
-constexpr double kSameSolution = 1e-4;  // rad or m: nearer than this is one solution
-constexpr int kLimitSteps = 120;        // spent on whether limits are in the way
+constexpr double kSameSolution = 1e-4;  // rad or m: solutions nearer than this are the same
+constexpr int kLimitSteps = 120;        // to find out whether limits are in the way
 
 IkOutcome refuse(std::span<const double> seed, IkSolution& out) noexcept {
   std::copy_n(seed.begin(), std::min(seed.size(), out.q.size()), out.q.begin());
@@ -48,7 +48,7 @@ bool same(const Chain& chain, const IkSolution& a, const IkSolution& b) noexcept
   return true;
 }
 
-/// Keeps solutions apart, and the nearest where there are too many.
+/// Keeps distinct solutions, and the nearest ones if there are too many.
 void keep(const Chain& chain, const IkSolution& one, IkSolutions& out) noexcept {
   IkSolution* const end = out.all.data() + out.count;
   IkSolution* const twin =
@@ -80,7 +80,7 @@ IkOutcome solve_many(const NumericCore& core, const Pose& target, const IkTask* 
     keep(core.chain, one, out);
   });
   if (out.count == 0) {
-    // The last resort has more patience, and tells why.
+    // The last attempt has more patience and gives the reason.
     const IkOutcome outcome = solve_one(core, target, task, seed, one);
     if (outcome == IkOutcome::solved) out.all[out.count++] = one;
     return outcome;
@@ -90,7 +90,7 @@ IkOutcome solve_many(const NumericCore& core, const Pose& target, const IkTask* 
   return IkOutcome::solved;
 }
 
-/// Eight targets at work; a lane that is done takes the next.
+/// Eight targets in parallel; a lane that is done takes the next target.
 class Batch {
  public:
   Batch(const NumericCore& core, std::span<const Pose> targets, std::span<const double> seeds,
@@ -152,7 +152,7 @@ class Batch {
     core_.restart(lane.search, at, all_);
   }
 
-  /// A lane without work stands where it can disturb nobody.
+  /// Parks a lane without work so that it does not disturb the others.
   void rest(std::size_t at) noexcept {
     for (std::size_t i = 0; i < 12; ++i) all_.target[i][at] = i % 4 == 0 && i < 9 ? 1.0 : 1e6;
     for (std::size_t k = 0; k < core_.arm.joints; ++k) all_.x[k][at] = 0;

@@ -15,9 +15,9 @@ namespace polyarm::kinematics {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kPlaceWeight = 1.5;  // of lengths against directions
-constexpr std::size_t kRounds = 12;   // of sixteen states each from the table; then random ones
-constexpr double kWidth = 2 * kPi;    // of joints without limits; lengths of sliding ones
+constexpr double kPlaceWeight = 1.5;  // of lengths relative to directions
+constexpr std::size_t kRounds = 12;   // of sixteen states each from the table; then random states
+constexpr double kWidth = 2 * kPi;    // range of joints without limits, rad; for sliding ones in lengths
 
 double find_golden(std::size_t dimensions) {
   double root = 2;
@@ -30,7 +30,7 @@ double find_golden(std::size_t dimensions) {
 }
 
 double generalized_golden(std::size_t dimensions) {
-  // Of few dimensions kept: finding it takes a tenth of the table's time.
+  // Cached for few dimensions: computing it takes a tenth of the table's time.
   static const std::array<double, 9> kFew = [] {
     std::array<double, 9> out{};
     for (std::size_t d = 1; d < out.size(); ++d) out[d] = find_golden(d);
@@ -39,7 +39,7 @@ double generalized_golden(std::size_t dimensions) {
   return dimensions < kFew.size() ? kFew[dimensions] : find_golden(dimensions);
 }
 
-/// The point of axis `last` nearest to the axis before it, where that is not parallel.
+/// The point of axis `last` nearest to the previous axis, if they are not parallel.
 Vec3 wrist_point(const Vec3& a, const Vec3& p, const Vec3& b, const Vec3& q) {
   const Vec3 n = cross(a, b), way = q - p;
   const double scale = dot(n, n);
@@ -47,8 +47,8 @@ Vec3 wrist_point(const Vec3& a, const Vec3& p, const Vec3& b, const Vec3& q) {
   return q + (dot(way, cross(a, n)) / scale) * b;
 }
 
-/// The angle of the point (x, y), to 2e-5 rad, which is plenty for a start and a fifth of std::atan2's time.
-/// atan on [0, 1] by the odd polynomial of degree 9 of Abramowitz and Stegun, 4.4.47.
+/// The angle of the point (x, y), to 2e-5 rad, which is enough for a start and takes a fifth of the time of
+/// std::atan2. Computes atan on [0, 1] by the odd polynomial of degree 9 of Abramowitz and Stegun, 4.4.47.
 double rough_angle(double y, double x) noexcept {
   const double ax = std::abs(x), ay = std::abs(y);
   const double large = std::max(ax, ay), small = std::min(ax, ay);
@@ -59,7 +59,7 @@ double rough_angle(double y, double x) noexcept {
   return std::copysign(angle, y);
 }
 
-/// Of an angle between -2 pi and 2 pi.
+/// Input: an angle between -2 pi and 2 pi.
 double within_a_turn(double angle) {
   return angle - (angle > kPi ? 2 * kPi : angle < -kPi ? -2 * kPi : 0.0);
 }
@@ -89,11 +89,12 @@ void SeedTable::find_symmetry() {
   first_joint_ = first.joint, last_joint_ = last.joint;
   first_ratio_ = first.ratio, last_ratio_ = last.ratio;
   if (!last_turns_) return;
-  // Behind the last axis it is z, through -step from the TCP. Of the axis before it, at any angle of the last
-  // one, only its place along the last counts.
+  // Behind the last axis it is z, through -step from the TCP. As the last axis may have any angle, only the
+  // position of the previous axis along the last one counts.
   point_in_end_ = -last.step;
   const DescentArm::Axis& before = arm_.axes[arm_.axes.size() - 2];
-  // Seen behind the axis before, the last axis is turned by its bend about x and begins at before.step.
+  // In the frame behind the previous axis, the last axis is turned by its bend about x and begins at
+  // before.step.
   const Vec3 direction{0, -last.bend_sin, last.bend_cos};
   const Vec3 point = wrist_point({0, 0, 1}, {}, direction, before.step);
   point_in_end_ = point_in_end_ + Vec3{0, 0, dot(point - before.step, direction)};
@@ -113,9 +114,9 @@ SeedTable::Range SeedTable::range(std::size_t k) const noexcept {
 
 namespace {
 
-/// Points that fill a cube of so many dimensions evenly, in blocks of kDescents: of one dimension those of
-/// all points, then the next dimension. Each is an additive sequence (the R-sequence: powers of the root of
-/// x^(d+1) = x + 1; Roberts 2018).
+/// Points that fill a cube of this many dimensions evenly, in blocks of kDescents: one dimension of all
+/// points, then the next. Each is an additive sequence (the R-sequence: powers of the root of x^(d+1) = x +
+/// 1; Roberts 2018).
 void write_points(std::size_t dimensions, std::size_t count, double* to) {
   std::array<double, Chain::kMostMoving> step{}, unit;
   unit.fill(0.5);
@@ -123,7 +124,7 @@ void write_points(std::size_t dimensions, std::size_t count, double* to) {
   double power = 1;
   for (std::size_t k = 0; k < dimensions; ++k) step[k] = power /= root;
   for (std::size_t row = 0; row < count; row += kDescents, to += dimensions * kDescents)
-    // Joint beside joint: each joint's next number waits for the one before.
+    // Joints in parallel, because each joint's next number waits for its previous one.
     for (std::size_t lane = 0; lane < kDescents; ++lane)
       for (std::size_t k = 0; k < dimensions; ++k) {
         double at = unit[k] + step[k];
@@ -132,7 +133,7 @@ void write_points(std::size_t dimensions, std::size_t count, double* to) {
       }
 }
 
-constexpr std::size_t kKept = 512;  // points; as many as NumericSettings asks for
+constexpr std::size_t kKept = 512;  // points; as many as the default of NumericSettings
 
 template <std::size_t kDimensions>
 const double* kept_points() {
@@ -144,7 +145,8 @@ const double* kept_points() {
   return kPoints.data();
 }
 
-/// The same of two to six dimensions, whatever the arm: worked out once. Null: of others.
+/// The same points for two to six dimensions, independent of the arm, computed once. Null for other
+/// dimensions.
 const double* kept_points(std::size_t dimensions) {
   switch (dimensions) {
     case 2:
@@ -256,7 +258,7 @@ void SeedTable::advance(Search& search) const noexcept {
   find_near(table_, search.at.data(), search.beyond.data(), search.near);
   ++search.rounds;
   search.next = 0;
-  // The nearer of each two first; to sort them all would cost more than it helps.
+  // The nearer of each pair first; sorting all of them costs more than it gains.
   constexpr std::size_t kHalf = kNearGroups / 2;
   for (std::size_t i = 0; i < kHalf; ++i) {
     const bool swapped = search.near.distance2[i + kHalf] < search.near.distance2[i];
@@ -297,7 +299,7 @@ void SeedTable::read(const Search& search, std::size_t row, double* x) const noe
 
 void SeedTable::bring_inside(double* x) const noexcept {
   for (const std::size_t k : {first_joint_, last_joint_}) {
-    // A whole turn on may be inside where this turn is not.
+    // The next turn may be inside the limits if this one is not.
     if (x[k] > arm_.upper[k] && x[k] - 2 * kPi >= arm_.lower[k]) x[k] -= 2 * kPi;
     if (x[k] < arm_.lower[k] && x[k] + 2 * kPi <= arm_.upper[k]) x[k] += 2 * kPi;
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// Which of the turns of a joint a value is meant in. Used inside this room only.
+/// Selects the turn of a joint value. Private to the rooms descent and ik. Radians or metres; any thread.
 #include <algorithm>
 #include <cmath>
 
@@ -7,12 +7,12 @@
 
 namespace polyarm::kinematics {
 
-/// The turn of `value` of joint `i` nearest to `near` that is inside the limits; where no turn is, the one
+/// The turn of `value` of joint `i` nearest to `near` that is inside the limits; if there is none, the one
 /// least outside. A joint that cannot turn keeps its value.
 inline double unwound(const Chain& chain, std::size_t i, double value, double near) noexcept {
   const double period = chain.period(i), lower = chain.lower()[i], upper = chain.upper()[i];
   if (!(period > 0) || !std::isfinite(near)) return value;
-  // Half a turn away is as near on either side; rounding must not decide which it is.
+  // Half a turn is equally near on either side; rounding must not decide.
   value += period * std::round((near - value) / period - 1e-9);
   if (value < lower) value += period * std::ceil((lower - value) / period - 1e-12);
   if (value > upper) {
@@ -23,7 +23,7 @@ inline double unwound(const Chain& chain, std::size_t i, double value, double ne
   return value;
 }
 
-/// How far joint `i` is outside its limits at `value`, 0 inside.
+/// The distance of `value` of joint `i` beyond its limits; 0 inside.
 inline double excess(const Chain& chain, std::size_t i, double value) noexcept {
   return std::max({0.0, chain.lower()[i] - value, value - chain.upper()[i]});
 }
