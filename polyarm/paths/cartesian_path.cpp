@@ -13,8 +13,8 @@
 namespace polyarm::paths {
 namespace {
 
-constexpr double kSame = 1e-9;      // m or rad, between poses that are one
-constexpr double kSameLine = 1e-9;  // sine of the angle between points of an arc that are on a line
+constexpr double kSame = 1e-9;      // m or rad: nearer poses are the same
+constexpr double kSameLine = 1e-9;  // sine of the angle at which points of an arc count as collinear
 constexpr double kMostTurn = 3;     // rad, between poses of a spline
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
@@ -26,8 +26,8 @@ bool finite(const Quaternion& q) {
   return std::isfinite(square) && std::abs(square - 1) < 1e-3;
 }
 
-/// What the parameter counts from one pose to the other: metres, or radians where the TCP only turns; 0 where
-/// they are one.
+/// The length of the parameter from one pose to the other: metres, or radians if the TCP only rotates; 0 if
+/// they are equal.
 double measure(const Pose& a, const Pose& b) {
   const double metres = norm(b.position - a.position), turn = angle_between(a.rotation, b.rotation);
   if (metres <= kSame && turn <= kSame) return 0;
@@ -45,9 +45,10 @@ Vec3 at_most(const Vec3& v, double length) {
   return n > length ? length / n * v : v;
 }
 
-/// Rates and their derivatives at every pose, from the parabola through it and its neighbours. Where those
-/// turn by much more than their distance says, the parabola overshoots: so no rate is above 1.5 times the
-/// slower mean rate beside it, and no change of rate above twice the slower one per its interval.
+/// Rates and their derivatives at every pose, from the parabola through it and its neighbours. If the
+/// neighbours rotate by very different amounts for their distance, the parabola overshoots. Therefore no rate
+/// exceeds 1.5 times the slower mean rate beside it, and no change of rate exceeds twice the slower rate per
+/// interval.
 std::vector<BodyRate> spline_rates(std::span<const Vec3> turns, std::span<const double> gaps) {
   const std::size_t last = turns.size();
   std::vector<BodyRate> out(last + 1);

@@ -1,7 +1,7 @@
 #pragma once
-/// Paths of a TCP: lines, arcs, circles and splines with rounded corners. Metres, radians, poses of the TCP
-/// in one frame of the caller's choice. Building allocates and throws; what is built is const, for any
-/// thread, and allocates nothing when asked.
+/// Paths of a TCP: lines, arcs, circles and splines with rounded corners. Metres, radians; poses of the TCP
+/// in one frame of the caller's choice. Building allocates and throws. A finished path is const: any thread;
+/// queries allocate nothing.
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -15,26 +15,26 @@
 namespace polyarm::paths {
 
 /// A path over the parameter s in [0, length()]: position and angular velocity are continuous up to the
-/// second and first derivative, so joints that follow it are continuous to the second.
+/// second and first derivative, so joints that follow it are continuous to the second derivative.
 ///
-/// s counts the TCP's metres, exactly on lines and arcs; on splines and in corners nearly so (in a corner the
+/// s is the TCP's way in metres, exactly on lines and arcs, nearly on splines and in corners (in a corner the
 /// derivative of the position by s is below 1, down to the cosine of half the turn). On a line that is
-/// shorter than kTurning metres for each radian of its turn, s counts radians.
+/// shorter than kTurning metres for each radian of its rotation, s is in radians.
 class CartesianPath {
  public:
   static constexpr double kTurning = 1e-3;  ///< m/rad
 
   explicit CartesianPath(const Pose& start) : start_(start) {}
   double length() const noexcept { return breaks_.back(); }
-  /// `s` is clamped to [0, length()]. At a break the side after it.
+  /// `s` is clamped to [0, length()]. At a break: the values after it.
   PoseDerivatives at(double s) const noexcept;
-  /// Where pieces meet and the third derivative jumps, ascending, with 0 and length().
+  /// The ends of the pieces, where the third derivative jumps, in ascending order, including 0 and length().
   std::span<const double> breaks() const noexcept { return breaks_; }
   std::size_t pieces() const noexcept { return parts_.size(); }
-  /// On piece `i`, from breaks()[i] to breaks()[i + 1], and its ends, whatever joins there.
+  /// Values on piece `i`, from breaks()[i] to breaks()[i + 1], at its ends too.
   PoseDerivatives on_piece(std::size_t i, double s) const noexcept;
 
-  /// The part of `piece` from x = `offset` on, `length` > 0 long.
+  /// Appends the part of `piece` from x = `offset` on, with length `length` > 0.
   void append(const PosePiece& piece, double offset, double length);
 
  private:
@@ -47,58 +47,58 @@ class CartesianPath {
   std::vector<double> breaks_{0, 0};
 };
 
-/// How the TCP turns on an arc. fixed: not at all. interpolated: at a constant rate, the shorter way.
-/// tangent: with the arc, so that it sees the arc's tangent always from the same side.
+/// The TCP's orientation on an arc. fixed: constant. interpolated: rotates at a constant rate, the shorter
+/// way. tangent: rotates with the arc, so the tangent keeps its direction in the tool frame.
 enum class ArcOrientation { fixed, interpolated, tangent };
 
 /// The end of a segment.
 struct Corner {
-  /// How far from the corner the path may leave its segments, m; 0: exactly through it, at rest there unless
-  /// the next segment goes on with the same derivatives up to the second. Beside a segment where the TCP only
-  /// turns, it counts the segment's radians too.
+  /// The largest distance of the path from the corner, m. 0: the path passes exactly through the corner and
+  /// stops there, unless the next segment continues with the same derivatives up to the second. Beside a
+  /// segment on which the TCP only rotates, the segment's radians count as well.
   double radius = 0;
-  std::string name;  ///< for messages; empty: "waypoint 3", the start being 0
+  std::string name;  ///< for messages; empty: "waypoint 3", counted from the start as 0
 };
 
 struct CartesianSections {
-  std::vector<CartesianPath> sections;  ///< at least one; where the TCP has to stop, the next begins
+  std::vector<CartesianPath> sections;  ///< at least one; the path stops between two sections
   std::vector<Problem> warnings;        ///< "blend-shrunk", "waypoint-repeated"
 };
 
-/// Segments, one after the other, each from where the one before ends.
+/// A sequence of segments; each begins where the previous one ends.
 ///
-/// A corner is rounded between the points of both segments that are d away from it along the path, by
-/// polynomials of fifth degree over a parameter 2 d long, which meet both segments with equal first and
-/// second derivatives: of position, and of the rotation vector from the corner's orientation, on which both
-/// neighbours that turn at a constant rate are straight lines. Between two lines this is the curve of
-/// joint_lines(). d is the radius, shrunk with a warning: to half of the shorter neighbour, to the radius of
-/// an arc, and until the hull of the curve's Bézier points lies within `radius` of the corner, which proves
-/// that the curve does.
+/// A corner is rounded between the points of both segments at distance d along the path, by polynomials of
+/// fifth degree over a parameter range of 2 d. They meet both segments with equal first and second
+/// derivatives of the position and of the rotation vector from the corner's orientation; in that vector a
+/// neighbour that rotates at a constant rate is a straight line. Between two lines this is the curve of
+/// joint_lines(). d is the radius, reduced with a warning to half of the shorter neighbour, to the radius of
+/// an arc, and until the hull of the curve's Bézier points lies within `radius` of the corner, which bounds
+/// the curve.
 class CartesianPathBuilder {
  public:
   explicit CartesianPathBuilder(const Pose& start);
   /// A line with slerp between the orientations (the shorter way).
   CartesianPathBuilder& line(const Pose& to, const Corner& corner = {});
-  /// Through `via`, up to a whole turn. fixed and tangent make no use of to.rotation.
+  /// Through `via`, at most one whole turn. fixed and tangent ignore to.rotation.
   CartesianPathBuilder& arc(const Vec3& via, const Pose& to, ArcOrientation orientation,
                             const Corner& corner = {});
-  /// About the axis through `center`, by any angle (rad, right-handed; more than a whole turn too).
-  /// `end_rotation` is for interpolated; without it, as fixed.
+  /// About the axis through `center` by any angle (rad, right-handed, more than a whole turn too).
+  /// `end_rotation` applies to interpolated; without it, as fixed.
   CartesianPathBuilder& arc_about(const Vec3& center, const Vec3& axis, double angle,
                                   ArcOrientation orientation, const Corner& corner = {},
                                   std::optional<Quaternion> end_rotation = {});
-  /// The whole circle from here through both points, in their order.
+  /// The whole circle from here through both points, in this order.
   CartesianPathBuilder& circle(const Vec3& via, const Vec3& second, ArcOrientation orientation,
                                const Corner& corner = {});
-  /// A curve through all poses, continuous to the second derivative of position and orientation: the natural
-  /// cubic spline of positions; rotation vectors of fifth degree from pose to pose whose rates are those of
-  /// the parabola through three neighbours, held back where neighbours turn at very different rates.
+  /// A curve through all poses, continuous to the second derivative of position and orientation. Positions:
+  /// the natural cubic spline. Orientations: rotation vectors of fifth degree from pose to pose with the
+  /// rates of the parabola through three neighbours, reduced where neighbours rotate at very different rates.
   CartesianPathBuilder& spline(std::span<const Pose> through, const Corner& corner = {});
 
-  /// The parameter at the end of what was added so far; corners do not change it.
+  /// The parameter at the end of the segments so far; corners do not change it.
   double length() const noexcept;
-  /// Throws Error with everything wrong in what was added: "bad-number", "bad-radius", "no-arc" (points on a
-  /// line, or one point twice), "no-axis", "no-waypoints", "turn-too-large" (of a spline, above 3 rad).
+  /// Throws Error with all faults: "bad-number", "bad-radius", "no-arc" (points on a line, or a repeated
+  /// point), "no-axis", "no-waypoints", "turn-too-large" (of a spline, above 3 rad).
   CartesianSections build() const;
 
  private:

@@ -1,4 +1,4 @@
-// Corners of Cartesian paths: how far they may be rounded, and the paths that come of it.
+// Corners of Cartesian paths: how far they may be rounded, and the resulting paths.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,11 +10,11 @@
 namespace polyarm::paths {
 namespace {
 
-constexpr double kRounding = 1e-13;    // of a segment, left between two corners that meet
-constexpr double kEqual = 1e-9;        // of derivatives that are equal, relative
-constexpr double kBack = 1e-3;         // sum of derivatives that are nearly opposite
-constexpr double kWidestCorner = 2.5;  // rad, between a corner's middle and its ends
-constexpr double kLess = 0.8;          // a corner that is too wide is tried again with this share
+constexpr double kRounding = 1e-13;    // relative: a shorter rest of a segment between two corners is omitted
+constexpr double kEqual = 1e-9;        // relative difference at which derivatives count as equal
+constexpr double kBack = 1e-3;         // length of the sum at which derivatives count as opposite
+constexpr double kWidestCorner = 2.5;  // rad, from a corner's middle to its ends
+constexpr double kLess = 0.8;          // factor for the next attempt after a corner that is too wide
 constexpr int kTries = 60;
 
 bool equal(const Vec3& a, const Vec3& b) {
@@ -57,13 +57,13 @@ class CartesianPathBuilder::Assembly {
                          segments_[i].end.rotation, 2 * d);
   }
 
-  /// Straight back, and without a turn of the TCP: the corner's curve would stand still in its middle.
+  /// True if the path reverses without a rotation of the TCP: the corner's curve would stop in its middle.
   bool turns_back(std::size_t i) const {
     const PoseDerivatives a = segments_[i].at(segments_[i].length), b = segments_[i + 1].at(0);
     return norm(a.linear[0] + b.linear[0]) <= kBack && norm(a.angular[0] + b.angular[0]) <= kBack;
   }
 
-  /// How far before and after the end of segment `i` the path leaves it.
+  /// The distance before and after the end of segment `i` at which the path leaves it.
   double trim(std::size_t i) {
     const Segment &before = segments_[i], &after = segments_[i + 1];
     const double radius = before.corner.radius;

@@ -1,18 +1,18 @@
 #pragma once
-/// Polynomials through values and derivatives at both ends, as coefficients of powers of the share tau in
+/// Polynomials through values and derivatives at both ends, as coefficients of powers of the fraction tau in
 /// [0, 1] of a piece. Any thread; no allocation.
 #include <array>
 #include <cstddef>
 
 namespace polyarm::paths {
 
-/// A value and its derivatives by the path parameter.
+/// A value and its derivatives with respect to the path parameter.
 template <typename T>
 struct Jet {
   T value{}, first{}, second{}, third{};
 };
 
-/// Degree 5: value, first and second derivative at both ends of a piece `length` long.
+/// Degree 5: value, first and second derivative at both ends of a piece of length `length`.
 template <typename T>
 constexpr std::array<T, 6> hermite5(const Jet<T>& a, const Jet<T>& b, double length) {
   const T v0 = length * a.first, v1 = length * b.first, d = b.value - a.value;
@@ -42,7 +42,7 @@ constexpr std::array<T, 8> hermite7(const Jet<T>& a, const Jet<T>& b, double len
           -20.0 * d + 10.0 * v0 + 10.0 * v1 + 4.0 * a0 - 4.0 * a1 + j0 + j1};
 }
 
-/// The polynomial of `coefficients` and its derivatives at the share `tau` of a piece `length` long.
+/// The polynomial of `coefficients` and its derivatives at the fraction `tau` of a piece of length `length`.
 template <typename T>
 constexpr Jet<T> polynomial_at(const T* coefficients, std::size_t count, double tau, double length) {
   T p = coefficients[count - 1], d1{}, d2{}, d3{};

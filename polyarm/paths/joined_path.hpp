@@ -1,5 +1,5 @@
 #pragma once
-/// Parts of other paths, one after the other.
+/// A path that consists of parts of other paths, one after the other. Joint values in rad or m.
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -9,17 +9,17 @@
 
 namespace polyarm::paths {
 
-/// That the parts fit together is the business of whoever appends them: up to the second derivative where the
-/// path is to be passed, in the values alone where it comes to rest. Built anywhere; then const, at()
-/// allocates nothing. Shares the paths that it is made of.
+/// The caller ensures that the parts fit together: up to the second derivative where the path is passed, in
+/// the values where it stops. Built on any thread; then const, at() allocates nothing. Shares ownership of
+/// its paths.
 class JoinedPath final : public Path {
  public:
   explicit JoinedPath(std::size_t joints) : joints_(joints) {}
 
-  /// The part of `path` between two of its parameters, `to` > `from`. `scale` > 0: the parameter of this path
-  /// per unit of that one.
+  /// Appends the part of `path` between two of its parameters, `to` > `from`. `scale` > 0: this path's
+  /// parameter per unit of the other's.
   void append(std::shared_ptr<const Path> path, double from, double to, double scale = 1);
-  /// The whole of it.
+  /// Appends the whole path.
   void append(std::shared_ptr<const Path> path) {
     const double length = path->length();
     append(std::move(path), 0, length);
@@ -28,13 +28,13 @@ class JoinedPath final : public Path {
   std::size_t joints() const noexcept override { return joints_; }
   double length() const noexcept override { return breaks_.back(); }
   void at(double s, const PathDerivatives& out) const noexcept override;
-  /// {0, 0} of a path without parts.
+  /// {0, 0} for a path without parts.
   std::span<const double> breaks() const noexcept override { return breaks_; }
 
  private:
   struct Part {
     std::shared_ptr<const Path> path;
-    double begin;  ///< of this path
+    double begin;  ///< in this path's parameter
     double from, to, scale;
   };
   std::size_t joints_;

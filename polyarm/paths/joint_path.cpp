@@ -12,12 +12,12 @@
 namespace polyarm::paths {
 namespace {
 
-constexpr double kSameWaypoint = 1e-9;   // of the joint norm, between waypoints that are one
-constexpr double kTurnsBack = 1e-3;      // length of the sum of directions that are nearly opposite
-constexpr double kStraight = 1e-12;      // difference of directions that are one
-constexpr double kLineRounding = 1e-13;  // of a line, left between two corners that meet
-constexpr int kBisections = 16;          // while a radius at the TCP is turned into one of joints
-constexpr int kSamples = 16;             // of a corner, whose distances at the TCP are measured
+constexpr double kSameWaypoint = 1e-9;   // in the joint norm: nearer waypoints are the same
+constexpr double kTurnsBack = 1e-3;      // length of the sum at which directions count as opposite
+constexpr double kStraight = 1e-12;      // difference at which directions count as equal
+constexpr double kLineRounding = 1e-13;  // relative: a shorter rest of a line between two corners is omitted
+constexpr int kBisections = 16;          // to convert a radius at the TCP into one of joints
+constexpr int kSamples = 16;             // points of a corner at which the distance at the TCP is measured
 constexpr std::size_t kPowers = PolynomialPath::kCoefficients;
 
 std::string name_of(const JointWaypoint& waypoint, std::size_t index) {
@@ -111,7 +111,7 @@ class Lines {
   void add(const JointWaypoint& waypoint, std::size_t index, bool last) {
     const std::string name = name_of(waypoint, index);
     const double way = points_.empty() ? 1 : norm_of(difference(points_.back().q, waypoint.q));
-    // The smallest of moves is still one.
+    // A very small single move is still a move.
     if (way <= kSameWaypoint && !(last && way > 0 && points_.size() == 1)) {
       out_.warnings.push_back({"waypoint-repeated",
                                {},
@@ -136,7 +136,7 @@ class Lines {
     return norm_of(difference(lines_[i - 1].direction, lines_[i].direction)) <= kStraight;
   }
 
-  /// A corner that leads straight back has to be a stop: its curve would stand still in the middle.
+  /// A corner where the path reverses must be a stop: its curve would stop in the middle.
   bool turns_back(std::size_t i) const {
     std::vector<double> sum(joints_);
     for (std::size_t j = 0; j < joints_; ++j) sum[j] = lines_[i - 1].direction[j] + lines_[i].direction[j];
@@ -173,11 +173,11 @@ class Lines {
         q[j] = polynomial_at(corner(i, j, d).data(), 6, static_cast<double>(k) / kSamples, 2 * d).value;
       most = std::max(most, options_.tcp_distance(q, points_[i].q));
     }
-    // Between the samples it may be a little more.
+    // A margin, because it may be slightly more between the samples.
     return most * (1 + 1.0 / (kSamples * kSamples));
   }
 
-  /// How far before and after point `i` the path leaves its lines.
+  /// The distance before and after point `i` at which the path leaves its lines.
   double trim(std::size_t i) {
     const double radius = points_[i].radius;
     if (radius <= 0 || straight_at(i)) return 0;

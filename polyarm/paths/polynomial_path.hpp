@@ -1,5 +1,6 @@
 #pragma once
-/// A path of polynomial pieces: what lines, splines and the inverse kinematics of a Cartesian path become.
+/// A path of polynomial pieces; lines, splines and the inverse kinematics of Cartesian paths produce it.
+/// Joint values in rad or m.
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -8,26 +9,26 @@
 
 namespace polyarm::paths {
 
-/// Does the third derivative go on from the piece before?
+/// Whether the third derivative is continuous with the previous piece.
 enum class PieceJoin { third_jumps, third_continues };
 
-/// Polynomials of degree at most kDegree, one of each joint in each piece. That pieces fit together is the
-/// business of whoever appends them. Thread: built anywhere; then const, at() allocates nothing.
+/// Polynomials of degree at most kDegree, one for each joint in each piece. The caller ensures that the
+/// pieces fit together. Thread: built on any thread; then const, at() allocates nothing.
 class PolynomialPath final : public Path {
  public:
   static constexpr std::size_t kDegree = 7, kCoefficients = kDegree + 1;
 
-  /// A path of length 0, which stays at `start` (rad or m).
+  /// A path of length 0 at `start` (rad or m).
   explicit PolynomialPath(std::span<const double> start);
 
-  /// A piece of `length` > 0. `coefficients[j * kCoefficients + k]` belongs to joint j and power k of the
-  /// share of the piece, from 0 at its begin to 1 at its end.
+  /// Appends a piece of `length` > 0. `coefficients[j * kCoefficients + k]` belongs to joint j and power k of
+  /// the fraction of the piece, from 0 at its begin to 1 at its end.
   void append(double length, std::span<const double> coefficients, PieceJoin join = PieceJoin::third_jumps);
 
   std::size_t joints() const noexcept override { return start_.size(); }
   double length() const noexcept override { return breaks_.back(); }
   void at(double s, const PathDerivatives& out) const noexcept override;
-  /// {0, 0} of a path without pieces.
+  /// {0, 0} for a path without pieces.
   std::span<const double> breaks() const noexcept override { return breaks_; }
   std::size_t pieces() const noexcept { return lengths_.size(); }
 

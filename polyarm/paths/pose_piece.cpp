@@ -40,7 +40,7 @@ PoseDerivatives PosePiece::at(double x) const noexcept {
     out.linear = {forward, -k * outward, -k * k * forward};
   }
   out.pose.rotation = rotation * exponential(x * turn);
-  out.angular[0] = rotation * turn;  // about itself: the same all the way
+  out.angular[0] = rotation * turn;  // rotation about itself: constant along the piece
   return out;
 }
 

@@ -7,7 +7,7 @@
 namespace polyarm::paths {
 namespace {
 
-constexpr std::size_t kTerms = 20;  // of the series below: to the last digit up to two turns
+constexpr std::size_t kTerms = 20;  // of the series below: exact to the last digit up to two turns
 
 /// (-1)^k / (2k + first)!
 constexpr std::array<double, kTerms> series(int first) {
@@ -24,7 +24,7 @@ constexpr std::array<double, kTerms> series(int first) {
 constexpr auto kCosine = series(2);  // (1 - cos t)/t² in powers of t²
 constexpr auto kSine = series(3);    // (t - sin t)/t³
 
-/// A function of x = phi . phi, and its derivatives by the path parameter.
+/// A function of x = phi . phi, and its derivatives with respect to the path parameter.
 Jet<double> along(const std::array<double, kTerms>& of_x, const Jet<double>& x) {
   const Jet<double> f = polynomial_at(of_x.data(), kTerms, x.value, 1);
   return {f.value, f.first * x.first, f.second * x.first * x.first + f.first * x.second};

@@ -9,7 +9,7 @@
 namespace polyarm::paths {
 namespace {
 
-constexpr int kRounds = 4;  // of measuring the pieces; then the lengths stand to within some percent
+constexpr int kRounds = 4;  // of measuring the pieces; the lengths then agree to some percent
 
 class Fit {
  public:
@@ -104,7 +104,7 @@ CubicSpline cubic_spline(std::span<const double> points, std::size_t dimensions,
   for (std::size_t i = 0; i < gaps.size(); ++i) gaps[i] = at_least(i, gaps[i]);
   CubicSpline spline = fit.through(gaps);
   for (int round = 0; round < kRounds && gaps.size() > 1; ++round) {
-    // A piece that turns back may be much longer than its chord: no further than this in any case.
+    // A piece that reverses may be much longer than its chord: this bounds it.
     for (std::size_t i = 0; i < gaps.size(); ++i)
       gaps[i] = at_least(i, std::clamp(fit.length_of(spline, i, gaps[i]), chords[i], 2 * chords[i]));
     spline = fit.through(gaps);

@@ -9,7 +9,7 @@ namespace polyarm::trajectory {
 
 void AxisBrake::run(double fast, double back, double up, double down) noexcept {
   const double width = fast + back, slack = kRounding * width;
-  const double settles = at.v + at.a * std::abs(at.a) / 2;  // the velocity once the acceleration is zero
+  const double settles = at.v + at.a * std::abs(at.a) / 2;  // the velocity when the acceleration reaches zero
   if (at.a <= up && at.a >= -down && std::max(at.v, settles) <= fast + slack &&
       std::min(at.v, settles) >= -back - slack)
     return;
@@ -23,11 +23,12 @@ void AxisBrake::run(double fast, double back, double up, double down) noexcept {
     slow_down(-1, -back, up, width);
 }
 
-/// To the limit `bound` of velocity from beyond it, or from where it will be passed. `side`: 1 if it is the
-/// upper one, else -1.
+/// To the velocity limit `bound`, from beyond it or from a state that will pass it. `side`: 1 for the upper
+/// limit, else -1.
 void AxisBrake::slow_down(double side, double bound, double deceleration, double width) noexcept {
   const double beyond = side * (at.v - bound), towards = side * at.a;
-  const double turn = root(towards * towards + 2 * beyond);  // deceleration at the bound, if nothing is held
+  const double turn = root(towards * towards + 2 * beyond);  // deceleration at the bound, if it is not
+                                                             // clipped
   if (std::min(turn, deceleration) <= root(2 * width)) {
     if (turn <= deceleration) {
       pass(towards + turn, -side);
@@ -38,8 +39,8 @@ void AxisBrake::slow_down(double side, double bound, double deceleration, double
     at.v = bound;
     return;
   }
-  // Even so there is not room to take that deceleration back before the other bound: it is taken back on the
-  // way, to come to rest in it there.
+  // There is not enough room to take that deceleration back before the other bound: it is taken back earlier,
+  // so that the motion settles at the other bound.
   const double other = bound - side * width;
   const double most = root(beyond + width + towards * towards / 2);
   const double low = std::min(most, deceleration);

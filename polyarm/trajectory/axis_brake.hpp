@@ -2,9 +2,9 @@
 /// Brings an axis back inside its limits. Part of state_to_state.hpp.
 ///
 /// An axis is inside if it can stay inside: its acceleration and velocity are within their limits, and so is
-/// the velocity that it has once the acceleration is taken back to zero at full jerk. The acceleration comes
-/// back first, at full jerk, and then stays within its limits; of all such ways the brake takes the shortest.
-/// Units as in axis_reach.hpp: the jerk is 1.
+/// the velocity after the acceleration returns to zero at full jerk. The acceleration returns first, at full
+/// jerk, and then stays within its limits; of all such motions the brake takes the shortest. Units as in
+/// axis_reach.hpp: the jerk is 1. Control cycle: no allocation, no exceptions, any thread.
 #include <array>
 #include <cstddef>
 
@@ -20,7 +20,7 @@ struct AxisBrake {
   std::size_t count;
   double total;
 
-  /// From `at`. Limits of velocity and acceleration upwards, and their magnitudes downwards.
+  /// Brakes from `at`. Limits of velocity and acceleration upwards, and their magnitudes downwards.
   void run(double fast, double back, double up, double down) noexcept;
 
  private:

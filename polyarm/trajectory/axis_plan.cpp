@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSameTime = 1e-12;  // relative: rounding of a duration
-// Per the way on which jerk alone stops full speed: what the rounding of a thousand sampled states may leave. To
-// make up for it would take its cube root longer.
+// Relative to the distance in which jerk alone stops full speed: the rounding error of a thousand sampled
+// states. Correcting it would take its cube root longer.
 constexpr double kSampling = 1e-14;
 
 bool finite(const MotionState& s) {
@@ -22,7 +22,7 @@ bool finite(const MotionLimits& l) {
          std::isfinite(l.min_velocity) && std::isfinite(l.min_acceleration);
 }
 bool finite(const MotionState& start, const MotionState& target, const MotionLimits& l) {
-  // One sum first: only what is too large for it is looked at number by number.
+  // One sum first; the single numbers are only checked if it is too large.
   const double sum = start.position + start.velocity + start.acceleration + target.position +
                      target.velocity + target.acceleration + l.max_velocity + l.max_acceleration +
                      l.max_jerk + l.min_velocity + l.min_acceleration;
@@ -36,7 +36,7 @@ bool on_their_sides(const MotionLimits& l) {
          l.min_acceleration < 0;
 }
 
-/// Whether a motion within the limits can lead to velocity `v` and acceleration `a`, with jerk 1.
+/// True if a motion within the limits can reach velocity `v` and acceleration `a`, with jerk 1.
 bool reachable(double v, double a, double fast, double back, double up, double down) {
   const double room = kRounding * (fast + back), before = v - a * std::abs(a) / 2;
   return a <= up * (1 + kRounding) && a >= -down * (1 + kRounding) && std::max(v, before) <= fast + room &&
@@ -102,8 +102,8 @@ void AxisPlan::find_first() noexcept {
   first_ = std::max(first_, shortest);
 }
 
-/// From rest to rest the two ends of the interval lie on either side of zero, and any share of one of them is
-/// a motion within the limits: one side is enough.
+/// From rest to rest, the two ends of the interval lie on either side of zero, and any fraction of one of
+/// them is a motion within the limits: one side is enough.
 void AxisPlan::find_first_at_rest(const AxisBounds& upwards, const AxisBounds& downwards) noexcept {
   share_ = distance_ > 0 ? 1 : 0;
   upper_.set_between_rests(distance_ > 0 ? upwards : downwards);
@@ -126,7 +126,7 @@ void AxisPlan::list_times() noexcept {
   list_times(times_of_ends_.mainland, kInfinity);
 }
 
-/// The times between `first` and `last` in which the distance is in the interval.
+/// The times between `first` and `last` at which the distance is in the interval.
 void AxisPlan::list_times(double first, double last) noexcept {
   const double begin = upper().reach(first);
   const bool at_once = close(begin, first);
@@ -149,7 +149,7 @@ void AxisPlan::list_times(double first, double last) noexcept {
   if (last < kInfinity && close(upper().reach(last), last)) add(last, last);
 }
 
-/// At the ends of the times there is one motion only, and rounding alone decides whether it arrives.
+/// At the ends of the times only one motion exists, and rounding decides whether it arrives.
 bool AxisPlan::close(double reach, double t) const noexcept {
   return std::abs(reach - distance_) <= slack_ + kRounding * (std::abs(reach) + 10 * speeds_ * t);
 }
@@ -177,7 +177,7 @@ double AxisPlan::arrival(double t) noexcept {
     const double first = brake_.total + first_;
     if (t <= first) return first;
     if (rests_) return t;
-    // What rounding has left of an arrival at once is made up for as soon as there is time for it.
+    // The rounding error of an immediate arrival is corrected as soon as there is time for it.
     if (reaches(t - brake_.total, at_once_ ? slack_ : 0)) return t;
     list_times();
   }
@@ -187,7 +187,7 @@ double AxisPlan::arrival(double t) noexcept {
   return kInfinity;
 }
 
-/// `t`, or the end of an interval that rounding has made it miss.
+/// `t`, or the end of an interval that it misses only by rounding.
 double AxisPlan::nearest(double t) const noexcept {
   for (std::size_t i = 0; i < count_; ++i) {
     if (t < times_[i].first) return t > times_[i].first * (1 - 1e-9) || i == 0 ? times_[i].first : t;

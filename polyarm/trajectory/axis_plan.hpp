@@ -1,7 +1,7 @@
 #pragma once
-/// When one axis can arrive, and its motion. Part of state_to_state.hpp.
+/// Arrival times of one axis, and its motion. Part of state_to_state.hpp.
 ///
-/// Everything is divided by the axis's jerk, so that the jerk is 1 and times are seconds. No allocation, no
+/// All quantities are divided by the axis's jerk, so the jerk is 1 and times are seconds. No allocation, no
 /// exceptions, any thread.
 #include <array>
 #include <cstddef>
@@ -14,15 +14,15 @@ namespace polyarm::trajectory {
 
 class AxisPlan {
  public:
-  /// Prepares the plan of one axis; after any status but ok nothing else may be called. Both states stay with
-  /// the caller.
+  /// Prepares the plan of one axis. After any status but ok no other function may be called. The caller keeps
+  /// both states alive.
   MotionStatus prepare(const MotionState& start, const MotionState& target, const MotionLimits& limits,
                        TargetKind kind) noexcept;
 
   /// The earliest time not before `t` at which the axis can arrive, s from the start; infinite if rounding
   /// leaves none.
   double arrival(double t) noexcept;
-  /// The motion that arrives after `duration`, which arrival() has given.
+  /// The motion with this duration, which must come from arrival().
   void build(double duration, AxisMotion& out) noexcept;
   bool brakes() const noexcept { return brake_.count > 0; }
 
@@ -30,7 +30,7 @@ class AxisPlan {
   struct Interval {
     double first, last;
   };
-  /// The ends of the displacements after a duration.
+  /// The smallest and the largest displacement after a duration.
   struct Reach {
     double time, low, high;
   };
@@ -59,18 +59,19 @@ class AxisPlan {
   AxisEnds ends_;  // after braking
   AxisBounds upper_bounds_, lower_bounds_;
   double distance_;  // after braking
-  double slack_;     // what rounding may have made of a distance
-  double speeds_;    // magnitudes of the velocities at both ends, together
+  double slack_;     // rounding error of a distance
+  double speeds_;    // sum of the velocity magnitudes at both ends
   AxisTimes times_of_ends_;
   UpperReach upper_, lower_;
-  bool rests_;    // at both ends: then upper_ is of the side on which the target lies
-  bool at_once_;  // the shortest motion arrives
+  bool rests_;    // at rest at both ends: upper_ then belongs to the target's side
+  bool at_once_;  // the shortest motion already arrives
   bool has_upper_, has_lower_, listed_;
   double first_;  // the earliest arrival after braking, unless times are listed
-  double share_;  // of the upper end in the motion that arrives first
-  Reach reach_;   // as asked last
+  double share_;  // share of the upper end in the motion that arrives first
+  Reach reach_;   // result of the last query
   std::size_t count_;
-  std::array<Interval, 12> times_;  // in which the axis can arrive, after braking; the last has no end
+  std::array<Interval, 12> times_;  // times at which the axis can arrive, after braking; the last interval is
+                                    // open
 };
 
 }  // namespace polyarm::trajectory

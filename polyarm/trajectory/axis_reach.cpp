@@ -18,7 +18,7 @@ double square(double x) {
   return x * x;
 }
 
-/// At least the cube root of x >= 0, and at most 8 % more: a third of the exponent.
+/// An upper bound of the cube root of x >= 0, at most 8 % too large: divides the exponent by three.
 double about_cube_root(double x) {
   return 1.04 * std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) / 3 + 0x2a9f7893'00000000);
 }
@@ -28,16 +28,16 @@ double about_cube_root(double x) {
 AxisTimes AxisTimes::of(const AxisEnds& e, double up, double down) noexcept {
   AxisTimes out;
   const double square0 = square(e.a0), square1 = square(e.a1);
-  // The change of velocity while the acceleration goes straight to the target's. Right there the shortest
-  // duration jumps, so what rounding has made of that change is taken for it.
+  // The change of velocity while the acceleration goes directly to the target's. The shortest duration jumps
+  // there, so values within rounding count as equal.
   const double straight = (e.a1 >= e.a0 ? 0.5 : -0.5) * (square1 - square0);
   const double difference = e.v1 - e.v0;
   const bool is_straight =
       std::abs(difference - straight) <= kRounding * (std::abs(e.v0) + std::abs(e.v1) + std::abs(straight));
   out.change = is_straight ? straight : difference;
   const double c = out.change + (square0 - square1) / 2;
-  // With the low end of the acceleration at the target's: first up, then down. With the high end at the
-  // start's: first down, then up.
+  // If `low` is at the target's acceleration: first up, then down. If `high` is at the start's: first down,
+  // then up.
   const double up_down = c + square1, down_up = square0 - c;
   const auto up_first = [&] {
     const double held = up_down - square(up);
@@ -68,7 +68,7 @@ void UpperReach::set(const AxisEnds& ends, const AxisBounds& bounds, const AxisT
   c_ = (mirrored ? -times.change : times.change) + (square0 - square1) / 2;
   w0_ = e_.v0 - square0 / 2, w1_ = w0_ + c_, sum_ = w0_ + w1_;
   offset_ = e_.a1 * (w1_ + square1 / 6) - e_.a0 * (w0_ + square0 / 6);
-  // At least as high as the start's acceleration and as low as the target's, whatever rounding says.
+  // At least as high as the start's acceleration and as low as the target's, in spite of rounding.
   top_up_ = std::max(e_.a0, half_up(l_.velocity)), top_down_ = std::max(-e_.a1, half_down(l_.velocity));
   plateau_ = time_over(top_up_, top_down_);
   top_ = reach_over(l_.velocity, top_up_, top_down_);
@@ -125,8 +125,8 @@ double UpperReach::reach_of(Form form) const noexcept {
   return top_ + l_.velocity * (x - plateau_);
 }
 
-/// From the costates of the time-optimal motion: that of the acceleration is a parabola which is zero at both
-/// ends of the fall, where its slope, that of the velocity, is zero in the middle.
+/// From the costates of the time-optimal motion: the costate of the acceleration is a parabola that is zero
+/// at both ends of the fall; its slope, the costate of the velocity, is zero in the middle.
 double UpperReach::slope_of(Form form) const noexcept {
   const double x = form.x, up = l_.acceleration, down = l_.deceleration;
   switch (form.held) {
@@ -188,8 +188,8 @@ JerkPhases UpperReach::phases(double t) const noexcept {
 // --- the first duration
 // -------------------------------------------------------------------------------------
 
-/// Whether reach() comes up to a distance once from the shortest duration on, where the acceleration does not
-/// pass zero at first: there the slope falls and then rises, and is to stay positive or to begin negative.
+/// True if reach() passes a distance only once from the shortest duration on, if the acceleration does not
+/// pass zero at first: the slope then falls and rises, and must stay positive or begin negative.
 bool UpperReach::comes_up_once() const noexcept {
   const bool rises = e_.a1 > 0;  // over `high` down to the target's acceleration
   const double limit = square(rises ? l_.acceleration : l_.deceleration);
@@ -200,7 +200,7 @@ bool UpperReach::comes_up_once() const noexcept {
 }
 
 double UpperReach::first_time(double distance) const noexcept {
-  // From here on the acceleration passes zero: the velocity at the top tells the motion.
+  // From here on the acceleration passes zero: the velocity at the top determines the motion.
   double low = std::max(w0_, w1_);
   if (e_.a0 > 0) low = std::max(low, w0_ + square(e_.a0));
   if (e_.a1 < 0) low = std::max(low, w1_ + square(e_.a1));
@@ -215,7 +215,7 @@ double UpperReach::first_time(double distance) const noexcept {
   if (low >= l_.velocity) return kNone;
 
   const double up = l_.acceleration, down = l_.deceleration;
-  const double up_at = w0_ + square(up), down_at = w1_ + square(down);  // from there on they are held
+  const double up_at = w0_ + square(up), down_at = w1_ + square(down);  // from here on they are held
   const double one = std::min(up_at, down_at), both = std::max(up_at, down_at);
   if (both < l_.velocity && distance >= reach_over(both)) return solve_both(distance);
   const double one_ends = std::min(both, l_.velocity);
@@ -234,8 +234,8 @@ double UpperReach::solve_both(double distance) const noexcept {
   return time_over((up + (v - w0_) / up) / 2, (down + (v - w1_) / down) / 2);
 }
 
-/// f³/4 + (w0 + w1) f - c²/4f = distance - offset by Newton's method, from above: there it rises and bends
-/// upwards, so that no step passes the root.
+/// f³/4 + (w0 + w1) f - c²/4f = distance - offset by Newton's method, from above: there it rises and is
+/// convex, so no step passes the root.
 double UpperReach::solve_free(double distance, double least, double most) const noexcept {
   const double q = square(c_) / 4, k = distance - offset_;
   double f;
@@ -258,7 +258,7 @@ double UpperReach::solve_free(double distance, double least, double most) const 
   return 2 * f - e_.a0 + e_.a1;
 }
 
-/// The same where one acceleration is held: its polynomial of fourth degree in the other one, between the
+/// The same if one acceleration is held: a polynomial of fourth degree in the other one, between the
 /// velocities `from` and `to` at the top.
 double UpperReach::solve_held(double distance, Held held, double from, double to) const noexcept {
   const bool high = held == Held::high;
@@ -288,8 +288,8 @@ double UpperReach::solve_held(double distance, Held held, double from, double to
 // --- all durations
 // ------------------------------------------------------------------------------------------
 
-/// Where the slope is least. It falls and then rises: it falls only where the acceleration keeps its sign,
-/// until the ratio of its ends is 2 - sqrt(3) (or a quarter, where one of them is a limit).
+/// The time of the smallest slope. The slope falls and then rises: it falls only while the acceleration keeps
+/// its sign, until the ratio of its ends is 2 - sqrt(3) (or a quarter, if one of them is a limit).
 double UpperReach::steepest_descent(double from, double to) const noexcept {
   const Shape first = shape(from);
   if (first.high >= 0 && first.low <= 0) return from;
@@ -307,7 +307,7 @@ double UpperReach::steepest_descent(double from, double to) const noexcept {
   return slope(to) < least ? to : best;
 }
 
-/// Between `from` and `to`, where the slope falls through zero.
+/// The time between `from` and `to` at which the slope falls through zero.
 double UpperReach::top_of_hill(double from, double to) const noexcept {
   double high = slope(from), low = slope(to), t = from;
   for (int i = 0; i < 100 && to - from > 1e-14 * to; ++i) {
@@ -320,8 +320,8 @@ double UpperReach::top_of_hill(double from, double to) const noexcept {
   return from;
 }
 
-/// Between `from` and `to`, where the slope rises through zero: where reach() is below `distance`, or its
-/// least value if it is nowhere.
+/// A time between `from` and `to` at which reach() is below `distance`, or its minimum if there is none; the
+/// slope rises through zero there.
 double UpperReach::below(double distance, double from, double to) const noexcept {
   double low = slope(from), high = slope(to), t = from;
   for (int i = 0; i < 100 && to - from > 1e-10 * to; ++i) {
@@ -338,7 +338,7 @@ double UpperReach::below(double distance, double from, double to) const noexcept
   return t;
 }
 
-/// Newton's method inside a bracket in which reach() passes the distance once.
+/// Newton's method in a bracket in which reach() passes the distance once.
 double UpperReach::time_between(double distance, double from, double to, double at_from,
                                 double at_to) const noexcept {
   const bool rising = at_to > at_from;
@@ -369,7 +369,7 @@ std::size_t UpperReach::times_of(double distance, double from, double to,
   const double steepest = steepest_descent(from, end);
   const double least = slope(steepest);
   double before = reach(from);
-  if (least >= 0 && distance <= before) return 0;         // it rises from there
+  if (least >= 0 && distance <= before) return 0;         // it rises from here
   if (steepest > from && least < 0 && slope(from) > 0) {  // first a hill
     mark[marks++] = top_of_hill(from, steepest);
   }

@@ -13,7 +13,7 @@ namespace polyarm::trajectory {
 
 namespace {
 
-constexpr double kLastInstant = 1e-6;     // s that stands exactly on the goal
+constexpr double kLastInstant = 1e-6;     // s, exactly at the goal
 constexpr double kNoMove = 1e-12;         // rad or m
 constexpr double kShortestPhase = 1e-12;  // s
 
@@ -71,7 +71,7 @@ Profile fastest_profile(const PathLimits& limit) {
   const double v = limit.velocity, a = limit.acceleration, j = limit.jerk;
   Profile p;
   p.jerk = j;
-  if (v * j < a * a) {  // the acceleration limit is never reached on the way to full speed
+  if (v * j < a * a) {  // the acceleration limit is never reached before full speed
     p.jerk_time = std::sqrt(v / j);
   } else {
     p.jerk_time = a / j;
@@ -82,7 +82,7 @@ Profile fastest_profile(const PathLimits& limit) {
     p.cruise_time = 1 / v - ramp;
     return p;
   }
-  // Full speed is never reached: half of the distance is spent speeding up.
+  // Full speed is never reached: half of the distance is acceleration.
   if (2 * a * a * a >= j * j) {  // nor is full acceleration: 2 j T³ = 1
     p.jerk_time = std::cbrt(1 / (2 * j));
     p.acceleration_time = 0;

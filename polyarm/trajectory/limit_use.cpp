@@ -26,8 +26,8 @@ Coefficients derivative(const Coefficients& c) {
   return out;
 }
 
-/// Where `c`, of that degree, changes its sign within [0, 1], with both ends: between two zeros of the
-/// derivative there is at most one, which bisection finds.
+/// The sign changes of `c` within [0, 1], and both ends. Between two zeros of the derivative there is at most
+/// one, which bisection finds.
 std::vector<double> zeros_and_ends(const Coefficients& c, int degree) {
   if (degree <= 0) return {0, 1};
   const std::vector<double> edges = zeros_and_ends(derivative(c), degree - 1);
@@ -46,7 +46,7 @@ std::vector<double> zeros_and_ends(const Coefficients& c, int degree) {
   return out;
 }
 
-/// Calls with each extremum of `c` within the piece: its value and time.
+/// Calls `take` with the value and time of each extremum of `c` within the piece.
 template <typename Take>
 void extrema(const Coefficients& c, int degree, double begin, double duration, Take take) {
   for (const double x : zeros_and_ends(derivative(c), degree - 1)) take(value(c, x), begin + x * duration);
@@ -101,7 +101,7 @@ class Looker {
     }
   }
   void piece(JointUse& use, std::size_t j, double begin, double duration) const {
-    // The polynomial that agrees with the piece at both ends is the piece: its degree is no more than 5.
+    // The polynomial that agrees with the piece at both ends is the piece, because its degree is at most 5.
     const Coefficients q =
         spline_piece(5, {q_[j], v_[j] * duration, a_[j] * duration * duration},
                      {q_[n_ + j], v_[n_ + j] * duration, a_[n_ + j] * duration * duration}, 1.0);
@@ -127,7 +127,7 @@ class Looker {
   const Trajectory& t_;
   std::span<const MotionLimits> limits_;
   std::size_t n_;
-  std::vector<double> q_, v_, a_;  // of the begin, then of the end of a piece
+  std::vector<double> q_, v_, a_;  // at the begin, then at the end of a piece
 };
 
 }  // namespace

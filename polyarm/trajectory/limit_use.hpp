@@ -1,6 +1,6 @@
 #pragma once
-/// How much of its limits a trajectory uses, exactly: not at samples but at the extrema of its polynomials.
-/// Outside the control cycle.
+/// How much of its limits a trajectory uses, exactly: at the extrema of its polynomials, not at samples.
+/// Radians or metres, seconds. Allocates: not for the control cycle. Any thread.
 #include <span>
 #include <vector>
 
@@ -9,27 +9,27 @@
 
 namespace polyarm::trajectory {
 
-/// A value and when it is reached, s.
+/// A value and its time, s.
 struct Peak {
   double value = 0, time = 0;
 };
 
-/// One joint of a trajectory. `velocity`, `acceleration`, `jerk`: where the value is nearest to its limit or
-/// furthest beyond it, and `*_use` that value over its limit. Steps are what has no finite jerk or
-/// acceleration: the largest jump between two polynomials, counting a start and an end that are not at rest.
+/// One joint of a trajectory. `velocity`, `acceleration`, `jerk`: the value nearest to its limit or furthest
+/// beyond it; `*_use` is that value divided by its limit. Steps have no finite jerk or acceleration: the
+/// largest jump between two polynomials, including a start and an end that are not at rest.
 struct JointUse {
   Peak lowest, highest;  ///< position
   Peak velocity, acceleration, jerk;
   double velocity_use = 0, acceleration_use = 0, jerk_use = 0;
   Peak velocity_step, acceleration_step;
-  int velocity_steps = 0, acceleration_steps = 0;  ///< how many are more than rounding
+  int velocity_steps = 0, acceleration_steps = 0;  ///< number of steps that exceed rounding
 };
 
-/// `limits`: one for each joint. Throws Error("wrong-size").
+/// `limits` has one entry for each joint. Throws Error("wrong-size").
 std::vector<JointUse> limit_use(const Trajectory& trajectory, std::span<const MotionLimits> limits);
 
-/// By how much longer a trajectory has to take to keep every limit of velocity, acceleration and jerk, steps
-/// left aside: 1 or less, nothing.
+/// The factor by which the duration must grow to keep every limit of velocity, acceleration and jerk, steps
+/// excluded; 1 or less if none is exceeded.
 double stretch_needed(std::span<const JointUse> uses);
 
 }  // namespace polyarm::trajectory

@@ -9,19 +9,19 @@ namespace polyarm::trajectory {
 
 namespace {
 
-constexpr double kSameTime = 1e-9;  // s: phase ends nearer than this are one
+constexpr double kSameTime = 1e-9;  // s: nearer phase ends are the same
 
-/// Constant jerk for a while.
+/// Constant jerk for some time.
 struct Phase {
   double duration, jerk;
 };
 
-/// One joint on its way: what it does now and what is left to do.
+/// One joint during the stop: its present state and the remaining phases.
 struct Braking {
   double position, velocity, acceleration;
   std::vector<Phase> phases;
 
-  /// The jerk at `time` since the start; nothing once it has stopped.
+  /// The phase at `time` since the start; null after the stop.
   const Phase* at(double time) const {
     for (const Phase& phase : phases)
       if ((time -= phase.duration) < 0) return &phase;
@@ -30,10 +30,10 @@ struct Braking {
 };
 
 /// The fastest phases from (v, a) to rest: the acceleration goes to a peak against the motion, stays there if
-/// the peak is the limit, and goes back to zero.
+/// the peak is the limit, and returns to zero.
 std::vector<Phase> stop_phases(double v, double a, const JointMotionLimits& limit) {
   const double j = limit.jerk;
-  // Where the velocity would end if the acceleration went straight to zero decides which way to brake.
+  // The velocity after the acceleration goes directly to zero determines the braking direction.
   const double direction = v + a * std::abs(a) / (2 * j) > 0 ? -1 : 1;
   const double toward = a * direction,
                change = -v * direction;  // along `direction`: present value, what v must gain
@@ -60,7 +60,7 @@ std::vector<double> phase_ends(const std::vector<Braking>& joints) {
     for (const Phase& phase : joint.phases) out.push_back(end += phase.duration);
   }
   std::sort(out.begin(), out.end());
-  // Of ends that are one, the last counts, so that every joint has time to finish.
+  // Of equal ends the last counts, so every joint has time to finish.
   std::vector<double> distinct;
   for (const double end : out) {
     if (distinct.empty() || end - distinct.back() > kSameTime)
@@ -71,7 +71,7 @@ std::vector<double> phase_ends(const std::vector<Braking>& joints) {
   return distinct;
 }
 
-/// Writes the joint's polynomial for `duration` seconds from `begin` and moves it on.
+/// Writes the joint's polynomial for `duration` seconds from `begin` and advances the joint.
 void advance(Braking& joint, double begin, double duration, double* coefficients) {
   const Phase* phase = joint.at(begin + duration / 2);
   if (!phase) joint.velocity = joint.acceleration = 0;

@@ -6,7 +6,7 @@
 namespace polyarm::trajectory {
 
 namespace {
-/// Solves v[i-1] + 4 v[i] + v[i+1] = right[i] for the inner points, v being 0 at both ends (Thomas'
+/// Solves v[i-1] + 4 v[i] + v[i+1] = right[i] for the inner points, with v = 0 at both ends (Thomas'
 /// algorithm).
 std::vector<double> inner_velocities(const std::vector<double>& right) {
   const std::size_t n = right.size();
@@ -20,7 +20,7 @@ std::vector<double> inner_velocities(const std::vector<double>& right) {
   return out;
 }
 
-/// Adds up `field`, whose value at time 0 is 0, over time.
+/// Integrates `field` over time; it is 0 at time 0.
 std::vector<double> sum_up(const std::vector<double>& last_sum, const std::vector<double>& last,
                            const std::vector<double>& now, double dt) {
   std::vector<double> out(now.size());
@@ -35,7 +35,7 @@ void upsample_positions(std::vector<TrajectoryPoint>& points, double frequency) 
   for (std::size_t i = 0; i < n; ++i) {
     const TrajectoryPoint& p = points[i];
     if (p.positions.size() != joints) return;
-    if (i > 0 && !(p.time_from_start > points[i - 1].time_from_start)) return;  // refused where it is checked
+    if (i > 0 && !(p.time_from_start > points[i - 1].time_from_start)) return;  // the check refuses it later
   }
   for (std::size_t i = 0; i < n; ++i) {
     points[i].time_from_start = static_cast<double>(i + 1) / frequency;

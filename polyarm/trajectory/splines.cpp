@@ -13,11 +13,11 @@ namespace polyarm::trajectory {
 namespace {
 
 constexpr std::size_t kCount = Trajectory::kCoefficients;
-constexpr double kShortest = 1e-9;  // s between two points: below it rates are no numbers
+constexpr double kShortest = 1e-9;  // s between two points: below it rates are not finite
 constexpr double kLongest = 1e9;    // s: beyond it a time does not fit into nanoseconds
-constexpr double kHold = 1e-3;  // s, of a trajectory whose only point is at time 0
+constexpr double kHold = 1e-3;  // s, for a trajectory whose only point is at time 0
 
-/// Looks for faults in one point and collects them under the point's name.
+/// Checks one point and collects its faults under the point's name.
 struct PointCheck {
   Problems& problems;
   std::string name;
@@ -113,7 +113,7 @@ void append_constant(Trajectory& out, const TrajectoryPoint& at, double duration
   out.append(duration, coefficients);
 }
 
-/// Takes whole turns between the start and the first point out, on the side that the options say.
+/// Removes whole turns between the start and the first point, on the side that the options select.
 void take_shorter_way(TrajectoryPoint& start, std::vector<TrajectoryPoint>& points,
                       const std::vector<bool>& continuous, Wraparound side) {
   constexpr double kTurn = 2 * std::numbers::pi;
@@ -137,7 +137,7 @@ std::array<double, kCount> spline_piece(int degree, const SplineEnd& from, const
   if (degree == 3)
     return {from.position, v0, (3 * d / T - 2 * v0 - v1) / T, (v0 + v1 - 2 * d / T) / (T * T), 0, 0};
   const double a0 = from.acceleration;
-  // What the three upper powers must still give.
+  // The part that the three upper powers must contribute.
   const double p = (d - v0 * T - a0 * T * T / 2) / (T * T * T);
   const double v = (v1 - v0 - a0 * T) / (T * T);
   const double a = (to.acceleration - a0) / T;
@@ -170,7 +170,7 @@ Trajectory interpolate(const TrajectoryPoint& start, std::span<const TrajectoryP
       append_constant(out, i == 0 ? from : all[i], duration);
     from = all[i];
   }
-  // The last point of all has no interval that leads beyond it.
+  // The last point has no interval after it.
   if (out.empty() || (options.method == InterpolationMethod::none && all.size() == 1))
     append_constant(out, from, kHold);
   return out;

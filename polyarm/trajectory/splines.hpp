@@ -1,6 +1,6 @@
 #pragma once
-/// Trajectories given as points in time, with the meaning that ros2_control's joint trajectory controller
-/// gives them.
+/// Trajectories from points in time, with the semantics of ros2_control's joint trajectory controller.
+/// Allocates and throws: not for the control cycle. Any thread.
 #include <array>
 #include <span>
 #include <string>
@@ -22,20 +22,20 @@ struct TrajectoryPoint {
 struct SplineEnd {
   double position = 0, velocity = 0, acceleration = 0;
 };
-/// The coefficients of the polynomial from one end to the other in `duration` seconds: degree 1 uses
-/// positions, 3 velocities too, 5 accelerations too. No allocation.
+/// The coefficients of the polynomial from one end to the other in `duration` seconds. Degree 1 uses
+/// positions, degree 3 also velocities, degree 5 also accelerations. No allocation.
 std::array<double, Trajectory::kCoefficients> spline_piece(int degree, const SplineEnd& from,
                                                            const SplineEnd& to, double duration) noexcept;
 
-/// `splines`: polynomials between the points. `none`: the start state until the first point's time, then at
-/// once the point that each interval leads to.
+/// `splines`: polynomials between the points. `none`: holds the start state until the first point's time,
+/// then jumps in each interval to the point at its end.
 enum class InterpolationMethod { splines, none };
 
-/// How a continuous joint takes the shorter way round to its first point.
-/// `start`: the start state is shifted by whole turns, as ros2_control does, so the positions are those of
-/// the message but the trajectory may begin whole turns away from where the joint is said to be. `points`:
-/// all points are shifted instead, and the trajectory begins exactly at the start state; take this one for a
-/// controller that refuses jumps.
+/// How a continuous joint takes the shorter way to its first point.
+/// `start`: shifts the start state by whole turns, as ros2_control does. The positions are those of the
+/// message, but the trajectory may begin whole turns away from the given start state. `points`: shifts all
+/// points instead, and the trajectory begins exactly at the start state; use it for a controller that refuses
+/// jumps.
 enum class Wraparound { start, points };
 
 struct SplineOptions {
@@ -44,16 +44,16 @@ struct SplineOptions {
   bool allow_nonzero_velocity_at_end = false;
 };
 
-/// From `start` (its time is not used; velocities and accelerations may be empty) at time 0 through all
-/// points. Between two points the polynomial has the degree that the fields present on both ends determine:
-/// positions linear, with velocities cubic, with accelerations quintic. A first point at time 0 replaces the
-/// start state; if it is the only one, it is held for 1 ms. `continuous` flags joints that turn without end;
-/// empty: none. Effort is checked for size and not kept. Throws Error with every fault found: "no-points",
-/// "wrong-size" (names point and field), "bad-time" (negative, or not later than the point before),
-/// "bad-number", "no-positions", "moves-at-end".
+/// A trajectory from `start` at time 0 through all points (the time of `start` is ignored; its velocities and
+/// accelerations may be empty). The fields present at both ends determine the degree of the polynomial
+/// between two points: positions linear, with velocities cubic, with accelerations quintic. A first point at
+/// time 0 replaces the start state; if it is the only one, it is held for 1 ms. `continuous` flags joints
+/// without limits that turn freely; empty: none. Effort is checked for size and dropped. Throws Error with
+/// all faults: "no-points", "wrong-size" (names point and field), "bad-time" (negative, or not later than the
+/// previous point), "bad-number", "no-positions", "moves-at-end".
 Trajectory interpolate(const TrajectoryPoint& start, std::span<const TrajectoryPoint> points,
                        const std::vector<bool>& continuous = {}, const SplineOptions& options = {});
-/// The same findings without the trajectory.
+/// Returns the same faults without the trajectory.
 std::vector<Problem> check_points(const TrajectoryPoint& start, std::span<const TrajectoryPoint> points,
                                   const SplineOptions& options = {});
 

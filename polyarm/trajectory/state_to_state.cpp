@@ -85,8 +85,8 @@ MotionStatus StateToState::plan(std::span<const MotionState> start, std::span<co
   return MotionStatus::ok;
 }
 
-/// All differences of the states are multiples of one direction: then the motion is that of one axis, with
-/// the limits of the axis that allows least.
+/// If all differences of the states are multiples of one direction, the motion is that of one axis, with the
+/// limits of the most restrictive axis.
 bool StateToState::plan_straight(std::span<const MotionState> start, std::span<const MotionState> target,
                                  std::span<const MotionLimits> limits,
                                  const MotionOptions& options) noexcept {

@@ -1,7 +1,7 @@
 #pragma once
-/// Time-optimal motion of several axes from any state to any state, limited in velocity, acceleration and
-/// jerk. Each axis in its own unit (rad, m, mm …), seconds. For the control cycle: no allocation, no
-/// exceptions, no clock, bounded time.
+/// Time-optimal motion of several axes from any state to any state, with limited velocity, acceleration and
+/// jerk. Each axis has its own unit (rad, m, mm …); times in seconds. For the control cycle: no allocation,
+/// no exceptions, no clock, bounded time.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +15,7 @@ struct MotionState {
   double position = 0, velocity = 0, acceleration = 0;
 };
 
-/// The lower limits of velocity and acceleration are given as they are, below zero.
+/// The lower limits of velocity and acceleration are negative.
 struct MotionLimits {
   double max_velocity = 1, max_acceleration = 1, max_jerk = 1;
   double min_velocity = -1, min_acceleration = -1;
@@ -24,12 +24,12 @@ struct MotionLimits {
   }
 };
 
-/// none: each axis as fast as it can. time: all arrive together, as soon as all can. phase: all also move in
-/// proportion, on a straight line, if the states allow it; otherwise as with time.
+/// none: each axis moves as fast as it can. time: all axes arrive together, as early as possible. phase: all
+/// axes also move in proportion, on a straight line, if the states allow it; otherwise as time.
 enum class Synchronization : std::uint8_t { none, time, phase };
 
-/// position: the axis arrives at the target's position, velocity and acceleration. velocity: at its velocity
-/// and acceleration, at any position.
+/// position: the axis reaches the target's position, velocity and acceleration. velocity: it reaches the
+/// target's velocity and acceleration at any position.
 enum class TargetKind : std::uint8_t { position, velocity };
 
 struct MotionOptions {
@@ -40,24 +40,24 @@ struct MotionOptions {
 
 enum class MotionStatus : std::uint8_t {
   ok,
-  wrong_size,      ///< spans of different sizes, none, or more than kMostAxes
-  bad_number,      ///< something is not finite
-  bad_limit,       ///< a limit on the wrong side of zero
-  target_outside,  ///< no motion within limits leads to the target's velocity and acceleration
+  wrong_size,      ///< spans are empty, differ in size, or have more than kMostAxes values
+  bad_number,      ///< a number is not finite
+  bad_limit,       ///< a limit has the wrong sign
+  target_outside,  ///< no motion within limits reaches the target's velocity and acceleration
 };
 const char* name(MotionStatus status) noexcept;
 
 /// The motion of one axis: pieces of constant jerk.
 class AxisMotion {
  public:
-  /// The way back inside the limits, and the pieces of two extremal motions.
+  /// The pieces of the motion back inside the limits, and of two extremal motions.
   static constexpr std::size_t kMostPieces = 4 + 14;
 
   double duration() const noexcept { return duration_; }
-  /// After the end the velocity of the target goes on, without acceleration.
+  /// After the end the axis continues with the target's velocity and zero acceleration.
   MotionState at(double t) const noexcept;
   std::size_t pieces() const noexcept { return count_; }
-  /// When piece `i` begins, s; the state there; its jerk.
+  /// Begin of piece `i`, s; the state there; its jerk.
   double begin_of(std::size_t i) const noexcept { return pieces_[i].begin; }
   const MotionState& state_of(std::size_t i) const noexcept { return pieces_[i].state; }
   double jerk_of(std::size_t i) const noexcept { return pieces_[i].jerk; }
@@ -94,34 +94,34 @@ class AxisMotion {
   MotionState end_;
 };
 
-/// Plans once, or anew in every cycle with a target that moves.
+/// Plans once, or again in every cycle for a moving target.
 ///
-/// Method: for a given duration the displacements that an axis can reach form an interval, whose ends are
-/// motions in closed form (axis_reach.hpp). The axis arrives as soon as the target enters that interval. A
-/// motion that takes longer is the mixture of both ends that arrives; it keeps every limit because limits are
-/// convex. Between two rests it is the fastest motion of its duration, scaled. Durations in which an axis
-/// cannot arrive, because it would have to turn back meanwhile, are found where other axes ask for one.
+/// Method: for a given duration the reachable displacements of an axis form an interval, whose ends are
+/// motions in closed form (axis_reach.hpp). The earliest arrival is when the target enters that interval. A
+/// longer motion is a mixture of both ends; it keeps every limit because limits are convex. Between two rests
+/// it is the fastest motion of its duration, scaled. Some durations are impossible for an axis, because it
+/// would have to turn back on the way; these are found when other axes require them.
 ///
-/// A start outside of the limits: the axis first comes back inside, and from there moves as fast as the
-/// limits allow. Inside means that it can stay inside: acceleration and velocity are within their limits, and
-/// so is the velocity that is left once full jerk has taken the acceleration back to zero. The way back is
-/// the shortest on which the acceleration comes back first, at full jerk, and then stays within its limits.
-/// The velocity does not pass the opposite limit, unless the acceleration at the start is too large for that.
+/// Start outside the limits: the axis first returns inside, then moves as fast as the limits allow. Inside
+/// means that it can stay inside: acceleration and velocity are within their limits, and so is the velocity
+/// after full jerk has brought the acceleration to zero. The return is the shortest motion in which the
+/// acceleration returns first, at full jerk, and then stays within its limits. The velocity does not pass the
+/// opposite limit, unless the acceleration at the start is too large for that.
 class StateToState {
  public:
   static constexpr std::size_t kMostAxes = 128;
 
-  /// After any status but ok the last motion stays as it was.
+  /// After any status but ok the last motion is unchanged.
   MotionStatus plan(std::span<const MotionState> start, std::span<const MotionState> target,
                     std::span<const MotionLimits> limits, const MotionOptions& options = {}) noexcept;
 
   std::size_t axes() const noexcept { return count_; }
-  /// Until the last axis has arrived, s.
+  /// The arrival time of the last axis, s.
   double duration() const noexcept { return duration_; }
   const AxisMotion& axis(std::size_t i) const noexcept { return motions_[i]; }
   /// All axes, `t` seconds after the start. `out`: axes() states.
   void sample(double t, std::span<MotionState> out) const noexcept;
-  /// Is the motion a straight line? Only after a plan with Synchronization::phase.
+  /// True if the motion is a straight line. Only valid after a plan with Synchronization::phase.
   bool straight() const noexcept { return straight_; }
 
  private:

@@ -21,7 +21,8 @@ ScaleRates ScaleRates::of_ramp(double ramp_s) noexcept {
 void ScaleRates::narrow(double velocity, double acceleration, double s, const JointDynamics& joint) noexcept {
   const double speed = std::abs(velocity);
   if (!(speed > 0)) return;
-  const double along = std::copysign(1.0, velocity) * acceleration * s * s;  // what the plan alone does
+  const double along = std::copysign(1.0, velocity) * acceleration * s * s;  // acceleration of the plan
+                                                                             // itself
   up = std::clamp((joint.acceleration - along) / speed, 0.0, up);
   down = std::clamp((joint.deceleration + along) / speed, 0.0, down);
   change = std::min(change, joint.jerk / speed);
@@ -47,7 +48,8 @@ double TimeScale::advance(double dt, double target, const ScaleRates& rates) noe
     rate_ = 0;
     return 0.5 * (before + value_) * dt;
   }
-  // The rate r after this step from which braking still ends at the target: r²/(2c) + (rate + r) dt/2 = left.
+  // The rate r after this step from which braking still ends at the target: r²/(2c) + (rate + r) dt/2 =
+  // remaining.
   const double room = step * step / 4 + 2 * rates.change * (left - towards * dt / 2);
   double next = room > 0 ? std::sqrt(room) - step / 2 : -most_back;
   next = std::clamp(next, towards - step, towards + step);

@@ -33,8 +33,8 @@ void Trajectory::shift(std::size_t joint, double offset) noexcept {
 }
 
 namespace {
-/// The polynomials of some joints at one time. Each joint's operations and their order are the same, whatever
-/// the number of joints, so that the bits are.
+/// The polynomials of some joints at one time. Each joint has the same operations in the same order for any
+/// number of joints, so the bits are equal.
 template <typename Number>
 struct Polynomials {
   Number c0, c1, c2, c3, c4, c5;
@@ -85,7 +85,7 @@ void Trajectory::sample(double t, std::span<double> position, std::span<double> 
     return (t >= begin_of(i) || i == 0) && (t < ends_[i] || i == last);
   };
   std::size_t i = std::min(hint, last);
-  if (!holds(i) && i < last && t >= ends_[i]) ++i;  // the usual next one; else look everywhere
+  if (!holds(i) && i < last && t >= ends_[i]) ++i;  // usually the next one; else searches all
   if (!holds(i))
     i = std::min(last,
                  static_cast<std::size_t>(std::upper_bound(ends_.begin(), ends_.end(), t) - ends_.begin()));

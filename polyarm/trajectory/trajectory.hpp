@@ -1,5 +1,6 @@
 #pragma once
-/// A trajectory: what every joint does at every time, exactly. Built outside the control loop, then const.
+/// A trajectory: the exact values of every joint at every time. Radians or metres, seconds. Built outside the
+/// control loop, then const.
 #include <cstddef>
 #include <span>
 #include <string>
@@ -7,8 +8,8 @@
 
 namespace polyarm::trajectory {
 
-/// Piecewise polynomials in time, one per joint and segment, of degree at most kDegree.
-/// Thread: built anywhere; sample() is const, allocates nothing and never throws.
+/// Piecewise polynomials in time, one for each joint and segment, of degree at most kDegree.
+/// Thread: built on any thread; sample() is const, allocates nothing and never throws.
 class Trajectory {
  public:
   static constexpr int kDegree = 5;
@@ -36,9 +37,9 @@ class Trajectory {
   /// Adds `offset` to every position of one joint. Allocates nothing.
   void shift(std::size_t joint, double offset) noexcept;
 
-  /// Position, velocity and acceleration (spans of `joints()` values, or empty where not wanted) at `t`
-  /// seconds. Before the start the first values with zero velocity, after the end the last ones with zero
-  /// velocity and acceleration. `hint` is a segment index kept by the caller between calls that makes lookup
+  /// Position, velocity and acceleration at `t` seconds; spans of `joints()` values, empty if not needed.
+  /// Before the start: the first values with zero velocity. After the end: the last values with zero velocity
+  /// and acceleration. `hint` is a segment index that the caller keeps between calls; it makes the lookup
   /// O(1).
   void sample(double t, std::span<double> position, std::span<double> velocity,
               std::span<double> acceleration, std::size_t& hint) const noexcept;
@@ -46,7 +47,7 @@ class Trajectory {
  private:
   std::size_t joints_ = 0;
   std::vector<double> ends_;          // s, increasing
-  std::vector<double> coefficients_;  // [segment][power][joint], so that joints are sampled in lanes
+  std::vector<double> coefficients_;  // [segment][power][joint], so joints are sampled in lanes
 };
 
 }  // namespace polyarm::trajectory
