@@ -1,6 +1,6 @@
 #pragma once
-/// From a path of the TCP to a path of the joints. Not for the control cycle (it allocates and throws); what
-/// it makes is, for any thread. Metres, radians, poses of the TCP in the world.
+/// Converts a path of the TCP into a path of the joints. It allocates and throws: not for the control cycle;
+/// any thread. The result may be used on any thread. Metres, radians; poses of the TCP in the world.
 #include <memory>
 #include <span>
 
@@ -12,31 +12,31 @@
 namespace polyarm::moves {
 
 struct FollowOptions {
-  double position_tolerance = 1e-7;     ///< m, of the TCP from its path, between nodes too
+  double position_tolerance = 1e-7;     ///< m, of the TCP from its path, also between nodes
   double orientation_tolerance = 1e-7;  ///< rad
 };
 
-/// What the joints do while the TCP follows `path`, over the same parameter. Each piece is a polynomial of
-/// seventh degree between two nodes, at which the joints and their first three derivatives are exact (from
-/// the Jacobian and its derivatives); nodes are as far apart as the tolerances allow, which is judged between
-/// them. breaks() are those of `path`; within them the third derivative is continuous.
+/// The joint path for the TCP path `path`, over the same parameter. Each piece is a polynomial of seventh
+/// degree between two nodes; at the nodes the joints and their first three derivatives are exact (from the
+/// Jacobian and its derivatives). Nodes are as far apart as the tolerances allow, which is checked between
+/// them. breaks() are those of `path`; between them the third derivative is continuous.
 ///
-/// Begins at `seed` (a joint state of the chain) if that is where the path begins, to 1e-4 m and rad; else at
-/// the joint state nearest to it that is. From there the joints go on without a jump; nothing is left out and
-/// no other configuration taken. An arm with more than six joints moves them as little as the path allows
-/// (least squares of the derivatives, at every place). Joints that do not move the TCP keep the seed's
-/// values.
+/// Begins at `seed` (a joint state of the chain) if that matches the begin of the path to 1e-4 m and rad,
+/// else at the matching joint state nearest to it. The joints continue without a jump, a gap or a change of
+/// configuration. An arm with more than six joints moves them as little as the path allows (least squares of
+/// the derivatives, at every place). Joints that do not move the TCP keep the seed's values.
 ///
-/// Throws Error: "wrong-size"; "unreachable" (no joint state leads to the path from a place on); "limit"
-/// (which joint, which limit, where); "singular" (which joint would have to turn how fast, where); "branch"
-/// (the path goes on, but only in another configuration). Places are in the path's parameter: metres.
+/// Throws Error: "wrong-size"; "unreachable" (no joint state reaches the path from some place on); "limit"
+/// (says which joint, which limit, where); "singular" (says which joint would have to turn how fast, where);
+/// "branch" (the path continues, but only in another configuration). Places are in the path's parameter:
+/// metres.
 std::unique_ptr<const paths::PolynomialPath> joints_along(const kinematics::Chain& chain,
                                                           const paths::CartesianPath& path,
                                                           std::span<const double> seed,
                                                           const FollowOptions& options = {});
 
-/// All sections, one after the other; `path`'s warnings go with them. In errors the places count from the
-/// beginning of the first section.
+/// All sections in order; `path`'s warnings are passed on. In errors, places count from the beginning of the
+/// first section.
 paths::PathSections joints_along(const kinematics::Chain& chain, const paths::CartesianSections& path,
                                  std::span<const double> seed, const FollowOptions& options = {});
 

@@ -1,5 +1,6 @@
 #pragma once
-/// Where moves go: their paths of joints and the TCP's way on them. Inside the room.
+/// The geometry of moves: their joint paths and the TCP's way on them. Private to this room. Metres, radians;
+/// not for the control cycle.
 #include <cstddef>
 #include <vector>
 
@@ -7,8 +8,8 @@
 
 namespace polyarm::moves {
 
-/// The geometry of the moves `first` to `last`, which belong together, from the joint state `q`; `q` is then
-/// where they end. Throws MoveError.
+/// The geometry of the moves `first` to `last`, which belong together, from the joint state `q`; sets `q` to
+/// their end. Throws MoveError.
 MoveRun move_geometry(const PlanRequest& request, std::size_t first, std::size_t last, std::vector<double>& q,
                       std::vector<MovePlan::Warning>& warnings);
 

@@ -1,6 +1,6 @@
 #pragma once
-/// The pieces that a plan of moves is made of, between its steps: geometry (MoveGeometry), joins (MoveJoins)
-/// and time (MoveTiming). Inside the room; not for the control cycle.
+/// The data that the steps of a plan of moves exchange: geometry (MoveGeometry), joins (MoveJoins) and time
+/// (MoveTiming). Private to this room; not for the control cycle.
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -13,22 +13,22 @@
 
 namespace polyarm::moves {
 
-/// Where a move is on a part's own path.
+/// The range of a move on a part's own path.
 struct MoveSpan {
   double from, to;
   std::size_t move;
 };
 
-/// A piece of a motion: a stretch of one path, with the TCP's way on it.
+/// A piece of a motion: a section of one path, with the TCP's way on it.
 struct MovePart {
   std::shared_ptr<const paths::Path> joints, translation, rotation;
   double from = 0, to = 0, scale = 1;
   std::vector<MoveSpan> moves;
-  bool joins = false;  ///< two moves: both are on all of it
+  bool joins = false;  ///< belongs to two moves over its whole length
   bool curve = false;  ///< a spline of joint moves
 };
 
-/// Moves whose geometry comes from one builder.
+/// Moves with geometry from one builder.
 struct MoveRun {
   bool cartesian = false;
   std::size_t first = 0, last = 0;
@@ -38,7 +38,7 @@ struct MoveRun {
 /// Parts from rest to rest.
 using MoveDraft = std::vector<MovePart>;
 
-/// What every step of a plan is told.
+/// The input of every step of a plan.
 struct PlanRequest {
   const RobotFacts& robot;
   std::span<const Move> moves;
@@ -56,9 +56,9 @@ inline bool goes_through(const Move& move) {
 /// The joints at a place on a path.
 std::vector<double> joints_at(const paths::Path& path, double s);
 double norm_of(std::span<const double> v);
-/// Are there bounds at the TCP of joint moves?
+/// True if joint moves have bounds at the TCP.
 bool needs_tcp(const PlanRequest& request, std::size_t first, std::size_t last);
-/// Gives a part of joints the TCP's way on it; where nothing bounds that, none.
+/// Adds the TCP's way to a part; null if nothing bounds it.
 void give_tcp(const PlanRequest& request, MovePart& part, bool bounded);
 
 }  // namespace polyarm::moves

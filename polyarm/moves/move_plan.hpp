@@ -1,7 +1,6 @@
 #pragma once
-/// From moves as people think of them to timed paths. Not for the control cycle (it allocates, throws and
-/// takes milliseconds); any thread, as long as the robot's facts stay. Metres, radians, seconds; poses of the
-/// TCP in the world.
+/// Plans timed paths for moves. It allocates, throws and takes milliseconds: not for the control cycle. Any
+/// thread, while the robot's facts stay valid. Metres, radians, seconds; poses of the TCP in the world.
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -18,36 +17,36 @@
 
 namespace polyarm::moves {
 
-/// joint: straight in joint space. line, arc and spline: the TCP's way.
+/// joint: straight in joint space. line, arc and spline: geometry of the TCP.
 enum class MoveKind { joint, line, arc, spline };
 
 struct MoveTarget {
-  std::variant<std::vector<double>, Pose> at;  ///< a joint state of the robot, or where the TCP goes
-  std::string name;                            ///< as messages call it
+  std::variant<std::vector<double>, Pose> at;  ///< a joint state of the robot, or a pose of the TCP
+  std::string name;                            ///< for messages
 };
 
 struct Move {
   MoveKind kind = MoveKind::joint;
-  /// Where it ends; of an arc the point on the way before it, of a spline all poses to pass through.
+  /// The end of the move. An arc has its via point before it; a spline has all poses to pass.
   std::vector<MoveTarget> targets;
   paths::ArcOrientation orientation = paths::ArcOrientation::interpolated;
-  /// m at the TCP: how far from its end the path may leave this move and be on the next; 0: it comes to rest
-  /// there. Of no meaning for the last.
+  /// m at the TCP: the largest distance from the end at which the path may leave this move for the next; 0:
+  /// it stops there. Ignored for the last move.
   double blend = 0;
-  /// The path goes exactly through the end and on to the next move without a stop. Joint moves alone; so many
-  /// in a row, with the one after them, are one natural cubic spline in joint space. Of no meaning for the
-  /// last.
+  /// The path passes exactly through the end and continues with the next move without a stop. Only for joint
+  /// moves: consecutive ones, with the move after them, form one natural cubic spline in joint space. Ignored
+  /// for the last move.
   bool through = false;
-  double speed = 1;               ///< share of the joints' velocity limits, or of the TCP's, (0, 1]
-  double acceleration = 1;        ///< share likewise, of acceleration and jerk
-  double tcp_speed = 0;           ///< m/s, at most; 0: what TcpLimits say (of a joint move: any)
-  double tcp_acceleration = 0;    ///< m/s², likewise; the jerk goes with it
-  double turn_speed = 0;          ///< rad/s of the TCP, likewise
+  double speed = 1;               ///< fraction of the joints' velocity limits, or of the TCP's, (0, 1]
+  double acceleration = 1;        ///< the same for acceleration and jerk
+  double tcp_speed = 0;           ///< m/s, maximum; 0: as TcpLimits (a joint move: unlimited)
+  double tcp_acceleration = 0;    ///< m/s², the same; the jerk scales with it
+  double turn_speed = 0;          ///< rad/s of the TCP, the same
   double turn_acceleration = 0;   ///< rad/s²
-  double joint_speed = 0;         ///< rad/s (or m/s) of every joint, at most; 0: its limit
-  double joint_acceleration = 0;  ///< rad/s² likewise; the jerk goes with it
-  double duration = 0;            ///< s, at least
-  double joint_pace = 0;  ///< s for each rad (or m) of the joint-space distance, at least; joint moves
+  double joint_speed = 0;         ///< rad/s (or m/s) of every joint, maximum; 0: its limit
+  double joint_acceleration = 0;  ///< rad/s², the same; the jerk scales with it
+  double duration = 0;            ///< s, minimum
+  double joint_pace = 0;          ///< s per rad (or m) of joint-space distance, minimum; for joint moves
 
   const MoveTarget& end() const { return targets.back(); }
 };
@@ -55,20 +54,21 @@ struct Move {
 /// One motion from rest to rest.
 struct PlannedMotion {
   timing::TimedPath path;
-  std::size_t first = 0, last = 0;          ///< of the moves; one that is split belongs to two motions
-  std::vector<double> ends;                 ///< s at which moves end: of first, first + 1, …
-  std::vector<timing::ActiveLimit> active;  ///< what bounds it where; rows beyond the joints: `bounds`
+  std::size_t first = 0, last = 0;          ///< indices of moves; a move that is split belongs to two motions
+  std::vector<double> ends;                 ///< s at which moves end: first, first + 1, …
+  std::vector<timing::ActiveLimit> active;  ///< the limiting rows along the path; rows beyond the joints:
+                                            ///< `bounds`
   std::vector<std::string> bounds;
-  /// Accelerations of the joints are this share of their limits, so that no torque is beyond its limit: that
-  /// of `torque_joint` would be.
+  /// The joints' accelerations are reduced to this fraction of their limits so that no torque exceeds its
+  /// limit; without it `torque_joint` would.
   double torque_share = 1;
   std::size_t torque_joint = 0;
 };
 
 struct MovePlan {
-  std::vector<PlannedMotion> motions;            ///< none where every move ends where it began
+  std::vector<PlannedMotion> motions;            ///< empty if every move ends where it begins
   std::vector<double> end;                       ///< joint state
-  std::vector<trajectory::MotionLimits> limits;  ///< of the joints, that the paths keep
+  std::vector<trajectory::MotionLimits> limits;  ///< of the joints; the paths keep them
   struct Warning {
     std::size_t move;
     Problem problem;  ///< "blend-shrunk"
@@ -85,21 +85,21 @@ class MoveError : public Error {
 };
 
 struct MovePlanOptions {
-  /// No path is faster at the TCP than this, m/s, whatever the move says; 0: no such bound.
+  /// The highest speed of the TCP on any path, m/s, for every move; 0: unlimited.
   double tcp_ceiling = 0;
-  /// Joints' velocity limits are this share of the robot's, (0, 1].
+  /// The fraction of the robot's joint velocity limits that applies, (0, 1].
   double joint_share = 1;
   bool operator==(const MovePlanOptions&) const = default;
 };
 
-/// Moves one after the other, each from where the one before ends, the first from the joint state `from`.
-/// Neighbours with a blend between them are one path, whatever their kinds: between moves of the same kind by
-/// paths::joint_lines and CartesianPathBuilder, else by a polynomial in joint space that is continuous
-/// to the second derivative and stays within the radius at the TCP; joint moves through their ends are one
+/// Plans a sequence of moves; each starts at the end of the previous one, the first at the joint state
+/// `from`. Neighbours with a blend between them form one path. Moves of the same kind are joined by
+/// paths::joint_lines and CartesianPathBuilder, others by a polynomial in joint space that is continuous to
+/// the second derivative and stays within the radius at the TCP. Joint moves with `through` form one
 /// paths::joint_spline. Each path is then timed within the limits of joints and TCP. Deterministic.
-/// Throws MoveError with the codes of those parts, of joints_for() and check_joints(), which holds between
-/// the points of a spline too, "workspace" where the TCP would leave the robot's, and "payload" where a joint
-/// cannot hold the load.
+/// Throws MoveError with the codes of those parts, of joints_for() and of check_joints() (also for places
+/// between the points of a spline); "workspace" if the TCP would leave the robot's workspace; "payload" if a
+/// joint cannot hold the load.
 MovePlan plan_moves(const RobotFacts& robot, std::span<const double> from, std::span<const Move> moves,
                     const MovePlanOptions& options = {});
 

@@ -1,5 +1,6 @@
 #pragma once
-/// When moves are where: what bounds their paths, and the time on them. Inside the room.
+/// The timing of moves: the bounds of their paths and the resulting time. Private to this room; not for the
+/// control cycle.
 #include <span>
 
 #include "polyarm/moves/move_parts.hpp"
@@ -7,8 +8,8 @@
 
 namespace polyarm::moves {
 
-/// The parts of a draft as one motion from rest to rest, within `limits` of the joints, what the moves say,
-/// the workspace and the torques. Throws MoveError.
+/// The parts of a draft as one motion from rest to rest, within `limits` of the joints, the bounds of the
+/// moves, the workspace and the torques. Throws MoveError.
 PlannedMotion time_moves(const PlanRequest& request, const MoveDraft& draft,
                          std::span<const trajectory::MotionLimits> limits);
 

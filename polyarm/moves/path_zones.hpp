@@ -1,7 +1,6 @@
 #pragma once
-/// Bounds that hold on parts of a path only, as paths whose norms are bounded by 1 everywhere: what the
-/// timing of a path is told by timing::NormLimit. Const after construction: any thread; at() allocates
-/// nothing.
+/// Bounds that apply only to parts of a path, as paths whose norms are bounded by 1 everywhere, for
+/// timing::NormLimit. Const after construction: any thread; at() allocates nothing.
 #include <cstddef>
 #include <limits>
 #include <memory>
@@ -16,14 +15,14 @@
 
 namespace polyarm::moves {
 
-/// From `from` to `to` (path parameter, both included) a bound has the weight `weight`: one over the limit,
-/// 0 where nothing bounds.
+/// Between `from` and `to` (path parameter, both included) a bound has the weight `weight`: one over the
+/// limit, 0 for unlimited.
 struct Zone {
   double from = 0, to = 0, weight = 0;
 };
 
 /// The derivatives of `path` times the weight of the place; where zones meet, the highest of their weights.
-/// Places without a zone have the weight 0. Zones ascend.
+/// Places without a zone have the weight 0. Zones are in ascending order.
 class WeightedPath final : public paths::Path {
  public:
   WeightedPath(std::shared_ptr<const paths::Path> path, std::vector<Zone> zones);
@@ -52,8 +51,8 @@ class ParameterPath final : public paths::Path {
   std::shared_ptr<const paths::Path> path_;
 };
 
-/// A path of the TCP as one of three values: its position, m; or its angular velocity by the parameter and
-/// the derivatives of that (`q` is 0 then).
+/// A path of the TCP as one of three values: its position, m; or its angular velocity with respect to the
+/// parameter and the derivatives of that (`q` is then 0).
 class PosePath final : public paths::Path {
  public:
   PosePath(std::shared_ptr<const paths::CartesianPath> path, TcpPart part)
@@ -68,15 +67,15 @@ class PosePath final : public paths::Path {
   TcpPart part_;
 };
 
-/// What bounds one quantity along the whole of a path, zone by zone.
+/// The bounds of one quantity along the whole path, zone by zone.
 struct ZoneLimits {
   std::vector<Zone> speed, acceleration;
   double jerk = std::numeric_limits<double>::infinity();  ///< per unit of acceleration
-  /// Infinite: no bound. Zones ascend.
+  /// Infinite: no bound. Add zones in ascending order.
   void add(double from, double to, double most_speed, double most_acceleration, double most_jerk);
 };
 
-/// Zone limits as the timing is told of them; keeps the paths that the norms refer to.
+/// Zone limits in the form that the timing takes; owns the paths that the norms refer to.
 class ZoneNorms {
  public:
   void add(const std::shared_ptr<const paths::Path>& path, const ZoneLimits& limits, const std::string& name);

@@ -1,5 +1,5 @@
 #pragma once
-/// What is known of a robot of a cell when it is moved.
+/// The data of one robot of a cell that moves need. Metres, radians, seconds.
 #include <memory>
 #include <span>
 #include <string>
@@ -15,14 +15,14 @@
 
 namespace polyarm::moves {
 
-/// How the TCP moves on lines, arcs and splines where a move does not say otherwise: m, rad, s. No standard
-/// or maker states these; they are about what small industrial arms are run at.
+/// Limits of the TCP on lines, arcs and splines for moves that state none: m, rad, s. No standard and no
+/// maker defines these values; they are typical for small industrial arms.
 struct TcpLimits {
   double speed = 1, acceleration = 5, jerk = 50;
   double turn_speed = 3, turn_acceleration = 15, turn_jerk = 150;
 };
 
-/// What a robot needs to move: its kinematics with tool, limits, workspace and home. Const while the cell
+/// The data needed to move a robot: kinematics with tool, limits, workspace and home. Const while the cell
 /// runs.
 struct RobotFacts {
   std::string name;
@@ -31,22 +31,22 @@ struct RobotFacts {
   std::vector<trajectory::JointMotionLimits> limits;
   TcpLimits tcp;
   std::vector<double> home;
-  /// For `chain`; if null, each question makes its own.
+  /// For `chain`; if null, each query makes its own.
   std::unique_ptr<const ik::InverseKinematics> solver;
   Workspace workspace;  ///< where the TCP may be
-  /// What the joints can bring, with tool and load; null where nothing is known to judge by.
+  /// The torques that the joints can provide, with tool and load; null if the data are missing.
   std::shared_ptr<const TorqueLimits> torques;
 };
 
 /// The same robot with another TCP.
 std::shared_ptr<const RobotFacts> with_chain(const RobotFacts& robot, kinematics::Chain chain);
 
-/// Where a pose puts the joints, coming from `current`: within limits, in the configuration nearest to the
-/// present one, ranked from home. Throws Error("unreachable" | "limit") that says which distance, angle or
-/// joint is at fault; `what` names the point.
+/// The joint state for a pose, coming from `current`: within limits, in the configuration nearest to the
+/// present one; ties are ranked from home. Throws Error("unreachable" | "limit") that states the distance,
+/// angle or joint at fault; `what` names the point.
 std::vector<double> joints_for(const RobotFacts& robot, const Pose& tcp_in_world,
                                std::span<const double> current, const std::string& what);
-/// Checks a joint state against the limits. Throws Error("limit") naming joint, value and limit.
+/// Throws Error("limit") with joint, value and limit if a joint state violates a limit.
 void check_joints(const RobotFacts& robot, std::span<const double> joints, const std::string& what);
 
 }  // namespace polyarm::moves

@@ -1,5 +1,5 @@
 #pragma once
-/// Moves of one robot, queued, planned and handed to its controller.
+/// The moves of one robot: queues and plans them, and hands them to its controller. Cell thread.
 #include <atomic>
 #include <cstdint>
 #include <deque>
@@ -18,21 +18,21 @@
 
 namespace polyarm::moves {
 
-/// running: queued, planned or under way. failed: it could not be planned. refused: the controller did not
-/// take it. discarded: somebody gave it up, or a move before it failed.
+/// running: queued, planned or under way. failed: planning failed. refused: the controller did not accept it.
+/// discarded: cancelled, or an earlier move failed.
 enum class MoveState { running, done, failed, refused, discarded };
 
-/// Of moves under way, at the TCP: m, s of the plan. Infinite where it is not planned yet.
+/// Progress of moves at the TCP: m, and s of the plan. Infinite for moves without a plan yet.
 struct Travel {
   double covered = 0, left = 0, elapsed = 0, remaining = 0;
 };
 
-/// Moves of several robots that begin in the same cycle and end together, at the pace of the slowest. Made
-/// for so many robots, and shared by all their moves. Cell thread only.
+/// Moves of several robots that begin in the same cycle and end together, at the pace of the slowest. Created
+/// with the number of robots, and shared by all their moves. Cell thread only.
 class InStep {
  public:
   explicit InStep(std::size_t members) : members_(members) {}
-  /// One robot less.
+  /// Removes one robot.
   void leave() { --members_; }
 
  private:
@@ -43,48 +43,48 @@ class InStep {
   bool failed_ = false;
 };
 
-/// A queue of moves that are carried out one after the other, blended where they say so. Cell thread only;
-/// planning is posted to whoever the cell has for it. A move that blends into the next waits for that one, or
-/// for close(); so what comes from one run of a program is one path, however many moves it has.
+/// A queue of moves that run one after the other, with blends where requested. Cell thread only; planning is
+/// posted to the cell's executor. A move that blends into the next waits for that one, or for close(); so the
+/// moves of one run of a program form one path, however many there are.
 class RobotMotion {
  public:
-  /// Runs a job, at once or on another thread.
+  /// Runs a job, immediately or on another thread.
   using Post = std::function<void(std::function<void()>)>;
-  /// Most moves that wait for being planned.
+  /// The largest number of moves that wait for planning.
   static constexpr std::size_t kMostWaiting = 1000;
-  /// A program looks so many moves ahead: those that wait, are planned, are ready and are under way.
+  /// The largest number of moves a program may be ahead: waiting, being planned, ready and under way.
   static constexpr std::size_t kMostAhead = 1000;
 
-  /// All outlive this, and what was posted.
+  /// All arguments must outlive this object and the posted jobs.
   RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryController& controller, Post post)
       : robot_(robot), controller_(controller), post_(std::move(post)) {}
 
-  /// Whether a program may ask for another move now, or has to wait until one has arrived.
+  /// True if a program may queue another move now; else it waits until one has arrived.
   bool has_room() const { return waiting_.size() < kMostWaiting && last_id_ - settled_ < kMostAhead; }
-  /// Returns the move's id, which counts up from 1. `with`: the robot with another TCP, which nothing blends
-  /// into that has not the same; null: as it is. Throws Error("busy") when there is no room.
-  /// `step`: it waits for the moves of the others. What follows each other with the same one is one motion of
-  /// the robot, and blends into nothing else.
+  /// Returns the move's id, which counts up from 1. `with`: the robot with another TCP (null: unchanged);
+  /// only moves with the same TCP blend. Throws Error("busy") if there is no room.
+  /// `step`: waits for the moves of the other robots. Consecutive moves with the same step are one motion of
+  /// the robot, and blend with no others.
   std::uint64_t queue(Move move, std::shared_ptr<const RobotFacts> with = nullptr,
                       std::shared_ptr<InStep> step = nullptr);
-  /// Nothing more will come that the last move could blend into.
+  /// Ends the blending: no move follows that the last one could blend into.
   void close();
-  /// Every tick, with the cell's time: plans what can be, hands over what is next, sees what has arrived.
+  /// Call it in every tick with the cell's time: plans, hands over the next motion, and detects arrivals.
   void tick(Nanoseconds now);
-  /// Gives up all that has not been handed over.
+  /// Discards everything that has not been handed over.
   void drop();
-  /// Ends a move where it is, on its path, as soon as the limits allow, and whatever was to come after it.
-  /// They count as done when the robot stands.
+  /// Stops a move on its path as soon as the limits allow, and drops the moves after it. They count as done
+  /// when the robot is at standstill.
   void end(std::uint64_t id);
 
   MoveState state_of(std::uint64_t id) const;
-  /// Whether the move `id`, or one after it, failed, was refused or was discarded. O(log n).
+  /// True if the move `id` or a later one failed, was refused or was discarded. O(log n).
   bool ended_badly_from(std::uint64_t id) const;
-  /// How far the moves from `first` to `last` have come.
+  /// The progress of the moves `first` to `last`.
   Travel travel(std::uint64_t first, std::uint64_t last) const;
-  /// Why a move failed.
+  /// The reason why a move failed.
   std::optional<Problem> problem_of(std::uint64_t id) const;
-  /// Of plans since the last call, with their moves.
+  /// Warnings of plans since the last call, with their moves.
   struct Warning {
     std::uint64_t move;
     Problem problem;
@@ -94,27 +94,27 @@ class RobotMotion {
   bool idle() const;
   std::uint64_t last_id() const { return last_id_; }
 
-  /// Where the robot will be when all moves planned so far are over, or is commanded to be; the next begins
-  /// there.
+  /// The end of all planned moves, or the commanded position; the next move begins there.
   const std::vector<double>& planned() const { return planned_; }
-  /// Tells where the robot is commanded to be, at the start and after somebody else moved it. When idle.
+  /// Sets the commanded position: at the start, and after another controller has moved the robot. Only when
+  /// idle.
   void set_planned(std::span<const double> joints) { planned_.assign(joints.begin(), joints.end()); }
   void set_planned(std::size_t joint, double position) { planned_[joint] = position; }
-  /// For what is planned from now on.
+  /// Applies to the next plans.
   void set_options(const MovePlanOptions& options) { options_ = options; }
   const MovePlanOptions& options() const { return options_; }
-  /// What the motion under way was planned with; null while there is none.
+  /// The options of the motion under way; null if there is none.
   const MovePlanOptions* options_under_way() const { return goal_ != 0 ? &active_.options : nullptr; }
   const RobotFacts& robot() const { return robot_; }
-  /// What the controller follows, until the next tick; `goal` tells one from the next.
+  /// The motion that the controller follows; valid until the next tick. `goal` identifies it.
   struct UnderWay {
     const PlannedMotion* motion;
-    const RobotFacts* robot;  ///< with the TCP that it was planned for
+    const RobotFacts* robot;  ///< with the TCP of the plan
     std::uint64_t goal;
     double time;  ///< s of the plan
   };
   std::optional<UnderWay> under_way() const;
-  /// The id of the move that the robot is in, or comes to next; 0 where none is queued, planned or under way.
+  /// The id of the present or the next move; 0 if nothing is queued, planned or under way.
   std::uint64_t move_under_way() const;
 
  private:
@@ -128,7 +128,7 @@ class RobotMotion {
   struct Job {
     std::uint64_t first_id;
     std::shared_ptr<const RobotFacts> with;
-    std::shared_ptr<InStep> step;  ///< the cell thread's
+    std::shared_ptr<InStep> step;  ///< used by the cell thread only
     std::vector<double> from;
     std::vector<Move> moves;
     MovePlanOptions options;
@@ -141,14 +141,14 @@ class RobotMotion {
   };
   struct Ready {
     std::uint64_t first_id = 0;  ///< of motion.first
-    std::uint64_t last_id = 0;   ///< of the moves that have arrived when it is over
+    std::uint64_t last_id = 0;   ///< of the moves that have arrived at its end
     PlannedMotion motion;
     std::unique_ptr<timing::PathFollower> follower;
     std::shared_ptr<const RobotFacts> with;
     std::shared_ptr<InStep> step;
-    bool leads = false;  ///< the first of those in step
-    bool waits = false;  ///< for the others, and is counted
-    double share = 0;    ///< of the duration of those in step
+    bool leads = false;  ///< first motion of those in step
+    bool waits = false;  ///< waits for the others, and is counted
+    double share = 0;    ///< of the total duration of those in step
     MovePlanOptions options;
     std::shared_ptr<std::atomic<bool>> ends;
   };
@@ -174,7 +174,7 @@ class RobotMotion {
   std::shared_ptr<Job> job_;
   std::deque<Ready> ready_;
   std::uint64_t goal_ = 0;  ///< of the controller, under way; 0: none
-  Ready active_;            ///< what it is
+  Ready active_;            ///< the motion of that goal
   std::uint64_t last_id_ = 0, settled_ = 0;
   std::map<std::uint64_t, MoveState> ended_badly_;
   std::map<std::uint64_t, Problem> problems_;

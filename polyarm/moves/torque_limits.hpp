@@ -1,5 +1,6 @@
 #pragma once
-/// What the masses of a robot, its tool and its load ask of the joints along a planned path.
+/// Joint torques that the masses of a robot, its tool and its load require along a planned path. kg, m, N m
+/// (N for sliding joints).
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -13,43 +14,43 @@
 
 namespace polyarm::moves {
 
-/// What an arm carries, tool and load together.
+/// The load of an arm: tool and workpiece together.
 struct Payload {
   double mass = 0;  ///< kg
   Vec3 center;      ///< centre of gravity in tool0, m
   bool operator==(const Payload&) const = default;
 };
-/// Both together.
+/// The sum of both.
 Payload joined(const Payload& a, const Payload& b);
 
-/// Joint torques within effort limits, by inverse dynamics of rigid bodies: no friction, no inertia of motors
-/// and gears. Const after construction: any thread; judge() allocates.
+/// Checks joint torques against effort limits, by inverse dynamics of rigid bodies: no friction, no inertia
+/// of motors and gears. Const after construction: any thread; judge() allocates.
 class TorqueLimits {
  public:
-  /// `effort`: N m (N where a joint slides), in the order of RobotModel::actuated; infinite or 0: none is
-  /// known. `payload` is fixed to the tool link, as a point. A joint whose limit does not hold the bare robot
-  /// everywhere (256 random places within its ranges) has facts that do not go together, and is left out.
-  /// Throws what kinematics::Tree throws, and Error("bad-model") for joints of more than one value.
+  /// `effort`: N m (N for sliding joints), in the order of RobotModel::actuated; infinite or 0: unknown.
+  /// `payload` is a point mass at the tool link. A joint whose limit does not hold the bare robot in all of
+  /// 256 random states within its ranges has inconsistent data, and is ignored. Throws as kinematics::Tree
+  /// does, and Error("bad-model") for joints with more than one value.
   TorqueLimits(const description::RobotModel& model, const Pose& T_world_base, const Payload& payload,
                std::vector<double> effort);
   const Payload& payload() const noexcept { return payload_; }
 
-  /// Of a joint at a place of a path.
+  /// The torque of a joint at a place of a path.
   struct Load {
     std::size_t joint = 0;
     double torque = 0, limit = 0;  ///< N m or N
     double time = 0;               ///< s of the path
   };
   struct Judgement {
-    /// Joint accelerations that are this share of the path's keep all torques within the limits, as far as
-    /// speed does not ask for them; 1: they do already.
+    /// The factor for the joint accelerations that keeps all torques within the limits, without the torques
+    /// that depend on speed only; 1: they are within the limits.
     double acceleration = 1;
-    /// The path passed this much slower (a factor of its duration) certainly keeps them.
+    /// A factor for the duration that certainly keeps them.
     double slower = 1;
-    std::optional<Load> most;       ///< the torque furthest beyond its limit
-    std::optional<Load> too_heavy;  ///< a load that cannot even be held still
+    std::optional<Load> most;       ///< the torque with the largest excess over its limit
+    std::optional<Load> too_heavy;  ///< a load that a joint cannot even hold at rest
   };
-  /// Looks at least every 4 ms, and at 200 places.
+  /// Checks at least every 4 ms, and at 200 places.
   Judgement judge(const timing::TimedPath& path) const;
 
  private:
@@ -60,8 +61,8 @@ class TorqueLimits {
   kinematics::Dynamics loaded_, bare_;
 };
 
-/// TorqueLimits where something is known to judge by, else null: no effort limits, or limits that the
-/// catalogue has estimated and nothing carried beyond what that estimate was made for, the rated load.
+/// TorqueLimits if there is enough data, else null: if there are no effort limits, or if the catalogue has
+/// estimated the limits and the load does not exceed the rated load that the estimate assumes.
 std::shared_ptr<const TorqueLimits> torque_limits_of(const description::RobotModel& model,
                                                      const Pose& T_world_base, const Payload& payload,
                                                      std::vector<double> effort);

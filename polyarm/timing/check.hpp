@@ -1,5 +1,6 @@
 #pragma once
-/// How near a profile on a path comes to the limits, everywhere. Part of timing.hpp; outside the cycle.
+/// Checks how near a profile on a path comes to its limits, at every place. Part of timing.hpp; not for the
+/// control cycle.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,29 +14,29 @@
 
 namespace polyarm::timing {
 
-/// What a check found.
+/// The result of a check.
 struct Check {
   std::vector<PieceUse> use;        // of each piece
-  std::vector<ActiveLimit> active;  // the nearest limits along the way
-  double stretch = 0;               // the factor of time that brings the nearest row to its limit
-  double peak[3] = {0, 0, 0};       // of each kind
-  PathMotion worst;                 // where that row is nearest
+  std::vector<ActiveLimit> active;  // the limiting rows along the path
+  double stretch = 0;               // the factor of time that brings the highest row to its limit
+  double peak[3] = {0, 0, 0};       // for each kind
+  PathMotion worst;                 // where that row is highest
   Ratios worst_ratio;
   std::size_t worst_kind = 0;
 
-  /// Of any row over its limit, at `factor` times the time.
+  /// The highest excess of any row over its limit, at `factor` times the duration.
   double excess(double factor) const {
     return std::max({peak[0] / factor, peak[1] / (factor * factor), peak[2] / (factor * factor * factor)}) -
            1;
   }
 };
 
-/// Looks at a profile on its path: every piece, cut at breaks, at `samples` times with both ends.
+/// Samples a profile on its path: every piece, split at breaks, at `samples` times including both ends.
 class Checker {
  public:
   explicit Checker(PathRows& rows) : rows_(rows) {}
 
-  /// `only`: the pieces to look at, ascending; empty: all.
+  /// `only`: the pieces to check, ascending; empty: all.
   void look(const SpeedProfile& profile, std::size_t samples, Check& out,
             std::span<const std::size_t> only = {}) {
     out = {};
@@ -65,7 +66,7 @@ class Checker {
   }
 
  private:
-  static constexpr std::size_t kAtOnce = 256;  // samples, so that they stay in the nearest cache
+  static constexpr std::size_t kAtOnce = 256;  // samples, to fit into the L1 cache
   struct Times {
     double from, to;
   };
@@ -97,7 +98,7 @@ class Checker {
   void note(std::size_t piece, std::size_t kind, std::size_t i, bool between, Check& out) {
     const double power[3] = {out.stretch, out.stretch * out.stretch, out.stretch * out.stretch * out.stretch};
     double peak = ratio_[i].value[kind];
-    if (between) {  // that of the parabola through three samples, if among them
+    if (between) {  // the peak of the parabola through three samples, if it lies between them
       const double before = ratio_[i - 1].value[kind], after = ratio_[i + 1].value[kind];
       const double bend = 2 * peak - before - after, slope = after - before;
       if (std::abs(slope) <= 2 * bend && bend > 0) peak += slope * slope / (8 * bend);
@@ -122,7 +123,7 @@ class Checker {
   std::vector<double> s_;
   std::vector<PathMotion> motion_;
   std::vector<Ratios> ratio_;
-  std::vector<std::size_t> ends_, of_;  // of stretches: behind the last sample, the piece
+  std::vector<std::size_t> ends_, of_;  // for each stretch: the index after its last sample; its piece
 };
 
 }  // namespace polyarm::timing

@@ -10,7 +10,7 @@
 namespace polyarm::timing {
 namespace {
 
-/// Length of a row's components of `derivative` at a place, over its limit: (high + low)/2 of joints.
+/// Length of a row's components of `derivative` at a place, relative to its limit: (high + low)/2 for joints.
 enum class Order { first, second, third };
 
 double length_of(const PathRows& rows, std::size_t row, std::size_t place, Order order) {
@@ -30,7 +30,7 @@ double length_of(const PathRows& rows, std::size_t row, std::size_t place, Order
 struct RowLimits {
   double velocity, acceleration, jerk;
 };
-/// The lower limit where they differ.
+/// The lower limit if they differ.
 RowLimits limits_of(const PathRows& rows, std::size_t row) {
   if (row >= rows.joints()) {
     const NormLimit& n = rows.norm(row - rows.joints());
@@ -41,7 +41,7 @@ RowLimits limits_of(const PathRows& rows, std::size_t row) {
           l.max_jerk};
 }
 
-/// The highest s̈ (or, downwards, its magnitude) at ṡ² = b.
+/// The highest s̈ (downwards: its magnitude) at ṡ² = b.
 double acceleration_left(const PathRows& rows, std::size_t place, double b) {
   double most = std::numeric_limits<double>::infinity();
   for (std::size_t r = 0; r < rows.rows(); ++r) {
@@ -54,7 +54,8 @@ double acceleration_left(const PathRows& rows, std::size_t place, double b) {
   return most;
 }
 
-/// Of s̈ to s⃛, if one row alone bounded both: how long a ramp of acceleration lasts; and the highest s⃛.
+/// The ratio of s̈ to s⃛ if one row alone bounded both: the duration of a ramp of acceleration; and the
+/// highest s⃛.
 struct Ramp {
   double time, jerk;
 };
@@ -69,7 +70,7 @@ Ramp ramp_at(const PathRows& rows, std::size_t place) {
   return {acceleration / jerk, jerk};
 }
 
-/// How fast the tangent changes, per s: what the interval must resolve.
+/// The rate of change of the tangent, per s: the interval must resolve it.
 double turning(const PathRows& rows, std::size_t place) {
   double one = 0, two = 0, three = 0;
   for (std::size_t r = 0; r < rows.rows(); ++r) {
@@ -82,14 +83,15 @@ double turning(const PathRows& rows, std::size_t place) {
   return one > 0 ? std::max(two / one, std::sqrt(three / one)) : 0;
 }
 
-constexpr std::size_t kCells = 8;  // per stretch between breaks, to see the path at all
+constexpr std::size_t kCells = 8;  // per stretch between breaks, for a first look at the path
 constexpr std::size_t kFewestCells = 128;
 
-/// From rest at constant jerk k equal steps of time are intervals of 1, 4, 9 …: k³/3 + k²/2 + k/6 in all.
+/// From rest at constant jerk, k equal steps of time have intervals proportional to 1, 4, 9 …: k³/3 + k²/2 +
+/// k/6 in total.
 double rest_way(double k) {
   return k * (k + 0.5) * (k + 1) / 3;
 }
-/// The interval after the way `s`, both per the first interval.
+/// The interval after the way `s`, both relative to the first interval.
 double rest_spacing(double s) {
   double k = std::cbrt(3 * s);
   for (int i = 0; i < 3; ++i) k -= (rest_way(k) - s) / (k * k + k + 1.0 / 6);
@@ -117,7 +119,7 @@ std::vector<double> cells(const PathRows& rows, double first_step, bool rests_at
   return s;
 }
 
-/// Halves cells until neighbours are alike to a factor of two.
+/// Halves cells until neighbours differ by at most a factor of two.
 std::vector<double> graded(std::vector<double> s) {
   for (bool again = true; again;) {
     again = false;
@@ -185,7 +187,7 @@ namespace {
 
 constexpr double kSlow = 1.6;  // of the time in which jerk adds half of the speed
 
-/// How long the intervals of the grid may be at every place of `rows`.
+/// The allowed length of the grid's intervals at every place of `rows`.
 std::vector<double> spacings(const PathRows& rows, const std::vector<double>& b, double ramp_step,
                              const GridRequest& request) {
   const std::size_t n = rows.places();
@@ -200,7 +202,7 @@ std::vector<double> spacings(const PathRows& rows, const std::vector<double>& b,
     const Ramp ramp = ramp_at(rows, i);
     double time = std::max(0.67 * ramp.time, shortest);
     if (request.slow_places) time = std::min(time, kSlow * std::sqrt(std::sqrt(b[i]) / ramp.jerk));
-    const double length = rows.s(n - 1), near = 6 * ramp_step;  // near rest the law below holds alone
+    const double length = rows.s(n - 1), near = 6 * ramp_step;  // near rest only the law below applies
     const bool rests = (b.front() <= 0 && rows.s(i) < near) || (b.back() <= 0 && length - rows.s(i) < near);
     out[i] = rests ? length / 18 : std::min(length / 18, std::sqrt(b[i]) * time);
     if (turn > 0) out[i] = std::min(out[i], 0.47 / turn);
@@ -219,7 +221,7 @@ std::vector<double> spacings(const PathRows& rows, const std::vector<double>& b,
   return out;
 }
 
-/// Of a start from rest: the way of the first of the intervals that resolve its ramp.
+/// For a start from rest: the length of the first interval that resolves its ramp.
 double first_step(const PathRows& rows, std::size_t end) {
   const Ramp ramp = ramp_at(rows, end);
   const double length = rows.path().length();
@@ -230,13 +232,13 @@ double first_step(const PathRows& rows, std::size_t end) {
   return std::clamp(0.5 * ramp.jerk * step * step * step, 1e-7 * length, 1e-2 * length);
 }
 
-/// Between two places where intervals are as long as `from` and `to` they grow evenly with the way.
+/// A stretch with interval lengths `from` and `to` at its ends; the length changes linearly in between.
 struct Cell {
   double width, from, to;
 
   double slope() const { return (to - from) / width; }
   bool even() const { return std::abs(to - from) < 1e-6 * from; }
-  /// How many intervals there are in the cell, and after what way there are `n`.
+  /// The number of intervals in the cell, and the way after `n` of them.
   double intervals() const { return even() ? width / from : std::log(to / from) / slope(); }
   double way(double n) const {
     return std::min(width, even() ? n * from : from * std::expm1(n * slope()) / slope());
@@ -273,10 +275,10 @@ std::vector<double> nodes(const PathRows& rows, const std::vector<double>& spaci
 
 namespace {
 
-constexpr double kRampRounding = 1.5;  // of the time that a ramp of acceleration lasts
+constexpr double kRampRounding = 1.5;  // of the duration of a ramp of acceleration
 
-/// Takes the corners off b over s where the acceleration would jump: the least, then the mean speed over the
-/// time that a ramp of acceleration lasts. The ends stay.
+/// Smooths b over s where the acceleration would jump: takes the minimum, then the mean speed over the
+/// duration of a ramp of acceleration. The ends stay.
 void round_corners(const PathRows& rows, std::vector<double>& b) {
   const std::size_t n = b.size();
   std::vector<double> time(n), half(n), least(n), area(n);
@@ -315,7 +317,7 @@ void round_corners(const PathRows& rows, std::vector<double>& b) {
 }  // namespace
 
 std::vector<double> slow_places(PathRows& rows) {
-  constexpr double kMuch = 8;  // of ṡ²
+  constexpr double kMuch = 8;  // ratio of ṡ²
   constexpr std::array kParts{0.1, 0.37, 0.63, 0.9};
   std::vector<double> ends{0}, places, lowest;
   for (const double s : rows.path().breaks())
@@ -333,7 +335,7 @@ std::vector<double> slow_places(PathRows& rows) {
   }
   std::vector<double> out;
   double highest = lowest.front();
-  std::size_t valley = 0;  // since it came down; 0: it has not
+  std::size_t valley = 0;  // since the last descent; 0: none yet
   for (std::size_t i = 1; i < lowest.size(); ++i) {
     if (valley == 0) {
       highest = std::max(highest, lowest[i]);

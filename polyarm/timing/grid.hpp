@@ -1,5 +1,5 @@
 #pragma once
-/// Where on a path its time is planned. Part of timing.hpp.
+/// The grid of path places on which the timing is planned. Part of timing.hpp; not for the control cycle.
 #include <cstddef>
 #include <vector>
 
@@ -7,36 +7,37 @@
 
 namespace polyarm::timing {
 
-/// Nodes of s, with every break, and a first guess of ṡ² there.
+/// Nodes of s, including every break, and a first guess of ṡ² there.
 struct TimingGrid {
   std::vector<double> s, b;
 };
 
-/// What a grid is made for.
+/// Properties of the requested grid.
 struct GridRequest {
   double start_speed, end_speed, fineness;
-  /// The guess has no corners, from which the solver is quick; not so where speeds differ by hundreds.
+  /// The guess has no corners. The solver is fast from it, except if speeds differ by a factor of hundreds.
   bool rounded;
-  /// Intervals also follow the time in which jerk changes the speed by a multiple, so that speeds that differ
-  /// by hundreds are far apart.
+  /// Intervals also follow the time in which jerk multiplies the speed, so that speeds that differ by
+  /// hundreds are far apart.
   bool slow_places;
 };
 
-/// The grid is fine where the path turns, where it is slow, and towards an end at rest (there equal steps of
-/// time at constant jerk: s ~ k³). Neighbouring intervals are alike to a factor of about 1.5.
+/// The grid is fine where the path turns, where it is slow, and towards an end at rest (equal time steps at
+/// constant jerk: s ~ k³). Neighbouring intervals differ by at most a factor of about 1.5.
 TimingGrid timing_grid(PathRows& rows, const GridRequest& request);
 
-/// The middles of pieces between breaks that have to be passed much more slowly than what is before and
-/// behind: to stop there takes hardly longer.
+/// The middles of pieces between breaks that must be passed much more slowly than the parts before and after:
+/// a stop there costs little time.
 std::vector<double> slow_places(PathRows& rows);
 
 /// The highest ṡ² that velocity limits allow at a place of `rows`.
 double velocity_ceiling(const PathRows& rows, std::size_t place);
-/// The same that velocity, and acceleration and jerk at constant ṡ, allow at a place of `rows`.
+/// The highest ṡ² that velocity limits allow, and acceleration and jerk limits at constant ṡ, at a place of
+/// `rows`.
 double speed_ceiling(const PathRows& rows, std::size_t place);
 
-/// Lowers `b` (at the places of `rows`) until accelerations between neighbours are within limits, and
-/// towards an end at rest also jerks.
+/// Lowers `b` (at the places of `rows`) until accelerations between neighbours are within limits, and jerks
+/// too towards an end at rest.
 void limit_accelerations(const PathRows& rows, std::vector<double>& b);
 
 }  // namespace polyarm::timing

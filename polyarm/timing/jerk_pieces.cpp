@@ -6,10 +6,11 @@
 namespace polyarm::timing {
 namespace {
 
-/// Of the root in a piece's time, per the mean of its ends' speeds. From rest at constant jerk it is 1/3.
+/// Of the root in a piece's time, relative to the mean speed of its ends. From rest at constant jerk it is
+/// 1/3.
 constexpr double kLeastRoot = 0.05;
-constexpr double kLeastMargin = 0.01;   // of that root's square, to a motion that is sound
-constexpr double kBeforeBreak = 1e-14;  // per the length of the path
+constexpr double kLeastMargin = 0.01;   // of that root's square, for a sound motion
+constexpr double kBeforeBreak = 1e-14;  // relative to the length of the path
 
 }  // namespace
 
@@ -77,7 +78,7 @@ bool JerkPieces::sound() const {
 }
 
 void JerkPieces::close() {
-  // min Σ db²/σ² + (Δ² da²)/σ²: with these weights neighbouring equations hardly know each other.
+  // min Σ db²/σ² + (Δ² da²)/σ²: these weights almost decouple neighbouring equations.
   const std::size_t last = count();
   const auto weight = [&](std::size_t node) {
     return node == 0 || node == last ? 0 : 1 / (way_[node] * way_[node + 1]);
@@ -112,7 +113,7 @@ void JerkPieces::find_directions() {
   const std::size_t last = count();
   for (std::size_t i = 1; i + 1 < last; ++i) {
     const ByNodes &before = pieces_[i].gap_by, &own = pieces_[i + 1].gap_by, &behind = pieces_[i + 2].gap_by;
-    // Along (-∂a, ∂b) of the piece before and of the piece behind, so that the one between keeps its gap too.
+    // Along (-∂a, ∂b) of the previous piece and of the next one, so the piece between keeps its gap as well.
     const double left = own[0] * -before[3] + own[1] * before[2];
     const double right = own[2] * behind[1] - own[3] * behind[0];
     const double p = 1 / left, q = -1 / right;
@@ -157,7 +158,7 @@ SpeedProfile profile_of(NodeMotion& m, std::span<const double> breaks) {
     while (next < breaks.size() && breaks[next] < m.s[k]) ++next;
     const double speed = std::sqrt(m.b[k]);
     double time = pieces.piece(k).time;
-    // Ends just before a break, so that its last moment is on this side in whatever way it is computed.
+    // Ends just before a break, so that its last moment is always computed on this side.
     if (next < breaks.size() && breaks[next] == m.s[k] && k + 1 < m.s.size())
       time -= std::min(kBeforeBreak * m.s.back() / speed, 1e-9 * time);
     const double jerk = (m.a[k] - m.a[k - 1]) / time;

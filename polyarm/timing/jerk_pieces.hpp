@@ -1,5 +1,6 @@
 #pragma once
-/// A motion along a path as one piece of constant jerk between every two nodes of s. Part of timing.hpp.
+/// A motion along a path as one piece of constant jerk between every two nodes of s. Part of timing.hpp; not
+/// for the control cycle.
 #include <array>
 #include <cstddef>
 #include <span>
@@ -9,37 +10,36 @@
 
 namespace polyarm::timing {
 
-/// Squared speed b = ṡ² and acceleration a = s̈ at the nodes s. Both are free, but for one equation per piece:
-/// constant jerk over the time that the piece takes has to lead from one node's motion to the next one's. The
-/// motion at both ends is given and stays.
+/// Squared speed b = ṡ² and acceleration a = s̈ at the nodes s. They are free except for one equation per
+/// piece: constant jerk over the duration of the piece must connect the motions of its two nodes. The motion
+/// at both ends of the path is fixed.
 struct NodeMotion {
   std::vector<double> s, b, a;
 };
 
-/// Derivatives by b and a of the node before and b and a of the node behind.
+/// Derivatives with respect to b and a of the previous node and b and a of the next node.
 using ByNodes = std::array<double, 4>;
 
-/// What happens between two nodes. `gap`: what is missing in the equation,
+/// The motion between two nodes. `gap`: the residual of the equation,
 /// b₁ - b₀ - (a₀ + a₁)Δs - h²(a₁² - a₀²)/12, which is (v₁ - v₀ - (a₀ + a₁)h/2)(v₁ + v₀).
 struct JerkPiece {
   double time = 0, jerk = 0, gap = 0;
   ByNodes time_by{}, jerk_by{}, gap_by{};
 };
 
-/// The pieces of a motion and the directions in which it may change. Pieces and nodes have numbers: piece k
-/// ends at node k.
+/// The pieces of a motion and the directions in which it may change. Piece k ends at node k.
 class JerkPieces {
  public:
-  /// `motion` stays with the caller, who may change it before evaluate().
+  /// Keeps a reference to `motion`; the caller may change it before evaluate().
   explicit JerkPieces(NodeMotion& motion);
 
-  /// The pieces as the nodes are now.
+  /// Evaluates the pieces at the present nodes.
   void evaluate();
-  /// Takes the gaps out, with the least changes around each; evaluates. One step of Newton's method.
+  /// Removes the gaps with the smallest changes around each, and evaluates: one step of Newton's method.
   void close();
-  /// The largest gap, per the squared speeds there.
+  /// The largest gap relative to the squared speeds there.
   double worst_gap() const;
-  /// Whether no gap is worth a word and every piece is passed forwards, with some margin.
+  /// True if all gaps are negligible and every piece is passed forwards, with some margin.
   bool sound() const;
   double duration() const;
 
@@ -49,12 +49,12 @@ class JerkPieces {
   /// The derivative of a node's speed by its b; 0 at rest.
   double speed_by(std::size_t node) const { return per_v_[node]; }
 
-  /// Directions that keep every gap as it is: direction i, of 1 to count() - 2, changes nodes i and i + 1
-  /// alone.
+  /// Finds the directions that keep every gap: direction i, from 1 to count() - 2, changes only nodes i and i
+  /// + 1.
   void find_directions();
-  /// How direction `i` changes b and a of nodes i and i + 1; zeros for numbers that are none.
+  /// The change of b and a of nodes i and i + 1 in direction `i`; zeros if there is no such direction.
   const ByNodes& direction(std::size_t i) const { return directions_[i]; }
-  /// Of a step along all directions: the changes of a node.
+  /// The change of a node for a step along all directions.
   double change_of_b(std::size_t node, const double* step) const {
     return (node > 0 ? directions_[node - 1][2] * step[node - 1] : 0) + directions_[node][0] * step[node];
   }
@@ -70,13 +70,13 @@ class JerkPieces {
   std::vector<double> diagonal_, beside_, share_;
 };
 
-/// The same motion with a node more in the middle of each of the pieces in `which`.
+/// The same motion with an additional node in the middle of each piece marked in `which`.
 NodeMotion halved(const NodeMotion& motion, const JerkPieces& pieces, const std::vector<char>& which);
 
-/// The motion after the `way`, which is passed between the times `begin` and `end` of constant jerk.
+/// The motion after the distance `way`, which is passed between the times `begin` and `end` of constant jerk.
 PathMotion after_way(const PathMotion& motion, double way, double end, double begin = 0);
 
-/// The profile of a motion without gaps on a path with `breaks`.
+/// The profile of a motion without gaps, on a path with `breaks`.
 SpeedProfile profile_of(NodeMotion& motion, std::span<const double> breaks);
 
 }  // namespace polyarm::timing

@@ -14,7 +14,7 @@ TimedPath not_empty(TimedPath path) {
   return path;
 }
 
-/// Of the plan's time: a step back ends so near to where it was to, s, and slows down by so much per s.
+/// Distance in time to the goal at which a step back ends, s of the plan; and its deceleration, per s.
 constexpr double kNear = 1e-4, kSlowingDown = 0.5;
 
 }  // namespace

@@ -9,8 +9,8 @@
 namespace polyarm::timing {
 namespace {
 
-/// Of a limit: what f'' is chosen with, and what is accepted; the rest is for what lies between two looks.
-/// Where the plan by itself uses more, nothing is added to that.
+/// Fractions of a limit for choosing and for accepting f''; the rest covers what may lie between two looks.
+/// If the plan itself uses more, nothing is added.
 struct Room {
   double share;
   double most(double own, double limit) const noexcept {
@@ -20,14 +20,14 @@ struct Room {
 };
 constexpr Room kChosen{0.999}, kAccepted{0.9997};
 constexpr double kBetween = 2e-4;  // of a limit: what may lie between two looks
-// Of the factor, where the joints hardly move and leave any room: 0 to 1 in some 20 ms.
+// Bounds of the factor's rates where the joints hardly move and allow anything: 0 to 1 in about 20 ms.
 constexpr double kMostRate = 50, kMostBend = 20000;
-constexpr double kMostLooks = 32;  // beside the table's nodes, in one step
-constexpr double kSpacing = 1e-3;  // s of the plan between two rows
-/// Of a bend as bold as both ends of a step leave: what something in between may leave less.
+constexpr double kMostLooks = 32;  // in addition to the table's nodes, in one step
+constexpr double kSpacing = 1e-3;  // s of the plan between two rows of the table
+/// Reductions of a bend that both ends of a step allow, because something in between may allow less.
 constexpr double kALittleLess[] = {0, 0.003};
 constexpr double kSameFactor = 1e-12;  // of factors
-constexpr double kNearlyThere = 1e-6;  // the way out ends so near to the target: it is followed
+constexpr double kNearlyThere = 1e-6;  // factor difference at which a way's end counts as the target
 constexpr double kLeastBoldness = 1.0 / 64;
 constexpr std::size_t kPushSteps = 12, kLeastPush = 4, kMostPush = 256;  // cycles
 
@@ -60,13 +60,13 @@ PathOverride::PathOverride(const TimedPath& path, std::span<const trajectory::Mo
   for (auto* v : {&position_, &velocity_, &acceleration_}) v->resize(limits.size());
 }
 
-/// The state after a part of a cycle.
+/// The state after part of a cycle.
 PathOverride::State PathOverride::during(const State& s, double bend, double t) const noexcept {
   return {std::clamp(s.time + t * (s.factor + t * (s.rate / 2 + t * bend / 6)), 0.0, path_.duration()),
           s.factor + t * (s.rate + t * bend / 2), s.rate + t * bend};
 }
 
-/// How long after `s` its time is `at`, if it is `end` after `t` s.
+/// The time after `s` at which the plan's time is `at`, if it is `end` after `t` s.
 double PathOverride::when(const State& s, double bend, double at, double t, double end) const noexcept {
   double x = t * (at - s.time) / (end - s.time);
   for (int newton = 0; newton < 2; ++newton) {
@@ -82,8 +82,7 @@ void PathOverride::look(double time, std::vector<Rows>& out) noexcept {
   table_.between(node_, time, out.data());
 }
 
-/// How far f'' may go in a direction where these rows, factor and rate hold at first, and f'' has had an
-/// effect for `t` s.
+/// The largest f'' in a direction for these rows, factor and rate, if f'' acts for `t` s.
 double PathOverride::most_bend(const Rows* rows, double factor, double rate, double t,
                                double direction) const noexcept {
   const std::vector<PlannedRows::Limits>& limits = motion_.hard ? hard_limits_ : own_limits_;
@@ -107,7 +106,7 @@ double PathOverride::most_bend(const Rows* rows, double factor, double rate, dou
   return *std::min_element(std::begin(most), std::end(most));
 }
 
-/// The furthest f'' in a direction, for `t` s: as both ends and what jumps between them leave.
+/// The largest f'' in a direction for `t` s that both ends and the jumps between them allow.
 double PathOverride::boldest(const State& s, double t, double direction) noexcept {
   const double end = std::clamp(s.time + t * (s.factor + t * s.rate / 2), 0.0, path_.duration());
   look(s.time, here_);
@@ -126,7 +125,7 @@ double PathOverride::boldest(const State& s, double t, double direction) noexcep
   return direction * std::max(most, -kMostBend);
 }
 
-/// Are the limits kept with this factor, rate and f''?
+/// True if the limits hold with this factor, rate and f''.
 bool PathOverride::within(const Rows* rows, double factor, double rate, double bend) const noexcept {
   const std::vector<PlannedRows::Limits>& limits = motion_.hard ? hard_limits_ : own_limits_;
   const double square = factor * factor, cube = square * factor, turn = 3 * factor * rate;
@@ -146,8 +145,8 @@ bool PathOverride::within(const Rows* rows, double factor, double rate, double b
   return *std::max_element(std::begin(over), std::end(over)) <= 0;
 }
 
-/// Into how many parts `t` s of this f'' are divided, so that the jerk between two looks is nearly linear:
-/// from the second derivative of the rows by time, with a planned acceleration and jerk at their limits.
+/// The number of parts of `t` s at this f'' for which the jerk is nearly linear between two looks: from the
+/// second time derivative of the rows, with a planned acceleration and jerk at their limits.
 double PathOverride::looks(const State& s, const State& end, double bend, double t) const noexcept {
   const double f = std::max(std::abs(s.factor), std::abs(end.factor)), most = std::abs(bend);
   const double rate = std::max(std::abs(s.rate), std::abs(end.rate));
@@ -155,8 +154,8 @@ double PathOverride::looks(const State& s, const State& end, double bend, double
   return std::ceil(t * std::sqrt(curve / (8 * kBetween)));
 }
 
-/// Are they kept for `t` s of this f'': at both ends, often enough between them, and at every node of the
-/// table passed?
+/// True if the limits hold for `t` s of this f'': checks both ends, enough places between, and every node of
+/// the table that is passed.
 bool PathOverride::keeps(const State& s, double bend, double t) noexcept {
   const State end = during(s, bend, t);
   if (end.factor > 1 + kSameFactor || end.factor < -back_ - kSameFactor) return false;
@@ -182,7 +181,7 @@ bool PathOverride::keeps(const State& s, double bend, double t) noexcept {
   return passed || parts > 1 || kept(0.5);
 }
 
-/// The same for a bend that is as bold in a direction as both ends leave, or for a little less.
+/// The same for a bend that is as large in a direction as both ends allow, or slightly less.
 bool PathOverride::keeps_nearly(const State& s, double& bend, double t, double direction) noexcept {
   for (const double less : kALittleLess) {
     const double tried = bend - direction * less * std::abs(bend);
@@ -193,8 +192,8 @@ bool PathOverride::keeps_nearly(const State& s, double& bend, double t, double d
   return false;
 }
 
-/// A way to a steady factor: in `direction` for `push` cycles as far as the rows leave, then as soon as they
-/// leave. False where that does not keep the limits.
+/// A way to a steady factor: `push` cycles in `direction` as far as the rows allow, then as soon as they
+/// allow. False if that exceeds the limits.
 bool PathOverride::recover(State s, Way& way, double direction, std::size_t push) noexcept {
   way.steps = 0;
   way.cycles = (push + kPushSteps - 1) / kPushSteps;
@@ -236,7 +235,7 @@ void PathOverride::take(double bend, const Way& way) noexcept {
   motion_.step = motion_.cycle = 0;
 }
 
-/// One cycle of the way out; steady when there is none left.
+/// One cycle of the known way; steady if nothing is left of it.
 void PathOverride::follow_way_out() noexcept {
   Motion& m = motion_;
   const bool any = m.step < m.out.steps;
@@ -247,7 +246,7 @@ void PathOverride::follow_way_out() noexcept {
   if (m.step == m.out.steps) m.at.rate = 0, m.at.factor = m.out.end;
 }
 
-/// Two cycles that end at the target, where the rows leave room for them.
+/// Two cycles that end at the target, if the rows allow them.
 bool PathOverride::arrive(double target) noexcept {
   const State& s = motion_.at;
   const double t = period_, first = (target - s.factor - 1.5 * t * s.rate) / (t * t);
@@ -259,7 +258,7 @@ bool PathOverride::arrive(double target) noexcept {
   return true;
 }
 
-/// Looks for an f'' towards the target that can be taken back, or that leads past what is in the way.
+/// Finds an f'' towards the target that can be taken back, or that leads past an obstacle.
 bool PathOverride::attempt(double target) noexcept {
   Motion& m = motion_;
   const double direction = sign(target - m.out.end), t = period_;
@@ -277,7 +276,7 @@ bool PathOverride::attempt(double target) noexcept {
       m.boldness = std::min(1.0, 2 * m.boldness);
       return true;
     }
-    if (safe) {  // less by what the end lies beyond, as the way out passes it on
+    if (safe) {  // reduces it by what the end lies beyond, because the way passes that on
       more -= direction * beyond / (t * (t / 2 + t * double(tried_.steps * tried_.cycles)));
       continue;
     }
@@ -288,8 +287,8 @@ bool PathOverride::attempt(double target) noexcept {
   return false;
 }
 
-/// Goes on as far as the rows leave for some cycles more, and then to a steady factor. For how many: too few
-/// do not lead past what is in the way, too many beyond the target; between those it is looked for.
+/// Continues for some cycles as far as the rows allow, then to a steady factor. Too few cycles do not pass
+/// the obstacle, too many pass the target; searches the number in between.
 bool PathOverride::push_past(double bend, double direction, double target) noexcept {
   Motion& m = motion_;
   if (!keeps_nearly(m.at, bend, period_, direction)) return false;
@@ -327,8 +326,7 @@ void PathOverride::advance(double target, bool immediate) noexcept {
   const bool settled = m.at.rate == 0 && std::abs(m.at.factor - target) <= kSameFactor;
   const bool leads_there = m.step < m.out.steps && std::abs(target - m.out.end) <= kNearlyThere;
   if (settled) m.at.factor = m.out.end = target, m.boldness = 1;
-  // Whatever ends within this cycle cannot be changed by much any more, and nobody looks between here and
-  // there.
+  // A motion that ends within this cycle can hardly change any more, and nothing is checked in between.
   const bool ends = m.at.time + period_ * (m.at.factor + period_ / 2 * m.at.rate) >= path_.duration();
   if (settled || leads_there || ends || !(arrive(target) || attempt(target))) follow_way_out();
   if (m.at.time <= 0 && m.at.factor < 0) {  // back at the start, where the plan rests

@@ -1,6 +1,6 @@
 #pragma once
-/// Runs along a timed path at any speed: override, hold, resume and back, without leaving the path or a
-/// limit.
+/// Runs along a timed path at any speed: override, hold, resume and backwards, without leaving the path or
+/// exceeding a limit. Radians or metres, seconds.
 #include <array>
 #include <cstddef>
 #include <span>
@@ -12,51 +12,51 @@
 
 namespace polyarm::timing {
 
-/// Until the path stands still: seconds, and the way along the path (in its parameter; below zero: back).
+/// Time and distance until the path is at standstill: seconds, and the way along the path in its parameter
+/// (negative: backwards).
 struct StoppingWay {
   double time = 0, way = 0;
-  bool known = true;  ///< false: it did not stand after a hundred thousand cycles
+  bool known = true;  ///< false: no standstill after a hundred thousand cycles
 };
 
-/// The place on a timed path as the control cycle moves it, and the factor at which its time runs: 1 as
-/// planned, 0 held, below zero back. In each cycle the factor's second derivative is constant, so joints have
-/// limited jerk. What the joints do is q(τ), with τ' = f:
-///   q' = q̇f,  q'' = q̈f² + q̇f',  q''' = q⃛f³ + 3q̈ff' + q̇f''
-/// (q̇, q̈, q⃛ as planned). A plan that keeps the limits keeps them at any constant f in [0, 1].
+/// The place on a timed path in the control cycle, and the factor at which its time runs: 1 as planned, 0
+/// held, negative backwards. In each cycle the second derivative of the factor is constant, so the joints
+/// have limited jerk. The joints follow q(τ), with τ' = f:
+///   q' = q̇f, q'' = q̈f² + q̇f', q''' = q⃛f³ + 3q̈ff' + q̇f''
+/// (q̇, q̈, q⃛ as planned). A plan within the limits keeps them at any constant f in [0, 1].
 ///
-/// Method: whatever moves f can be given up: there is always a way from here to a steady f that keeps every
-/// limit, found before and followed where nothing better is. In each cycle a bolder f'' towards the target is
-/// tried: first as much as the rows above leave, then less. It is taken when from where it leads there is a
-/// way to a steady f again, not beyond the target. Where that cannot be at once, what is in the way may be
-/// past when f has changed more: then a way that goes on boldly for some cycles is tried, too. Ways are run
-/// through in steps of the cycle, or of several where they are long, on a table of the rows; so a cycle costs
-/// a bounded number of looks at the table, acts at once, and never enters what it could not leave.
+/// Method: every change of f can be cancelled. There is always a known way from the present state to a steady
+/// f that keeps every limit; it is followed if nothing better is found. Each cycle tries a bolder f'' towards
+/// the target: first as much as the rows above allow, then less. The f'' is accepted if a way to a steady f
+/// exists from its end and does not pass the target. If this fails, the obstacle may be behind after f has
+/// changed more: then a way that continues boldly for some cycles is tried as well. Ways are simulated in
+/// steps of one cycle, or of several if they are long, on a table of the rows. So a cycle needs a bounded
+/// number of look-ups, reacts immediately, and never enters a state that it could not leave.
 /// docs/decisions/0010-timing.md.
 ///
 /// Control thread. advance() allocates nothing, throws nothing, and takes at most kMostTries + kMostPushes
-/// runs of at most kMostSteps steps. Keeps a reference to the path given.
+/// runs of at most kMostSteps steps. Keeps a reference to the path.
 class PathOverride {
  public:
   static constexpr std::size_t kMostSteps = 96;
   static constexpr std::size_t kMostTries = 3, kMostPushes = 3;
-  /// An immediate stop takes this many times the acceleration, and its square times the jerk.
+  /// An immediate stop uses this many times the acceleration, and its square times the jerk.
   static constexpr double kHarder = 3;
 
-  /// Outside the cycle: looks at the whole path. `limits`: of every joint, those that the path was planned
-  /// with, or higher; `period`: of the control cycle, s. Begins held at the path's start. Throws Error
-  /// "wrong-size", "bad-limit".
+  /// Not in the control cycle: evaluates the whole path. `limits`: of every joint, at least those that the
+  /// path was planned with; `period`: of the control cycle, s. Starts held at the begin of the path. Throws
+  /// Error "wrong-size", "bad-limit".
   PathOverride(const TimedPath& path, std::span<const trajectory::MotionLimits> limits, double period);
 
-  /// From `time` on the plan, at a steady `factor`; for when the path is followed already, or nothing moves.
+  /// Starts at `time` of the plan, at a steady `factor`: for a path that is already being followed, or at
+  /// standstill.
   void begin(double time, double factor) noexcept;
-  /// One cycle on the way to `target` in [-1, 1] (clamped; not a number counts as 0). Backwards it goes no
-  /// faster than the joints' slower directions allow, and not at all on a path that does not begin at rest.
-  /// `immediate`: brakes to 0 with harder limits; once it does, it goes on until it stands, whatever is asked
-  /// meanwhile.
+  /// One cycle towards `target` in [-1, 1] (clamped; NaN counts as 0). Backwards it is limited by the joints'
+  /// slower directions; a path that does not begin at rest cannot run backwards. `immediate`: brakes to 0
+  /// with harder limits; once begun it ignores the target until standstill.
   void advance(double target, bool immediate = false) noexcept;
 
-  /// Where on the planned time, s; the factor and its derivatives by time (the second: during the last
-  /// cycle).
+  /// Time on the plan, s; the factor and its time derivatives (the second one: during the last cycle).
   double time() const noexcept { return motion_.at.time; }
   double factor() const noexcept { return motion_.at.factor; }
   double rate() const noexcept { return motion_.at.rate; }
@@ -64,29 +64,30 @@ class PathOverride {
   bool finished() const noexcept { return motion_.at.time >= path_.duration(); }
   bool stands() const noexcept { return motion_.at.factor == 0 && motion_.at.rate == 0; }
 
-  /// What the joints do now. Spans as with TimedPath::sample, jerk left out.
+  /// The present joint state. Spans as with TimedPath::sample, without jerk.
   void sample(std::span<double> position, std::span<double> velocity,
               std::span<double> acceleration) noexcept;
-  /// If the target became 0 now. Goes through the whole stop cycle by cycle: not for a control cycle.
+  /// The stop that would follow if the target became 0 now. Simulates the whole stop cycle by cycle: not for
+  /// the control cycle.
   StoppingWay stopping() noexcept;
 
  private:
   struct State {
     double time = 0, factor = 0, rate = 0;
   };
-  /// f'' in steps of `cycles` cycles that bring f to rest, at `end`.
+  /// Values of f'', in steps of `cycles` cycles, that bring f to rest at `end`.
   struct Way {
     std::array<double, kMostSteps> bends;
     std::size_t steps = 0, cycles = 1;
     double end = 0;
   };
-  /// What moves, and the way out of it as far as it is left.
+  /// The moving state, and the rest of the known way to a steady factor.
   struct Motion {
     State at;
     Way out;
-    std::size_t step = 0, cycle = 0;  // of the way out that come next
+    std::size_t step = 0, cycle = 0;  // the next ones of that way
     double boldness = 1;
-    std::size_t push = 16;  // cycles that a way boldly goes on for
+    std::size_t push = 16;  // cycles for which a way continues boldly
     bool hard = false;
   };
   using Rows = PlannedRows::Rows;
@@ -112,7 +113,7 @@ class PathOverride {
   PlannedRows table_;
   std::vector<PlannedRows::Limits> own_limits_, hard_limits_;
   double period_, back_ = 1;
-  double ramp_ = 0;  // s: the longest of a joint's acceleration over its jerk
+  double ramp_ = 0;  // s: the longest time that a joint needs to reach its acceleration limit at full jerk
   Motion motion_;
   Way tried_;
   double bend_ = 0;

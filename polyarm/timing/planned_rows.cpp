@@ -6,12 +6,12 @@
 namespace polyarm::timing {
 namespace {
 
-constexpr double kSide = 1e-9;  // s; so near to a jump its one side is looked at
-/// Of a limit: nodes are so close that rows are linear between them to this, or after so many halvings.
+constexpr double kSide = 1e-9;  // s; offset at which one side of a jump is evaluated
+/// Of a limit: nodes are added until rows are linear between them to this, or until this many halvings.
 constexpr double kClose = 1e-4;
 constexpr int kMostHalvings = 5;
-constexpr double kNoLimit = 1e300;     // of places without a joint
-constexpr std::size_t kMost = 40'000;  // nodes, but for jumps; of longer plans they are further apart
+constexpr double kNoLimit = 1e300;     // for unused entries
+constexpr std::size_t kMost = 40'000;  // nodes, without those of jumps; longer plans have larger intervals
 
 std::vector<double> jumps_of(const TimedPath& path) {
   std::vector<double> all{0, path.duration()};
@@ -24,7 +24,7 @@ std::vector<double> jumps_of(const TimedPath& path) {
   return out;
 }
 
-/// Makes the nodes of a table, closer where the rows bend.
+/// Makes the nodes of a table; adds nodes where the rows are curved.
 class NodeMaker {
  public:
   using Values = std::vector<double>;
@@ -42,7 +42,7 @@ class NodeMaker {
     path_.sample(at, q_, out.velocity, out.acceleration, out.jerk, hint_);
     return out;
   }
-  /// What lies between two nodes, which are nodes already; the second is added behind.
+  /// Fills the interval between two nodes; `from` is already in the list, `to` is appended.
   void fill(const Look& from, const Look& to, int halvings, std::vector<Look>& out) {
     const double middle = from.time + (to.time - from.time) / 2;
     if (halvings > 0) {
@@ -136,7 +136,7 @@ void PlannedRows::between(std::size_t node, double t, Rows* out) const noexcept 
   const double length = times_[next] - times_[node];
   const double share = length > 0 ? std::clamp((t - times_[node]) / length, 0.0, 1.0) : 0;
   const Rows *from = at(node), *to = at(next);
-  // A velocity whose acceleration is linear bends by that; the factor's second derivative makes much of it.
+  // A velocity with linear acceleration deviates by this much; the factor's second derivative amplifies it.
   const double bent = length * share * (1 - share) / 2;
   for (std::size_t b = 0; b < blocks_; ++b)
     for (std::size_t i = 0; i < kWidth; ++i) {

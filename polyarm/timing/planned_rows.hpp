@@ -1,5 +1,6 @@
 #pragma once
-/// What the joints of a timed path do, in a table that a control cycle can look through cheaply.
+/// The joint motion of a timed path in a table that a control cycle can search cheaply. Radians or metres,
+/// seconds.
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -9,32 +10,32 @@
 
 namespace polyarm::timing {
 
-/// Velocity, acceleration and jerk of all joints as planned, at nodes of time; between them the last two are
-/// linear. Every jump of a planned jerk is a pair of nodes with both its sides. Made outside the cycle; then
-/// const.
+/// Velocity, acceleration and jerk of all joints as planned, at nodes of time; the last two are linear in
+/// between. Every jump of a planned jerk is a pair of nodes, one for each side. Built outside the cycle; then
+/// const: any thread.
 class PlannedRows {
  public:
-  /// Joints side by side, eight at a time; unused places are 0.
+  /// Joints side by side, eight at a time; unused entries are 0.
   static constexpr std::size_t kWidth = 8;
   struct Rows {
     double velocity[kWidth], acceleration[kWidth], jerk[kWidth];
   };
-  /// Of up to eight joints: highest and lowest acceleration (1e300 where there is no joint), highest jerk.
+  /// For up to eight joints: highest and lowest acceleration (1e300 for unused entries), highest jerk.
   struct Limits {
     double high[kWidth], low[kWidth], jerk[kWidth];
   };
 
-  /// `spacing`: nodes are at most so far apart, s, and closer where the rows bend: what lies between is off
-  /// by about 1e-4 of a joint's limits.
+  /// `spacing`: the largest distance of nodes, s. They are closer where the rows are curved; the error in
+  /// between is about 1e-4 of a joint's limits.
   PlannedRows(const TimedPath& path, std::span<const trajectory::MotionLimits> limits, double spacing);
 
   std::size_t blocks() const noexcept { return blocks_; }
   std::size_t nodes() const noexcept { return times_.size(); }
   double time(std::size_t node) const noexcept { return times_[node]; }
   const Rows* at(std::size_t node) const noexcept { return rows_.data() + node * blocks_; }
-  /// The node at or before `t`; of a pair the second. `hint`: one that is near.
+  /// The node at or before `t`; of a pair the second one. `hint`: a node near it.
   std::size_t before(double t, std::size_t hint) const noexcept;
-  /// blocks() rows at `t` (within the path's time), which lies in the interval that begins at `node`.
+  /// blocks() rows at `t` (within the path's time); `t` lies in the interval that begins at `node`.
   void between(std::size_t node, double t, Rows* out) const noexcept;
 
   static std::vector<Limits> limits_of(std::span<const trajectory::MotionLimits> limits, double harder);

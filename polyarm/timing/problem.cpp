@@ -9,13 +9,13 @@
 namespace polyarm::timing {
 namespace {
 
-constexpr double kTighter = 1e-4;    // than what an excess asks for, so that it is gone at once
+constexpr double kTighter = 1e-4;    // more than the excess requires, so that one round removes it
 constexpr double kMuchSlack = 0.97;  // use of a scale below which rows do not bind
 
-/// From a problem on a grid to the one on the grid with a node more in each piece of `halve`.
+/// Maps a problem on a grid to the one on the grid with a node more in each piece marked in `halve`.
 PointOrigins origins_of(const SpeedProblem& before, const SpeedProblem& now, const std::vector<char>& halve) {
   const std::size_t pieces = halve.size() - 1;
-  std::vector<std::size_t> node, piece{0};  // of each node: the node before, or beyond them the middle
+  std::vector<std::size_t> node, piece{0};  // for each node: the previous node, or beyond them the middle
   node.push_back(0);
   for (std::size_t k = 1; k <= pieces; ++k) {
     if (halve[k]) node.push_back(pieces + k), piece.push_back(k);
@@ -99,7 +99,7 @@ void TimingProblem::look(const NodeMotion& m, const JerkPieces& pieces, std::vec
   }
 }
 
-/// How the places are passed in this motion.
+/// The path motion at the places of this motion.
 void TimingProblem::pass(const NodeMotion& m, const JerkPieces& pieces) {
   Passing& p = passing_;
   for (auto* list : {&p.speed, &p.square, &p.cube, &p.acceleration, &p.product})
@@ -127,7 +127,7 @@ void TimingProblem::pass(const NodeMotion& m, const JerkPieces& pieces) {
   }
 }
 
-/// Of one component of the rows, by kind.
+/// For one component of the rows, by kind.
 void TimingProblem::values_of(std::size_t c) {
   kernels::Pieces m{.pieces = count_, .jerk = passing_.jerk.data()};
   kernels::PathRow row;
@@ -185,7 +185,7 @@ void TimingProblem::fill_velocity() {
 }
 
 void TimingProblem::fill_acceleration() {
-  // At each node behind it; where rows jump there, before it too.
+  // After each node; also before it, where rows jump.
   std::vector<std::size_t> nodes, places;
   for (std::size_t k = 1; k < count_; ++k) {
     nodes.push_back(k), places.push_back(begin_of(k + 1));
@@ -242,8 +242,8 @@ void TimingProblem::fill(LimitRows& plain, LimitRows& norm, const std::vector<st
   }
 }
 
-/// By how much the rows of a kind are below their scales in each piece, if that is much: as long as they are,
-/// a lower scale changes nothing.
+/// How far the rows of a kind are below their scales in each piece, if it is much: then a lower scale changes
+/// nothing.
 std::vector<double> TimingProblem::slacks(const LimitRows& rows, const std::vector<PieceUse>& use,
                                           std::size_t norm, std::size_t kind) const {
   const std::size_t pieces = use.size() - 1;

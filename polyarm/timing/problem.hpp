@@ -1,6 +1,6 @@
 #pragma once
 /// The rows of limits on a grid of a path, and how near a motion comes to them between its nodes. Part of
-/// timing.hpp.
+/// timing.hpp; not for the control cycle.
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -14,23 +14,23 @@ namespace polyarm::timing {
 
 class TimingProblem {
  public:
-  /// `rows` stays with the caller and belongs to the problem: its places are the problem's.
+  /// Keeps a reference to `rows`, which then belongs to the problem: it replaces their places.
   TimingProblem(PathRows& rows, const std::vector<double>& s);
 
   const SpeedProblem& speeds() const { return speeds_; }
-  /// How much of the limits `motion` uses in each piece (from 1): at five places, between them by the
-  /// polynomial through them, and by how much that may be wrong.
+  /// The use of the limits by `motion` in each piece (from 1): at five places, between them by the polynomial
+  /// through them, and the possible error of that.
   void look(const NodeMotion& motion, const JerkPieces& pieces, std::vector<PieceUse>& out);
-  /// Lowers the scales of rows in pieces that exceed their limits, by a little more than that.
+  /// Lowers the scales of rows in pieces that exceed their limits, by slightly more than the excess.
   void tighten(const std::vector<PieceUse>& use);
-  /// To the grid `s` with a node more in each piece of `halve`; scales go along.
+  /// Refines the grid `s` by a node in each piece marked in `halve`; scales are carried over.
   PointOrigins refine(const std::vector<double>& s, const std::vector<char>& halve);
 
  private:
   static constexpr std::size_t kPlaces = kernels::kPlaces;
 
   void set_up(const std::vector<double>& s);
-  /// The first place of every piece comes first, then the second of every piece, and so on.
+  /// The first places of all pieces come first, then the second places, and so on.
   std::size_t place(std::size_t piece, std::size_t i) const { return i * count_ + piece - 1; }
   std::size_t begin_of(std::size_t piece) const { return place(piece, 0); }
   std::size_t middle_of(std::size_t piece) const { return place(piece, kPlaces / 2); }
@@ -51,12 +51,12 @@ class TimingProblem {
   PathRows& rows_;
   SpeedProblem speeds_;
   std::size_t count_ = 0;
-  /// How the places are passed, and what a row does there.
+  /// The motion at the places, and the values of a row there.
   struct Passing {
     std::vector<double> speed, square, cube, acceleration, product, jerk, way, end, times;
   } passing_;
   std::array<std::vector<double>, 3> value_, norm_;
-  /// By norm or not and by kind, of all pieces: see kernels::Peaks.
+  /// By plain row or norm and by kind, for all pieces: see kernels::Peaks.
   struct Peaks {
     std::vector<double> most, above, rows, row;
   };

@@ -1,5 +1,6 @@
 #pragma once
-/// What limits say at places of a path, and how near to them a profile comes. Part of timing.hpp.
+/// Limits as rows at places of a path, and how near a profile comes to them. Part of timing.hpp; not for the
+/// control cycle.
 #include <array>
 #include <cstddef>
 #include <span>
@@ -11,14 +12,14 @@
 
 namespace polyarm::timing {
 
-/// Joints and norms at some places of a path. All lists lie as [row][place]: joints in order, then the
+/// Joints and norms at some places of a path. All lists are [row][place]: joints in order, then the
 /// components of the norms.
 class PathRows {
  public:
   PathRows(const paths::Path& path, std::span<const trajectory::MotionLimits> limits,
            std::span<const NormLimit> norms);
 
-  /// Looks at the path at `s`; forgets other places. Throws Error "bad-path".
+  /// Evaluates the path at `s`, and drops the previous places. Throws Error "bad-path".
   void look(const std::vector<double>& s);
 
   std::size_t places() const { return s_.size(); }
@@ -26,7 +27,7 @@ class PathRows {
   std::size_t joints() const { return limits_.size(); }
   std::size_t rows() const { return limits_.size() + norms_.size(); }
   std::size_t components() const { return components_; }
-  /// The components of norm `n` begin here; joints come first.
+  /// The first component of norm `n`; joints come first.
   std::size_t first_component(std::size_t norm) const { return component_begin_[norm]; }
   const double* first(std::size_t component) const { return &first_[component * places()]; }
   const double* second(std::size_t component) const { return &second_[component * places()]; }
@@ -45,12 +46,12 @@ class PathRows {
   std::vector<double> s_, first_, second_, third_, one_;
 };
 
-/// Highest use of limits in a piece of a motion, of joints and of norms, by kind.
+/// Highest use of limits in a piece of a motion, for joints and for norms, by kind.
 struct PieceUse {
   std::array<std::array<double, 3>, 2> most{};
-  /// The same at the places of the problem's rows alone.
+  /// The same at the rows of the problem only.
   std::array<std::array<double, 3>, 2> rows{};
-  /// Of both, with what may have been missed between places; and whose `most` is the higher one.
+  /// For both, with an estimate for the peaks between places; and the one with the higher `most`.
   std::array<double, 3> above{};
   std::array<std::size_t, 3> row{};
 
@@ -64,13 +65,13 @@ struct PieceUse {
   }
 };
 
-/// The highest value of any row over its limit, for each kind, and which row it is.
+/// For each kind the highest value of any row over its limit, and the row.
 struct Ratios {
   double value[3] = {0, 0, 0};
   std::size_t row[3] = {0, 0, 0};
 };
 
-/// At every place of `rows` while it is passed as `motion` says (one per place).
+/// At every place of `rows`, for the motion there (one per place).
 void ratios(const PathRows& rows, std::span<const PathMotion> motion, std::vector<Ratios>& out);
 
 }  // namespace polyarm::timing

@@ -9,8 +9,8 @@
 namespace polyarm::timing {
 namespace {
 
-constexpr double kCentre = 0.7;        // of the gap asked for, to which products are led
-constexpr double kLeastSlack = 0.001;  // when going on, per the width between the limits
+constexpr double kCentre = 0.7;        // fraction of the requested gap that products approach
+constexpr double kLeastSlack = 0.001;  // when continuing, relative to the width between the limits
 
 }  // namespace
 
@@ -50,13 +50,13 @@ class SpeedSolver::Solver {
       for (const SolverRows& r : rows_) r.measure(gap, residual);
       out.converged = gap < precision * pieces_.duration() && residual < allowed;
       if (out.converged && (out.iterations > 0 || !going_on)) break;
-      // Steps that overshoot time and again: the rows' own curvature, which is left out.
+      // Steps that overshoot repeatedly: caused by the rows' own curvature, which is left out.
       if (residual > 2 * last_residual && residual > 0.1 * allowed)
         damping_ = std::max(0.25, damping_ / 2);
       else
         damping_ = std::min(1.0, 1.3 * damping_);
       last_residual = residual;
-      // Never nearer to the limits than asked for: what is best within that moves little with the scales.
+      // Never nearer to the limits than requested: the optimum within that depends little on the scales.
       const double centre = std::max(keep * gap, kCentre * precision * pieces_.duration()) / double(sides);
       system_.clear();
       add_duration();
@@ -81,7 +81,8 @@ class SpeedSolver::Solver {
       const Moves moves = moves_at(pieces_, k);
       const double low = pieces_.speed_by(k - 1), high = pieces_.speed_by(k);
       const double sum = pieces_.speed(k - 1) + pieces_.speed(k), bend = p.time / sum;
-      // The curvature by b of 2Δs/(v₀ + v₁), which is that of the time but for what changes along a piece.
+      // The curvature of 2Δs/(v₀ + v₁) with respect to b: that of the duration, without the changes along a
+      // piece.
       const double c00 = bend * (2 * low * low / sum + 2 * low * low * low),
                    c01 = bend * 2 * low * high / sum;
       const double c11 = bend * (2 * high * high / sum + 2 * high * high * high);
@@ -97,7 +98,7 @@ class SpeedSolver::Solver {
                   right);
     }
   }
-  /// Takes the step; returns how much of the complementarity to keep next.
+  /// Takes the step; returns the fraction of the complementarity to keep next.
   double go(double centre) {
     SolverRows::Steps longest;
     for (SolverRows& r : rows_) r.direction(centre, step_, longest);
@@ -141,7 +142,7 @@ class SpeedSolver::Solver {
   FiveDiagonals system_;
   std::vector<SolverRows> rows_;
   double damping_ = 1;  // of steps
-  int stuck_ = 0;       // steps that led nowhere
+  int stuck_ = 0;       // steps without progress
   bool again_ = false;
 };
 

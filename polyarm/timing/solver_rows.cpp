@@ -7,9 +7,9 @@
 namespace polyarm::timing {
 namespace {
 
-// Of the products of other rows that those of velocity keep, so that a stated speed is met closely.
+// Velocity rows keep this fraction of the products of other rows, so that a stated speed is met closely.
 constexpr double kVelocityShare = 0.3;
-constexpr double kSlackOfExcess = 0.3;  // with which a row that is above its limit begins
+constexpr double kSlackOfExcess = 0.3;  // initial slack of a row that exceeds its limit
 constexpr std::size_t kLists = 9;       // of a symmetric matrix of three and a right side, or of a gradient
 
 template <typename T>
@@ -117,7 +117,7 @@ void SolverRows::jerk_bases(const NodeMotion& m, const JerkPieces& p) {
   }
 }
 
-/// b at nodes, and before it s̈ in rows of acceleration.
+/// b at nodes; acceleration rows also have s̈ before it.
 void SolverRows::node_bases(const NodeMotion& m, const JerkPieces& p) {
   const std::size_t of_b = kind_ == RowKind::acceleration ? 1 : 0;
   for (std::size_t i = 0; i < limits_.node.size(); ++i) {
@@ -129,7 +129,7 @@ void SolverRows::node_bases(const NodeMotion& m, const JerkPieces& p) {
   }
 }
 
-/// The same where half of a piece's way is done: of the cubic b(s) through both ends.
+/// The same at half of a piece's way: from the cubic b(s) through both ends.
 void SolverRows::middle_bases(const NodeMotion& m, const JerkPieces& p) {
   const std::size_t nodes = limits_.node.size(), of_b = kind_ == RowKind::acceleration ? 1 : 0;
   for (std::size_t k = 1; k <= limits_.points - nodes; ++k) {
@@ -233,7 +233,7 @@ void SolverRows::go(double complementarity, double primal, double dual) {
   });
 }
 
-/// A norm's row: the components along where their vector points now.
+/// A norm's row: the components along the present direction of its vector.
 void SolverRows::aim_norms() {
   std::size_t from = 0;
   for (std::size_t r = 0; r < limits_.component_end.size(); from = limits_.component_end[r++])
@@ -253,7 +253,7 @@ void SolverRows::aim_norms() {
     }
 }
 
-/// A norm's curvature: |y| curves by (1 - n nᵀ)/|y|.
+/// A norm's curvature: that of |y| is (1 - n nᵀ)/|y|.
 void SolverRows::bend_norms() {
   const std::size_t n = limits_.points;
   std::size_t from = 0;

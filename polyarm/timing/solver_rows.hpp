@@ -1,5 +1,6 @@
 #pragma once
-/// The rows of limits during the solver's iterations, and the system of its steps. Part of timing_solver.hpp.
+/// The rows of limits during the solver's iterations, and the linear system of its steps. Part of solver.hpp;
+/// not for the control cycle.
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -12,7 +13,7 @@ namespace polyarm::timing {
 
 using Basis = std::array<double, 3>;
 
-/// How b and a at both ends of a piece change along the three directions that touch it.
+/// The change of b and a at both ends of a piece along the three directions that touch it.
 using Moves = std::array<Basis, 4>;
 Moves moves_at(const JerkPieces& pieces, std::size_t piece);
 
@@ -23,9 +24,9 @@ class FiveDiagonals {
   void clear();
   /// `at`: the first of three neighbours, counted from one before the first node. `m`: 00 01 02 11 12 22.
   void add(std::size_t at, const std::array<double, 6>& m, const Basis& right);
-  /// The same for `count` times three neighbours, the first at `at`: nine lists of a value for each.
+  /// The same for `count` triples of neighbours, the first at `at`: nine lists with a value for each.
   void add(std::size_t at, std::size_t count, const std::array<const double*, 9>& lists);
-  /// Solves for 2..last; the others are 0.
+  /// Solves for 2..last; the other unknowns are 0.
   void solve(std::size_t last, std::vector<double>& x);
 
  private:
@@ -40,20 +41,21 @@ class SolverRows {
   using Real = kernels::Real;
   using Steps = kernels::Decrease;
 
-  /// `limits` stays with the caller.
+  /// Keeps a reference to `limits`.
   SolverRows(const LimitRows& limits, RowKind kind);
   std::size_t sides() const { return 2 * limits_.rows * limits_.points; }
   bool empty() const { return sides() == 0; }
 
-  /// The rows at the motion as it is now.
+  /// The rows at the present motion.
   void evaluate(const NodeMotion& motion, const JerkPieces& pieces);
-  /// Slacks and multipliers that belong to the values; again: those there are, moved off zero.
+  /// Initialises slacks and multipliers for the values; with `again`, keeps the present ones but moves them
+  /// away from zero.
   void begin(double complementarity, double least, bool again);
   void inherit(const SolverRows& before, const std::vector<std::size_t>& origins);
-  /// Slacks times multipliers, in all, and the largest excess of a row over its limits.
+  /// The sum of slacks times multipliers, and the largest excess of a row over its limits.
   void measure(double& complementarity, double& residual) const;
   void assemble(double complementarity, FiveDiagonals& system);
-  /// What the step `db` of directions does; longest steps so far.
+  /// The effect of the step `db` of directions; updates the largest decreases in `steps`.
   void direction(double complementarity, const std::vector<double>& db, Steps& steps);
   /// Takes that step.
   void go(double complementarity, double primal, double dual);
@@ -63,7 +65,7 @@ class SolverRows {
   struct Side {
     std::vector<Real> slack, multiplier;
   };
-  /// Points whose places in the system follow each other.
+  /// Points with consecutive indices in the system.
   struct Run {
     std::size_t begin, count, at;
   };
@@ -87,13 +89,13 @@ class SolverRows {
 
   const LimitRows& limits_;
   RowKind kind_;
-  std::size_t points_;  // of the limits when this was made: they may be on a finer grid since
+  std::size_t points_;  // of the limits at construction: they may be on a finer grid since
   double weight_ = 1;   // of the product of slack and multiplier
   mutable Side high_, low_;
   mutable std::vector<Real> value_;
   std::vector<Real> scale_, m_, basis_, turn_;
   std::array<std::vector<Real>, 3> coefficient_;
-  std::vector<double> gradient_, projected_;  // nine lists of a value for each point
+  std::vector<double> gradient_, projected_;  // nine lists with a value for each point
   std::vector<Run> runs_;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
-/// A path with its time: where along the path at which time, and what the joints do then.
+/// A path with its timing: the place on the path and the joint state at each time. Radians or metres,
+/// seconds.
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -22,34 +23,35 @@ inline PathMotion after(const PathMotion& m, double t) noexcept {
   return {end.p, end.v, end.a, m.jerk};
 }
 
-/// s(t) as pieces of constant jerk: continuous to the acceleration, never backwards. Const after
+/// s(t) as pieces of constant jerk: continuous up to the acceleration, never backwards. Const after
 /// construction: any thread, no allocation in at().
 class SpeedProfile {
  public:
-  /// Of one piece: when it begins (s), the motion there; `jerk` holds until the next one.
+  /// The begin of one piece (s) and the motion there; `jerk` holds until the next piece.
   struct Piece {
     double begin;
     PathMotion motion;
   };
 
   SpeedProfile() = default;
-  /// From `start`; pieces that last no time are left out.
+  /// Starts at `start`; pieces of zero duration are skipped.
   explicit SpeedProfile(const PathMotion& start) : state_(start) {}
   void append(double duration, double jerk);
-  /// The same, where the end is known: `end` is taken for it, without the rounding of many pieces.
+  /// The same with a known end: uses `end` instead of the sum, which avoids the rounding of many pieces.
   void append(double duration, double jerk, const PathMotion& end);
 
   double duration() const noexcept { return duration_; }
-  /// Where the profile ends.
+  /// The path parameter at the end of the profile.
   double length() const noexcept { return state_.s; }
   std::span<const Piece> pieces() const noexcept { return pieces_; }
-  /// `t` in s, clamped to [0, duration()]. `hint`: a piece's index that the caller keeps between calls.
+  /// `t` in s, clamped to [0, duration()]. `hint`: an index of a piece that the caller keeps between calls.
   PathMotion at(double t, std::size_t& hint) const noexcept;
-  /// When the profile passes `s`, in s (time) from the start; to the last bits.
+  /// The time from the start, s, at which the profile passes the place `s`; exact to the last bits.
   double time_at(double s) const noexcept;
-  /// The same way in `factor` times the time: speeds, accelerations and jerks are divided by its powers.
+  /// The same path in `factor` times the duration: divides speeds, accelerations and jerks by powers of the
+  /// factor.
   void stretch(double factor) noexcept;
-  /// The same times on a way that ends at `length`: takes small differences off the end.
+  /// The same times on a path that ends at `length`: removes small differences at the end.
   void fit(double length) noexcept;
 
  private:
@@ -58,7 +60,7 @@ class SpeedProfile {
   double duration_ = 0;
 };
 
-/// A path and when to be where on it. Keeps the path alive; const, any thread, no allocation in sample().
+/// A path and its timing. Keeps the path alive; const: any thread, no allocation in sample().
 class TimedPath {
  public:
   TimedPath() = default;
@@ -72,8 +74,8 @@ class TimedPath {
   std::size_t joints() const noexcept { return path_ ? path_->joints() : 0; }
   double duration() const noexcept { return profile_.duration(); }
 
-  /// Position, velocity, acceleration and jerk of all joints at `t` seconds (clamped), exactly. Spans of
-  /// joints() values; a later one may be empty, but none before a span that is wanted.
+  /// Exact position, velocity, acceleration and jerk of all joints at `t` seconds (clamped). Spans of
+  /// joints() values; trailing spans may be empty.
   void sample(double t, std::span<double> position, std::span<double> velocity,
               std::span<double> acceleration, std::span<double> jerk, std::size_t& hint) const noexcept;
 
@@ -82,14 +84,14 @@ class TimedPath {
   SpeedProfile profile_;
 };
 
-/// What the joints do on `path` while it is passed as `motion` says. Spans as with TimedPath::sample.
+/// The joint motion on `path` for the path motion `motion`. Spans as with TimedPath::sample.
 void joints_on_path(const paths::Path& path, const PathMotion& motion, std::span<double> position,
                     std::span<double> velocity, std::span<double> acceleration,
                     std::span<double> jerk) noexcept;
 
 /// The timed path as quintics that agree with it in position, velocity and acceleration at both ends of each,
-/// and in position to `tolerance` (rad or m) between: measured at seven inner points of each piece, which
-/// is halved until it holds (or lasts less than 1 µs). Allocates.
+/// and in position to `tolerance` (rad or m) in between. The error is measured at seven inner points of each
+/// piece, which is halved until it holds (or is shorter than 1 µs). Allocates.
 trajectory::Trajectory to_trajectory(const TimedPath& timed, double tolerance = 1e-8);
 
 }  // namespace polyarm::timing

@@ -18,19 +18,21 @@
 namespace polyarm::timing {
 namespace {
 
-// Excess that is left to a stretch of time, more with each round; where speeds may be stated, less.
+// Excess that stretching the time removes, more with each round; less with norms, because their speeds may be
+// stated.
 constexpr double kEnough = 1e-4, kEnoughOfNorms = 2e-5;
-constexpr double kHalve = 0.03;  // excess from which a piece is halved rather than made slower
+constexpr double kHalve = 0.03;  // excess above which a piece is halved instead of slowed down
 constexpr std::size_t kFinalSamples = 60, kCloseSamples = 32;  // of each piece
-constexpr double kUnsure = 3e-5;          // of a limit: more than that between places is looked at again
-constexpr double kUneven = 0.3;           // squared speed at one end of a piece over that at the other
-constexpr double kFailed = 1.05;          // stretch with which another first guess is worth its time
-constexpr double kFailedStretch = 1.005;  // the same of stretches between stops, which are short
-// Iterations times nodes after which it is not, unless the motion is of no use as it is.
+constexpr double kUnsure = 3e-5;          // of a limit: a larger uncertainty between places is checked again
+constexpr double kUneven = 0.3;           // ratio of the squared speeds at the ends of a piece
+constexpr double kFailed = 1.05;          // stretch above which another first guess is worth its time
+constexpr double kFailedStretch = 1.005;  // the same for stretches between stops, which are short
+// Iterations times nodes above which it is not, unless the motion is unusable (kHopeless).
 constexpr double kDear = 3e4, kHopeless = 2;
-constexpr int kTightenings = 12;     // of solving and tightening
-constexpr double kPrecision = 0.04;  // of the solver: the duration then differs by a fiftieth of that
-constexpr double kMargin = 3e-7;     // to limits at the end, for rounding and peaks between samples
+constexpr int kTightenings = 12;     // rounds of solving and tightening
+constexpr double kPrecision = 0.04;  // of the solver: the duration then differs by a fiftieth of it
+constexpr double kMargin = 3e-7;     // distance from limits at the end, for rounding and peaks between
+                                     // samples
 
 void check_request(const paths::Path& path, std::span<const trajectory::MotionLimits> limits,
                    const TimingOptions& o) {
@@ -70,7 +72,7 @@ void check_request(const paths::Path& path, std::span<const trajectory::MotionLi
 
 class Timer {
  public:
-  /// `may_stop`: where no guess leads to a sound motion, one that stops on the way will do.
+  /// `may_stop`: if no guess gives a sound motion, one that stops on the way is accepted.
   Timer(const paths::Path& path, std::span<const trajectory::MotionLimits> limits,
         const TimingOptions& options, bool may_stop = true)
       : o_(options), rows_(path, limits, options.norms), limits_(limits), may_stop_(may_stop) {}
@@ -98,7 +100,7 @@ class Timer {
   }
 
  private:
-  /// From other guesses, while they are worth their time; the best of all stays.
+  /// Tries other guesses while they are worth their time; the best result is kept.
   void guess_again() {
     if (check_.stretch > kFailed && may_stop_) stop_at_slow_places();
     const bool known = std::isfinite(stopping_.duration());
@@ -128,7 +130,7 @@ class Timer {
       return timing.grid.empty() ? std::numeric_limits<double>::infinity() : timing.profile.duration();
     }
   };
-  /// Between places where the path has to be passed that slowly anyway: each stretch from rest to rest.
+  /// Stops at places that the path must pass very slowly anyway: each stretch goes from rest to rest.
   void stop_at_slow_places() {
     std::vector<double> places = slow_places(rows_);
     if (places.empty()) return;
@@ -184,7 +186,7 @@ class Timer {
     for (std::size_t k = 1; k + 1 < motion_.s.size(); ++k)
       motion_.a[k] = (motion_.b[k + 1] - motion_.b[k - 1]) / (motion_.s[k + 1] - motion_.s[k - 1]) / 2;
   }
-  /// The motion on the grid, `factor` times faster than it will be, its profile and the check of it.
+  /// The motion on the grid, `factor` times faster than the result, its profile and the check of it.
   void solve(double factor) {
     motion_.b.front() = o_.start_speed * o_.start_speed * factor * factor;
     motion_.b.back() = o_.end_speed * o_.end_speed * factor * factor;
@@ -231,7 +233,7 @@ class Timer {
     NodeMotion motion;
     std::vector<PieceUse> use;
   };
-  /// A node more in each piece that exceeds much.
+  /// Adds a node in each piece with a large excess.
   void halve_worst(TimingProblem& problem, std::unique_ptr<SpeedSolver>& solver, std::size_t most_nodes) {
     std::vector<char> halve(use_.size(), 0);
     for (std::size_t k = 1; k < use_.size(); ++k) halve[k] = use_[k].all() > 1 + kHalve;
@@ -245,7 +247,7 @@ class Timer {
       use.insert(use.end(), halve[k] ? 2 : 1, halve[k] ? PieceUse{} : use_[k]);
     use_ = std::move(use);
   }
-  /// What any path can be passed with, if slowly enough: from rest to rest with four jerks.
+  /// The fallback for any path: slowly from rest to rest with four jerks.
   SpeedProfile plain_profile() const {
     SpeedProfile out({0, o_.start_speed, 0, 0});
     for (const double sign : {1, -1, -1, 1}) out.append(1, sign * rows_.path().length() / 2);
@@ -265,8 +267,8 @@ class Timer {
       }
     return std::max({most[0], root(most[1], 1), root(most[2], 2)});
   }
-  /// Looks again where more may lie between the places that were looked at than what time can take off, and
-  /// takes the rest for what it may be.
+  /// Checks again where the uncertainty between places is larger than a stretch of time can correct, and
+  /// assumes the worst case for the rest.
   void look_closely(const SpeedProfile& profile) {
     const double limit = stretch_of(use_), powers[3] = {limit, limit * limit, limit * limit * limit};
     std::vector<std::size_t> pieces;
@@ -276,7 +278,7 @@ class Timer {
         const bool more = use_[k].above[kind] > powers[kind];
         unsure = unsure || (more && use_[k].above[kind] > use_[k].highest(kind) + kUnsure);
       }
-      // Places are even in s; where it goes from slow to fast, that is far from even in time.
+      // Places are even in s; where the speed changes much, that is far from even in time.
       const double b = motion_.b[k - 1], next = motion_.b[k];
       if (unsure || std::min(b, next) < kUneven * std::max(b, next)) pieces.push_back(k - 1);
     }
@@ -292,7 +294,7 @@ class Timer {
         if (use_[k].above[kind] > powers[kind]) most = std::max(most, use_[k].above[kind]);
       }
   }
-  /// What the use of all pieces says about the whole.
+  /// Summarises the use of all pieces.
   void sum_up() {
     check_ = {};
     for (std::size_t k = 1; k < use_.size(); ++k) {
@@ -314,8 +316,8 @@ class Timer {
         check_.active.push_back(active);
     }
   }
-  /// A piece that begins within rounding of a break may have been looked at on the wrong side of it: what
-  /// every piece shows between its breaks has the last word.
+  /// A piece that begins within rounding of a break may have been evaluated on the wrong side of it: the
+  /// evaluation of every piece between its breaks is final.
   void look_at_all() {
     Check all;
     checker_.look(timing_.profile, kCloseSamples, all);
@@ -327,7 +329,7 @@ class Timer {
     timing_.active = std::move(check_.active);
     return std::move(timing_);
   }
-  /// A path whose tangent does not change has the motion of one axis as its fastest.
+  /// If the tangent of a path is constant, its fastest motion is that of a single axis.
   bool straight() {
     const double length = rows_.path().length();
     std::vector<double> s;
