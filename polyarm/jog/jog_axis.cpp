@@ -17,7 +17,7 @@ constexpr int kHalvings = 40;
 
 AxisBrake::AxisBrake(const AxisState& from, double acceleration, double jerk) noexcept {
   const double at_once = from.velocity + from.acceleration * std::abs(from.acceleration) / (2 * jerk);
-  const double way = at_once >= 0 ? 1 : -1;  // of the motion that is to end
+  const double way = at_once >= 0 ? 1 : -1;  // sign of the motion to end
   const double v = way * from.velocity, a = way * from.acceleration;
   const double limit = std::max(acceleration, std::abs(a));
   double peak = std::max(std::sqrt(std::max(jerk * v + a * a / 2, 0.0)), std::max(-a, 0.0));
@@ -33,7 +33,7 @@ AxisBrake::AxisBrake(const AxisState& from, double acceleration, double jerk) no
   state_[3].velocity = state_[3].acceleration = 0;
   highest_ = std::max(from.position, state_[3].position);
   lowest_ = std::min(from.position, state_[3].position);
-  if (v < 0) {  // it turns round on the way: in the first phase
+  if (v < 0) {  // it reverses on the way: in the first phase
     const double turn = (a - std::sqrt(std::max(a * a + 2 * jerk * v, 0.0))) / jerk;
     const double there = after(from, jerk_[0], std::clamp(turn, 0.0, time_[0])).position;
     highest_ = std::max(highest_, there);
@@ -58,7 +58,8 @@ AxisState AxisBrake::at(double t) const noexcept {
 
 AxisState towards_velocity(const AxisState& now, double velocity, double slope, const AxisLimits& limits,
                            double dt) noexcept {
-  // Seen from the velocity that is wanted it is a brake, with the acceleration that this one needs left out.
+  // Relative to the wanted velocity this is a brake, with the acceleration that the velocity itself needs
+  // removed.
   const AxisBrake brake({0, now.velocity - velocity + slope * dt, now.acceleration - slope},
                         std::max(limits.acceleration - std::abs(slope), limits.acceleration / 8),
                         limits.jerk);
@@ -82,7 +83,7 @@ AxisGuard::AxisGuard(const AxisState& now, const AxisLimits& limits, double dt) 
   const AxisBrake brake(now, limits.acceleration, limits.jerk);
   limits_.upper = std::max(limits.upper, brake.highest());
   limits_.lower = std::min(limits.lower, brake.lowest());
-  // Within a cycle it may be faster than at its ends.
+  // Within a cycle the velocity may be higher than at its ends.
   const double velocity = std::max(limits.velocity - limits.jerk * dt * dt / 8, limits.velocity / 2);
   fastest_ = std::max(velocity, brake.fastest());
   slowest_ = std::min(-velocity, brake.slowest());

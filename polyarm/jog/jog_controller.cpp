@@ -14,9 +14,9 @@ using controllers::CallbackReturn;
 using controllers::ReturnType;
 using Kind = JogWish::Kind;
 
-/// A step that something holds back and that has stood for so long is over.
+/// A step that is held back and at standstill for this long ends.
 constexpr Nanoseconds kGivesUp = 200'000'000;
-/// How far a target that moves is thought on, s.
+/// Extrapolation of a moving target, s.
 constexpr double kThinkOn = 0.05;
 }  // namespace
 
@@ -71,7 +71,7 @@ void JogController::on_deactivate(const hardware::Cycle&) noexcept {
     if (joint.velocity >= 0) set_command(static_cast<std::size_t>(joint.velocity), 0);
 }
 
-/// May the session of the command move now?
+/// True if the session of the command may move now.
 bool JogController::holds(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept {
   const std::uint32_t session = command_.session;
   if (session == 0 || session <= ended_) return false;
@@ -110,7 +110,7 @@ void JogController::begin_step() noexcept {
   step_wish_.joint_speed = {};
 }
 
-/// What is wanted of this cycle by the command that is good.
+/// The wish of the valid command for this cycle.
 JogWish JogController::wish_now(const hardware::Cycle& cycle) const noexcept {
   if (command_.by) return step_done_ == step_begun_ ? JogWish{} : step_wish_;
   JogWish wish = command_.wish;

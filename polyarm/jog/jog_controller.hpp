@@ -1,5 +1,5 @@
 #pragma once
-/// Motion by hand as a controller of the loop: commands of a person, each good for a short time.
+/// Jogging as a controller of the loop: each command of the operator is valid for a short time.
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -13,27 +13,27 @@
 
 namespace polyarm::jog {
 
-/// What one who jogs asks for. The next command takes its place.
+/// Latest jog command; replaces the previous one.
 struct JogCommand {
-  /// One press of a key, one stream: what a stop has ended does not go on under the same number. 0: none.
+  /// Number of one key press or stream. A session that a stop has ended cannot continue. 0: no session.
   std::uint32_t session = 0;
-  /// Stops that had been asked for when the session began (StopLatch::count): a later one ends it.
+  /// Number of stops when the session began (StopLatch::count): a later stop ends the session.
   std::uint32_t stops = 0;
-  Nanoseconds hold = 250'000'000;  ///< how long it is good for without another one
-  /// Steps are by an amount, from where the joints or the TCP are (or the last step ends): joint_target and
-  /// tcp_target whose `joints` and `twist` say how far. A step is begun once, when its number is new.
+  Nanoseconds hold = 250'000'000;  ///< validity without a further command
+  /// True for a step: joint_target or tcp_target with `joints` or `twist` as an increment from the present
+  /// position (or from the end of the last step). A step starts once, when its number is new.
   bool by = false;
   std::uint32_t step = 0;
   JogWish wish;
 };
 
-/// What became of it.
+/// State of the jog commands.
 struct JogStatus {
   Nanoseconds time = 0;
-  std::uint32_t session = 0;          ///< that is followed now; 0: none
-  std::uint32_t ended = 0;            ///< the newest that a stop has ended, or that is not good any more
-  std::uint32_t step = 0;             ///< the newest step that is over
-  JogHold step_hold = JogHold::none;  ///< what ended it before it was done
+  std::uint32_t session = 0;          ///< the active one; 0: none
+  std::uint32_t ended = 0;            ///< the newest session that a stop has ended or that is no longer valid
+  std::uint32_t step = 0;             ///< the newest step that has ended
+  JogHold step_hold = JogHold::none;  ///< why it ended early
   std::int32_t step_which = -1;
   bool standing = true;
   JogHold hold = JogHold::none;
@@ -43,19 +43,19 @@ struct JogStatus {
   double tcp_speed = 0;
 };
 
-/// Moves all joints of one robot by hand. It starts where they are commanded to be (else measured), at rest,
-/// slows down within limits when nothing new comes, and honours every stop; after one it moves for a new
-/// session only. While the loop is held a new session may move (nothing else does).
+/// Jogs all joints of one robot. It starts at their commanded (else measured) positions, at rest. Without new
+/// commands it slows down within limits. It obeys every stop; after a stop it moves only for a new session.
+/// While the loop is held a new session may move (nothing else does).
 class JogController : public controllers::Controller {
  public:
-  /// The type under which it is listed.
+  /// The type name in lists of controllers.
   static constexpr const char* kType = "polyarm_controllers/JogController";
 
-  /// `joints`: whole names, as in the chain's order. `chain` outlives it.
+  /// `joints`: full names, in the chain's order. `chain` must outlive this object.
   JogController(const kinematics::Chain& chain, std::vector<controllers::JointFacts> joints,
                 moves::Workspace workspace);
 
-  /// Throws Error("no-jog") where joints take neither positions nor velocities.
+  /// Throws Error("no-jog") if the joints have neither position nor velocity commands.
   controllers::CallbackReturn on_configure(controllers::ControllerContext& context) override;
   controllers::CallbackReturn on_activate(const hardware::Cycle& cycle) noexcept override;
   void on_deactivate(const hardware::Cycle& cycle) noexcept override;
@@ -65,18 +65,18 @@ class JogController : public controllers::Controller {
 
   /// Cell thread.
   void send(const JogCommand& command) noexcept { inbox_.write(command); }
-  /// The newest status; one thread asks.
+  /// The newest status; only one thread may call it.
   JogStatus status() noexcept {
     outbox_.fetch();
     return outbox_.value();
   }
-  /// Any thread, signal handlers too: lets go of every session up to this number. The deadman's word.
+  /// Any thread, signal handlers too: ends every session up to this number. The dead-man check calls it.
   void let_go(std::uint32_t session) noexcept {
     std::uint32_t seen = let_go_.load(std::memory_order_relaxed);
     while (seen < session && !let_go_.compare_exchange_weak(seen, session, std::memory_order_release)) {
     }
   }
-  /// Any thread: from the next cycle on.
+  /// Any thread; takes effect in the next cycle.
   void set_limits(const JogLimits& limits) noexcept {
     joint_share_.store(limits.joint_share, std::memory_order_relaxed);
     tcp_speed_.store(limits.tcp_speed, std::memory_order_relaxed);
@@ -86,8 +86,8 @@ class JogController : public controllers::Controller {
 
  private:
   struct Joint {
-    int position = -1, velocity = -1;  // commands
-    int measured = -1;                 // state
+    int position = -1, velocity = -1;  // command interfaces
+    int measured = -1;                 // state interface
   };
   bool holds(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept;
   void begin_step() noexcept;

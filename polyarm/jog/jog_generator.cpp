@@ -14,29 +14,28 @@ namespace {
 using trajectory::MotionLimits;
 using trajectory::MotionState;
 
-/// Shares of the joints' limits: what a joint is moved with by itself, and what it slows down with
-/// before a limit. The rest is for following, and for braking.
+/// Shares of the joints' limits for own motion of a joint, and for slowing down before a limit. The rest is
+/// reserved for following and for braking.
 constexpr double kSoft = 0.6, kBeforeLimit = 0.5, kBeforeLimitJerk = 0.25;
-constexpr double kGentle = 0.5, kGentleJerk = 0.2;  // with foresight: of these again
-/// While the TCP is moved no joint goes faster than it can stop in about twice this, s; and if joints cannot
-/// follow, the TCP is at most so much faster than asked, and by so much in m/s.
+constexpr double kGentle = 0.5, kGentleJerk = 0.2;  // further factors, with foresight
+/// While the TCP moves, no joint goes faster than it can stop in about twice kQuickly, s. If joints cannot
+/// follow, the TCP is at most kFaster times as fast as requested, plus kStray in m/s.
 constexpr double kQuickly = 0.1, kFaster = 1.3, kStray = 0.03;
-/// A joint that may only go at this share of what is asked, as its limit is near, is done without where
-/// another can take its part.
+/// A joint whose limit allows less than this share of the request is left out if another can take its part.
 constexpr double kCramped = 0.3;
-/// What moves so little, of what moves most, does not slow the others down.
+/// A motion smaller than this share of the largest one does not slow the others down.
 constexpr double kHardly = 0.02;
-/// How a TCP returns to where its lead is, 1/s, and up to which distance, m.
+/// Rate at which the TCP returns to its lead, 1/s, and the largest distance for it, m.
 constexpr double kReturn = 5, kAstray = 5e-4;
-/// How fast a target of the TCP is gone to where nobody says less, m/s and rad/s.
+/// Default speeds towards a target of the TCP, m/s and rad/s.
 constexpr double kTargetSpeed = 1, kTargetTurning = 3;
-/// Of speed limits, so that rounding and curves stay below them.
+/// Shares of speed limits, so that rounding and curves stay below them.
 constexpr double kBelow = 0.93, kAtMost = 0.95;
-/// What is kept free before the boundaries of the workspace, m, by slowing down and by the guard.
+/// Distance kept from the boundaries of the workspace, m, by slowing down and by the guard.
 constexpr double kKeepFree = 2e-3, kKeepFreeAtLeast = 1.5e-3;
-/// Places looked at while everything brakes.
+/// Samples during the braking of all joints.
 constexpr std::size_t kPlaces = 20;
-constexpr double kMoment = 1e-5;  // s, to tell a speed
+constexpr double kMoment = 1e-5;  // s, for a numeric derivative
 constexpr int kHalvings = 9;
 
 TcpLead::Target target_of(const JogWish& wish, const JogLimits& limits) {
@@ -126,11 +125,11 @@ void JogGenerator::wish_joints(const JogWish& wish, const JogLimits& limits, Jog
   }
 }
 
-/// All joints in proportion to what is left of their way, led by the one that has the longest; `limits` of
-/// all. False where they do not go in proportion now.
+/// All joints move in proportion to the rest of their way, led by the longest; `limits` of all. False if they
+/// are not in proportion now.
 bool JogGenerator::step_straight(std::span<const MotionState> to, std::span<const MotionLimits> limits,
                                  States& next) noexcept {
-  constexpr double kOff = 1e-3;  // of a joint's limits: what proportion may be off by, which is lost then
+  constexpr double kOff = 1e-3;  // of a joint's limits: deviation from proportion at which it is lost
   std::size_t lead = 0;
   const auto left = [&](std::size_t j) { return to[j].position - state_[j].position; };
   for (std::size_t j = 1; j < to.size(); ++j)
@@ -160,8 +159,8 @@ bool JogGenerator::step_straight(std::span<const MotionState> to, std::span<cons
   return true;
 }
 
-/// The next states on the fastest way to the target's joints, a straight one where the target rests; false
-/// where there is no way.
+/// The next states on the fastest way to the target's joint values, a straight one if the target is at rest;
+/// false if there is no way.
 bool JogGenerator::step_to_joints(const JogWish& wish, const JogLimits& limits, States& next) noexcept {
   const std::size_t n = axes_.size();
   std::array<MotionState, kMostJogJoints> from, to, out;
@@ -234,10 +233,10 @@ void JogGenerator::wish_tcp(const JogWish& wish, const JogLimits& limits, JogVal
     velocity[j] = std::min(limits.joint_share * velocity_[j], kQuickly * acceleration_[j]);
   const std::span<const double> fast{velocity.data(), axes_.size()};
 
-  // How much of it there can be, with foresight: what the lead goes for.
+  // The feasible part of the twist, with foresight: the lead aims for it.
   TwistSolver::Solution solution;
   solver_.solve(wanted, {fast, gentle_acceleration_, gentle_jerk_, lower_, upper_}, solution);
-  // Joints to spare do without those that stand before a limit.
+  // Redundant joints near a limit are left out.
   for (std::size_t j = 0; j < axes_.size() && solver_.spare() > 0; ++j) {
     const double r = solution.rates[j];
     const double room = r > 0 ? axes_[j].upper - state_[j].position : state_[j].position - axes_[j].lower;
@@ -257,11 +256,11 @@ void JogGenerator::wish_tcp(const JogWish& wish, const JogLimits& limits, JogVal
     lead_.ramp(wanted, solver_);
   }
 
-  // And what the joints do for it.
+  // The joint velocities for the lead.
   Twist twist = lead_.twist();
   const Twist error = between(tcp(), lead_.pose());
   if (linear(error) > kAstray || angular(error) > kAstray / length_)
-    lead_.return_to(tcp());  // it goes on from where it is
+    lead_.return_to(tcp());  // continues from the present pose
   else
     for (std::size_t k = 0; k < 6; ++k) twist[k] += kReturn * error[k];
   solver_.solve(twist, {fast, acceleration_, jerk_, lower_, upper_}, solution);
@@ -287,7 +286,7 @@ void JogGenerator::tell(const TwistSolver::Solution& solution) noexcept {
 // --- before limits ----------------------------------------------------------------------------------------
 
 /// Slows `rates` down so that everything can stop in time along the way, and below the speed limits.
-/// `common`: before joint limits, too. Returns the share that is left.
+/// `common`: also before joint limits. Returns the remaining share.
 double JogGenerator::throttle(const JogLimits& limits, Before before, bool common,
                               JogValues& rates) noexcept {
   double share = 1, a = 1e300, jerk = 1e300, most = 1e-9;
@@ -338,10 +337,11 @@ void JogGenerator::follow(const JogValues& rates, const JogLimits& limits, State
   }
 }
 
-/// What happens while every joint brakes: how near the TCP comes to each boundary, and how fast it is.
+/// The prediction while every joint brakes: the smallest distance of the TCP from each boundary, and its
+/// speed.
 struct JogGenerator::Ahead {
   std::array<double, moves::Workspace::kMostBoundaries> distance;
-  double speed = 0, at_once = 0;  // the most, and at the beginning
+  double speed = 0, at_once = 0;  // the highest, and at the begin
 };
 
 void JogGenerator::look_ahead(const States& from, Ahead& out) noexcept {
@@ -354,7 +354,7 @@ void JogGenerator::look_ahead(const States& from, Ahead& out) noexcept {
   out.distance.fill(1e300);
   for (std::size_t k = 0; k <= kPlaces + n; ++k) {
     const double part = static_cast<double>(std::min(k, kPlaces)) / kPlaces;
-    double t = duration * part * part;  // closer together where it is fast still
+    double t = duration * part * part;  // samples are denser where it is still fast
     if (k > kPlaces) {                  // and where a joint is fastest
       const AxisState& s = from[k - kPlaces - 1];
       if (s.acceleration * s.velocity <= 0) continue;
@@ -373,7 +373,7 @@ void JogGenerator::look_ahead(const States& from, Ahead& out) noexcept {
   }
 }
 
-/// The last word: from where this step leads, everything can still stop.
+/// The final check: from the end of this step everything can still stop.
 void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
   const std::size_t n = axes_.size();
   States braked;
@@ -392,7 +392,7 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
   const double stray =
       lead_.on() ? kStray + kFaster * std::max(linear(asked_), linear(lead_.twist())) : limits.tcp_speed;
   if (workspace_.empty() && !any_speed) return;
-  Ahead now, then;  // of braking from now on, which is what cannot be helped
+  Ahead now, then;  // for braking from now on, which is unavoidable
   look_ahead(braked, now);
   std::array<double, kMostJogJoints> q{};
   for (std::size_t j = 0; j < n; ++j) q[j] = state_[j].position;
@@ -401,14 +401,14 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
   const auto safe = [&](const States& states) {
     look_ahead(states, then);
     for (std::size_t i = 0; i < workspace_.boundaries(); ++i) {
-      // Who comes too near even braking brakes, or moves away.
+      // If the TCP comes too near even while braking, it must brake or move away.
       const bool near = now.distance[i] < kKeepFreeAtLeast;
       const double least = near ? workspace_.distance(i, here).distance : kKeepFreeAtLeast;
       worst = i;
       if (then.distance[i] < std::min(kKeepFreeAtLeast, least) - 1e-12) return false;
     }
     worst = workspace_.boundaries();
-    // Who would be too fast even braking brakes; a little more each time would add up.
+    // If the TCP is too fast even while braking, it must brake; a small excess in each step would add up.
     return !any_speed || (std::max(then.speed, now.speed) <= kAtMost * limits.tcp_speed &&
                           then.at_once <= std::max(stray, now.at_once) + 1e-12);
   };

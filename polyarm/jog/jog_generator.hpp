@@ -1,6 +1,6 @@
 #pragma once
-/// Motion by hand: joints or the tool centre point (TCP) go where they are pushed, at any moment, within
-/// every limit, and can always still stop in time. Metres, radians, seconds, poses and twists in the world.
+/// Jogging: joints or the tool centre point (TCP) follow a wish that may change at any moment, within every
+/// limit, and can always stop in time. Metres, radians, seconds; poses and twists in the world.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -19,53 +19,53 @@
 
 namespace polyarm::jog {
 
-/// What is wanted of the next cycles.
+/// The wish for the next cycles.
 struct JogWish {
-  /// rest: slow down and stand. joint_velocity, tcp_velocity: go on like this. joint_target, tcp_target: get
-  /// there, and from there on with the target's velocity.
+  /// rest: slow down and stop. joint_velocity, tcp_velocity: move at this velocity. joint_target, tcp_target:
+  /// go there, then follow the target's velocity.
   enum class Kind : std::uint8_t { rest, joint_velocity, joint_target, tcp_velocity, tcp_target };
   Kind kind = Kind::rest;
-  bool tool_frame = false;  ///< the twist of tcp_velocity is in the tool's axes, which turn with it
-  bool at_once = false;     ///< rest: every joint brakes as hard as it may, path or not
+  bool tool_frame = false;  ///< the twist of tcp_velocity is in the tool's axes and turns with them
+  bool at_once = false;     ///< for rest: every joint brakes as hard as it can, even off the path
   JogValues joints{};       ///< rad/s or m/s; or targets, rad or m
-  JogValues joint_speed{};  ///< of joint_target: the target's own velocity
-  Twist twist{};            ///< of the TCP; of tcp_target: the target's own velocity
+  JogValues joint_speed{};  ///< for joint_target: velocity of the target
+  Twist twist{};            ///< of the TCP; for tcp_target: velocity of the target
   Pose target;              ///< of the TCP
-  double speed = 1;         ///< of targets: share of the greatest speed, (0, 1]
+  double speed = 1;         ///< for targets: fraction of the highest speed, (0, 1]
 };
 
-/// What holds a motion back.
+/// The cause that holds a motion back.
 enum class JogHold : std::uint8_t {
   none,
-  speed,        ///< a limit of speed: of a joint, or of the TCP
-  singularity,  ///< damped, or joint by joint, or in the way
-  direction,    ///< the arm has too few joints for it
-  joint_limit,  ///< `which`: the joint
-  workspace,    ///< `which`: the zone
+  speed,        ///< a speed limit of a joint or of the TCP
+  singularity,  ///< damped, joint by joint, or blocked
+  direction,    ///< the arm has too few joints for this direction
+  joint_limit,  ///< which(): the joint
+  workspace,    ///< which(): the zone
 };
 inline constexpr int kJogHolds = 6;
 /// "joint limit"
 const char* name(JogHold hold);
 
-/// What the generator keeps to. Shares and speeds may be changed at any time; who is faster then slows down.
+/// Limits of the generator. They may change at any time; a motion that is then too fast slows down.
 struct JogLimits {
-  double joint_share = 1;    ///< of the joints' velocities, (0, 1]
+  double joint_share = 1;    ///< fraction of the joints' velocity limits, (0, 1]
   double tcp_speed = 1e9;    ///< m/s
-  double tcp_turning = 1e9;  ///< rad/s, of what is asked of the TCP
+  double tcp_turning = 1e9;  ///< rad/s, for requested TCP motion
 };
 
-/// Once each cycle: step(), and then where every joint has to be. One thread; no allocation, no locks, no
-/// exceptions, no clock in start(), step() and what only reads.
+/// Call step() once in each cycle, then read the commanded joint values. One thread; no allocation, no locks,
+/// no exceptions, no clock in start(), step() and the queries.
 ///
-/// What is wanted of the TCP leads it (TcpLead), becomes joint velocities (TwistSolver), those are slowed
-/// down in time before joint limits and workspace boundaries along the way, and joints go there by
-/// jerk-limited steps. Each step is taken only if from its end every joint can still brake within its limits
-/// and the TCP stays where it may be meanwhile; else as much of it as that allows, down to braking, which was
-/// found to be possible in the cycle before.
+/// A TCP wish goes through a lead (TcpLead) and becomes joint velocities (TwistSolver). These are reduced in
+/// time before joint limits and workspace boundaries along the way, and the joints follow them by
+/// jerk-limited steps. A step is accepted only if every joint can still brake within its limits from its end,
+/// and the TCP stays in the workspace meanwhile. Else it is reduced, down to braking, which was found
+/// possible in the previous cycle.
 class JogGenerator {
  public:
-  /// `axes`: limits of all joints of the chain, which outlives the generator. `period`: of a cycle, s. Throws
-  /// Error("too-many-joints") beyond kMostJogJoints.
+  /// `axes`: limits of all joints of the chain, which must outlive the generator. `period`: of a cycle, s.
+  /// Throws Error("too-many-joints") beyond kMostJogJoints.
   JogGenerator(const kinematics::Chain& chain, std::vector<AxisLimits> axes, moves::Workspace workspace,
                double period);
 
@@ -73,24 +73,24 @@ class JogGenerator {
   const std::vector<AxisLimits>& axes() const noexcept { return axes_; }
   const moves::Workspace& workspace() const noexcept { return workspace_; }
 
-  /// At rest at `q`.
+  /// Starts at rest at `q`.
   void start(std::span<const double> q) noexcept;
   void step(const JogWish& wish, const JogLimits& limits) noexcept;
 
   const AxisState& axis(std::size_t joint) const noexcept { return state_[joint]; }
   bool standing() const noexcept;
-  /// Of a target: is it reached?
+  /// For a target: true if it is reached.
   bool arrived() const noexcept { return arrived_; }
   JogHold hold() const noexcept { return hold_; }
-  /// The joint or zone that holds back; -1: none.
+  /// The joint or zone that holds the motion back; -1: none.
   std::int32_t which() const noexcept { return which_; }
-  /// Where the TCP is, m and rotation, and how fast, as of the last step.
+  /// The pose and velocity of the TCP after the last step.
   Pose tcp() const noexcept { return {solver_.position(), solver_.rotation()}; }
   double tcp_speed() const noexcept { return tcp_speed_; }
 
  private:
   using States = std::array<AxisState, kMostJogJoints>;
-  /// What a motion slows down with before a limit, of what joints may.
+  /// The fractions of the joints' limits for slowing down before a limit.
   struct Before {
     double acceleration, jerk;
   };
@@ -113,7 +113,7 @@ class JogGenerator {
 
   const kinematics::Chain& chain_;
   std::vector<AxisLimits> axes_;
-  std::vector<double> velocity_, acceleration_, jerk_, lower_, upper_;  // for the solver
+  std::vector<double> velocity_, acceleration_, jerk_, lower_, upper_;  // inputs of the solver
   std::vector<double> gentle_acceleration_, gentle_jerk_;
   moves::Workspace workspace_;
   double dt_, length_ = 1;
@@ -123,9 +123,9 @@ class JogGenerator {
 
   States state_{};
   JogWish::Kind kind_ = JogWish::Kind::rest;
-  JogValues rates_{}, wanted_{};  // of the last cycle; what was wanted of them
+  JogValues rates_{}, wanted_{};  // of the last cycle; the wanted rates
   Twist asked_{};
-  bool rates_hold_ = false;  // rates_ is of the same wish as the next
+  bool rates_hold_ = false;  // rates_ belongs to the same wish as the next cycle
   JogHold hold_ = JogHold::none;
   std::int32_t which_ = -1;
   bool arrived_ = false;

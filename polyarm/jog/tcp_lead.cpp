@@ -9,14 +9,15 @@ namespace {
 using trajectory::MotionLimits;
 using trajectory::MotionState;
 
-/// Of what joints may: what the TCP changes its velocity with. The rest is for following, and for braking.
+/// Share of the joints' abilities for changes of the TCP's velocity. The rest is for following and for
+/// braking.
 constexpr double kRamp = 0.35;
-/// With what a target is gone for, of that; across its way with less, and braking harder at most so much.
+/// Factors of that towards a target: along its way, across it, and at most for harder braking.
 constexpr double kLead = 1.2, kAside = 0.4, kBrakesHarder = 2;
 constexpr double kHere = 2e-6, kHereTurned = 1e-5;  // m, rad
 constexpr double kCreeps = 5e-3;                    // m/s, rad/s
 
-/// Three axes of which the first lies along `v`.
+/// Three axes; the first lies along `v`.
 std::array<Vec3, 3> axes_along(const Vec3& v) {
   const Quaternion r = rotation_between({1, 0, 0}, norm(v) > 1e-9 ? normalized(v) : Vec3{1, 0, 0});
   return {r * Vec3{1, 0, 0}, r * Vec3{0, 1, 0}, r * Vec3{0, 0, 1}};
@@ -24,8 +25,8 @@ std::array<Vec3, 3> axes_along(const Vec3& v) {
 Vec3 part_of(const Twist& t, std::size_t part) {
   return {t[3 * part], t[3 * part + 1], t[3 * part + 2]};
 }
-/// Where an arm cannot change its speed as quickly as it could when it began, who would go past the target
-/// brakes with some of what is kept free for that.
+/// If an arm cannot change its speed as quickly as at the start, a motion that would pass the target brakes
+/// with some of the reserve.
 void brake_harder(const double (&away)[2], const std::array<MotionState, 6>& from,
                   const std::array<MotionState, 6>& to, std::array<MotionLimits, 6>& most) {
   for (std::size_t k = 0; k < 6; ++k) {
@@ -64,7 +65,7 @@ void TcpLead::hold_back(const Pose& tcp, double share) noexcept {
   for (double& x : slope_) x *= creeps ? 0 : share;
 }
 
-/// How quickly the TCP's velocity may change along `direction`, and how suddenly, as far as joints allow.
+/// The acceleration and jerk of the TCP along `direction` that the joints allow.
 void TcpLead::capability(const Twist& direction, const TwistSolver& solver, double& acceleration,
                          double& jerk) const noexcept {
   JogValues rates;
@@ -88,7 +89,7 @@ void TcpLead::ramp(const Twist& wanted, const TwistSolver& solver) noexcept {
     for (const Vec3& axis : axes[part]) {
       Twist along{};
       along[3 * part] = axis.x, along[3 * part + 1] = axis.y, along[3 * part + 2] = axis.z;
-      // Across the way only where something has to change there.
+      // Across the way only if a change is needed there.
       const bool across = &axis != &axes[part][0];
       if (across && std::abs(dot(axis, now)) + std::abs(dot(axis, slope)) < 1e-12) continue;
       capability(along, solver, pace.acceleration[part], pace.jerk[part]);
@@ -120,7 +121,7 @@ void TcpLead::ramp(const Twist& wanted, const TwistSolver& solver) noexcept {
   advance(pose_, by);
 }
 
-/// How quickly the TCP's place (part 0) or its turning (1) may change along `ahead`, and along any axis.
+/// The allowed change of the TCP's position (part 0) or rotation (part 1) along `ahead`, and along any axis.
 TcpLead::Pull TcpLead::pull_along(const Twist& ahead, std::size_t part,
                                   const TwistSolver& solver) const noexcept {
   Pace any, own;
@@ -149,7 +150,7 @@ Twist TcpLead::way_to(const Target& target) const noexcept {
   return out;
 }
 
-/// In a chart about where the pose is.
+/// In a chart around the present pose.
 bool TcpLead::approach(const Target& target, double share, const TwistSolver& solver) noexcept {
   Twist error = between(pose_, target.pose);
   std::array<double, kMostJogJoints> rates;
@@ -159,7 +160,7 @@ bool TcpLead::approach(const Target& target, double share, const TwistSolver& so
   }
   std::array<MotionState, 6> from, to, out;
   std::array<MotionLimits, 6> most;
-  // Each axis has its share of the speed along the way, and no less than a part of it to correct with.
+  // Each axis has its share of the speed along the way, and at least a part of it for corrections.
   const double away[2] = {linear(error), angular(error)};
   Twist ahead, moving{};
   for (std::size_t k = 0; k < 6; ++k) ahead[k] = error[k] + kAhead * target.twist[k];

@@ -1,6 +1,6 @@
 #pragma once
-/// What the tool centre point (TCP) is to do in the next cycle, ahead of the joints that do it: ramps to a
-/// velocity, and ways to a target that may move. Metres, radians, seconds, poses and twists in the world.
+/// The reference motion of the tool centre point (TCP) ahead of the joints: ramps to a velocity, and ways to
+/// a target that may move. Metres, radians, seconds; poses and twists in the world.
 #include <array>
 #include <cstddef>
 #include <span>
@@ -13,53 +13,53 @@
 
 namespace polyarm::jog {
 
-/// A jerk-limited motion of the TCP that joints follow: where the TCP would be, and how fast, if nothing held
-/// it back. It changes its velocity no quicker than a share of the joints' accelerations and jerks allows
-/// where the arm is. One thread; no allocation, locks, exceptions or clock but in the constructor. Solvers
-/// handed in are at the joints' state.
+/// A jerk-limited motion of the TCP that the joints follow: the pose and velocity of the TCP if nothing held
+/// it back. Its velocity changes within a share of the joints' accelerations and jerks in the present pose of
+/// the arm. One thread; only the constructor allocates, and nothing locks, throws or reads a clock. A solver
+/// argument must be set to the joints' state.
 class TcpLead {
  public:
-  /// A target that moves is followed in its own frame, with this share of the speed at most, so that some is
-  /// left to catch up with; where it will be so much later, s, is the direction that matters.
+  /// A moving target is followed in its own frame with at most this share of the speed; the rest is for
+  /// catching up. The direction to its position kAhead seconds later counts.
   static constexpr double kFollows = 0.9, kAhead = 0.1;
 
-  /// A pose that moves, and how fast it may be gone for.
+  /// A moving pose, and the speed allowed on the way to it.
   struct Target {
     Pose pose;
-    Twist twist{};                  ///< its own velocity
-    double speed = 0, turning = 0;  ///< m/s and rad/s at most
+    Twist twist{};                  ///< its velocity
+    double speed = 0, turning = 0;  ///< m/s and rad/s, maximum
   };
 
   /// `axes`: of all joints of the chain; `period`: of a cycle, s.
   TcpLead(std::span<const AxisLimits> axes, double period);
 
-  /// Does it lead?
+  /// True while a lead exists.
   bool on() const noexcept { return on_; }
   void end() noexcept { on_ = false; }
-  /// From a TCP that moves.
+  /// Starts from a moving TCP.
   void begin(const Pose& tcp, const Twist& twist) noexcept;
   const Pose& pose() const noexcept { return pose_; }
   const Twist& twist() const noexcept { return twist_; }
 
-  /// One cycle towards a velocity: what begins or ends at rest is straight.
+  /// One cycle towards a velocity; a motion that begins or ends at rest is straight.
   void ramp(const Twist& wanted, const TwistSolver& solver) noexcept;
-  /// The twist that leads to the target at the speed that is allowed.
+  /// The twist towards the target at the allowed speed.
   Twist way_to(const Target& target) const noexcept;
-  /// One cycle towards the target, at `share` of its speeds. Is it reached, by the TCP, too?
+  /// One cycle towards the target, at `share` of its speeds. True if lead and TCP have reached it.
   bool approach(const Target& target, double share, const TwistSolver& solver) noexcept;
 
-  /// It goes on from where the TCP is.
+  /// Continues from the present pose of the TCP.
   void return_to(const Pose& tcp) noexcept { pose_ = tcp; }
-  /// The arm is held back: it stays with the arm, at `share` of the velocity. Where it hardly moves it does
-  /// not gather speed against what holds it.
+  /// For an arm that is held back: keeps the lead at the arm's pose with `share` of the velocity. If the arm
+  /// hardly moves, the lead does not accelerate.
   void hold_back(const Pose& tcp, double share) noexcept;
 
  private:
-  /// Bounds of the TCP's acceleration and jerk along its axes, first those of its place, then of turning.
+  /// Bounds of the TCP's acceleration and jerk along its axes, first for translation, then for rotation.
   struct Pace {
     double acceleration[2] = {20, 200}, jerk[2] = {400, 4000};
   };
-  /// How quickly a motion may change: along its way, and along any axis.
+  /// The allowed rate of change of a motion: along its way, and along any axis.
   struct Pull {
     double acceleration, jerk, any_acceleration, any_jerk;
   };
@@ -68,7 +68,7 @@ class TcpLead {
   Pull pull_along(const Twist& ahead, std::size_t part, const TwistSolver& solver) const noexcept;
 
   std::size_t joints_;
-  JogValues acceleration_{}, jerk_{};  // of joints, that the TCP may change its velocity with
+  JogValues acceleration_{}, jerk_{};  // of joints, for changes of the TCP's velocity
   double dt_;
   trajectory::StateToState plan_;
   bool on_ = false;

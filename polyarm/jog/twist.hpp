@@ -1,5 +1,6 @@
 #pragma once
-/// Velocities of the TCP, and small motions of it: six numbers. Metres, radians, seconds.
+/// Velocities and small motions of the TCP as six numbers. Metres, radians, seconds. Any thread; nothing
+/// allocates.
 #include <array>
 #include <cmath>
 
@@ -10,20 +11,20 @@ namespace polyarm::jog {
 /// linear x y z (m/s), angular x y z (rad/s).
 using Twist = std::array<double, 6>;
 
-/// m/s.
+/// Magnitude of the linear part, m/s.
 inline double linear(const Twist& t) noexcept {
   return std::sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
 }
-/// rad/s.
+/// Magnitude of the angular part, rad/s.
 inline double angular(const Twist& t) noexcept {
   return std::sqrt(t[3] * t[3] + t[4] * t[4] + t[5] * t[5]);
 }
-/// The same in axes that `r` turns into those of the result.
+/// The twist in other axes; `r` rotates the axes of `t` into those of the result.
 inline Twist turned(const Quaternion& r, const Twist& t) noexcept {
   const Vec3 v = r * Vec3{t[0], t[1], t[2]}, w = r * Vec3{t[3], t[4], t[5]};
   return {v.x, v.y, v.z, w.x, w.y, w.z};
 }
-/// From `a` to `b`: m, and the rotation vector, in the world.
+/// The difference from `a` to `b`: m, and the rotation vector, in the world.
 inline Twist between(const Pose& a, const Pose& b) noexcept {
   const Vec3 d = b.position - a.position, r = to_rotation_vector(b.rotation * inverse(a.rotation));
   return {d.x, d.y, d.z, r.x, r.y, r.z};

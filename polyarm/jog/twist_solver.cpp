@@ -9,19 +9,19 @@
 namespace polyarm::jog {
 namespace {
 
-/// Singular values, lengths measured in reaches of the arm: below this a direction is singular.
+/// Singular values, with lengths in units of the arm's reach: below this a direction is singular.
 constexpr double kSingular = 2e-3;
-/// The whole is slowed down to this share before a direction is damped.
+/// The whole motion slows down to this share before a direction is damped.
 constexpr double kSlowest = 0.2;
-/// A direction of less than this share of the wish is left out where it is singular.
+/// A direction with less than this share of the wish is left out if it is singular.
 constexpr double kMatters = 0.02;
 /// Above this a direction is far from singular.
 constexpr double kFar = 0.3;
-/// In a singularity: joint velocity (rad/s) for each unit of the wish (reaches or radians a second).
+/// In a singularity: joint velocity (rad/s) per unit of the wish (reaches or radians per second).
 constexpr double kEscapeGain = 2;
-/// How far ahead (rad or m) it is looked for a way out, and what counts as a way.
+/// Look-ahead (rad or m) of the search for a way out, and the progress that counts as one.
 constexpr double kLook = 0.03, kProgress = 1e-4, kTurnsBetter = 1e-5;
-/// Cycles until it is looked again for a way out where there was none.
+/// Cycles until the next search for a way out after a failed one.
 constexpr int kPatience = 20;
 
 double length_of(const JogValues& v, std::size_t n) {
@@ -85,7 +85,7 @@ TwistSolver::TwistSolver(const kinematics::Chain& chain)
   if (columns_ <= kMostJogJoints) find_ranks(chain);
 }
 
-/// The rank of each level where the arm is well conditioned: the greatest of several joint states.
+/// The rank of each level where the arm is well conditioned: the highest of several joint states.
 void TwistSolver::find_ranks(const kinematics::Chain& chain) {
   std::vector<double> q(joints_);
   std::array<std::size_t, 2> best{};
@@ -148,7 +148,7 @@ void TwistSolver::decompose(Level& level) const noexcept {
   }
 }
 
-/// What is left to the second task when the first is kept.
+/// The freedom that the first task leaves to the second.
 void TwistSolver::project(Level& second, const Level& first) const noexcept {
   for (std::size_t k = 0; k < first.rows; ++k) {
     if (first.sigma[k] < kSingular) continue;
@@ -216,7 +216,7 @@ double projection(const std::array<double, 6>& u, const std::array<double, 6>& w
 }
 }  // namespace
 
-/// The share of the wish that first order motion can give.
+/// The share of the wish that first-order motion can give.
 double TwistSolver::feasible(const Level& level, const std::array<double, kRows>& wish) const noexcept {
   double out = 0;
   for (std::size_t k = 0; k < level.rows; ++k) {
@@ -227,8 +227,8 @@ double TwistSolver::feasible(const Level& level, const std::array<double, kRows>
   return out;
 }
 
-/// What of `direction` (columns) no direction of the TCP that is not singular needs; false where that is
-/// nothing. Of length 1.
+/// The part of `direction` (columns) that no non-singular direction of the TCP needs, normalised; false if
+/// that is zero.
 bool TwistSolver::complement(const Level& level, JogValues& direction) const noexcept {
   for (int twice = 0; twice < 2; ++twice)
     for (std::size_t k = 0; k < level.rows; ++k) {
@@ -243,8 +243,8 @@ bool TwistSolver::complement(const Level& level, JogValues& direction) const noe
   return true;
 }
 
-/// The motion of the null space that leads where the wish is, or to where it can be done; false: there is
-/// none. Looks a little ahead with every joint, up and down.
+/// The null space motion that leads in the direction of the wish, or to where the wish is possible; false if
+/// there is none. Tries every joint a little up and down.
 bool TwistSolver::escape(const Level& level, const std::array<double, kRows>& wish,
                          const Abilities& abilities, JogValues& direction) noexcept {
   const double now = feasible(level, wish);
@@ -288,7 +288,7 @@ bool TwistSolver::escape(const Level& level, const std::array<double, kRows>& wi
   return best > 0;
 }
 
-/// The share of `part` at which what it does to the singular value can still be stopped before zero.
+/// The share of `part` at which its effect on the singular value can still be stopped before zero.
 double TwistSolver::into_singularity(const Level& level, std::size_t k, const JogValues& part,
                                      const Abilities& abilities) noexcept {
   arm_.move({part.data(), columns_});
@@ -315,7 +315,7 @@ void TwistSolver::solve_level(Level& level, const std::array<double, kRows>& wis
   if (!(asked > 1e-12)) return;
   const auto note = [&](TwistOutcome what) { outcome = std::max(outcome, what); };
   std::array<JogValues, kRows> parts;
-  std::array<double, kRows> demand{};  // of the joint that has to hurry most, 1: its limit
+  std::array<double, kRows> demand{};  // of the most demanding joint, 1: its limit
   JogValues whole{};
   double lost = 0;
   for (std::size_t k = 0; k < level.rows; ++k) {
@@ -336,7 +336,7 @@ void TwistSolver::solve_level(Level& level, const std::array<double, kRows>& wis
     most = std::max(most, std::abs(whole[i]) / abilities.velocity[arm_.joints()[i]]);
   double slowed = std::clamp(most > 1 ? 1 / most : 1.0, kSlowest, 1.0);
   if (slowed < 1) note(TwistOutcome::slowed);
-  std::array<double, kRows> left{};  // of each direction, and of all where it is much of the wish
+  std::array<double, kRows> left{};  // for each direction, and for all if it is a large part of the wish
   double all = 1;
   for (std::size_t k = 0; k < level.rows; ++k) {
     left[k] = slowed * demand[k] > 1 ? 1 / (slowed * demand[k]) : 1.0;
@@ -369,7 +369,7 @@ void TwistSolver::solve_level(Level& level, const std::array<double, kRows>& wis
     escaping_ = escape(level, unit, abilities, way_);
     patience_ = escaping_ ? 0 : kPatience;
   }
-  if (!escaping_) {  // rather nothing than only the rest of what was asked
+  if (!escaping_) {  // no motion is better than only the rest of the request
     const double rest = 1 - std::clamp((std::sqrt(lost) / asked - 0.7) / 0.25, 0.0, 1.0);
     for (double& rate : rates) rate *= rest;
     share *= rest;
@@ -388,14 +388,14 @@ void TwistSolver::solve(const Twist& twist, const Abilities& abilities, Solution
     for (std::size_t r = 0; r < level.rows; ++r) {
       wish[r] = twist[level.first + r] * (level.first + r < 3 ? 1 / length_ : 1.0);
       if (l == 0) continue;
-      // What the first task turns the tool by already.
+      // The rotation that the first task already causes.
       for (std::size_t c = 0; c < columns_; ++c) wish[r] -= arm_.J()[6 * c + level.first + r] * rates[c];
     }
     TwistOutcome outcome = TwistOutcome::exact;
     JogValues more{};
     solve_level(level, wish, abilities, more, out.share, outcome);
     for (std::size_t c = 0; c < columns_; ++c) rates[c] += more[c];
-    // That an arm of fewer joints turns as it moves along is no news.
+    // An arm with fewer joints always turns as it moves along: not reported.
     const bool turning = std::abs(twist[3]) + std::abs(twist[4]) + std::abs(twist[5]) > 0;
     if (l == 0 || turning) out.outcome = std::max(out.outcome, outcome);
   }
@@ -411,7 +411,7 @@ void TwistSolver::reach(const Twist& twist, JogValues& out) const noexcept {
       wish[r] = twist[level.first + r] * (level.first + r < 3 ? 1 / length_ : 1.0);
     for (std::size_t k = 0; k < level.rows; ++k) {
       const double c = projection(level.u[k], wish, level.rows);
-      // Near a singularity the joints are not asked for all of it.
+      // Near a singularity the joints get a reduced demand.
       const double s = std::max(level.sigma[k], 0.03);
       for (std::size_t i = 0; i < columns_; ++i) out[arm_.joints()[i]] += level.v[k][i] * c / s;
     }

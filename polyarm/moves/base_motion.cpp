@@ -13,12 +13,13 @@ namespace {
 using trajectory::MotionLimits;
 using trajectory::MotionState;
 
-constexpr double kToFullSpeed = 0.5, kToFullAcceleration = 0.2;  // s, where nothing is stated
-constexpr double kAnySpeed = 1, kAnyTurning = 2;                 // m/s and rad/s, likewise
+constexpr double kToFullSpeed = 0.5, kToFullAcceleration = 0.2;  // s, if the controller states no limits
+constexpr double kAnySpeed = 1, kAnyTurning = 2;                 // m/s and rad/s, the same
 constexpr double kGain = 2;                                      // 1/s
-constexpr double kOfPeriod = 0.1;                                // and the gain times the period at most
+constexpr double kOfPeriod = 0.1;                                // the gain times the period is at most this
 constexpr double kHere = 1e-3, kHereTurned = 3e-3;               // m and rad: arrived
-constexpr double kPatience = 3;                                  // s after the planned end
+constexpr double kPatience = 3;                                  // s after the planned end before the move
+                                                                 // fails
 
 double stated(double value, double fallback) {
   return std::isfinite(value) && value > 0 ? value : fallback;
@@ -54,7 +55,7 @@ std::uint64_t BaseMotion::start(const BaseMove& move) {
   return ++last_id_;
 }
 
-/// Reads the odometry; headings go on beyond half a turn.
+/// Reads the odometry; headings continue beyond half a turn.
 bool BaseMotion::look() {
   odometry_->fetch();
   const controllers::Output::Sample& sample = odometry_->value();
@@ -100,7 +101,7 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
   const double dt = last_ < 0 ? 0 : seconds(now - last_);
   last_ = now;
   if (!look()) return;
-  if (!running) {  // it comes to rest; from there it goes on
+  if (!running) {  // the base stops; it continues from there later
     planned_ = false;
     return;
   }
@@ -114,10 +115,11 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
   time_ += dt * rate * pace_;
   std::array<MotionState, 1> state;
   motion_.sample(time_, state);
-  // The controller does what it is told at the share that holds for everything.
+  // The controller follows this command at the share that applies to everything.
   const double asked = state[0].velocity + gain_ * (state[0].position - done);
   const double speed = std::clamp(asked, -most, most);
-  pace_ = speed == asked ? 1 : most / std::abs(asked);  // the plan waits for who is behind and at full speed
+  pace_ = speed == asked ? 1 : most / std::abs(asked);  // the plan waits while the base lags behind at full
+                                                        // speed
   if (time_ >= motion_.duration()) {
     const double off = move_.amount - done;
     late_ += dt * rate;

@@ -20,17 +20,17 @@ using paths::Jet;
 using paths::PolynomialPath;
 using paths::PoseDerivatives;
 
-constexpr double kThere = 1e-4;          // m and rad: a seed that is where the path begins
-constexpr double kShare = 0.3;           // of the tolerance, at the places between nodes that are looked at
-constexpr double kShortest = 1e-6;       // step, as a share of the path's piece
-constexpr int kMostFailures = 1000;      // steps of one piece that are tried again
-constexpr double kLeast = 1e-9;          // step
-constexpr double kMostCorrection = 0.3;  // rad or m, of a joint from where it was expected
-constexpr double kBeyond = 1e-9;         // rad or m, that a joint may be outside its limits
-constexpr int kLooks = 64;               // at a piece that may touch a limit
-constexpr double kFast = 50;             // rad per metre: a joint that turns so fast is near a singularity
+constexpr double kThere = 1e-4;          // m and rad: tolerance for a seed at the begin of the path
+constexpr double kShare = 0.3;           // of the tolerance, at the checked places between nodes
+constexpr double kShortest = 1e-6;       // smallest step, as a fraction of the path's piece
+constexpr int kMostFailures = 1000;      // rejected steps of one piece
+constexpr double kLeast = 1e-9;          // smallest step
+constexpr double kMostCorrection = 0.3;  // rad or m, from a joint's predicted value
+constexpr double kBeyond = 1e-9;         // rad or m, of a joint beyond its limits
+constexpr int kLooks = 64;               // samples of a piece that may touch a limit
+constexpr double kFast = 50;             // rad per metre: a faster joint is near a singularity
 constexpr std::size_t kPowers = PolynomialPath::kCoefficients;
-constexpr std::array<double, 3> kBetween{0.5, 0.2, 0.8};  // where a piece is looked at
+constexpr std::array<double, 3> kBetween{0.5, 0.2, 0.8};  // checked places of a piece
 
 /// A place on the path, and the joints there.
 struct Node {
@@ -104,7 +104,7 @@ class Follower {
     return value < chain_.lower()[joint] - kBeyond || value > chain_.upper()[joint] + kBeyond;
   }
 
-  /// One piece of the path; `node` stands at its begin, then at its end.
+  /// One piece of the path; `node` is at its begin, afterwards at its end.
   void follow(std::size_t piece, Node& node) {
     const double begin = path_.breaks()[piece], end = path_.breaks()[piece + 1];
     const double shortest = std::max(kLeast, kShortest * (end - begin));
@@ -129,13 +129,13 @@ class Follower {
       } else if (h <= 2 * shortest || ++failed > kMostFailures) {
         refuse(node);
       }
-      // The error goes with the eighth power of the step.
+      // The error is proportional to the eighth power of the step.
       h = std::max(shortest,
                    h * std::clamp(0.9 * std::pow(kShare / std::max(error, 1e-12), 0.125), 0.25, 3.0));
     }
   }
 
-  /// The joints at next.s, from those at `node`.
+  /// Computes the joints at next.s from those at `node`.
   bool reach(std::size_t piece, const Node& node, Node& next) {
     const double h = next.s - node.s;
     const PoseDerivatives there = path_.on_piece(piece, next.s);
@@ -145,7 +145,7 @@ class Follower {
     const std::vector<double> expected = next.q;
     if (!arrive(there, expected, next)) return false;
     if (arm_.columns() <= 6) return true;
-    // Of all joint states there, the one that the rates at both ends lead to.
+    // Of all joint states there, takes the one that the rates at both ends predict.
     for (std::size_t k = 0; k < arm_.columns(); ++k) {
       const auto &a = node.rates.d, &b = next.rates.d;
       next.q[arm_.joints()[k]] =
@@ -161,7 +161,7 @@ class Follower {
     return find_rates(arm_, there, next.rates);
   }
 
-  /// Writes the piece between two nodes. Returns how far it leaves the path, in tolerances.
+  /// Writes the piece between two nodes. Returns its deviation from the path, in tolerances.
   double join(std::size_t piece, const Node& a, const Node& b) {
     const double h = b.s - a.s;
     for (std::size_t j = 0; j < chain_.joints(); ++j) {
@@ -201,7 +201,7 @@ class Follower {
   void check_limits(double s, double h) const {
     for (const std::size_t j : arm_.joints()) {
       const double* c = coefficients_.data() + j * kPowers;
-      double reach = 0;  // how far it may come from c[0]
+      double reach = 0;  // largest possible distance from c[0]
       for (std::size_t k = 1; k < kPowers; ++k) reach += std::abs(c[k]);
       if (!outside(j, c[0] - reach) && !outside(j, c[0] + reach)) continue;
       for (int look = 1; look <= kLooks; ++look) {
@@ -229,7 +229,7 @@ class Follower {
                 "begin in another configuration, or a turn of that joint further back, or move the path");
   }
 
-  /// Why the path cannot be followed beyond `node`.
+  /// Throws the reason why the path cannot be followed beyond `node`.
   [[noreturn]] void refuse(const Node& node) {
     for (const double ahead : {1e-2, 1e-3, 1e-5}) {
       const double s = std::min(node.s + ahead, path_.length());
@@ -271,10 +271,10 @@ class Follower {
   const kinematics::Chain& chain_;
   const paths::CartesianPath& path_;
   const FollowOptions& options_;
-  double offset_;  // of places in errors
+  double offset_;  // added to places in errors
   ArmDerivatives arm_;
-  std::unique_ptr<ik::InverseKinematics> solver_;  // made when a question needs it
-  std::vector<double> coefficients_;               // of the piece being made
+  std::unique_ptr<ik::InverseKinematics> solver_;  // created on demand
+  std::vector<double> coefficients_;               // of the piece under construction
   std::vector<double> looked_;
   std::unique_ptr<PolynomialPath> out_;
 };

@@ -9,11 +9,11 @@
 namespace polyarm::moves {
 namespace {
 
-constexpr int kSteps = 12;          // of Newton's method; from nearby three do
+constexpr int kSteps = 12;          // of Newton's method; from nearby three suffice
 constexpr double kSettled = 1e-13;  // m and rad
-constexpr double kEnough = 1e-10;   // where rounding stops it
-constexpr double kNone = 1e-9;      // of the largest singular value: zero
-constexpr double kAlong = 1e-6;     // of the path's direction, that a singularity forbids
+constexpr double kEnough = 1e-10;   // accepted if rounding stops the iteration
+constexpr double kNone = 1e-9;      // relative to the largest singular value: counts as zero
+constexpr double kAlong = 1e-6;     // relative part of the path's direction that a singularity blocks
 constexpr int kMost = static_cast<int>(kinematics::Chain::kMostMoving);
 
 using Six = Eigen::Matrix<double, 6, 1>;
@@ -28,7 +28,7 @@ Six six(const Vec3& linear, const Vec3& angular) {
   return (Six() << linear.x, linear.y, linear.z, angular.x, angular.y, angular.z).finished();
 }
 
-/// Solves J x = b: uniquely, for the smallest x, or by least squares.
+/// Solves J x = b: exactly, for the smallest x, or by least squares.
 class Solver {
  public:
   explicit Solver(const Eigen::Map<const Columns>& J) : J_(J) {
@@ -45,7 +45,7 @@ class Solver {
     return tall_->solve(b);
   }
   bool redundant() const { return J_.cols() > 6; }
-  /// (J J^T)^-1 b, of a redundant arm.
+  /// (J J^T)^-1 b, for a redundant arm.
   Six multiplier(const Six& b) const { return wide_.solve(b); }
 
  private:
@@ -76,7 +76,7 @@ std::array<double, 6> tcp_error(const ArmDerivatives& arm, const Pose& target) n
   const std::array<Vec3, 3>& r = arm.rotation();
   const Vec3 x = target.rotation * Vec3{1, 0, 0}, y = target.rotation * Vec3{0, 1, 0}, z = cross(x, y);
   Vec3 turn = 0.5 * (cross(r[0], x) + cross(r[1], y) + cross(r[2], z));
-  // Beyond a right angle that sum decreases again: there it is made no smaller than 1.
+  // Beyond a right angle that sum decreases again: sets it to at least 1 there.
   if (dot(r[0], x) + dot(r[1], y) + dot(r[2], z) < 1) turn = normalized(turn);
   return {way.x, way.y, way.z, turn.x, turn.y, turn.z};
 }

@@ -97,11 +97,11 @@ class Geometry {
     q_ = points.back().q;
   }
 
-  /// Finds where a spline passes its points, and that it stays within the joints' limits between them.
+  /// Finds where a spline passes its points, and checks the joints' limits between them.
   void pass_points(const Path& path, std::size_t first, std::span<const paths::JointWaypoint> points,
                    std::vector<double>& ends) const {
     std::size_t knot = 0;
-    for (std::size_t i = 1; i < points.size(); ++i) {  // points that repeat the one before have no knot
+    for (std::size_t i = 1; i < points.size(); ++i) {  // points that repeat the previous one have no knot
       if (knot + 1 < path.breaks().size() && is_at(path, path.breaks()[knot + 1], points[i].q)) ++knot;
       ends[i] = path.breaks()[knot];
       for (int k = 1; k < kSamples && ends[i] > ends[i - 1]; ++k) {
@@ -132,7 +132,7 @@ class Geometry {
     }
     paths::CartesianSections path = builder.build();
     paths::PathSections joints = joints_along(r_.robot.chain, path, q_);
-    if (last < run.last) return;  // only to see whether it can be had
+    if (last < run.last) return;  // only checks whether it is possible
     take_warnings(path.warnings, run);
     double begin = 0;
     auto follow = joints.sections.begin();
@@ -165,7 +165,7 @@ class Geometry {
     }
   }
 
-  /// The first move that cannot be had after those before it.
+  /// The first move that is impossible after those before it.
   std::size_t culprit(const MoveRun& run) {
     for (std::size_t last = run.first; last < run.last; ++last) {
       MoveRun part = run;
@@ -178,7 +178,7 @@ class Geometry {
     return run.last;
   }
 
-  /// The moves between two parameters of a run, counted from the first of them.
+  /// The moves between two parameters of a run, relative to the first of them.
   static std::vector<MoveSpan> spans(std::size_t first, const std::vector<double>& ends, double from,
                                      double to) {
     std::vector<MoveSpan> out;
@@ -190,10 +190,10 @@ class Geometry {
     return out;
   }
 
-  /// Of the geometry of a run, which knows its moves by their names.
+  /// Warnings of a run's geometry; it knows the moves by name.
   void take_warnings(std::vector<Problem>& warnings, const MoveRun& run) {
     for (Problem& warning : warnings) {
-      if (warning.code == "waypoint-repeated") continue;  // a move to where it is already is none
+      if (warning.code == "waypoint-repeated") continue;  // a move to the present place is no fault
       std::size_t move = run.first;
       while (move < run.last && warning.what.find(r_.moves[move].end().name + " is ") == std::string::npos)
         ++move;

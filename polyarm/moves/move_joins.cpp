@@ -20,11 +20,11 @@ using paths::PolynomialPath;
 namespace {
 
 using Values = std::vector<double>;
-constexpr int kBisections = 30;  // for the place on a path that is a radius away from its end
-constexpr int kSamples = 32;     // of a join, whose distances at the TCP are looked at
-constexpr double kLess = 0.8;    // a join that is too wide is tried again with this share
+constexpr int kBisections = 30;  // to find the place on a path at distance `radius` from its end
+constexpr int kSamples = 32;     // places of a join at which the distance at the TCP is checked
+constexpr double kLess = 0.8;    // factor for the next attempt after a join that is too wide
 constexpr int kTries = 40;
-constexpr double kStandsStill = 0.03;  // of the derivative where a join begins: one that turns straight back
+constexpr double kStandsStill = 0.03;  // of the derivative at the begin of a join: below it the join reverses
 
 class Joins {
  public:
@@ -73,7 +73,8 @@ class Joins {
   }
 
  private:
-  /// How far before its end, or behind its begin, a part is `radius` away from there, at most `most`.
+  /// The length before the end, or after the begin, of a part at which the distance is `radius`; at most
+  /// `most`.
   double away(const MovePart& part, bool before, double radius, double most) const {
     const Values corner = joints_at(*part.joints, before ? part.to : part.from);
     const auto far = [&](double d) {

@@ -13,7 +13,7 @@ using PathPtr = std::shared_ptr<const Path>;
 
 namespace {
 
-/// The way at the TCP of a path of joints, as three values of their own.
+/// The TCP's way on a joint path with three values.
 class NoPath final : public Path {
  public:
   explicit NoPath(PathPtr like) : like_(std::move(like)) {}

@@ -37,7 +37,7 @@ class Planner {
   }
 
  private:
-  /// Is the move after `last` part of the geometry that begins with move `first`?
+  /// True if the move after `last` belongs to the geometry that begins with move `first`.
   bool belong_together(std::size_t first, std::size_t last) const {
     const Move& next = r_.moves[last + 1];
     if (is_cartesian(next) != is_cartesian(r_.moves[first])) return false;

@@ -26,10 +26,10 @@ namespace {
 using Values = std::vector<double>;
 using PathPtr = std::shared_ptr<const Path>;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr int kSamples = 32;          // of a spline of joint moves
-constexpr int kTorqueRounds = 4;      // of less acceleration for the joints' torques
-constexpr double kTorqueRoom = 0.99;  // and a little less each time, since the times shift
-constexpr double kJerkOf = 10;        // per s: of an acceleration that is stated without its jerk
+constexpr int kSamples = 32;          // for a spline of joint moves
+constexpr int kTorqueRounds = 4;      // of reducing the acceleration because of torques
+constexpr double kTorqueRoom = 0.99;  // and a margin each time, because the times shift
+constexpr double kJerkOf = 10;        // per s: jerk per acceleration, if only the acceleration is stated
 
 class MoveTimer {
  public:
@@ -49,7 +49,7 @@ class MoveTimer {
       const double begin = joints->length();
       const std::vector<MoveSpan> pieces =
           part.joins ? std::vector<MoveSpan>{part.moves.front()} : alike(part.moves);
-      for (const MoveSpan& span : pieces) {  // where a bound changes is a break
+      for (const MoveSpan& span : pieces) {  // a bound changes only at a break
         const double from = std::max(span.from, part.from), to = std::min(span.to, part.to);
         if (!(to > from)) continue;
         joints->append(part.joints, from, to, part.scale);
@@ -75,7 +75,7 @@ class MoveTimer {
   }
 
  private:
-  /// What the joint limits allow the parameter of a joint move, and what is asked of it beyond.
+  /// The parameter speeds of a joint move that the joint limits allow, and additional bounds of the move.
   struct Pace {
     double speed = kInfinite, acceleration = kInfinite, jerk = kInfinite;
   };
@@ -94,7 +94,7 @@ class MoveTimer {
     Values q(limits_.size()), first(q.size());
     double speed = kInfinite, acceleration = kInfinite, jerk = kInfinite, fastest = 0;
     const double from = std::max(span.from, part.from), to = std::min(span.to, part.to);
-    const int places = part.curve ? kSamples : 1;  // a line is the same everywhere
+    const int places = part.curve ? kSamples : 1;  // a line has the same values everywhere
     for (int k = 0; k < places; ++k) {
       part.joints->at(from + (to - from) * (k + 0.5) / places, {q, first, {}, {}});
       for (std::size_t j = 0; j < first.size(); ++j) {
@@ -120,7 +120,7 @@ class MoveTimer {
     return true;
   }
 
-  /// Does the move say anything about the TCP on this part?
+  /// True if the move states a bound of the TCP on this part.
   bool is_bounded(const MovePart& part, std::size_t move) const {
     const bool says = is_cartesian(r_.moves[move]) || needs_tcp(r_, move, move);
     return says || (!part.joins && part.translation != part.rotation);
@@ -142,7 +142,7 @@ class MoveTimer {
         m.turn_acceleration > 0 ? kJerkOf * m.turn_acceleration : of(0, tcp.turn_jerk, m.acceleration));
   }
 
-  /// Neighbours that nothing tells apart but where they go, as one.
+  /// Merges neighbours with the same bounds.
   std::vector<MoveSpan> alike(const std::vector<MoveSpan>& moves) const {
     const auto same = [](const Move& a, const Move& b) {
       return a.kind == b.kind && a.speed == b.speed && a.acceleration == b.acceleration &&
@@ -160,7 +160,7 @@ class MoveTimer {
     return out;
   }
 
-  /// Does the TCP stay where it may be?
+  /// Checks the workspace.
   void check_place(const Path& path, const PlannedMotion& motion) const {
     const auto found = first_violation(r_.robot.workspace, r_.robot.chain, path);
     if (!found) return;
@@ -168,7 +168,7 @@ class MoveTimer {
     throw MoveError(leaves_workspace(*found, "the move to " + r_.moves[move].end().name, share), move);
   }
 
-  /// The move that a place of a motion belongs to, and the share of it that lies before.
+  /// The move at a place of a motion, and the fraction of it before that place.
   static std::pair<std::size_t, double> place_of(const PlannedMotion& motion, double s) {
     const auto end = std::lower_bound(motion.ends.begin(), std::prev(motion.ends.end()), s);
     const double begin = end == motion.ends.begin() ? 0 : *std::prev(end);
@@ -199,8 +199,8 @@ class MoveTimer {
     motion.path = timing::TimedPath(std::move(joints), std::move(timing.profile));
   }
 
-  /// Are there torques beyond their limits? Then `limits` come down, for another round; after some rounds the
-  /// profile takes longer.
+  /// Checks torques. If some exceed their limits, reduces `limits` for another round; after some rounds
+  /// stretches the profile.
   bool lighten(const PathPtr& joints, timing::SpeedProfile& profile, int round,
                std::vector<MotionLimits>& limits, PlannedMotion& motion) const {
     if (!r_.robot.torques) return false;

@@ -11,13 +11,13 @@ namespace polyarm::moves {
 static_assert(RobotMotion::kMostAhead == bounds::kMovesAhead);
 
 namespace {
-/// Outcomes of so many moves that were given up are kept to be asked for.
+/// Number of outcomes of discarded moves that are kept for queries.
 constexpr std::size_t kMostKept = 4 * RobotMotion::kMostWaiting;
-/// Moves in step begin so long after the last of them is ready: the other robots' turns come in the next
-/// tick.
+/// Moves in step begin this long after the last of them is ready, because the other robots are handled in the
+/// next tick.
 constexpr Nanoseconds kInStepAhead = 10'000'000;
 
-/// Is the next move on the same path?
+/// True if the next move is on the same path.
 bool goes_on(const Move& move) {
   return move.blend > 0 || move.through;
 }
@@ -55,12 +55,13 @@ bool RobotMotion::idle() const {
   return goal_ == 0 && ready_.empty() && !job_ && waiting_.empty();
 }
 
-/// Moves are planned in order, from where those before them end, as far as something ends the blending.
+/// Plans moves in order, from the end of the previous ones, as far as something ends the blending.
 void RobotMotion::plan() {
   if (job_ || waiting_.empty()) return;
   auto last =
       std::find_if(waiting_.begin(), waiting_.end(), [](const Waiting& w) { return !goes_on(w.move); });
-  if (const auto& step = waiting_.front().step)  // all of them together, come to rest where they say so
+  if (const auto& step = waiting_.front().step)  // plans all of them together; they stop where their moves
+                                                 // require it
     last = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& w) { return w.step != step; });
   else if (last == waiting_.end() && waiting_.size() < kMostWaiting)
     return;
@@ -110,7 +111,7 @@ void RobotMotion::collect() {
   planned_ = job->plan.end;
   if (job->step) {
     ++job->step->planned_;
-    if (job->plan.motions.empty()) ++job->step->ready_;  // it is there already
+    if (job->plan.motions.empty()) ++job->step->ready_;  // it is already there
     job->step->longest_ = std::max(job->step->longest_, job->plan.duration());
   }
   const double total = job->plan.duration();
@@ -121,7 +122,7 @@ void RobotMotion::collect() {
                       std::move(job->followers[i]), job->with, job->step, i == 0, false, share, job->options,
                       nullptr});
   }
-  // Moves to where the robot is anyway arrive with what is before them.
+  // Moves without a way arrive together with the moves before them.
   if (!ready_.empty())
     ready_.back().last_id = last;
   else if (goal_ != 0)
@@ -130,7 +131,7 @@ void RobotMotion::collect() {
     settled_ = last;
 }
 
-/// Whether all whose moves go in step with this one are ready; then it takes as long as theirs.
+/// True if all moves in step with this one are ready; then stretches it to their duration.
 bool RobotMotion::in_step(Ready& ready, Nanoseconds now) {
   InStep& step = *ready.step;
   if (step.failed_) {
@@ -166,7 +167,7 @@ void RobotMotion::hand_over(Nanoseconds now) {
   goal->ends = ready_.front().ends = std::make_shared<std::atomic<bool>>(false);
   if (ready_.front().step && ready_.front().leads) goal->start = ready_.front().step->start_;
   const std::uint64_t id = goal->id;
-  if (!controller_.follow(goal)) {  // in the next tick
+  if (!controller_.follow(goal)) {  // tries again in the next tick
     ready_.front().follower = std::move(goal->planned);
     return;
   }
@@ -188,7 +189,7 @@ void RobotMotion::watch() {
   } else if (status.finished.load(std::memory_order_acquire) >= goal_) {
     goal_ = 0;
     settled_ = active_.last_id;
-    if (active_.ends->load(std::memory_order_relaxed)) {  // the next move begins where it was ended
+    if (active_.ends->load(std::memory_order_relaxed)) {  // the next move begins where it was stopped
       const timing::TimedPath& path = active_.motion.path;
       std::size_t hint = 0;
       planned_.resize(path.joints());
@@ -199,7 +200,7 @@ void RobotMotion::watch() {
 
 void RobotMotion::drop() {
   waiting_.clear(), ready_.clear();
-  job_ = nullptr;  // what it plans is planned for nothing
+  job_ = nullptr;  // the result of that job is dropped
   end_badly((goal_ != 0 ? active_.last_id : settled_) + 1, MoveState::discarded);
 }
 

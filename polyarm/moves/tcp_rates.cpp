@@ -25,10 +25,10 @@ Moving times(const std::array<double, 3>& rate, const Moving& v) {
           rate[2] * v.value + 2 * rate[1] * v.first + rate[0] * v.second};
 }
 
-/// How a body moves: the velocity of its point at the world's origin, and its angular velocity.
+/// The motion of a body: the velocity of its point at the world's origin, and its angular velocity.
 struct Twist {
   Moving origin, turn;
-  /// Of a vector or a point (with the origin's velocity) of the body, from where it is now.
+  /// For a vector or a point (with the origin's velocity) of the body, in its present position.
   Moving carry(const Vec3& v, bool point) const {
     Moving out{v, {}, {}};
     const Moving base = point ? origin : Moving{};
@@ -48,7 +48,7 @@ TcpRates::TcpRates(const kinematics::Chain& chain)
 paths::PoseDerivatives TcpRates::at(std::span<const double> q, std::span<const double> first,
                                     std::span<const double> second,
                                     std::span<const double> third) const noexcept {
-  Pose moved;  // from where all joints are zero, of the body behind the axes so far
+  Pose moved;  // from the position at zero, for the body behind the axes so far
   Twist twist;
   for (const kinematics::Chain::Axis& axis : axes_) {
     const std::size_t j = axis.joint;

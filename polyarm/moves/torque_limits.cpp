@@ -13,10 +13,10 @@ namespace polyarm::moves {
 namespace {
 
 constexpr double kEvery = 0.004;     // s
-constexpr std::size_t kLeast = 200;  // places
-constexpr double kWithin = 1e-6;     // relative: torques that touch the limit
+constexpr std::size_t kLeast = 200;  // number of places
+constexpr double kWithin = 1e-6;     // relative: tolerance at the limit
 constexpr int kRandomPlaces = 256;
-constexpr double kLeastShare = 0.05;  // of the acceleration that is tried before going slower
+constexpr double kLeastShare = 0.05;  // of the acceleration; below this the motion slows down instead
 
 /// The model with a point mass at its tool link.
 description::RobotModel carrying(description::RobotModel model, const Payload& payload) {
@@ -26,7 +26,8 @@ description::RobotModel carrying(description::RobotModel model, const Payload& p
   description::Inertial both = before;
   both.mass = before.mass + payload.mass;
   both.center = (1 / both.mass) * (before.mass * before.center + payload.mass * payload.center);
-  const auto add = [&](double mass, const Vec3& from) {  // Steiner: of a point at `from` to the common centre
+  const auto add = [&](double mass, const Vec3& from) {  // Steiner's theorem: from a point at `from` to the
+                                                         // common centre
     const Vec3 r = from - both.center;
     both.inertia[0] += mass * (r.y * r.y + r.z * r.z);
     both.inertia[1] -= mass * r.x * r.y;
@@ -51,7 +52,7 @@ bool has_limit(double effort) {
   return effort > 0 && std::isfinite(effort);
 }
 
-/// Does the catalogue say that it has estimated the effort limits?
+/// True if the catalogue has estimated the effort limits.
 bool estimated_effort(const description::RobotModel& model) {
   const auto says = [](const std::string& note) {
     const auto at = note.find("effort limit");
@@ -87,7 +88,7 @@ void TorqueLimits::leave_out_what_holds_not_itself(const description::RobotModel
     for (std::size_t j = 0; j < n; ++j) {
       const description::Joint& joint = model.joints[static_cast<std::size_t>(model.actuated[j])];
       const double low = joint.limits.lower.value_or(-M_PI), high = joint.limits.upper.value_or(M_PI);
-      // The engine's own numbers, so that every standard library draws the same.
+      // Uses the engine's own numbers, so that every standard library gives the same values.
       const double share = static_cast<double>(engine() >> 11) * 0x1p-53;
       q[j] = low + (high - low) * share;
     }
@@ -100,7 +101,7 @@ void TorqueLimits::leave_out_what_holds_not_itself(const description::RobotModel
 
 TorqueLimits::Judgement TorqueLimits::judge(const timing::TimedPath& path) const {
   const std::size_t n = effort_.size();
-  kinematics::Dynamics loaded = loaded_;  // it has room to calculate in
+  kinematics::Dynamics loaded = loaded_;  // a copy, because it contains scratch memory
   std::vector<double> q(n), v(n), a(n), tau(n), still(n);
   Judgement out;
   double furthest = 0, heaviest = 0;
@@ -139,7 +140,7 @@ std::shared_ptr<const TorqueLimits> torque_limits_of(const description::RobotMod
     auto made = std::make_shared<const TorqueLimits>(model, T_world_base, payload, std::move(effort));
     return made;
   } catch (const Error&) {
-    return nullptr;  // a tree that nothing can be calculated of is told where it is used
+    return nullptr;  // the caller that uses the tree reports the fault
   }
 }
 

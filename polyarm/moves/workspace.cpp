@@ -51,7 +51,7 @@ Workspace::Distance Workspace::distance(std::size_t i, const Vec3& tcp) const no
   double squared = 0, nearest = -1e300;
   std::size_t axis = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double beyond = std::max(low[k] - p[k], p[k] - high[k]);  // of this pair of faces
+    const double beyond = std::max(low[k] - p[k], p[k] - high[k]);  // for this pair of faces
     const double side = p[k] < (low[k] + high[k]) / 2 ? -1 : 1;
     out[k] = side * std::max(beyond, 0.0);
     squared += out[k] * out[k];
@@ -93,7 +93,7 @@ class Along {
     path_.at(s, {q_, {}, {}, {}});
     return chain_.forward(q_).position;
   }
-  /// How far the TCP is from where it may not be, and which boundary is nearest.
+  /// The distance of the TCP from the nearest boundary, and that boundary.
   std::pair<double, std::size_t> clearance(const Vec3& tcp) const {
     std::pair<double, std::size_t> out{1e300, 0};
     for (std::size_t i = 0; i < allowed_.size(); ++i)
@@ -134,7 +134,7 @@ std::optional<Workspace::Violation> first_violation(const Workspace& workspace,
       return Workspace::Violation{workspace.zones()[workspace.zone_of(boundary)].name,
                                   -workspace.distance(boundary, there).distance, there, next};
     }
-    // As far on as the TCP needs to get there at twice its speed so far.
+    // Advances by the way that the TCP needs to get there at twice its present speed.
     const double speed = std::max(norm(there - at) / (next - s), 1e-9);
     step = std::min(std::max(along.clearance(there).first, 0.0) / (2 * speed), along.length() / 200);
     s = next;
