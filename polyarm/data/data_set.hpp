@@ -1,5 +1,5 @@
 #pragma once
-/// The names of one data file with their values, in the order of the file.
+/// The names and values of one data file, in the order of the file. No locks: one thread at a time.
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -16,14 +16,15 @@ struct Entry {
   std::string name;
   Value value;
   Location where;     ///< the line of its value
-  std::string group;  ///< that a person has put it into, for lists; means nothing to programs
+  std::string group;  ///< set by the user, for lists; programs ignore it
 };
 
 class DataSet {
  public:
-  /// Adds the name at the end, or changes its value where it stands.
+  /// Appends the name, or changes the value of an existing one in place.
   void set(const std::string& name, Value value, Location where = {});
-  /// Puts a name of the set into a group; an empty text: into none. Nothing where the set has no such name.
+  /// Puts a name of the set into a group; an empty text removes it from its group. No effect if the set does
+  /// not have the name.
   void set_group(const std::string& name, std::string group);
   const Entry* find(const std::string& name) const;
   const Value* value(const std::string& name) const;
@@ -32,7 +33,7 @@ class DataSet {
   bool empty() const { return entries_.empty(); }
   std::size_t size() const { return entries_.size(); }
 
-  /// The same names in the same order with the same values and groups, wherever they stand.
+  /// Equal if names, order, values and groups are equal; locations do not count.
   friend bool operator==(const DataSet& a, const DataSet& b);
 
  private:
@@ -40,13 +41,13 @@ class DataSet {
   std::unordered_map<std::string, std::size_t> index_;
 };
 
-/// A data set that starts a program names its script, and the file of its points if it has one.
+/// A data set that starts a program names its script and, if it has one, its file of points.
 struct ScriptInformation {
   std::string script_file;
   std::optional<std::string> point_file;
 };
 
-/// The texts ScriptFile and PointFile of `set`; nothing where it has no ScriptFile.
+/// The texts ScriptFile and PointFile of `set`; empty if it has no ScriptFile.
 std::optional<ScriptInformation> script_information(const DataSet& set);
 
 }  // namespace polyarm::data

@@ -180,7 +180,8 @@ static_assert(DataStore::kMostNames == bounds::kDataNames && DataStore::kMostKep
               DataStore::kChangesKept == bounds::kChangesKept);
 
 namespace {
-/// Values that a change keeps, where 64 bytes of a text count as one. Its own values never change.
+/// The number of values that a change keeps; 64 bytes of text count as one. The values of a change never
+/// change.
 std::size_t weight(const Change& change) {
   std::size_t out = 1;
   for (const std::optional<Value>* value : {&change.old, &change.now})

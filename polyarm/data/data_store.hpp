@@ -1,8 +1,8 @@
 #pragma once
-/// The one name space of a running cell: variables and points from its data files, and tags.
+/// The single name space of a running cell: variables and points from its data files, and tags.
 ///
-/// Owned by the cell thread; it never blocks and does no I/O. What has to reach a file is collected and taken
-/// by whoever binds the sets to their files.
+/// Cell thread only; it never blocks and does no I/O. Values that must reach a file are collected; the owner
+/// of the file binding takes them with take_writes().
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -17,14 +17,14 @@
 
 namespace polyarm::data {
 
-/// What a tag is to the runtime.
+/// The role of a tag.
 enum class TagRole {
   plain,    ///< a value of the cell
-  command,  ///< its value goes out to a command interface
-  state,    ///< its value comes in from a state interface; a file that is loaded does not change it
+  command,  ///< its value is sent to a command interface
+  state,    ///< its value is read from a state interface; loading a file does not change it
 };
 
-/// A value of a set that has to be written to the set's file.
+/// A value that must be written to the file of its set.
 struct PendingWrite {
   std::string set;
   std::string name;
@@ -35,16 +35,16 @@ struct PendingWrite {
 struct Change {
   std::uint64_t version = 0;  ///< of the store after the change
   std::string name;
-  std::optional<Value> old;  ///< nothing: the name is new
-  std::optional<Value> now;  ///< nothing: the name is gone
+  std::optional<Value> old;  ///< empty: the name is new
+  std::optional<Value> now;  ///< empty: the name was removed
   std::string who;
 };
 
-/// What is known of a name beside its value.
+/// Properties of a name in addition to its value.
 struct NameFacts {
   bool tag = false;
-  bool forced = false;          ///< a person has forced the value; what others set waits behind it
-  Nanoseconds changed_at = -1;  ///< cell time of the last change; -1: it has had no other value
+  bool forced = false;          ///< the value is forced; values set meanwhile wait behind it
+  Nanoseconds changed_at = -1;  ///< cell time of the last change; -1: never changed
   std::string changed_by;
   std::vector<std::string> sets;
 };
@@ -52,57 +52,57 @@ struct NameFacts {
 class DataStore {
  public:
   static constexpr std::size_t kChangesKept = 1024;
-  /// And so many values in all of them, so that changes of long lists keep no more than that.
+  /// Limit of the values in all kept changes, so that changes of long lists do not use unlimited memory.
   static constexpr std::size_t kMostKept = 500'000;
-  /// Names that a cell may have; more are refused.
+  /// The largest number of names of a cell; more are refused.
   static constexpr std::size_t kMostNames = 50'000;
 
-  /// The time that changes from now on are noted with.
+  /// Sets the time stamp of the next changes.
   void set_now(Nanoseconds now) { now_ = now; }
-  /// Nothing where there is no such name.
+  /// Empty if the name does not exist.
   std::optional<NameFacts> facts(const std::string& name) const;
-  /// Until release() the name has this value, whatever is set meanwhile. Throws Error("unknown-name" |
-  /// "bad-value") for a name that there is not, or another kind of value.
+  /// Forces a value until release(); other writers do not change it. Throws Error("unknown-name" |
+  /// "bad-value") if the name does not exist or the value is of another kind.
   void force(const std::string& name, Value value, const std::string& who);
-  /// The name gets the value that was set last behind the forced one.
+  /// Ends forcing; the name gets the last value that was set meanwhile.
   void release(const std::string& name, const std::string& who);
 
-  /// Declares a tag. A name that a data set brought keeps its value and becomes the tag.
+  /// Declares a tag. An existing name from a data set keeps its value and becomes the tag.
   void declare_tag(const std::string& name, Value initial, TagRole role = TagRole::plain);
   bool is_tag(const std::string& name) const;
   std::optional<TagRole> tag_role(const std::string& name) const;
 
-  /// Loads the data set called `set` (the name of its file): names that came only from its former content and
-  /// are not in it any more go; all others stay. State tags keep their value, which is then pending for the
+  /// Loads the data set `set` (the name of its file). Names that came only from its former content and are no
+  /// longer in it are removed; all others stay. State tags keep their value, which becomes pending for the
   /// file.
   void load(const std::string& set, const DataSet& content, const std::string& who);
-  /// Takes values that `set`'s file got from outside. They are not pending for that file.
+  /// Takes over values that another program wrote to `set`'s file. They are not pending for that file.
   void take_outside(const std::string& set, const std::vector<std::pair<std::string, Value>>& values,
                     const std::string& who);
   std::vector<std::string> sets() const;
-  /// The first loaded set that holds `name`, or an empty text.
+  /// The first loaded set that contains `name`, or an empty text.
   std::string set_of(const std::string& name) const;
-  /// The group that a data set or a person has put the name into, empty where none has. It is for lists
-  /// alone: programs do not see it, and version() stays as it is.
+  /// The group of the name, from a data set or the user; empty if it has none. Only for lists: programs do
+  /// not see it, and version() does not count it.
   std::string group_of(const std::string& name) const;
   void set_group(const std::string& name, const std::string& group);
-  /// Grows with every change of any group.
+  /// Increases with every change of any group.
   std::uint64_t groups_version() const { return groups_version_; }
 
-  /// The value, or nullptr. The pointer holds until the next change of the store.
+  /// The value, or nullptr. The pointer is valid until the next change of the store.
   const Value* find(std::string_view name) const;
   std::vector<std::string> names() const;
-  /// Changes `name` and notes the write for every set that holds it. A new name joins the set that was loaded
-  /// first. False where the value was the same already.
+  /// Changes `name` and records the write for every set that contains it. A new name joins the set that was
+  /// loaded first. Returns false if the value is unchanged.
   /// Throws Error("too-many") for a new name beyond kMostNames.
   bool set(const std::string& name, Value value, const std::string& who);
 
-  /// The writes since the last call, the last one for each set and name.
+  /// The writes since the last call, only the last one for each set and name.
   std::vector<PendingWrite> take_writes();
 
-  /// Grows with every change of any value.
+  /// Increases with every change of any value.
   std::uint64_t version() const { return version_; }
-  /// The changes after `version`, as far as they are kept.
+  /// The changes after `version` that are still kept.
   std::vector<Change> changes_since(std::uint64_t version) const;
 
  private:
@@ -110,7 +110,7 @@ class DataStore {
     Value value;
     std::vector<std::size_t> sets;
     std::optional<TagRole> tag;
-    std::optional<Value> behind;  ///< what would be the value if it were not forced
+    std::optional<Value> behind;  ///< the value without forcing
     Nanoseconds changed_at = -1;
     std::string changed_by;
     std::string group;
@@ -132,7 +132,7 @@ class DataStore {
   std::vector<std::string> sets_;
   std::map<std::pair<std::size_t, std::string>, Value> writes_;
   std::deque<Change> changes_;
-  std::size_t kept_ = 0;  ///< values in them
+  std::size_t kept_ = 0;  ///< number of values in them
   std::uint64_t version_ = 0, groups_version_ = 0;
   Nanoseconds now_ = 0;
 };

@@ -1,4 +1,4 @@
-/// Data sets in CSV, with names over the columns.
+/// Data sets in CSV with a header row.
 #include <algorithm>
 #include <memory>
 #include <utility>

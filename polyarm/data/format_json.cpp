@@ -1,4 +1,4 @@
-/// Data sets in JSON and YAML: plain values, and maps with a key that says what they are.
+/// Data sets in JSON and YAML: plain values, and maps with a key for their type.
 #include <initializer_list>
 #include <map>
 #include <memory>
@@ -83,7 +83,7 @@ std::optional<JointState> joints_from(const Value& value) {
   return out;
 }
 
-/// The numbers under these names, where all of them stand there.
+/// The numbers under these names, if all of them exist.
 std::optional<std::vector<double>> named_numbers(const Record& record,
                                                  std::initializer_list<const char*> names) {
   std::vector<double> out;
@@ -97,7 +97,7 @@ std::optional<std::vector<double>> named_numbers(const Record& record,
 
 std::optional<Value> typed_record(const Record& record, std::string& why);
 
-/// What JSON and YAML wrote plainly, as what it means; nothing, and why, where it means nothing.
+/// Converts a plain JSON or YAML value to its meaning; empty, with the reason in `why`, if it has none.
 std::optional<Value> typed(const Value& plain, std::string& why) {
   if (const Record* record = plain.as_record()) return typed_record(*record, why);
   if (!plain.as_list()) return plain;
@@ -162,7 +162,7 @@ std::optional<Value> typed_record(const Record& record, std::string& why) {
   return typed_fields(record, why);
 }
 
-/// A map of groups with lists of the names in them.
+/// A map from groups to lists of names.
 void read_groups(const Value& groups, const std::string& file, DataSet& out, Problems& problems) {
   const Record* record = groups.as_record();
   if (!record) return problems.error("bad-value", {file}, "'groups' is no map of groups and lists of names");
@@ -188,7 +188,7 @@ std::string json_groups(const DataSet& set) {
   return out;
 }
 
-/// Takes `polyarm` and `values` off where they are there.
+/// Unwraps `polyarm` and `values` if they exist.
 void read_tree(const Value& tree, const std::string& file, DataSet& out, Problems& problems) {
   const Record* record = tree.as_record();
   if (!record) return problems.error("bad-value", {file}, "a map of names and values is expected here");

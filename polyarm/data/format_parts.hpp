@@ -1,5 +1,5 @@
 #pragma once
-/// What the forms of data sets share, and each of them. Private to the room.
+/// The reader and writer of each data set format, and what they share. Private to this room.
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,15 +10,15 @@
 
 namespace polyarm::data {
 
-/// In quotes, as JSON and the language have it.
+/// Quoted as in JSON and in the program language.
 std::string quoted(const std::string& text);
 
-/// x y z roll pitch yaw, or x y z qx qy qz qw where the point was written so.
+/// x y z roll pitch yaw, or x y z qx qy qz qw if the point was written that way.
 std::vector<double> numbers_of(const Point& point);
-/// Six or seven numbers; a quaternion is made one. Nothing where they are no pose.
+/// From six or seven numbers; normalises a quaternion. Empty if they are no pose.
 std::optional<Point> point_from(const std::vector<double>& numbers);
 
-// Each reads what is right into `out`; what is not goes to `problems`.
+// Each reads valid entries into `out` and reports the others in `problems`.
 void read_csv(std::string_view text, const std::string& file, DataSet& out, Problems& problems);
 void read_json(std::string_view text, const std::string& file, DataSet& out, Problems& problems);
 void read_yaml(std::string_view text, const std::string& file, DataSet& out, Problems& problems);

@@ -35,7 +35,7 @@ std::vector<double> numbers_of(const Point& point) {
   return {p.x, p.y, p.z, rpy.x, rpy.y, rpy.z};
 }
 
-/// Six or seven numbers; a quaternion is made one.
+/// From six or seven numbers; normalises a quaternion.
 std::optional<Point> point_from(const std::vector<double>& n) {
   if (n.size() != 6 && n.size() != 7) return std::nullopt;
   for (const double number : n)

@@ -15,7 +15,7 @@ namespace polyarm::data {
 
 namespace {
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-/// Above one and a half turns an angle was probably meant in degrees.
+/// An angle above one and a half turns was probably meant in degrees.
 constexpr double kImplausibleAngle = 2 * std::numbers::pi * 1.5;
 constexpr std::size_t kMostProblems = 200;
 using Form = PointFormat::Form;
@@ -42,7 +42,7 @@ int column_of(std::string_view line, std::size_t at) {
   return column;
 }
 
-/// A number with whatever unit it says.
+/// A number with any unit.
 std::optional<Number> parse_any_quantity(std::string_view text) {
   if (const auto bare = parse_number(text)) return Number{*bare};
   for (int i = 0; i <= static_cast<int>(Dimension::angular_acceleration); ++i) {
@@ -95,7 +95,7 @@ std::string point_line(const Value& value, const PointFormat& format) {
   return "Point: " + out;
 }
 
-/// The format in which `value` is written where `around` holds.
+/// The format for `value` under the format `around`.
 PointFormat format_for(const Value& value, const PointFormat& around) {
   if (const Point* point = value.as_point()) {
     if (around.form == Form::rpy || around.form == Form::quaternion) return around;
@@ -112,7 +112,7 @@ bool keeps_as_joint_name(const std::string& joint) {
   return !joint.empty() && joint.find_first_of(" \t\r\n,#") == std::string::npos;
 }
 
-/// Has no form of its own, but one line all the same.
+/// True if it has no form of its own but fits on one line.
 bool is_awkward(const Value& value) {
   if (value.as_list() || value.as_record()) return true;
   if (const std::string* text = value.as_text())
@@ -139,7 +139,7 @@ bool is_finite(const Value& value) {
   return true;
 }
 
-/// Where a comment begins, outside of quotes; npos where there is none.
+/// The begin of a comment outside quotes; npos if there is none.
 std::size_t comment_at(std::string_view line) {
   bool quoted = false;
   for (std::size_t i = 0; i < line.size(); ++i) {
@@ -200,7 +200,7 @@ void check_group(const std::string& group) {
               "one line of at most 64 letters, without # and without blanks around it");
 }
 
-/// Reads line by line, with the name and the point format that hold at each.
+/// Reads line by line and tracks the name and point format in force.
 class ImportReader {
  public:
   ImportReader(ImportFile& out, Problems& problems) : out_{out}, problems_{problems} {}
@@ -280,7 +280,7 @@ class ImportReader {
     if (value.empty()) error(line, value, "no-name", "a name is missing after 'Name:'", "write `Name: Home`");
   }
 
-  /// Warns of a name that never got a value.
+  /// Warns of a name without a value.
   void finish_name() {
     if (name_.empty() || name_used_) return;
     problems_.warning("no-value", {out_.file_, static_cast<int>(name_line_) + 1, 1},
@@ -315,7 +315,7 @@ class ImportReader {
     format_broken_ = false;
   }
 
-  /// Of the name whose value stands before or behind it.
+  /// For the name whose value precedes or follows.
   void read_group(const std::string& line, std::string_view value) {
     if (name_.empty())
       return error(line, value, "no-name", "this group has no name", "write a line `Name: …` before it");
@@ -349,7 +349,7 @@ class ImportReader {
     name_used_ = true;
   }
 
-  /// What stands behind the numbers of a point.
+  /// Reads the facts after the numbers of a point.
   bool read_taught(const std::string& line, std::string_view facts) {
     Taught taught;
     std::string why;
@@ -427,7 +427,7 @@ class ImportReader {
     return number;
   }
 
-  /// Where field `index` of `value` starts in the line.
+  /// The column of field `index` of `value` in the line.
   static std::size_t offset(const std::string& line, std::string_view value, std::size_t index) {
     std::size_t at = 0;
     for (std::size_t i = 0; i < index; ++i) at = value.find(',', at) + 1;
@@ -491,9 +491,9 @@ class ImportReader {
   Problems& problems_;
   PointFormat format_;
   bool format_broken_ = false;
-  std::shared_ptr<const Taught> taught_;  ///< of the point that is being read
+  std::shared_ptr<const Taught> taught_;  ///< of the present point
   std::string name_, group_;
-  std::vector<std::size_t> groups_;  ///< lines of the name's groups, before its value has come
+  std::vector<std::size_t> groups_;  ///< group lines of the name, before its value
   std::size_t name_line_ = 0, line_ = 0, count_ = 0;
   bool name_used_ = false;
 };

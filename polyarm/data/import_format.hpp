@@ -1,17 +1,17 @@
 #pragma once
-/// The text form of a data set: lines of `Key: value`.
+/// The text format of a data set: lines of `Key: value`.
 ///
 ///   Name: Home            the name of the value that follows; without a new Name a value overwrites the last
 ///   Bool: True            True or False
-///   Num: 10               a number, SI unless it says a unit
+///   Num: 10               a number; SI unless a unit is given
 ///   Text: cycle           the rest of the line
 ///   JS: elbow wrist       the joints of the Points that follow, in the order of their numbers
 ///   Pose: RPY             the Points that follow are x, y, z, roll, pitch, yaw (metres, radians), or with
 ///                         `Pose: Quaternion` x, y, z, qx, qy, qz, qw
-///   Point: 0.1, 0.2       numbers between commas
+///   Point: 0.1, 0.2       numbers separated by commas
 ///   Group: conveyor       the group that the name belongs to, for lists
 ///
-/// Keys are read in any case. Blank lines, lines that start with #, and a # after a value other than a text
+/// Keys are case-insensitive. Blank lines, lines that start with #, and a # after a value other than a text
 /// or a name are comments. CRLF and a byte order mark are kept.
 #include <optional>
 #include <string>
@@ -23,29 +23,29 @@
 
 namespace polyarm::data {
 
-/// How the numbers of a Point are meant.
+/// The meaning of the numbers of a Point.
 struct PointFormat {
   enum class Form { none, joints, rpy, quaternion } form = Form::none;
   std::vector<std::string> joints;
   friend bool operator==(const PointFormat&, const PointFormat&) = default;
 };
 
-/// A data file that is held as its text, so that changing a value changes only that value's line.
+/// A data file kept as text, so that a new value changes only its own line.
 class ImportFile {
  public:
-  /// Reads everything that is right and reports everything that is not, with file, line and column.
+  /// Reads all valid lines and reports the others, with file, line and column.
   static ImportFile parse(std::string_view text, const std::string& file, Problems& problems);
-  /// Reads the file; throws Error with every problem of it.
+  /// Reads the file; throws Error with all its problems.
   static ImportFile load(const std::string& path);
 
   const std::string& file() const { return file_; }
-  /// The values as a reader of text() would get them.
+  /// The values that a reader of text() would get.
   const DataSet& values() const { return values_; }
-  /// Changes the line of `name`, or appends name and value. Nothing changes where the value is equal.
-  /// Throws Error("cannot-keep") for a value that this form cannot hold: a list, a text with a line break.
+  /// Changes the line of `name`, or appends name and value. No effect if the value is equal. Throws
+  /// Error("cannot-keep") for a value that this format cannot hold: a list, a text with a line break.
   void set(const std::string& name, const Value& value);
-  /// Puts a name of the file into a group by a line `Group:` over its value; an empty text: into none. Throws
-  /// Error("unknown-name"), and Error("bad-group") for a text that is no name of a group.
+  /// Puts a name of the file into a group by a line `Group:` above its value; an empty text removes it from
+  /// its group. Throws Error("unknown-name"), and Error("bad-group") for an invalid group name.
   void set_group(const std::string& name, const std::string& group);
   std::string text() const;
 
@@ -57,8 +57,8 @@ class ImportFile {
   struct Slot {
     std::string name;
     std::size_t line = 0;
-    PointFormat format;                 ///< that a Point in this line has
-    std::vector<std::size_t> groups{};  ///< its lines `Group:`, the last one counts
+    PointFormat format;                 ///< of a Point in this line
+    std::vector<std::size_t> groups{};  ///< its `Group:` lines; the last one counts
   };
   friend class ImportReader;
 
@@ -69,7 +69,7 @@ class ImportFile {
   void erase_line(std::size_t at);
 
   std::string file_;
-  std::string mark_;  ///< the byte order mark, where the file has one
+  std::string mark_;  ///< the byte order mark, if the file has one
   std::string newline_ = "\n";
   std::vector<Line> lines_;
   std::vector<Slot> slots_;
@@ -77,13 +77,13 @@ class ImportFile {
   DataSet values_;
 };
 
-/// Throws Error("cannot-keep") where the form has no place for this name or value.
+/// Throws Error("cannot-keep") if the format cannot hold this name or value.
 void check_can_keep(const std::string& name, const Value& value, const std::string& file);
 
-/// Throws Error("bad-group") where `group` is no name of a group: one line of at most 64 bytes without #.
+/// Throws Error("bad-group") unless `group` is one line of at most 64 bytes without #.
 void check_group(const std::string& group);
 
-/// A sentence why `content` is no text file (a pickle, NUL bytes), or nothing.
+/// A sentence that explains why `content` is no text file (a pickle, NUL bytes), or empty.
 std::optional<std::string> why_not_text(std::string_view content);
 
 }  // namespace polyarm::data

@@ -17,7 +17,7 @@ bool is_name_char(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || static_cast<unsigned char>(c) >= 0x80;
 }
 
-/// A name as it is, or in quotes where it is no plain name.
+/// A plain name unchanged, any other in quotes.
 std::string name_text(const std::string& name) {
   bool plain = !name.empty() && !std::isdigit(static_cast<unsigned char>(name.front()));
   for (const char c : name) plain = plain && is_name_char(c);
@@ -125,7 +125,8 @@ class Reader {
     return out;
   }
 
-  /// After \u: four digits, as JSON has them, into UTF-8; halves of pairs become the sign for what is lost.
+  /// After \u: reads four digits as in JSON and appends UTF-8; unpaired surrogates become the replacement
+  /// character.
   bool read_code_point(std::string& out) {
     unsigned code = 0;
     for (int k = 0; k < 4; ++k) {
@@ -247,7 +248,7 @@ class Reader {
     return Value(std::move(out));
   }
 
-  /// An angle, or of a joint that slides a length.
+  /// An angle, or a length for a sliding joint.
   std::optional<double> joint_number() {
     skip();
     const auto value = number();

@@ -13,14 +13,14 @@
 namespace polyarm::data {
 
 std::string literal(const Value& value);
-/// The value that fills all of `text`. Lengths are metres and angles radians where no unit is said. Nothing,
-/// and `why`, where it is none.
+/// The value that the whole of `text` denotes. Lengths are metres and angles radians unless a unit is given.
+/// Empty, with the reason in `why`, if it is no value.
 std::optional<Value> parse_literal(std::string_view text, std::string& why);
 
-/// What a point remembers, as it stands behind its numbers in a file: `frame = "table", tool = …`; empty
-/// where there is nothing.
+/// The facts of a taught point, as written after its numbers in a file: `frame = "table", tool = …`; empty if
+/// there are none.
 std::string taught_text(const Taught& taught);
-/// Reads that into `taught`; false, and `why`, where it is none.
+/// Reads such facts into `taught`; false, with the reason in `why`, if they are invalid.
 bool parse_taught(std::string_view text, Taught& taught, std::string& why);
 
 }  // namespace polyarm::data

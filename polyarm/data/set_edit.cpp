@@ -27,7 +27,7 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-/// Held by one writer at a time among those that change sets in a folder; it leaves no file behind.
+/// Held by one writer at a time among those that edit sets in a folder; leaves no file behind.
 class FolderLock {
  public:
   FolderLock(const fs::path& path, int patience_ms) {
@@ -62,7 +62,7 @@ fs::path history_folder(const fs::path& path) {
   return folder_of(path) / ".state" / "history" / path.filename();
 }
 
-/// Half-written neighbours of writers that were killed.
+/// Removes incomplete temporary files of writers that were killed.
 void remove_leftovers(const fs::path& path) {
   const std::string prefix = "." + path.filename().string() + ".tmp";
   std::error_code error;
@@ -85,7 +85,7 @@ std::string local_time() {
   return text;
 }
 
-/// "000012": digits alone.
+/// "000012": digits only.
 std::optional<int> number_of(const fs::path& file) {
   const std::string name = file.filename().string();
   int number = 0;
@@ -111,10 +111,10 @@ void make_history_folder(const fs::path& path) {
                         "the file is as it was; check permissions and free space"});
 }
 
-/// What notes of changes begin with that made their file.
+/// Prefix of notes of changes that created their file.
 constexpr std::string_view kOfNewFile = "new\t";
 
-/// Keeps what the file is now; an absent file as a version that says so.
+/// Keeps the present content of the file; a missing file becomes a version marked as absent.
 void keep(const fs::path& path, const std::string& text, bool existed, const std::string& what) {
   make_history_folder(path);
   const std::vector<SetVersion> versions = history(path);

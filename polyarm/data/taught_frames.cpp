@@ -34,7 +34,7 @@ Quaternion from_axes(const Vec3& x, const Vec3& y, const Vec3& z) {
   throw Error("bad-points", why, advice);
 }
 
-/// Gauss with pivots; the smallest pivot tells how well the poses determine the tool.
+/// Gaussian elimination with pivoting; the smallest pivot measures how well the poses determine the tool.
 double solve(std::array<Row, 6>& a) {
   double smallest = 1e300;
   for (std::size_t k = 0; k < 6; ++k) {

@@ -8,11 +8,11 @@
 
 namespace polyarm::data {
 
-/// Writes a value as Value::text() does, a piece at a time.
+/// Writes the text of a value (as Value::text()) in pieces, so that no call takes long. One thread at a time.
 class Telling {
  public:
   explicit Telling(Value of) : value_{std::move(of)} {}
-  /// Adds to `out`, until about so many bytes have been added; true when all of it is told.
+  /// Appends about `bytes` bytes to `out`; true when the text is complete.
   bool go_on(std::string& out, std::size_t bytes);
 
  private:
@@ -24,7 +24,7 @@ class Telling {
   void open(const Value& whole);
 
   Value value_;
-  std::vector<Level> open_;  ///< lists and records that it is in
+  std::vector<Level> open_;  ///< open lists and records
   bool begun_ = false;
 };
 

@@ -34,7 +34,7 @@ std::string text_of(const Point& point) {
          ")" + (point.frame().empty() ? "" : " in " + point.frame());
 }
 
-/// The one that keeps what this thread lets go.
+/// Collects what this thread releases.
 thread_local Remains* keeping = nullptr;
 }  // namespace
 
@@ -140,7 +140,7 @@ Value::Value(Record value) : kind_{Kind::record} {
   content_.shared = new Held<Record>(std::move(value));
 }
 
-/// The last one deletes it.
+/// The last owner deletes it.
 void Value::let_go() noexcept {
   constexpr std::size_t kLarge = 64;
   Shared* shared = content_.shared;
@@ -193,7 +193,7 @@ void Value::replaced(Extent before, Extent after) {
   content_.shared->extent.store(packed(now), std::memory_order_relaxed);
 }
 
-/// A list that grows moves in few, large steps: to move is dearer than room that is not used.
+/// Grows in few large steps, because moving costs more than unused memory.
 void Value::append(Value part) {
   constexpr std::size_t kSmall = 256, kTimes = 4;
   const Extent before = extent(), more = part.extent();
@@ -245,7 +245,7 @@ std::string Value::excerpt(std::size_t bytes) const {
   return out.substr(0, bytes) + "…";
 }
 
-// Telling.
+// Text in pieces.
 
 void Telling::open(const Value& whole) {
   open_.push_back({&whole, 0});
@@ -294,7 +294,7 @@ bool Telling::go_on(std::string& out, std::size_t bytes) {
   return open_.empty();
 }
 
-// Letting go.
+// Release in steps.
 
 Remains::Keeping::Keeping(Remains& remains) : before_{std::exchange(keeping, &remains)} {}
 Remains::Keeping::~Keeping() {
@@ -303,7 +303,7 @@ Remains::Keeping::~Keeping() {
 
 int Remains::free(int steps) {
   const int given = steps;
-  const Keeping nested(*this);  // lists in lists come to the same place
+  const Keeping nested(*this);  // nested lists are collected too
   while (steps > 0 && !wholes_.empty()) {
     Value whole = std::move(wholes_.back());
     wholes_.pop_back();

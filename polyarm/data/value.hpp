@@ -1,5 +1,6 @@
 #pragma once
-/// What a name in a program or a data file can stand for.
+/// The values of names in programs and data files: kinds, numbers with dimension, joint states, points, lists
+/// and records. SI units.
 #include <atomic>
 #include <concepts>
 #include <cstddef>
@@ -17,44 +18,44 @@ namespace polyarm::data {
 
 enum class Kind : std::uint8_t { boolean, number, text, list, joints, pose, record };
 
-/// "a boolean", "a number", …: as it stands in a sentence.
+/// "a boolean", "a number", …: for sentences.
 const char* name(Kind kind);
 
-/// A number in SI units together with what it measures.
+/// A number in SI units and its dimension.
 struct Number {
   double value = 0;
   Dimension dimension = Dimension::none;
   friend bool operator==(const Number&, const Number&) = default;
 };
 
-/// One position per joint, radians or metres. The names decide which joint is meant, never the order; without
-/// names the positions are in the order of the robot that takes them.
+/// One position per joint, radians or metres. Joints are identified by name, never by order; without names
+/// the positions are in the order of the robot that uses them.
 struct JointState {
   std::vector<std::string> names;
   std::vector<double> positions;
   /// The position of `joint`, or nullptr.
   const double* find(std::string_view joint) const;
-  /// Equal when every joint has the same position, in whatever order they stand.
+  /// Equal if every joint has the same position, in any order.
   friend bool operator==(const JointState& a, const JointState& b);
 };
 
-/// What a point remembers of how it was taught; an empty text is not known.
+/// How a point was taught; an empty text means unknown.
 struct Taught {
-  std::string frame;  ///< that its pose is in; empty: the world
-  std::string tool;   ///< whose tool centre point it is
+  std::string frame;  ///< frame of its pose; empty: the world
+  std::string tool;   ///< the tool whose tool centre point it is
   std::string robot;  ///< model of the robot
-  JointState joints;  ///< in which that robot stood there
+  JointState joints;  ///< the joint state of that robot at the point
   friend bool operator==(const Taught&, const Taught&) = default;
 };
 
-/// A pose of the tool centre point, in the world unless it names a frame, and whether it was written as a
+/// A pose of the tool centre point, in the world unless a frame is named, and whether it was written as a
 /// quaternion.
 struct Point {
   Pose pose;
   bool quaternion_given = false;
-  std::shared_ptr<const Taught> taught = nullptr;  ///< shared between copies, which only read it
+  std::shared_ptr<const Taught> taught = nullptr;  ///< shared between copies, read-only
   std::string frame() const { return taught ? taught->frame : std::string{}; }
-  /// The way it was written does not matter.
+  /// Ignores the way in which it was written.
   friend bool operator==(const Point& a, const Point& b) {
     return a.pose == b.pose && (a.taught == b.taught || (a.taught && b.taught && *a.taught == *b.taught));
   }
@@ -63,7 +64,7 @@ struct Point {
 class Value;
 using List = std::vector<Value>;
 
-/// Named values, in the order they were written.
+/// Named values, in the order of writing.
 struct Record {
   std::vector<std::string> names;
   List values;
@@ -71,8 +72,8 @@ struct Record {
   const Value* find(std::string_view field) const;
 };
 
-/// Booleans and numbers stand in it; what is larger stands beside it and is shared between copies, which only
-/// read it. Copies may be read and let go by several threads at once, one Value only by one.
+/// Holds booleans and numbers directly. Larger content is stored separately and shared between copies, which
+/// only read it. Several threads may read and destroy copies at once; a single Value belongs to one thread.
 class Value {
  public:
   Value() noexcept = default;
@@ -94,7 +95,7 @@ class Value {
   }
   Value(Value&& other) noexcept : content_{other.content_}, kind_{other.kind_} { other.forget(); }
   Value& operator=(const Value& other) noexcept { return *this = Value(other); }
-  /// `other` may be a part of this.
+  /// `other` may be a part of this value.
   Value& operator=(Value&& other) noexcept {
     const Content content = other.content_;
     const Kind kind = other.kind_;
@@ -116,25 +117,24 @@ class Value {
   const JointState* as_joints() const { return held<JointState>(Kind::joints); }
   const Point* as_point() const { return held<Point>(Kind::pose); }
   const Record* as_record() const { return held<Record>(Kind::record); }
-  /// A joint state or a pose: something a robot can move to.
+  /// A joint state or a pose: a target for a robot.
   bool is_place() const { return kind_ == Kind::joints || kind_ == Kind::pose; }
 
-  /// As a person reads it: True, 0.04m, text without quotes, [1, 2], {elbow_joint: 0.5}, xyz(…) rpy(…),
-  /// {red = 1}.
+  /// Readable text: True, 0.04m, text without quotes, [1, 2], {elbow_joint: 0.5}, xyz(…) rpy(…), {red = 1}.
   std::string text() const;
-  /// Its beginning, at most so many bytes of it; "…" where there is more.
+  /// The beginning of text(), at most `bytes` bytes; "…" follows if there is more.
   std::string excerpt(std::size_t bytes = 60) const;
 
-  /// How many values it is: itself and, of a list or record, all that are in it; and how deep lists and
-  /// records stand in one another. Counted once.
+  /// The number of values (itself and, for a list or record, all inside) and the nesting depth of lists and
+  /// records. Counted once.
   struct Extent {
     std::uint32_t values = 1, depth = 0;
   };
   Extent extent() const;
-  /// A list whose extent is known.
+  /// A list with known extent.
   Value(List value, Extent known);
 
-  /// As assignment, for values that stand in it.
+  /// As assignment, for values stored directly.
   void set(const Number& number) noexcept {
     if (is_shared()) let_go();
     content_.number = number;
@@ -145,31 +145,31 @@ class Value {
     content_.truth = truth;
     kind_ = Kind::boolean;
   }
-  /// It stands beside this, for others to share.
+  /// True if the content is stored separately, so that copies can share it.
   bool is_shared() const { return kind_ > Kind::number; }
 
-  /// The number itself, to be changed; nullptr where it is none.
+  /// The number itself, for changes; nullptr if it is no number.
   Number* own_number() { return kind_ == Kind::number ? &content_.number : nullptr; }
-  /// Nobody shares what stands beside it.
+  /// True if no copy shares the content.
   bool is_alone() const {
     return !is_shared() || content_.shared->users.load(std::memory_order_acquire) == 1;
   }
-  /// Both share the same.
+  /// True if both share the same content.
   bool is_same(const Value& other) const {
     return is_shared() && kind_ == other.kind_ && content_.shared == other.content_.shared;
   }
-  /// The values of a list or record, to be replaced by others of the same extent; its own copy where others
-  /// share them. nullptr where it is neither.
+  /// The values of a list or record, for replacement by others of the same extent; makes its own copy if
+  /// others share them. nullptr for other kinds.
   List* own_parts();
-  /// What it is after a part of own_parts() has been replaced by one of another extent. The depth is that of
-  /// the deepest part that it had since it was counted.
+  /// Updates the extent after a part of own_parts() was replaced by one of another extent. The depth stays
+  /// that of the deepest part since it was counted.
   void replaced(Extent before, Extent after);
-  /// Adds `part` to a list, without a copy where nobody shares it.
+  /// Appends `part` to a list; copies the list only if it is shared.
   void append(Value part);
-  /// Adds `more` to a text, without a copy where nobody shares it.
+  /// Appends `more` to a text; copies the text only if it is shared.
   void append(std::string_view more);
 
-  /// Records are equal when every field is, in whatever order they stand.
+  /// Records are equal if all fields are equal, in any order.
   friend bool operator==(const Value& a, const Value& b);
 
  private:
@@ -198,7 +198,7 @@ class Value {
   const Large* held(Kind kind) const {
     return kind_ == kind ? &static_cast<const Held<Large>*>(content_.shared)->content : nullptr;
   }
-  /// What it holds, its own copy where others share it.
+  /// The content; makes its own copy if others share it.
   template <typename Large>
   Large& own() {
     if (content_.shared->users.load(std::memory_order_acquire) != 1) part_from_others<Large>();
@@ -211,11 +211,11 @@ class Value {
   Kind kind_ = Kind::boolean;
 };
 
-/// Large lists and records that their last user on this thread has let go, while one of these is in force;
-/// they are freed little by little. Of one thread.
+/// Collects the large lists and records that this thread releases while a Keeping exists, and frees them in
+/// small steps. One thread.
 class Remains {
  public:
-  /// Keeps what is let go until its end.
+  /// Collects released content until it is destroyed.
   class Keeping {
    public:
     explicit Keeping(Remains& remains);
@@ -227,8 +227,8 @@ class Remains {
     Remains* before_;
   };
   bool empty() const { return wholes_.empty(); }
-  /// Frees parts, for at most about so many steps, and says how many it took: kShared for one that stands
-  /// beside the list, 1 for a number.
+  /// Frees parts in at most about `steps` steps and returns the number used: kShared for separately stored
+  /// content, 1 for a number.
   int free(int steps);
   static constexpr int kShared = 8;
 
@@ -237,7 +237,7 @@ class Remains {
   std::vector<Value> wholes_;
 };
 
-/// The SI unit of `dimension` as the language spells it; empty for none.
+/// The SI unit of `dimension` as the language writes it; empty if it has none.
 const char* unit_text(Dimension dimension);
 
 }  // namespace polyarm::data

@@ -37,7 +37,8 @@ class AxisBrake {
   double highest_, lowest_, fastest_, slowest_;
 };
 
-/// The state one cycle later on the fastest way to a velocity that is `velocity` then and changes by `slope`,
+/// The state one cycle later on the fastest way to a velocity that is `velocity` then and changes by `slope`
+/// per second.
 AxisState towards_velocity(const AxisState& now, double velocity, double slope, const AxisLimits& limits,
                            double dt) noexcept;
 
