@@ -1,5 +1,6 @@
 #pragma once
 /// The robots that come with Polyarm: one data file for each, `robots/<maker>/<model>.yaml`, facts only.
+/// Reads the disk: not for the control cycle. SI units.
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -12,30 +13,29 @@ namespace polyarm::description {
 
 struct CatalogueEntry {
   std::string name;   ///< "maker/model"
-  std::string maker;  ///< as it is spelled: "Universal Robots"
+  std::string maker;  ///< as written by the maker: "Universal Robots"
   std::string model;
   int axes = 0;
   std::optional<double> reach_m, payload_kg;
-  std::optional<double> mass_kg;  ///< of all links together
-  bool mass_estimated = false;    ///< that of some link at least is an estimate
+  std::optional<double> mass_kg;  ///< of all links
+  bool mass_estimated = false;    ///< the mass of at least one link is an estimate
   std::filesystem::path file;
 };
 
 class Catalogue {
  public:
-  /// Robots of earlier folders hide those of the same name in later ones. Folders that do not exist are
-  /// passed over.
+  /// Robots of earlier folders hide those of the same name in later ones. Missing folders are ignored.
   explicit Catalogue(std::vector<std::filesystem::path> folders) : folders_(std::move(folders)) {}
 
-  /// Every robot, by name. Reads files that the index of this user does not know (catalogue_index.hpp); throws
-  /// Error for one that cannot be read.
+  /// Every robot, by name. Reads files that the user's index does not contain (catalogue_index.hpp); throws
+  /// Error for an unreadable file.
   std::vector<CatalogueEntry> entries() const;
   std::vector<std::string> names() const;
-  /// The file of the robot called `maker/model`, or `model` alone where that is clear; no file is read, and
-  /// of a whole name only its own is looked for.
+  /// The file of the robot `maker/model`, or of `model` alone if that is unique. Reads no file; for a
+  /// complete name it looks for that file only.
   std::optional<std::filesystem::path> find(const std::string& name) const;
-  /// The robot called `maker/model`, or `model` alone where that is clear. Throws Error("unknown-robot") with
-  /// near names.
+  /// The robot `maker/model`, or `model` alone if that is unique. Throws Error("unknown-robot") with similar
+  /// names.
   RobotModel load(const std::string& name) const;
 
  private:
@@ -46,14 +46,14 @@ class Catalogue {
 /// `../share/polyarm/robots`.
 std::vector<std::filesystem::path> default_catalogue_folders();
 
-/// Reads one robot file of ours (`polyarm: robot/1`). Throws Error with everything wrong in it.
+/// Reads a robot file (`polyarm: robot/1`). Throws Error with all its faults.
 RobotModel read_robot_file(const std::filesystem::path& path);
 
-/// Reads `<name>.srdf` beside a description into the model, where there is one. What is wrong in it is left
-/// out and added to `warnings`.
+/// Reads `<name>.srdf` beside a description into the model, if it exists. Faulty parts are skipped and added
+/// to `warnings`.
 void add_srdf_beside(const std::filesystem::path& description, RobotModel& model, Problems& warnings);
 
-/// A catalogue name, or the path of a URDF (with an SRDF beside it, where there is one) or robot file.
+/// A catalogue name, or the path of a robot file or URDF (with the SRDF beside it, if there is one).
 RobotModel load_robot(const std::string& name_or_path, const Catalogue& catalogue, Problems& warnings,
                       const std::map<std::string, std::string>& arguments = {});
 

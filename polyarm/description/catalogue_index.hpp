@@ -1,7 +1,6 @@
 #pragma once
-/// What the catalogue's files say about each robot in one line, kept from one run to the next, so that finding
-/// a robot does not read every file. A file that has another size or time than the index knows is read again.
-/// One thread.
+/// A persistent index with one line for each robot of the catalogue, so that finding a robot does not read
+/// every file. A file with another size or time than in the index is read again. One thread.
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -13,24 +12,23 @@ namespace polyarm::description {
 
 class CatalogueIndex {
  public:
-  /// The index kept in `file`; empty where there is none, where it is damaged, or where another build of
-  /// Polyarm made it.
+  /// Reads the index in `file`; empty if it does not exist, is damaged, or was made by another build of
+  /// Polyarm.
   explicit CatalogueIndex(std::filesystem::path file);
 
-  /// Nothing: the robot file is not known as it is now.
+  /// Empty if the index does not have the robot file in its present state.
   std::optional<CatalogueEntry> find(const std::filesystem::path& robot);
   void add(const CatalogueEntry& entry);
-  /// Writes it with what was found or added since it was opened, if anything was added. A disk that cannot be
-  /// written is no error.
+  /// Writes the entries found or added since construction, if any were added. An unwritable disk is no error.
   void save() const;
 
  private:
   std::filesystem::path file_;
-  std::map<std::string, std::string> lines_, used_;  ///< by path: its line; what save() writes
+  std::map<std::string, std::string> lines_, used_;  ///< by path: its line; the lines that save() writes
   bool added_ = false;
 };
 
-/// `catalogue` in the cache folder of this user; empty without a home.
+/// `catalogue` in the user's cache folder; empty without a home folder.
 std::filesystem::path catalogue_index_file();
 
 }  // namespace polyarm::description

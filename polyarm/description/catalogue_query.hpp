@@ -1,5 +1,5 @@
 #pragma once
-/// Which robots of the catalogue are wanted: by maker, axes, reach, payload and mass.
+/// Queries for robots of the catalogue: by maker, axes, reach, payload and mass. SI units. Any thread.
 #include <limits>
 #include <optional>
 #include <string>
@@ -11,24 +11,24 @@
 
 namespace polyarm::description {
 
-/// Values from `low` to `high`, ends included unless said.
+/// Values from `low` to `high`, including the ends unless excluded.
 struct Range {
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
-  bool without_low = false, without_high = false;  ///< ends that do not belong to it
+  bool without_low = false, without_high = false;  ///< ends that are excluded
   bool contains(double value) const;
 };
 
-/// What a bare number means: that value, or that and more.
+/// The meaning of a bare number: this value, or at least this value.
 enum class BareNumber { exactly, at_least };
 
-/// A range as a person writes it: "6", "4..6", ">=1.2", "<500mm", "=6"; ends with or without a unit of
-/// `dimension`. `what` names it in errors. Throws Error("bad-range").
+/// Parses a range: "6", "4..6", ">=1.2", "<500mm", "=6"; ends with or without a unit of `dimension`. `what`
+/// names it in errors. Throws Error("bad-range").
 Range parse_range(std::string_view text, const std::string& what, Dimension dimension, BareNumber bare);
 
-/// Robots that do not state a figure are in no range of it.
+/// A robot that does not state a figure is in no range of it.
 struct CatalogueQuery {
-  std::string text;   ///< part of the name or the model, case ignored; empty: any
-  std::string maker;  ///< the maker or its folder, case, blanks and underscores ignored; empty: any
+  std::string text;   ///< part of the name or the model, case-insensitive; empty: any
+  std::string maker;  ///< the maker or its folder; case, blanks and underscores are ignored; empty: any
   std::optional<Range> axes, reach_m, payload_kg, mass_kg;
   std::string sort = "name";  ///< name, maker, axes, reach, payload or mass; "-" before it: largest first
 };

@@ -1,19 +1,19 @@
 #pragma once
-/// `<gazebo>` of a description, private to the room.
+/// Reads `<gazebo>` elements of a description. Private to this room.
 #include "polyarm/description/model_builder.hpp"
 #include "polyarm/description/xml_reader.hpp"
 
 namespace polyarm::description {
 
-/// Friction, self-collision and damping; the rest is remembered to be listed once.
+/// Reads friction, self-collision and damping; lists the other elements once.
 class GazeboReader : private XmlReader {
  public:
   GazeboReader(const std::string& file, Problems& problems, Problems& warnings)
       : XmlReader(file, problems, warnings) {}
 
-  /// Called for each <gazebo>, in any order with links and joints. The elements have to live until finish().
+  /// Call it for each <gazebo>, before or after links and joints. The elements must live until finish().
   void add(const Element& e) { elements_.push_back(&e); }
-  /// Writes what was read into the links and joints, and lists in one warning what is passed over.
+  /// Writes the values to links and joints, and lists all ignored elements in one warning.
   void finish(RobotModel& model);
 
  private:

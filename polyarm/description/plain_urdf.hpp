@@ -1,12 +1,13 @@
 #pragma once
-/// URDF for readers that know nothing but URDF, as ROS's own do (urdfdom before 5 gives up at a <capsule>).
+/// URDF for readers that accept only standard URDF, such as ROS's own (urdfdom before version 5 fails at a
+/// <capsule>).
 #include <string>
 
 #include "polyarm/description/robot_model.hpp"
 
 namespace polyarm::description {
 
-/// The same robot: a capsule is a cylinder and two spheres, and what only Polyarm says is left out.
+/// The same robot: a capsule becomes a cylinder and two spheres, and Polyarm's own elements are omitted.
 std::string write_plain_urdf(const RobotModel& model);
 
 }  // namespace polyarm::description

@@ -1,18 +1,18 @@
 #pragma once
-/// `<ros2_control>` and `<transmission>` of a description, private to the room.
+/// Reads `<ros2_control>` and `<transmission>` elements of a description. Private to this room.
 #include "polyarm/description/robot_model.hpp"
 #include "polyarm/description/xml_reader.hpp"
 
 namespace polyarm::description {
 
-/// Reads what stands in the file; what needs the joints of the robot is checked by check_hardware.
+/// Reads the elements without the joints of the robot; check_hardware() checks them against the joints.
 class Ros2ControlReader : private XmlReader {
  public:
   Ros2ControlReader(const std::string& file, Problems& problems, Problems& warnings)
       : XmlReader(file, problems, warnings) {}
 
   HardwareInfo hardware(const Element& e);
-  /// The form of ROS 1, a child of <robot>. Odd ones are warnings: nothing has to use them.
+  /// The form of ROS 1, a child of <robot>. Faults are warnings, because nothing depends on it.
   TransmissionInfo robot_transmission(const Element& e);
 
  private:
@@ -30,8 +30,8 @@ class Ros2ControlReader : private XmlReader {
   TransmissionEnd robot_transmission_end(const Element& e, const Element& transmission);
 };
 
-/// Whether the `<ros2_control>` blocks and the transmissions fit the joints of the robot: joints that are not
-/// there or do not move, mimic joints that are commanded, doubled names, transmissions of foreign joints.
+/// Checks the `<ros2_control>` blocks and transmissions against the joints of the robot: missing or fixed
+/// joints, mimic joints with commands, duplicate names, transmissions of unknown joints.
 void check_hardware(RobotModel& model, Problems& problems, Problems& warnings);
 
 }  // namespace polyarm::description

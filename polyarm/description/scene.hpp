@@ -1,6 +1,6 @@
 #pragma once
-/// What stands around the robot: tools, parts, fixtures, feeders. Plain facts, fixed while the cell runs;
-/// where the parts are now is the world state (hardware/world_state.hpp). Metres, kg; poses in the world.
+/// The surroundings of the robot: tools, parts, fixtures, feeders. Plain facts, constant while the cell runs;
+/// the world state has the present positions (hardware/world_state.hpp). Metres, kg; poses in the world.
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,11 +17,11 @@ struct Tool {
   Pose tcp;                 ///< T_tool0_tcp, z out of the tool
   double mass = 0;          ///< kg
   Vec3 center;              ///< centre of mass in tool0
-  std::vector<Shape> body;  ///< in tool0; touching anything with these is a contact finding
+  std::vector<Shape> body;  ///< in tool0; contact with these shapes is a contact finding
   GripperKind gripper = GripperKind::none;
-  double cup_radius = 0.01;     ///< suction: radius of the lip, whose centre is the TCP
-  double holding_force = 60;    ///< suction: pulls off beyond this, N
-  double reach = 0.0015;        ///< suction: grips a surface at most this far from the lip, m
+  double cup_radius = 0.01;     ///< suction: radius of the lip; its centre is the TCP
+  double holding_force = 60;    ///< suction: the part detaches above this force, N
+  double reach = 0.0015;        ///< suction: largest distance between lip and surface for a grip, m
   double stroke = 0.05;         ///< parallel: distance between the open finger pads, m
   double grip_force = 40;       ///< parallel: force of each finger, N
   double finger_length = 0.04;  ///< parallel: length of the pads along z, ending at the TCP
@@ -29,10 +29,10 @@ struct Tool {
   double closing_speed = 0.1;  ///< parallel: m/s of each finger
 };
 
-/// Where a part has to end up.
+/// The required final position of a part.
 struct Goal {
   Vec3 at;          ///< of the part's origin (the centre of its shape)
-  std::string bin;  ///< name of the bin it must lie in; empty: none
+  std::string bin;  ///< name of the bin that must contain it; empty: none
   double tolerance = 0.005;
 };
 
@@ -44,10 +44,10 @@ struct Part {
   double friction = 0.8;
   Pose start;  ///< in the world; unused while the part waits in a feeder
   std::optional<Goal> goal;
-  std::string feeder;  ///< name of the feeder that brings it; empty: it is there from the start
+  std::string feeder;  ///< name of the feeder that brings it; empty: present from the start
 };
 
-/// A thing that does not move unless it belongs to a mover.
+/// An object that does not move unless it belongs to a mover.
 struct Fixture {
   std::string name;
   std::vector<Shape> shapes;  ///< in the fixture's frame
@@ -56,13 +56,13 @@ struct Fixture {
   double friction = 0.8;
 };
 
-/// A region of the world in which parts are counted. Its walls, if any, are a fixture.
+/// A region of the world in which parts are counted. If it has walls, they are a fixture.
 struct Bin {
   std::string name;
   Vec3 lower, upper;
 };
 
-/// An axis of a machine (door, vice, shuttle), moved by commands to position set points with a speed limit.
+/// An axis of a machine (door, vice, shuttle) that moves to commanded positions with a speed limit.
 /// Interfaces: command and state `scene/<name>/position` (m along the axis, 0 at the start).
 struct Mover {
   std::string name;
@@ -71,30 +71,29 @@ struct Mover {
   double speed = 0.1, acceleration = 0.5;
 };
 
-/// Brings the parts that name it, one for each increase of its command `scene/<name>/feed` (a count), to
-/// `pose`. States: `scene/<name>/presented` (how many it has brought so far), `scene/<name>/remaining`,
-/// `scene/<name>/present` (1 while a part lies there), `scene/<name>/count` (how many lie there),
-/// `scene/<name>/kind` (index into Scene::kinds of the part last
-/// presented, from 1).
+/// Brings the parts that name it to `pose`, one for each increment of its command `scene/<name>/feed` (a
+/// count). States: `scene/<name>/presented` (number of parts so far), `scene/<name>/remaining`,
+/// `scene/<name>/present` (1 while a part lies there), `scene/<name>/count` (number of parts there),
+/// `scene/<name>/kind` (index into Scene::kinds of the last part, from 1).
 struct Feeder {
   std::string name;
   Pose pose;
 };
 
-/// Takes the part that rests within its region away for each increase of its command `scene/<name>/take` (a
+/// Removes the part that rests in its region, one for each increment of its command `scene/<name>/take` (a
 /// count). States: `scene/<name>/present` (1 while a part rests in its region), `scene/<name>/taken` (count).
 struct Outfeed {
   std::string name;
   Vec3 lower, upper;
 };
 
-/// States `scene/<name>/present`: 1 while a part's origin is inside the region.
+/// State `scene/<name>/present`: 1 while a part's origin is inside the region.
 struct PresenceSensor {
   std::string name;
   Vec3 lower, upper;
 };
 
-/// Looks at the parts whose origin is inside its region (see cell/): nearest to `eye` first.
+/// Sees the parts whose origin is inside its region (see cell/), sorted by distance from `eye`.
 struct Camera {
   std::string name;
   Vec3 lower, upper;
@@ -104,7 +103,7 @@ struct Camera {
 struct Scene {
   std::vector<Fixture> fixtures;
   std::vector<Part> parts;
-  std::vector<std::string> kinds;  ///< every kind of part, in the order of first mention
+  std::vector<std::string> kinds;  ///< all kinds of parts, in the order of their first use
   std::vector<Bin> bins;
   std::vector<Mover> movers;
   std::vector<Feeder> feeders;
@@ -112,7 +111,7 @@ struct Scene {
   std::vector<PresenceSensor> sensors;
   std::vector<Camera> cameras;
   Vec3 gravity{0, 0, -9.81};
-  bool floor = true;  ///< an endless plane at z = floor_height
+  bool floor = true;  ///< an infinite plane at z = floor_height
   double floor_height = 0;
 };
 

@@ -6,11 +6,11 @@
 
 namespace polyarm::description {
 
-/// Reads `polyarm: scene/1`. Throws Error with everything that is wrong in it, names checked against each
-/// other.
+/// Reads `polyarm: scene/1`. Throws Error with all faults, including unknown names. SI units; reads the disk.
 Scene read_scene(const std::string& path);
 Scene read_scene(const Yaml& yaml);
-/// The same; `warnings` gets what the file leaves to be assumed and a simulation depends on.
+/// The same. Adds to `warnings` the values that the file does not state although a simulation depends on
+/// them.
 Scene read_scene(const std::string& path, Problems& warnings);
 Scene read_scene(const Yaml& yaml, Problems& warnings);
 

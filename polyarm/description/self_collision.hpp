@@ -1,5 +1,5 @@
 #pragma once
-/// Which links of a robot need never be compared for collisions, found by trying many joint states.
+/// Finds the pairs of links that never need a collision check, by sampling joint states. Any thread.
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace polyarm::description {
 
-/// Why a pair need not be compared, in the words of MoveIt's setup assistant.
+/// The reason why a pair needs no check, in the terms of MoveIt's setup assistant.
 enum class PairReason { adjacent, default_state, always, never };
 std::string_view name(PairReason reason);
 
@@ -19,14 +19,14 @@ struct LinkPair {
   PairReason reason = PairReason::never;
 };
 
-/// Adjacent: with nothing that collides between them; default: they touch at `home` (zero without one);
-/// always: they touch in more than 95 % of the samples; never: in none. Joint states are drawn evenly within
-/// the limits (±π, ±1 m where there are none), mimicking joints follow; the same seed gives the same pairs.
-/// Shapes count as their convex hulls; meshes that are not binary STL, or are not found, count as touching
-/// what they may, and are in no pair but adjacent ones.
+/// adjacent: no colliding link lies between them. default_state: they touch at `home` (at zero without one).
+/// always: they touch in more than 95 % of the samples. never: in none. Joint states are uniform within the
+/// limits (±π, ±1 m if there are none); mimic joints follow. The same seed gives the same pairs. Shapes count
+/// as their convex hulls. A mesh that is not binary STL, or not found, may touch anything; it occurs only in
+/// adjacent pairs.
 std::vector<LinkPair> needless_pairs(const RobotModel& model, int samples = 10'000, std::uint32_t seed = 1);
 
-/// Whether two links touch at a state of all actuated joints; nothing where a shape is not known.
+/// Whether two links touch at a state of all actuated joints; empty if a shape is unknown.
 std::optional<bool> links_touch(const RobotModel& model, int first, int second, std::span<const double> q);
 
 }  // namespace polyarm::description

@@ -6,10 +6,10 @@
 
 namespace polyarm::description {
 
-/// Keys that say a shape: `box: [x, y, z]`, `cylinder: {radius, height}`, `sphere: {radius}`, `capsule:
-/// {radius, length}`.
+/// Shapes in YAML files. The keys: `box: [x, y, z]`, `cylinder: {radius, height}`, `sphere: {radius}`,
+/// `capsule: {radius, length}`. Metres.
 const std::vector<std::string>& shape_keys();
-/// The shape that `yaml` says, at its own origin; throws Error when it says none or more than one.
+/// The shape that `yaml` defines, at its own origin; throws Error if it defines none or more than one.
 Shape read_shape(const Yaml& yaml);
 
 }  // namespace polyarm::description

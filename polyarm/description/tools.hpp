@@ -8,14 +8,15 @@
 
 namespace polyarm::description {
 
-/// The tools that come with Polyarm: none, suction_cup, parallel_gripper.
+/// Built-in tools and tool files. The names of the built-in tools: none, suction_cup, parallel_gripper. SI
+/// units.
 const std::vector<std::string>& built_in_tools();
 /// A built-in tool, or the file `name` (or `name.yaml`) in `folder` (`polyarm: tool/1`). Throws Error with
-/// near names.
+/// similar names.
 Tool find_tool(const std::string& name, const std::string& folder);
 /// Reads a tool file's content.
 Tool read_tool(const Yaml& yaml, const std::string& name);
-/// What the file of a tool leaves to be assumed and motion depends on; nothing for built-in tools.
+/// The values that a tool file does not state although motion depends on them; empty for built-in tools.
 std::optional<Problem> missing_in_tool(const std::string& name, const std::string& folder);
 
 }  // namespace polyarm::description

@@ -1,5 +1,6 @@
 #pragma once
-/// Robots that a user adds to the catalogue: descriptions in a folder of the user's own.
+/// Robots that a user adds to the catalogue: descriptions in the user's own folder. Reads and writes the
+/// disk.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -8,24 +9,24 @@
 
 namespace polyarm::description {
 
-/// $XDG_CONFIG_HOME/polyarm/robots, else ~/.config/polyarm/robots; empty where there is no home.
+/// $XDG_CONFIG_HOME/polyarm/robots, else ~/.config/polyarm/robots; empty without a home folder.
 std::filesystem::path user_robot_folder();
 
-/// What keeps a robot out of the catalogue, all of it: nothing that moves, revolute or prismatic joints
-/// without limits, two joints or links of one name, a named state of the wrong size.
+/// Adds all reasons against adding a robot to the catalogue: nothing moves, revolute or prismatic joints
+/// without limits, duplicate names of joints or links, a named state of the wrong size.
 void check_for_catalogue(const RobotModel& model, Problems& problems);
 
-/// What a description may lack: meshes by absolute path, a home (all zeros, moved inside the limits) and a
-/// source, each noted.
+/// Completes a description: absolute mesh paths, a home (all zeros, moved inside the limits) and a source;
+/// adds a note for each.
 void complete_for_catalogue(RobotModel& model, const std::filesystem::path& source);
 
-/// Writes `folder/<maker>/<model>.urdf`, which reads back equal. `name` is maker/model, small letters, digits
-/// and underscores. Throws Error("bad-name" | "exists").
+/// Writes `folder/<maker>/<model>.urdf`, which reads back equal. `name` is maker/model in lower-case letters,
+/// digits and underscores. Throws Error("bad-name" | "exists").
 std::filesystem::path store_robot(const RobotModel& model, const std::string& name,
                                   const std::filesystem::path& folder, bool replace);
 
-/// Takes the robot `name` of `folder` away, its SRDF too, and the maker's folder where nothing else is in it.
-/// Returns the description's file. Throws Error("bad-name" | "unknown-robot").
+/// Removes the robot `name` from `folder`, with its SRDF, and the maker's folder if it is then empty. Returns
+/// the description's file. Throws Error("bad-name" | "unknown-robot").
 std::filesystem::path remove_robot(const std::string& name, const std::filesystem::path& folder);
 
 /// The robots of that folder, as maker/model, by name.

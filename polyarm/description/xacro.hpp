@@ -1,6 +1,6 @@
 #pragma once
-/// xacro: macros for XML, expanded as the reference implementation expands them. docs/xacro.md says what of
-/// it is understood.
+/// xacro: macros for XML, expanded as by the reference implementation. docs/xacro.md lists the supported
+/// features. Reads the disk: not for the cell thread.
 #include <filesystem>
 #include <map>
 #include <string>
@@ -17,22 +17,21 @@ struct XacroOptions {
   std::map<std::string, std::filesystem::path> packages;
 };
 
-/// What an expansion has read and asked for.
+/// The files and arguments that an expansion used.
 struct XacroReport {
   std::vector<std::filesystem::path> files;      ///< the file, its includes and YAML files
-  std::map<std::string, std::string> arguments;  ///< every <xacro:arg> with the value that it had
-  std::vector<std::string> macros;               ///< that the file itself defines
+  std::map<std::string, std::string> arguments;  ///< every <xacro:arg> with its final value
+  std::vector<std::string> macros;               ///< defined by the file itself
 };
 
-/// The XML that is left when everything of xacro has been done. Throws Error with the place and the chain of
-/// includes and macros that led there.
+/// The XML after the expansion. Throws Error with the place and the chain of includes and macros.
 std::string expand_xacro(const std::filesystem::path& file, const XacroOptions& options, Problems& warnings,
                          XacroReport* report = nullptr);
-/// The same of a text; `file` says where its relative names begin.
+/// The same for a text; relative names start from `file`.
 std::string expand_xacro_text(std::string_view text, const std::filesystem::path& file,
                               const XacroOptions& options, Problems& warnings, XacroReport* report = nullptr);
 
-/// Does the XML use xacro?
+/// True if the XML uses xacro.
 bool uses_xacro(std::string_view text);
 
 }  // namespace polyarm::description

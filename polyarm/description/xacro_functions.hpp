@@ -1,6 +1,6 @@
 #pragma once
-/// What operators, functions and methods of xacro expressions do. Private to the room. Everything throws
-/// Error without a place for what cannot be.
+/// Operators, functions and methods of xacro expressions. Private to this room. They throw Error without a
+/// place if an operation is invalid.
 #include <string>
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace polyarm::description {
 
-/// + - * / // % ** << >> & ^ | and "neg", "~" (of `right` alone), as Python has them.
+/// + - * / // % ** << >> & ^ | and "neg", "~" (these two use only `right`), as in Python.
 XacroValue arithmetic(const XacroValue& left, const std::string& sign, const XacroValue& right);
 /// < > <= >= == != in, not in, is, is not.
 bool compare(const XacroValue& left, const std::string& sign, const XacroValue& right);
@@ -17,20 +17,20 @@ bool constant(const std::string& name, XacroValue& out);
 bool call_builtin(const std::string& name, const XacroList& arguments, XacroValue& out);
 bool is_builtin(const std::string& name);
 std::vector<std::string> builtin_names();
-/// `named` are what is given as name=value; only "format" takes them.
+/// `named` are the arguments of the form name=value; only "format" accepts them.
 XacroValue call_method(const XacroValue& on, const std::string& name, const XacroList& arguments,
                        const XacroDict& named = {});
-/// Gives a key its value, in the place that it had.
+/// Sets the value of a key; an existing key keeps its position.
 void set_key(XacroDict& dict, const XacroValue& key, XacroValue value);
-/// What a `for` goes through: items, keys, letters.
+/// The items that a `for` iterates over: items, keys, letters.
 XacroList items_of(const XacroValue& value);
 XacroValue item_of(const XacroValue& on, const XacroValue& index);
 XacroValue slice_of(const XacroValue& on, const XacroValue& begin, const XacroValue& end,
                     const XacroValue& step);
 double number_of(const XacroValue& value);
-/// 1, and one more for each list or dictionary around what lies deepest.
+/// The nesting depth of lists and dictionaries, plus one.
 int depth_of(const XacroValue& value);
-/// Letters and items, those of items included.
+/// The number of letters and items, including nested ones.
 std::size_t size_of(const XacroValue& value);
 
 }  // namespace polyarm::description

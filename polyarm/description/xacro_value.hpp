@@ -1,5 +1,5 @@
 #pragma once
-/// Values of xacro expressions: what Python has that descriptions use. Private to the room.
+/// Values of xacro expressions: the Python types that descriptions use. Private to this room.
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -15,13 +15,13 @@ struct XacroScope;
 struct XacroValue;
 using XacroDict = std::vector<std::pair<XacroValue, XacroValue>>;
 
-/// Tuples are lists that are written and compared as tuples.
+/// Tuples are lists that are printed and compared as tuples.
 struct XacroList : std::vector<XacroValue> {
   using std::vector<XacroValue>::vector;
   bool is_tuple = false;
 };
 
-/// A function or a type by its name, as it is given to map() or isinstance().
+/// A function or type by name, as an argument of map() or isinstance().
 struct XacroFunction {
   std::string name;
 };
@@ -51,29 +51,29 @@ struct XacroValue {
   }
 };
 
-/// As Python's str() and repr() write it.
+/// As Python's str() and repr() print it.
 std::string str_of(const XacroValue& value);
 std::string repr_of(const XacroValue& value);
 bool truth_of(const XacroValue& value);
-/// A float as Python writes it: the shortest that reads back the same.
+/// A float as Python prints it: the shortest text that reads back the same.
 std::string float_text(double value);
-/// The same in lists and dictionaries of its own.
+/// A deep copy of lists and dictionaries.
 XacroValue copy_of(const XacroValue& value);
 /// "5" → 5, "0.5" → 0.5, "true" → True, "'text'" → text; else the text itself.
 XacroValue literal_of(const XacroValue& value);
 
-/// What an expression may reach.
+/// The names that an expression may use.
 struct XacroNames {
-  /// A property, or nothing when there is none of that name.
+  /// Looks up a property; false if it does not exist.
   std::function<bool(const std::string& name, XacroValue& out)> property;
-  /// A function of xacro itself ("load_yaml", "arg", "find", "env", …); false when there is none.
+  /// Calls a function of xacro itself ("load_yaml", "arg", "find", "env", …); false if it does not exist.
   std::function<bool(const std::string& name, const XacroList& arguments, XacroValue& out)> function;
-  /// A property of a name space.
+  /// Looks up a property of a name space.
   std::function<bool(const XacroScope* space, const std::string& name, XacroValue& out)> member;
 };
 
-/// Evaluates what stands in ${…}. Throws Error without a place for what is wrong. Nothing in it runs code,
-/// reads files beside what `function` does, or takes for ever.
+/// Evaluates the text inside ${…}. Throws Error without a place for faults. An expression cannot run code,
+/// cannot read files except through `function`, and always terminates.
 XacroValue evaluate_expression(std::string_view text, const XacroNames& names);
 
 }  // namespace polyarm::description

@@ -1,5 +1,5 @@
 #pragma once
-/// YAML as xacro's load_yaml reads it: version 1.1, with units. Private to the room.
+/// Reads YAML as xacro's load_yaml does: version 1.1, with units. Private to this room.
 #include <functional>
 #include <string>
 
@@ -7,10 +7,10 @@
 
 namespace polyarm::description {
 
-/// Maps keep the order of their keys; of a key that stands twice the last value holds; "<<" takes over the
-/// keys of other maps. Plain words become the numbers, truth values and nulls that YAML 1.1 takes them for.
-/// What is tagged !degrees, !radians, !meters, !millimeters, !foot or !inches is an expression that
-/// `evaluate` reads; it becomes radians or metres. `file` is told in complaints. Throws Error with the place.
+/// Maps keep the order of their keys; of a duplicate key the last value counts; "<<" merges the keys of other
+/// maps. Plain words become numbers, booleans and nulls as in YAML 1.1. A value tagged !degrees, !radians,
+/// !meters, !millimeters, !foot or !inches is an expression for `evaluate`; it becomes radians or metres.
+/// `file` is used in messages. Throws Error with the place.
 XacroValue read_yaml(const std::string& text, const std::string& file,
                      const std::function<XacroValue(const std::string& expression)>& evaluate);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What the readers of XML descriptions share: values of elements, and complaints that carry their lines.
+/// Shared base of the readers of XML descriptions: values of elements, and problems with line numbers.
 #include <tinyxml2.h>
 
 #include <map>
@@ -13,8 +13,8 @@
 
 namespace polyarm::description {
 
-/// Base of the readers, private to the room. What cannot be used goes to `problems`, what is passed over to
-/// `warnings`; both may be one list.
+/// Base class of the readers, private to this room. Unusable input goes to `problems`, ignored input to
+/// `warnings`; both may be the same list.
 class XmlReader {
  protected:
   using Element = tinyxml2::XMLElement;
@@ -34,29 +34,29 @@ class XmlReader {
     warnings_.warning(std::move(code), at(e), std::move(what), std::move(advice));
   }
 
-  /// Trimmed; missing or empty is a problem that says what to write.
+  /// Trimmed; a missing or empty attribute is a problem with a hint.
   std::string attribute(const Element& e, const char* name, const std::string& example = "…");
-  /// Trimmed; empty where there is none.
+  /// Trimmed; empty if it is missing.
   static std::string optional_attribute(const Element& e, const char* name);
-  /// Empty where `e` is null or has none; a problem where it is not a finite number.
+  /// Empty if `e` is null or has no such attribute; a problem if it is not a finite number.
   std::optional<double> number(const Element* e, const char* name);
   std::optional<bool> boolean(const Element& e, const char* name);
-  /// A whole number of at least `least`.
+  /// An integer of at least `least`.
   std::optional<int> whole(const Element& e, const char* name, int least);
 
-  /// The trimmed text inside; empty where `e` is null.
+  /// The trimmed text inside; empty if `e` is null.
   static std::string text(const Element* e);
   static std::string text(const Element& parent, const char* child) {
     return text(parent.FirstChildElement(child));
   }
-  /// The number inside; a problem where it is none.
+  /// The number inside; a problem if there is none.
   std::optional<double> number_inside(const Element& e);
   std::optional<bool> boolean_inside(const Element& e);
   std::optional<bool> boolean_of(const Element& e, const std::string& label, std::string_view text);
   /// `<param name="…">text</param>`
   Parameters parameters(const Element& e);
 
-  /// A child that is not in `known` is a problem where it looks like a slip of a known one, else a warning.
+  /// A child that is not in `known` is a problem if it looks like a misspelled known one, else a warning.
   void check_children(const Element& e, const std::vector<std::string>& known);
   /// An attribute that is not in `known` is a warning.
   void check_attributes(const Element& e, const std::vector<std::string>& known);
