@@ -12,7 +12,7 @@ namespace polyarm::description {
 
 namespace {
 
-constexpr double kLevel = 0.2;  // sine of the angle up to which an axis counts as horizontal
+constexpr double kLevel = 0.2;  // sine of the largest angle at which an axis counts as horizontal
 constexpr std::size_t kFewest = 2;
 
 const Joint* joint_above(const RobotModel& model, std::size_t link) {
@@ -64,7 +64,7 @@ bool is_identity(const Inertial& inertial) {
   return inertial.inertia == std::array<double, 6>{1, 0, 0, 1, 0, 1};
 }
 
-/// Nobody's joints all have this effort.
+/// No real robot has this effort in all its joints.
 bool is_placeholder_effort(double effort) {
   return effort == 1 || effort == 1000 || effort >= 9999;
 }

@@ -25,7 +25,7 @@ std::string name_of(const fs::path& file) {
   return file.parent_path().filename().string() + "/" + file.stem().string();
 }
 
-/// Are these a maker and a model with a slash between them, and no way to another folder?
+/// True for a maker and a model with a slash between them, and no path to another folder.
 bool is_whole_name(const std::string& name) {
   const std::size_t slash = name.find('/');
   if (slash == std::string::npos || name.find('/', slash + 1) != std::string::npos) return false;
@@ -34,7 +34,7 @@ bool is_whole_name(const std::string& name) {
   return true;
 }
 
-/// What is in a folder; nothing where it cannot be listed.
+/// The content of a folder; empty if it cannot be listed.
 std::vector<fs::path> content_of(const fs::path& folder) {
   std::vector<fs::path> out;
   std::error_code error;
@@ -59,12 +59,12 @@ std::vector<fs::path> robot_files(const std::vector<fs::path>& folders) {
 
 }  // namespace
 
-/// A robot file of ours, or a description that a user has added; its warnings were told then.
+/// A robot file, or a description that a user has added; its warnings were shown at that time.
 static RobotModel read_entry(const fs::path& file) {
   if (file.extension() != ".urdf") return read_robot_file(file);
   Problems found;
   RobotModel out = read_urdf(read_file(file, bounds::kXmlBytes), file.string(), found);
-  if (found.has_errors()) out.hardware.clear();  // it was told when the robot was added
+  if (found.has_errors()) out.hardware.clear();  // the fault was shown when the robot was added
   for (const Link& link : out.links)             // its user has added it with the meshes that it names
     for (const auto* shapes : {&link.visuals, &link.collisions})
       for (const Shape& shape : *shapes) reach().allow_reading(shape.mesh_path);
@@ -158,7 +158,8 @@ void add_srdf_beside(const fs::path& description, RobotModel& model, Problems& w
   const fs::path file = srdf_beside(description);
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return;
-  // Nobody named this file: its faults do not refuse the robot. MoveIt, too, logs such lines and goes on.
+  // The user did not name this file, so its faults do not reject the robot. MoveIt also logs such lines and
+  // continues.
   Problems lines, whole;
   collect(whole, [&] { read_srdf(read_file(file, bounds::kXmlBytes), file.string(), model, lines); });
   for (const auto& [problems, left_out] :
@@ -176,7 +177,7 @@ static std::string naming(const std::vector<fs::path>& callers) {
   return "name what includes it: " + join(names, ", ");
 }
 
-/// A file that defines parts of robots and is none itself: what to name instead.
+/// A file that defines parts of robots but no robot: names what to use instead.
 static Error only_macros(const fs::path& path, const std::vector<std::string>& macros) {
   const auto callers = files_that_include(path);
   return Error(Problem{"only-macros",
@@ -185,7 +186,7 @@ static Error only_macros(const fs::path& path, const std::vector<std::string>& m
                        callers.empty() ? "name the description that includes it" : naming(callers)});
 }
 
-/// A description file, expanded first where it is xacro; places then are those of the expanded text.
+/// A description file, expanded first if it is xacro; locations then refer to the expanded text.
 static RobotModel read_description(const fs::path& path, Problems& warnings,
                                    const std::map<std::string, std::string>& arguments) {
   const std::string text = read_file(path);

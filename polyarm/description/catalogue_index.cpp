@@ -25,7 +25,7 @@ constexpr const char* kEstimated = "estimated";
 /// path, state of the file, name, maker, model, axes, reach, payload, mass, estimated
 constexpr std::size_t kFields = 10;
 
-/// Size and time of a file; empty where it is not there.
+/// Size and time of a file; empty if it does not exist.
 std::string state_of(const fs::path& file) {
   struct stat now {};
   if (::stat(file.c_str(), &now) != 0) return {};
@@ -33,7 +33,7 @@ std::string state_of(const fs::path& file) {
                      static_cast<std::int64_t>(now.st_mtim.tv_sec), now.st_mtim.tv_nsec);
 }
 
-/// An index belongs to the build that made it, which may read files in another way than the next.
+/// An index belongs to the build that made it; the next build may read files differently.
 std::string first_line() {
   return "polyarm: catalogue-index/1 " + state_of("/proc/self/exe");
 }
@@ -88,7 +88,7 @@ CatalogueIndex::CatalogueIndex(fs::path file) : file_{std::move(file)} {
     if (lines.empty() || lines.front() != first_line()) return;
     for (std::size_t i = 1; i < lines.size(); ++i)
       lines_.emplace(lines[i].substr(0, lines[i].find(kBetween)), lines[i]);
-  } catch (const Error&) {  // it is made anew
+  } catch (const Error&) {  // it is rebuilt
     lines_.clear();
   }
 }

@@ -20,7 +20,7 @@ double number_of(std::string_view text, std::string_view whole, const std::strin
       "write a number, '4..6', '>=1.2' or '<500' (in quotes, so that the shell leaves > and < alone)");
 }
 
-/// For comparing makers: "Universal Robots", "universal_robots" and "universal robots" are one.
+/// For comparing makers: "Universal Robots", "universal_robots" and "universal robots" are equal.
 std::string plain(std::string_view text) {
   std::string out;
   for (const char c : text)
@@ -60,7 +60,7 @@ bool wanted(const CatalogueEntry& robot, const CatalogueQuery& query) {
 
 using Key = std::function<double(const CatalogueEntry&)>;
 
-/// What the robots are sorted by; robots without the figure come last either way.
+/// The sort keys; robots without the figure come last in both orders.
 const std::map<std::string, Key>& sort_keys() {
   static const std::map<std::string, Key> keys = {
       {"axes", [](const CatalogueEntry& r) { return r.axes; }},

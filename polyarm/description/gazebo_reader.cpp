@@ -36,7 +36,7 @@ void GazeboReader::apply(const Element& e, RobotModel& model) {
   }
 }
 
-/// `<plugin>` of ros2_control names its controllers file; the plugin itself is passed over.
+/// The `<plugin>` of ros2_control names its controller file; the plugin itself is ignored.
 void GazeboReader::controllers(const Element& plugin, RobotModel& model) {
   if (std::string_view(plugin.Name()) != "plugin") return;
   for (const Element* p = plugin.FirstChildElement("parameters"); p;
@@ -49,7 +49,7 @@ void GazeboReader::controllers(const Element& plugin, RobotModel& model) {
   }
 }
 
-/// Counts for every link that does not say its own.
+/// Applies to every link without its own values.
 bool GazeboReader::whole_robot(const Element& e, RobotModel& model) {
   const std::string_view tag = e.Name();
   if (tag != "self_collide" && tag != "selfCollide") return false;
@@ -89,7 +89,7 @@ bool GazeboReader::joint(const Element& e, Joint& joint) {
   return true;
 }
 
-/// A number of at least zero, inside or in the attribute `value`.
+/// A number >= 0, inside the element or in its attribute `value`.
 std::optional<double> GazeboReader::amount(const Element& e) {
   const auto out = e.Attribute("value") ? number(&e, "value") : number_inside(e);
   if (!out || *out >= 0) return out;

@@ -10,8 +10,8 @@ namespace polyarm::description {
 
 namespace {
 
-/// What some release of ROS 2 takes is mended with a warning, so that the rest of the robot runs; what none
-/// takes is a problem.
+/// A fault that some release of ROS 2 accepts is repaired with a warning, so that the rest of the robot
+/// works; any other fault is a problem.
 class HardwareCheck {
  public:
   HardwareCheck(const RobotModel& model, Problems& problems, Problems& warnings)
@@ -48,7 +48,7 @@ class HardwareCheck {
   }
 
  private:
-  /// Every block has a name, and no two the same.
+  /// Ensures that every block has a unique name.
   void name(HardwareInfo& hardware) {
     const std::string given = hardware.name;
     std::string wanted = !given.empty() ? given : model_.name.empty() ? "hardware" : model_.name;
@@ -87,7 +87,7 @@ class HardwareCheck {
 
   void mimic(ComponentInfo& component) {
     const int found = model_.find_joint(component.name);
-    if (found < 0) return;  // it has no name, which is reported
+    if (found < 0) return;  // it has no name, which is reported elsewhere
     const Joint& joint = model_.joints[static_cast<std::size_t>(found)];
     if (component.mimic.value_or(false) && !joint.mimic) {
       warnings_.warning(

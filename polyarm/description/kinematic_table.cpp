@@ -30,7 +30,7 @@ struct DhRow {
   double a, alpha, d, theta;
 };
 
-/// The parameter that the joint's value is added to may be left out.
+/// The parameter to which the joint's value is added is optional.
 DhRow read_dh(const Yaml& row, JointType type) {
   const bool slides = type == JointType::prismatic;
   DhRow out{
@@ -85,7 +85,7 @@ Screw read_screw(const Yaml& row, JointType type) {
           slides && !row.has("point") ? Vec3{} : row.required("point").vec3()};
 }
 
-/// Every complaint about a row names it.
+/// Adds the row number to an error.
 Error in_row(const Error& e, std::size_t number, const Yaml& row) {
   std::vector<Problem> out = e.problems();
   for (Problem& p : out) {
@@ -110,7 +110,7 @@ void each_row(const Yaml& rows, Problems& problems, Step step) {
 
 KinematicTable read_dh_table(bool modified, const Yaml& rows, const Pose& flange, Problems& problems) {
   KinematicTable out;
-  Pose pending;  // what of the row before comes behind its joint
+  Pose pending;  // the part of the previous row behind its joint
   each_row(rows, problems, [&](const Yaml& row) {
     TableJoint joint;
     joint.type = row_type(row);
@@ -155,7 +155,7 @@ Shape capsule_to(const Vec3& end, double radius) {
   return out;
 }
 
-/// The way from a link's frame to the end of the link: the next moving joint, else the furthest fixed one.
+/// The vector from a link's frame to the end of the link: the next moving joint, else the furthest fixed one.
 Vec3 way_on(const RobotModel& model, int link) {
   Vec3 furthest;
   for (const Joint& joint : model.joints) {
@@ -167,7 +167,7 @@ Vec3 way_on(const RobotModel& model, int link) {
   return furthest;
 }
 
-/// How many moving joints lie before each link.
+/// The number of moving joints before each link.
 std::vector<int> depths(const RobotModel& model) {
   std::vector<int> out(model.links.size(), 0);
   for (const Joint& joint : model.joints)
@@ -205,7 +205,7 @@ void derive_shapes(RobotModel& model) {
   double span = 0;
   for (const Joint& joint : model.joints) span += norm(joint.origin.position);
   if (!(span > 0)) return;
-  std::vector<bool> carries(model.links.size(), false);  // the root, and what a joint moves
+  std::vector<bool> carries(model.links.size(), false);  // the root, and every link that a joint moves
   carries[static_cast<std::size_t>(model.root)] = true;
   for (const Joint& joint : model.joints) carries[static_cast<std::size_t>(joint.child_link)] = joint.moves();
   for (std::size_t i = 0; i < model.links.size(); ++i) {

@@ -29,7 +29,7 @@ std::vector<std::string> names_of(const Index& index) {
   return out;
 }
 
-/// Fills the link indices of the joints; false where a name is unknown.
+/// Fills the link indices of the joints; false if a name is unknown.
 bool resolve(const RobotModel& model, std::vector<NamedJoint>& joints, const Index& links,
              Problems& problems) {
   bool good = true;
@@ -111,7 +111,8 @@ std::vector<std::string> names_to_follow(const RobotModel& model) {
   return out;
 }
 
-/// Who follows whom. A joint that cannot follow moves by itself, as robot_state_publisher and KDL have it.
+/// Finds the leading joints. A joint that cannot follow becomes independent, as in robot_state_publisher and
+/// KDL.
 void find_mimicked(RobotModel& model, const std::vector<NamedJoint>& joints, Problems& warnings) {
   const auto alone = [&](std::size_t i, const std::string& why) {
     warnings.warning("bad-mimic", joints[i].where,
@@ -135,7 +136,7 @@ void find_mimicked(RobotModel& model, const std::vector<NamedJoint>& joints, Pro
   }
 }
 
-/// Followers of followers are tied to the first in the row.
+/// Followers of followers are connected to the first leader.
 void shorten_mimic_rows(RobotModel& model, const std::vector<NamedJoint>& joints, Problems& warnings) {
   for (std::size_t i = 0; i < joints.size(); ++i) {
     auto& mimic = model.joints[i].mimic;
@@ -181,7 +182,7 @@ Vec3 unit_inertia(const Shape& s) {
               (s.size.x * s.size.x + s.size.y * s.size.y) / 12};
     case ShapeKind::sphere:
       return {0.4 * s.radius * s.radius, 0.4 * s.radius * s.radius, 0.4 * s.radius * s.radius};
-    default: {  // a capsule is taken as a cylinder of its whole length
+    default: {  // a capsule counts as a cylinder of its whole length
       const double l = s.length + (s.kind == ShapeKind::capsule ? 4.0 / 3 * s.radius : 0);
       const double across = (3 * s.radius * s.radius + l * l) / 12;
       return {across, across, s.radius * s.radius / 2};
@@ -248,7 +249,7 @@ Inertial inertial_of(const std::vector<Shape>& shapes, double density) {
 bool plausible(const Inertial& inertial) {
   const auto& [xx, xy, xz, yy, yz, zz] = inertial.inertia;
   if (!(inertial.mass > 0) || !(xx > 0) || !(yy > 0) || !(zz > 0)) return false;
-  // Positive definite by its minors; the triangle inequality of the diagonal is necessary in every axes.
+  // Positive definite by its minors; the triangle inequality of the diagonal is necessary in all axes.
   const double det2 = xx * yy - xy * xy;
   const double det3 = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
   const double slack = 1e-9 + 1e-3 * (xx + yy + zz);
@@ -256,7 +257,7 @@ bool plausible(const Inertial& inertial) {
 }
 
 void complete_inertials(RobotModel& model, Problems& warnings) {
-  // Arms weigh about this much for the volume of the capsules around their links, which are loose.
+  // Typical density of arms relative to the volume of the capsules around their links, which are loose.
   constexpr double kDensity = 700;
   std::vector<std::string> estimated, repaired;
   for (Link& link : model.links) {

@@ -1,11 +1,12 @@
 #pragma once
+/// Builds a model from the names in a file, and completes its masses. Private to this room. SI units.
 #include <string>
 
 #include "polyarm/description/robot_model.hpp"
 
 namespace polyarm::description {
 
-/// Builds a model from the names in a file. Private to this room.
+/// A joint with the names from the file, before they become indices.
 struct NamedJoint {
   Joint joint;
   std::string parent, child, mimics;

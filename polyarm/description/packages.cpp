@@ -25,7 +25,7 @@ void add_from(const char* variable, const char* below, std::vector<fs::path>& ou
 
 constexpr std::size_t kLargestManifest = 1 << 20;
 
-/// The name that a folder's package.xml gives, or "".
+/// The name in a folder's package.xml, or "".
 std::string declared_name(const fs::path& folder) {
   std::error_code error;
   const fs::path file = folder / "package.xml";
@@ -33,7 +33,7 @@ std::string declared_name(const fs::path& folder) {
   std::string text;
   Problems ignored;
   {
-    const AsUser user;  // what a folder calls itself is no secret, and packages lie beside the cell
+    const AsUser user;  // the name of a package is no secret, and packages lie outside the cell's folder
     collect(ignored, [&] { text = read_file(file, kLargestManifest); });
   }
   tinyxml2::XMLDocument document;
@@ -43,7 +43,7 @@ std::string declared_name(const fs::path& folder) {
   return name && name->GetText() ? std::string(trim(name->GetText())) : folder.filename().string();
 }
 
-/// A folder whose content build tools of ROS pass over.
+/// A folder that ROS build tools ignore.
 bool is_ignored(const fs::path& folder) {
   std::error_code error;
   for (const char* mark : {"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"})
@@ -53,15 +53,15 @@ bool is_ignored(const fs::path& folder) {
 
 constexpr int kMostFolders = 20'000, kDeepestPackage = 8;
 
-/// The packages below a folder by their names, found as build tools of ROS find them: at any depth, but not
-/// within packages, hidden folders and those that say so. Of one name the one that is found first, near the
-/// root.
+/// The packages below a folder by name, found as ROS build tools find them: at any depth, but not inside
+/// packages, hidden folders and ignored folders. Of several packages with one name the first one counts,
+/// nearest to the root.
 class Workspace {
  public:
   explicit Workspace(fs::path root) : root_{std::move(root)} {}
 
   fs::path find(const std::string& name) {
-    if (declared_name(root_ / name) == name) return root_ / name;  // as installations have it
+    if (declared_name(root_ / name) == name) return root_ / name;  // the layout of installations
     if (!looked_) look();
     const auto found = packages_.find(name);
     return found == packages_.end() ? fs::path{} : found->second;
@@ -82,7 +82,7 @@ class Workspace {
   void look_into(const fs::path& folder, bool may_be_package, std::vector<fs::path>& below) {
     std::error_code error;
     if (seen_ > kMostFolders || is_ignored(folder)) return;
-    if (!visited_.insert(fs::weakly_canonical(folder, error)).second) return;  // links may lead in circles
+    if (!visited_.insert(fs::weakly_canonical(folder, error)).second) return;  // links may form a cycle
     if (const std::string name = declared_name(folder); !name.empty()) {
       packages_.emplace(name, folder);
       if (may_be_package) return;
@@ -101,7 +101,7 @@ class Workspace {
   int seen_ = 0;
 };
 
-/// A folder below `root` that is the package: of its name, or at any of the next two levels.
+/// The folder below `root` that is the package: by name, or at the next two levels.
 fs::path find_below(const fs::path& root, const std::string& name, int levels) {
   std::error_code error;
   if (declared_name(root / name) == name) return root / name;
@@ -134,7 +134,7 @@ PackageSearch packages_near(const fs::path& file, const std::map<std::string, fs
   const auto find = [known, above, workspaces](const std::string& name) -> fs::path {
     if (const auto found = known.find(name); found != known.end()) return found->second;
     if (name.empty() || name.find('/') != std::string::npos || name == "..") return {};
-    bool inside = true;  // of packages: a workspace is looked through two levels deep, not the whole disk
+    bool inside = true;  // inside packages: a workspace is searched two levels deep, not the whole disk
     for (std::size_t i = 0; i < above.size() && i < 8; ++i) {
       const std::string own = declared_name(above[i]);
       if (own == name) return above[i];
@@ -148,7 +148,7 @@ PackageSearch packages_near(const fs::path& file, const std::map<std::string, fs
   };
   return [find](const std::string& name) {
     fs::path found = find(name);
-    reach().allow_reading(found);  // descriptions are read from packages, wherever they are
+    reach().allow_reading(found);  // descriptions are read from packages anywhere on the disk
     return found;
   };
 }
@@ -197,7 +197,7 @@ std::vector<fs::path> files_that_include(const fs::path& file) {
 
 namespace {
 
-/// Does the letter belong to the "[a-z]" or "[!a-z]" that begins at `at`? `at` moves to its end.
+/// True if the letter belongs to the "[a-z]" or "[!a-z]" that begins at `at`. Moves `at` to its end.
 bool in_set(std::string_view pattern, std::size_t& at, char letter) {
   const bool inverted = at + 1 < pattern.size() && pattern[at + 1] == '!';
   const std::size_t first = at + (inverted ? 2 : 1);
@@ -213,7 +213,7 @@ bool in_set(std::string_view pattern, std::size_t& at, char letter) {
   return found != inverted;
 }
 
-/// Names that begin with a '.' are matched by patterns that do.
+/// Only patterns that begin with a '.' match names that do.
 bool name_matches(std::string_view pattern, std::string_view name) {
   if (name.starts_with('.') && !pattern.starts_with('.')) return false;
   std::size_t p = 0, n = 0, star = std::string_view::npos, resume = 0;
@@ -226,7 +226,7 @@ bool name_matches(std::string_view pattern, std::string_view name) {
                                                         : pattern[p] == '?' || pattern[p] == name[n])) {
       p = next + 1;
       ++n;
-    } else if (star != std::string_view::npos) {  // the last * takes one letter more
+    } else if (star != std::string_view::npos) {  // the last * takes one more letter
       p = star + 1;
       n = ++resume;
     } else {

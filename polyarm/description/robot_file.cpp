@@ -28,7 +28,7 @@ std::optional<double> optional_number(const Yaml& yaml, Dimension dimension) {
   return yaml.number(dimension);
 }
 
-/// The same for what makes no sense unless it is above zero.
+/// The same for values that must be positive.
 std::optional<double> optional_positive(const Yaml& yaml, Dimension dimension) {
   const auto value = optional_number(yaml, dimension);
   if (value && !(*value > 0))
@@ -36,7 +36,7 @@ std::optional<double> optional_positive(const Yaml& yaml, Dimension dimension) {
   return value;
 }
 
-/// Places within a kilometre: nothing that follows overflows.
+/// Positions within a kilometre, so that nothing overflows later.
 Vec3 place(const Yaml& yaml) {
   const Vec3 out = yaml.vec3();
   if (!(std::max({std::abs(out.x), std::abs(out.y), std::abs(out.z)}) < 1000))
@@ -71,7 +71,7 @@ JointLimits read_limits(const Yaml& yaml, bool slides) {
   return out;
 }
 
-/// What a joint says beside where it stands.
+/// The data of a joint apart from its position.
 void read_joint_facts(const Yaml& yaml, Joint& joint) {
   joint.limits = read_limits(yaml, joint.type == JointType::prismatic);
   joint.damping = yaml["damping"].number(Dimension::none, 0);
@@ -98,7 +98,7 @@ NamedJoint read_joint(const Yaml& yaml, Problems& problems) {
   return out;
 }
 
-/// A link that the file's table implies, unless it is among `links` already.
+/// Adds a link that the table implies, unless it exists.
 void imply_link(RobotModel& model, const std::string& name) {
   if (model.find_link(name) >= 0) return;
   model.links.emplace_back();
@@ -199,7 +199,7 @@ void read_provenance(const Yaml& yaml, RobotModel& model) {
   p.notes = yaml["notes"].texts();
 }
 
-/// The joint's value, which has to be within its limits.
+/// The joint's value; it must be within its limits.
 double read_joint_value(const Yaml& yaml, const Joint& joint) {
   const double value = yaml.number(joint.type == JointType::prismatic ? Dimension::length : Dimension::angle);
   if (value < joint.limits.lower.value_or(value) || value > joint.limits.upper.value_or(value))
@@ -227,7 +227,7 @@ void read_named_states(const Yaml& yaml, RobotModel& model, Problems& problems) 
   }
 }
 
-/// The actuated joint called `name`, -1 and a problem where there is none.
+/// The actuated joint `name`; -1 and a problem if there is none.
 int actuated_joint(const std::string& name, const Location& where, const RobotModel& model,
                    Problems& problems) {
   const std::vector<std::string> names = model.joint_names();
@@ -252,7 +252,7 @@ ControllerAxis read_controller_axis(const Yaml& yaml, bool slides, const RobotMo
   return out;
 }
 
-/// Joints that `display` does not name show their value as it is.
+/// Joints that `display` does not name show their own value.
 void read_controller_axes(const Yaml& yaml, RobotModel& model, Problems& problems) {
   if (!yaml.defined()) return;
   yaml.check_keys({"source", "display"}, problems);

@@ -48,7 +48,7 @@ std::vector<std::string> RobotModel::joint_names() const {
 }
 
 namespace {
-/// Positions that the hardware of a robot declares for the start, by joint.
+/// Initial positions that the hardware of a robot declares, by joint.
 std::map<std::string, double> declared_start(const RobotModel& model) {
   std::map<std::string, double> out;
   for (const HardwareInfo& hardware : model.hardware)

@@ -13,7 +13,7 @@ bool holds(const std::vector<std::string>& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// The smallest and largest value of an integer type; nothing for other types.
+/// The range of an integer type; empty for other types.
 std::optional<std::pair<double, double>> range_of(const std::string& type) {
   const bool is_unsigned = type.starts_with("uint");
   if (!is_unsigned && !type.starts_with("int")) return std::nullopt;
@@ -21,7 +21,7 @@ std::optional<std::pair<double, double>> range_of(const std::string& type) {
   return std::pair{is_unsigned ? 0 : -most - 1, most};
 }
 
-/// A value as its type writes it; bools as 0 and 1.
+/// A value in the notation of its type; bools become 0 and 1.
 std::optional<double> parse_value(const std::string& type, const std::string& text) {
   if (type == "bool") {
     const std::string word = lower(text);
@@ -44,7 +44,7 @@ HardwareInfo Ros2ControlReader::hardware(const Element& e) {
   static const std::vector<std::string> kTypes{"system", "actuator", "sensor"};
   HardwareInfo out;
   out.where = at(e);
-  out.name = optional_attribute(e, "name");  // check_hardware gives it one
+  out.name = optional_attribute(e, "name");  // check_hardware gives it a name
   out.type = attribute(e, "type", "system");
   if (const std::string small = lower(out.type); small != out.type && holds(kTypes, small)) {
     warning(e, "bad-type",
@@ -291,7 +291,7 @@ TransmissionInfo Ros2ControlReader::robot_transmission(const Element& e) {
   return out;
 }
 
-/// A reduction beside the ends, as the oldest files have it, belongs to the first actuator.
+/// A reduction outside the ends, as in the oldest files, belongs to the first actuator.
 TransmissionEnd Ros2ControlReader::robot_transmission_end(const Element& e, const Element& transmission) {
   TransmissionEnd out;
   out.name = optional_attribute(e, "name");

@@ -14,8 +14,8 @@ namespace polyarm::description {
 
 namespace {
 
-constexpr double kDensity = 500;  // kg/m³, of a part that states no mass
-/// Beyond these is no scene: a unit was forgotten. m, m/s, m/s², kg.
+constexpr double kDensity = 500;  // kg/m³, for a part without a mass
+/// Larger values are faults, for example a missing unit. m, m/s, m/s², kg.
 constexpr double kFarthest = bounds::kSceneMetres, kFastest = bounds::kSceneSpeed,
                  kHardest = bounds::kSceneAcceleration, kHeaviest = bounds::kSceneMass;
 constexpr double kLongestWay = bounds::kMoverSeconds;  // s; a dry run waits for it
@@ -33,13 +33,13 @@ double amount(const Yaml& y, Dimension of, double fallback, double most, const c
 double length(const Yaml& y, double fallback) {
   return amount(y, Dimension::length, fallback, kFarthest, "m");
 }
-/// Of a list, or of a single number.
+/// For a list or a single number.
 void require_near(const Yaml& y) {
   if (y.is_map()) return;
   for (const Yaml& each : y.items())
     if (each.is_scalar()) bounded(each.number(Dimension::length), each, kFarthest, "m");
 }
-/// What says where a thing is, and how large.
+/// For the keys that give position and size.
 void require_near(const Yaml& y, const std::vector<std::string>& keys) {
   for (const std::string& key : keys) require_near(y[key]);
 }
@@ -56,7 +56,7 @@ std::vector<std::string> names_of(const std::vector<Named>& list) {
   return out;
 }
 
-/// Reads one scene; every method adds what is wrong to the problems and goes on.
+/// Reads one scene; every method adds faults to the problems and continues.
 class SceneReader {
  public:
   explicit SceneReader(const Yaml& yaml) : yaml_(yaml) {}
@@ -177,7 +177,7 @@ class SceneReader {
     scene_.fixtures.push_back(std::move(out));
   }
 
-  /// A floor area with walls around it (or only the region in which parts are counted).
+  /// A floor area with walls (or only the region in which parts are counted).
   void bin(const std::string& name, const Yaml& y) {
     y.check_keys({"at", "inner", "wall", "walls", "lower", "upper", "size"}, problems_);
     if (y.has("lower") || y.has("size")) {

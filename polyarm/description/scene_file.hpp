@@ -1,4 +1,5 @@
 #pragma once
+/// Reads scene files. SI units. Reads the disk: not for the cell thread.
 #include <string>
 
 #include "polyarm/base/yaml.hpp"
@@ -6,7 +7,7 @@
 
 namespace polyarm::description {
 
-/// Reads `polyarm: scene/1`. Throws Error with all faults, including unknown names. SI units; reads the disk.
+/// Reads `polyarm: scene/1`. Throws Error with all faults, including unknown names.
 Scene read_scene(const std::string& path);
 Scene read_scene(const Yaml& yaml);
 /// The same. Adds to `warnings` the values that the file does not state although a simulation depends on

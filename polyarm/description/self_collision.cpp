@@ -17,7 +17,7 @@ namespace polyarm::description {
 
 namespace {
 
-/// A convex body in its link's frame: the hull of its points, grown by its radius.
+/// A convex body in its link's frame: the hull of its points, expanded by its radius.
 struct Body {
   std::vector<Vec3> points;
   double radius = 0;
@@ -35,8 +35,8 @@ bool same_way(const Vec3& a, const Vec3& b) {
   return dot(a, b) > 0;
 }
 
-/// The simplex of the search, newest point first. Each function leaves the part nearest to the origin and
-/// the direction to it; true when the origin is inside. Gilbert, Johnson, Keerthi 1988, in the form without
+/// The simplex of the search, newest point first. Each function keeps the part nearest to the origin and the
+/// direction to it; true if the origin is inside. Gilbert, Johnson, Keerthi 1988, in the form without
 /// distances (Muratori 2006).
 struct Simplex {
   std::array<Vec3, 4> at{};
@@ -117,7 +117,7 @@ bool touch(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b)
   return true;  // round bodies that just touch
 }
 
-/// Points of a binary STL; none where it is no such file.
+/// The points of a binary STL file; empty for any other file.
 std::vector<Vec3> points_of_stl(const std::string& path, const Vec3& scale) try {
   const std::string bytes = read_file(path);
   std::uint32_t count = 0;
@@ -138,7 +138,7 @@ std::vector<Vec3> points_of_stl(const std::string& path, const Vec3& scale) try 
   return {};
 }
 
-/// A cylinder's rims as polygons around the circle.
+/// The rims of a cylinder as polygons outside the circle.
 std::vector<Vec3> rims(double radius, double length) {
   constexpr int kCorners = 24;
   const double outer = radius / std::cos(std::numbers::pi / kCorners);
@@ -151,7 +151,7 @@ std::vector<Vec3> rims(double radius, double length) {
   return out;
 }
 
-/// Empty where the shape is not known.
+/// Empty if the shape is unknown.
 Body body_of(const Shape& shape) {
   Body out;
   switch (shape.kind) {
@@ -226,7 +226,7 @@ class Bodies {
   std::vector<bool> known_;
 };
 
-/// The next link above that has a shape; -1 above the last.
+/// The next link towards the root that has a shape; -1 if there is none.
 int above(const RobotModel& model, const Bodies& bodies, int link) {
   for (;;) {
     const int joint = model.links[static_cast<std::size_t>(link)].parent_joint;

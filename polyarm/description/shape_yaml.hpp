@@ -1,4 +1,5 @@
 #pragma once
+/// Shapes in YAML files. Metres.
 #include <vector>
 
 #include "polyarm/base/yaml.hpp"
@@ -6,8 +7,8 @@
 
 namespace polyarm::description {
 
-/// Shapes in YAML files. The keys: `box: [x, y, z]`, `cylinder: {radius, height}`, `sphere: {radius}`,
-/// `capsule: {radius, length}`. Metres.
+/// The keys of a shape: `box: [x, y, z]`, `cylinder: {radius, height}`, `sphere: {radius}`, `capsule:
+/// {radius, length}`.
 const std::vector<std::string>& shape_keys();
 /// The shape that `yaml` defines, at its own origin; throws Error if it defines none or more than one.
 Shape read_shape(const Yaml& yaml);

@@ -52,7 +52,7 @@ class SrdfReader : private XmlReader {
               "this SRDF is of the robot '" + name + "', the description is of '" + model_.name + "'");
   }
 
-  /// The index of a link; -1 and a problem where there is none.
+  /// The index of a link; -1 and a problem if there is none.
   int link(const Element& e, const char* attribute_name) {
     const std::string name = attribute(e, attribute_name);
     const int out = name.empty() ? -1 : model_.find_link(name);
@@ -61,7 +61,8 @@ class SrdfReader : private XmlReader {
     return out;
   }
 
-  /// The same for a joint; joints to the world, which the cell places, are passed over silently.
+  /// The same for a joint; joints to the world are ignored without a message, because the cell places the
+  /// robot.
   int joint(const Element& e) {
     const std::string name = attribute(e, "name");
     const int out = name.empty() ? -1 : model_.find_joint(name);
@@ -75,7 +76,7 @@ class SrdfReader : private XmlReader {
   struct Draft {
     const Element* element = nullptr;
     std::set<int> joints, links;
-    bool open = false, done = false;  ///< open: its groups are being looked up
+    bool open = false, done = false;  ///< open: under evaluation
   };
 
   void groups(const Element& robot) {
@@ -195,7 +196,7 @@ class SrdfReader : private XmlReader {
 
   // --- states
 
-  /// "home" first: the other states fill from it.
+  /// "home" first, because the other states take values from it.
   void states(const Element& robot) {
     for (const bool home : {true, false})
       for_each(robot, "group_state", [&](const Element& e) {

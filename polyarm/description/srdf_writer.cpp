@@ -46,7 +46,7 @@ class SrdfWriter {
   const std::string& link(int index) const { return model_.links[static_cast<std::size_t>(index)].name; }
   const Joint& joint(int index) const { return model_.joints[static_cast<std::size_t>(index)]; }
 
-  /// Do the joints stand one below the other, without a gap?
+  /// True if the joints are consecutive.
   bool is_chain(const GroupInfo& group) const {
     for (std::size_t i = 1; i < group.joints.size(); ++i)
       if (joint(group.joints[i]).parent_link != joint(group.joints[i - 1]).child_link) return false;

@@ -18,7 +18,7 @@ constexpr std::string_view kFingers[] = {"finger", "jaw", "claw", "knuckle", "th
 constexpr std::string_view kFingersJoints[] = {"grip", "finger", "jaw", "claw", "knuckle", "thumb"};
 constexpr std::string_view kTurnsOfAWrist[] = {"roll", "pitch", "yaw", "wrist", "rotat"};
 constexpr std::string_view kNoEnds[] = {"finger", "thumb", "knuckle", "camera", "optical", "sensor", "imu"};
-/// What the point between fingers is called, the surest names first.
+/// Names for the point between fingers, the most certain first.
 constexpr std::string_view kPoints[] = {"tcp"};
 constexpr std::string_view kFrames[] = {"grasp", "gripper_frame", "tool_frame", "tool_link", "tool_center"};
 constexpr std::string_view kEnds[] = {"ee_gripper", "end_effector", "ee_link", "eef"};
@@ -29,7 +29,7 @@ bool names_one_of(const std::string& name, Words words) {
                      [&](std::string_view word) { return low.find(word) != std::string::npos; });
 }
 
-/// Where an arm ends and what it holds with begins. Indices are those of the model's links.
+/// Finds where an arm ends and its gripper begins. Indices are those of the model's links.
 class ArmEnd {
  public:
   explicit ArmEnd(const RobotModel& model)
@@ -54,15 +54,15 @@ class ArmEnd {
 
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-  static constexpr int kJoint = 1000;  ///< a joint that moves counts for more than any number of fixed ones
+  static constexpr int kJoint = 1000;  ///< weight of a moving joint: more than any number of fixed ones
   static int weight(const Joint& joint) { return joint.moves() ? kJoint : 1; }
 
   struct Body {
-    int link = 0;        ///< its first one
-    bool holds = false;  ///< fingers hang on it
+    int link = 0;        ///< its first link
+    bool holds = false;  ///< it carries fingers
   };
 
-  /// The last body of the longest chain, or the one before a gripper's fingers.
+  /// The last body of the longest chain, or the one that carries a gripper's fingers.
   Body last_body() const {
     int body = model_.root;
     for (int link = model_.root;;) {
@@ -81,8 +81,8 @@ class ArmEnd {
     }
   }
 
-  /// Whether fingers hang on it: moved by joints that are called so, or two or more branches that are
-  /// shorter than the arm.
+  /// True if the body carries fingers: joints with such names, or two or more branches that are shorter than
+  /// the arm.
   bool is_palm(int link) const {
     const int arm = above_[at(link)] / kJoint, hand = below_[at(link)] / kJoint;
     if (arm < 2 || hand == 0 || hand >= arm) return false;
@@ -96,7 +96,7 @@ class ArmEnd {
     return branches > 1 || called == 1;
   }
 
-  /// A bar of a linkage, which a joint nearer to the base moves; fingers follow fingers.
+  /// True for a bar of a linkage that a joint nearer to the base moves; fingers follow only fingers.
   bool follows_the_arm(const Joint& joint) const {
     if (!joint.mimic || joint.mimic->joint < 0) return false;
     const Joint& leader = model_.joints[at(joint.mimic->joint)];
@@ -109,7 +109,7 @@ class ArmEnd {
            names_one_of(model_.links[at(joint.child_link)].name, kFingers);
   }
 
-  /// The links that nothing moves against `link`, itself first, and how many fixed joints away they are.
+  /// The links that cannot move relative to `link`, itself first, and the number of fixed joints to each.
   std::vector<std::array<int, 2>> rigid_with(int link) const {
     std::vector<std::array<int, 2>> out{{link, 0}};
     for (std::size_t i = 0; i < out.size(); ++i)
@@ -118,7 +118,7 @@ class ArmEnd {
     return out;
   }
 
-  /// Fingers that do not move and what looks on are no end of an arm.
+  /// Fixed fingers and sensors are no end of an arm.
   int deepest(int body) const {
     std::array<int, 2> best{body, -1};
     for (const auto& [link, depth] : rigid_with(body))
@@ -126,8 +126,8 @@ class ArmEnd {
     return best[0];
   }
 
-  /// Of the body that carries fingers the link that its names call the point between them, else where the
-  /// fingers hang.
+  /// On the body that carries fingers, the link whose name denotes the point between them, else the link that
+  /// carries the fingers.
   int point_held(int body) const {
     const std::vector<std::array<int, 2>> links = rigid_with(body);
     for (const Words words : {Words(kPoints), Words(kFrames), Words(kEnds)}) {

@@ -1,4 +1,5 @@
 #pragma once
+/// Built-in tools and tool files. SI units. Reads the disk: not for the cell thread.
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,8 +9,7 @@
 
 namespace polyarm::description {
 
-/// Built-in tools and tool files. The names of the built-in tools: none, suction_cup, parallel_gripper. SI
-/// units.
+/// The names of the built-in tools: none, suction_cup, parallel_gripper.
 const std::vector<std::string>& built_in_tools();
 /// A built-in tool, or the file `name` (or `name.yaml`) in `folder` (`polyarm: tool/1`). Throws Error with
 /// similar names.

@@ -15,7 +15,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-/// Reads one description; complaints carry the line of the element.
+/// Reads one description; problems carry the line of the element.
 class UrdfReader : private XmlReader {
  public:
   UrdfReader(const std::string& file, Problems& problems, Problems& warnings, const UrdfOptions& options)
@@ -54,14 +54,14 @@ class UrdfReader : private XmlReader {
   }
 
  private:
-  /// Throws everything that was found, where the robot itself is wrong.
+  /// Throws all problems if the robot itself is faulty.
   void give_up_if_wrong() {
     if (!problems_.has_errors()) return;
     for (const Problem& fault : hardware_faults_.list()) problems_.add(fault);
     problems_.throw_if_errors();
   }
 
-  /// Kinematics has one value for each joint, which these do not.
+  /// Kinematics needs one value for each joint; these have none or several.
   void warn_of_free_joints(const Location& where) {
     for (const Joint& joint : model_.joints)
       if (joint.type == JointType::planar || joint.type == JointType::floating)
@@ -71,8 +71,8 @@ class UrdfReader : private XmlReader {
                           "nothing to do where it is the base; else give the joint one axis");
   }
 
-  /// The first element that only xacro understands: a tag of its own, or `${…}` in an attribute. Comments and
-  /// the name space that xacro leaves behind in what it expands do not count.
+  /// The first element that needs xacro: an xacro tag, or `${…}` in an attribute. Comments and the name space
+  /// that xacro leaves in its output do not count.
   static const XMLElement* unexpanded(const XMLElement& e) {
     if (std::string_view(e.Name()).starts_with("xacro:")) return &e;
     for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next())
@@ -82,8 +82,8 @@ class UrdfReader : private XmlReader {
     return nullptr;
   }
 
-  /// A description of hardware alone (the JetBot's of ROS 2 tutorials): its joints get a link each, without
-  /// shape, and turn for ever.
+  /// A description of hardware only (such as the JetBot of the ROS 2 tutorials): each joint gets a link
+  /// without shape and turns without limits.
   void stand_in(const Location& where) {
     for (const HardwareInfo& hardware : model_.hardware)
       for (const ComponentInfo& component : hardware.components) {
@@ -342,7 +342,7 @@ class UrdfReader : private XmlReader {
       if (const auto stated = number(l, name); stated && *stated > 0) *value = *stated;
   }
 
-  /// A range of nothing, which is what the format says for one that is not stated, means no range.
+  /// A range of size zero, which is the format's default, means no range.
   void soft_limits(const XMLElement& e, Joint& joint) {
     const XMLElement* s = e.FirstChildElement("safety_controller");
     if (!s || !joint.moves()) return;
@@ -399,7 +399,7 @@ class UrdfReader : private XmlReader {
     }
   }
 
-  /// The index of the link that the attribute names; the root, and a problem, where there is none.
+  /// The index of the link in the attribute; the root and a problem if there is none.
   int index_of(const XMLElement& e, const char* name) {
     const std::string link = attribute(e, name);
     const int found = model_.find_link(link);
@@ -407,7 +407,7 @@ class UrdfReader : private XmlReader {
     return std::max(found, 0);
   }
 
-  /// The index in `actuated` of the joint that the element names, none and a problem where there is none.
+  /// The index in `actuated` of the joint in the element; empty and a problem if there is none.
   std::optional<std::size_t> value_of(const XMLElement& e) {
     const std::vector<std::string> names = model_.joint_names();
     const std::string joint = attribute(e, "joint");
@@ -456,13 +456,13 @@ class UrdfReader : private XmlReader {
   }
 
   const UrdfOptions& options_;
-  Problems hardware_faults_;  ///< in <ros2_control>; kinematics does without
+  Problems hardware_faults_;  ///< in <ros2_control>; kinematics works without it
   Ros2ControlReader control_;
   GazeboReader gazebo_;
   RobotModel model_;
   std::vector<NamedJoint> joints_;
   std::set<std::string> passed_over_, link_names_;
-  const XMLElement* facts_ = nullptr;  ///< <polyarm>: what URDF has no place for
+  const XMLElement* facts_ = nullptr;  ///< <polyarm>: facts that URDF cannot express
 };
 
 }  // namespace

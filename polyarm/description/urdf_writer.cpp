@@ -219,7 +219,7 @@ class UrdfWriter {
     xml_.CloseElement();
   }
 
-  /// What URDF has no place for, in an element that other readers pass over.
+  /// Facts that URDF cannot express, in an element that other readers ignore.
   void write_facts(const RobotModel& model) {
     const Provenance& p = model.provenance;
     Attributes attributes{{"version", "1"}};
@@ -284,7 +284,8 @@ std::string write_urdf(const RobotModel& model) {
 
 bool is_launch_file(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
-  // Any Python file: view.launch.py, view_launch.py, and launch.py, too. No description or cell is Python.
+  // Any Python file, including view.launch.py, view_launch.py and launch.py: descriptions and cells are never
+  // Python.
   return name.ends_with(".launch") || name.ends_with(".py") || name.ends_with(".launch.xml") || name.ends_with(".launch.yaml");
 }
 

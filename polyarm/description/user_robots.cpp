@@ -27,7 +27,7 @@ void check_name(const std::string& name) {
                 "write maker/model in small letters, digits, '_' and '-', as in --name acme/one");
 }
 
-/// As near to zero as the joint may be, a little inside its limits.
+/// The value nearest to zero, slightly inside the joint's limits.
 double rest_of(const Joint& joint) {
   if (!joint.limits.lower || !joint.limits.upper) return 0;
   const double low = *joint.limits.lower, high = *joint.limits.upper, margin = 0.05 * (high - low);

@@ -114,7 +114,7 @@ class Expander : private XacroTexts {
   }
 
   void children(const XMLNode& in, XMLNode& out, Frame& frame) {
-    bool reads_comments = false;  // as a comment before them asked for
+    bool reads_comments = false;  // a comment before them requested it
     for (const XMLNode* child = in.FirstChild(); child; child = child->NextSibling()) {
       if (const XMLElement* e = child->ToElement()) {
         element(*e, out, frame);
@@ -132,7 +132,7 @@ class Expander : private XacroTexts {
     }
   }
 
-  /// Comments are kept, but for those right above an element of xacro: they are about it.
+  /// Keeps comments, except those directly above an xacro element, which describe it.
   void comment(const tinyxml2::XMLComment& note, XMLNode& out, Frame& frame, bool& reads_comments) {
     const std::string written = note.Value();
     if (written.find("xacro:eval-comments") != std::string::npos) {
@@ -145,7 +145,7 @@ class Expander : private XacroTexts {
     out.InsertEndChild(output_.NewComment(value.c_str()));
   }
 
-  /// No empty line is between them, and nothing but other comments.
+  /// True if only other comments and no empty line lie between.
   bool is_about_xacro(const tinyxml2::XMLComment& note) {
     const XMLNode* above = &note;
     for (const XMLNode* next = note.NextSibling(); next; above = next, next = next->NextSibling()) {
@@ -161,7 +161,7 @@ class Expander : private XacroTexts {
     return false;
   }
 
-  /// What the name spaces of XML are called that a file or macro uses is said where its elements go.
+  /// XML name space declarations of a file or macro are copied to where its elements go.
   void take_namespaces(const XMLElement& from, XMLNode& out) {
     XMLElement* into = out.ToElement();
     for (const tinyxml2::XMLAttribute* a = from.FirstAttribute(); into && a; a = a->Next())
@@ -206,7 +206,7 @@ class Expander : private XacroTexts {
 
   std::shared_ptr<XMLDocument> contents_of(const XMLElement& e, Frame& frame) {
     auto holder = std::make_shared<XMLDocument>();
-    XMLElement* made = output_.NewElement("holder");  // made in the output document, copied out of it
+    XMLElement* made = output_.NewElement("holder");  // created in the output document, then copied
     children(e, *made, frame);
     holder->InsertEndChild(copy_of_xml(*made, *holder));
     output_.DeleteNode(made);
@@ -239,7 +239,7 @@ class Expander : private XacroTexts {
     target.properties[name] = {given, lazy && given.text(), false};
   }
 
-  /// The scope that a property goes to. What leaves its own is evaluated at once.
+  /// The scope of a property. A property for another scope is evaluated immediately.
   XacroScope& target_of(const XMLElement& e, const std::string& name, Frame& frame, bool& lazy) {
     const std::string where = e.Attribute("scope") ? e.Attribute("scope") : "";
     XacroScope* target = frame.scope;
@@ -248,7 +248,7 @@ class Expander : private XacroTexts {
     } else if (where == "parent") {
       if (target->parent) target = target->parent;
       if (!frame.scope->is_space)
-        while (target->is_space) target = target->parent;  // to who called the macro
+        while (target->is_space) target = target->parent;  // the caller of the macro
     } else {
       if (!where.empty() && where != "local")
         warnings_.warning("xacro-scope", {frame.file.string(), e.GetLineNum()},
@@ -336,7 +336,7 @@ class Expander : private XacroTexts {
     frame.scope->macros[name] = std::move(macro);
   }
 
-  /// The name space of that name that is seen from `scope`.
+  /// The name space visible from `scope` under that name.
   static XacroScope* find_space(XacroScope* scope, const std::string& name) {
     for (; scope; scope = scope->parent)
       if (const auto found = scope->properties.find(name); found != scope->properties.end())
@@ -345,7 +345,7 @@ class Expander : private XacroTexts {
     return nullptr;
   }
 
-  /// "name" or "space.name"; `scope` becomes the one that the macro is expanded in.
+  /// "name" or "space.name"; sets `scope` to the one in which the macro is expanded.
   static const Macro* find_macro(std::string_view name, XacroScope*& scope) {
     for (auto dot = name.find('.'); dot != std::string_view::npos; dot = name.find('.')) {
       scope = find_space(scope, std::string(name.substr(0, dot)));
@@ -373,7 +373,8 @@ class Expander : private XacroTexts {
     if (steps_.size() > kDeepest) fail("the macro '" + name + "' leads deeper and deeper into itself");
     pay(20 + 20 * found->parameters.size());  // they are copied, and each may be looked for
     const Macro macro = *found;
-    Frame outer{frame.file, home};  // what is given is read where the macro lives, if it is a name space
+    Frame outer{frame.file, home};  // arguments are evaluated where the macro is defined, if that is a name
+                                    // space
     if (home != frame.scope) {
       outer.scope = &new_scope(home);
       outer.scope->otherwise = frame.scope;
@@ -401,7 +402,7 @@ class Expander : private XacroTexts {
     children(*macro.body, out, inner);
   }
 
-  /// The elements within a call, in the order of the parameters that take them.
+  /// The child elements of a call, in the order of the block parameters.
   void blocks(const XMLElement& e, const std::string& name, const Macro& macro, XacroScope& scope,
               Frame& frame) {
     const std::shared_ptr<XMLDocument> all = contents_of(e, frame);
@@ -424,7 +425,7 @@ class Expander : private XacroTexts {
       fail("the macro '" + name + "' has no parameter for the element <" + std::string(next->Name()) + ">");
   }
 
-  /// Defaults are read where the macro is called, not within it.
+  /// Defaults are evaluated at the call, not inside the macro.
   void defaults(const std::string& name, const Macro& macro, XacroScope& scope,
                 const std::set<std::string>& given, Frame& frame) {
     std::vector<std::string> missing;

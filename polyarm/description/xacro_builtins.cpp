@@ -45,7 +45,7 @@ Function two(double (*f)(double, double)) {
   };
 }
 
-/// min and max: of the arguments, or of the one list.
+/// min and max, of the arguments or of a single list.
 XacroValue extreme(const XacroList& given, bool largest) {
   const XacroList items = given.size() == 1 ? items_of(given[0]) : given;
   if (items.empty()) refuse("there is nothing to choose from");
@@ -55,7 +55,7 @@ XacroValue extreme(const XacroList& given, bool largest) {
   return *best;
 }
 
-/// To the nearest, halves to the even one; digits are those of the number as it is stored.
+/// Rounds to nearest, halves to even, using the digits of the number as stored.
 XacroValue rounded(const XacroList& a) {
   const double x = number_of(a.at(0));
   if (a.size() == 1) {
@@ -161,7 +161,7 @@ bool is_instance(const XacroValue& value, const XacroValue& type) {
          (wanted->name == "int" && std::holds_alternative<bool>(value.data));
 }
 
-/// map() and filter(): the function's value of each item, or the items for which it is true.
+/// map() and filter(): the function's value for each item, or the items for which it is true.
 XacroValue through(const XacroList& a, bool choose) {
   const auto* function = std::get_if<XacroFunction>(&a.at(0).data);
   if (!function && !(choose && std::holds_alternative<std::monostate>(a[0].data)))

@@ -1,4 +1,4 @@
-/// The expressions of xacro: a subset of Python that has no way to run code.
+/// xacro expressions: a subset of Python that cannot run code.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -101,7 +101,7 @@ class Lexer {
         if (c == 'n' || c == 't')
           c = c == 'n' ? '\n' : '\t';
         else if (c != '\\' && c != '\'' && c != '"')
-          out += '\\';  // stands for nothing: it stays
+          out += '\\';  // no escape sequence: the backslash stays
       }
       out += c;
     }
@@ -113,7 +113,7 @@ class Lexer {
   std::size_t at_ = 0;
 };
 
-/// Evaluates while it reads; what is not taken (the other branch of a condition) is read with `live_` off.
+/// Evaluates while it parses; a branch that is not taken is parsed with `live_` off.
 class Evaluator {
  public:
   Evaluator(std::vector<Token> tokens, const XacroNames& names) : tokens_(std::move(tokens)), names_(names) {}
@@ -236,7 +236,7 @@ class Evaluator {
     }
   }
 
-  /// | binds least, then ^, &, and the shifts.
+  /// | has the lowest precedence, then ^, &, and the shifts.
   XacroValue bits(std::size_t level = 0) {
     static const char* const signs[][2] = {{"|", "|"}, {"^", "^"}, {"&", "&"}, {"<<", ">>"}};
     if (level == std::size(signs)) return sum();
@@ -317,7 +317,7 @@ class Evaluator {
     }
   }
 
-  /// A name alone may be a function or a module: `name` says so until it is looked up.
+  /// A bare name may be a function or a module: `name` holds it until it is resolved.
   XacroValue atom(std::string& name) {
     const Deeper deeper(*this);
     const Token token = here();
@@ -402,7 +402,7 @@ class Evaluator {
 
   using Emit = std::function<void(XacroValue item, XacroValue value)>;
 
-  /// `for names in source`, `if condition`, as many as there are; then what stands at `element`.
+  /// Any number of `for names in source` and `if condition`; then evaluates the expression at `element`.
   void clauses(std::size_t element, const Emit& emit) {
     const Deeper deeper(*this);
     if (take_word("for")) {
@@ -513,7 +513,7 @@ class Evaluator {
     if (name.empty()) refuse("this cannot be called");
     XacroValue out;
     const auto dot = name.find('.');
-    const std::string bare = dot == std::string::npos ? name : name.substr(dot + 1);  // of a module
+    const std::string bare = dot == std::string::npos ? name : name.substr(dot + 1);  // in a module
     unresolved_.clear();
     XacroList all = values;
     if (bare == "tokenize")
@@ -588,7 +588,7 @@ class Evaluator {
   std::size_t at_ = 0, steps_ = 0, made_ = 0;
   int depth_ = 0;
   bool live_ = true;
-  std::string unresolved_;  // a name that nobody knows, as long as it may still be a function's
+  std::string unresolved_;  // an unknown name that may still be a function
   std::vector<std::pair<std::string, XacroValue>> locals_;
 };
 

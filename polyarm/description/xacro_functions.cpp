@@ -169,7 +169,7 @@ XacroValue repeated(const XacroValue& what, std::int64_t times) {
   return out;
 }
 
-/// What sets do; also where an item stands twice.
+/// Set operators; duplicate items are allowed.
 XacroValue set_arithmetic(const XacroList& a, const std::string& sign, const XacroList& b) {
   const auto within = [](const XacroList& list) {
     return [&list](const XacroValue& item) {

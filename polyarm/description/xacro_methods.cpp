@@ -1,5 +1,4 @@
-/// What xacro expressions may ask of texts, lists and dictionaries: "a,b".split(","), and texts with values
-/// put in.
+/// Methods of texts, lists and dictionaries in xacro expressions: "a,b".split(","), and formatted texts.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +21,7 @@ namespace polyarm::description {
 
 namespace {
 
-/// A value as a format like ".3f" or "03d" says.
+/// A value in a format such as ".3f" or "03d".
 std::string shown_as(const XacroValue& value, const std::string& format) {
   if (format.empty()) return str_of(value);
   std::size_t digits = 0, longest = 0;
@@ -49,7 +48,7 @@ XacroValue formatted(const std::string& pattern, const XacroList& values, const 
   for (std::size_t i = 0; i < pattern.size(); ++i) {
     const char c = pattern[i];
     if ((c == '{' || c == '}') && i + 1 < pattern.size() && pattern[i + 1] == c)
-      ++i;  // doubled: itself
+      ++i;  // a doubled brace is literal
     else if (c == '{') {
       const auto end = pattern.find('}', i);
       if (end == std::string::npos) refuse("a '{' has no partner");
@@ -113,7 +112,7 @@ bool every(const std::string& text, int (*is)(int)) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [&](unsigned char c) { return is(c) != 0; });
 }
 
-/// A text's method and what it is given.
+/// A text method and its arguments.
 struct TextCall {
   const std::string& text;
   const std::string& name;
@@ -131,7 +130,7 @@ std::string upper(std::string text) {
   return text;
 }
 
-/// Methods about capitals and kinds of letters.
+/// Methods for upper and lower case and for classes of letters.
 std::optional<XacroValue> letters_method(const TextCall& call) {
   const auto& [text, name, a] = call;
   if (name == "lower") return lower(text);
@@ -154,7 +153,7 @@ std::optional<XacroValue> letters_method(const TextCall& call) {
   return std::nullopt;
 }
 
-/// Methods that cut a text, or fill it.
+/// Methods that trim or pad a text.
 std::optional<XacroValue> trimming_method(const TextCall& call) {
   const auto& [text, name, a] = call;
   const auto strip = [&call, &text = call.text](bool left, bool right) -> XacroValue {
@@ -180,7 +179,7 @@ std::optional<XacroValue> trimming_method(const TextCall& call) {
   return std::nullopt;
 }
 
-/// Methods that look for a text in another, or put it elsewhere.
+/// Methods that find or replace a text in another.
 std::optional<XacroValue> finding_method(const TextCall& call) {
   const auto& [text, name, a] = call;
   if (name == "count") {
@@ -200,7 +199,7 @@ std::optional<XacroValue> finding_method(const TextCall& call) {
   if (name == "replace") {
     const std::string from = call.argument(0), to = call.argument(1);
     std::string out;
-    if (from.empty()) {  // stands before every letter and at the end
+    if (from.empty()) {  // matches before every letter and at the end
       require_short((text.size() + 1) * (to.size() + 1));
       for (const XacroValue& letter : items_of(text)) out += to + *letter.text();
       return out + to;
@@ -216,7 +215,7 @@ std::optional<XacroValue> finding_method(const TextCall& call) {
   return std::nullopt;
 }
 
-/// Methods that take texts apart and put them together.
+/// Methods that split and join texts.
 std::optional<XacroValue> parting_method(const TextCall& call) {
   const auto& [text, name, a] = call;
   if (name == "join") {
@@ -271,7 +270,7 @@ XacroValue text_method(const std::string& text, const std::string& name, const X
   refuse("a text has no method '" + name + "'");
 }
 
-/// list.pop and dict.pop: they change what they are asked of.
+/// list.pop and dict.pop: they change their object.
 XacroValue popped(const XacroValue& on, const XacroList& a) {
   if (const auto* list = std::get_if<std::shared_ptr<XacroList>>(&on.data)) {
     XacroList& items = **list;

@@ -16,7 +16,7 @@ static_assert(kDeepest == bounds::kXacroNesting && kMostElements == bounds::kXac
 
 namespace {
 
-/// A default ends at a blank that is neither within quotes nor within the `${…}` or `$(…)` that it is.
+/// A default ends at a blank outside of quotes, `${…}` and `$(…)`.
 std::size_t end_of_default(const std::string& text, std::size_t begin) {
   const auto ends = [&](std::size_t at) {
     return at >= text.size() || std::isspace(static_cast<unsigned char>(text[at]));
@@ -30,7 +30,7 @@ std::size_t end_of_default(const std::string& text, std::size_t begin) {
     const char letter = text[at];
     auto partner = letter == '\'' || letter == '"' ? text.find(letter, at + 1) : at;
     if (partner == std::string::npos) return at;
-    // A quote that nothing closes any more belongs to the quoted piece before it: ''' is one piece.
+    // A quote without a partner belongs to the quoted piece before it: ''' is one piece.
     if (partner != at)
       while (!ends(partner + 1) && text[partner + 1] == letter &&
              text.find(letter, partner + 2) == std::string::npos)
@@ -148,7 +148,7 @@ XacroValue XacroTexts::evaluate(const std::string& text, XacroScope* scope) {
     std::size_t dollars = at;
     while (dollars < text.size() && text[dollars] == '$') ++dollars;
     const char open = dollars < text.size() ? text[dollars] : '\0';
-    if (dollars - at > 1 && (open == '{' || open == '(')) {  // escaped: one dollar less, and as it is
+    if (dollars - at > 1 && (open == '{' || open == '(')) {  // escaped: removes one dollar and keeps the rest
       out += text.substr(at + 1, dollars - at - 1) + open;
       at = dollars + 1;
       only = out;

@@ -31,7 +31,7 @@ bool one_of(const std::string& word, std::initializer_list<const char*> words) {
   return std::any_of(words.begin(), words.end(), [&](const char* other) { return word == other; });
 }
 
-/// "1_000", "-0x1F", "0b101", "017" (octal); nothing where it is no whole number of YAML 1.1.
+/// "1_000", "-0x1F", "0b101", "017" (octal); empty if it is no integer of YAML 1.1.
 std::optional<XacroValue> whole_number(std::string word) {
   std::erase(word, '_');
   const bool minus = word.starts_with('-');
@@ -51,7 +51,7 @@ std::optional<XacroValue> whole_number(std::string word) {
   return static_cast<std::int64_t>(size) * (minus ? -1 : 1);
 }
 
-/// "1.5", ".5", "1.", "1.0e+5": a '.' there must be, and a sign in the exponent.
+/// "1.5", ".5", "1.", "1.0e+5": requires a '.', and a sign in the exponent.
 std::optional<XacroValue> real_number(std::string word) {
   if (one_of(word, {".inf", ".Inf", ".INF", "+.inf", "+.Inf", "+.INF"}))
     return std::numeric_limits<double>::infinity();
@@ -114,7 +114,7 @@ class Reader {
       if (!is_merge(pair.first)) continue;
       if (!pair.second.IsSequence()) take_over(pair.second);
       for (std::size_t i = pair.second.IsSequence() ? pair.second.size() : 0; i > 0; --i)
-        take_over(pair.second[i - 1]);  // the first of them has the last word
+        take_over(pair.second[i - 1]);  // the first of them has priority
     }
     for (const auto& pair : node)
       if (!is_merge(pair.first)) set(scalar(pair.first), value(pair.second, depth + 1));
@@ -134,7 +134,7 @@ class Reader {
         const Problem& problem = e.problems().front();
         throw Error(Problem{problem.code, {"", node.Mark().line + 1}, problem.what, problem.advice});
       }
-    if (node.Tag() == "!" || node.Tag() == "tag:yaml.org,2002:str") return text;  // quoted, or said to be one
+    if (node.Tag() == "!" || node.Tag() == "tag:yaml.org,2002:str") return text;  // quoted, or tagged as text
     return plain_word(text);
   }
 
