@@ -13,6 +13,7 @@
 #include "polyarm/base/approvals.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/printable.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 
@@ -158,8 +159,9 @@ int run_new(int argc, char** argv) {
                        "polyarm new controller follow_me --folder ~/follow_me"}));
   if (const auto code = app.parse(argc, argv)) return *code;
   if (kind == "cell") {
-    if (name.empty() || name.find('/') != std::string::npos || name.front() == '.' || name.front() == '-')
-      throw Error("bad-name", "'" + name + "' cannot be the name of a cell",
+    if (name.empty() || name.find('/') != std::string::npos || name.front() == '.' || name.front() == '-' ||
+        printable_line(name) != name)
+      throw Error("bad-name", "'" + printable_line(name) + "' cannot be the name of a cell",
                   "a word such as my_cell; --folder DIR says where it goes");
     NewCell asked{name, robot.empty() ? robot_asked("universal_robots/ur5e") : robot,
                   folder.empty() ? fs::path(name) : fs::path(folder)};

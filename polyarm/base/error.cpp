@@ -1,6 +1,7 @@
 #include "polyarm/base/error.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/printable.hpp"
@@ -70,6 +71,21 @@ std::string what_was_thrown() {
     return e.what();
   } catch (...) {
     return "something that is no std::exception";
+  }
+}
+
+Error error_thrown() {
+  try {
+    throw;
+  } catch (const Error& e) {
+    return e;
+  } catch (const std::filesystem::filesystem_error& e) {
+    return Error(Problem{"unwritable",
+                         {printable_line(e.path1().string())},
+                         "cannot be made, changed or looked at: " + e.code().message(),
+                         "check what its name and the folders in it are, and their permissions"});
+  } catch (...) {
+    return Error("internal", "unexpected: " + what_was_thrown());
   }
 }
 

@@ -52,6 +52,9 @@ class Error : public std::runtime_error {
 
 /// Call it inside `catch (...)`: returns the text of the exception, of any type.
 std::string what_was_thrown();
+/// The exception that is being handled as an Error: itself; a failure of the file system as "unwritable" with its file;
+/// else "internal". Call it in a catch block only.
+Error error_thrown();
 /// Call it inside `catch (...)`: rethrows an Error unchanged and turns any other exception into an Error
 /// "<who> threw: …". Use it around foreign callbacks, which may throw anything.
 [[noreturn]] void rethrow_as_error(std::string code, const std::string& who, std::string advice = {});

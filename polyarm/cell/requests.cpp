@@ -194,10 +194,8 @@ class Requests::Work {
   static void guarded(Open& open, Step step) {
     try {
       step();
-    } catch (const Error& e) {
-      open.refused = e;
     } catch (...) {
-      open.refused = Error("internal", "unexpected: " + what_was_thrown());
+      open.refused = error_thrown();
     }
   }
 

@@ -8,6 +8,8 @@
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/printable.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/requests_later.hpp"
 #include "polyarm/protocol/projects.hpp"
@@ -230,9 +232,10 @@ fs::path project_file(const fs::path& folder, const std::string& path) {
     return Error("bad-path", "'" + path + "' is no file of the project: " + why,
                  "a path in its folder, for example pick.script");
   };
-  if (path.empty() || path.size() > 200 || path.find('\0') != std::string::npos ||
-      path.find('\\') != std::string::npos)
-    throw refuse("that is no path");
+  if (printable_line(path) != path)
+    throw Error("bad-path", "'" + printable_line(path) + "' is no file of the project: its name has control characters",
+                "give it a name of letters, digits, spaces and - _ .");
+  if (path.empty() || path.size() > 200 || path.find('\\') != std::string::npos) throw refuse("that is no path");
   const fs::path wanted(path);
   if (wanted.is_absolute()) throw refuse("it is not in the folder");
   for (const fs::path& part : wanted)
@@ -240,10 +243,10 @@ fs::path project_file(const fs::path& folder, const std::string& path) {
   if (!has_ending(wanted)) throw refuse("its kind is none of " + join(endings(), ", "));
   // No link on the way leads out either.
   std::error_code error;
-  const fs::path root = fs::weakly_canonical(folder, error),
-                 whole = fs::weakly_canonical(folder / wanted, error);
-  const auto differs = std::mismatch(root.begin(), root.end(), whole.begin(), whole.end());
-  if (error || differs.first != root.end()) throw refuse("it leads out of the folder");
+  const fs::path root = resolved(folder), whole = resolved(folder / wanted);
+  if (!inside(whole, root)) throw refuse("it leads out of the folder");
+  for (fs::path at = whole; at != root && at.has_relative_path(); at = at.parent_path())
+    if (fs::is_symlink(at, error)) throw refuse("a link on its way leads to itself");
   if (fs::exists(whole, error) && !fs::is_regular_file(whole, error)) throw refuse("it is no file");
   return whole;
 }

@@ -37,10 +37,8 @@ auto errand(Job job, Finish finish) {
   auto run = [state, job = std::move(job)]() mutable {
     try {
       state->result = job();
-    } catch (const Error& e) {
-      state->error = e;
     } catch (...) {
-      state->error = Error("internal", "unexpected: " + what_was_thrown());
+      state->error = error_thrown();
     }
     state->done.store(true, std::memory_order_release);
   };

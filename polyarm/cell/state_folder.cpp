@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 #include <mutex>
 #include <sstream>
@@ -54,6 +55,11 @@ void refuse_links(const fs::path& state) {
                           {place.string()},
                           "this link leads to " + real.string(),
                           "remove it: runs keep what they write in this folder"});
+    if (!fs::exists(place, error))
+      throw Error(Problem{"bad-state",
+                          {place.string()},
+                          "this link leads to " + real.string() + ", which does not exist",
+                          "remove it: runs keep what they write in this folder"});
   };
   refuse(state);
   if (fs::is_symlink(state, error)) return;  // to a folder that it may write
@@ -66,6 +72,13 @@ StateLock::StateLock(const fs::path& file, int patience_ms) {
   std::error_code error;
   fs::create_directories(file.parent_path(), error);
   fd_ = ::open(file.c_str(), O_RDONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0600);
+  // Without a lock two runs would write to one folder; only where nothing can be written is none needed.
+  if (fd_ < 0 && errno != EACCES && errno != EPERM && errno != EROFS && errno != ENOENT && errno != ENOTDIR)
+    throw Error(Problem{"bad-state",
+                        {file.string()},
+                        errno == ELOOP ? "this is a link, where a run keeps its lock"
+                                       : std::string("the lock of a run cannot be made: ") + std::strerror(errno),
+                        "remove it"});
   const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(patience_ms);
   for (;;) {
     if (fd_ < 0 || ::flock(fd_, LOCK_EX | LOCK_NB) == 0) return;

@@ -320,6 +320,26 @@ TEST_F(ProjectTest, NoPathLeadsOutOfTheProject) {
   }
 }
 
+TEST_F(ProjectTest, AFileIsWrittenWhereItCanBeAndSaysWhyElsewhere) {
+  std::filesystem::create_symlink("/nowhere/deep", folder.path() / "away");
+  std::filesystem::create_symlink("later", folder.path() / "here");
+  std::filesystem::create_symlink("round", folder.path() / "round");
+  const auto writes = [&](const std::string& name) {
+    return code({{"request", "files.write"}, {"name", name}, {"text", "log 1\n"}});
+  };
+  EXPECT_EQ(writes("away/a.script"), "bad-path");
+  EXPECT_EQ(writes("away/b/a.script"), "bad-path");
+  EXPECT_EQ(writes("round/a.script"), "bad-path");
+  EXPECT_EQ(writes("main.script/a.script"), "unwritable") << "a file is no folder";
+  EXPECT_EQ(writes("here/a.script"), "ok") << "the link stays in the project";
+  EXPECT_EQ(read_file(folder.path() / "later/a.script"), "log 1\n");
+  for (const char* name : {"a\nb.script", "a\x1b[2J.script", "a\x7f.script", "a\tb/c.script"}) {
+    EXPECT_EQ(writes(name), "bad-argument");
+    EXPECT_EQ(code({{"request", "files.rename"}, {"name", "main.script"}, {"to", name}}), "bad-argument");
+    EXPECT_THROW(project_file(folder.path(), name), Error) << "nor by another way";
+  }
+}
+
 TEST_F(ProjectTest, ATextIsCheckedWithLineAndColumn) {
   const Json good = result({{"request", "program.check"}, {"name", "main.script"}});
   EXPECT_TRUE(good["problems"].empty()) << good;

@@ -155,6 +155,33 @@ TEST_F(ForeignCell, ALinkDeepInItsStateFolderIsRefusedAsWell) {
   EXPECT_TELLS(refused.output, ".state/versions/main.script");
 }
 
+TEST_F(ForeignCell, LinksToNothingAreRefusedInItsStateFolder) {
+  cell_with("");
+  for (const std::string& target : {(place.path() / "home/missing").string(), std::string("missing")})
+    for (const char* link : {".state", ".state/lock.cell.yaml", ".state/data", ".state/logs", ".state/recordings"}) {
+      fs::remove_all(cell() / ".state");
+      fs::create_directories((cell() / link).parent_path());
+      fs::create_symlink(target, cell() / link);
+      const auto refused = run();
+      EXPECT_EQ(refused.exit_code, 1) << link << " to " << target << ": " << refused.output;
+      EXPECT_TELLS(refused.output, std::string(link) + ": error: ");
+      EXPECT_FALSE(fs::exists(place.path() / "home/missing"));
+    }
+}
+
+TEST_F(ForeignCell, ARunWithoutItsLockDoesNotBegin) {
+  cell_with("");
+  place.write("foreign/other", "");
+  fs::create_directories(cell() / ".state");
+  fs::create_symlink("../other", cell() / ".state/lock.cell.yaml");
+  EXPECT_TELLS(run().output, "this is a link, where a run keeps its lock");
+  fs::remove(cell() / ".state/lock.cell.yaml");
+  fs::create_directory(cell() / ".state/lock.cell.yaml");
+  EXPECT_TELLS(run().output, "the lock of a run cannot be made");
+  fs::remove(cell() / ".state/lock.cell.yaml");
+  EXPECT_EQ(run().exit_code, 0);
+}
+
 TEST_F(ForeignCell, ReadsItsOwnFolderAlone) {
   place.write("home/scene.yaml", "polyarm: scene/1\n");
   for (const std::string& named : {std::string("../home/scene.yaml"), (place.path() / "home/scene.yaml").string(),

@@ -56,5 +56,15 @@ TEST(NewCellCommand, SaysTheNearestRobot) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "mine"));
 }
 
+TEST(NewCellCommand, TakesNoNameWithControlCharacters) {
+  const test::Folder folder;
+  for (const char* name : {"a\nb", "a\x1b[2J", "a\tb", "a\x7f"}) {
+    const Finished refused = run_command({"new", "cell", name, "--folder", (folder.path() / "mine").string()});
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_NE(refused.output.find("cannot be the name of a cell"), std::string::npos) << refused.output;
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "mine"));
+  }
+}
+
 }  // namespace
 }  // namespace polyarm
