@@ -140,23 +140,31 @@ void admit_host(const CellFile& file, const std::string& host, const std::string
                      " to the command");
 }
 
-void admit_file(const CellFile& file, const LinkEntry& link, std::string& named, Problems& problems) {
-  if (named.empty()) return;
-  if (!named.starts_with(kSecretPrefix))
-    return collect(problems, [&] { reach().check(named, Reach::Use::read); });
+/// False if it is refused, with a problem more. A secret becomes its file.
+bool admit_file(const CellFile& file, const LinkEntry& link, std::string& named, Problems& problems) {
+  if (named.empty()) return true;
+  const std::size_t before = problems.list().size();
+  const auto admitted = [&] { return problems.list().size() == before; };
+  if (!named.starts_with(kSecretPrefix)) {
+    collect(problems, [&] { reach().check(named, Reach::Use::read); });
+    return admitted();
+  }
   const std::string name = named.substr(kSecretPrefix.size());
-  if (!secret_allowed(file, name))
-    return problems.error("secret-not-allowed", link.where,
-                          "the link '" + link.name + "' wants to send your secret '" + name + "' to " + link.host +
-                              ", which you have not allowed",
-                          "if you trust the cell, run it at a terminal and answer, or add --allow secret:" + name +
-                              " to the command");
+  if (!secret_allowed(file, name)) {
+    problems.error("secret-not-allowed", link.where,
+                   "the link '" + link.name + "' wants to send your secret '" + name + "' to " + link.host +
+                       ", which you have not allowed",
+                   "if you trust the cell, run it at a terminal and answer, or add --allow secret:" + name +
+                       " to the command");
+    return false;
+  }
   collect(problems, [&] {
     const fs::path path = secret_file(name);
     mark_secret(path);
     file.grant->allow_reading(path);
     named = path.string();
   });
+  return admitted();
 }
 }  // namespace
 
@@ -191,8 +199,15 @@ void admit_links(const CellFile& file, signals::Signals& signals, Problems& prob
   for (LinkEntry& link : signals.links) {
     for (const std::string& host : hosts_of(link))
       admit_host(file, host, "the link '" + link.name + "'", link.where, problems);
-    for (std::string* named : {&link.password_file, &link.ca_file, &link.certificate, &link.key})
-      admit_file(file, link, *named, problems);
+    // A file that is refused is not tried again by the link's port, which would report it once more.
+    std::set<std::string> refused;
+    for (std::string* named : {&link.password_file, &link.ca_file, &link.certificate, &link.key}) {
+      const std::string written = *named;
+      if (refused.contains(written) || !admit_file(file, link, *named, problems)) {
+        refused.insert(written);
+        named->clear();
+      }
+    }
   }
 }
 

@@ -155,6 +155,21 @@ TEST_F(ForeignCell, ALinkDeepInItsStateFolderIsRefusedAsWell) {
   EXPECT_TELLS(refused.output, ".state/versions/main.script");
 }
 
+TEST_F(ForeignCell, APasswordFromElsewhereIsRefusedOnce) {
+  place.write("home/broker.password", "x\n");
+  cell_with("signals: signals.yaml\n");
+  for (const char* keys : {"password_file: ../home/broker.password",
+                           "password_file: ../home/broker.password, tls: {ca: ../home/broker.password}"}) {
+    place.write("foreign/signals.yaml", std::string("polyarm: signals/1\nlinks: {broker: {mqtt: client, ") + keys +
+                                            ", tags: {A: {topic: a, type: number, direction: in}}}}\n");
+    const auto refused = run({"--links"});
+    EXPECT_EQ(refused.exit_code, 1);
+    const auto at = refused.output.find("broker.password: error:");
+    ASSERT_NE(at, std::string::npos) << refused.output;
+    EXPECT_EQ(refused.output.find("broker.password: error:", at + 1), std::string::npos) << refused.output;
+  }
+}
+
 TEST_F(ForeignCell, LinksToNothingAreRefusedInItsStateFolder) {
   cell_with("");
   for (const std::string& target : {(place.path() / "home/missing").string(), std::string("missing")})
