@@ -178,6 +178,20 @@ TEST_F(PendantTest, ALinkBecomesACookieThatOpensEverything) {
   EXPECT_NE(page.find("Content-Security-Policy: default-src 'self'"), std::string::npos);
 }
 
+/// The page's own files are public, as docs/pendant.md says; nothing of the cell is.
+TEST_F(PendantTest, WithoutATokenThereIsThePageAndNothingOfTheCell) {
+  const std::string link = pendant->link(), token = link.substr(link.find("token=") + 6);
+  for (const char* path : {"/", "/help/"}) {
+    const std::string answer = WebPeer::fetch(pendant->port(), path);
+    EXPECT_NE(WebPeer::status(answer), 401) << path;
+    EXPECT_EQ(answer.find(token), std::string::npos) << path;
+    EXPECT_EQ(answer.find(cell->cell().file().folder.string()), std::string::npos) << path;
+    EXPECT_EQ(answer.find("Set-Cookie"), std::string::npos) << path;
+  }
+  for (const char* path : {"/api/cell", "/api/requests", "/api/catalogue", "/api/project", "/api/none", "/api/"})
+    EXPECT_EQ(WebPeer::status(WebPeer::fetch(pendant->port(), path)), 401) << path;
+}
+
 TEST_F(PendantTest, ThePageIsDecompressedForWhoTakesNoGzip) {
   const auto page = [&](const std::string& encoding) {
     std::vector<std::string> headers;
