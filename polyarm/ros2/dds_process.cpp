@@ -13,6 +13,7 @@
 #include "polyarm/process/channel.hpp"
 #include "polyarm/process/child.hpp"
 #include "polyarm/process/confinement.hpp"
+#include "polyarm/process/pulse.hpp"
 #include "polyarm/ros2/dds_exchange.hpp"
 #include "polyarm/ros2/participant.hpp"
 
@@ -182,6 +183,7 @@ int main(int argc, char** argv) {
   process::filter_calls();
   try {
     process::Channel channel{process::Channel::Inherited{}};
+    const process::Pulse pulse(channel);
     return ros2::DdsProcess(channel).run();
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());

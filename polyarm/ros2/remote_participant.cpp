@@ -200,6 +200,9 @@ class RemoteParticipant::Work {
       } else if (!lives()) {
         child_.kill();
         lose("gave no sign of life for " + seconds_of(remote_.patience) + ", and was ended");
+      } else if (pulse_.silent(*channel_, now, remote_.silence)) {
+        child_.kill();
+        lose("hangs: it gave no sign of life for " + seconds_of(remote_.silence) + ", and was ended");
       }
     }
     leave();
@@ -236,6 +239,8 @@ class RemoteParticipant::Work {
       channel_ = std::move(channel);
       process_ = child_.process();
       beats_ = 0;
+      pulse_ = {};
+      pulse_.restart(started_);
       begin_again();
       return;
     } catch (const Error& e) {
@@ -378,6 +383,7 @@ class RemoteParticipant::Work {
 
   // Of the thread.
   process::Child child_;
+  process::PulseWatch pulse_;
   std::vector<std::byte> heard_;
   Clock::time_point started_, sign_, looked_, next_start_;
   std::chrono::milliseconds pause_;

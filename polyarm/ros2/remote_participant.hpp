@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/process/pulse.hpp"
 #include "polyarm/ros2/dds_types.hpp"
 
 namespace polyarm::ros2 {
@@ -20,8 +21,11 @@ struct RemoteOptions {
   std::vector<std::string> words;  ///< before the process id of the parent
   /// Before the process is started again: doubled each time, and short again once it has lived for `fine`.
   std::chrono::milliseconds first_pause{100}, longest_pause{5000}, fine{30'000};
-  /// Without a sign of life: it is ended, and started again.
+  /// Its main loop has not come round for so long (it hands over samples one at a time, and each may take the
+  /// library a while): it is ended, and started again.
   std::chrono::milliseconds patience{10'000};
+  /// None of its threads has run for so long (process/pulse.hpp): the same.
+  std::chrono::milliseconds silence{process::kLongestSilence};
 };
 
 struct RemoteStatistics {

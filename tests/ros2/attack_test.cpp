@@ -190,6 +190,28 @@ TEST_F(Attack, KilledUnderARobotThatMovesItComesBackAndTheProgramGoesOn) {
   EXPECT_NE(finished.output.find("ROS 2 is back after"), std::string::npos);
 }
 
+TEST_F(Attack, StoppedUnderARobotThatMovesItIsReportedAndStartedAgain) {
+  Command command(run({"--ros2"}));
+  ASSERT_TRUE(command.wait_for("ROS 2: domain")) << command.wait().output;
+  expect_served();
+  const int process = process_of_dds();
+  ASSERT_EQ(::kill(process, SIGSTOP), 0);
+  ASSERT_TRUE(wait([&] {
+    const int now = process_of_dds();
+    return now != 0 && now != process;
+  }));
+  expect_served();
+  command.signal(SIGINT);
+  const Finished& finished = command.wait();
+  EXPECT_EQ(finished.result()["result"], "stopped") << finished.output.substr(0, 2000);
+  EXPECT_EQ(finished.result()["error"], nullptr);
+  EXPECT_LE(finished.result()["stops"].size(), 1u) << finished.result()["stops"];
+  EXPECT_NE(finished.output.find("(polyarm_ros2_dds) hangs: it gave no sign of life for 1.0 s, and was ended"),
+            std::string::npos)
+      << finished.output.substr(0, 4000);
+  EXPECT_NE(finished.output.find("ROS 2 is back after"), std::string::npos);
+}
+
 TEST_F(Attack, ATrajectoryIsTheSameBitForBitWithAndWithout) {
   const std::vector<std::string> fast{"--ros2", "--fast", "--cycles", "150"};
   const json quiet = Command(run(fast)).wait().result();
