@@ -149,6 +149,7 @@
   X(kXacroNesting, 150, "levels", "macros, includes and texts of a xacro within each other", "refused")       \
   X(kXacroTextBytes, 5000000, "bytes", "one evaluated text of a xacro", "refused")                            \
   X(kXacroBytes, 100000000, "bytes", "all evaluated texts of a xacro", "refused")                             \
+  X(kFileControllers, 500, "controllers", "controllers of a cell's controllers files", "refused: too-many")    \
   X(kLaunchFiles, 500, "files", "launch files that include each other", "refused: too-many-includes")         \
   X(kLaunchElements, 50000, "elements", "elements of all of them", "refused: too-many-elements")              \
   X(kLaunchNesting, 32, "levels", "includes within includes", "refused")

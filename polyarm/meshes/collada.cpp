@@ -148,10 +148,16 @@ class ColladaReader {
     return out;
   }
 
+  /// Nodes that are shown again and again count each time, with all that is in them.
+  void visit() {
+    if (++visits_ > kMostElements) refuse("it shows more than a million elements");
+  }
+
   void add_nodes(const Element& parent, const Map& before, int depth) {
     if (depth > kDeepest) refuse("its nodes are too deep in each other");
     if (++nodes_ > kMostNodes) refuse("it shows more than 20,000 nodes");
     for (const Element* e = parent.FirstChildElement(); e; e = e->NextSiblingElement()) {
+      visit();
       const std::string_view kind = e->Name();
       if (kind == "node") add_nodes(*e, before * own_map(*e), depth + 1);
       if (kind == "instance_node")
@@ -167,6 +173,7 @@ class ColladaReader {
     const Element* mesh = geometry.FirstChildElement("mesh");
     if (!mesh) return;  // a spline
     for (const Element* e = mesh->FirstChildElement(); e; e = e->NextSiblingElement()) {
+      visit();
       const std::string_view kind = e->Name();
       if (kind == "triangles" || kind == "polylist" || kind == "polygons") add_faces(*e, map, instance);
     }
@@ -293,7 +300,7 @@ class ColladaReader {
     const Element* bind = instance ? instance->FirstChildElement("bind_material") : nullptr;
     const Element* common = bind ? bind->FirstChildElement("technique_common") : nullptr;
     for (const Element* e = common ? common->FirstChildElement("instance_material") : nullptr; e;
-         e = e->NextSiblingElement("instance_material"))
+         e = e->NextSiblingElement("instance_material"), visit())
       if (attribute(e, "symbol") == symbol) target = link(e, "target");
     const Element* material = find(target);
     const Element* effect =
@@ -317,7 +324,7 @@ class ColladaReader {
   std::map<std::string, const Element*> by_id_;
   std::map<const Element*, std::shared_ptr<const std::vector<float>>> floats_;
   Mesh mesh_;
-  std::size_t triangles_ = 0, nodes_ = 0, numbers_ = 0;
+  std::size_t triangles_ = 0, nodes_ = 0, numbers_ = 0, visits_ = 0;
 };
 
 }  // namespace

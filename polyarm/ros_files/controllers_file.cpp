@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/ros_files/superseded_keys.hpp"
 
@@ -45,6 +46,16 @@ struct Gathered {
   std::set<std::string> own;
   bool has_block = false;
 };
+
+/// Each is compared with each, so there is an end to them.
+void add_bounded(std::vector<ControllerEntry>& list, ControllerEntry entry) {
+  if (list.size() >= bounds::kFileControllers)
+    throw Error(Problem{"too-many",
+                        entry.where,
+                        "more than " + std::to_string(bounds::kFileControllers) + " controllers are declared",
+                        "name only those that the cell uses"});
+  list.push_back(std::move(entry));
+}
 
 /// Joins the blocks of ROS 2 files: managers, their controllers, and who gets which parameters.
 class Ros2Reader {
@@ -249,7 +260,7 @@ class Ros2Reader {
     if (problems_->has_errors()) return;
     take_arguments(entry, declared("node_options_args"), own.parameters);
     entry.parameters = std::move(own.parameters);
-    out_.controllers.push_back(std::move(entry));
+    add_bounded(out_.controllers, std::move(entry));
   }
 
   /// From blocks for every node, what is meant for the manager or for other controllers.
@@ -536,7 +547,7 @@ class Ros1Reader {
     entry.where = written->where;
     entry.parameters = node.flat("type");
     entry.ros1 = true;
-    out_.controllers.push_back(std::move(entry));
+    add_bounded(out_.controllers, std::move(entry));
   }
 
   void leaf(const ParameterTree& node, const Path& path) {

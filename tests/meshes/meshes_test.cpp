@@ -234,6 +234,10 @@ TEST(Meshes, FilesThatUnfoldAreRefused) {
   nodes += "</library_nodes><library_visual_scenes><visual_scene><instance_node url='#n59'/></visual_scene>"
            "</library_visual_scenes></COLLADA>";
   EXPECT_NE(why([&] { read_collada(nodes, "a.dae"); }).find("20,000 nodes"), std::string::npos);
+  std::string full = "<COLLADA><library_nodes><node id='n'>", shown;
+  for (int i = 0; i < 2000; ++i) full += "<extra/>", shown += "<instance_node url='#n'/>";
+  full += "</node></library_nodes><library_visual_scenes><visual_scene>" + shown + "</visual_scene></library_visual_scenes></COLLADA>";
+  EXPECT_NE(why([&] { read_collada(full, "a.dae"); }).find("a million elements"), std::string::npos);
   std::string elements = "<COLLADA>";
   for (int i = 0; i < 1'000'001; ++i) elements += "<a/>";
   EXPECT_NE(why([&] { read_collada(elements + "</COLLADA>", "a.dae"); }).find("a million elements"), std::string::npos);

@@ -17,6 +17,12 @@ struct Wrong {
   const char* says;
 };
 
+TEST(ControllersFile, DeclaresNoMoreControllersThanABoundedNumber) {
+  std::string text = "controller_manager:\n  ros__parameters:\n";
+  for (int i = 0; i < 3000; ++i) text += "    c" + std::to_string(i) + ": {type: a/B}\n";
+  EXPECT_EQ(only(text.c_str()).code, "too-many");
+}
+
 class WrongFile : public testing::TestWithParam<Wrong> {};
 
 TEST_P(WrongFile, IsToldInOneSentenceWithItsPlace) {
