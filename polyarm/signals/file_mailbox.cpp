@@ -30,7 +30,7 @@ namespace polyarm::signals {
 namespace {
 namespace fs = std::filesystem;
 
-/// What tells one state of a file from another without reading it.
+/// Distinguishes two states of a file without reading it.
 struct Identity {
   dev_t device = 0;
   ino_t inode = 0;
@@ -57,13 +57,13 @@ std::optional<std::string> read_through(int fd) {
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return std::nullopt;
     out.append(buffer, static_cast<std::size_t>(n));
-    if (n < static_cast<ssize_t>(sizeof buffer)) return out;  // one reading: it cannot mix two versions
+    if (n < static_cast<ssize_t>(sizeof buffer)) return out;  // read in one piece: it cannot mix two versions
     at += n;
   }
 }
 
-/// Copies `size` bytes of a mapping that another process may cut short at any time: the system copies it, and
-/// where there is no file any more the copy ends instead of the process.
+/// Copies `size` bytes of a mapping that another process may truncate at any time. The kernel does the copy;
+/// if the file is too short, the copy ends instead of the process.
 std::string copied(const char* mapping, std::size_t size) {
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC | O_NONBLOCK) != 0) return {};
@@ -79,8 +79,8 @@ std::string copied(const char* mapping, std::size_t size) {
   return content;
 }
 
-/// What stands in a file. It is mapped: unlike a reading this makes no news, so that every reading that the
-/// watch hears of is somebody else's.
+/// The content of a file. It is mapped: unlike a read, this causes no event, so every read event belongs to
+/// another process.
 std::optional<std::string> content_of(int fd) {
   const auto found = identity_of(fd);
   if (!found) return std::nullopt;
@@ -99,29 +99,29 @@ Values values_of(const data::ImportFile& file) {
   return out;
 }
 
-/// A file that our write displaced; somebody may still be writing into it.
+/// A file that our write displaced; another process may still write into it.
 struct Displaced {
   Descriptor file;
-  std::string content;          ///< that was looked at last
-  Identity seen;                ///< as it was then, where that tells it from every later state
-  std::set<std::string> names;  ///< that it held
+  std::string content;          ///< content at the last check
+  Identity seen;                ///< its state then, if that distinguishes it from every later state
+  std::set<std::string> names;  ///< the names it contained
   FileWatch::Label label = 0;
-  std::optional<std::uint64_t> base;  ///< the version from which whoever writes into it started
-  bool settled = true;                ///< that content was taken or is ours
+  std::optional<std::uint64_t> base;  ///< the version on which its writer is based
+  bool settled = true;                ///< the content is merged or our own
   int looks_left = 0;
 };
 
-/// How many looks in a row, 20 ms each, are left out while others have their turn; then somebody is stuck with
-/// it. A disk that many write to may keep one for a second.
+/// Number of consecutive checks, 20 ms each, that are skipped while others hold the lock; after it the holder
+/// counts as stuck. A disk with many writers may block one for a second.
 constexpr int kMostLeftOut = 150;
-/// How long a displaced file is watched, in looks.
+/// Number of checks of a displaced file.
 constexpr int kLooksAtDisplaced = 500;
-/// Every so many looks it is read even if nothing says that it has changed.
+/// After this many checks the file is read even if nothing indicates a change.
 constexpr int kLooksUntilRead = 50;
 constexpr std::size_t kMostDisplaced = 64;
-/// A writer that never rests must not keep us from writing.
+/// A writer that never stops must not prevent our writes.
 constexpr int kMostPostponed = 4;
-/// Names for a temporary file that are tried.
+/// Number of names tried for a temporary file.
 constexpr int kTakenNames = 1000;
 /// A file changed so recently may change again within the same tick of its time stamp.
 constexpr std::int64_t kStampResolution = 50'000'000;
@@ -158,7 +158,7 @@ class FileMailbox::Io {
   void post(std::span<const std::pair<std::string, data::Value>> values) {
     std::optional<Error> refused;
     {
-      const std::lock_guard lock(mutex_);  // one look takes all of them
+      const std::lock_guard lock(mutex_);  // one check takes all of them
       for (const auto& [name, value] : values) try {
           data::check_can_keep(name, value, path_);
           posts_.emplace_back(name, value);
@@ -197,7 +197,7 @@ class FileMailbox::Io {
   std::uint64_t look_from_now() const { return locked(looks_started_) + 1; }
   std::uint64_t looks() const { return locked(looks_ended_); }
 
-  /// One round: posts, displaced files, the file, and writing where it is behind.
+  /// One round: posts, displaced files, the file, and a write if it is out of date.
   void look() {
     const bool ours = turn_.take();
     if (!ours && ++left_out_ < kMostLeftOut) return;
@@ -252,7 +252,7 @@ class FileMailbox::Io {
     }
     for (const auto& [name, value] : posts) {
       image_.set(name, value);
-      merge_.set(name, *image_.values().value(name));  // as a reader of the text gets it
+      merge_.set(name, *image_.values().value(name));  // the value that a reader of the text gets
     }
     for (const auto& [name, group] : groups) {
       const data::Entry* entry = image_.values().find(name);
@@ -296,7 +296,7 @@ class FileMailbox::Io {
     settle(found);
   }
 
-  /// Reads without opening where the file is the one that we hold open: opening is news to the watch.
+  /// Reads without opening if it is the file that we hold open, because opening causes an event.
   std::optional<std::string> read_path(const Identity& found) {
     const auto held = standing_ ? identity_of(standing_.number()) : std::nullopt;
     const bool same = held && held->inode == found.inode && held->device == found.device;
@@ -321,7 +321,7 @@ class FileMailbox::Io {
     all_is_well();
   }
 
-  /// The file is gone: somebody may be replacing it; after a while it is written again.
+  /// The file is missing: another process may be replacing it; after a while it is written again.
   void missing() {
     held_ = ++same_looks_ < options_.looks_until_settled;
     if (!held_) needs_write_ = true;
@@ -349,7 +349,8 @@ class FileMailbox::Io {
     watch_.resolve(label, file_version_);
   }
 
-  /// Whether `content` is whole: every name is there, and the last line ends or has stood for a second look.
+  /// True if `content` is complete: every name is present, and the last line ends or is unchanged at a second
+  /// check.
   bool plausible(const std::string& content, const data::ImportFile& file,
                  const std::set<std::string>& names) const {
     const bool ended = !content.empty() && (content.back() == '\n' || same_looks_ >= 2);
@@ -357,7 +358,7 @@ class FileMailbox::Io {
                                 [&](const std::string& name) { return file.values().find(name) != nullptr; });
   }
 
-  /// Merges a rewrite and gives the number of its version.
+  /// Merges a rewrite and returns the number of its version.
   std::uint64_t absorb(data::ImportFile file, std::optional<std::uint64_t> read) {
     const auto result =
         merge_.outside(values_of(file), read ? std::span(&*read, 1) : std::span<const std::uint64_t>{});
@@ -376,7 +377,7 @@ class FileMailbox::Io {
     if (displaced_.size() > kMostDisplaced) displaced_.erase(displaced_.begin());
   }
 
-  /// There may be many of them: one that says that it has not changed costs one call of the system.
+  /// There may be many of them: an unchanged one costs one system call.
   void look_at(Displaced& old) {
     const auto now = identity_of(old.file.number());
     if (now && old.settled && *now == old.seen && old.looks_left % kLooksUntilRead != 0) return;
@@ -445,12 +446,13 @@ class FileMailbox::Io {
     return (path.parent_path() / name).string();
   }
 
-  /// The new file, open for reading. It is closed for writing before it takes its name: that would be news.
+  /// The new file, open for reading. It is closed for writing before it gets its name, because closing causes
+  /// an event.
   Descriptor written_file(const std::string& temporary, const std::string& text) const {
     struct stat old {};
     const mode_t mode = ::stat(path_.c_str(), &old) == 0 ? old.st_mode & 07777 : 0644;
     Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644));
-    if (!file) return file;  // what has this name is somebody else's
+    if (!file) return file;  // the file with this name belongs to another process
     bool good = ::fchmod(file.number(), mode) == 0;
     for (std::size_t at = 0; good && at < text.size();) {
       const ssize_t n = ::write(file.number(), text.data() + at, text.size() - at);
@@ -467,7 +469,7 @@ class FileMailbox::Io {
     return Descriptor{};
   }
 
-  /// Puts the new file in the place of the old one; standing_ then is the file that was there.
+  /// Puts the new file in the place of the old one; standing_ then is the old file.
   bool exchange(const std::string& temporary) {
     if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, path_.c_str(), RENAME_EXCHANGE) == 0) {
       struct stat displaced {};
@@ -492,24 +494,24 @@ class FileMailbox::Io {
   const MailboxOptions options_;
   const std::string path_;
 
-  // I/O thread, or whoever steps.
+  // I/O thread, or the caller of step().
   data::ImportFile image_;  ///< the present values as text, with the comments and order of the file
   MailboxMerge merge_;
   FileWatch watch_;
   FolderTurn turn_;
-  int left_out_ = 0;        ///< looks, one after the other
-  bool in_turn_ = false;    ///< in this look
-  std::string known_text_;  ///< that stands in the file as far as we know
+  int left_out_ = 0;        ///< consecutive skipped checks
+  bool in_turn_ = false;    ///< for this check
+  std::string known_text_;  ///< the file's content as far as we know
   std::set<std::string> names_in_file_;
   Identity known_;
-  Descriptor standing_;  ///< the file itself, to read it again
+  Descriptor standing_;  ///< the open file, to read it again
   bool opened_displaced_ = false;
   std::uint64_t file_version_ = 0;
   std::vector<Displaced> displaced_;
-  std::string last_seen_;  ///< of a file that may be half written
+  std::string last_seen_;  ///< of a file that may be incomplete
   Identity last_found_;
   int same_looks_ = 0;
-  bool held_ = false;  ///< the file looks half written: we do not write now
+  bool held_ = false;  ///< the file looks incomplete: no writing now
   bool needs_write_ = false;
   bool complained_ = false;
   int postponed_ = 0;

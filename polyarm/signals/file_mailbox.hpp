@@ -1,19 +1,20 @@
 #pragma once
-/// A data file as the mailbox between the runtime and a program outside that reads and rewrites it.
+/// A data file as a mailbox between the runtime and an outside program that reads and rewrites it.
 ///
-/// The cell thread posts values and takes events; it never waits for the disk. An I/O thread writes, looks
-/// for rewrites every few milliseconds, and merges them (mailbox_merge.hpp). In lock-step there is no thread
-/// and step() does the same inline.
+/// The cell thread posts values and takes events; it never waits for the disk. An I/O thread writes the file,
+/// looks for rewrites every few milliseconds, and merges them (mailbox_merge.hpp). In lock-step mode there is
+/// no thread; step() does the same inline.
 ///
-/// Nothing is lost on the way: a write of ours exchanges the file for its new version in one step and looks
-/// at what it displaced, and displaced files are watched for a while, since the other side may still be
-/// writing into one. Where the system tells who opens files in the folder, the version that the other side
-/// read is known; else (network drives) the nearest version is taken, and a rewrite that only undoes what the
-/// runtime had just set cannot be told from one that had not seen it. Two of our kind, and `polyarm data`,
-/// take turns by a lock on the folder: each sees what the other wrote before it writes. With programs that
-/// know nothing of that, two limits remain. A rewrite that comes in the instant between our last look and our
-/// write is undone for one round and then merged: a program that reads just then may do again what it had
-/// done. And where several programs read the file, the last reading before a rewrite counts as its origin.
+/// Nothing is lost: a write replaces the file by its new version in one step and then checks what it
+/// displaced. Displaced files are watched for a while, because the other side may still be writing into one.
+/// If the system reports who opens files in the folder, the version that the other side read is known. Else
+/// (network drives) the nearest version is assumed, and a rewrite that only undoes the runtime's last change
+/// looks the same as one that had not seen it. Several Polyarm processes, and `polyarm data`, take turns by a
+/// lock on the folder: each sees what the others wrote before it writes.
+///
+/// With other programs two limits remain. A rewrite between our last check and our write is undone for one
+/// round and then merged; a program that reads in that moment may repeat its action. If several programs read
+/// the file, the last reading before a rewrite counts as its origin.
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -31,25 +32,26 @@ namespace polyarm::signals {
 struct MailboxEvent {
   enum class Kind {
     changed,   ///< the other side changed values
-    problem,   ///< the file cannot be read or written; said once, tried again
-    recovered  ///< it can again
+    problem,   ///< the file cannot be read or written; reported once, then retried
+    recovered  ///< it works again
   } kind = Kind::changed;
   std::vector<std::pair<std::string, data::Value>> values;
   std::vector<Problem> problems;
-  std::vector<std::pair<std::string, std::string>> groups;  ///< that names have now; empty: none
+  std::vector<std::pair<std::string, std::string>> groups;  ///< new groups of names; an empty text means no
+                                                            ///< group
 };
 
 struct MailboxOptions {
   bool thread = true;               ///< false: step() does the work
-  Nanoseconds period = 10'000'000;  ///< between two looks at the file, wall time
+  Nanoseconds period = 10'000'000;  ///< between two checks of the file, wall time
   std::size_t versions_kept = 64;
   int looks_until_settled =
-      100;  ///< in a row that find a file incomplete and untouched; then it counts as it is
+      100;  ///< checks in a row that find an incomplete file unchanged; then it is used as it is
 };
 
 class FileMailbox {
  public:
-  /// `start` is the file as it was loaded; a rewrite since then is merged like any other.
+  /// `start` is the file as loaded; a rewrite since then is merged like any other.
   explicit FileMailbox(const data::ImportFile& start, MailboxOptions options = {});
   /// Writes what was posted, then ends.
   ~FileMailbox();
@@ -57,26 +59,27 @@ class FileMailbox {
   FileMailbox& operator=(const FileMailbox&) = delete;
 
   const std::string& path() const;
-  /// Cell thread. Throws Error("cannot-keep") at once for a value that the file cannot hold.
+  /// Cell thread. Throws Error("cannot-keep") immediately for a value that the file cannot hold.
   void post(const std::string& name, const data::Value& value);
-  /// The same for several, which the other side then gets together. What can be kept is, if another cannot.
+  /// The same for several values; the other side sees them together. If one cannot be kept, the others are
+  /// posted.
   void post(std::span<const std::pair<std::string, data::Value>> values);
-  /// Cell thread. The group that the file is to have for a name, which is no value: nobody merges it, and a
-  /// rewrite from outside that had not seen it may leave it out.
+  /// Cell thread. Sets the group of a name in the file. A group is no value: it is not merged, and an outside
+  /// rewrite that had not seen it may drop it.
   void post_group(const std::string& name, const std::string& group);
-  /// Cell thread. What happened since the last call. A change from outside to a name that was posted later
-  /// than the merge is left out: the runtime's value is the newer one.
+  /// Cell thread. The events since the last call. Leaves out an outside change of a name that was posted
+  /// after the merge, because the runtime's value is newer.
   std::vector<MailboxEvent> take_events();
 
-  /// Counts posts, and of them those that stand in the file.
+  /// The number of posts, and the number of those that are in the file.
   std::uint64_t posted() const;
   std::uint64_t written() const;
-  /// A full look at the file that starts after this call has number look_from_now() or more; `load` waits
-  /// until looks() has reached it.
+  /// A full check of the file that starts after this call has number look_from_now() or more; `load` waits
+  /// until looks() reaches it.
   std::uint64_t look_from_now() const;
   std::uint64_t looks() const;
 
-  /// Does one round of I/O on the calling thread; for lock-step, where there is no I/O thread.
+  /// One round of I/O on the calling thread; for lock-step mode without an I/O thread.
   void step();
 
  private:

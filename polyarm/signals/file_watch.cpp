@@ -13,7 +13,7 @@ namespace polyarm::signals {
 namespace {
 constexpr std::uint32_t kRewrites = IN_MODIFY | IN_CLOSE_WRITE;
 constexpr std::uint32_t kReplaces = IN_MOVED_TO | IN_CREATE;
-/// Labels of what somebody wrote and nobody has looked at begin here; version numbers stay below.
+/// Labels of versions with unknown content start here; version numbers are smaller.
 constexpr std::uint64_t kFirstUnseen = std::uint64_t{1} << 63;
 constexpr std::size_t kMostRewrites = 10000;
 bool is_unseen(std::uint64_t label) {
@@ -78,7 +78,7 @@ void FileWatch::take_open(std::optional<Label> label) {
   accessed_ = false;
 }
 
-/// News about the file that we have just displaced.
+/// Events of the file that we have just displaced.
 void FileWatch::take_late(std::uint32_t mask) {
   if ((mask & IN_OPEN) && !std::exchange(own_late_open_, false)) take_open(displaced_);
   if ((mask & IN_ACCESS) && in_doubt_ && opened_ && !accessed_) {
@@ -88,19 +88,19 @@ void FileWatch::take_late(std::uint32_t mask) {
   }
   if ((mask & IN_ACCESS) && last_read_ == displaced_) accessed_ = true;
   if (!(mask & kRewrites) || !opened_ || accessed_) return;
-  last_read_ = read_before_;  // it was opened to be written
+  last_read_ = read_before_;  // it was opened for writing
   opened_ = false;
 }
 
 void FileWatch::take_rewrite(bool replaced) {
-  // It was opened to be written, not read. Who replaces it does not open it for that: one that was opened and
-  // not read has been mapped, as our own kind does.
+  // It was opened for writing, not for reading. A process that replaces the file does not open it for that: a
+  // file that was opened but not read has been mapped, as by another Polyarm process.
   if (opened_ && !accessed_ && !replaced) last_read_ = read_before_;
   opened_ = false;
   rewritten_ = true;
   standing_ = next_label_++;
   if (rewrites_.size() < kMostRewrites) rewrites_.push_back({standing_, last_read_});
-  last_read_ = standing_;  // who wrote it knows it
+  last_read_ = standing_;  // its writer knows it
 }
 
 void FileWatch::collect() {
@@ -121,8 +121,7 @@ FileWatch::Label FileWatch::collect_replaced(std::uint64_t version, const std::s
     if (displaced) return take_late(mask);
     if (!replaced && (mask & IN_MOVED_TO)) return replace();
     take(mask);
-    // The news of the exchange comes after the exchange: who opened the file just before it in the news may
-    // have opened either.
+    // The exchange event comes after the exchange: an open event just before it may belong to either file.
     if (!replaced && (mask & IN_OPEN)) last_read_ = std::nullopt;
   });
   if (!replaced) replace();
@@ -142,7 +141,7 @@ void FileWatch::resolve(Label label, std::uint64_t version) {
 }
 
 std::optional<std::uint64_t> FileWatch::take_base(Label label) {
-  const bool writing = opened_ && !accessed_;  // its content may be seen before the news of its writing
+  const bool writing = opened_ && !accessed_;  // the content may be seen before the write event
   std::optional<Label> base = writing ? read_before_ : last_read_;
   const auto later =
       std::find_if(rewrites_.begin(), rewrites_.end(), [&](const Rewrite& r) { return r.label > label; });

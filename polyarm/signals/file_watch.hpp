@@ -1,5 +1,5 @@
 #pragma once
-/// What the system tells about who opens and rewrites one file.
+/// Tracks who opens and rewrites one file, from the file events of the system (inotify).
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -8,36 +8,35 @@
 
 namespace polyarm::signals {
 
-/// Follows who reads and rewrites a file, to know which of its versions a rewrite was made from: the one that
-/// was read last before it, by whomever. For one thread. Where the system has no such news (other systems,
-/// network drives) it stays silent.
+/// Tracks readers and writers of a file, to find the version that a rewrite is based on: the version that any
+/// process read last before it. One thread. Without file events (other systems, network drives) it reports
+/// nothing.
 class FileWatch {
  public:
-  /// `version` stands in the file at `path`.
+  /// The file at `path` holds `version`.
   FileWatch(const std::filesystem::path& path, std::uint64_t version);
   ~FileWatch();
   FileWatch(const FileWatch&) = delete;
   FileWatch& operator=(const FileWatch&) = delete;
 
-  /// Takes the news so far.
+  /// Processes the events so far.
   void collect();
-  /// What a version of the file is called here: its number, or while nobody has looked at it a label.
+  /// Identifies a version of the file: its number, or a temporary label until its content is known.
   using Label = std::uint64_t;
-  /// Of what stands in the file, by the news taken so far.
+  /// The label of the file's present content, by the events so far.
   Label standing() const { return standing_; }
-  /// Takes the news right after we have replaced the file by `version`. Gives the label of what was displaced
-  /// and has the name `displaced_name` since: who was just opening it is reported under that name.
-  /// `own_open`: we opened it ourselves under that name.
+  /// Processes the events directly after we have replaced the file by `version`. Returns the label of the
+  /// displaced version; its file is now called `displaced_name`, and events of a process that was just
+  /// opening it carry that name. `own_open`: we opened it ourselves under that name.
   Label collect_replaced(std::uint64_t version, const std::string& displaced_name, bool own_open);
-  /// Whether the next opening in the news is our own. Our readings make no news.
+  /// Announces that the next open event is our own. Our own readings cause no events.
   void expect_own_open(bool opens) { own_open_ = opens; }
 
-  /// The version from which the rewrites up to `label` were made, as far as it is known; forgotten with this
-  /// call.
+  /// The version that the rewrites up to `label` are based on, if known; this call clears it.
   std::optional<std::uint64_t> take_base(Label label);
-  /// What was written up to `label` has been looked at and is `version`.
+  /// The content written up to `label` is now known as `version`.
   void resolve(Label label, std::uint64_t version);
-  /// Whether somebody rewrote the file since the last call.
+  /// True if a process rewrote the file since the last call.
   bool take_rewritten();
   bool rewritten() const { return rewritten_; }
 
@@ -51,22 +50,22 @@ class FileWatch {
   void take_open(std::optional<Label> label);
   void take_rewrite(bool replaced);
   void lose_track();
-  /// Gives each piece of news to `each`, and whether it is about the displaced file.
+  /// Calls `each` for every event, with a flag for events of the displaced file.
   template <class Each>
   void drain(Each each);
 
   std::string name_;
-  std::string displaced_name_;  ///< of the file that we displaced last
+  std::string displaced_name_;  ///< of the file displaced last
   Label displaced_ = 0;
   int fd_ = -1;
   Label standing_;
   Label next_label_;
-  std::optional<Label> last_read_, read_before_;  ///< none: not known
+  std::optional<Label> last_read_, read_before_;  ///< empty: unknown
   std::vector<Rewrite> rewrites_;
-  bool opened_ = false, accessed_ = false;  ///< the latest opening may turn out to be for writing
+  bool opened_ = false, accessed_ = false;  ///< the latest open may turn out to be for writing
   bool own_open_ = false, own_late_open_ = false;
-  /// The first opening after an exchange may be of the displaced file, although it has the name of the new
-  /// one: its news can come late (seen on Linux 6.18). Readings tell.
+  /// The first open event after an exchange may belong to the displaced file although it carries the name of
+  /// the new one, because events can arrive late (seen on Linux 6.18). Read events decide.
   bool just_replaced_ = false, in_doubt_ = false;
   bool rewritten_ = false;
 };

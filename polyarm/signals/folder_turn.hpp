@@ -1,5 +1,5 @@
 #pragma once
-/// How several processes of ours that rewrite files of one folder take turns, and how a file shows that it was
+/// Lets several Polyarm processes take turns in rewriting files of one folder, and marks files that were
 /// written in such a turn.
 #include <filesystem>
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace polyarm::signals {
 
-/// The lock on a folder that all who change data in it by our rules hold meanwhile; none where the file
-/// system has none. One thread.
+/// The lock on a folder that every process holds while it changes data there; without effect on file systems
+/// without locks. One thread.
 class FolderTurn {
  public:
   explicit FolderTurn(const std::filesystem::path& folder);
-  /// False where others have it for so long (20 ms) that they have to be left out of account.
+  /// False if others hold it for longer than 20 ms; the caller then proceeds without it.
   bool take();
   void give_back();
 
@@ -21,9 +21,9 @@ class FolderTurn {
   Descriptor folder_;
 };
 
-/// A file that was written in the writer's turn says so: its writer had merged all that was in the file before.
-/// The mark, an extended attribute, holds the hash of the text, so that it ends with the next rewrite of
-/// others. Some file systems keep no marks.
+/// Marks a file that was written in the writer's turn: its writer had merged the former content. The mark, an
+/// extended attribute, holds the hash of the text, so it becomes invalid with the next rewrite by others.
+/// Some file systems do not store marks.
 void mark_as_merged(int file, const std::string& text);
 bool is_merged(int file, const std::string& text);
 

@@ -15,7 +15,7 @@ bool is_whole(LinkTag::Format format) {
   return format != LinkTag::Format::float32 && format != LinkTag::Format::float64;
 }
 
-/// The numbers that an integer format can hold.
+/// The range of an integer format.
 std::array<double, 2> range_of(LinkTag::Format format) {
   switch (format) {
     case LinkTag::Format::uint16:

@@ -1,8 +1,8 @@
 #pragma once
-/// Links: tags and values of a cell that go to and come from somewhere else, over a network.
+/// Links: tags and values of a cell that are exchanged with another system over a network.
 ///
-/// A LinkEntry describes what a link carries; a LinkPort speaks the protocol, in a process of its own where a
-/// library of others parses what comes (remote_port.hpp). Link gives the port a thread of its own, connects again
+/// A LinkEntry describes the content of a link. A LinkPort speaks the protocol, in its own process if a
+/// third-party library parses the input (remote_port.hpp). Link gives the port its own thread, reconnects
 /// after a loss, and exchanges values with the cell thread, which never waits.
 #include <array>
 #include <cstdint>
@@ -22,32 +22,32 @@
 
 namespace polyarm::signals {
 
-/// As the cell sees it. both: whoever changes the value, the other side gets it.
+/// Seen from the cell. both: a change on either side is sent to the other.
 enum class Direction { in, out, both };
 const char* name(Direction direction);
 
-/// Where a pose from outside may be; a bound that is not stated is wide.
+/// The permitted positions of a pose from outside; an unstated bound is wide.
 struct PoseRange {
   std::array<double, 3> lower{-100, -100, -100}, upper{100, 100, 100};  ///< m, in the pose's frame
-  /// Why the pose may not be used (not finite, no rotation, outside), or nothing.
+  /// The reason why the pose is not allowed (not finite, no rotation, outside), or empty.
   std::optional<std::string> refuses(const Pose& pose) const;
 };
 
-/// One value that a link carries, under the name that the cell has for it.
+/// One value of a link, under the name that the cell uses.
 struct LinkTag {
   enum class Type { boolean, number, text, pose };
-  /// Modbus: discrete inputs and input registers are the server's alone to write.
+  /// Modbus: only the server may write discrete inputs and input registers.
   enum class Area { coil, discrete, holding, input };
   enum class Format { uint16, int16, uint32, int32, float32, float64 };
 
   std::string name;
   Direction direction = Direction::in;
   Type type = Type::boolean;
-  double scale = 1, offset = 0;                ///< the cell's number = scale · the far side's + offset
-  std::optional<std::array<double, 2>> range;  ///< of the cell's number; outside of it nothing is taken
+  double scale = 1, offset = 0;                ///< cell's number = scale · far side's number + offset
+  std::optional<std::array<double, 2>> range;  ///< of the cell's number; values outside are refused
   PoseRange within;
-  double angle_scale = 1;   ///< pose: rad in one of the far side's units of angle; `scale` is of its lengths
-  bool cell_first = false;  ///< both: at the first connection the cell's value counts, not the far side's
+  double angle_scale = 1;   ///< pose: rad per unit of angle of the far side; `scale` applies to lengths
+  bool cell_first = false;  ///< both: the cell's value wins at the first connection, not the far side's
 
   // Modbus
   Area area = Area::coil;
@@ -61,30 +61,30 @@ struct LinkTag {
   std::string field;  ///< of a JSON object, with dots; empty: the whole message
   bool retain = false;
   int qos = 1;
-  Nanoseconds stale = 0;  ///< older than this it is stale; 0: never by itself
+  Nanoseconds stale = 0;  ///< age at which it becomes stale; 0: never
 
-  // ROS 2; `topic` is a topic's or a service's name, `field` stands in the message, `retain`: latched
-  /// Of a service: the tag that asks (true) and is answered (false), a field of the request, one of the
-  /// answer.
+  // ROS 2; `topic` is the name of a topic or service, `field` a field of the message, `retain`: latched
+  /// For a service: the tag that starts the call (true) and is reset by the answer (false), a field of the
+  /// request, or a field of the answer.
   enum class Role { topic, call, request, answer };
   Role role = Role::topic;
   std::string message;  ///< "geometry_msgs/PoseStamped", "std_srvs/srv/Trigger"
   bool best_effort = false;
-  std::map<std::string, std::string> constants;  ///< fields of what goes out that stay as they are
+  std::map<std::string, std::string> constants;  ///< fixed fields of outgoing messages
 
   Location where;
-  /// Registers that it takes (pose: six or seven numbers).
+  /// Number of registers (pose: six or seven numbers).
   int registers() const;
 };
 
-/// How many numbers stand for a pose: x, y, z, roll, pitch, yaw.
+/// Number of values of a pose: x, y, z, roll, pitch, yaw.
 constexpr int kPoseNumbers = 6;
 
-/// What signals.yaml says of one link.
+/// The entry of one link in signals.yaml.
 struct LinkEntry {
   enum class OnLoss { hold, go_on };
   std::string name;
-  std::string kind;  ///< "modbus", "mqtt" or "ros2": the module that makes its port
+  std::string kind;  ///< "modbus", "mqtt" or "ros2": selects the module that makes the port
   bool server = false;
   std::string host = "127.0.0.1";
   int port = 0;
@@ -96,11 +96,11 @@ struct LinkEntry {
   // Modbus
   int unit = 1;
   bool low_word_first = false;
-  std::map<std::string, Nanoseconds> groups;  ///< poll groups: how often
+  std::map<std::string, Nanoseconds> groups;  ///< poll groups and their periods
 
   // MQTT
   std::string client_id, user, password_file, will_topic, will_text;
-  std::string password;  ///< what the file holds, once a port is made
+  std::string password;  ///< content of the password file, set when a port is made
   bool will_retain = true;
   int will_qos = 1;
   bool tls = false;
@@ -108,7 +108,7 @@ struct LinkEntry {
   Nanoseconds keep_alive = 10'000'000'000;
 
   // ROS 2
-  std::map<std::string, std::string> graph;  ///< how its graph is joined: domain, range, namespace …
+  std::map<std::string, std::string> graph;  ///< settings for joining the graph: domain, range, namespace …
 
   /// "modbus at 127.0.0.1:502"
   std::string address() const;
@@ -119,41 +119,42 @@ struct LinkValue {
   data::Value value;
 };
 
-/// What a round of a port brought.
+/// The result of one exchange of a port.
 struct LinkNews {
-  std::vector<LinkValue> values;                             ///< new, or just connected
-  std::vector<std::size_t> seen;                             ///< tags that were heard of, changed or not
-  std::vector<std::pair<std::size_t, std::string>> refused;  ///< what could not be taken, and why
-  std::vector<std::string> notes;  ///< for a person: what happened to the port itself, which goes on
-  bool alive = true;               ///< the far side is there (a server: somebody has asked lately)
+  std::vector<LinkValue> values;                             ///< new values, or all after connecting
+  std::vector<std::size_t> seen;                             ///< tags that were received, changed or not
+  std::vector<std::pair<std::size_t, std::string>> refused;  ///< refused values, and why
+  std::vector<std::string> notes;  ///< for the user: events of the port itself that it survives
+  bool alive = true;               ///< the far side is active (server: it had a recent request)
   void refuse(std::size_t tag, std::string why) { refused.emplace_back(tag, std::move(why)); }
 };
 
-/// Speaks one protocol with one far side. Called by one thread, but for give_up().
+/// Speaks one protocol with one far side. One thread calls it, except give_up().
 class LinkPort {
  public:
   virtual ~LinkPort() = default;
   /// Connects (a server: listens). Throws Error with the reason.
   virtual void open() = 0;
   virtual void close() noexcept = 0;
-  /// Hands `writes` over and takes what is due or came, waiting for news for at most `patience`. `now` is the
+  /// Sends `writes` and receives due or pending values; waits for news for at most `patience`. `now` is the
   /// time of the caller's clock. Throws Error when the connection is lost; then none of `writes` counts as
-  /// handed over.
+  /// sent.
   virtual void exchange(const std::vector<LinkValue>& writes, Nanoseconds now, Nanoseconds patience,
                         LinkNews& news) = 0;
-  /// Whether exchange() itself waits for what comes.
+  /// True if exchange() itself waits for incoming data.
   virtual bool waits() const { return false; }
-  /// Before the first open(): values that both sides knew before the port was made anew. A server offers them.
+  /// Before the first open(): the values that both sides knew before the port was created again. A server
+  /// offers them.
   virtual void remember(const std::vector<LinkValue>&) {}
-  /// Any thread: nobody waits for it any more. A call that waits for the far side may end with an Error.
+  /// Any thread: the caller no longer waits. A call that waits for the far side may end with an Error.
   virtual void give_up() noexcept {}
 };
 
-/// What makes a port: of `polyarm_link_KIND`, a program (link_process.hpp), or of a module of that name, which
+/// Makes a port: for `polyarm_link_KIND`, a program (link_process.hpp), or for a module of that name, which
 /// exports it as `extern "C" LinkPort* polyarm_link_1(const LinkEntry&)`.
 using MakeLinkPort = LinkPort* (*)(const LinkEntry&);
-/// Looks for `polyarm_link_KIND` in the folders, a program or else a module (.so) that parses nothing of strangers.
-/// Throws Error("no-link-module") that says what to install.
+/// Looks for `polyarm_link_KIND` in the folders: first a program, then a module (.so), which must not parse
+/// untrusted input. Throws Error("no-link-module") that says what to install.
 std::unique_ptr<LinkPort> load_link_port(const LinkEntry& entry,
                                          const std::vector<std::filesystem::path>& folders);
 
@@ -161,44 +162,42 @@ struct LinkEvent {
   enum class Kind { value, refused, lost, found, note } kind = Kind::value;
   std::size_t tag = 0;
   data::Value value;
-  std::string text;  ///< refused, lost: why; note: what
+  std::string text;  ///< refused, lost: the reason; note: the event
 };
 
-/// What is known of a link, at one moment.
+/// The state of a link at one moment.
 struct LinkState {
   bool up = false;
   bool was_up = false;
   std::string reason;  ///< why it is not up
   std::uint64_t losses = 0, exchanges = 0;
-  Nanoseconds round_ns = 0;        ///< what the last exchange took
+  Nanoseconds round_ns = 0;        ///< duration of the last exchange
   std::vector<char> stale, heard;  ///< by tag
 };
 
 struct LinkOptions {
   bool thread = true;                                                    ///< false: step() does the work
-  Nanoseconds first_pause = 100'000'000, longest_pause = 5'000'000'000;  ///< before connecting again
+  Nanoseconds first_pause = 100'000'000, longest_pause = 5'000'000'000;  ///< before reconnecting
 };
 
-/// A port at work, from the first take_events() on. post, take_events, state: the cell thread.
+/// Runs a port, from the first take_events() on. post, take_events, state: cell thread.
 class Link {
  public:
   Link(LinkEntry entry, std::unique_ptr<LinkPort> port, LinkOptions options = {});
-  /// Hands over what was posted, for as long as the link's timeout, then closes. Gives up a connection that is
-  /// being made.
+  /// Sends what was posted, within the link's timeout, then closes. Cancels a pending connection attempt.
   ~Link();
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
   const LinkEntry& entry() const;
-  /// The value that the far side shall have. Only the latest of a tag goes out; after a loss it goes out
-  /// again.
+  /// Sets the value for the far side. Only the latest value of a tag is sent; after a loss it is sent again.
   void post(std::size_t tag, const data::Value& value);
-  /// Since the last call. A value of a tag that was posted later than it was read is left out.
+  /// The events since the last call. Leaves out a value of a tag that was posted after the value was read.
   std::vector<LinkEvent> take_events();
   LinkState state() const;
-  /// Whether all that was posted has been handed over.
+  /// True if everything posted has been sent.
   bool idle() const;
-  /// One round on the calling thread at time `now`, where there is no thread.
+  /// One round on the calling thread at time `now`, if there is no thread.
   void step(Nanoseconds now);
 
  private:
@@ -206,11 +205,11 @@ class Link {
   std::unique_ptr<Io> io_;
 };
 
-/// A value as a port got it, made into the cell's: scaled, checked for what is not finite, out of range or of
-/// another kind. Nothing, and `why`, where it may not be taken.
+/// Converts a value from a port to the cell's value: scales it and checks that it is finite, in range and of
+/// the right kind. Empty, with the reason in `why`, if it is refused.
 std::optional<data::Value> taken_number(const LinkTag& tag, double raw, std::string& why);
 std::optional<data::Value> taken_pose(const LinkTag& tag, const std::vector<double>& raw, std::string& why);
-/// The other way: what the far side gets.
+/// The inverse: the value for the far side.
 double given_number(const LinkTag& tag, const data::Value& value);
 std::vector<double> given_pose(const LinkTag& tag, const data::Value& value);
 

@@ -13,7 +13,7 @@ namespace {
 using process::Packer;
 using process::Unpacker;
 
-constexpr std::size_t kMostName = 65536;  // of what the cell's own files say
+constexpr std::size_t kMostName = 65536;  // for texts from the cell's own files
 
 template <class Enum>
 std::uint8_t number_of(Enum value) {
@@ -107,7 +107,7 @@ std::optional<data::Value> unpack_value(Unpacker& in) {
   }
 }
 
-/// Whether a port may bring it: what taken_number() and taken_pose() let through.
+/// True if taken_number() and taken_pose() accept the value.
 bool is_taken(const LinkTag& tag, const data::Value& value) {
   if (tag.direction == Direction::out) return false;
   switch (tag.type) {

@@ -1,7 +1,7 @@
 #pragma once
-/// What a cell and the process that speaks a link's protocol (`polyarm_link_KIND`) say to each other. The cell
-/// asks, the process answers, one question at a time. The process parses bytes of strangers, so the cell checks
-/// every length, index and value of an answer.
+/// The protocol between a cell and the process of a link (`polyarm_link_KIND`). The cell sends an order, the
+/// process answers, one at a time. The process parses untrusted input, so the cell checks every length, index
+/// and value of an answer.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -12,28 +12,28 @@
 
 namespace polyarm::signals {
 
-/// The program of a kind of link, where modules lie: "polyarm_link_modbus".
+/// The program for a kind of link, in the folders of modules: "polyarm_link_modbus".
 inline std::string link_program(const std::string& kind) {
   return "polyarm_link_" + kind;
 }
 
-/// To the process.
+/// From the cell to the process.
 enum class LinkOrder : std::uint8_t {
-  begin,     ///< entry, known values; first, once
+  begin,     ///< entry, known values; first and only once
   open,      ///< connect, or listen
-  exchange,  ///< now, patience, values to hand over
+  exchange,  ///< now, patience, values to send
   close
 };
-/// From it, one for each order.
+/// From the process, one for each order.
 enum class LinkAnswer : std::uint8_t {
-  done,    ///< of begin: whether exchange() waits for what comes
-  failed,  ///< what
-  news     ///< of exchange
+  done,    ///< for begin: whether exchange() waits for incoming data
+  failed,  ///< the reason
+  news     ///< for exchange
 };
 
-/// Bytes of a text that says what happened; the rest is cut.
+/// Largest length of a message text, bytes; longer texts are cut.
 inline constexpr std::size_t kMostLinkWords = 1000;
-/// Bytes of one message. A round of a port brings less (bounds::kLinkRoundBytes).
+/// Largest size of one message, bytes. One exchange of a port is smaller (bounds::kLinkRoundBytes).
 inline constexpr std::size_t kMostLinkMessage = std::size_t{32} << 20;
 
 void pack(process::Packer& out, const LinkEntry& entry);
@@ -43,8 +43,8 @@ void pack(process::Packer& out, const std::vector<LinkValue>& values);
 std::vector<LinkValue> unpack_values(process::Unpacker& in);
 
 void pack(process::Packer& out, const LinkNews& news);
-/// False where it cannot be: an unknown tag, a value that the tag cannot have, or that should have been refused.
-/// Texts come printable.
+/// False for invalid content: an unknown tag, or a value that the tag cannot have or that should have been
+/// refused. Texts become printable.
 bool unpack_news(process::Unpacker& in, const LinkEntry& entry, LinkNews& news);
 
 }  // namespace polyarm::signals

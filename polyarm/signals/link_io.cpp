@@ -14,10 +14,10 @@
 namespace polyarm::signals {
 
 namespace {
-/// A port that waits for news looks for posts this often.
+/// Interval at which a port that waits for news checks for posts.
 constexpr Nanoseconds kPatience = 5'000'000;
 constexpr Nanoseconds kSecond = 1'000'000'000;
-/// Losses, refusals and notes that wait for the cell.
+/// Largest number of losses, refusals and notes that wait for the cell.
 constexpr std::size_t kMostOtherEvents = 100;
 
 Nanoseconds steady_now() {
@@ -27,7 +27,7 @@ Nanoseconds steady_now() {
 }
 }  // namespace
 
-/// The thread's side: connects, exchanges, counts; and the two queues.
+/// The side of the port's thread: connects, exchanges, counts; and the two queues.
 class Link::Io {
  public:
   Io(LinkEntry entry, std::unique_ptr<LinkPort> port, LinkOptions options)
@@ -72,7 +72,7 @@ class Link::Io {
   }
 
   std::vector<LinkEvent> take_events() {
-    // What was posted before the first look is there when the far side first asks.
+    // So values posted before the first take_events() are available at the far side's first request.
     if (options_.thread && !thread_.joinable()) thread_ = std::thread([this] { run(); });
     std::vector<LinkEvent> out;
     const std::lock_guard lock(mutex_);
@@ -114,14 +114,14 @@ class Link::Io {
       lock.lock();
       if (open_ && port_->waits()) continue;
       const Nanoseconds next = open_ ? begun + entry_.poll : std::max(next_try_, begun + 1'000'000);
-      // A post is handed over at once.
+      // A post is sent immediately.
       wake_.wait_for(lock, std::chrono::nanoseconds(std::max<Nanoseconds>(0, next - steady_now())),
                      [this] { return ending_ || (news_ && open_); });
     }
     finish();
   }
 
-  /// On the port's thread, with which a process of the port ends.
+  /// On the port's thread, because a port's process ends with its thread.
   void finish() {
     const Nanoseconds until = steady_now() + entry_.timeout;
     while (open_ && !idle() && steady_now() < until) round(steady_now(), 0);
@@ -133,7 +133,7 @@ class Link::Io {
       port_->open();
       open_ = true;
       const std::lock_guard lock(mutex_);
-      std::fill(given_.begin(), given_.end(), 0);  // the far side may have forgotten
+      std::fill(given_.begin(), given_.end(), 0);  // the far side may have lost them
       const bool first = !std::exchange(has_been_open_, true);
       for (std::size_t i = 0; i < given_.size(); ++i) {
         const LinkTag& tag = entry_.tags[i];
@@ -145,7 +145,7 @@ class Link::Io {
     }
   }
 
-  /// Not connected: tells it once, and waits longer each time before trying again.
+  /// Not connected: reports it once, and waits longer before each new attempt.
   void fall(Nanoseconds now, const std::string& why) {
     port_->close();
     open_ = false;
@@ -211,7 +211,7 @@ class Link::Io {
     take_refusals(news, now);
     for (LinkValue& value : news.values) {
       refusals_[value.tag].clear();
-      // Told by the far side, so it need not be told again when we connect anew.
+      // Received from the far side, so it is not sent back after a reconnection.
       if (entry_.tags[value.tag].direction == Direction::both && posted_[value.tag] == known[value.tag])
         wanted_[value.tag].reset(), given_[value.tag] = posted_[value.tag];
       const std::size_t tag = value.tag;
@@ -229,7 +229,7 @@ class Link::Io {
     }
   }
 
-  /// Each once; of a far side that sends ever other rubbish only some.
+  /// Each once; only some if a far side keeps sending different invalid values.
   void take_refusals(LinkNews& news, Nanoseconds now) {
     if (now - refusing_since_ >= kSecond) {
       if (const auto left_out = std::exchange(refusals_left_out_, 0); left_out > 0)
@@ -250,7 +250,7 @@ class Link::Io {
     }
   }
 
-  /// The cell does not look: it gets the latest of each tag, and the latest of what else there was.
+  /// If the cell does not take events: keeps the latest value of each tag, and the latest other events.
   void leave_out_events() {
     std::vector<std::pair<LinkEvent, std::uint64_t>> kept;
     std::vector<char> has(entry_.tags.size(), 0);
@@ -266,20 +266,21 @@ class Link::Io {
   const LinkEntry entry_;
   std::unique_ptr<LinkPort> port_;
   const LinkOptions options_;
-  // The port's thread.
+  // Port thread.
   std::atomic<bool> open_{false};
   bool has_been_open_ = false;
   Nanoseconds next_try_ = 0, pause_;
   Nanoseconds refusing_since_ = 0;
   std::uint64_t refusals_told_ = 0, refusals_left_out_ = 0;
-  // Both; under the lock.
+  // Both threads; under the lock.
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::vector<std::optional<data::Value>> wanted_;  ///< by tag: what the far side shall have
-  std::vector<std::uint64_t> posted_, given_;       ///< how many posts, and the last one handed over
+  std::vector<std::optional<data::Value>> wanted_;  ///< by tag: the value for the far side
+  std::vector<std::uint64_t> posted_, given_;       ///< by tag: number of posts, and the last one sent
   std::vector<Nanoseconds> heard_at_;
   std::vector<std::string> refusals_;
-  std::vector<std::pair<LinkEvent, std::uint64_t>> events_;  ///< and the posts of its tag known then
+  std::vector<std::pair<LinkEvent, std::uint64_t>> events_;  ///< with the number of posts of its tag at that
+                                                             ///< time
   LinkState state_;
   bool news_ = false, ending_ = false;
   std::thread thread_;

@@ -24,7 +24,7 @@ using process::Channel;
 using process::Packer;
 using process::Unpacker;
 
-/// Looks whether there is an order this often even where nobody rings, ms.
+/// Interval of checks for an order without a wake-up, ms.
 constexpr int kLook_ms = 1000;
 
 class LinkProcess {
@@ -74,9 +74,10 @@ class LinkProcess {
     tell(LinkAnswer::done, [&](Packer& out) { out.number(port_->waits()); });
   }
 
-  /// Before the library makes a thread: what parses strangers' bytes reaches the far side, and nothing else.
+  /// Before the library creates a thread: the code that parses untrusted input may reach the far side and
+  /// nothing else.
   static void confine_to(const LinkEntry& entry) {
-    constexpr std::uint16_t kNames = 53;  // a server of names that answers at length
+    constexpr std::uint16_t kNames = 53;  // a name server with long answers
     const auto port = static_cast<std::uint16_t>(entry.port);
     process::Confinement reach{{entry.ca_file, entry.certificate, entry.key}, {}, {}};
     reach.connects.emplace();
@@ -127,7 +128,7 @@ int serve_link(int argc, char** argv, MakeLinkPort make) {
   rules.parent = parent;
   rules.most_memory = bounds::kLinkMemory;
   if (!process::become_child(rules)) return 1;
-  ::signal(SIGPIPE, SIG_IGN);  // a far side that is gone is an error of the call
+  ::signal(SIGPIPE, SIG_IGN);  // a lost far side is an error of the call
   try {
     process::ChannelLimits limits;
     limits.most_message = kMostLinkMessage;

@@ -17,7 +17,7 @@ namespace {
   throw Error(Problem{"bad-link", node.where(), what, advice});
 }
 
-/// One of `names`, in their order; what stands there is told with the nearest name.
+/// The index of the word in `names`; reports any other word with the nearest name.
 std::size_t one_of(const Yaml& node, const std::vector<std::string>& names) {
   const std::string word = node.text();
   const auto found = std::find(names.begin(), names.end(), word);
@@ -46,7 +46,7 @@ Nanoseconds time_of(const Yaml& node, Nanoseconds fallback) {
   return nanoseconds(value);
 }
 
-/// How many metres, or radians, in the unit that is named.
+/// Metres or radians per named unit.
 double unit_scale(const Yaml& node, Dimension dimension) {
   const Unit* unit = find_unit(node.text());
   if (!unit || unit->dimension != dimension)
@@ -140,7 +140,7 @@ class TagReader {
     tag_.format = LinkTag::Format::float64;
   }
 
-  /// A field of a topic of ROS 2, or a part of a service.
+  /// A field of a ROS 2 topic, or a part of a service.
   void read_message() {
     node_.check_keys({"topic", "call",      "request", "answer",  "message",     "service", "field",
                       "type",  "direction", "first",   "latched", "best_effort", "with",    "stale",
@@ -289,7 +289,7 @@ void read_ros2(const Yaml& node, LinkEntry& out, Problems& problems) {
     if (node.has(key)) out.graph[key] = node[key].is_list() ? join(node[key].texts(), ",") : node[key].text();
 }
 
-/// Two tags in one place would fight.
+/// Reports two tags at one place.
 void check_places(const LinkEntry& link, Problems& problems) {
   if (link.kind != "modbus") return;
   std::vector<const LinkTag*> order;
@@ -297,10 +297,10 @@ void check_places(const LinkEntry& link, Problems& problems) {
   std::stable_sort(order.begin(), order.end(), [](const LinkTag* a, const LinkTag* b) {
     return std::tie(a->area, a->address) < std::tie(b->area, b->address);
   });
-  const LinkTag* furthest = nullptr;  // of those before, the one that ends last
+  const LinkTag* furthest = nullptr;  // of the previous ones, the one with the last end
   for (const LinkTag* tag : order) {
     if (furthest && furthest->area == tag->area && tag->address < furthest->address + furthest->registers()) {
-      const auto [a, b] = std::minmax(furthest, tag);  // as they are written
+      const auto [a, b] = std::minmax(furthest, tag);  // in the order of the file
       problems.error("bad-link", b->where,
                      "'" + b->name + "' and '" + a->name + "' share an address of '" + link.name + "'",
                      "a float32 takes two registers, a float64 four, a pose six numbers");

@@ -1,5 +1,5 @@
 #pragma once
-/// The `links:` of signals.yaml.
+/// Reads the `links:` section of signals.yaml. Example:
 ///
 ///   links:
 ///     plc:
@@ -9,7 +9,7 @@
 ///       unit: 1
 ///       poll: 50ms
 ///       timeout: 500ms
-///       word_order: high_first          # of numbers in two and more registers; low_first
+///       word_order: high_first          # of numbers with several registers; or low_first
 ///       groups: {slow: 1s}
 ///       on_loss: hold                   # or go_on
 ///       tags:
@@ -27,7 +27,7 @@
 ///         Count: {topic: cell/count, type: number, json: true, field: count.total, direction: out, retain:
 ///         true}
 ///     camera:
-///       ros2: node                      # its graph is joined; domain, range, peers, namespace, distribution
+///       ros2: node                      # joins its graph; domain, range, peers, namespace, distribution
 ///       tags:
 ///         pick: {topic: /camera/part, message: geometry_msgs/PoseStamped, type: pose, direction: in}
 ///         Count: {topic: /cell/count, message: std_msgs/Int32, field: data, type: number, direction: out}
@@ -40,7 +40,7 @@
 
 namespace polyarm::signals {
 
-/// The links under `node`; findings go to `problems`. Files are named relative to `folder`.
+/// The links under `node`; faults go to `problems`. File names are relative to `folder`.
 std::vector<LinkEntry> read_links(const Yaml& node, const std::filesystem::path& folder, Problems& problems);
 /// `{within: [[x, y, z], [x, y, z]]}`
 PoseRange read_range(const Yaml& node);

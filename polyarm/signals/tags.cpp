@@ -75,7 +75,7 @@ void read_rules(const Yaml& node, Tag& tag) {
   }
 }
 
-/// A held part would fall.
+/// Warns of rules that would drop a held part.
 void warn_of_drops(const Yaml& node, const Tag& tag, Problems& problems) {
   const bool holds = tag.interface.ends_with("/tool/vacuum") || tag.interface.ends_with("/tool/grip");
   for (const char* key : {"on_stop", "on_hold", "on_link_loss"})
@@ -164,7 +164,7 @@ CameraLink read_camera(const std::string& name, const Yaml& node, const Location
   return out;
 }
 
-/// Written with the ending of its file or without.
+/// Accepts the name with or without the ending of its file.
 void add_live(const std::string& written, const Location& where, Signals& out) {
   const std::vector<std::string>& endings = data::file_endings();
   const std::filesystem::path path(written);

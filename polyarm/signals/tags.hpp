@@ -1,10 +1,10 @@
 #pragma once
-/// What signals.yaml declares: tags and what they are bound to, data sets with a file of their own, cameras.
+/// The content of signals.yaml: tags and their interfaces, live data sets, cameras, links. Example:
 ///
 ///   polyarm: signals/1
 ///   tags:
-///     Vacuum: {command: arm/tool/vacuum}            # goes out; type: bool (0 or 1) unless it says number
-///     PartHeld: {state: arm/tool/part_present}      # comes in
+///     Vacuum: {command: arm/tool/vacuum}            # output; type: bool (0 or 1) unless type: number
+///     PartHeld: {state: arm/tool/part_present}      # input
 ///     Speed: {command: belt/speed, type: number, scale: 0.5, initial: 1}
 ///     Count: {initial: 3}                           # a value of the cell
 ///   live: [cycledata]                             # or data: {cycledata: {live: true}}
@@ -13,8 +13,8 @@
 ///                  done: PickupPointSet, noise: true, seed: 7}
 ///   links:        # see links_file.hpp
 ///   heartbeat: {tag: CellAlive, every: 500ms}     # toggles only while control loop and cell thread live
-///   watch: {PlcAlive: 2s}                         # a tag that does not change for so long: the cell holds
-///   points: {pinput: {within: [[0.1, -0.2, 0], [0.5, 0.4, 0.3]]}}   # what a pose from outside may be
+///   watch: {PlcAlive: 2s}                         # if the tag does not change for this time, the cell holds
+///   points: {pinput: {within: [[0.1, -0.2, 0], [0.5, 0.4, 0.3]]}}   # permitted poses from outside
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -28,20 +28,21 @@
 
 namespace polyarm::signals {
 
-/// What an output has while the cell is not as usual; nothing: it keeps its value.
+/// The value of an output in a special situation; empty: it keeps its value.
 struct OutputRules {
-  std::optional<data::Value> on_stop;       ///< the program has ended, for whatever reason, and all stands
-  std::optional<data::Value> on_hold;       ///< the cell is held, or in a fault
+  std::optional<data::Value> on_stop;       ///< the program has ended, for any reason, and the robots are at
+                                            ///< standstill
+  std::optional<data::Value> on_hold;       ///< the cell is held or in a fault
   std::optional<data::Value> on_link_loss;  ///< a link that the cell needs is lost
   bool any() const { return on_stop || on_hold || on_link_loss; }
 };
-/// What holds of a cell now, for the rules of its outputs.
+/// The present situation of a cell, for the rules of its outputs.
 struct Situation {
   bool stopped = false, held = false, link_lost = false;
   friend bool operator==(const Situation&, const Situation&) = default;
 };
 
-/// A name of the cell, and the interface that it is bound to, if any.
+/// A name of the cell, and its interface if it is bound to one.
 struct Tag {
   enum class Type { boolean, number, text };
   std::string name;
@@ -50,38 +51,38 @@ struct Tag {
   Type type = Type::boolean;
   double scale = 1;  ///< interface = scale * tag, for numbers
   data::Value initial = false;
-  std::string unit;  ///< as it is shown
+  std::string unit;  ///< for display
   OutputRules rules;
   Location where;
 
-  /// The value that goes out for the tag's `value`: another one where a rule says so.
+  /// The value to send for the tag's `value`: a rule may replace it.
   const data::Value& output(const data::Value& value, const Situation& now) const;
-  /// The interface's value for a value of the tag; nothing where the value is of another type.
+  /// The interface's value for a value of the tag; empty for a value of another type.
   std::optional<double> to_interface(const data::Value& value) const;
-  /// The tag's value for a value of the interface; a boolean is True from one half up.
+  /// The tag's value for a value of the interface; a boolean is True from 0.5 up.
   data::Value from_interface(double value) const;
 };
 
-/// A camera stand-in: asked by a tag, it writes the pose of the nearest part to a point.
+/// A simulated camera: on the request of a tag it writes the pose of the nearest part to a point.
 struct CameraLink {
   std::string name;
-  std::string camera;  ///< of the scene
+  std::string camera;  ///< in the scene
   std::string point;
-  std::optional<std::string> data;  ///< the data set that holds the point; nothing: wherever it is
+  std::optional<std::string> data;  ///< the data set of the point; empty: any
   std::string request, done;        ///< tags
   bool noise = false;
   std::uint64_t seed = 1;
-  std::string on;      ///< the robot whose flange carries it; empty: it stands where the scene has it
-  Pose mount;          ///< T_tool0_camera of such a one, z the way it looks
+  std::string on;      ///< the robot whose flange carries it; empty: fixed, as in the scene
+  Pose mount;          ///< T_tool0_camera for a carried camera; z is the viewing direction
   double view = 0.6;   ///< half of its angle of view, rad
-  double reach = 0.6;  ///< how far it sees, m
+  double reach = 0.6;  ///< viewing distance, m
   Location where;
 };
 
-/// A tag that shows that somebody lives: it changes again and again.
+/// A tag that changes again and again while its owner is alive.
 struct Heartbeat {
   std::string tag;
-  Nanoseconds period = 500'000'000;  ///< own: of its changes; watched: the longest without one
+  Nanoseconds period = 500'000'000;  ///< own: period of its changes; watched: longest time without a change
   Location where;
 };
 
@@ -93,12 +94,12 @@ struct Signals {
   std::vector<LinkEntry> links;
   std::optional<Heartbeat> heartbeat;
   std::vector<Heartbeat> watched;
-  std::map<std::string, PoseRange> points;  ///< what poses from outside may be, by point
+  std::map<std::string, PoseRange> points;  ///< permitted poses from outside, by point
 };
 
-/// Reads signals.yaml; findings go to `problems`.
+/// Reads signals.yaml; faults go to `problems`.
 Signals parse_signals(const std::string& text, const std::string& file, Problems& problems);
-/// Throws Error with every problem of the file.
+/// Throws Error with all problems of the file.
 Signals load_signals(const std::string& path);
 
 }  // namespace polyarm::signals
