@@ -1,5 +1,5 @@
 #pragma once
-/// What is to be said of a machine: good, worth knowing, or in the way. Pure functions of what was found.
+/// Judges a machine: good, a note, or a problem. Pure functions of the collected data; any thread.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -11,7 +11,7 @@ namespace polyarm::doctor {
 enum class Grade { ok, note, problem };
 const char* name(Grade grade);
 
-/// What a finding matters to: any cell, one with real devices, or one that must keep time.
+/// The use that a finding affects: any cell, a cell with real devices, or one with real-time demands.
 enum class Concern { simulation, hardware, real_time };
 const char* name(Concern concern);
 
@@ -20,25 +20,25 @@ struct Finding {
   Concern concern = Concern::simulation;
   std::string topic;  ///< "kernel", "serial port"
   std::string text;   ///< one line
-  std::string mend;   ///< a command; every problem has one, a note may
+  std::string mend;   ///< a command; every problem has one, a note may have one
 };
 
-/// What of Polyarm itself is installed.
+/// The installed parts of Polyarm.
 struct Installation {
   std::size_t robots = 0;       ///< of the catalogue
   std::string catalogue_error;  ///< why the catalogue cannot be read; empty: it can
   std::vector<std::string> catalogue_folders;
-  std::vector<std::string> driver_folders;  ///< where drivers are looked for
+  std::vector<std::string> driver_folders;  ///< search path of drivers
   struct Module {
     std::string name;
     bool found = false;
     std::string fault;  ///< why it cannot be loaded; empty: it can
   };
   std::vector<Module> modules;
-  std::vector<std::string> cells;  ///< that are running
+  std::vector<std::string> cells;  ///< running cells
 };
 
-/// Room on the disk that recordings and black boxes go to.
+/// Free space on the disk for recordings and black boxes.
 struct Disk {
   std::string folder;
   std::int64_t free_bytes = 0;
@@ -49,7 +49,7 @@ std::vector<Finding> judge(const Clock& clock);
 std::vector<Finding> judge(const Installation& installation);
 std::vector<Finding> judge(const Disk& disk);
 
-/// No problem concerns simulation.
+/// True if no problem affects simulation.
 bool may_simulate(const std::vector<Finding>& findings);
 
 }  // namespace polyarm::doctor

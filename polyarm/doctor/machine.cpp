@@ -40,7 +40,7 @@ std::vector<std::string> lines_of(const fs::path& file) {
   return split_words(text_of(file), "\r\n");
 }
 
-/// What stands behind `key` at the beginning of a line of /proc/self/status or limits.
+/// The text after `key` at the begin of a line of /proc/self/status or limits.
 std::string after(const std::vector<std::string>& lines, const std::string& key) {
   for (const std::string& line : lines)
     if (line.starts_with(key)) return std::string(trim(std::string_view(line).substr(key.size())));
@@ -134,7 +134,7 @@ std::optional<Device> device_at(const Place& place, const std::string& path) {
   return out;
 }
 
-/// Devices in /dev whose names begin so, in order of their numbers.
+/// Devices in /dev with these name prefixes, ordered by number.
 std::vector<Device> devices(const Place& place, std::initializer_list<std::string_view> prefixes) {
   std::vector<std::string> names;
   std::error_code error;

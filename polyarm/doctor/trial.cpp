@@ -20,7 +20,7 @@ using hardware::Component;
 using hardware::ReturnType;
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// One component in a loop of its own.
+/// One component in its own loop.
 class Loop {
  public:
   Loop(Component& component, const TrialOptions& options, Trial& trial)
@@ -37,7 +37,7 @@ class Loop {
     begun_ = news_ = realtime::monotonic_now();
   }
 
-  /// One cycle; false when it failed or shall end.
+  /// One cycle; false if it failed or must end.
   bool step(bool writing) {
     if (options_.stop()) {
       trial_.stopped = true;
@@ -58,7 +58,7 @@ class Loop {
     return true;
   }
 
-  /// There and back, with a velocity that begins and ends at rest.
+  /// A small move there and back; the velocity is zero at both ends.
   bool move(std::size_t command, double distance) {
     const double start = value_of(commands_[command]);
     if (!std::isfinite(start)) return fail(commands_[command] + " cannot be moved: where it is is not known");

@@ -24,9 +24,9 @@ using Color = std::array<float, 4>;
 using Map = std::array<std::array<double, 4>, 3>;
 constexpr Map kIdentity{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 constexpr int kDeepest = 64;
-/// An element costs some hundred bytes, a node may be shown by others again and again.
+/// Limits: an element costs some hundred bytes, and other nodes may instantiate a node repeatedly.
 constexpr std::size_t kMostElements = 1'000'000, kMostNodes = 20'000;
-/// In one list, and read in all.
+/// Limits for one list, and for all together.
 constexpr std::size_t kMostInList = 12 * kMostTriangles, kMostNumbers = 8 * kMostInList;
 
 Map operator*(const Map& a, const Map& b) {
@@ -51,7 +51,7 @@ std::string attribute(const Element* e, const char* name) {
   const char* text = e ? e->Attribute(name) : nullptr;
   return text ? text : "";
 }
-/// The id that "#id" names.
+/// The id of a reference "#id".
 std::string link(const Element* e, const char* name) {
   const std::string text = attribute(e, name);
   return text.starts_with('#') ? text.substr(1) : text;
@@ -238,7 +238,7 @@ class ColladaReader {
         from += count;
       }
     }
-    // A map that mirrors turns faces inside out.
+    // A mirroring map turns faces inside out.
     if (determinant(map) < 0)
       for (std::size_t i = 0; i + 2 < part.triangles.size(); i += 3)
         std::swap(part.triangles[i], part.triangles[i + 1]);
@@ -274,7 +274,7 @@ class ColladaReader {
     if ((triangles_ += count) > 2 * kMostTriangles) refuse("it has too many triangles");
   }
 
-  /// Normals turn as positions do where all axes are scaled alike; else they are made anew.
+  /// Normals rotate like positions if all axes have the same scale; else they are computed again.
   static bool uniform(const Map& m) {
     double n[3];
     for (std::size_t c = 0; c < 3; ++c)
@@ -294,7 +294,7 @@ class ColladaReader {
             static_cast<float>(out[2] / length)};
   }
 
-  /// The diffuse colour of the material that the instance binds to the faces' symbol.
+  /// The diffuse colour of the material that the instance binds to the symbol of the faces.
   void color(const std::string& symbol, const Element* instance, MeshPart& part) {
     std::string target = symbol;
     const Element* bind = instance ? instance->FirstChildElement("bind_material") : nullptr;

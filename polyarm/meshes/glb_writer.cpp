@@ -77,7 +77,7 @@ class Glb {
   }
 
   std::size_t indices(const MeshPart& part) {
-    if (part.positions.size() > 65535)  // the highest index means something else
+    if (part.positions.size() > 65535)  // the highest index has a special meaning
       return accessor(part.triangles.data(), part.triangles.size(), 4, kUnsignedInt, "SCALAR",
                       kElementArrayBuffer);
     const std::vector<std::uint16_t> small(part.triangles.begin(), part.triangles.end());
@@ -95,7 +95,7 @@ class Glb {
     return accessors_.size() - 1;
   }
 
-  /// Colours of files are those of screens (sRGB); glTF wants linear ones.
+  /// Colours in files are sRGB; glTF needs linear ones.
   std::size_t material(const MeshPart& part) {
     const auto at = by_color_.find(part.color);
     if (at != by_color_.end()) return at->second;

@@ -18,7 +18,7 @@ namespace {
 
 using Triple = std::array<float, 3>;
 constexpr float kCrease = 0.8660254f;        // cosine of 30 degrees
-constexpr std::size_t kMostNeighbours = 64;  // looked at where very many triangles share a corner
+constexpr std::size_t kMostNeighbours = 64;  // checked, if very many triangles share a corner
 
 struct TripleHash {
   std::size_t operator()(const Triple& t) const {
@@ -42,7 +42,7 @@ Triple unit(const Triple& a) {
   return n > 0 ? Triple{a[0] / n, a[1] / n, a[2] / n} : Triple{0, 0, 1};
 }
 
-/// Numbers of corners by their place; -0 and 0 are one.
+/// Indices of distinct corner positions; -0 equals 0.
 std::vector<std::uint32_t> places_of(const std::vector<Triple>& positions, std::size_t& count) {
   std::unordered_map<Triple, std::uint32_t, TripleHash> known;
   known.reserve(positions.size());
@@ -63,13 +63,13 @@ void drop_flat(MeshPart& part) {
     const Triple &a = part.positions[part.triangles[i]], &b = part.positions[part.triangles[i + 1]],
                  &c = part.positions[part.triangles[i + 2]];
     const Triple area = cross(b - a, c - a);
-    if (!(dot(area, area) > 0) || !std::isfinite(dot(area, area))) continue;  // nor one with NaN or infinity
+    if (!(dot(area, area) > 0) || !std::isfinite(dot(area, area))) continue;  // also drops NaN and infinity
     for (std::size_t k = 0; k < 3; ++k) kept.push_back(part.triangles[i + k]);
   }
   part.triangles = std::move(kept);
 }
 
-/// A normal for each corner of each triangle; corners are no longer shared.
+/// Computes a normal for each corner of each triangle; corners are no longer shared.
 void make_normals(MeshPart& part) {
   std::size_t places = 0;
   const std::vector<std::uint32_t> place = places_of(part.positions, places);
@@ -106,7 +106,7 @@ void make_normals(MeshPart& part) {
   part.normals = std::move(normals);
 }
 
-/// Corners with the same place and (to a thousandth) the same normal become one.
+/// Merges corners with the same position and (to a thousandth) the same normal.
 void share_corners(MeshPart& part) {
   std::size_t places = 0, directions = 0;
   const std::vector<std::uint32_t> place = places_of(part.positions, places);

@@ -21,7 +21,7 @@ struct MeshPart {
 };
 using Mesh = std::vector<MeshPart>;
 
-/// Larger files and meshes are refused.
+/// Limits; larger files and meshes are refused.
 inline constexpr std::uintmax_t kLargestFile = bounds::kMeshBytes;
 inline constexpr std::size_t kMostTriangles = bounds::kMeshTriangles;
 

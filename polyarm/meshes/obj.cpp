@@ -25,8 +25,8 @@ std::optional<T> number(std::string_view text) {
 
 constexpr std::size_t kMostInLine = 1 << 20, kMostWords = 100'000;
 
-/// Calls `take` with the words of each line; a line that ends with a backslash goes on. Throws
-/// Error("bad-mesh") for a line that no exporter writes.
+/// Calls `take` with the words of each line; a backslash at the end continues a line. Throws
+/// Error("bad-mesh") for an unreasonably long line.
 template <class Take>
 void each_line(const std::string& text, const std::string& name, Take take) {
   std::vector<std::string> words;
@@ -81,7 +81,7 @@ class ObjReader {
     });
     Mesh out;
     for (auto& [material, part] : parts_) {
-      // Normals count where every corner has one.
+      // Normals are used only if every corner has one.
       if (part.normals.size() != part.positions.size()) part.normals.clear();
       if (const auto color = colors_.find(material); color != colors_.end()) {
         part.color = color->second;
@@ -114,7 +114,7 @@ class ObjReader {
     return out;
   }
 
-  /// Counted from 1, or backwards from the newest with a minus.
+  /// Indices count from 1; negative ones count back from the newest.
   std::size_t index(std::string_view text, std::size_t count) const {
     const auto given = number<std::int64_t>(text);
     const std::int64_t size = static_cast<std::int64_t>(count);

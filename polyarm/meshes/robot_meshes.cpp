@@ -21,11 +21,11 @@ using description::ShapeKind;
 
 namespace {
 
-/// What is kept under a hash is made anew when this changes.
+/// Change it to invalidate all cached meshes.
 constexpr const char* kFormat = "meshes/1";
 constexpr std::size_t kMostCached = 32;
 
-/// Scaled and put to its place in the link.
+/// Scales the mesh and moves it to its pose in the link.
 void place(Mesh& mesh, const Shape& shape) {
   const Vec3 s = shape.scale;
   const bool mirrors = s.x * s.y * s.z < 0;
@@ -51,7 +51,7 @@ std::size_t triangles_of(const Mesh& mesh) {
   return out;
 }
 
-/// `left`: triangles that the robot may still have.
+/// `left`: triangles that the robot may still use.
 Mesh mesh_of(const Link& link, std::size_t& left) {
   Mesh out;
   for (const Shape& shape : link.visuals) {
@@ -63,7 +63,7 @@ Mesh mesh_of(const Link& link, std::size_t& left) {
       return Error("large-mesh", "the meshes of this robot have too many triangles together",
                    "simplify them: what is only looked at needs some thousand triangles");
     };
-    if (left == 0) throw large();  // without reading on
+    if (left == 0) throw large();  // without further reading
     Mesh mesh = read_mesh(shape.mesh_path);
     const std::size_t triangles = triangles_of(mesh);
     if (triangles > left) {
@@ -77,7 +77,7 @@ Mesh mesh_of(const Link& link, std::size_t& left) {
   return out;
 }
 
-/// What a link collides with, as far as that is no mesh.
+/// The collision geometry of a link, without meshes.
 Mesh collision_mesh_of(const Link& link) {
   Mesh out;
   for (const Shape& shape : link.collisions) {
@@ -114,7 +114,7 @@ void keep(const std::string& glb, const fs::path& path) {
   for (const auto& entry : fs::directory_iterator(path.parent_path(), error))
     if (entry.path().extension() == ".glb") there.emplace(entry.last_write_time(error), entry.path());
   for (; there.size() >= kMostCached; there.erase(there.begin())) fs::remove(there.begin()->second, error);
-  Problems ignored;  // without a cache it is made again the next time
+  Problems ignored;  // without a cache it is built again next time
   collect(ignored, [&] { write_file_atomically(path, glb); });
 }
 

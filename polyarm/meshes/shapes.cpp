@@ -12,7 +12,8 @@ using description::ShapeKind;
 
 namespace {
 
-constexpr std::uint32_t kAround = 32, kRings = 8;  // around z, and from an end to the middle of a ball
+constexpr std::uint32_t kAround = 32, kRings = 8;  // segments around z, and from an end to the equator of a
+                                                   // sphere
 
 MeshPart box(const Vec3& size) {
   MeshPart out;
@@ -25,7 +26,8 @@ MeshPart box(const Vec3& size) {
   return out;
 }
 
-/// A body about z: radius and height of its rings from below to above; those at its ends have none.
+/// A body of revolution about z: radius and height of its rings from bottom to top; the end rings have no
+/// radius.
 MeshPart turned(const std::vector<std::array<double, 2>>& rings) {
   MeshPart out;
   for (const auto& [radius, height] : rings)
@@ -47,7 +49,7 @@ MeshPart cylinder(double radius, double length) {
   return turned({{0, -length / 2}, {radius, -length / 2}, {radius, length / 2}, {0, length / 2}});
 }
 
-/// A ball, pulled apart in its middle by `length`.
+/// A sphere, stretched in the middle by `length`.
 MeshPart capsule(double radius, double length) {
   std::vector<std::array<double, 2>> rings;
   for (const int side : {-1, 1})

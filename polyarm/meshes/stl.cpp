@@ -32,7 +32,7 @@ Mesh binary(const std::string& bytes, const std::string& name, std::size_t count
   return {std::move(part)};
 }
 
-/// Words of the text, one after the other.
+/// The words of the text in order.
 class Words {
  public:
   explicit Words(std::string_view text) : text_(text) {}
@@ -76,7 +76,7 @@ Mesh read_stl(const std::string& bytes, const std::string& name) {
   std::uint32_t count = 0;
   if (bytes.size() >= kHead) std::memcpy(&count, bytes.data() + kHead - 4, 4);
   const std::size_t whole = kHead + kFacet * std::size_t{count};
-  // Binary files, too, may begin with "solid".
+  // Binary files may also begin with "solid".
   if (bytes.size() >= kHead && bytes.size() == whole) return binary(bytes, name, count);
   const bool text = bytes.starts_with("solid") && bytes.find("facet") != std::string::npos;
   if (text) return ascii(bytes, name);

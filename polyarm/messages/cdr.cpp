@@ -47,7 +47,7 @@ void CdrReader::read(std::string& text) {
   std::uint32_t length = 0;
   read(length);
   if (!need(1, length)) return;
-  if (length == 0) return text.clear();  // some writers leave out the NUL of an empty text
+  if (length == 0) return text.clear();  // some writers omit the NUL of an empty text
   const auto* begin = reinterpret_cast<const char*>(bytes_.data() + at_);
   if (begin[length - 1] != '\0') return fail(CdrError::text);
   text.assign(begin, length - 1);

@@ -1,10 +1,10 @@
 #pragma once
-/// Common data representation, as ROS 2 puts it on the wire and into MCAP: XCDR version 1, plain.
+/// Common data representation (CDR), as used by ROS 2 on the wire and in MCAP: XCDR version 1, plain.
 ///
-/// A payload is a header of four bytes (0, byte order, two of options) and the fields one after the other,
-/// each aligned to its size counted from behind the header. A text is its length with the NUL, the bytes,
-/// NUL; a sequence is its length and the elements. Source: DDS-XTypes 1.3, 7.4.3; OMG formal/2008-01-04
-/// (DDSI-RTPS 2.1), 10.2.
+/// A payload is a header of four bytes (0, byte order, two of options) followed by the fields, each aligned
+/// to its size, counted from the end of the header. A text is its length including the NUL, the bytes, NUL; a
+/// sequence is its length and the elements. Source: DDS-XTypes 1.3, 7.4.3; OMG formal/2008-01-04 (DDSI-RTPS
+/// 2.1), 10.2.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -79,9 +79,9 @@ enum class CdrError {
   header,    ///< no header, or a representation that ROS 2 does not use
   short_,    ///< it ends within a field
   text,      ///< a text without its NUL
-  boolean,   ///< a truth value that is neither 0 nor 1
-  too_many,  ///< more elements than a bounded sequence may have
-  trailing,  ///< more bytes behind the last field than padding
+  boolean,   ///< a boolean that is neither 0 nor 1
+  too_many,  ///< more elements than a bounded sequence allows
+  trailing,  ///< more bytes after the last field than padding
 };
 const char* name(CdrError error);
 
@@ -110,7 +110,7 @@ class CdrReader {
     if (error_ == CdrError::none) value = byte == 1;
   }
   void read(std::string& text);
-  /// The length of a sequence whose elements have at least `least` bytes each; 0 after an error.
+  /// The length of a sequence with elements of at least `least` bytes; 0 after an error.
   std::size_t read_length(std::size_t least, std::size_t most = SIZE_MAX);
   template <class T>
   requires(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>) void read_all(std::span<T> values) {
@@ -167,7 +167,7 @@ void read_elements(CdrReader& in, std::span<T> values) {
   }
 }
 
-/// The payload of a message, header and all.
+/// The payload of a message, including the header.
 template <class Message>
 std::vector<std::byte> to_cdr(const Message& message) {
   CdrWriter counter({});

@@ -15,7 +15,7 @@ using nlohmann::json;
 
 namespace {
 
-/// Calls `with` with a value of the type that numbers of this kind have in C++.
+/// Calls `with` with a value of the C++ type for numbers of this kind.
 template <class With>
 void with_number(FieldKind kind, With with) {
   switch (kind) {

@@ -14,9 +14,9 @@ namespace polyarm::messages {
 /// what was read before the error.
 CdrError to_json(const TypeInfo& type, std::span<const std::byte> payload, nlohmann::json& out);
 
-/// The payload of a message in JSON. What is left out is zero, false or empty, null as a number is no number,
-/// a time or duration may be a number of seconds, and keys that the type does not have are left out. Throws
-/// Error("bad-message") that names the field whose value does not fit.
+/// The payload of a JSON message. A missing field is zero, false or empty; null for a number is NaN; a time
+/// or duration may be a number of seconds; unknown keys are ignored. Throws Error("bad-message") with the
+/// field whose value does not fit.
 std::vector<std::byte> from_json(const TypeInfo& type, const nlohmann::json& message);
 
 }  // namespace polyarm::messages

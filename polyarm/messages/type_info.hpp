@@ -31,30 +31,32 @@ struct FieldInfo {
   const char* name;
   FieldKind kind;
   FieldShape shape;
-  std::uint32_t capacity;       ///< of an array or a bounded sequence
-  std::uint32_t least;          ///< the fewest bytes that one element has on the wire
-  std::uint32_t text_capacity;  ///< of a bounded text
-  const TypeInfo* nested;       ///< of FieldKind::nested
+  std::uint32_t capacity;       ///< for an array or a bounded sequence
+  std::uint32_t least;          ///< smallest size of one element on the wire, bytes
+  std::uint32_t text_capacity;  ///< for a bounded text
+  const TypeInfo* nested;       ///< for FieldKind::nested
 };
 
 struct TypeInfo {
   const char* name;      ///< "sensor_msgs/msg/JointState"
   const char* dds_name;  ///< "sensor_msgs::msg::dds_::JointState_"
   const char* hash;      ///< "RIHS01_…" (REP 2016)
-  const char* schema;    ///< as MCAP and Foxglove call "ros2msg": the fields, then those of every type used
+  const char* schema;    ///< in the "ros2msg" format of MCAP and Foxglove: the fields, then those of every
+                         ///< type used
   std::span<const FieldInfo> fields;
 };
 
-/// Of a generated struct.
+/// The type information of a generated struct.
 template <class Message>
 const TypeInfo& type_info();
 
-/// Every type there is, in the order of the list; parts of services and actions have a name of their own
+/// Every type, in the order of the list; parts of services and actions have their own names
 /// ("std_srvs/srv/Trigger_Request", "control_msgs/action/FollowJointTrajectory_SendGoal_Request").
 std::span<const TypeInfo* const> types();
-/// Whose form of the types: what others do not have in a form of their own is as in Jazzy.
+/// The ROS 2 distribution that defines the types; a type without its own form in a distribution is as in
+/// Jazzy.
 enum class Distribution { humble, jazzy, kilted };
-/// The types that differ from Jazzy's there, and all that use them.
+/// The types that differ from Jazzy in Humble, and all types that use them.
 std::span<const TypeInfo* const> humble_types();
 std::span<const TypeInfo* const> kilted_types();
 

@@ -30,7 +30,7 @@ constexpr std::size_t kMemory = kHeadOfMemory + 2 * kRing;
 
 SharedMemory::SharedMemory(std::size_t size)
     : descriptor_{::memfd_create("polyarm", MFD_CLOEXEC | MFD_ALLOW_SEALING)} {
-  // Who could make it smaller could end the other side by it.
+  // Sealed, because a process that shrinks it could crash the other side.
   if (descriptor_.number() < 0 || ::ftruncate(descriptor_.number(), static_cast<off_t>(size)) != 0 ||
       ::fcntl(descriptor_.number(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0)
     refuse("no memory can be shared with another process");
@@ -54,7 +54,7 @@ SharedMemory::~SharedMemory() {
   ::munmap(bytes_.data(), bytes_.size());
 }
 
-/// At the beginning of the memory; zeros are its first state.
+/// At the begin of the memory; zeros are its initial state.
 struct Channel::Shared {
   RingState to_child, to_parent;
   std::atomic<std::uint64_t> beats, pulses, dropped_by_child, dropped_by_parent;
@@ -92,7 +92,7 @@ std::array<int, 3> Channel::of_child() const {
   return {memory_.descriptor(), other_bell_.number(), own_bell_.number()};
 }
 
-/// A bell that has been rung very often already says so as well.
+/// A bell with a full counter is already ringing.
 void Channel::ring_other() const {
   const std::uint64_t once = 1;
   if (::write(other_bell_.number(), &once, sizeof once) < 0) errno = 0;
@@ -112,7 +112,7 @@ bool Channel::push(std::span<const std::byte> message, std::size_t& sent) {
       more = !last;
     } else if (result == RingResult::none) {
       if (std::exchange(asked, true)) break;
-      state.full.store(1);  // and once more, since there may be room by now
+      state.full.store(1);  // tries once more, because there may be room by now
       std::atomic_thread_fence(std::memory_order_seq_cst);
     }
   }
@@ -127,7 +127,7 @@ bool Channel::send(std::span<const std::byte> message, bool must) {
   std::size_t sent = 0;
   if (waiting_.empty() && push(message, sent)) return true;
   if (broken_) return false;
-  // What has begun has to be finished.
+  // A message that has been started must be finished.
   if (!must && sent == 0 &&
       (waiting_bytes_ + message.size() > limits_.most_waiting ||
        waiting_droppable_ >= limits_.most_messages)) {

@@ -1,7 +1,7 @@
 #pragma once
-/// Messages between a process and a child of its own, both ways, through shared memory: two rings, a bell for
-/// each side, and what finds no room in a ring waits in the sender's own memory, up to a bound. Messages
-/// arrive whole and in order, or the channel is broken and the child has to be started anew.
+/// Messages in both directions between a process and its child, through shared memory: two rings, and a
+/// wake-up descriptor for each side. Messages that do not fit into a ring wait in the sender's memory, up to
+/// a limit. Messages arrive complete and in order, or the channel is broken and the child must be restarted.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -17,12 +17,12 @@
 
 namespace polyarm::process {
 
-/// Memory that another process can map by its descriptor, of a size that nobody can change any more.
+/// Memory that another process can map by its descriptor. Its size is sealed.
 class SharedMemory {
  public:
   /// New memory, zeros. Throws Error("no-process").
   explicit SharedMemory(std::size_t size);
-  /// What another process made; throws where it is not of that size.
+  /// Memory that another process made; throws if it has another size.
   SharedMemory(Descriptor descriptor, std::size_t size);
   ~SharedMemory();
   SharedMemory(const SharedMemory&) = delete;
@@ -39,49 +39,50 @@ class SharedMemory {
 struct ChannelLimits {
   std::size_t most_message =
       bounds::kSampleBytes + 64 * 1024;               ///< bytes; larger ones are not sent, and break it
-  std::size_t most_waiting = bounds::kExchangeBytes;  ///< bytes of what may be dropped that wait for room
-  std::size_t most_messages = 10'000;                 ///< of these
-  std::size_t most_ever = std::size_t{64} << 20;      ///< bytes that wait at all; beyond this it is broken
+  std::size_t most_waiting = bounds::kExchangeBytes;  ///< bytes of droppable messages that wait for room
+  std::size_t most_messages = 10'000;                 ///< number of droppable messages that wait
+  std::size_t most_ever = std::size_t{64} << 20;      ///< bytes of all waiting messages; beyond this the
+                                                      ///< channel breaks
 };
 
-/// Where a child finds its end.
+/// The descriptors of the child's end.
 inline constexpr int kMemoryOfChild = 3, kBellOfChild = 4, kBellOfParent = 5;
 
 class Channel {
  public:
   /// The parent's end of a new channel. Throws Error("no-process").
   explicit Channel(ChannelLimits limits = {});
-  /// Descriptors, which it closes at the end.
+  /// Descriptors; the channel closes them at the end.
   struct Inherited {
     int memory = kMemoryOfChild, own_bell = kBellOfChild, other_bell = kBellOfParent;
   };
   /// The child's end. Throws Error("no-process").
   explicit Channel(Inherited inherited, ChannelLimits limits = {});
 
-  /// What the child is to find at kMemoryOfChild and on.
+  /// The descriptors to pass to the child, from kMemoryOfChild on.
   std::array<int, 3> of_child() const;
 
-  /// Any thread; never waits. False where it is not sent: too large, too much waits, or it is broken.
-  /// `must`: too much is for the bound of what waits at all.
+  /// Any thread; never waits. False if it is not sent: too large, too much is waiting, or the channel is
+  /// broken. `must`: not droppable; only the limit of all waiting messages applies.
   bool send(std::span<const std::byte> message, bool must);
   enum class Received { message, nothing, broken };
-  /// One thread: the next message. What waits for room is sent on in passing.
+  /// One thread: the next message. Also sends waiting messages.
   Received receive(std::vector<std::byte>& message);
-  /// The same thread, before it sleeps on bell(): false where there is something to receive already.
+  /// Same thread, before it sleeps on bell(): false if there is already something to receive.
   bool may_sleep();
-  /// After the sleep.
+  /// Call it after the sleep.
   void woken();
   int bell() const { return own_bell_.number(); }
-  /// Sleeps at most so long, ms, unless there is something to do.
+  /// Sleeps at most `most_ms`, unless there is something to do.
   void wait(int most_ms);
 
   bool broken() const;
-  /// Messages of the other side that it has dropped, as it says.
+  /// Number of messages that the other side dropped, as it reports.
   std::uint64_t dropped_there() const;
-  /// How often the child's main loop has come round, seen by the parent.
+  /// Heartbeat count of the main loop of the child, as seen by the parent.
   std::uint64_t beats() const;
   void beat();
-  /// Signs of life of the child's process (pulse.hpp), seen by the parent.
+  /// Heartbeat count of the pulse thread of the child (pulse.hpp), as seen by the parent.
   std::uint64_t pulses() const;
   void pulse();
 
@@ -94,7 +95,7 @@ class Channel {
   Shared& shared() const;
   std::span<std::byte> ring_bytes(int index) const;
   void ring_other() const;
-  /// False where no room is left before its end; `sent` is how far it came.
+  /// False if there is not enough room; `sent` is the number of bytes pushed so far.
   bool push(std::span<const std::byte> message, std::size_t& sent);
   void flush();
 
@@ -105,7 +106,7 @@ class Channel {
   RingReader reader_;
   std::vector<std::byte> partial_;
 
-  mutable std::mutex mutex_;  ///< of what is sent
+  mutable std::mutex mutex_;  ///< guards the sending side
   RingWriter writer_;
   std::deque<Waiting> waiting_;
   std::size_t waiting_bytes_ = 0, waiting_droppable_ = 0, first_sent_ = 0;

@@ -27,7 +27,7 @@ namespace polyarm::process {
 namespace {
 namespace fs = std::filesystem;
 
-/// Descriptors are moved out of the way of the numbers at which the child finds them.
+/// Moves descriptors away from the numbers that the child expects.
 constexpr int kOutOfTheWay = 64, kFirstHanded = 3;
 constexpr std::size_t kMostWords = 1000, kMostTold = 300;
 
@@ -74,7 +74,7 @@ class SpawnPlan {
              ? errno
              : ::posix_spawn_file_actions_adddup2(&actions_, copies_.back().number(), as));
   }
-  /// 0, or what is wrong.
+  /// Returns 0 or the error number.
   int spawn(const std::string& program, std::vector<std::string>& words, pid_t& process) {
     std::vector<char*> argv{const_cast<char*>(program.c_str())};
     for (std::string& word : words) argv.push_back(word.data());
@@ -141,7 +141,7 @@ void Child::start(const std::string& program, std::vector<std::string> words, st
     process_ = 0;
     refuse(error);
   }
-  // Without it (kernels before 5.3) its end is noticed when it is asked for.
+  // Without it (kernels before 5.3) the end is detected when ended() is called.
   end_ = Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, process_, 0)));
 }
 

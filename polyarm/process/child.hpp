@@ -22,13 +22,13 @@ std::string program_folders();
 
 /// How a process ended.
 struct Ending {
-  int code = 0, signal = 0;  ///< signal 0: it ended by itself, with the code
-  std::string last_words;    ///< the last line of what it wrote as errors, printable
+  int code = 0, signal = 0;  ///< signal 0: it exited by itself with the code
+  std::string last_words;    ///< the last line of its error output, printable
   /// "was ended by SIGABRT (…: Assertion … failed)"
   std::string text() const;
 };
 
-/// One at a time; one thread. The child is killed when the thread that started it ends.
+/// One child at a time; one thread. The child is killed when the thread that started it ends.
 class Child {
  public:
   Child() = default;
@@ -36,8 +36,8 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// The program with the descriptors `handed` as 3 and on, the null device as 0 and 1, a process group of
-  /// its own (Ctrl-C does not reach it), and signals as they were at birth. Throws Error("no-process").
+  /// Starts the program with the descriptors `handed` as 3 and on, the null device as 0 and 1, its own
+  /// process group (Ctrl-C does not reach it), and default signals. Throws Error("no-process").
   void start(const std::string& program, std::vector<std::string> words, std::span<const int> handed);
   bool running() const { return process_ > 0; }
   pid_t process() const { return process_; }
@@ -48,7 +48,7 @@ class Child {
   void listen();
   /// Empty while it runs; never waits.
   std::optional<Ending> ended();
-  /// Waits for its end for so long, then kills it.
+  /// Waits at most `patience` for its end, then kills it.
   Ending finish(std::chrono::milliseconds patience);
   void kill();
 
@@ -59,12 +59,12 @@ class Child {
 };
 
 struct ChildRules {
-  int handed = 0;                                  ///< descriptors 3 and on that it keeps
-  pid_t parent = 0;                                ///< who started it
-  std::size_t most_memory = std::size_t{1} << 30;  ///< bytes of data; more ends it
+  int handed = 0;                                  ///< number of inherited descriptors from 3 on
+  pid_t parent = 0;                                ///< the starting process
+  std::size_t most_memory = std::size_t{1} << 30;  ///< bytes of data; beyond this it is killed
 };
-/// First in the child's main: it ends with its parent, gains no rights, keeps no other descriptors, leaves no
-/// core file and has a bound on its memory. False where the parent is gone already.
+/// Call it first in the child's main: the child ends with its parent, gains no rights, keeps no other
+/// descriptors, writes no core file and has a memory limit. False if the parent has already ended.
 bool become_child(const ChildRules& rules);
 
 }  // namespace polyarm::process

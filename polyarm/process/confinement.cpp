@@ -28,7 +28,7 @@ constexpr std::uint32_t kMachine = AUDIT_ARCH_AARCH64;
 constexpr std::uint32_t kMachine = 0;
 #endif
 
-/// Fail, whatever their arguments are.
+/// These calls fail with any arguments.
 constexpr int kRefused[] = {
     // other programs and processes
     SYS_execve, SYS_execveat, SYS_ptrace, SYS_process_vm_readv, SYS_process_vm_writev, SYS_kcmp, SYS_rt_sigqueueinfo,
@@ -58,11 +58,11 @@ constexpr int kRefused[] = {
 #ifdef SYS_renameat
     SYS_renameat,
 #endif
-    // the kernel's own
+    // kernel interfaces
     SYS_bpf, SYS_perf_event_open, SYS_userfaultfd, SYS_keyctl, SYS_add_key, SYS_request_key, SYS_shmget, SYS_shmat,
     SYS_msgget, SYS_semget};
 
-/// As if the kernel did not have them: what they ask for stands in memory, which a filter cannot read.
+/// Treated as not implemented: their arguments are in memory, which a filter cannot read.
 constexpr int kUnknown[] = {
 #ifdef SYS_clone3
     SYS_clone3,
@@ -86,7 +86,7 @@ class Filter {
     add(BPF_RET | BPF_K, error == 0 ? SECCOMP_RET_ALLOW : SECCOMP_RET_ERRNO | static_cast<std::uint32_t>(error));
   }
   void die() { add(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS); }
-  /// Passes over `steps` unless it is equal.
+  /// Skips `steps` instructions unless it is equal.
   void unless_equal(std::uint32_t value, std::uint8_t steps) { jump(BPF_JEQ, value, 0, steps); }
   void if_equal(std::uint32_t value, std::uint8_t steps) { jump(BPF_JEQ, value, steps, 0); }
   void if_any_bit(std::uint32_t bits, std::uint8_t steps) { jump(BPF_JSET, bits, steps, 0); }
@@ -96,7 +96,7 @@ class Filter {
     unless_equal(static_cast<std::uint32_t>(number), 1);
     answer(error);
   }
-  /// The call fails unless its argument is one of two.
+  /// The call fails unless its argument is one of two values.
   void only(int number, int index, std::uint32_t value, std::uint32_t other) {
     unless_equal(static_cast<std::uint32_t>(number), 5);
     argument(index);
@@ -105,7 +105,7 @@ class Filter {
     answer(EPERM);
     answer(0);
   }
-  /// The call fails where its argument has one of the bits.
+  /// The call fails if its argument has one of the bits.
   void without(int number, int index, std::uint32_t bits, int error) {
     unless_equal(static_cast<std::uint32_t>(number), 4);
     argument(index);
@@ -141,12 +141,12 @@ Filter filter(bool local_sockets) {
 #ifdef SYS_open
   out.without(SYS_open, 1, kWrites, EACCES);
 #endif
-  // abort() signals itself.
+  // abort() sends a signal to its own process.
   out.only(SYS_kill, 0, self, self);
   out.only(SYS_tgkill, 0, self, self);
   out.refuse(SYS_tkill, EPERM);
   out.only(SYS_prlimit64, 0, 0, self);
-  // A thread, and no process.
+  // Allows threads, but no processes.
   out.unless_equal(SYS_clone, 4);
   out.argument(0);
   out.if_any_bit(CLONE_THREAD, 1);
@@ -163,7 +163,7 @@ Filter filter(bool local_sockets) {
   return out;
 }
 
-// --- Landlock; what younger kernels know is not in the headers of older ones
+// --- Landlock; features of newer kernels are missing in older headers
 
 struct Ruleset {
   std::uint64_t files, ports, scopes;
@@ -181,7 +181,7 @@ constexpr std::uint64_t kBind = 1 << 0, kConnect = 1 << 1;
 constexpr std::uint64_t kAbstractSockets = 1 << 0, kSignals = 1 << 1;
 constexpr int kCreateRuleset = 444, kAddRule = 445, kRestrictSelf = 446;
 
-/// What libraries read: names of hosts and services, certificates, modules of glibc, numbers of processors.
+/// Files that libraries read: host and service names, certificates, glibc modules, CPU counts.
 constexpr const char* kOfTheSystem[] = {"/etc", "/lib", "/lib64", "/usr/lib", "/usr/local/lib", "/usr/share/ca-certificates",
                                         "/usr/local/share/ca-certificates", "/usr/share/zoneinfo", "/run/systemd/resolve",
                                         "/run/resolvconf", "/run/NetworkManager", "/dev/null", "/dev/urandom", "/proc/self",
@@ -225,7 +225,7 @@ bool filter_calls(bool local_sockets) {
 }
 
 bool confine(const Confinement& to) {
-  constexpr long kVersion = 1;  // a flag: which version the kernel has
+  constexpr long kVersion = 1;  // a flag: returns the kernel's version
   const long version = ::syscall(kCreateRuleset, nullptr, 0, kVersion);
   if (version < 1) return false;
   Ruleset wanted{files_of(version), 0, 0};

@@ -15,7 +15,7 @@ namespace polyarm::process {
 
 class Packer {
  public:
-  /// Writes into `room` from its beginning; its memory is used again.
+  /// Writes into `room` from its beginning and reuses its memory.
   explicit Packer(std::vector<std::byte>& room) : out_{room} { out_.clear(); }
 
   template <class T>
@@ -28,7 +28,7 @@ class Packer {
     number(static_cast<std::uint32_t>(text.size()));
     return bytes(text.data(), text.size());
   }
-  /// To the end of the message, without a length.
+  /// Appends the rest of the message, without a length.
   Packer& rest(std::span<const std::byte> rest) { return bytes(rest.data(), rest.size()); }
 
  private:
@@ -58,7 +58,7 @@ class Unpacker {
     bytes(value.data(), N);
     return value;
   }
-  /// Longer than `most`: none.
+  /// Empty if it is longer than `most`.
   std::string text(std::size_t most) {
     const auto size = number<std::uint32_t>();
     if (!good_ || size > most || size > left_.size()) {

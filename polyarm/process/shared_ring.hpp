@@ -1,6 +1,6 @@
 #pragma once
-/// A queue of frames in memory shared by two processes: one writes, one reads, neither waits. A side trusts
-/// nothing that the other can change: it keeps its own position, checks the other's against the size, and
+/// A queue of frames in memory that two processes share: one writes, one reads, neither waits. Neither side
+/// trusts data that the other can change: it keeps its own position, checks the other's against the size, and
 /// copies a frame before it reads it.
 #include <atomic>
 #include <cstddef>
@@ -10,18 +10,18 @@
 
 namespace polyarm::process {
 
-/// Lies in the shared memory, before the bytes.
+/// At the begin of the shared memory, before the bytes.
 struct RingState {
-  alignas(64) std::atomic<std::uint64_t> written{0};  ///< bytes ever
-  alignas(64) std::atomic<std::uint64_t> read{0};     ///< bytes ever
+  alignas(64) std::atomic<std::uint64_t> written{0};  ///< total bytes
+  alignas(64) std::atomic<std::uint64_t> read{0};     ///< total bytes
   alignas(64) std::atomic<std::uint32_t> asleep{0};   ///< the reader wants to be woken by the next frame
   std::atomic<std::uint32_t> full{0};                 ///< the writer wants to be woken when there is room
 };
 
 enum class RingResult {
   done,
-  none,   ///< no room for the frame; no frame
-  broken  ///< the other side says what cannot be
+  none,   ///< no room for the frame, or no frame
+  broken  ///< the other side's state is invalid
 };
 
 /// Largest payload of one frame, bytes.

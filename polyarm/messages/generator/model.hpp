@@ -1,5 +1,5 @@
 #pragma once
-/// The list of interfaces as it stands in interfaces.list, and what ROS 2 makes of it.
+/// The interfaces in interfaces.list, and their ROS 2 properties. For the build-time generator only.
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -29,8 +29,8 @@ struct Type {
   std::vector<Field> fields;
 };
 
-/// Types in the order of their use; and by the name of a distribution, those that differ in it, with all that
-/// use them.
+/// Types in the order of their use; and by distribution, the types that differ in it, with all types that use
+/// them.
 struct Interfaces {
   std::vector<Type> types;
   std::map<std::string, std::vector<Type>> of_distributions;
@@ -40,10 +40,10 @@ struct Interfaces {
 Interfaces read_interfaces(const std::string& file);
 
 bool is_primitive(const std::string& type);
-/// The fewest bytes that a value of this type has on the wire.
+/// The smallest size of a value of this type on the wire, bytes.
 std::size_t least_bytes(const Type& type, const std::map<std::string, const Type*>& all);
 
-/// As MCAP and Foxglove call "ros2msg".
+/// The schema in the "ros2msg" format of MCAP and Foxglove.
 std::string schema(const Type& type, const std::map<std::string, const Type*>& all);
 /// "RIHS01_…": SHA-256 of the type's description as JSON (REP 2016).
 std::string type_hash(const Type& type, const std::map<std::string, const Type*>& all);
