@@ -39,7 +39,7 @@ std::optional<Statement::Motion> motion_of(std::string_view word) {
 }
 
 namespace {
-/// Of a number four digits are enough to find it in the program.
+/// Four digits of a number suffice to find it in the program.
 std::string short_text(const Value& value) {
   const data::Number* number = value.as_number();
   if (!number || number->value == 0) return value.text();

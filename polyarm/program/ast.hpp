@@ -1,5 +1,5 @@
 #pragma once
-/// A program as it was written: a tree of statements and expressions with their places.
+/// The syntax tree of a program: statements and expressions with their places. Plain data: any thread.
 #include <memory>
 #include <optional>
 #include <string>
@@ -41,23 +41,23 @@ bool is_comparison(Operator op);
 struct Expression;
 using ExpressionPtr = std::unique_ptr<Expression>;
 
-/// One node; `kind` says which fields count.
+/// One node; `kind` determines which fields are used.
 struct Expression {
   enum class Kind {
     literal,  ///< value
     name,     ///< name, with its dots: "in.part_ready"
     unary,    ///< op, parts[0]
-    binary,   ///< op, parts[0], parts[1]
-    call,     ///< name, parts; names: of an argument that was named, else empty
+    binary,   ///< name, with dots: "in.part_ready"
+    call,     ///< name, parts; names: the name of each named argument, else empty
     index,    ///< parts[0] [ parts[1] ], first index 1
     field,    ///< parts[0] . name
     list,     ///< parts
     record,   ///< names and parts
-    joined,   ///< parts, each as text, one after the other
+    joined,   ///< parts, each as text, concatenated
   };
   Kind kind = Kind::literal;
   Place place;
-  int depth = 1;  ///< of the tree below and including this node
+  int depth = 1;  ///< of the tree from this node down
   Value value;
   std::string name;
   Operator op = Operator::add;
@@ -65,10 +65,10 @@ struct Expression {
   std::vector<std::string> names;
 };
 
-/// As a message calls it: its name, or its form such as offset(Pick, …).
+/// For messages: its name, or its form such as offset(Pick, …).
 std::string spelled(const Expression& expression);
 
-/// The names that `expression` reads, each once, in the order of the text.
+/// The names that `expression` reads, each once, in text order.
 std::vector<std::string> names_read(const Expression& expression);
 
 struct Statement;
@@ -77,7 +77,7 @@ using Block = std::vector<Statement>;
 /// One branch of an if: `condition` is empty for else.
 struct Branch;
 
-/// What is said about a move, or about all moves of a block by `use`.
+/// An option of a move, or of all following moves (`use`).
 struct Clause {
   enum class Kind {
     robot,
@@ -96,17 +96,17 @@ struct Clause {
   };
   Kind kind = Kind::exact;
   Place place;
-  ExpressionPtr value;    ///< all but exact and smooth; of `at` the distance or time, if one is said
+  ExpressionPtr value;    ///< all except exact and smooth; for `at` the distance or time, if given
   Block otherwise;        ///< until … else
-  bool has_else = false;  ///< of until
-  bool from_end = false;  ///< of at: before the end, not after the start
-  std::string target;     ///< of at: what is set
-  ExpressionPtr to;       ///< of at: what it is set to
+  bool has_else = false;  ///< for until
+  bool from_end = false;  ///< for at: before the end instead of after the start
+  std::string target;     ///< for at: the name to set
+  ExpressionPtr to;       ///< for at: the new value
 };
 /// As it is spelled in a program.
 const char* spelling(Clause::Kind kind);
 
-/// What follows a name on the left of `=`: a field or a place in a list.
+/// A part of the target of `=` after the name: a field or a list index.
 struct PathPart {
   Place place;
   std::string field;
@@ -116,7 +116,7 @@ struct PathPart {
 struct Parameter {
   std::string name;
   Place place;
-  ExpressionPtr value;  ///< where a call leaves it out; may be empty
+  ExpressionPtr value;  ///< default value of a call; may be empty
 };
 
 struct Statement {
@@ -156,34 +156,34 @@ struct Statement {
     run,
     expect
   };
-  /// speedj, speedl: their argument is a record of velocities. drive, turn: of a base, by so much.
+  /// speedj, speedl: the argument is a record of velocities. drive, turn: of a base, by an amount.
   enum class Motion { moveto, movej, movel, movec, speedj, speedl, drive, turn };
   Kind kind = Kind::stop;
   Motion motion = Motion::moveto;
   Place place;
-  /// Data file, variable, function, task, meeting, lock, test, program; of try the name of the error.
+  /// Data file, variable, function, task, meeting, lock, test, program; for try: the name of the error.
   std::string name;
   Place name_place;
   bool explicit_variable = false;        ///< wait var NAME
   Value literal;                         ///< set_literal; the text of ask
   ExpressionPtr expression;              ///< value, condition, time, first of a range, list
-  ExpressionPtr second;                  ///< end of a range; timeout; of a bare `wait user` the name `user`
-  std::string second_name;               ///< for NAME, NAME in …: the place in the list comes first
+  ExpressionPtr second;                  ///< end of a range; timeout; for a plain `wait user` the name `user`
+  std::string second_name;               ///< for NAME, NAME in …: the index comes first
   std::vector<ExpressionPtr> arguments;  ///< log; the points of a move
   std::vector<PathPart> path;            ///< set NAME.field[index] = …
   std::vector<Clause> clauses;           ///< move, use
   std::vector<Parameter> parameters;     ///< function
-  Block body;                            ///< of a loop, function, task …; what happens after a timeout
+  Block body;                            ///< of a loop, function, task …; the block after a timeout
   Block handler;                         ///< try … on error
   Place handler_place;
   bool has_else = false;  ///< wait, meet … timeout … else
   std::vector<Branch> branches;
 
-  /// A move of a base, not of an arm.
+  /// True if it moves a base instead of an arm.
   bool moves_base() const {
     return kind == Kind::move && (motion == Motion::drive || motion == Motion::turn);
   }
-  /// speedj or speedl: it goes on from where the robot is.
+  /// speedj or speedl: starts from the present position of the robot.
   bool moves_at_speed() const {
     return kind == Kind::move && (motion == Motion::speedj || motion == Motion::speedl);
   }
@@ -195,7 +195,7 @@ struct Branch {
   Block body;
 };
 
-/// As it is spelled in a program, and the motion that is spelled so.
+/// The keyword of a motion, and the motion of a keyword.
 const char* spelling(Statement::Motion motion);
 std::optional<Statement::Motion> motion_of(std::string_view word);
 
@@ -207,19 +207,19 @@ struct Program {
   };
   std::string file;
   std::vector<std::string> lines;
-  Block statements;                ///< with those of the included files where they are included
-  std::vector<Included> included;  ///< file 1 and on
-  bool lacks_included = false;     ///< a file that it includes could not be read
+  Block statements;                ///< including those of included files, at the place of inclusion
+  std::vector<Included> included;  ///< file 1 and following
+  bool lacks_included = false;     ///< an included file could not be read
 
   Location at(Place place) const;
-  /// The source line without blanks around it; empty for a line there is not.
+  /// The source line, trimmed; empty if the line does not exist.
   std::string source(Place place) const;
 };
 
-/// The statements that load data, each file once, in the order of the text.
+/// The statements that load data, each file once, in text order.
 std::vector<const Statement*> loads(const Program& program);
 
-/// Its tests, in the order of the text.
+/// Its tests, in text order.
 std::vector<const Statement*> tests(const Program& program);
 
 }  // namespace polyarm::program

@@ -18,7 +18,7 @@ class BlendCheck {
   }
 
  private:
-  /// Every name that some line of the program makes; reading one does not wait.
+  /// All names that a line of the program creates; reading one does not wait.
   void collect_variables() {
     for_each_statement(program_.statements, [&](const Statement& s) {
       if (s.kind == Kind::let || s.kind == Kind::for_loop || s.kind == Kind::try_block) made_.insert(s.name);
@@ -29,7 +29,7 @@ class BlendCheck {
 
   bool is_variable(const std::string& name) const { return made_.contains(name.substr(0, name.find('.'))); }
 
-  /// What of the world an expression reads, or an empty text.
+  /// The part of an expression that reads from the cell, or an empty text.
   std::string world_in(const Expression& e) const {
     if (e.kind == Expression::Kind::call && (e.name == "here" || e.name == "ask")) return e.name + "()";
     if (e.kind == Expression::Kind::name && !is_variable(e.name)) {
@@ -43,7 +43,7 @@ class BlendCheck {
     return {};
   }
 
-  /// Why `s` waits for motion before it does anything else, or an empty text.
+  /// The reason why `s` first waits for motion, or an empty text.
   std::string waits(const Statement& s) const {
     switch (s.kind) {
       case Kind::load:
@@ -94,7 +94,7 @@ class BlendCheck {
            s.kind == Kind::on_stop;
   }
 
-  /// Looks at what follows the move, as far as that is sure.
+  /// Checks what certainly follows the move.
   void look_behind(const Block& block, std::size_t at, const Clause& blend, bool last_of_all) {
     for (std::size_t i = at + 1; i < block.size(); ++i) {
       const Statement& next = block[i];

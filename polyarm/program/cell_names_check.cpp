@@ -9,8 +9,7 @@ namespace polyarm::program {
 namespace {
 using Statements = Statement::Kind;
 
-/// Names that mean something of the cell, not of the program: robots, tools, frames, and tags that only the
-/// hardware sets.
+/// Checks names that belong to the cell: robots, tools, frames, and tags that only the hardware sets.
 class CellNamesCheck {
  public:
   CellNamesCheck(const Program& program, const KnownNames& known, Scope& scope)
@@ -30,14 +29,14 @@ class CellNamesCheck {
   }
 
  private:
-  /// What the program calls so itself.
+  /// Names that the program itself defines.
   void own_names(const Statement& s) {
     if (s.kind == Statements::let || s.kind == Statements::for_loop || s.kind == Statements::try_block)
       own_.insert({s.name, s.second_name});
     for (const Parameter& parameter : s.parameters) own_.insert(parameter.name);
   }
 
-  /// A test stands for the far side, and sets every tag; a program does not measure.
+  /// A test plays the far side and may set every tag; a program must not set measured ones.
   void targets(const Statement& s) {
     if (s.kind == Statements::set || s.kind == Statements::set_literal) not_measured(s.name, s.name_place);
     for (const Clause& clause : s.clauses)

@@ -13,7 +13,7 @@ std::string first_part(const std::string& name) {
   return name.substr(0, name.find('.'));
 }
 
-/// Leaves its block before the end of it.
+/// True if it leaves its block early.
 bool leaves(const Statement& s) {
   return s.kind == Kind::stop || s.kind == Kind::break_loop || s.kind == Kind::continue_loop ||
          s.kind == Kind::return_value || s.kind == Kind::raise || s.kind == Kind::retry;
@@ -57,7 +57,7 @@ void Certainty::find_moving_functions() {
   } while (changed_);
 }
 
-/// Once over the program. What is found to be open may make lines above it open, so this is repeated.
+/// One pass over the program. An open name may make earlier lines open, so the pass is repeated.
 void Certainty::look_at_everything() {
   changed_ = false;
   conditions_known_ = true;
@@ -93,7 +93,7 @@ void Certainty::statement(const Statement& s) {
   if (s.kind == Kind::function) return;  // look_at_function()
   for_each_expression(s, [&](const Expression& e) { for_each_call(e, [&](const auto& c) { call(c); }); });
   for (const Clause& clause : s.clauses) {
-    if (clause.kind == Clause::Kind::at) make_open(open_, first_part(clause.target));  // set at some moment
+    if (clause.kind == Clause::Kind::at) make_open(open_, first_part(clause.target));  // at any moment
     block(clause.otherwise, true);
   }
   if (leaves(s)) ends(s);
@@ -113,13 +113,13 @@ void Certainty::statement(const Statement& s) {
     }
     case Kind::for_loop:
       return for_loop(s);
-    case Kind::try_block:  // whatever fails in it may depend on open values
+    case Kind::try_block:  // any failure in it may depend on open values
       make_open(open_, s.name);
       block(s.body, true);
       return block(s.handler, true);
     case Kind::lock:
       return block(s.body, false);
-    default:  // what happens after a time-out, and what runs side by side or at any moment
+    default:  // code after a timeout, and code that runs in parallel or at any moment
       return block(s.body, true);
   }
 }
@@ -167,7 +167,7 @@ void Certainty::call(const Expression& e) {
   if (inside_ && leaving_.contains(e.name)) make_open(leaving_, inside_->name);
 }
 
-/// A name gets a value. Is it made outside of an open block that this happens in, then it is open, too.
+/// Assigns a value to a name. A name from outside of the present open block becomes open.
 void Certainty::give(const std::string& name, bool open) {
   const std::string first = first_part(name);
   for (auto around = around_.rbegin(); around != around_.rend() && !open; ++around) {
@@ -204,7 +204,7 @@ bool Certainty::reads_open(const Statement& s) const {
   return out;
 }
 
-/// May something in the block, by an open value, go on behind the end of it, or end the program?
+/// True if an open value may decide whether the block continues after its end or the program ends.
 bool Certainty::leaves_openly(const Block& statements, bool open) const {
   for (const Statement& s : statements) {
     if (open && leaves(s)) return true;
@@ -293,7 +293,7 @@ bool Certainty::follows(const Location& from, const Location& to) const {
     if (block.contains(begin) || !in_order) return true;
     if (block.file != end.file) return false;
     if (begin.line <= end.line) return block.first > begin.line && block.last < end.line;
-    return block.first > begin.line || block.last < end.line;  // round a loop
+    return block.first > begin.line || block.last < end.line;  // around a loop
   });
 }
 

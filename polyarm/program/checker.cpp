@@ -95,7 +95,7 @@ class Checker {
     }
   }
 
-  /// What stands outside of the program's own lines, with the names that those make.
+  /// Blocks outside of the program's own lines, with the names that those create.
   void apart(const Statement& s) {
     const std::size_t outer = scope_.variables.size();
     if (s.kind == Statements::function) {
@@ -111,7 +111,7 @@ class Checker {
     scope_.forget(outer);
   }
 
-  /// A test stands beside the program that it runs.
+  /// A test is separate from the program that it runs.
   void check_test(const Statement& s) {
     for_each_statement(s.body, [&](const Statement& inner) {
       if (inner.kind == Statements::move)
@@ -280,7 +280,7 @@ class Checker {
     check_target(s.name, s.name_place, s.path.empty() ? value : kUnknown);
   }
 
-  /// Something that `set` may change to a value of type `value`.
+  /// A target of `set` for a value of type `value`.
   void check_target(const std::string& name, Place place, const Type& value) {
     const std::string variable = scope_.variable_in(name);
     const auto at = scope_.names.find(name);
@@ -322,7 +322,7 @@ class Checker {
 
   /// speedj, speedl.
   void check_speed_move(const Statement& s) {
-    if (s.arguments.empty()) return check_clauses(s);  // the parser has said what is wrong
+    if (s.arguments.empty()) return check_clauses(s);  // the parser has reported the fault
     const Expression& velocities = *s.arguments.front();
     const Type type = infer(velocities);
     const std::string word = spelling(s.motion), advice = speed_move_advice(s.motion);
@@ -531,7 +531,7 @@ class Checker {
   const KnownNames& known_;
   Problems& problems_;
   Scope scope_;
-  std::size_t fixed_ = 0;  ///< variables that may not be changed here
+  std::size_t fixed_ = 0;  ///< number of variables that must not be changed here
 };
 }  // namespace
 

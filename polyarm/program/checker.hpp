@@ -1,5 +1,5 @@
 #pragma once
-/// Finds what is wrong with a program before anything moves.
+/// Finds the faults of a program before anything moves. Not for the control thread; allocates.
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -13,33 +13,33 @@
 
 namespace polyarm::program {
 
-/// What is known of a name or an expression; unknown parts are not complained about.
+/// The known properties of a name or an expression; unknown ones are not reported.
 struct Type {
   std::optional<data::Kind> kind;
   std::optional<Dimension> dimension;  ///< of a number
 };
 Type type_of(const Value& value);
 
-/// Everything a program may name.
+/// All names that a program may use.
 struct KnownNames {
   std::map<std::string, Type> names;
-  /// Where `load` looks for files; nothing: files are not looked for.
+  /// Where `load` looks for files; empty: files are not checked.
   std::optional<std::filesystem::path> folder;
-  std::set<std::string> measured;              ///< tags that the hardware alone sets
-  std::map<std::string, std::string> brought;  ///< tags that a link alone sets, and its name
+  std::set<std::string> measured;              ///< tags that only the hardware sets
+  std::map<std::string, std::string> brought;  ///< tags that only a link sets, with its name
   struct Robots {
     std::vector<std::string> names, tools;
   };
   std::optional<Robots>
-      robots;  ///< of the cell; nothing: what is meant by robots, tools and frames is not looked at
+      robots;  ///< of the cell; empty: the names of robots, tools and frames are not checked
 
   void add(const data::DataSet& set);
   void add(const data::DataStore& store);
 };
 
-/// Adds every finding to `problems`: unknown names and files with the nearest that exist, conditions that are
-/// not boolean, moves to what is no point, types that do not fit, statements that are never reached. Names
-/// that differ only in case and names that a thesis `set` makes are warnings.
+/// Adds all findings to `problems`: unknown names and files with the nearest existing ones, conditions that
+/// are not boolean, moves to values that are no point, wrong types, unreachable statements. Names that differ
+/// only in case and names that a thesis `set` creates are warnings.
 void check(const Program& program, const KnownNames& known, Problems& problems);
 
 }  // namespace polyarm::program

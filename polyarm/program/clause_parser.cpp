@@ -119,7 +119,7 @@ void parse_clause(TokenCursor& cursor, Statement& out) {
   out.clauses.push_back(std::move(clause));
 }
 
-/// Clauses to the end of the statement, with or without commas between them.
+/// Clauses up to the end of the statement, with or without commas.
 void parse_clauses(TokenCursor& cursor, Statement& out) {
   while (!cursor.at_end()) {
     const bool comma = !out.clauses.empty() || out.kind == Kind::move ? cursor.take_symbol(",") : false;

@@ -22,7 +22,7 @@ Code Compiler::run() {
     compile_apart(*on_stop_, entry);
     code_.on_stop = entry.entry;
   }
-  all_sure_ = true;  // these begin when all lines outside of them have been done
+  all_sure_ = true;  // these begin after all lines outside of them are done
   for (std::size_t i = 0; i < tasks_.size(); ++i) compile_apart(*tasks_[i], code_.tasks[i]);
   for (std::size_t i = 0; i < tests_.size(); ++i) compile_apart(*tests_[i], code_.tests[i]);
   count_meetings();
@@ -30,7 +30,7 @@ Code Compiler::run() {
   return std::move(code_);
 }
 
-// What is made first: names that stand for the whole program.
+// First: global names.
 
 void Compiler::add_global(const std::string& name) {
   if (globals_.try_emplace(name, static_cast<int>(code_.globals.size())).second)
@@ -63,7 +63,7 @@ void Compiler::leave(const Depths& from, const Depths& to, Place place) {
   add(Op::leave, place, {.a = static_cast<int>(code_.depths.size()) - 1, .b = from.locals});
 }
 
-/// A line that the program can begin at: nothing that it needs is made by the blocks around it.
+/// A line at which the program can start: it needs nothing that its enclosing blocks create.
 int Compiler::note_start(const Statement& s, bool top) {
   const Depths now = depths();
   if (!in_main_ || now.locals > 0 || now.locks > 0 || now.handlers > 0) return -1;
@@ -163,13 +163,13 @@ void Compiler::structure(const Statement& s) {
       return;
     case Kind::expect:
       return expect(s);
-    default:  // functions, tasks, tests and on stop stand elsewhere
+    default:  // functions, tasks, tests and on stop are compiled elsewhere
       begins_ = false;
       return;
   }
 }
 
-// What stands apart from the lines around it.
+// Blocks apart from the normal flow.
 
 void Compiler::begin_apart(const Statement& s, bool counts_passes) {
   forget(0);
@@ -227,7 +227,7 @@ void Compiler::compile_function(const Statement& s, FunctionCode& out) {
 
 // Meetings.
 
-/// The meetings that `block` comes to, also in the functions that it calls.
+/// The meetings in `block`, including those in the functions that it calls.
 void Compiler::meetings_in(const Block& block, std::set<std::string>& out,
                            std::set<std::string>& seen) const {
   for_each_statement(block, [&](const Statement& s) {
@@ -250,10 +250,10 @@ void Compiler::count_meetings() {
   }
 }
 
-// What statements cost.
+// Costs of statements.
 
 namespace {
-/// About how many plain steps this one takes as long as.
+/// The approximate cost of the step in plain steps.
 int weight(const Step& step) {
   constexpr int kCall = 2, kLarge = 8, kHost = 16, kSet = 64, kLog = 128, kMove = 320;
   if (step.op == Op::move || step.op == Op::load_file) return kMove;
@@ -269,7 +269,7 @@ int weight(const Step& step) {
 }
 }  // namespace
 
-/// A statement of more steps than kStepsOfAStatement counts as several.
+/// A statement with more than kStepsOfAStatement steps counts as several.
 void Compiler::weigh() {
   int steps = 0;
   for (auto step = code_.steps.rbegin(); step != code_.steps.rend(); ++step) {

@@ -21,8 +21,7 @@ void CodeWriter::move_to(Operand to, Operand from, Place place) {
   add(Op::load, place, {.a = to, .b = from});
 }
 
-/// The arguments are the first registers of the function that is called; its result comes to the first of
-/// them.
+/// The arguments are the first registers of the called function; its result is stored in the first of them.
 void CodeWriter::call_function(const Expression& e, std::size_t which, Operand to) {
   const Bound bound = bind_arguments(signature_of(*functions_[which]), e.names);
   const Operand first = next();
@@ -69,7 +68,7 @@ void CodeWriter::call_builtin(const Expression& e, const Function& function, Ope
        .d = names(e.names)});
 }
 
-/// The question comes again until the answer is like what is wanted.
+/// Repeats the question until the answer matches the example.
 void CodeWriter::call_ask(const Expression& e, const Bound& bound, Operand to) {
   const int begin = here();
   const Operand like = next();

@@ -4,8 +4,8 @@
 #include "polyarm/program/code_writer.hpp"
 #include "polyarm/program/functions.hpp"
 
-/// Expressions: what is calculated goes where it is wanted, and variables and constants are read where they
-/// are.
+/// Expressions: results are computed directly into their destination; variables and constants are read in
+/// place.
 namespace polyarm::program {
 
 using Kinds = Expression::Kind;
@@ -15,7 +15,7 @@ bool is_logic(Operator op) {
   return op == Operator::logical_and || op == Operator::logical_or;
 }
 
-/// The steps of the operators that have their own; `change` is the same into a variable.
+/// The steps of the operators that have their own; `change`: into a variable.
 std::optional<Op> own_step(Operator op, bool change) {
   switch (op) {
     case Operator::add:
@@ -33,7 +33,7 @@ std::optional<Op> own_step(Operator op, bool change) {
   }
 }
 
-/// What it is without running it; nothing where that is an error, which comes when it runs.
+/// The constant value; empty if the computation fails, which is then reported at run time.
 template <typename... Values>
 std::optional<Value> folded(Operator op, const Values&... values) {
   try {
@@ -43,13 +43,13 @@ std::optional<Value> folded(Operator op, const Values&... values) {
   }
 }
 
-/// Its value is calculated of those of its parts.
+/// True if its value is computed from those of its parts.
 bool calculates(const Expression& e) {
   return e.kind == Kinds::unary || (e.kind == Kinds::binary && !is_logic(e.op));
 }
 }  // namespace
 
-/// Calls, and what is the host's, may let others run meanwhile.
+/// Calls, and requests to the host, may let others run meanwhile.
 bool CodeWriter::at_once(const Expression& e) const {
   if (e.kind == Kinds::name && resolve(e.name).where == Resolved::Where::host) return false;
   if (e.kind == Kinds::call) {
@@ -71,7 +71,7 @@ Operand CodeWriter::read(const Expression& e) {
   return out == to ? temporary() : out;
 }
 
-/// What others may change while `behind` is evaluated is read now.
+/// Reads now what others may change while `behind` is evaluated.
 Operand CodeWriter::read_before(const Expression& e, const Expression& behind) {
   const Operand out = read(e);
   if (where(out) != Where::global || at_once(behind)) return out;
@@ -132,7 +132,7 @@ void CodeWriter::fields(Operand root, const std::vector<std::string>& fields, Op
   }
 }
 
-/// Into `to`, or a constant where all of it is known.
+/// Into `to`, or as a constant if everything is known.
 Operand CodeWriter::calculate(const Expression& e, Operand to, bool changes) {
   const auto known = [&](Operand of) -> const Value* {
     return where(of) == Where::constant ? &code_.constants[static_cast<std::size_t>(index(of))].value
@@ -153,7 +153,7 @@ Operand CodeWriter::calculate(const Expression& e, Operand to, bool changes) {
   return value ? constant(*value) : to;
 }
 
-/// Where the left side settles it, the right one is not looked at.
+/// If the left side decides, the right side is not evaluated.
 void CodeWriter::logic(const Expression& e, Operand to) {
   const Temporaries inner(*this);
   const Operand both = push(*e.parts[0]);
@@ -169,7 +169,7 @@ void CodeWriter::element(const Expression& e, Operand to) {
   const Expression& list = *e.parts[0];
   const Resolved resolved = list.kind == Kinds::name ? resolve(list.name) : Resolved{};
   Operand of = kNone;
-  if (resolved.is_variable()) {  // it is looked at when its place is known
+  if (resolved.is_variable()) {  // checked when its place is known
     of = operand(resolved.where == Resolved::Where::local ? Where::local : Where::global, resolved.slot);
   } else {
     of = push(list);
@@ -178,7 +178,7 @@ void CodeWriter::element(const Expression& e, Operand to) {
   add(Op::element, e.place, {.a = to, .b = of, .c = place});
 }
 
-/// Parts that lie behind one another.
+/// Parts in consecutive registers.
 void CodeWriter::several(const Expression& e, Operand to) {
   const Temporaries inner(*this);
   const int first = height();

@@ -1,6 +1,6 @@
 #include "polyarm/program/compiler.hpp"
 
-/// Statements that say what comes next: loops, branches, functions, errors.
+/// Statements that control the flow: loops, branches, functions, errors.
 namespace polyarm::program {
 
 void Compiler::while_loop(const Statement& s) {
@@ -19,7 +19,7 @@ void Compiler::while_loop(const Statement& s) {
   scope_.loops.pop_back();
 }
 
-/// The next value is asked for at the top once, then at the end of every pass.
+/// The first value is requested once at the top, further ones at the end of every pass.
 void Compiler::for_loop(const Statement& s) {
   const Depths outside = depths();
   const bool named_place = !s.second_name.empty();
@@ -84,7 +84,7 @@ void Compiler::give(const Statement& s) {
   add(Op::give, s.place, {.b = result, .c = function_});
 }
 
-/// How often it was tried lies below what the try and its handler declare, and the error above it.
+/// The retry counter lies below the variables of the try and its handler, the error above it.
 void Compiler::try_block(const Statement& s) {
   const Depths outside = depths();
   const Operand none = constant(0);

@@ -1,6 +1,6 @@
 #include "polyarm/program/compiler.hpp"
 
-/// Statements that make and change names.
+/// Statements that create and change names.
 namespace polyarm::program {
 
 void Compiler::let(const Statement& s, bool top) {
@@ -41,7 +41,7 @@ void Compiler::set(const Statement& s) {
   change(*s.expression, operand(local ? Where::local : Where::global, resolved.slot), s.name_place);
 }
 
-/// The whole is read first, then the places, then the value.
+/// Reads the whole first, then the indices, then the value.
 void Compiler::set_part(const Statement& s, const Resolved& resolved) {
   if (resolved.where != Resolved::Where::host && set_part_in_place(s, resolved)) return;
   const Operand root = temporary();
@@ -65,7 +65,7 @@ void Compiler::set_part(const Statement& s, const Resolved& resolved) {
   add(Op::change, s.name_place, {.a = operand(where, resolved.slot), .b = root});
 }
 
-/// Where nothing can change the variable meanwhile.
+/// Only if nothing can change the variable meanwhile.
 bool Compiler::set_part_in_place(const Statement& s, const Resolved& resolved) {
   const bool local = resolved.where == Resolved::Where::local;
   for (const PathPart& part : s.path)

@@ -3,7 +3,7 @@
 
 #include "polyarm/program/compiler.hpp"
 
-/// Statements that move, wait, tell and meet.
+/// Statements that move, wait, report and meet.
 namespace polyarm::program {
 
 // Moves.
@@ -29,7 +29,7 @@ void Compiler::clause_value(const Clause& clause) {
 }
 
 void Compiler::move(const Statement& s) {
-  if (s.moves_at_speed()) add(Op::arrive, s.place);  // it goes on from where the robot is
+  if (s.moves_at_speed()) add(Op::arrive, s.place);  // starts from the present position of the robot
   {
     const Temporaries inner(*this);
     const int first = height();
@@ -52,7 +52,7 @@ void Compiler::use(const Statement& s) {
 
 // Waits.
 
-/// The condition again and again; `otherwise` is what is done when the step goes to its c.
+/// Checks the condition repeatedly; `otherwise` is the block for the step's c.
 void Compiler::look_until(Op op, const Expression& condition, bool has_else, const Block& otherwise,
                           const Statement& s) {
   const int start = here();
@@ -112,7 +112,7 @@ void parts_told(const Expression& e, std::vector<const Expression*>& out) {
 }
 }  // namespace
 
-/// Where it is not so, what its parts are is looked at once more, for the message.
+/// On failure it reads the parts of the condition again, for the message.
 void Compiler::expect(const Statement& s) {
   add(Op::arrive, s.place);
   timeout(s);
@@ -134,9 +134,9 @@ void Compiler::expect(const Statement& s) {
   land(skip);
 }
 
-// People.
+// The operator.
 
-/// `wait user`: a name where there is one, else a question.
+/// `wait user`: a name if it exists, else a question.
 void Compiler::ask(const Statement& s) {
   if (s.second && resolve(s.second->name).where != Resolved::Where::host) return wait(s, *s.second);
   int question = 0;
@@ -167,7 +167,7 @@ void Compiler::log(const Statement& s) {
 
 // Tasks.
 
-/// Each statement becomes a small task of its own that starts with the names there are.
+/// Each statement becomes a small task of its own that starts with the present names.
 void Compiler::together(const Statement& s) {
   const int skip = add(Op::jump, s.place);
   std::vector<int> entries;

@@ -1,6 +1,6 @@
 #pragma once
-/// The part of the compiler that makes code of names, expressions and conditions; for the compiler's own
-/// files.
+/// The part of the compiler that generates code for names, expressions and conditions. Private to the
+/// compiler's files.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -28,11 +28,11 @@ class CodeWriter {
     int count_slot = 0, error_slot = 0, begin = 0;
     Depths outside;
   };
-  /// What is known while the code of one function or task is made.
+  /// The state while the code of one function or task is generated.
   struct Scope {
     std::vector<std::string> locals;
-    std::vector<int> variables;  ///< of each local its entry in the code's list
-    Depths depths;               ///< its locals are counted by `locals`
+    std::vector<int> variables;  ///< for each local, its entry in the code's list
+    Depths depths;               ///< locals are counted by `locals`
     std::vector<Loop> loops;
     std::vector<Handler> handlers;
     bool counts_passes = true;
@@ -43,7 +43,7 @@ class CodeWriter {
     std::vector<std::string> fields;
     bool is_variable() const { return where != Where::host && fields.empty(); }
   };
-  /// The temporaries that are made in its time end with it.
+  /// Releases the temporaries created during its lifetime.
   class Temporaries {
    public:
     explicit Temporaries(CodeWriter& of) : count_{of.temporaries_}, before_{count_} {}
@@ -62,7 +62,7 @@ class CodeWriter {
   void add_step(Op op, Place place, Step operands);
   int add_binary(Op op, Operator operation, Place place, Step operands);
   Step& step(int at) { return code_.steps[static_cast<std::size_t>(at)]; }
-  /// The step goes on here.
+  /// Sets the jump target of the step to this place.
   void land(int step);
   void land(const std::vector<int>& steps);
   void jump_to(int target, Place place);
@@ -73,34 +73,34 @@ class CodeWriter {
 
   // Registers
   Depths depths() const;
-  /// How many are in use.
+  /// The number of registers in use.
   int height() const { return static_cast<int>(scope_.locals.size()) + temporaries_; }
   void need(int registers);
-  /// The next one that is free; not taken yet.
+  /// The next free register, without taking it.
   Operand next();
-  /// Takes the next one.
+  /// Takes the next free register.
   Operand temporary();
   int declare(const std::string& name);
-  /// All but the first `keep` locals end here.
+  /// Ends all but the first `keep` locals.
   void forget(int keep);
   bool find_variable(const std::string& name, Resolved& out) const;
   /// A variable, a field of a variable, or something of the host's.
   Resolved resolve(const std::string& name) const;
-  /// Where the variable is, which has its value there.
+  /// The location of a variable that has a value.
   Operand variable(const Resolved& resolved, Place place);
 
   // Expressions: code_expressions.cpp
-  /// Code that leaves the value somewhere; a variable or constant is read where it is.
+  /// Generates code that leaves the value in some register; variables and constants are read in place.
   Operand read(const Expression& e);
-  /// As read, when `behind` is evaluated before the value is used.
+  /// The same if `behind` is evaluated before the value is used.
   Operand read_before(const Expression& e, const Expression& behind);
   /// Into the next temporary, which it takes.
   Operand push(const Expression& e);
-  /// Into a register or variable; of variables only such that `e` does not read.
+  /// Into a register or variable; the variable must not be read by `e`.
   void into(const Expression& e, Operand to);
   /// Into a variable, which keeps its type.
   void change(const Expression& e, Operand variable, Place place);
-  /// Whether nothing else can run while `e` is evaluated.
+  /// True if nothing else can run while `e` is evaluated.
   bool at_once(const Expression& e) const;
   void name(const Expression& e, Operand to);
   void fields(Operand root, const std::vector<std::string>& fields, Operand to, Place place);
@@ -111,13 +111,13 @@ class CodeWriter {
   void append(const Expression& e, Operand variable, Place place);
 
   // Conditions: conditions.cpp
-  /// Code that jumps where the condition does not hold, or where it does; the steps to land are added.
+  /// Generates code that jumps if the condition is false (or true); adds the steps whose target must be set.
   void jump_unless(const Expression& condition, std::vector<int>& jumps);
   void jump_when(const Expression& condition, std::vector<int>& jumps);
   void compare(const Expression& e, Op first, std::vector<int>& jumps);
-  /// Under which a step that reads or sets a field remembers where it found it.
+  /// The number under which a step caches the position of a field.
   std::uint16_t number_of_field() { return fields_++; }
-  /// What a condition reads that others change.
+  /// The values read by a condition that others can change.
   int reads(const Expression& condition);
 
   // Calls: code_calls.cpp
@@ -132,14 +132,14 @@ class CodeWriter {
   Scope scope_;
   std::unordered_map<std::string, int> globals_;
   std::unordered_map<std::string, std::size_t> function_at_;
-  std::vector<bool> sure_globals_;  ///< that have their value wherever the code that is made now runs
+  std::vector<bool> sure_globals_;  ///< those that certainly have a value where the present code runs
   bool all_sure_ = false;
   std::vector<const Statement*> functions_, tasks_, whens_, tests_;
   const Statement* on_stop_ = nullptr;
   const Statement* statement_ = nullptr;
   Place line_;
   bool begins_ = false;
-  int registers_ = 0;  ///< that the function needs which is being made
+  int registers_ = 0;  ///< needed by the present function
 
  private:
   struct NumberKey {
@@ -156,7 +156,7 @@ class CodeWriter {
   std::unordered_map<std::string, int> text_at_;
   std::unordered_map<NumberKey, int, NumberHash> number_at_;
   std::uint16_t fields_ = 0;
-  int since_look_ = 0;  ///< steps since the last one that looks at the budget
+  int since_look_ = 0;  ///< number of steps since the last budget check
   int temporaries_ = 0;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Makes the steps of statements; for the compiler's own files.
+/// Generates the steps of statements. Private to the compiler's files.
 #include <set>
 #include <string>
 #include <vector>
@@ -47,7 +47,7 @@ class Compiler : private CodeWriter {
   void raise(const Statement& s);
   void retry(const Statement& s);
 
-  // What moves, waits and meets: code_world.cpp
+  // Moves, waits and meetings: code_world.cpp
   void clause_value(const Clause& clause);
   void move(const Statement& s);
   void use(const Statement& s);

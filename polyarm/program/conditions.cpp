@@ -1,6 +1,6 @@
 #include "polyarm/program/code_writer.hpp"
 
-/// Conditions become jumps where it is known that they are booleans.
+/// A condition becomes jumps if it is known to be boolean.
 namespace polyarm::program {
 
 using Kinds = Expression::Kind;
@@ -18,7 +18,7 @@ bool is_negation(const Expression& e) {
   return e.kind == Kinds::unary && e.op == Operator::logical_not;
 }
 
-/// Of anything else only the run can tell what it is.
+/// For any other expression the type is known only at run time.
 bool is_surely_boolean(const Expression& e) {
   if (is_junction(e)) return is_surely_boolean(*e.parts[0]) && is_surely_boolean(*e.parts[1]);
   return is_comparison(e) || (is_negation(e) && is_surely_boolean(*e.parts[0]));

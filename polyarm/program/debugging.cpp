@@ -15,7 +15,7 @@ bool before(Place a, Place b) {
 }
 }  // namespace
 
-/// Whether the program pauses in front of the statement that `task` comes to.
+/// True if the program pauses before the next statement of `task`.
 bool Interpreter::stops_here(Task& task) {
   if (task.apart || code_.steps[task.pc].op == Op::pace) return false;
   if (std::exchange(resumed_, resumed_ == task.id ? 0 : resumed_) == task.id) return false;
@@ -53,7 +53,7 @@ void Interpreter::resume_for(StepKind kind) {
 
 namespace {
 
-/// A file by its path as it was read, or by the end of that, as people are shown it.
+/// Matches a file by its path as read, or by the end of the path, as displayed.
 bool is_called(const std::string& file, const std::string& name) {
   if (!file.ends_with(name)) return false;
   return file.size() == name.size() || (!name.empty() && file[file.size() - name.size() - 1] == '/');
@@ -124,7 +124,7 @@ std::vector<Location> Interpreter::calls(const std::string& task) const {
   return out;
 }
 
-// From the middle.
+// Start in the middle.
 
 StartReport Interpreter::start_at(int line) {
   const auto here = [&](const StartingPoint& s) {
@@ -161,7 +161,7 @@ StartReport Interpreter::start_at(int line) {
   return out;
 }
 
-/// Does the lines before `start` that make names, say what moves use, or watch.
+/// Executes the lines before `start` that create names, set move defaults, or watch.
 void Interpreter::run_prelude(const StartingPoint& start) {
   constexpr int kMostSteps = 100000;
   Task& task = *tasks_.front();

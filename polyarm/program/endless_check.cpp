@@ -1,5 +1,4 @@
-/// Finds loops that never wait: those that never end, and those that wait for a value by asking for it again
-/// and again.
+/// Finds loops that never wait: those that never end, and those that poll a value.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -15,7 +14,7 @@ namespace polyarm::program {
 namespace {
 using Kind = Statement::Kind;
 
-/// What a loop does, with the functions that it calls.
+/// The effects of a loop, including the functions that it calls.
 struct Doing {
   bool takes_time = false;
   bool leaves = false;               ///< it may end itself
@@ -38,7 +37,7 @@ class EndlessCheck {
   }
 
  private:
-  /// True if something was told; of loops in one another the innermost.
+  /// True if something was reported; for nested loops only the innermost is reported.
   bool loops_in(const Block& block) {
     bool told = false;
     for (const Statement& s : block) {
@@ -70,7 +69,7 @@ class EndlessCheck {
                    "end it with `break`, or let it `wait` or move");
       return true;
     }
-    if (asked.empty() && !doing.acts) return false;  // a name that nothing changes: it may not begin
+    if (asked.empty() && !doing.acts) return false;  // nothing changes this name
     scope_.warning("busy-loop", s.place,
                    "this loop never waits: it goes round as often as it can" +
                        (asked.empty() ? std::string{} : " until " + join(asked, " or ") + " changes"),
@@ -149,7 +148,7 @@ class EndlessCheck {
 
   const Program& program_;
   Scope& scope_;
-  std::set<std::string> own_;  ///< names that the program makes
+  std::set<std::string> own_;  ///< names that the program creates
 };
 }  // namespace
 

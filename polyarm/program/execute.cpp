@@ -16,7 +16,7 @@ void Interpreter::fail_at(Place place, std::string code, std::string what, std::
   throw Error(Problem{std::move(code), program_.at(place), std::move(what), std::move(advice)});
 }
 
-/// Takes one step. A step that cannot be taken yet leaves the task waiting in front of it.
+/// Executes one step. If it cannot be completed yet, the task waits before it.
 void Interpreter::execute(Task& task) {
   const Step& step = code_.steps[task.pc];
   task.line = source(step).line;
@@ -91,7 +91,7 @@ bool Interpreter::go_on_with_work(Task& task) {
 
 bool Interpreter::part_from_others(Task& task, Value& whole, std::span<const PathStep> path,
                                    std::size_t more) {
-  constexpr std::size_t kTimes = 4;  // to move is dearer than room that is not used
+  constexpr std::size_t kTimes = 4;  // moving costs more than unused memory
   Value* at = &whole;
   for (std::size_t deep = 0; at->as_list() || at->as_record(); ++deep) {
     const bool large = at->as_list() && at->as_list()->size() > kLargeList;
@@ -139,9 +139,9 @@ bool Interpreter::write(Task& task, int first, int count, std::string_view betwe
   return true;
 }
 
-// Plain steps, of any values.
+// Plain steps, for any values.
 
-/// What an operator of two makes of them; false: not yet. Lists are copied and compared in pieces.
+/// The result of a binary operator; false: not finished yet. Lists are copied and compared in pieces.
 bool Interpreter::result_of(Task& task, const Step& step, Value& result) {
   const auto op = static_cast<Operator>(step.more);
   const Value &right = value_of(task, step.c, step), &left = value_of(task, step.b, step);
@@ -178,7 +178,7 @@ bool Interpreter::calculate(Task& task, const Step& step) {
   return true;
 }
 
-/// A text that grows does so in its place.
+/// Appends to a text in place.
 bool Interpreter::calculate_into_variable(Task& task, const Step& step) {
   const auto op = static_cast<Operator>(step.more);
   Slot& variable = slot(task, step.a);
@@ -357,7 +357,7 @@ void Interpreter::make_parts(Task& task, const Step& step) {
 }
 
 namespace {
-/// Points are read when their line is come to; everything else of the host's may depend on what has moved.
+/// Points are read when their line is reached; any other host value may depend on what has moved.
 bool waits_for_motion(const Value& value) {
   if (const data::List* list = value.as_list())
     return std::any_of(list->begin(), list->end(), waits_for_motion);
@@ -389,7 +389,7 @@ bool Interpreter::push_host(Task& task, const Step& step) {
   return true;
 }
 
-/// The name of a point is what the host calls it.
+/// The name of a point is its name in the host.
 void Interpreter::take_field(Task& task, const Step& step) {
   const std::string& name = at(code_.texts, step.c);
   const std::string* origin = slot(task, step.b).origin;
@@ -432,7 +432,7 @@ bool Interpreter::call_in_pieces(Task& task, const Step& step) {
 }
 
 namespace {
-/// What a person typed, where a value like `like` was asked for.
+/// Parses the user's answer, which must be like `like`.
 std::optional<Value> understood(const std::string& answer, const Value& like) {
   if (answer.empty()) return like;
   if (like.as_text()) return Value(answer);
@@ -450,7 +450,7 @@ std::optional<Value> understood(const std::string& answer, const Value& like) {
 }
 }  // namespace
 
-/// False where the answer is not like what was asked for: the question comes again.
+/// False if the answer does not match the example: the question is repeated.
 bool Interpreter::take_answer(Task& task, const Step& step) {
   const Value like = take_value(task, step.a, step);
   std::optional<Value> given = understood(std::string(trim(host_.answer())), like);

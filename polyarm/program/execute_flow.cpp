@@ -6,7 +6,7 @@
 #include "polyarm/program/operators.hpp"
 #include "polyarm/program/task.hpp"
 
-/// Steps that say what comes next: loops, functions, errors, tasks.
+/// Steps that control the flow: loops, functions, errors, tasks.
 namespace polyarm::program {
 
 void Interpreter::execute_flow(Task& task, const Step& step) {
@@ -88,7 +88,7 @@ void Interpreter::leave(Task& task, const Depths& to, int names) {
   give_back_locks(task, frame.locks + static_cast<std::size_t>(to.locks));
 }
 
-/// Registers of a loop: how far it has come, what it runs over (a list, or the last number), and its names.
+/// Registers of a loop: the position, the list or the last number, and its names.
 void Interpreter::begin_for(Task& task, const Step& step) {
   const Statement& s = *source(step).statement;
   for (const std::string& name : {s.name, s.second_name})
@@ -103,7 +103,7 @@ void Interpreter::begin_for(Task& task, const Step& step) {
     const data::Number *from = first.as_number(), *to = over.as_number();
     if (!from || !to || from->dimension != to->dimension)
       fail_at(s.second->place, "bad-type", "a range goes from one number to another of the same unit");
-    constexpr double kLargest = 1e15;  // beyond it a step of one may not count
+    constexpr double kLargest = 1e15;  // beyond it an increment of one may be lost
     if (std::abs(from->value) > kLargest || std::abs(to->value) > kLargest)
       fail_at(s.second->place, "bad-type", "this range is too large to count");
   } else if (!over.as_list()) {
@@ -115,7 +115,7 @@ void Interpreter::begin_for(Task& task, const Step& step) {
   task.local(step.a + 2 + step.b).fill(std::move(first));
 }
 
-/// At the top for the first value, at the end of a pass for another one.
+/// At the top for the first value, at the end of a pass for the next.
 void Interpreter::next_of_for(Task& task, const Step& step) {
   const Slot& over = task.local(step.a + 1);
   Slot& loop = task.local(step.a + 2 + step.b);
@@ -173,7 +173,7 @@ void Interpreter::retry(Task& task, const Step& step) {
   task.pc = static_cast<std::size_t>(step.d);
 }
 
-/// The last line of a task. Behind the last line of the program its tasks begin, with what it used.
+/// The end of a task. After the last line of the program its tasks begin, with its move defaults.
 void Interpreter::finish(Task& task) {
   if (!arrived(task)) return;
   task.state = TaskState::finished;

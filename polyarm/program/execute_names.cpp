@@ -5,7 +5,7 @@
 #include "polyarm/program/operators.hpp"
 #include "polyarm/program/task.hpp"
 
-/// Steps that make, change and fill names.
+/// Steps that create, change and fill names.
 namespace polyarm::program {
 
 void Interpreter::execute_name(Task& task, const Step& step) {
@@ -132,7 +132,7 @@ bool Interpreter::append(Task& task, const Step& step) {
   return true;
 }
 
-/// Behind one another lie the places in lists, and the value that comes in.
+/// Consecutive registers hold the indices and the new value.
 bool Interpreter::replace_part(Task& task, const Step& step) {
   const Statement& s = *source(step).statement;
   const Operand from = operand(Where::temporary, step.b + step.d);

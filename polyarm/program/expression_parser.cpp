@@ -17,7 +17,7 @@ struct BinarySpelling {
   int level;
 };
 
-// From loosest to tightest; `not` stands between `and` and the comparisons.
+// From the lowest to the highest precedence; `not` lies between `and` and the comparisons.
 constexpr int kOr = 0, kAnd = 1, kNot = 2, kCompare = 3, kSum = 4, kProduct = 5, kSign = 6;
 constexpr std::array kBinary = {
     BinarySpelling{"or", Operator::logical_or, kOr},
@@ -35,7 +35,7 @@ constexpr std::array kBinary = {
     BinarySpelling{"mod", Operator::modulo, kProduct},
 };
 
-/// Most tokens behind a value are no operator, and each is looked at on every level.
+/// Most tokens after a value are no operators, and each is checked at every level.
 bool may_be_operator(const Token& token) {
   constexpr std::size_t kLongestSign = 2, kLongestWord = 3;
   if (token.kind == TokenKind::symbol)
@@ -87,7 +87,7 @@ char unescaped(char c, Place place) {
                     "there are \\\" \\\\ \\n \\t \\{ \\}"};
 }
 
-/// Nesting of brackets and signs is counted here so that the parser's own recursion is bounded.
+/// Counts nested brackets and signs, to bound the parser's recursion.
 class Nesting {
  public:
   Nesting(int& depth, Place place) : depth_{depth} {

@@ -1,5 +1,5 @@
 #pragma once
-/// The expressions of one statement, by precedence climbing.
+/// Parses the expressions of one statement by precedence climbing. Private to the parser's files.
 #include <algorithm>
 #include <string_view>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace polyarm::program {
 
-/// What stops the parsing of one statement; caught by the parser, which goes on with the next.
+/// Aborts the parsing of one statement; the parser catches it and continues with the next.
 struct SyntaxError {
   std::string code;
   Place place;
@@ -28,7 +28,7 @@ class TokenCursor {
   const Token& take() { return tokens_[at_ + 1 < tokens_.size() ? at_++ : at_]; }
   bool at_end() const { return peek().kind == TokenKind::end; }
   bool is_symbol(std::string_view symbol, std::size_t ahead = 0) const;
-  /// A bare name that spells `word` in any case.
+  /// True for an unquoted name equal to `word` in any case.
   bool is_word(std::string_view word, std::size_t ahead = 0) const;
   bool take_symbol(std::string_view symbol);
   bool take_word(std::string_view word);
@@ -37,11 +37,11 @@ class TokenCursor {
 
   /// Parses the longest expression from here. Throws SyntaxError.
   ExpressionPtr expression();
-  /// Expressions between commas, up to and with `close`. With `names` each may be `NAME = EXPR`, and its
-  /// name, or an empty one, goes there.
+  /// Expressions separated by commas, up to and including `close`. With `names` each may be `NAME = EXPR`;
+  /// the name, or an empty one, is added there.
   std::vector<ExpressionPtr> list_until(std::string_view close, const Token& open,
                                         std::vector<std::string>* names = nullptr);
-  /// A dot and a name are next.
+  /// True if a dot and a name follow.
   bool is_field() const;
   /// Throws SyntaxError unless the statement ends here.
   void expect_end(const std::string& statement) const;

@@ -31,7 +31,7 @@ bool touch(const Token& a, const Token& b) {
   return a.place.line == b.place.line && a.place.column + width(written(a)) == b.place.column;
 }
 
-/// A value may end here, so that a sign behind it takes two.
+/// True if a value may end here, so that a following sign is binary.
 bool ends_value(const Token& token) {
   if (token.kind == TokenKind::symbol) return is_one_of(token, ")]}");
   static constexpr std::array<std::string_view, 8> kWords = {"and", "or",     "not",     "mod",
@@ -41,7 +41,7 @@ bool ends_value(const Token& token) {
                       [&](std::string_view word) { return equal_ignoring_case(token.text, word); });
 }
 
-/// Whether a blank stands between two words of a statement.
+/// Decides about blanks between two words of a statement.
 class Spacing {
  public:
   explicit Spacing(const std::vector<Token>& tokens) : tokens_{tokens} {}
@@ -56,11 +56,11 @@ class Spacing {
   }
 
  private:
-  /// A minus, or the plus of a thesis literal, in front of one value.
+  /// A minus, or the plus of a thesis literal, before one value.
   bool is_sign(std::size_t i) const {
     if (!is_one_of(tokens_[i], "-+")) return false;
     if (i == 0 || !ends_value(tokens_[i - 1])) return true;
-    // `movel -x` and `speed -v`: as it is written
+    // `movel -x` and `speed -v`: keeps the spacing
     return tokens_[i - 1].kind == TokenKind::name && !touch(tokens_[i - 1], tokens_[i]) &&
            i + 1 < tokens_.size() && touch(tokens_[i], tokens_[i + 1]);
   }
@@ -104,7 +104,7 @@ class Formatter {
     out_ += '\n';
   }
 
-  /// Empty lines and comments of their own, as deep as what stands before them.
+  /// Empty lines and comment lines, indented like the lines before them.
   void comments_up_to(int line) {
     for (; next_ < line; ++next_) put(depth_, comment_of(next_));
   }

@@ -134,7 +134,7 @@ Value interpolate(Values a, Names) {
   return out;
 }
 
-/// `count` places of a grid along one edge; one place stands at its beginning.
+/// `count` places of a grid along one edge; the first is at its begin.
 int count_of(const Value& value, const char* what) {
   const double n = of(value);
   if (n != std::floor(n) || n < 1 || n > static_cast<double>(kMostListItems))
@@ -303,7 +303,7 @@ std::vector<Function> all_functions() {
   return out;
 }
 
-/// Nothing is nothing in any unit.
+/// Zero is zero in any unit.
 bool is_bare_zero(const Number& n) {
   return n.dimension == Dimension::none && n.value == 0;
 }

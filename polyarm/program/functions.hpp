@@ -1,5 +1,6 @@
 #pragma once
-/// The functions that every program has: one list for the interpreter, the checker and the reference.
+/// The built-in functions of the language: one list for the interpreter, the checker and the reference.
+/// Const: any thread.
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -12,16 +13,16 @@
 
 namespace polyarm::program {
 
-/// What a function takes in one place.
+/// The required type of an argument.
 enum class Wanted { any, number, length, angle, scalar, text, list, list_or_text, pose, place };
 
 struct FunctionParameter {
   std::string_view name;
   Wanted wanted = Wanted::any;
-  std::optional<double> otherwise;  ///< where it is left out, in SI; nothing: it must be given
+  std::optional<double> otherwise;  ///< default, in SI; empty: required
 };
 
-/// A list that is made value by value.
+/// A list that is produced value by value.
 struct Series {
   std::size_t count = 0;
   std::function<Value(std::size_t)> at;
@@ -29,39 +30,39 @@ struct Series {
 
 struct Function {
   std::string_view name;
-  std::string_view signature;  ///< for people: "offset(p, x = 0mm, …)"
+  std::string_view signature;  ///< for display: "offset(p, x = 0mm, …)"
   std::string_view meaning;
   std::vector<FunctionParameter> parameters;
-  /// Further values of the last parameter's type may follow; with `named` each may have a name.
+  /// Accepts more values of the last parameter's type; with `named` each may have a name.
   bool more = false, named = false;
-  /// What it gives; nothing: what its first argument is.
+  /// The kind of its result; empty: that of its first argument.
   std::optional<data::Kind> gives;
   std::optional<Dimension> dimension;  ///< of a number
-  /// The arguments are complete and of the wanted types. `names` are those of named arguments. Null: the host
-  /// does it.
+  /// The arguments are complete and have the required types. `names` are those of named arguments. Null: the
+  /// host executes it.
   Value (*call)(std::span<const Value> arguments, std::span<const std::string> names) = nullptr;
-  bool in_tests = false;  ///< only there
-  /// Where the result may be a long list: as `call`, to be made value by value. Owns what it needs.
+  bool in_tests = false;  ///< available only in tests
+  /// For results that may be long lists: as `call`, but produces the list value by value. Owns its data.
   Series (*series)(std::span<const Value> arguments) = nullptr;
 };
 
-/// The function of that name, in any case, or nullptr. here() and ask() are among them, which only the
-/// interpreter can call.
+/// The function of that name, in any case, or nullptr. Includes here() and ask(), which only the interpreter
+/// can call.
 const Function* find_function(std::string_view name);
 std::vector<std::string> function_names();
 const std::vector<Function>& functions();
 
-/// Whether `value` is what is wanted; if not, throws OperationError.
+/// Throws OperationError if `value` does not have the required type.
 void require(const Function& function, std::size_t place, const Value& value);
 /// "a length", "a pose".
 const char* name(Wanted wanted);
 
-/// Which argument of a call goes to which parameter.
+/// The assignment of a call's arguments to parameters.
 struct Bound {
-  std::vector<int> argument_of;  ///< of each parameter its argument, or -1
-  std::vector<int> further;      ///< arguments behind the parameters
+  std::vector<int> argument_of;  ///< for each parameter its argument, or -1
+  std::vector<int> further;      ///< arguments after the parameters
 };
-/// Throws OperationError: too many, too few, no such name, one twice.
+/// Throws OperationError: too many or too few arguments, an unknown name, or a repeated one.
 struct Signature {
   std::string name;
   std::vector<std::string> parameters;

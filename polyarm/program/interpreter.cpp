@@ -49,7 +49,7 @@ Interpreter::Task* Interpreter::task_of(std::uint64_t id) const {
   return at == tasks_.end() ? nullptr : at->get();
 }
 
-// How the program stands.
+// State of the program.
 
 bool Interpreter::ended() const {
   return outcome_ && (cleaned_up_ || code_.on_stop < 0);
@@ -63,7 +63,7 @@ TaskState Interpreter::state() const {
   return any ? TaskState::running : TaskState::waiting;
 }
 
-/// Of what a task does together, the part that goes on; else null.
+/// The part of a task's `together` that is running; else null.
 const Interpreter::Task* Interpreter::working_child_of(const Task& task) const {
   const Task* out = nullptr;
   for (const auto& other : tasks_) {
@@ -75,8 +75,8 @@ const Interpreter::Task* Interpreter::working_child_of(const Task& task) const {
   return out;
 }
 
-/// The line under way. Moves are queued ahead of the robot: then it is that of the move which the robot is
-/// in.
+/// The present line. Moves are queued ahead of the robot: then it is the line of the move that the robot
+/// executes.
 Place Interpreter::place_of(const Task& task) const {
   const Place next = code_.sources[task.pc].line;
   if (paused_ == task.id) return next;
@@ -107,8 +107,8 @@ TaskStatus Interpreter::status_of(const Task& task) const {
           task.passes, cycles_of(task), task.problem,       paused_ == task.id};
 }
 
-/// A pass counts when the robot has done it: while a move is under way, those before the pass that asked for
-/// it.
+/// A pass counts when the robot has finished it: while a move is under way, only the passes before the one
+/// that requested it.
 std::uint64_t Interpreter::cycles_of(const Task& task) const {
   if (task.ended_cycles) return *task.ended_cycles;
   for (const Task::Asked& move : task.moves)
@@ -129,7 +129,7 @@ std::vector<TaskStatus> Interpreter::status() const {
   return out;
 }
 
-/// The task that stands paused; one that has failed; else the first that goes on.
+/// The paused task; else one that has failed; else the first that is running.
 const Interpreter::Task& Interpreter::shown_task() const {
   if (const Task* const paused = paused_ && !outcome_ ? task_of(paused_) : nullptr) return *paused;
   const Task* shown = tasks_.front().get();
@@ -178,7 +178,7 @@ StepResult Interpreter::step(int budget) {
   return {state(), given - budget};
 }
 
-/// Runs `task` until it waits, has ended, or the budget is used up, which alone is true.
+/// Runs `task` until it waits, has ended, or the budget is used up; true only in the last case.
 bool Interpreter::run_task(Task& task, int& budget) {
   if (task.over()) return false;
   try {
@@ -188,7 +188,7 @@ bool Interpreter::run_task(Task& task, int& budget) {
       if (!poll(task)) return false;
       if (wait_over_ && task.shown) wait_over_();
     }
-    // These waited in front of their step, which has begun already.
+    // These wait before their step, which has already begun.
     const bool again = waited == WaitKind::arrival || waited == WaitKind::room || waited == WaitKind::lock;
     if (again) execute(task);
     return task.state == TaskState::running && run(task, budget);
@@ -203,10 +203,10 @@ bool Interpreter::run_task(Task& task, int& budget) {
   return task.state == TaskState::running;
 }
 
-/// Each `when` gets one look, and its block where the condition has become true, in every tick.
+/// Checks each `when` once in every tick, and runs its block if the condition has become true.
 void Interpreter::step_whens() {
   constexpr int kMostStatements = bounds::kStatementsATick;
-  int budget = kMostStatements;  // of all
+  int budget = kMostStatements;  // for all of them
   for (std::size_t i = 0; i < tasks_.size() && !outcome_; ++i) {
     Task& task = *tasks_[i];
     if (task.waiting.kind != WaitKind::turn) continue;
@@ -228,7 +228,7 @@ void Interpreter::end_program(TaskState outcome) {
   if (outcome_) return;
   const auto loops = [](const Step& step) { return step.op == Op::pass; };
   if (outcome == TaskState::finished && std::none_of(code_.steps.begin(), code_.steps.end(), loops))
-    tasks_.front()->passes = 1;  // the program is the pass, where it has no loop
+    tasks_.front()->passes = 1;  // a program without a loop is one pass
   for (const auto& task : tasks_) {
     if (outcome != TaskState::finished) task->ended_cycles = cycles_of(*task);
     if (task->over()) continue;
@@ -245,7 +245,7 @@ void Interpreter::stop() {
   end_program(TaskState::stopped);
 }
 
-/// The block `on stop`, once and for whatever reason the program has ended, when its robots stand.
+/// Runs the block `on stop` once after any end of the program, when its robots are at standstill.
 void Interpreter::step_clean_up(int& budget) {
   if (ended() || !host_.standing()) return;
   Task* task = tasks_.back()->apart && tasks_.back()->shown ? tasks_.back().get() : nullptr;
@@ -258,10 +258,10 @@ void Interpreter::step_clean_up(int& budget) {
   if (task->state == TaskState::failed) outcome_ = TaskState::failed;
 }
 
-// Going wrong.
+// Errors.
 
 namespace {
-/// The kinds of errors that programs tell apart.
+/// The kinds of errors that programs can distinguish.
 const char* kind_of(const std::string& code) {
   if (code == "expect") return "user";
   for (const char* kind : {"timeout", "unreachable", "limit", "signal", "user"})
@@ -306,14 +306,14 @@ void Interpreter::unwind(Task& task, const Problem& problem) {
   task.state = TaskState::running;
 }
 
-/// The calls that led to the line of the task, as they are put behind a message; empty outside of functions.
+/// The calls that led to the task's line, as a suffix of messages; empty outside functions.
 std::string Interpreter::called_from(const Task& task) const {
   constexpr std::size_t kMost = 3;
   std::string out;
   for (std::size_t i = task.frames.size(), told = 0; i-- > 1; ++told) {
     if (told == kMost) return out + " …";
     const Location at = program_.at(code_.sources[task.frames[i].return_to - 1].line);
-    const std::size_t name = at.file.rfind('/') + 1;  // 0 where there is none
+    const std::size_t name = at.file.rfind('/') + 1;  // 0 if there is none
     out += (told == 0 ? "; called from line " : ", from line ") + std::to_string(at.line) +
            (at.file == program_.file ? "" : " of " + at.file.substr(name));
   }

@@ -1,6 +1,6 @@
 #pragma once
 /// Runs a program as explicit state that the cell thread steps: tasks, frames, program counters. It never
-/// blocks, so it can be paused between any two statements by not stepping it.
+/// blocks, so it can be paused between any two statements by not stepping it. Cell thread only.
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -24,26 +24,26 @@ struct PathStep;
 struct TaskStatus {
   std::string name;
   TaskState state = TaskState::running;
-  Location where;  ///< the line under way: of the move that the robot is in, else of the statement that it
-                   ///< waits in, else of the one that it comes to next
+  Location where;      ///< the present line: of the move that the robot executes, else of the statement that
+                       ///< waits, else of the next statement
   std::string source;  ///< the text of that line
   Waiting waiting;
   std::uint64_t passes = 0;  ///< of outermost while loops, completed by the program, which queues moves ahead
-  std::uint64_t cycles = 0;  ///< of those, the ones whose moves have ended
+  std::uint64_t cycles = 0;  ///< those of the passes whose moves have ended
   std::optional<Problem> problem;  ///< why it failed
-  bool paused = false;             ///< it stands in front of `where`, at a breakpoint or after a step
+  bool paused = false;             ///< it is before `where`, at a breakpoint or after a step
 };
 
-/// How far a paused program goes on: to the next statement; to the next one that is not inside a function
-/// called from here; to the one behind the call of this function.
+/// How far a paused program continues: to the next statement; to the next statement outside functions called
+/// from here; to the statement after the present function call.
 enum class StepKind { into, over, out };
 
-/// What a program that starts in the middle takes for given.
+/// The assumptions of a program that starts in the middle.
 struct StartReport {
   Location where;
-  std::string robot, tool, frame;  ///< that its moves use there
-  std::string last_point;          ///< where the last move before that line went
-  std::vector<std::string> sets;   ///< data and tags that the lines before it would have set
+  std::string robot, tool, frame;  ///< used by its moves there
+  std::string last_point;          ///< target of the last move before that line
+  std::vector<std::string> sets;   ///< data and tags that the skipped lines would have set
   std::vector<std::string> reads;  ///< data and tags that the lines from there on read
 };
 
@@ -54,83 +54,83 @@ struct VariableValue {
 
 struct StepResult {
   TaskState state = TaskState::running;  ///< of the whole program
-  int executed = 0;  ///< statements begun; long ones, and work on large texts and lists, count as several
+  int executed = 0;  ///< number of statements begun; long ones, and work on large texts and lists, count as
+                     ///< several
 };
 
 class Interpreter {
  public:
-  /// `program` must have been parsed without errors; `host` has to outlive this.
-  /// With `test` it is that of the program's tests, as tests() counts them.
+  /// `program` must have been parsed without errors; `host` must outlive this object.
+  /// `test`: runs this test of the program, by its index in tests().
   Interpreter(Program program, Host& host, std::optional<std::size_t> test = {});
   Interpreter(std::shared_ptr<Compiled> compiled, Host& host, std::optional<std::size_t> test = {});
   Interpreter(const Interpreter&) = delete;
   Interpreter& operator=(const Interpreter&) = delete;
   ~Interpreter();
 
-  /// Begins at most `budget` statements, the tasks in the order of the file, and returns earlier when every
-  /// task waits or the program has ended. What one statement can cost is bounded by the length of its line
-  /// and the largest list and text there may be; what it costs beyond an ordinary one is taken from the
-  /// budget.
+  /// Begins at most `budget` statements, with tasks in the order of the file, and returns earlier when every
+  /// task waits or the program has ended. The cost of one statement is bounded by the length of its line and
+  /// by the largest list and text; cost beyond an ordinary statement is deducted from the budget.
   StepResult step(int budget);
-  /// Of the whole program. It has ended once its `on stop` block has run, too.
+  /// Of the whole program. It has ended only after its `on stop` block has run.
   TaskState state() const;
-  /// The lines outside of tasks first, then the tasks in the order of the file.
+  /// The lines outside tasks first, then the tasks in the order of the file.
   std::vector<TaskStatus> status() const;
-  /// The task that says most about the program: one that failed, else the first that has not ended.
+  /// The most important task: one that failed, else the first that has not ended.
   TaskStatus overview() const;
   const Program& program() const { return program_; }
   const std::shared_ptr<Compiled>& compiled() const { return compiled_; }
 
-  /// At the end of the nth pass of an outermost while, its condition is set False where it is a plain name,
-  /// and the loop ends. 0: no limit.
+  /// At the end of the nth pass of an outermost while, its condition is set to False if it is a plain name,
+  /// and the loop ends. 0: unlimited.
   void limit_passes(std::uint64_t n) { pass_limit_ = n; }
-  /// Ends the program as stopped; what it asked the host for is the host's to end. Its `on stop` block is
-  /// still stepped.
+  /// Ends the program as stopped; the host ends what the program had requested. Its `on stop` block is still
+  /// stepped.
   void stop();
 
-  // For a person who looks for a mistake: debugging.cpp
+  // Debugging: debugging.cpp
 
-  /// Before the first step: the program begins at `line` of its own file. `let`, `use` and `when` outside of
-  /// blocks before it are done, everything else is skipped. Throws Error where no statement begins there, or
-  /// one that needs what the block around it has made.
+  /// Before the first step: starts the program at `line` of its own file. Executes `let`, `use` and `when`
+  /// outside of blocks before it, and skips everything else. Throws Error if no statement begins there, or if
+  /// the statement needs names that its enclosing block creates.
   StartReport start_at(int line);
-  /// Pauses in front of these lines; each moves down to the next statement. Returns where they are then.
-  /// Those of files that it does not have, or behind their last statement, are left out.
+  /// Sets breakpoints on these lines; each moves down to the next statement. Returns the resulting places.
+  /// Places in unknown files, or after the last statement, are left out.
   std::vector<Location> set_breakpoints(const std::vector<Location>& places);
   std::vector<Location> breakpoints() const;
-  /// The lines of the file of this name, or the end of one, as it has read them; null where it has read none.
+  /// The lines of the file with this name, or name ending, as read; null if it was not read.
   const std::vector<std::string>* lines_of(const std::string& name) const;
   bool has_file(const std::string& name) const { return lines_of(name) != nullptr; }
-  /// Pauses in front of the next statement; motion that is queued goes on.
+  /// Pauses before the next statement; queued motion continues.
   void pause() { pause_asked_ = true; }
-  /// Before the first step: paused where it begins.
+  /// Before the first step: pauses at the begin.
   void pause_here();
   bool paused() const { return paused_ != 0; }
   void resume();
-  /// Goes on by one statement of the task that is paused.
+  /// Executes one statement of the paused task.
   void resume_for(StepKind kind);
-  /// The names of the task called `task` that hold where it stands, the innermost last; then those that the
-  /// whole program has.
+  /// The visible names of the task called `task`, innermost last; then those of the whole program.
   std::vector<VariableValue> variables(const std::string& task) const;
-  /// The functions that the task is in, outermost first, with the line each stands at.
+  /// The functions that the task is in, outermost first, each with its present line.
   std::vector<Location> calls(const std::string& task) const;
-  /// What the moves of that task use where it stands.
+  /// The move defaults of that task at its present place.
   MoveDefaults uses(const std::string& task) const;
-  /// The place that overview() tells, for who looks often.
+  /// The place in overview(), for frequent calls.
   Place position() const;
-  /// The cycles that overview() tells, likewise.
+  /// The cycles in overview(), for frequent calls.
   std::uint64_t cycles() const;
-  /// `call` is called whenever a task has waited long enough, before it goes on; it may look at this.
+  /// `call` is called when the wait of a task is over, before the task continues; it may inspect this object.
   void on_wait_over(std::function<void()> call) { wait_over_ = std::move(call); }
 
-  // Written down and taken up again, after a loss of power: saving.cpp
+  // Saving and restoring after a power loss: saving.cpp
 
-  /// True at a point that the program could go on from in another process: all motion that it asked for has
-  /// arrived, and nothing else is under way.
+  /// True if another process could continue the program from here: all requested motion has arrived, and
+  /// nothing else is under way.
   bool safe() const;
-  /// Only where it is safe.
+  /// Only if safe().
   SavedState save() const;
-  /// Before the first step: goes on from there. Throws Error where the state is of another program.
+  /// Before the first step: continues from the saved state. Throws Error if the state belongs to another
+  /// program.
   StartReport restore(const SavedState& from);
 
  private:
@@ -230,28 +230,28 @@ class Interpreter {
 
   // Registers
   Slot& slot(Task& task, Operand operand);
-  /// Of a step its value, out of a temporary; fails where there is none.
+  /// The value for a step; consumes a temporary; fails if there is none.
   Value take_value(Task& task, Operand operand, const Step& step);
-  /// Of a step its value, which stays where it is.
+  /// The value for a step, left in place.
   const Value& value_of(Task& task, Operand operand, const Step& step);
-  /// A temporary that has been read.
+  /// Releases a temporary that has been read.
   void drop(Task& task, Operand operand);
   void let_go(Task& task, int first, int count);
-  /// Registers that follow one another hold values indeed.
+  /// Fails unless all these consecutive registers have values.
   void require_values(Task& task, const Step& step, int first, int count);
   bool take_boolean(Task& task, Operand operand, const Step& step, const char* of);
   const StepSource& source(const Step& step) const {
     return code_.sources[static_cast<std::size_t>(&step - code_.steps.data())];
   }
-  /// Work beyond that of an ordinary statement, as so many plain steps.
+  /// Charges work beyond an ordinary statement, in plain steps.
   void charge(std::size_t steps) { work_ += static_cast<int>(steps); }
   void charge_for(const Value& value);
-  /// A piece of the work that the task's step is at; true when it is done.
+  /// Continues the large work of the task's step; true when it is done.
   bool go_on_with_work(Task& task);
-  /// `whole` and what is in it on the way along `path` are its own then, and there is room for `more` values
-  /// behind a list at its end; false: not yet.
+  /// Makes `whole` and its parts along `path` unshared, with room for `more` values at the end of a list;
+  /// false: not finished yet.
   bool part_from_others(Task& task, Value& whole, std::span<const PathStep> path, std::size_t more = 0);
-  /// Registers as one text; false: not yet.
+  /// Registers as one text; false: not finished yet.
   bool write(Task& task, int first, int count, std::string_view between, std::string& text);
 
   // Motion and meetings: motion_steps.cpp
@@ -276,10 +276,10 @@ class Interpreter {
   Host& host_;
   std::vector<std::unique_ptr<Task>> tasks_;
   std::vector<Slot> globals_;
-  std::deque<std::string> origins_;                             ///< of slots that were restored
-  std::map<std::string, std::vector<std::uint64_t>> meetings_;  ///< who has come
-  std::map<std::string, std::uint64_t> locks_;                  ///< who has it
-  std::uint64_t groups_ = 0;                                    ///< of moves in step, so far
+  std::deque<std::string> origins_;                             ///< of restored slots
+  std::map<std::string, std::vector<std::uint64_t>> meetings_;  ///< tasks that have arrived
+  std::map<std::string, std::uint64_t> locks_;                  ///< the holder
+  std::uint64_t groups_ = 0;                                    ///< number of groups of moves in step so far
   std::vector<Watch> watches_;
   std::function<void()> wait_over_;
   std::uint64_t last_id_ = 0;
@@ -287,21 +287,21 @@ class Interpreter {
   std::uint64_t pass_limit_ = 0;
   std::size_t turn_ = 0;
   int turn_left_ = 0;
-  int work_ = 0;                      ///< of large values, not taken from a budget yet
+  int work_ = 0;                      ///< work on large values that is not yet deducted from a budget
   data::Remains remains_;             ///< of large lists
-  data::List arguments_;              ///< of the function that is called
-  std::vector<std::uint32_t> found_;  ///< where fields were found
+  data::List arguments_;              ///< of the called function
+  std::vector<std::uint32_t> found_;  ///< cached positions of fields
   struct Stepping {
     std::uint64_t task = 0;
     std::size_t most_frames = 0;
   };
   std::vector<Place> breakpoints_;
-  std::uint64_t paused_ = 0;   ///< the task that has stopped, or 0
-  std::uint64_t resumed_ = 0;  ///< the task that goes on from where it had stopped
+  std::uint64_t paused_ = 0;   ///< the paused task, or 0
+  std::uint64_t resumed_ = 0;  ///< the task that continues after a pause
   bool pause_asked_ = false;
   std::optional<Stepping> stepping_;
-  std::optional<Nanoseconds> looked_at_;  ///< when whens and watches were last looked at
-  std::optional<TaskState> outcome_;      ///< how it ends, once it does
+  std::optional<Nanoseconds> looked_at_;  ///< last check of whens and watches
+  std::optional<TaskState> outcome_;      ///< the outcome of an ending program
   bool cleaned_up_ = false;
 };
 

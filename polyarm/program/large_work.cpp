@@ -7,7 +7,7 @@
 namespace polyarm::program {
 
 namespace {
-// In plain steps. A part that stands beside its list is paid for once more here, for when it is let go.
+// In plain steps. A separately stored part costs extra here, for its later release.
 constexpr int kPlain = 2, kPart = data::Remains::kShared, kMade = 28;
 constexpr std::size_t kBytesOfAStep = 64, kLettersOfAStep = 2;
 

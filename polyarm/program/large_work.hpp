@@ -1,6 +1,6 @@
 #pragma once
-/// Work on values that are large, a piece at a time, so that no step of a program takes long; for the
-/// interpreter's own files.
+/// Works on large values in pieces, so that no step of a program takes long. Private to the interpreter's
+/// files; cell thread.
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -11,28 +11,28 @@
 
 namespace polyarm::program {
 
-/// Lists of more values than this are worked on in pieces.
+/// Longer lists are processed in pieces.
 inline constexpr std::size_t kLargeList = 256;
-/// A piece, in plain steps.
+/// Size of a piece, in plain steps.
 inline constexpr int kPiece = 2048;
 
-/// What it reads stays as it is until it is done, so that it can begin anew.
+/// Its inputs do not change until it is done, so it can start again.
 class Work {
  public:
   virtual ~Work() = default;
-  /// A piece of it; returns about how many plain steps that was worth.
+  /// Does one piece; returns its approximate cost in plain steps.
   int go_on();
   bool done() const { return done_; }
 
  protected:
-  /// Goes on until `left` is used up or all is done, which alone is true.
+  /// Continues until `left` is used up or all is done; true only if all is done.
   virtual bool go_on(int& left) = 0;
 
  private:
   bool done_ = false;
 };
 
-/// A list, or two behind one another, in room for at least `room` values.
+/// Copies a list, or two lists one after the other, with capacity for at least `room` values.
 class Copying : public Work {
  public:
   explicit Copying(Value first, Value second = Value(data::List{}), std::size_t room = 0);
@@ -45,7 +45,7 @@ class Copying : public Work {
   data::List made_;
 };
 
-/// Whether two values are equal.
+/// Compares two values.
 class Comparing : public Work {
  public:
   Comparing(Value a, Value b);
@@ -57,7 +57,7 @@ class Comparing : public Work {
     std::size_t next;
   };
   bool go_on(int& left) override;
-  /// False where they are known to differ.
+  /// False if they are known to differ.
   bool look(const Value& a, const Value& b, int& left);
   bool open(const Value& a, const Value& b);
   Value a_, b_;
@@ -65,8 +65,8 @@ class Comparing : public Work {
   bool equal_ = true, begun_ = false;
 };
 
-/// Several values as one text, with `between` in between. A text that would be too long ends soon behind the
-/// longest.
+/// Writes several values as one text, separated by `between`. A text that is too long ends soon after the
+/// limit.
 class Writing : public Work {
  public:
   Writing(data::List parts, std::string_view between) : parts_(std::move(parts)), between_{between} {}
@@ -77,11 +77,11 @@ class Writing : public Work {
   data::List parts_;
   std::string_view between_;
   std::size_t next_ = 0;
-  std::vector<data::Telling> telling_;  ///< of the part that is written
+  std::vector<data::Telling> telling_;  ///< of the present part
   std::string text_;
 };
 
-/// The list that a function makes.
+/// Produces the list of a function.
 class Making : public Work {
  public:
   explicit Making(Series series) : series_{std::move(series)} {}
@@ -94,12 +94,12 @@ class Making : public Work {
   Value::Extent extent_{1, 1};
 };
 
-/// Whether so many more make `list` move, which takes more than a moment.
+/// True if adding `more` values moves `list`, which takes long.
 inline bool moves_when_growing(const data::List& list, std::size_t more) {
   return list.size() > kLargeList && list.size() + more > list.capacity();
 }
 
-/// Whether it takes more than a moment to copy, compare or write.
+/// True if copying, comparing or writing it takes long.
 inline bool is_large(const Value& value) {
   return (value.as_list() || value.as_record()) && value.extent().values > kLargeList;
 }

@@ -10,7 +10,7 @@
 namespace polyarm::program {
 
 namespace {
-/// A statement over more lines than this is an unclosed bracket.
+/// A statement over more lines has an unclosed bracket.
 constexpr std::size_t kMostLinesOfAStatement = 200;
 
 bool is_digit(char c) {
@@ -23,7 +23,7 @@ bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
 }
 
-/// The length in bytes of the well-formed UTF-8 character at `at`, and its code point; length 0: malformed.
+/// The length in bytes of the valid UTF-8 character at `at`, and its code point; length 0: invalid.
 struct Character {
   std::size_t length = 0;
   char32_t code = 0;
@@ -46,7 +46,7 @@ Character character_at(std::string_view text, std::size_t at) {
   return {length, code};
 }
 
-/// Letters of any script; blanks and punctuation that only look like ASCII are kept out of names.
+/// Letters of any script; blanks and punctuation that look like ASCII are not allowed in names.
 bool is_name_character(char32_t code) {
   if (code < 0x80)
     return code == '_' || is_letter(static_cast<char>(code)) || is_digit(static_cast<char>(code));
@@ -64,7 +64,7 @@ class LineLexer {
   void read() {
     while (skip_blanks() && text_[at_] != '#') read_token();
   }
-  /// Where the comment begins, or the end of the line.
+  /// The begin of the comment, or the end of the line.
   std::size_t end_of_code() const { return at_; }
 
  private:
@@ -141,7 +141,7 @@ class LineLexer {
     return end;
   }
 
-  /// The end of the unit that starts at `from`: letters, or %, and once a slash with what is below it.
+  /// The end of the unit that starts at `from`: letters or %, with at most one slash.
   std::size_t unit_end(std::size_t from) const {
     if (from < text_.size() && text_[from] == '%') return from + 1;
     const std::size_t plain = name_end(from);
@@ -199,7 +199,7 @@ bool ends_with_comma(const std::vector<Token>& tokens) {
   return !tokens.empty() && tokens.back().kind == TokenKind::symbol && tokens.back().text == ",";
 }
 
-/// Collects statements, line after line.
+/// Collects statements line by line.
 class SourceReader {
  public:
   SourceReader(const std::vector<std::string>& lines, int file) : lines_{lines}, file_{file} {}
@@ -221,7 +221,7 @@ class SourceReader {
     while (!raw && (depth > 0 || ends_with_comma(statement.tokens)) && next_ < lines_.size() &&
            next_ - first < kMostLinesOfAStatement)
       depth = read_line(statement, depth);
-    if (!raw && depth > 0) {  // the bracket is never closed: its line alone is wrong
+    if (!raw && depth > 0) {  // the bracket is never closed: only its line is faulty
       next_ = first + 1;
       statement.tokens.resize(own_tokens);
       statement.raw.resize(own_text);

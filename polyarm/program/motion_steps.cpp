@@ -19,7 +19,7 @@ struct Refused {
   std::string what, advice;
 };
 
-/// A number of one of `dimensions`; a share of all there is has none.
+/// A number with one of `dimensions`; a fraction has none.
 Number quantity(const Value& value, const Clause& clause, std::initializer_list<Dimension> dimensions,
                 const char* such_as) {
   const std::string word = spelling(clause.kind);
@@ -47,7 +47,7 @@ std::string name_in(const Value& value, const Clause& clause) {
                 {}};
 }
 
-/// What a clause says, in a move or for all that follow.
+/// Applies a clause, of a move or for all following moves.
 template <typename Target>
 void take(Target& out, const Clause& clause, const Value& value) {
   using Kinds = Clause::Kind;
@@ -125,8 +125,8 @@ void add_targets(Move& move, const Slot& slot, const Expression& e, bool may_be_
 
 constexpr const char* kAxes[] = {"x", "y", "z", "rx", "ry", "rz"};
 
-/// What a speedj or speedl goes by in `time` s: its velocities become lengths and angles, and its speed the
-/// greatest of them, or that of the TCP.
+/// The way of a speedj or speedl in `time` s: velocities become lengths and angles; its speed is the largest
+/// of them, or that of the TCP.
 void take_velocities(Move& move, const Value& value, const Expression& e, Statement::Motion motion,
                      double time) {
   const std::string word = spelling(motion);
@@ -164,7 +164,7 @@ void take_velocities(Move& move, const Value& value, const Expression& e, Statem
 }
 }  // namespace
 
-/// The points and clauses lie on the stack from `first` on.
+/// The points and clauses are on the stack from `first` on.
 Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) const {
   using Motion = Statement::Motion;
   const Statement& s = *source(step).statement;
@@ -219,7 +219,7 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
   return out;
 }
 
-/// What the move is to set on its way is there and of the type of the value.
+/// Checks that the names that the move sets on its way exist and have the type of the value.
 void Interpreter::check_targets(const Task& task, const Step& step, std::size_t next) const {
   for (const Clause& clause : source(step).statement->clauses) {
     next += values_of(clause);
@@ -273,7 +273,7 @@ void Interpreter::move(Task& task, const Step& step) {
       task.robots.push_back(move.robot);
     return;
   }
-  std::erase(task.robots, move.robot);  // what it had queued arrives before this
+  std::erase(task.robots, move.robot);  // its queued moves arrive before this
   task.handles = {handle};
   const bool looks = std::any_of(s.clauses.begin(), s.clauses.end(),
                                  [](const Clause& c) { return c.kind == Clause::Kind::until; });
@@ -302,7 +302,7 @@ void Interpreter::use(Task& task, const Step& step) {
   ++task.pc;
 }
 
-/// Sets what moves are to set on their way.
+/// Sets the values that moves set on their way.
 void Interpreter::look_at_watches() {
   for (std::size_t i = 0; i < watches_.size() && !outcome_;) {
     const Watch watch = watches_[i];

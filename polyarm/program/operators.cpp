@@ -280,7 +280,7 @@ void refuse_other_type(const Value& present, const Value& value) {
          "a name keeps its type and unit");
 }
 
-/// What `whole` is with another value in place of one that stands so deep in it.
+/// The extent of `whole` after the replacement of a part at this depth.
 Value::Extent extent_with(const Value& whole, std::size_t deep, Value::Extent before, Value::Extent after) {
   const Value::Extent now = whole.extent();
   const auto levels = static_cast<std::uint32_t>(deep);
@@ -288,7 +288,7 @@ Value::Extent extent_with(const Value& whole, std::size_t deep, Value::Extent be
 }
 }  // namespace
 
-/// A list or record that comes in may make the whole too large: what there was stays until that is known.
+/// A new list or record may make the whole too large: the old part is kept until that is known.
 void replace(Value& whole, std::span<const PathStep> path, Value value) {
   std::vector<Value*> above;
   Value* part = &whole;

@@ -23,7 +23,7 @@ bool one_of(std::string_view word, std::initializer_list<std::string_view> words
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// `on error`, where a statement begins.
+/// `on error` at the begin of a statement.
 bool is_handler(const SourceLine& source) {
   return source.tokens.size() > 2 && source.tokens[0].kind == TokenKind::name &&
          equal_ignoring_case(source.tokens[0].text, "on") && source.tokens[1].kind == TokenKind::name &&
@@ -39,7 +39,7 @@ bool is_move(std::string_view word) {
   return motion && *motion < Statement::Motion::drive;
 }
 
-/// `wait … timeout … else`, `movel … until … else`, also where something in it is wrong.
+/// `wait … timeout … else`, `movel … until … else`, even if it has a fault.
 bool ends_with_else(const Line& line) {
   const auto& tokens = line.source.tokens;
   const auto says = [&](std::string_view word) {
@@ -69,7 +69,7 @@ std::string keyword_of(const Token& token, bool& misspelt) {
   return nearest_name(word, words).value_or("");
 }
 
-/// True where the line is nothing but two or more words that close blocks.
+/// True if the line consists of two or more words that close blocks.
 bool is_row_of_closers(const SourceLine& source) {
   bool misspelt = false;
   const std::string& first = source.tokens.front().text;
@@ -100,7 +100,7 @@ class Parser {
   }
 
  private:
-  /// A file of tests holds them, and what they share; a program holds none.
+  /// A test file contains only tests and their shared names; a program contains no tests.
   void refuse_beside_tests(const Block& top) {
     const auto is_test = [](const Statement& s) { return s.kind == Kind::test; };
     if (std::none_of(top.begin(), top.end(), is_test)) return;
@@ -175,7 +175,7 @@ class Parser {
       }
       ++next_;
       statement(line, out);
-      line.source = {};  // what a long program does not need any more
+      line.source = {};  // no longer needed in a long program
     }
     return out;
   }
@@ -203,7 +203,7 @@ class Parser {
     out.push_back(std::move(made));
   }
 
-  /// The functions and names of another file, once however often it is included.
+  /// The functions and names of another file, once, even if it is included repeatedly.
   void include(const Statement& s, Block& out) {
     constexpr std::size_t kMostFiles = 50;
     const std::string by = file_ == 0 ? program_.file : included().file;
@@ -246,7 +246,7 @@ class Parser {
           "no statement begins with " + shown(first) + did_you_mean(first.text, statement_words()), "");
   }
 
-  /// The block that `line` opens, with its branches, up to and with its closing word.
+  /// The block that `line` opens, with its branches, up to and including its closing word.
   void parse_body(const Line& line, Statement& out) {
     if (static_cast<int>(open_.size()) >= kDeepestBlocks) {
       error("too-deep", out.place, "blocks are nested deeper than " + std::to_string(kDeepestBlocks),
@@ -266,7 +266,7 @@ class Parser {
     open_.pop_back();
   }
 
-  /// Looks at the line that ended a block. True when the block of `out` is closed.
+  /// Handles the line that ended a block. True if the block of `out` is closed.
   bool close_block(Statement& out, Block*& target, bool& had_else) {
     const Opener& opener = open_.back();
     if (next_ >= lines_.size()) {
@@ -296,7 +296,7 @@ class Parser {
     return mismatch(line);
   }
 
-  /// on error [NAME]: what follows is done when something before it went wrong.
+  /// on error [NAME]: the following lines run after an error in the previous ones.
   void begin_handler(const Line& line, Statement& out, Block*& target) {
     Opener& opener = open_.back();
     if (opener.word != "try" || opener.handles)

@@ -1,5 +1,5 @@
 #pragma once
-/// From text to a Program, with every error of the file at once.
+/// Parses a text to a Program and reports every error of the file at once. Any thread; allocates.
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -12,21 +12,21 @@
 
 namespace polyarm::program {
 
-/// Blocks inside blocks, and operators inside brackets, deeper than this are refused.
+/// Limits of nested blocks and operators in brackets; deeper programs are refused.
 inline constexpr int kDeepestBlocks = 400;
 inline constexpr int kDeepestExpression = 300;
 
-/// What a line is to the blocks around it.
+/// The role of a line for its enclosing blocks.
 enum class BlockRole { none, opens, continues, closes };
 BlockRole block_role(const SourceLine& line);
 
-/// Parses `text`. Where problems gets errors the program holds only what was understood and must not be run.
+/// Parses `text`. If problems contains errors, the program has only the valid parts and must not be run.
 Program parse(std::string_view text, const std::string& file, Problems& problems);
 
-/// Reads and parses the file. Throws Error with every problem of it.
+/// Reads and parses the file. Throws Error with all its problems.
 Program load_program(const std::string& path);
 
-/// Hands out what a file was read to, once; nothing for other files.
+/// Returns the program read from a file, once; empty for other files.
 using ReadPrograms = std::function<std::optional<Program>(const std::filesystem::path&)>;
 
 }  // namespace polyarm::program

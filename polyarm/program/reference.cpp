@@ -6,7 +6,7 @@
 namespace polyarm::program {
 
 namespace {
-/// Of every function a program that shows it.
+/// An example program for every function.
 const std::map<std::string_view, std::string_view>& function_examples() {
   static const std::map<std::string_view, std::string_view> examples = {
       {"length", "log(length([1, 2, 3]), length(\"abc\"))    # expect: 3 3"},

@@ -1,5 +1,5 @@
-/// The steps that programs calculate with most, for plain values. What is not plain, and what is wrong, is
-/// left to execute.cpp, which can take every step.
+/// The most frequent steps, for plain values. Other values and errors are left to execute.cpp, which can
+/// execute every step.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -14,7 +14,7 @@ using data::Number;
 
 namespace {
 
-/// Where operands are, by what they are.
+/// The location of operands by kind.
 struct Operands {
   Slot* of[4];
   Slot& operator[](Operand operand) const {
@@ -23,10 +23,10 @@ struct Operands {
   }
 };
 
-// What a step calls is a part of it: a call costs more than most of them.
+// Always inlined: a call costs more than most steps.
 #define POLYARM_QUICK [[gnu::always_inline]] inline
 
-/// As std::fmod, and quicker for whole numbers; with the sign of the divisor.
+/// As std::fmod, but faster for integers; with the sign of the divisor.
 double remainder_of(double a, double b) {
   constexpr double kWhole = 9e15;
   double rest = a;
@@ -40,7 +40,7 @@ double remainder_of(double a, double b) {
   return rest != 0 && (rest < 0) != (b < 0) ? rest + b : rest + 0.0;  // never -0
 }
 
-/// False where units or the result need a closer look.
+/// False if units or the result need a closer check.
 template <Operator op>
 POLYARM_QUICK bool calculate(const Operands& at, const Step& step, Number& out) {
   const Slot &left = at[step.b], &right = at[step.c];
@@ -129,7 +129,7 @@ POLYARM_QUICK const bool* truth_of(const Slot& slot) {
   return slot.set ? slot.value.as_boolean() : nullptr;
 }
 
-/// Operators that have no step of their own.
+/// Operators without their own step.
 bool other_operator(const Operands& at, const Step& step) {
   const auto op = static_cast<Operator>(step.more);
   bool truth = false, known = false;
@@ -184,7 +184,7 @@ POLYARM_QUICK bool quick_change(const Operands& at, const Step& step) {
   return true;
 }
 
-/// Whether `at` is a place in a list of so many values.
+/// True if `at` is an index into a list of this size.
 POLYARM_QUICK bool is_place(const Number* at, std::size_t size, std::size_t& index) {
   if (!at || at->dimension != Dimension::none) return false;
   if (!(at->value >= 1) || !(at->value <= static_cast<double>(size))) return false;
@@ -192,7 +192,7 @@ POLYARM_QUICK bool is_place(const Number* at, std::size_t size, std::size_t& ind
   return static_cast<double>(index--) == at->value;
 }
 
-/// Reads a part of what `from` holds, which is let go where nobody reads it again.
+/// Reads a part of the value in `from`, which is released if it is not read again.
 POLYARM_QUICK void take_part(const Operands& at, Operand to, Operand from, const Value& part) {
   const bool last = where(from) == Where::temporary && from != to;
   if (const Number* number = part.as_number()) {
@@ -218,13 +218,13 @@ POLYARM_QUICK bool has_parts(const Value& value) {
   return value.kind() == data::Kind::list || value.kind() == data::Kind::record;
 }
 
-/// Numbers and booleans need nothing, and are never read before something else is put there.
+/// Numbers and booleans need no release, and are never read before they are overwritten.
 POLYARM_QUICK void forget(Slot* slots, int count) {
   for (int i = 0; i < count; ++i)
     if (slots[i].value.is_shared()) slots[i].fill_plain(false);
 }
 
-/// `part` takes the place of one that is like it.
+/// Replaces a part by `part` if both are alike.
 POLYARM_QUICK bool replace(Value& whole, std::size_t index, const Value& present, const Slot& part) {
   if (!part.set || has_parts(part.value) || !same_type(present, part.value)) return false;
   if (!whole.is_alone()) return false;
@@ -241,7 +241,7 @@ POLYARM_QUICK bool quick_set_element(const Operands& at, const Step& step) {
   return replace(whole, index, (*list)[index], at[step.c]);
 }
 
-/// Along places in lists alone, which `more` says.
+/// Only along list indices; their number is in `more`.
 POLYARM_QUICK bool quick_replace(const Operands& at, const Step& step) {
   Slot* const places = at.of[0] + step.b;
   Value* whole = &at[step.a].value;
@@ -271,7 +271,7 @@ bool quick_append(const Operands& at, const Step& step) {
   return true;
 }
 
-/// A range that names no places, at the end of a pass; whether there is a next number.
+/// The end of a pass of a range without index name; true if there is a next number.
 POLYARM_QUICK bool count_on(const Operands& at, const Step& step, bool& more) {
   Slot* const loop = at.of[0] + step.a;
   const Number* last = loop[1].value.as_number();
@@ -295,7 +295,7 @@ POLYARM_QUICK bool next_of_list(const Operands& at, const Step& step, bool& more
 
 }  // namespace
 
-/// Where `record` has the field that `step` names. It is looked for first where it was found before.
+/// The position in `record` of the field that `step` names. Tries the cached position first.
 bool Interpreter::at_field(const data::Record& record, const Step& step, std::size_t& at) {
   constexpr std::size_t kRemembered = 1024;
   if (found_.empty()) found_.resize(kRemembered);
@@ -325,7 +325,7 @@ void Interpreter::enter_function(Task& task, const Step& step) {
   task.pc = static_cast<std::size_t>(at(code_.functions, step.c).entry);
 }
 
-/// The result comes to the first register of the function, which is the caller's again.
+/// The result goes to the first register of the function, which is the caller's again.
 void Interpreter::give(Task& task, const Step& step) {
   const CallFrame frame = task.frames.back();
   Slot* const registers = task.stack.data() + frame.base;
@@ -345,8 +345,8 @@ void Interpreter::let_go(Task& task, int first, int count) {
   forget(task.stack.data() + task.frame().base + first, count);
 }
 
-/// The step that `task` stands at, with all pieces of its work as far as the budget goes; true where it is
-/// done and the task goes on.
+/// The present step of `task`, with all pieces of its work within the budget; true if it is done and the task
+/// continues.
 bool Interpreter::execute_whole(Task& task, int& budget) {
   do {
     execute(task);
@@ -356,8 +356,8 @@ bool Interpreter::execute_whole(Task& task, int& budget) {
   return task.state == TaskState::running && !task.work;
 }
 
-/// What run() looks at again and again: where operands are, and the step that comes next. Each of these takes
-/// that step, or leaves it to execute() and returns false.
+/// The hot state of run(): operand locations and the next step. Each function executes that step, or returns
+/// false and leaves it to execute().
 struct Interpreter::Course {
   Interpreter& program;
   Task& task;
@@ -370,19 +370,19 @@ struct Interpreter::Course {
     at = {{frame, program.globals_.data(), program.code_.constants.data(), frame}};
   }
   POLYARM_QUICK void enter_frame() { at.of[0] = at.of[3] = task.stack.data() + task.frames.back().base; }
-  /// For execute(), and back.
+  /// Saves the position for execute(), and restores it.
   POLYARM_QUICK void note() { task.pc = static_cast<std::size_t>(step - steps); }
   POLYARM_QUICK void take_up() {
     find_operands();
     step = steps + task.pc;
   }
-  /// The step that this one names, or the next.
+  /// The target of this step, or the next step.
   POLYARM_QUICK bool go_on(bool jumps) {
     step = jumps ? steps + step->d : step + 1;
     return true;
   }
 
-  /// Jumps where the comparison holds (`when`), or where it does not.
+  /// Jumps if the comparison is true (`when`), or if it is false.
   template <Operator op, bool when>
   POLYARM_QUICK bool compared() {
     bool truth = false;
@@ -392,7 +392,7 @@ struct Interpreter::Course {
     const bool* holds = truth_of(at[step->b]);
     return holds && go_on(!*holds);
   }
-  /// The left of an `and` or `or` may say all.
+  /// The left side of an `and` or `or` may decide.
   POLYARM_QUICK bool settle() {
     const bool* left = truth_of(at[step->b]);
     return left && go_on(*left == (static_cast<Operator>(step->more) == Operator::logical_or));
@@ -409,7 +409,7 @@ struct Interpreter::Course {
     step = steps + task.pc;
     return true;
   }
-  /// A number, from a function that leaves nothing behind.
+  /// Returns a number from a function that needs no clean-up.
   POLYARM_QUICK bool give() {
     const CallFrame& frame = task.frames.back();
     const Number* result = at[step->b].value.as_number();
@@ -444,7 +444,7 @@ struct Interpreter::Course {
   }
 };
 
-// A step that goes on with the next one; one that says where it goes on; and the jumps after a comparison.
+// A step followed by the next one; a step that sets the next one; and the jumps after a comparison.
 #define POLYARM_STEP(op, done) \
   case Op::op:                 \
     if (!(done)) break;        \
@@ -458,7 +458,7 @@ struct Interpreter::Course {
   POLYARM_TURN(unless_##comparison, (on.compared<Operator::comparison, false>())) \
   POLYARM_TURN(when_##comparison, (on.compared<Operator::comparison, true>()))
 
-/// Takes steps until `task` waits, has ended or pauses; true where the budget is used up.
+/// Executes steps until `task` waits, has ended or pauses; true if the budget is used up.
 bool Interpreter::run(Task& task, int& budget) {
   if (task.work && !execute_whole(task, budget)) return task.state == TaskState::running;
   Course on{*this, task};

@@ -1,5 +1,5 @@
 #pragma once
-/// Where a program stands, as values that can be written down and taken up again by another process.
+/// The state of a program as values that can be stored and restored by another process.
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -12,7 +12,7 @@ namespace polyarm::program {
 
 struct SavedSlot {
   data::Value value;
-  std::string origin;  ///< what the host calls the point that this is; empty: nothing
+  std::string origin;  ///< the host's name of the point; empty: none
   bool set = true;
 };
 
@@ -28,14 +28,14 @@ struct SavedTask {
   std::vector<std::string> locks;
   std::vector<Handler> handlers;
   WaitKind waits = WaitKind::none;
-  std::string waits_at;                  ///< of a meeting or lock its name
-  std::optional<Nanoseconds> waits_for;  ///< how much longer a wait for a time lasts
-  std::optional<Nanoseconds> deadline;   ///< how much time is left of its time-out
+  std::string waits_at;                  ///< the name of a meeting or lock
+  std::optional<Nanoseconds> waits_for;  ///< the rest of a timed wait
+  std::optional<Nanoseconds> deadline;   ///< the rest of its timeout
   std::uint64_t passes = 0;
 };
 
 struct SavedState {
-  std::uint64_t program = 0;  ///< of its text: the state fits this program alone
+  std::uint64_t program = 0;  ///< hash of its text: the state is valid only for this program
   std::vector<SavedTask> tasks;
   std::vector<SavedSlot> globals;
   std::map<std::string, std::vector<std::uint64_t>> meetings;

@@ -1,4 +1,4 @@
-/// The state of a program, out of the interpreter and into another one.
+/// Saves the state of an interpreter and restores it into another one.
 #include <algorithm>
 #include <utility>
 
@@ -15,7 +15,8 @@ void add_to(std::uint64_t& hash, const std::string& text) {
 
 std::uint64_t fingerprint(const Program& program) {
   std::uint64_t hash = 14695981039346656037ull;
-  add_to(hash, "registers 1");  // how the steps are made: a state of other steps means something else
+  add_to(hash, "registers 1");  // version of the compiled form: a state of other steps would have another
+                                // meaning
   for (const std::string& line : program.lines) add_to(hash, line);
   for (const Program::Included& included : program.included)
     for (const std::string& line : included.lines) add_to(hash, line);
@@ -27,7 +28,7 @@ SavedSlot saved(const Slot& slot) {
 }
 }  // namespace
 
-/// Nothing is under way that only this process knows: no motion, question, file or part of a `together`.
+/// True if no state exists only in this process: no motion, question, file or part of a `together`.
 bool Interpreter::safe() const {
   if (outcome_ || !watches_.empty()) return false;
   return std::all_of(tasks_.begin(), tasks_.end(), [](const auto& task) {
@@ -53,7 +54,7 @@ SavedState Interpreter::save() const {
       saved_task.waits_at = task->waiting.text;
     if (task->waiting.kind == WaitKind::time) saved_task.waits_for = left(*task->waiting.until);
     if (task->deadline) saved_task.deadline = left(*task->deadline);
-    if (task->waiting.kind == WaitKind::condition) {  // it is looked at again at once
+    if (task->waiting.kind == WaitKind::condition) {  // it is checked again immediately
       saved_task.step = static_cast<std::size_t>(code_.steps[task->pc].a);
       saved_task.waits = WaitKind::none;
       saved_task.state = TaskState::running;
@@ -114,7 +115,7 @@ StartReport Interpreter::restore(const SavedState& from) {
     task.locks = each.locks;
     task.handlers = each.handlers;
     task.passes = each.passes;
-    // It has gone past a wait for a time, and waits in it.
+    // It has passed the step of a timed wait, and waits in it.
     task.line = code_.sources[task.pc - (each.waits == WaitKind::time && task.pc > 0 ? 1 : 0)].line;
     task.waiting = {each.waits, {}, {}, each.waits_at};
     if (each.waits_for) task.waiting.until = host_.now() + *each.waits_for;

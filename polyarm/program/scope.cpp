@@ -18,7 +18,7 @@ bool can_order(const Type& type) {
   return !type.kind || *type.kind == Kind::number || *type.kind == Kind::text;
 }
 
-/// The nearest of Wanted that says the same as a type; nothing where it may fit.
+/// The Wanted that corresponds to a type; empty if the type may fit.
 bool surely_not(Wanted wanted, const Type& type) {
   if (!type.kind || wanted == Wanted::any) return false;
   const auto number = [&](std::optional<Dimension> dimension) {
@@ -95,7 +95,7 @@ void Scope::forget(std::size_t keep) {
   variables.resize(keep);
 }
 
-/// The nearest name there is; not in a file where everything is wrong, since it looks at every name.
+/// The nearest existing name; not for a file with too many faults, because it compares with every name.
 std::string Scope::suggested(const std::string& name) const {
   constexpr std::size_t kMost = 500;
   if (problems_.list().size() >= kMost) return {};
@@ -202,7 +202,7 @@ Type Scope::infer_unary(const Expression& e) {
 }
 
 namespace {
-/// What is meant by adding something to a place.
+/// The intended form of an addition to a place.
 const char* advice_for(Operator op, const Type& a, const Type& b) {
   if (op != Operator::add && op != Operator::subtract) return "";
   if (a.kind == Kind::pose && b.kind == Kind::pose)

@@ -1,5 +1,5 @@
 #pragma once
-/// The types of expressions, as far as they are known before a program runs; for the checker's own files.
+/// The types of expressions, as far as they are known before a program runs. Private to the checker's files.
 #include <map>
 #include <set>
 #include <string>
@@ -16,11 +16,11 @@ inline const Type kBoolean{data::Kind::boolean, {}};
 Type number_of(std::optional<Dimension> dimension);
 /// "a length", "a boolean", "something".
 std::string described(const Type& type);
-/// The two are known and cannot be the same.
+/// True if both are known and different.
 bool surely_other(const Type& a, const Type& b);
 bool is_place(const Type& type);
 
-/// The names that are known at one place of a program, and what expressions of them are.
+/// The names visible at one place of a program, and the types of their expressions.
 class Scope {
  public:
   Scope(const Program& program, const KnownNames& known, Problems& problems);
@@ -35,14 +35,14 @@ class Scope {
   const Problems& problems() const { return problems_; }
 
   Type infer(const Expression& e);
-  /// Of a variable; nullptr where there is none of that name.
+  /// The type of a variable; nullptr if there is none of that name.
   const Type* local(const std::string& name) const;
-  /// The variable that `name`, or what stands before its first dot, is; or an empty text.
+  /// The variable of `name` or of the part before its first dot; or an empty text.
   std::string variable_in(const std::string& name) const;
   std::vector<std::string> all_names() const;
   void declare(const std::string& name, Place place, Type type);
   const Statement* function(const std::string& name) const;
-  /// Names that a reader would take for one another.
+  /// Warns of names that a reader could confuse.
   void warn_of_case();
 
   struct Variable {
@@ -50,10 +50,10 @@ class Scope {
     Type type;
   };
   std::map<std::string, Type> names;  ///< data, points, tags
-  std::set<std::string> made;         ///< names that lines such as `set NAME True` will make
+  std::set<std::string> made;         ///< names that lines such as `set NAME True` will create
   std::map<std::string, Place> used;
   std::vector<Variable> variables;  ///< the innermost last
-  /// All but the first `keep` variables end here.
+  /// Ends all but the first `keep` variables.
   void forget(std::size_t keep);
   std::vector<const Statement*> functions;
 
@@ -73,21 +73,21 @@ class Scope {
 
   const Program& program_;
   Problems& problems_;
-  std::unordered_map<std::string, std::vector<std::size_t>> places_;  ///< of variables, the innermost last
+  std::unordered_map<std::string, std::vector<std::size_t>> places_;  ///< of variables, innermost last
   std::unordered_map<std::string, const Statement*> function_at_;
 };
 
-/// It waits or moves, so it may not be in a block that runs within one cycle.
+/// True if it waits or moves, and so cannot be in a block that runs within one cycle.
 bool takes_time(const Statement& s);
-/// Tasks that command one robot, and meetings that one task alone comes to.
+/// Finds tasks that command the same robot, and meetings of only one task.
 void check_tasks(const Program& program, Scope& scope);
-/// Finds robots, tools and frames that the cell does not have, and tags that no program may set.
+/// Finds robots, tools and frames that the cell does not have, and tags that programs may not set.
 void check_cell_names(const Program& program, const KnownNames& known, Scope& scope);
-/// Finds values that a run would refuse, as far as they are known before.
+/// Finds values that would fail at run time, as far as they are known before.
 void check_values(const Program& program, Scope& scope);
-/// Finds loops that never end, and never wait.
+/// Finds loops that never end and never wait.
 void check_endless(const Program& program, Scope& scope);
-/// Warns of blends that cannot happen, with the line that prevents each.
+/// Warns of impossible blends, with the line that prevents each.
 void check_blends(const Program& program, Scope& scope);
 
 }  // namespace polyarm::program

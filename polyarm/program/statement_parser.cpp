@@ -35,7 +35,7 @@ void parse_load(const Line& line, TokenCursor& cursor, Statement& out) {
   }
 }
 
-/// Places in lists and fields behind a name: [1], [i].x
+/// Indices and fields after a name: [1], [i].x
 std::vector<PathPart> path(TokenCursor& cursor) {
   std::vector<PathPart> out;
   while (cursor.is_symbol("[") || cursor.is_field()) {
@@ -141,7 +141,7 @@ void parse_wait(TokenCursor& cursor, Statement& out) {
     cursor.take();
     out.explicit_variable = true;
   }
-  // A value behind a name can only be meant for one of these words.
+  // A value after a name can only belong to one of these words.
   const std::vector<std::string> words = {"time", "var"};
   if (cursor.peek().kind == TokenKind::name && !out.explicit_variable &&
       (cursor.peek(1).kind == TokenKind::number || cursor.peek(1).kind == TokenKind::name) &&
@@ -235,7 +235,7 @@ void parse_log(TokenCursor& cursor, Statement& out) {
   cursor.expect_end("the text");
 }
 
-/// Whether the bracket at the cursor is closed by the last token of the statement.
+/// True if the last token of the statement closes the bracket at the cursor.
 bool closes_at_end(const TokenCursor& cursor) {
   int depth = 0;
   for (std::size_t i = cursor.position(); i < cursor.tokens().size(); ++i) {
@@ -257,7 +257,7 @@ void parse_call(const Line& line, Statement& out) {
                       "write `log(…)` or `set … = …`"};
 }
 
-/// One plain name, for what a statement makes.
+/// One plain name, for statements that create a name.
 void parse_name(const Line& line, TokenCursor& cursor, Statement& out) {
   out.name_place = cursor.peek().place;
   out.name = parse_target(cursor, line.word.c_str());
@@ -305,7 +305,7 @@ void parse_function(const Line& line, TokenCursor& cursor, Statement& out) {
   cursor.expect_end("the parameters");
 }
 
-/// Whether one of the blocks around it, up to a `together`, is what `fits` says.
+/// True if one of the enclosing blocks, up to a `together`, satisfies `fits`.
 template <typename Fits>
 bool stands_in(const Openers& open, Fits fits) {
   for (auto opener = open.rbegin(); opener != open.rend(); ++opener) {
@@ -374,7 +374,7 @@ void parse_hold(TokenCursor& cursor, Statement& out) {
   cursor.expect_end("the reason");
 }
 
-/// The text in quotes that `include` and `test` name.
+/// The quoted text of `include` and `test`.
 void parse_quoted(TokenCursor& cursor, Statement& out, const char* what, const char* example) {
   const Token& token = cursor.peek();
   out.name_place = token.place;

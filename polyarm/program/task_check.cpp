@@ -37,7 +37,7 @@ class TaskCheck {
   }
 
  private:
-  /// Two tasks that command one robot outside of a lock.
+  /// Two tasks that command one robot outside a lock.
   void robots_in(const Block& block_, const Statement& task, std::map<std::string, Use>& robots) {
     for (const Statement& s : block_) {
       if (s.kind == Statements::lock) continue;

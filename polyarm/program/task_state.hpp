@@ -1,5 +1,5 @@
 #pragma once
-/// Where a task of a program stands, in values that can be looked at from outside.
+/// The position of a task in a program, as values for display. Plain data.
 #include <optional>
 #include <string>
 #include <utility>
@@ -31,17 +31,17 @@ enum class WaitKind {
   turn
 };
 
-/// What a task waits for.
+/// The reason why a task waits.
 struct Waiting {
   WaitKind kind = WaitKind::none;
   std::optional<Nanoseconds>
-      until;                       ///< of a time; of a condition, meeting or lock its timeout, if it has one
-  std::vector<std::string> names;  ///< of a condition: the data and tags that it reads
+      until;                       ///< of a time; for a condition, meeting or lock its timeout, if it has one
+  std::vector<std::string> names;  ///< for a condition: the data and tags that it reads
   std::string
-      text;  ///< of a move the point, of a load the file, of a user the question, of a meeting its name
+      text;  ///< for a move the point, for a load the file, for a user the question, for a meeting its name
 };
 
-/// A variable, or a value on its way through an expression. Where it is not set its value is False.
+/// A variable, or a temporary value of an expression. If it is not set, its value is False.
 struct Slot {
   Slot() = default;
   Slot(data::Value of, const std::string* called, bool is_set)
@@ -60,10 +60,10 @@ struct Slot {
 
   [[no_unique_address]] data::Value value;
   bool set = true;
-  const std::string* origin = nullptr;  ///< of a point what the host calls it
+  const std::string* origin = nullptr;  ///< for a point: its name in the host
 };
 
-/// What moves take when they do not say it themselves.
+/// The options of moves that do not state their own.
 struct MoveDefaults {
   std::optional<data::Number> speed, accel, blend, payload;
   bool exact = false;
@@ -71,13 +71,13 @@ struct MoveDefaults {
   std::optional<Pose> frame_pose;
 };
 
-/// A call of a function, and where it returns to.
+/// A call of a function, with its return place.
 struct CallFrame {
   std::size_t return_to = 0;
   std::size_t base = 0, uses = 0, locks = 0, handlers = 0;
 };
 
-/// A `try` that is under way, and what was there when it began.
+/// An active `try`, with the stack heights at its begin.
 struct Handler {
   std::size_t step = 0;
   std::size_t stack = 0, frames = 0, uses = 0, locks = 0;

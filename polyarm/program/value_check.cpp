@@ -1,5 +1,5 @@
-/// Errors that a run would end with, found where the values are known before: literals, and names that one
-/// `let` makes and nothing changes. What only a run can know is left to the run.
+/// Finds errors that would end a run, for values known before: literals, and names that one `let` creates and
+/// nothing changes. Other values are left to the run.
 #include <cmath>
 #include <functional>
 #include <map>
@@ -31,7 +31,7 @@ class ValueCheck {
   }
 
  private:
-  /// A name that one `let` makes and no line changes holds what that `let` says.
+  /// A name that one `let` creates and no line changes has the value of that `let`.
   void collect_names() {
     std::set<std::string> changed;
     std::map<std::string, int> made;
@@ -57,7 +57,7 @@ class ValueCheck {
 
   using Known = std::optional<Value>;
 
-  /// Nothing where it is not known; what cannot be calculated is told where it stands.
+  /// Empty if it is unknown; a failing computation is reported at its place.
   Known fold(const Expression& e) {
     try {
       Known out = folded(e);
@@ -101,7 +101,7 @@ class ValueCheck {
     return std::nullopt;
   }
 
-  /// With its dots: "box.size.x".
+  /// With dots: "box.size.x".
   Known known(const std::string& name) {
     const auto at = lets_.find(name);
     if (at == lets_.end()) {
@@ -111,7 +111,7 @@ class ValueCheck {
     }
     const auto [value, made] = values_.try_emplace(name);
     if (made) {
-      ++quiet_;  // its own line tells what is wrong with it
+      ++quiet_;  // its own line reports its faults
       Known found = fold(*at->second->expression);
       --quiet_;
       values_[name] = std::move(found);
@@ -119,13 +119,13 @@ class ValueCheck {
     return values_[name];
   }
 
-  /// The right side of `and` and `or` is not looked at where the left one decides.
+  /// The right side of `and` and `or` is ignored if the left side decides.
   Known binary(const Expression& e) {
     const Known left = fold(*e.parts[0]);
     const bool* truth = left ? left->as_boolean() : nullptr;
     const bool logical = e.op == Operator::logical_and || e.op == Operator::logical_or;
     if (logical && truth && *truth == (e.op == Operator::logical_or)) return left;
-    if (logical && !truth) {  // it may be there to protect the other
+    if (logical && !truth) {  // it may protect the other side
       ++quiet_;
       fold(*e.parts[1]);
       --quiet_;
@@ -149,7 +149,7 @@ class ValueCheck {
     Bound bound;
     try {
       bound = bind_arguments(signature_of(*function), e.names);
-    } catch (const OperationError&) {  // told by who looks at types
+    } catch (const OperationError&) {  // reported by the type check
       return std::nullopt;
     }
     std::vector<Value> values;
@@ -204,7 +204,7 @@ class ValueCheck {
         if (truth_of(s.expression) != false) block(s.body);
         return;
       case Statements::try_block:
-        ++quiet_;  // what goes wrong in there is caught
+        ++quiet_;  // errors in there are caught
         block(s.body);
         --quiet_;
         return block(s.handler);
@@ -241,7 +241,7 @@ class ValueCheck {
     const Known first = s.expression ? fold(*s.expression) : Known{},
                 last = s.second ? fold(*s.second) : Known{};
     const Number *from = first ? first->as_number() : nullptr, *to = last ? last->as_number() : nullptr;
-    constexpr double kLargest = 1e15;  // as the interpreter has it
+    constexpr double kLargest = 1e15;  // as in the interpreter
     for (const Number* end : {from, to})
       if (s.second && end && std::abs(end->value) > kLargest)
         return report(s.second->place, "bad-type", "this range is too large to count");
@@ -285,7 +285,7 @@ class ValueCheck {
                                          : "with a unit write such as 2m/s2, 200deg/s2 or 50%");
   }
 
-  /// Once for each line; where the types are wrong already that is said.
+  /// Once for each line; lines with type errors are reported elsewhere.
   void report(Place place, const std::string& code, const std::string& what, const std::string& advice = {}) {
     const Location where = program_.at(place);
     if (quiet_ > 0 || !told_.insert({where.file, where.line}).second) return;
@@ -300,7 +300,7 @@ class ValueCheck {
   int quiet_ = 0;                               ///< above 0: nothing is reported
 };
 
-/// Functions that call themselves, or one another, whatever their values are.
+/// Functions that call themselves or each other for any values.
 class RecursionCheck {
  public:
   explicit RecursionCheck(Scope& scope) : scope_{scope} {}
@@ -356,7 +356,7 @@ class RecursionCheck {
     });
   }
 
-  /// Functions that may end the program or raise an error, themselves or by what they call.
+  /// Functions that may end the program or raise an error, directly or through calls.
   void find_ends() {
     std::map<std::string, std::vector<std::string>> called_by;
     std::vector<std::string> open;
@@ -386,7 +386,7 @@ class RecursionCheck {
     return out;
   }
 
-  /// What the block calls whenever it is begun, before it can be left.
+  /// The functions that the block certainly calls before it can be left.
   void sure_calls(const Block& block, Calls& out) const {
     for (const Statement& s : block) {
       if (s.kind == Statement::Kind::try_block || s.kind == Statement::Kind::function) return;
@@ -400,7 +400,7 @@ class RecursionCheck {
     }
   }
 
-  /// What each of the branches calls, where one of them is taken surely.
+  /// The functions that all branches call, if one branch is certainly taken.
   void in_all(const std::vector<Branch>& branches, Calls& out) const {
     if (branches.empty() || branches.back().condition) return;
     Calls common;

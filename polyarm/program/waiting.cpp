@@ -7,7 +7,7 @@
 namespace polyarm::program {
 
 namespace {
-/// A list of what a condition reads, for a message.
+/// The names that a condition reads, for a message.
 std::string read_by(const std::vector<std::string>& names) {
   return names.empty() ? "nothing that others change" : join(names, ", ");
 }
@@ -26,7 +26,7 @@ void Interpreter::go_on(Task& task) {
   task.state = TaskState::running;
 }
 
-/// True where no motion of this task is under way; else the task waits for it, and comes to this step again.
+/// True if no motion of this task is under way; else the task waits for it, and repeats this step.
 bool Interpreter::arrived(Task& task) {
   if (task.robots.empty()) return true;
   task.handles.clear();
@@ -36,7 +36,7 @@ bool Interpreter::arrived(Task& task) {
   return false;
 }
 
-/// Looks whether the wait is over; then the task runs on.
+/// Checks whether the wait is over; then the task continues.
 bool Interpreter::poll(Task& task) {
   switch (task.waiting.kind) {
     case WaitKind::time:
@@ -87,7 +87,7 @@ bool Interpreter::poll_handles(Task& task) {
   return true;
 }
 
-/// The condition is looked at again when something that it reads may have changed.
+/// The condition is checked again when something that it reads may have changed.
 bool Interpreter::poll_condition(Task& task) {
   const Step& step = code_.steps[task.pc];
   const bool others = code_.reads[static_cast<std::size_t>(step.b)].others && host_.now() != task.seen_at;
@@ -116,7 +116,7 @@ bool Interpreter::deadline_passed(const Task& task) const {
   return task.deadline && host_.now() >= *task.deadline;
 }
 
-/// Goes to the block behind `else`, or fails.
+/// Continues with the block after `else`, or fails.
 void Interpreter::time_out(Task& task) {
   const Step& step = code_.steps[task.pc];
   const Waiting waiting = task.waiting;
@@ -168,7 +168,7 @@ bool Interpreter::poll_together(Task& task) {
   return true;
 }
 
-/// The condition of a wait or of a move's end is false: it will be looked at again.
+/// The condition of a wait or of a move's end is false: it will be checked again.
 void Interpreter::begin_look(Task& task, const Step& step, WaitKind kind) {
   wait_for(task, kind);
   task.waiting.names = code_.reads[static_cast<std::size_t>(step.b)].names;

@@ -1,5 +1,5 @@
 #pragma once
-/// The words of the language: one list for the parser, the messages and the reference.
+/// The words of the language: one list for the parser, the messages and the reference. Const: any thread.
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,21 +8,21 @@ namespace polyarm::program {
 
 enum class WordRole {
   statement,  ///< first word of a line
-  branch,     ///< first word of a line that goes on with a block
+  branch,     ///< first word of a line that continues with a block
   closer,     ///< first word of a line that ends a block
-  clause,     ///< behind the points of a move, or in `use`
+  clause,     ///< after the points of a move, or in `use`
   reserved,   ///< never a name
 };
 
 struct Word {
   std::string_view name;  ///< lower case
   WordRole role = WordRole::statement;
-  std::string_view form;     ///< how it is written; of a closer what it ends
-  std::string_view meaning;  ///< for people, one sentence
-  /// A program that shows it, with what it does on its lines; empty: it is shown under the word `shown_by`.
+  std::string_view form;     ///< its syntax; for a closer, what it ends
+  std::string_view meaning;  ///< for readers, one sentence
+  /// An example program, with its effects in comments; empty: the example of the word `shown_by` applies.
   std::string_view example;
   std::string_view shown_by;
-  bool in_tests = false;  ///< only there
+  bool in_tests = false;  ///< only in tests
 };
 const std::vector<Word>& words();
 

@@ -5,11 +5,11 @@
 #include "polyarm/program/operators.hpp"
 #include "polyarm/program/task.hpp"
 
-/// Steps that wait, ask, tell, and meet other tasks.
+/// Steps that wait, ask, report, and meet other tasks.
 namespace polyarm::program {
 
 namespace {
-/// As it is shown to a person.
+/// The value as displayed to the user.
 std::string told(const Value& value) {
   constexpr std::size_t kMost = 500;
   return value.as_text() ? *value.as_text() : value.excerpt(kMost);
@@ -61,7 +61,7 @@ void Interpreter::execute_world(Task& task, const Step& step) {
       if (!arrived(task)) return;
       const std::string reason = step.b != kNone ? told(take_value(task, step.b, step)) : "the program holds";
       ++task.pc;
-      charge(kStepsOfAStatement * 100'000);  // nobody does anything more in this tick
+      charge(kStepsOfAStatement * 100'000);  // nothing else runs in this tick
       return host_.hold(reason, program_.at(source(step).line));
     }
     case Op::ask_value: {
@@ -86,7 +86,7 @@ void Interpreter::execute_world(Task& task, const Step& step) {
   ++task.pc;
 }
 
-/// Now, or before its time-out has passed; else what is not so is told behind it.
+/// True now, or before its timeout; else continues where the failure is reported.
 void Interpreter::expect(Task& task, const Step& step) {
   const bool met = take_boolean(task, step.d, step, "expect");
   const bool looks_again = !met && task.deadline && !deadline_passed(task);
@@ -133,7 +133,7 @@ void Interpreter::wait_step(Task& task, const Step& step) {
   ++task.pc;
 }
 
-/// True: the move ends here. At its end without that the block behind `else` is done.
+/// True: the move ends here. If the move reaches its end first, the block after `else` runs.
 void Interpreter::until_step(Task& task, const Step& step) {
   if (take_boolean(task, step.d, step, "until")) {
     host_.end_move(task.handles.back(), program_.at(source(step).line));
@@ -165,9 +165,9 @@ void Interpreter::ask(Task& task, const Step& step) {
   ++task.pc;
 }
 
-// Tasks and one another.
+// Interaction between tasks.
 
-/// Passed when as many tasks have come as mention it.
+/// Passed when all tasks that mention it have arrived.
 void Interpreter::meet(Task& task, const Step& step) {
   const std::string& name = code_.texts[static_cast<std::size_t>(step.a)];
   const auto parties = code_.meetings.find(name);
@@ -205,7 +205,7 @@ void Interpreter::lock(Task& task, const Step& step) {
   ++task.pc;
 }
 
-/// Each statement of the block begins at once, with the names there are now.
+/// Each statement of the block begins immediately, with the present names.
 void Interpreter::together(Task& task, const Step& step) {
   if (!arrived(task)) return;
   const auto& entries = code_.entries[static_cast<std::size_t>(step.a)];
