@@ -5,7 +5,7 @@
 
 namespace polyarm::dynamixel {
 
-/// Polynomial 0x8005, highest bit first, from 0.
+/// Polynomial 0x8005, most significant bit first, initial value 0.
 std::uint16_t crc16(servo_bus::Bytes bytes, std::uint16_t crc = 0) noexcept;
 
 class Protocol2 : public servo_bus::Protocol {

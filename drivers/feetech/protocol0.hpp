@@ -1,5 +1,5 @@
 #pragma once
-/// Frames of Feetech's SCS wire ("protocol 0"): FF FF ID LEN INST PARAM… ~SUM. Source: the maker's
+/// Frames of Feetech's SCS protocol ("protocol 0"): FF FF ID LEN INST PARAM… ~SUM. Source: the maker's
 /// description of the SCS communication protocol; its examples are in tests/servos/frames_test.cpp.
 #include "drivers/servo_bus/protocol.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Faults on purpose: what a component does wrong, and from which cycle on.
+/// Fault injection for mock components: which fault, and from which cycle on.
 #include <atomic>
 #include <cstdint>
 #include <span>
@@ -23,16 +23,16 @@ namespace polyarm::drivers {
 /// that was brought back meets its faults again. apply…(): control thread, nothing allocates.
 class Injection {
  public:
-  /// Throws Error("bad-value") with what can be written. `joints`: names of the joints in the order of
-  /// `positions`, which are their places in the spans of read().
+  /// Throws Error("bad-value") with the valid forms. `joints`: names of the joints in the order of
+  /// `positions`, which are their indices in the spans of read().
   void parse(const std::string& text, const std::vector<std::string>& joints, std::vector<int> positions,
              std::size_t states);
   bool empty() const noexcept { return entries_.empty(); }
   void begin() noexcept;  ///< cycles count from here
-  /// After the component has written its states.
+  /// Call it after the component has written its states.
   hardware::ReturnType after_read(std::span<double> states) noexcept;
   hardware::ReturnType after_write() const noexcept;
-  /// What was done last, as a sentence; empty for nothing.
+  /// The last injected fault as a sentence; empty if there is none.
   std::string reason() const;
 
  private:
@@ -48,7 +48,7 @@ class Injection {
   std::vector<double> frozen_;
   bool is_frozen_ = false;
   std::uint64_t cycle_ = 0;
-  std::atomic<int> last_{-1};  ///< entry that was done last
+  std::atomic<int> last_{-1};  ///< last injected entry
 };
 
 }  // namespace polyarm::drivers

@@ -1,4 +1,6 @@
 #pragma once
+/// Mock hardware without physics. rad, m, s. read() and write() run on the control thread and allocate
+/// nothing.
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -11,25 +13,24 @@
 
 namespace polyarm::drivers {
 
-/// Hardware that does what it is told at once, without physics: the behaviour of
-/// mock_components/GenericSystem of ros2_control. Parameters: `calculate_dynamics`, `disable_commands`,
-/// `position_state_following_offset`, `custom_interface_with_following_offset` (a state interface that takes
-/// the offset in place of the position), `mock_sensor_commands`, `mock_gpio_commands`; and
-/// `integrate_velocity`, with which positions that are commanded are passed over and the velocity leads, as
-/// the RobotSystem of ros2_control's example 7 does. A robot without <ros2_control> gets a position command,
-/// and position and velocity states, for each actuated joint; there the velocity state is the difference
-/// quotient of positions. `inject` makes faults on purpose (Injection). Tools, feeders, outfeeds, movers and
-/// parts are played by MockWorld.
+/// Hardware that follows commands immediately, without physics, like mock_components/GenericSystem of
+/// ros2_control. Parameters: `calculate_dynamics`, `disable_commands`, `position_state_following_offset`,
+/// `custom_interface_with_following_offset` (a state interface that takes the offset instead of the
+/// position), `mock_sensor_commands`, `mock_gpio_commands`; and `integrate_velocity`, which ignores position
+/// commands and follows the velocity, as the RobotSystem of ros2_control's example 7 does. A robot without
+/// <ros2_control> gets a position command and position and velocity states for each actuated joint; the
+/// velocity state is then the difference quotient of positions. `inject` injects faults (Injection).
+/// MockWorld simulates tools, feeders, outfeeds, movers and parts.
 class MockComponent : public hardware::Component {
  public:
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   hardware::CallbackReturn on_activate() override;
   std::vector<hardware::InterfaceDescription> state_interfaces() const override;
   std::vector<hardware::InterfaceDescription> command_interfaces() const override;
-  /// With dynamics, a joint takes one of position, velocity and acceleration at a time.
+  /// With dynamics, a joint accepts only one of position, velocity and acceleration at a time.
   hardware::ReturnType prepare_command_mode_switch(std::span<const std::string> start,
                                                    std::span<const std::string> stop) override;
-  /// A motion that stops leads its joint no longer, whatever its command says, until it is started again.
+  /// A stopped mode no longer drives its joint, whatever its command is, until it is started again.
   hardware::ReturnType perform_command_mode_switch(std::span<const std::string> start,
                                                    std::span<const std::string> stop) noexcept override;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
@@ -42,17 +43,17 @@ class MockComponent : public hardware::Component {
   std::string summary() const override;
 
  private:
-  /// A joint; the indices are places in the spans of read and write, -1 for none.
+  /// A joint; the indices refer to the spans of read and write, -1 for none.
   struct Part {
     int position_state = -1, velocity_state = -1, acceleration_state = -1, effort_state = -1;
     int position_command = -1, velocity_command = -1, acceleration_command = -1, effort_command = -1;
     int custom_state = -1;  ///< takes the position with the following offset
-    int mimicked = -1;      ///< index of the part followed
+    int mimicked = -1;      ///< index of the leading part
     double position = 0, velocity = 0, acceleration = 0, effort = 0;
     double multiplier = 1, offset = 0;
-    bool quotient = false;  ///< velocity state is the difference quotient
+    bool quotient = false;  ///< the velocity state is the difference quotient
   };
-  /// Joints that have nothing but a position command, and position and velocity states: nearly all joints.
+  /// Joints with only a position command and position and velocity states, which is nearly every joint.
   struct Followers {
     std::vector<double> position;
     std::vector<std::uint32_t> command, position_state, velocity_state;
@@ -75,13 +76,13 @@ class MockComponent : public hardware::Component {
 
   std::vector<hardware::InterfaceDescription> states_, commands_;
   std::vector<Part> parts_;
-  std::vector<std::string> part_names_;  // as their robots call them; of parts_, then of followers_
+  std::vector<std::string> part_names_;  // names in their robots; first parts_, then followers_
   Followers followers_;
   std::unordered_map<std::string, int> command_places_;
-  std::vector<int> part_of_command_;  // the part that a command moves, -1: none
+  std::vector<int> part_of_command_;  // the part that a command drives, -1: none
   std::vector<Mirror> mirrors_;
   std::vector<double> asked_;  // the last finite command of each interface, NaN before the first
-  std::vector<char> stopped_;  // commands that lead no longer
+  std::vector<char> stopped_;  // commands that no longer drive their joint
   bool any_stopped_ = false;
   std::unique_ptr<MockWorld> world_;
   Injection injection_;

@@ -1,4 +1,6 @@
 #pragma once
+/// Simulates tools, parts and machines without physics. Metres, radians, seconds; poses in the world. Control
+/// thread; step() allocates nothing.
 #include <span>
 #include <string>
 #include <vector>
@@ -8,21 +10,21 @@
 namespace polyarm::drivers {
 
 /// Tools, feeders, outfeeds, movers and parts without physics, so that programs run on mock hardware. A
-/// gripper that is switched on holds the nearest part within 15 mm of the TCP after 0.1 s; what it lets go of
-/// sinks to where its goal or its start stood; movers follow their set points at their speed and carry
+/// gripper that is switched on holds the nearest part within 15 mm of the TCP after 0.1 s. A released part
+/// moves down to the height of its goal or its start. Movers follow their set points at their speed and carry
 /// nothing.
 class MockWorld {
  public:
   MockWorld(const hardware::ComponentContext& context, std::vector<hardware::InterfaceDescription>& states,
             std::vector<hardware::InterfaceDescription>& commands);
 
-  /// Advances by a cycle. `asked` has the last finite command of each interface, `states` the joint
+  /// Advances by one cycle. `asked` has the last finite command of each interface, `states` the joint
   /// positions.
   void step(const hardware::Cycle& cycle, std::span<const double> asked, std::span<double> states) noexcept;
   const hardware::WorldState& state() const { return state_; }
 
  private:
-  struct Step {  // of the chain from base to TCP
+  struct Step {  // one joint of the chain from base to TCP
     Pose fixed;
     Vec3 axis;
     int position_state = -1;  ///< -1: fixed

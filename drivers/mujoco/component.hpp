@@ -1,4 +1,6 @@
 #pragma once
+/// Simulation of a cell with MuJoCo. SI units; poses in the world. read() and write() run on the control
+/// thread.
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,10 +15,10 @@
 
 namespace polyarm::drivers {
 
-/// Robots, tools, parts and machines of a cell in the physics of MuJoCo. Offers position, velocity and effort
-/// for each actuated joint to command and to read, and the interfaces of tools and scene (scene.hpp). A
-/// control period is filled with steps of at most 1 ms. Deterministic: one thread, no clock, the same inputs
-/// give the same bits.
+/// Robots, tools, parts and machines of a cell, simulated by MuJoCo. Offers position, velocity and effort
+/// commands and states for each actuated joint, and the interfaces of tools and scene (scene.hpp). A control
+/// period is divided into steps of at most 1 ms. Deterministic: one thread, no clock, the same inputs give
+/// the same bits.
 class MujocoComponent : public hardware::Component {
  public:
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
@@ -45,8 +47,8 @@ class MujocoComponent : public hardware::Component {
     std::size_t joints = 0;
     std::size_t first_state = 0, first_command = 0;  // position, velocity, effort of each joint in turn
     int tool_state = -1, tool_command = -1;
-    int base_state = -1;                             // of one that stands free: the first of seven
-    std::vector<double> position, velocity, effort;  // commands, taken apart
+    int base_state = -1;                             // for a free-standing robot: the first of seven
+    std::vector<double> position, velocity, effort;  // commands, separated by kind
   };
   ModelView& view() noexcept { return models_->view(active_); }
   void step() noexcept;

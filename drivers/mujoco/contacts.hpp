@@ -1,4 +1,5 @@
 #pragma once
+/// Contacts of the simulation. Metres, N; world frame. Control thread.
 #include <array>
 #include <vector>
 
@@ -7,21 +8,21 @@
 
 namespace polyarm::drivers {
 
-/// Reads the contacts of each step: what is a finding, what wakes, what rests on what, what fingers touch.
+/// Evaluates the contacts of each step: findings, parts to wake, supports, contacts of fingers.
 ///
-/// A finding is a contact of a robot link or tool body (not of its gripping surfaces) with anything, or of a
-/// held part with something that it is not being placed on: it may rest on what supports it from below
+/// A finding is a contact of a robot link or tool body (except its gripping surfaces) with anything, or of a
+/// held part with anything that it is not being placed on. A held part may rest on a support from below
 /// (normal within 45 degrees of vertical, less than 2 mm deep), and may touch what it touched when it was
-/// gripped until it has once been clear. Wheels, casters and what else a base on wheels stands on the floor with
-/// may touch the floor. A pair that touches is one finding until it has been clear.
+/// gripped until the two have separated once. Wheels, casters and other supports of a wheeled base may touch
+/// the floor. A touching pair counts as one finding until it separates.
 class ContactReader {
  public:
   ContactReader(std::size_t robots, std::size_t parts);
 
   void read(const ModelView& view, Parts& parts, Nanoseconds now, hardware::WorldState& out) noexcept;
-  /// From now on robot `r` holds another part (or none): what that touches now is allowed.
+  /// Robot `r` now holds another part (or none): the present contacts of that part are allowed.
   void forgive(std::size_t robot) noexcept;
-  /// Part that both fingers of robot `r` touched in the last step, or -1.
+  /// The part that both fingers of robot `r` touched in the last step, or -1.
   int between_fingers(std::size_t robot) const noexcept { return gripped_[robot]; }
   /// Sum of the contact forces on the part that the cup of robot `r` holds, in the world, N.
   const Vec3& force_on_held(std::size_t robot) const noexcept { return held_force_[robot]; }
@@ -32,7 +33,7 @@ class ContactReader {
   struct Pair {
     int a = -1, b = -1;
     std::uint64_t last = 0;
-    int finding = -1;   // -1: free
+    int finding = -1;   // -1: unused
     double depth = 0;   // in the step `last`
   };
   struct Forgiven {
@@ -58,7 +59,7 @@ class ContactReader {
   std::array<Pair, kPairs> pairs_;
   std::vector<Robot> robots_;
   std::vector<int> gripped_;
-  std::vector<std::array<int, 2>> touched_;  // per robot: part at each finger
+  std::vector<std::array<int, 2>> touched_;  // for each robot: the part at each finger
   std::vector<Vec3> held_force_;
   std::vector<int> part_name_;
   std::uint64_t step_ = 0;

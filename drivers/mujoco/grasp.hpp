@@ -1,16 +1,17 @@
 #pragma once
+/// Grippers of the simulation: suction cups and parallel fingers. Metres, N, s. Control thread.
 #include "drivers/mujoco/contacts.hpp"
 #include "drivers/mujoco/parts.hpp"
 
 namespace polyarm::drivers {
 
 /// Distance along the cup's axis from the lip's centre to the surface of the shape, m (negative inside), if
-/// the cup sits on that surface: within the face, and its axis within 20 degrees of the face's normal. `axis`
-/// points out of the cup. Infinity where it does not sit.
+/// the cup fits on that surface: within the face, and its axis within 20 degrees of the face's normal. `axis`
+/// points out of the cup. Infinity if it does not fit.
 double cup_distance(const description::Shape& shape, const Pose& pose, const Vec3& lip,
                     const Vec3& axis) noexcept;
 
-/// The gripper of one robot: a cup that holds what it touches while the vacuum is on, or two fingers that
+/// The gripper of one robot: a cup that holds the part it touches while the vacuum is on, or two fingers that
 /// hold by friction.
 class Gripper {
  public:
@@ -19,10 +20,10 @@ class Gripper {
   bool parallel() const noexcept { return tool_ && tool_->gripper == description::GripperKind::parallel; }
 
   void command(double value) noexcept { on_ = value >= 0.5; }
-  /// After each step: takes hold, lets go, pulls off.
+  /// Call it after each step: grips, releases, or loses the part.
   void update(ModelView& view, Parts& parts, ContactReader& contacts, const Vec3& gravity,
               double timestep) noexcept;
-  /// Before each step: the force of the fingers into qfrc_applied.
+  /// Call it before each step: writes the force of the fingers into qfrc_applied.
   void push(const ModelView& view) const noexcept;
 
   double level() const noexcept { return level_; }
@@ -43,7 +44,7 @@ class Gripper {
   int held_ = -1;
   Vec3 last_position_, velocity_, acceleration_;  // of the held part, filtered
   bool fresh_ = true;
-  bool pulled_off_ = false;  // a part was lost: nothing is held until the vacuum was off
+  bool pulled_off_ = false;  // a part was lost: nothing is gripped until the vacuum has been off
 };
 
 }  // namespace polyarm::drivers

@@ -1,4 +1,5 @@
 #pragma once
+/// Machines of the simulated scene. Metres, s; world frame. Control thread.
 #include <span>
 #include <string>
 #include <vector>
@@ -15,9 +16,9 @@ class Machines {
            std::vector<hardware::InterfaceDescription>& commands);
 
   void command(std::span<const double> commands) noexcept;
-  /// One physics step: movers advance and carry what rests on them, feeders and outfeeds act.
+  /// One physics step: movers advance and carry the objects on them, feeders and outfeeds act.
   void step(ModelView& view, Parts& parts, double timestep) noexcept;
-  /// Puts the movers of another model where they are.
+  /// Copies the present positions of the movers into another model.
   void lay_out(ModelView& view) const noexcept;
   void read(const Parts& parts, std::span<double> states) const noexcept;
   bool moving() const noexcept;

@@ -1,5 +1,6 @@
 #pragma once
-/// The world of a cell as MJCF text, the model language of MuJoCo.
+/// Writes the world of a cell as MJCF text, the model language of MuJoCo. SI units. Allocates; not for the
+/// control thread.
 #include <span>
 #include <string>
 #include <utility>
@@ -9,7 +10,7 @@
 
 namespace polyarm::drivers {
 
-/// Names of things in the model. Robots, parts, slots and movers are numbered.
+/// Names of objects in the model. Robots, parts, slots and movers are numbered.
 std::string joint_name(std::size_t robot, int joint);
 std::string link_name(std::size_t robot, int link);
 std::string finger_name(std::size_t robot, int side);
@@ -35,31 +36,31 @@ inline std::string fixture_name(std::size_t fixture, std::size_t shape) {
   return "fixture" + std::to_string(fixture) + "_" + std::to_string(shape);
 }
 
-/// What the writer knows of a robot beside its facts.
+/// The grouping of a robot's links into rigid bodies.
 struct Rigid {
-  std::vector<int> body_of_link;  ///< the link whose body carries each link: itself, or one it is fixed to
+  std::vector<int> body_of_link;  ///< for each link the link whose body carries it: itself, or one that it is
+                                  ///< fixed to
 };
 Rigid rigid_links(const description::RobotModel& model);
 
-/// Does the robot stand on the floor instead of being bolted down? One of its <ros2_control> blocks says so:
-/// `<param name="base">free</param>`. Then its links may touch the floor.
+/// True if the robot stands on the floor instead of being bolted down. One of its <ros2_control> blocks then
+/// has `<param name="base">free</param>`, and its links may touch the floor.
 bool stands_free(const hardware::RobotInstance& robot);
-/// The one of `robots` whose root link carries this one, by `on NAME` in the same place; null: none.
+/// The robot among `robots` whose root link carries this one, by `on NAME` in the same cell; null: none.
 const hardware::RobotInstance* carrier_of(const hardware::RobotInstance& robot,
                                           std::span<const hardware::RobotInstance> robots);
 
-/// A mimic joint: its position is `multiplier` times that of `source` plus `offset`. Chains are followed to
-/// the joint that has a value of its own. Indices of RobotModel::joints.
+/// A mimic joint: its position is `multiplier` times that of `source` plus `offset`. Chains are resolved to
+/// the independent joint. Indices of RobotModel::joints.
 struct Follower {
   int joint = -1, source = -1;
   double multiplier = 1, offset = 0;
 };
 std::vector<Follower> followers(const description::RobotModel& model);
 
-/// The whole model with `slots` free bodies for parts that move. Parts at rest are mocap twins without
-/// degrees of freedom. In the model with one slot for each part, slot i has the shape and mass of part i.
-/// `excluded`: pairs of bodies of a robot that overlap where it starts, because their enclosing shapes are
-/// loose.
+/// The whole model with `slots` free bodies for moving parts. Parts at rest are mocap twins without degrees
+/// of freedom. In the model with one slot for each part, slot i has the shape and mass of part i. `excluded`:
+/// pairs of bodies of a robot that overlap at the start, because their enclosing shapes are loose.
 using BodyPairs = std::vector<std::pair<std::string, std::string>>;
 std::string write_mjcf(const hardware::ComponentContext& context, double timestep, std::size_t slots,
                        const BodyPairs& excluded = {});

@@ -1,5 +1,6 @@
 #pragma once
-/// The compiled models of one world, and where everything is in them.
+/// The compiled models of one world, and the indices of all objects in them. SI units. Only construction
+/// allocates; control thread afterwards.
 #include <mujoco/mujoco.h>
 
 #include <array>
@@ -11,13 +12,13 @@
 
 namespace polyarm::drivers {
 
-/// What a geom belongs to.
+/// The owner of a geom.
 struct Owner {
   enum class Kind { nothing, floor, fixture, mover, link, tool, finger, held, part };
   Kind kind = Kind::nothing;
-  int index = -1;  ///< robot, fixture, or part; of a mover's fixture: the mover
+  int index = -1;  ///< robot, fixture, or part; for a mover's fixture: the mover
   int name = -1;   ///< index into the names of the world
-  bool stands = false;  ///< a link that may touch the floor: its robot stands or rolls on it
+  bool stands = false;  ///< a link that may touch the floor, because its robot stands or rolls on it
 };
 
 /// One compiled model with its data. Slots and twins are numbered as in the MJCF.
@@ -27,10 +28,10 @@ struct ModelView {
   std::size_t slots = 0;
   struct Robot {
     std::vector<int> qpos, dof;  ///< of the actuated joints
-    int base_qpos = -1, base_dof = -1, base_body = -1;  ///< of one that stands free; else -1
+    int base_qpos = -1, base_dof = -1, base_body = -1;  ///< of a free-standing robot; else -1
     struct Follower {            ///< a mimic joint
       int qpos = -1, dof = -1;
-      std::size_t source = 0;  ///< place among the actuated joints
+      std::size_t source = 0;  ///< index among the actuated joints
       double multiplier = 1, offset = 0;
     };
     std::vector<Follower> followers;
@@ -44,14 +45,15 @@ struct ModelView {
   std::vector<Slot> slot;
   std::vector<int> twin_geom, twin_mocap, mover_mocap;
   std::vector<Owner> owner;  ///< by geom
-  /// Stands robot `r` still at these positions of its actuated joints; missing ones are 0.
+  /// Places robot `r` at rest at these positions of its actuated joints; missing ones are 0.
   void place(std::size_t r, const std::vector<double>& positions) noexcept;
   const mjModel* m() const noexcept { return model.get(); }
   mjModel* m() noexcept { return model.get(); }
   mjData* d() const noexcept { return data.get(); }
 };
 
-/// Models with 0, 1, 2, 4, … slots up to one for each part, compiled once. Throws Error when MuJoCo refuses.
+/// Models with 0, 1, 2, 4, … slots, up to one for each part, compiled once. Throws Error if MuJoCo rejects
+/// the model.
 class ModelSet {
  public:
   ModelSet(const hardware::ComponentContext& context, double timestep);
@@ -59,15 +61,14 @@ class ModelSet {
   /// The smallest model with at least `slots` slots.
   std::size_t index_for(std::size_t slots) const noexcept;
   ModelView& view(std::size_t i) noexcept { return views_[i]; }
-  /// The model with a slot for every part, in which slot i is shaped like part i.
+  /// The model with a slot for every part; slot i has the shape of part i.
   const ModelView& reference() const noexcept { return views_.back(); }
   std::size_t size() const noexcept { return views_.size(); }
   const std::vector<std::string>& names() const { return names_; }
 
   /// Gives slot `s` of `view` the shape and mass of `part`. No allocation.
   void shape_slot(ModelView& view, std::size_t s, std::size_t part) const noexcept;
-  /// Gives robot `r`'s held body the shape and mass of `part` at `pose` in the tool; nullptr-like part -1
-  /// empties it.
+  /// Gives robot `r`'s held body the shape and mass of `part` at `pose` in the tool; part -1 empties it.
   void shape_held(ModelView& view, std::size_t r, int part, const Pose& pose) const noexcept;
 
  private:

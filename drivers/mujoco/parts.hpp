@@ -1,4 +1,5 @@
 #pragma once
+/// States of the parts in the simulation. Metres, seconds; poses in the world.
 #include <array>
 #include <vector>
 
@@ -14,9 +15,8 @@ struct Bounds {
 };
 Bounds bounds_of(const description::Shape& shape, const Pose& pose) noexcept;
 
-/// The parts of the world and what each of them is now: waiting in a feeder, asleep (a fixed twin), awake (a
-/// free body), held by a cup (part of the arm), or taken away. Control thread; nothing allocates after
-/// construction.
+/// The parts of the world and their states: waiting in a feeder, asleep (a fixed twin), awake (a free body),
+/// held by a cup (part of the arm), or removed. Control thread; nothing allocates after construction.
 class Parts {
  public:
   enum class Mode { magazine, asleep, awake, held, taken };
@@ -25,12 +25,12 @@ class Parts {
     Pose pose;
     std::array<double, 6>
         velocity{};        ///< of the free joint: linear in the world, angular in the part, m/s and rad/s
-    double speed = 0;      ///< of its fastest point, about
+    double speed = 0;      ///< approximate speed of its fastest point
     double still_for = 0;  ///< s
-    double radius = 0;     ///< of the sphere around it
+    double radius = 0;     ///< of its bounding sphere
     int robot = -1;        ///< that holds it
     Pose grasp;            ///< T_tool_part while held by a cup
-    int mover = -1;        ///< that it rests on
+    int mover = -1;        ///< that supports it
     int slot = -1;
     bool entered = false;
     bool wake_asked = false;
@@ -54,13 +54,13 @@ class Parts {
   void take_away(std::size_t i) noexcept;
   void hold(std::size_t i, int robot, const Pose& grasp) noexcept;
   void let_go(std::size_t i) noexcept;
-  /// Wakes what lies on or against part `i`, because that is moving now.
+  /// Wakes the parts on or beside part `i`, because it now moves.
   void wake_neighbours(std::size_t i) noexcept;
 
-  /// Reads the free bodies of `view` back after a step; counts how long each has been still.
+  /// Reads the free bodies of `view` after a step, and counts how long each has been at rest.
   void pull(const ModelView& view, double timestep) noexcept;
-  /// Sets slots, twins and held bodies of the model to what the parts are now. Does nothing unless something
-  /// changed.
+  /// Writes the present states of the parts to slots, twins and held bodies of the model. No effect if
+  /// nothing changed.
   bool changed() const noexcept { return changed_; }
   void lay_out(const ModelSet& models, ModelView& view) noexcept;
   void place_twin(const ModelView& view, std::size_t i) const noexcept;

@@ -15,46 +15,50 @@ constexpr std::uint8_t kMode1 = 0x00, kMode2 = 0x01, kLed0 = 0x06, kAllOffHigh =
 constexpr std::uint8_t kRestart = 0x80, kExternalClock = 0x40, kAutoIncrement = 0x20, kSleep = 0x10;
 // MODE2: both transistors of an output drive it; outputs change at STOP.
 constexpr std::uint8_t kTotemPole = 0x04;
-// Bit 4 of a high byte: the output is on, or off, all the time. Off goes before on.
+// Bit 4 of a high byte: the output is permanently on, or off. Off has priority.
 constexpr std::uint8_t kFull = 0x10;
-constexpr int kTicks = 4096;  ///< counts of one pulse period; a duty of 4096 is "on all the time"
-constexpr double kOscillator = 25'000'000;  ///< Hz, the one inside
-constexpr int kSmallestPrescale = 3;        ///< hardware takes no less
+constexpr int kTicks = 4096;                ///< counts of one pulse period; a duty of 4096 is permanently on
+constexpr double kOscillator = 25'000'000;  ///< Hz, internal oscillator
+constexpr int kSmallestPrescale = 3;        ///< lower limit of the hardware
 }  // namespace pca9685
 
-/// The prescaler for a pulse frequency in Hz; nothing where the chip cannot make it (about 24 to 1743 Hz).
+/// The prescaler for a pulse frequency in Hz; empty if the chip cannot generate it (it can from about 24 to
+/// 1743 Hz).
 std::optional<std::uint8_t> prescale_for(double frequency);
-/// What a prescaler makes, Hz.
+/// The frequency of a prescaler, Hz.
 double frequency_of(std::uint8_t prescale);
 
-/// What failed, at which register.
+/// The failed step and its register.
 struct ChipFailure {
   enum class Step : std::uint8_t { none, identify, off, start, verify, drive, check };
   Step step = Step::none;
   std::uint8_t where = 0;  ///< register
-  std::uint8_t value = 0;  ///< what was read, where `error` is 0
-  int error = 0;           ///< errno of the bus; 0: the chip answered, but not what it should
+  std::uint8_t value = 0;  ///< the value read, if `error` is 0
+  int error = 0;           ///< errno of the bus; 0: the chip answered, but with a wrong value
   explicit operator bool() const noexcept { return step != Step::none; }
 };
 
-/// Speaks to the chip. No call but start() waits for anything but the bus; none throws or allocates.
+/// Controls the chip. Only start() waits for more than the bus; nothing throws or allocates. One thread at a
+/// time.
 class Pca9685 {
  public:
   explicit Pca9685(I2cBus& bus) : bus_(bus) {}
 
-  /// Reads only: is what answers such a chip?
+  /// Reads only: checks that the device behaves like this chip.
   ChipFailure identify() noexcept;
-  /// Every output off, from the end of the running pulse on: one transaction, whatever the chip did.
+  /// Switches every output off at the end of the running pulse, in one transaction and from any state.
   ChipFailure off() noexcept;
-  /// All off, then asleep (only then the prescaler can be set), prescaler, output stage, awake, and 5 ms for
-  /// the oscillator (it needs 0.5 ms). The old pulses do not start again. Reads back what it set.
+  /// Switches all outputs off, then: sleep (the prescaler can only be set in sleep), prescaler, output stage,
+  /// wake up, and 5 ms for the oscillator (it needs 0.5 ms). The old pulses do not restart. Verifies the
+  /// settings by reading them back.
   ChipFailure start(std::uint8_t prescale) noexcept;
-  /// One channel, 0 to 15: 0 is off, kTicks is on.
+  /// Sets one channel, 0 to 15: 0 is off, kTicks is on.
   ChipFailure set(int channel, int ticks) noexcept;
-  /// Is the chip as start() left it? It is not after a loss of power, or when somebody sent it to sleep.
+  /// Checks that the chip still has the settings of start(). It loses them without power, or if another
+  /// master puts it to sleep.
   ChipFailure check() noexcept;
-  /// The oscillator stops, and outputs keep their level whatever is written. Call when all are off, and a
-  /// pulse period has passed since.
+  /// Stops the oscillator; outputs then keep their level. Call it when all outputs are off and one pulse
+  /// period has passed.
   ChipFailure sleep() noexcept;
 
  private:

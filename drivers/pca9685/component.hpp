@@ -1,4 +1,5 @@
 #pragma once
+/// Driver for DC motors on a PCA9685 board. rad, rad/s, s.
 #include <atomic>
 #include <memory>
 #include <mutex>
@@ -12,20 +13,20 @@
 
 namespace polyarm::drivers {
 
-/// What the component finds outside; tests put a chip of their own there.
+/// The environment of the component; tests replace it by a simulated chip.
 struct BoardEnvironment {
   BusOpener open;
-  std::string watchdog;  ///< the program
+  std::string watchdog;  ///< path of the program
 };
 BoardEnvironment real_board();
 
-/// Direct-current motors on a board with a PCA9685 (Adafruit's motor HAT and FeatherWing, the JetBot): one
-/// velocity command for each wheel, rad/s. There is no encoder: the velocity state is what is commanded,
-/// after dead band and clamp, and the position state is its integral over the cycles; neither is measured.
+/// DC motors on a board with a PCA9685 (Adafruit's motor HAT and FeatherWing, the JetBot): one velocity
+/// command for each wheel, rad/s. There is no encoder: the velocity state is the command after dead band and
+/// clamp, and the position state is its integral over the cycles; neither is measured.
 ///
 /// Motors are off after on_configure, on_activate, on_deactivate, on_error, on_shutdown and destruction, and
-/// whenever a wheel has no command (NaN). When this process dies or stands still, the watchdog's process
-/// turns them off. After any failure nothing is driven until on_activate.
+/// while a wheel has no command (NaN). If this process dies or hangs, the watchdog process turns them off.
+/// After any failure nothing moves until on_activate.
 ///
 /// Reads and writes wait for the bus. The on_… calls may come from another thread than read and write.
 class Pca9685Component : public hardware::Component {
@@ -58,7 +59,7 @@ class Pca9685Component : public hardware::Component {
   int watchdog_process() const noexcept { return watchdog_.process(); }
 
  private:
-  /// Why it failed last, in one word of 64 bits, so that another thread may read it at any time.
+  /// The last failure, packed into 64 bits so that another thread can read it at any time.
   enum class Trouble : std::uint8_t { none, lock, bus, chip, watchdog, command };
   struct Motor {
     MotorDrive applied;
@@ -83,7 +84,7 @@ class Pca9685Component : public hardware::Component {
   BoardEnvironment environment_;
   std::string name_, lock_refusal_;
   BoardSettings settings_;
-  std::mutex mutex_;  // of all below
+  std::mutex mutex_;  // guards everything below
   hardware::DeviceLock lock_;
   std::unique_ptr<I2cBus> bus_;
   std::unique_ptr<Pca9685> chip_;

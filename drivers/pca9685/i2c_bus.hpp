@@ -1,5 +1,5 @@
 #pragma once
-/// One device on an I2C bus.
+/// Access to one device on an I2C bus.
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -8,29 +8,29 @@
 
 namespace polyarm::drivers {
 
-/// Whole transactions with one device; each call may wait for the bus. Any one thread at a time.
+/// Complete transactions with one device; each call may wait for the bus. Any thread, one at a time.
 class I2cBus {
  public:
   virtual ~I2cBus() = default;
-  /// START, address, `bytes`, STOP. Returns 0, or the errno of what went wrong.
+  /// START, address, `bytes`, STOP. Returns 0 or an errno.
   virtual int write(std::span<const std::uint8_t> bytes) noexcept = 0;
   /// Writes the register number, then reads from there with a repeated START. Returns 0 or an errno.
   virtual int read(std::uint8_t first_register, std::span<std::uint8_t> into) noexcept = 0;
 };
 
-/// What failed while a bus was opened.
+/// The failed step of opening a bus.
 struct BusFailure {
   enum class Step : std::uint8_t { none, open, functions, not_plain, address };
   Step step = Step::none;
   int error = 0;  ///< errno
 };
 
-/// Opens the device at a 7-bit address; null with `failure` filled in where that does not work. Nothing is
-/// sent on the bus.
+/// Opens the device at a 7-bit address; null, with `failure` filled in, if that fails. Sends nothing on the
+/// bus.
 using BusOpener = std::function<std::unique_ptr<I2cBus>(const std::string& path, std::uint8_t address,
                                                         BusFailure& failure)>;
 
-/// What the kernel is asked for; a test gives a kernel of its own.
+/// The system calls; a test replaces them.
 struct BusCalls {
   int (*open)(const char* path, int flags);
   int (*ioctl)(int file, unsigned long request, void* argument);
@@ -38,7 +38,7 @@ struct BusCalls {
 };
 BusCalls linux_calls();
 
-/// A bus of Linux, /dev/i2c-N.
+/// A Linux bus, /dev/i2c-N.
 std::unique_ptr<I2cBus> open_linux_bus(const std::string& path, std::uint8_t address, BusFailure& failure,
                                        const BusCalls& calls = linux_calls());
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What a description says about a board.
+/// The settings of a board, from the robot's description.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -10,19 +10,19 @@
 namespace polyarm::drivers {
 
 struct Wheel {
-  std::string joint;  ///< as the description calls it
+  std::string joint;  ///< its name in the description
   MotorSettings motor;
 };
 
 struct BoardSettings {
   std::string bus = "/dev/i2c-1";
   std::uint8_t address = 0x60;
-  double frequency = 1600;  ///< Hz, as asked for
+  double frequency = 1600;  ///< Hz, as requested
   std::uint8_t prescale = 3;
   int watchdog_ms = 0;
   double period = 0;  ///< s, between two writes
   std::vector<Wheel> wheels;
-  // The interfaces, each with its wheel.
+  // The interfaces of all wheels.
   std::vector<hardware::InterfaceDescription> states, commands;
   struct State {
     std::size_t wheel;
@@ -32,10 +32,10 @@ struct BoardSettings {
   std::vector<std::size_t> wheel_of_command;
 };
 
-/// The parameters: the table that read_settings() reads by.
+/// The table of parameters that read_settings() uses.
 const hardware::DriverFacts& board_facts();
 
-/// Throws Error with every parameter that is wrong.
+/// Throws Error with all wrong parameters.
 BoardSettings read_settings(const hardware::ComponentContext& context);
 
 }  // namespace polyarm::drivers

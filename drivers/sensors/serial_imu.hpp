@@ -1,4 +1,5 @@
 #pragma once
+/// Driver for serial inertial sensors with the WIT standard protocol.
 #include <array>
 
 #include "drivers/sensors/serial_sensor.hpp"
@@ -6,9 +7,9 @@
 
 namespace polyarm::sensors {
 
-/// An inertial sensor on a serial port that speaks the WIT standard protocol. States as the IMU broadcaster
-/// expects them: orientation of the sensor in its world (quaternion), angular velocity in rad/s and linear
-/// acceleration in m/s² in the sensor's axes (at rest, gravity shows as +9.8 m/s² upwards); and temperature
+/// An inertial sensor on a serial port with the WIT standard protocol. States as the IMU broadcaster expects
+/// them: orientation of the sensor in its world (quaternion), angular velocity in rad/s and linear
+/// acceleration in m/s² in the sensor's axes (at rest, gravity appears as +9.8 m/s² upwards); and temperature
 /// in °C, frames, bad_frames, lost_bytes.
 class SerialImu : public SerialSensor {
  public:
@@ -36,7 +37,7 @@ class SerialImu : public SerialSensor {
   bool configure_ = false, quaternions_ = false;
   double rate_ = 0;
   std::array<bool, group_count> known_{}, wanted_{};
-  std::array<Nanoseconds, group_count> heard_{};  ///< when
+  std::array<Nanoseconds, group_count> heard_{};  ///< time of arrival
 };
 
 }  // namespace polyarm::sensors

@@ -1,4 +1,5 @@
 #pragma once
+/// Base class of drivers for sensors on a serial port.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -15,10 +16,10 @@ namespace polyarm::sensors {
 
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// What sensors on a serial port have in common: one sensor for each component, states only, NaN where
-/// nothing is known. on_configure opens the port and waits until the device has said what it is; on_activate
-/// opens it again where it was lost; read() takes what has arrived and never waits for more. A port that is
-/// gone is an error; a device that falls silent is none: its states become NaN, and reason() says so.
+/// Shared behaviour of sensors on a serial port: one sensor for each component, states only, NaN for unknown
+/// values. on_configure opens the port and waits until the device has identified itself; on_activate reopens
+/// a lost port; read() takes what has arrived and never waits. A lost port is an error. A silent device is no
+/// error: its states become NaN, and reason() reports it.
 class SerialSensor : public hardware::Component {
  public:
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
@@ -39,22 +40,22 @@ class SerialSensor : public hardware::Component {
 
  protected:
   using Clock = Nanoseconds (*)() noexcept;
-  /// `interfaces`: all that the device can tell, without the sensor's name; `sensor`: its name where there is
-  /// no description of it.
+  /// `interfaces`: all states of the device, without the sensor's name; `sensor`: its name without a
+  /// description.
   SerialSensor(std::span<const char* const> interfaces, const char* sensor, Clock clock);
 
-  /// Takes over the parameters beyond those that all have; problems are collected.
+  /// Reads the device's own parameters; problems are collected.
   virtual void read_parameters(hardware::DriverParameters& parameters) = 0;
-  /// Asks the device and sets it up; the port is open. Returns why it is not what was expected, "" if it is.
+  /// Identifies and sets up the device; the port is open. Returns the reason of a failure, or "".
   virtual std::string identify() = 0;
-  /// Bytes that have arrived. Real-time.
+  /// Processes bytes that have arrived. Real-time.
   virtual void take(std::span<const std::uint8_t> bytes) noexcept = 0;
-  /// What is older than the time-out becomes unknown; true if there is such. Real-time.
+  /// Sets values older than the timeout to unknown; true if there are any. Real-time.
   virtual bool expire(Nanoseconds now) noexcept = 0;
-  /// Everything becomes unknown, and what has begun to arrive is forgotten. Real-time.
+  /// Sets all values to unknown, and drops a partial message. Real-time.
   virtual void forget() noexcept = 0;
 
-  /// Takes in what arrives until `done()` or the deadline (of monotonic_now()); true if done.
+  /// Processes input until `done()` or the deadline (of monotonic_now()); true if done.
   template <typename Done>
   bool listen(Nanoseconds deadline, Done done) {
     while (!done()) {
@@ -65,9 +66,9 @@ class SerialSensor : public hardware::Component {
     }
     return true;
   }
-  /// Sends bytes; why that failed, or "".
+  /// Sends bytes; returns the reason of a failure, or "".
   std::string send(std::span<const std::uint8_t> bytes);
-  bool declared(std::size_t interface) const;  ///< is it among the states that are offered?
+  bool declared(std::size_t interface) const;  ///< True if the state is among the offered ones.
   double& value(std::size_t interface) noexcept { return values_[interface]; }
   Nanoseconds now() const noexcept { return clock_(); }
   Nanoseconds start_deadline() const noexcept { return realtime::monotonic_now() + start_timeout_; }

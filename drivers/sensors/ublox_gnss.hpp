@@ -1,4 +1,5 @@
 #pragma once
+/// Driver for u-blox satellite receivers.
 #include "drivers/sensors/serial_sensor.hpp"
 #include "drivers/sensors/ubx.hpp"
 
@@ -7,7 +8,7 @@ namespace polyarm::sensors {
 /// A u-blox satellite receiver on a serial port or its own USB. States as the GPS broadcaster expects them
 /// (status and service of NavSatStatus, latitude and longitude in degrees, altitude in m above the ellipsoid,
 /// the three covariances in m²); and velocity.east, .north and .up and speed_accuracy in m/s, satellites,
-/// fix_type, frames, bad_frames, lost_bytes. Without a fix: status -1, the rest NaN.
+/// fix_type, frames, bad_frames, lost_bytes. Without a fix: status -1, the others NaN.
 class UbloxGnss : public SerialSensor {
  public:
   explicit UbloxGnss(Clock clock = realtime::monotonic_now);
@@ -34,13 +35,13 @@ class UbloxGnss : public SerialSensor {
   UbxReader reader_;
   std::string configure_, receiver_port_;
   double rate_ = 0, service_ = 0;
-  // while it is being identified
+  // during identification
   ReceiverVersion version_;
   bool has_version_ = false, identifying_ = false;
   UbxId asked_;
   Answer answer_ = Answer::none;
-  bool fixes_ = false;     ///< a NAV-PVT has come and is not too old
-  Nanoseconds heard_ = 0;  ///< when the last one came, or waiting began
+  bool fixes_ = false;     ///< a NAV-PVT has arrived and is not too old
+  Nanoseconds heard_ = 0;  ///< time of the last one, or when waiting began
 };
 
 }  // namespace polyarm::sensors

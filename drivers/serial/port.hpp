@@ -1,5 +1,5 @@
 #pragma once
-/// A serial port: a tty of the kernel (USB adapter, UART) or a pty of a test.
+/// A serial port: a kernel tty (USB adapter, UART) or a pty in a test.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -12,19 +12,19 @@ namespace polyarm::serial {
 
 struct PortOptions {
   std::string path;         ///< "/dev/ttyUSB0", "/dev/serial/by-id/…"
-  int baud = 115200;        ///< any the adapter can do, 1000000 as well; bits/s
-  std::string holder = {};  ///< what another process is told that finds the port in use ("component arm")
-  bool low_latency = true;  ///< ask the kernel to pass bytes on at once, where it can
+  int baud = 115200;        ///< bits/s; any rate that the adapter supports, also 1000000
+  std::string holder = {};  ///< shown to another process that finds the port in use ("component arm")
+  bool low_latency = true;  ///< asks the kernel to pass bytes on immediately, if it can
 };
 
 enum class Status : std::uint8_t {
   ok,
-  timeout,  ///< the deadline passed first
-  gone,     ///< unplugged, or the far side of a pty has closed; nothing but opening it again helps
-  failed,   ///< the system refused; see Transfer::error
+  timeout,  ///< the deadline passed
+  gone,     ///< unplugged, or the far side of a pty has closed; it must be opened again
+  failed,   ///< system error; see Transfer::error
 };
 
-/// What became of a read or a write. `count` bytes are there or have gone, whatever the status.
+/// The result of a read or a write. `count` bytes were transferred, for any status.
 struct Transfer {
   Status status = Status::ok;
   std::size_t count = 0;
@@ -32,18 +32,18 @@ struct Transfer {
   explicit operator bool() const noexcept { return status == Status::ok; }
 };
 
-/// An open port, raw, 8N1, no flow control, for this process alone. One thread at a time. Deadlines are
-/// moments of realtime::monotonic_now(); one in the past means: what is there now. Reads, writes and flush
+/// An open port: raw, 8N1, no flow control, exclusive to this process. One thread at a time. Deadlines are
+/// times of realtime::monotonic_now(); a past one means: only what is available now. Reads, writes and flush
 /// neither allocate nor throw.
 class Port {
  public:
   Port() = default;
-  /// Opens and sets up; nothing is sent. Throws Error: "no-such-port" (with the ports there are),
+  /// Opens and sets up the port; sends nothing. Throws Error: "no-such-port" (with the existing ports),
   /// "port-not-permitted" (with the group to join), "device-in-use", "not-a-serial-port",
   /// "baud-not-supported", "port-failed".
   explicit Port(const PortOptions& options);
-  /// A port that another process has opened, set up and handed over; never throws, whatever it is. `lock`:
-  /// the descriptor of its DeviceLock, closed with the port; -1: none.
+  /// A port that another process has opened, set up and handed over; never throws. `lock`: the descriptor of
+  /// its DeviceLock, closed with the port; -1: none.
   static Port handed_over(int file, int lock, std::string path) noexcept;
   ~Port();
   Port(Port&& other) noexcept;
@@ -54,20 +54,20 @@ class Port {
   bool is_open() const noexcept { return file_ >= 0; }
   void close() noexcept;
   const std::string& path() const noexcept { return path_; }
-  /// What handed_over() of another process takes: the port, and its lock. Both processes then share it, and
-  /// it is free when both have closed it.
+  /// The arguments of handed_over() in another process: the port and its lock. Both processes then share the
+  /// port; it is free when both have closed it.
   std::array<int, 2> descriptors() const noexcept { return {file_, lock_.descriptor()}; }
   bool low_latency() const noexcept { return low_latency_; }
-  /// Throws Error("baud-not-supported") and leaves the rate as it was.
+  /// Throws Error("baud-not-supported") and keeps the old rate.
   void set_baud(int baud);
 
-  /// What has arrived, at least one byte, at most `into`.
+  /// Reads what has arrived, at least one byte, at most `into`.
   Transfer read(std::span<std::uint8_t> into, Nanoseconds deadline) noexcept;
-  /// All of `into`.
+  /// Fills all of `into`.
   Transfer read_exactly(std::span<std::uint8_t> into, Nanoseconds deadline) noexcept;
-  /// All of `bytes` into the kernel's buffer.
+  /// Writes all of `bytes` into the kernel's buffer.
   Transfer write(std::span<const std::uint8_t> bytes, Nanoseconds deadline) noexcept;
-  /// Drops what has arrived and was not read.
+  /// Drops unread input.
   Transfer flush() noexcept;
 
  private:
@@ -79,7 +79,7 @@ class Port {
   bool low_latency_ = false;
 };
 
-/// A sentence for an errno of a port, with what to do ("the adapter was unplugged: …").
+/// A sentence for an errno of a port, with advice ("the adapter was unplugged: …").
 std::string explain(Status status, int error);
 
 }  // namespace polyarm::serial

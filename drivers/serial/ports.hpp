@@ -1,13 +1,13 @@
 #pragma once
-/// Which serial ports a machine has.
+/// Lists the serial ports of a machine. Reads the disk.
 #include <filesystem>
 #include <string>
 #include <vector>
 
 namespace polyarm::serial {
 
-/// Ports that could have a device: names that stay (`serial/by-id/…`) first, then USB adapters and UARTs
-/// of boards that have no such name. `dev` is /dev but in tests.
+/// Ports that may have a device: permanent names (`serial/by-id/…`) first, then USB adapters and UARTs
+/// without such a name. `dev` is /dev except in tests.
 std::vector<std::string> list_ports(const std::filesystem::path& dev = "/dev");
 
 }  // namespace polyarm::serial

@@ -1,5 +1,5 @@
 #pragma once
-/// Servos on one serial line, asked by one master.
+/// Servos on one serial line with one master.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -15,25 +15,25 @@ namespace polyarm::servo_bus {
 
 enum class Outcome : std::uint8_t {
   ok,
-  lost,     ///< no whole answer in time
-  gone,     ///< the port is gone
-  failed,   ///< the system refused
+  lost,     ///< no complete answer in time
+  gone,     ///< the port is lost
+  failed,   ///< system error
   refused,  ///< the servo answered with an error
 };
 
-/// What has gone wrong on the line and was survived.
+/// Counters of line errors that were recovered.
 struct LineCounters {
   std::uint64_t lost = 0, garbage = 0, strangers = 0, echoes = 0;
 };
 
-/// What one servo sent to a sync read.
+/// The answer of one servo to a sync read.
 struct Reply {
   bool here = false;
   std::uint8_t error = 0;
 };
 
-/// The line. One thread at a time. Only open() allocates or throws; all else is bounded by the answer
-/// timeout.
+/// The serial line. One thread at a time. Only open() allocates or throws; all other calls are bounded by the
+/// answer timeout.
 class ServoBus {
  public:
   static constexpr std::size_t kMostServos = 32;
@@ -41,35 +41,35 @@ class ServoBus {
   ServoBus(const Family& family, std::unique_ptr<Protocol> protocol)
       : family_(family), protocol_(std::move(protocol)) {}
 
-  /// `answer_timeout` is what is waited beyond the time the bytes take. Throws what serial::Port throws.
+  /// `answer_timeout` is added to the transmission time. Throws as serial::Port does.
   void open(const serial::PortOptions& options, Nanoseconds answer_timeout);
-  /// A port that is open already.
+  /// Uses a port that is already open.
   void take(serial::Port port, int baud, Nanoseconds answer_timeout) noexcept;
   void close() noexcept { port_.close(); }
-  /// What a watchdog is handed, as serial::Port has it.
+  /// The descriptors for a watchdog, as in serial::Port.
   std::array<int, 2> descriptors() const noexcept { return port_.descriptors(); }
   bool is_open() const noexcept { return port_.is_open(); }
   void set_baud(int baud);
   const Family& family() const noexcept { return family_; }
   const std::string& port() const noexcept { return port_.path(); }
   const LineCounters& counters() const noexcept { return counters_; }
-  /// The adapter sends back what is sent. Known after the first answer.
+  /// True if the adapter echoes what is sent. Known after the first answer.
   bool echoes() const noexcept { return echo_ == Echo::yes; }
 
-  /// Is there a servo with this id? Also finds out whether the adapter echoes.
+  /// Checks that a servo has this id. Also detects whether the adapter echoes.
   Outcome ping(std::uint8_t id) noexcept;
   Outcome read(std::uint8_t id, std::uint16_t address, std::span<std::uint8_t> into) noexcept;
   Outcome read(std::uint8_t id, const Register& reg, std::int32_t& value) noexcept;
-  /// Waits for the servo's word. A servo may be set to give none on writes: then this is `lost`.
+  /// Waits for the servo's answer. A servo may be configured not to answer writes: the result is then `lost`.
   Outcome write(std::uint8_t id, const Register& reg, std::int32_t value) noexcept;
-  /// Writes until what is read back is what was written, three times at most.
+  /// Writes until the value read back is equal, at most three times.
   Outcome write_checked(std::uint8_t id, const Register& reg, std::int32_t value) noexcept;
   Outcome reboot(std::uint8_t id) noexcept;
-  /// The same `length` bytes of each servo to `into`, one after the other. `ok` when the line works, whoever
-  /// answered; replies say who did.
+  /// Reads the same `length` bytes of each servo into `into`, one after the other. `ok` if the line works,
+  /// regardless of missing answers; `replies` show who answered.
   Outcome sync_read(std::span<const std::uint8_t> ids, std::uint16_t address, std::uint16_t length,
                     std::span<std::uint8_t> into, std::span<Reply> replies, bool fast = false) noexcept;
-  /// One register of several servos; nobody answers.
+  /// Writes one register of several servos; they do not answer.
   Outcome sync_write(std::span<const std::uint8_t> ids, const Register& reg,
                      std::span<const std::int32_t> values) noexcept;
 

@@ -1,6 +1,6 @@
 #pragma once
-/// From servos out of the box to an arm that can be driven: who is there, ids, ranges, zero; and the way
-/// back.
+/// Commissions an arm from new servos: finds them, sets ids, ranges and zero; and restores backups. Blocks;
+/// not for the control thread.
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -13,12 +13,12 @@
 
 namespace polyarm::servo_bus {
 
-/// Whoever sits before the arm.
+/// The operator's console.
 class Dialogue {
  public:
   virtual ~Dialogue() = default;
   virtual void say(const std::string& text) = 0;
-  /// The answer, without its end of line. `meanwhile` is called again and again until it comes.
+  /// Returns the answer without its line end. Calls `meanwhile` repeatedly until it arrives.
   virtual std::string ask(const std::string& question, const std::function<void()>& meanwhile = {}) = 0;
 };
 
@@ -27,7 +27,7 @@ struct FoundServo {
   double voltage = 0, temperature = 0;
 };
 
-/// What the calibration file says of a joint; see setup.hpp.
+/// The entry of a joint in the calibration file; see setup.hpp.
 struct JointCalibration {
   int id = -1;
   std::optional<int> model, zero, min, max, direction;
@@ -37,32 +37,34 @@ using Calibration = std::map<std::string, JointCalibration>;
 struct CommissioningOptions {
   std::vector<std::string> joints;  ///< in the order of their ids, from 1
   std::filesystem::path calibration, backup;
-  std::string port;  ///< empty: looked for
-  int baud = 0;      ///< 0: all the family has are tried
+  std::string port;  ///< empty: searched
+  int baud = 0;      ///< 0: all rates of the family are tried
   int highest_id = 0;
   Nanoseconds answer_timeout = 5'000'000;
 };
 
-/// One run of `polyarm setup`. Every step can be done again; what is done already is found in the calibration
-/// file and on the bus, and left as it is. Throws Error where it cannot go on.
+/// One run of `polyarm setup`. Every step can be repeated; completed steps are recognised from the
+/// calibration file and the bus, and are kept. Throws Error if it cannot continue.
 class Commissioning {
  public:
   Commissioning(const Family& family, std::function<std::unique_ptr<Protocol>()> protocol,
                 CommissioningOptions options, Dialogue& dialogue);
 
-  /// Opens the port with servos on it. Moves nothing.
+  /// Opens the port that has servos. Moves nothing.
   std::vector<FoundServo> find();
-  /// Gives each joint its id, one servo plugged in at a time.
+  /// Assigns an id to each joint, with one servo plugged in at a time.
   void assign_ids();
-  /// All joints there, of one model and firmware, at a good voltage; says what is not. True when all is well.
+  /// Checks that all joints answer, have the same model and firmware and a good voltage; reports faults. True
+  /// if there are none.
   bool check();
-  /// Writes the lasting registers of all joints to the backup file; one that is there already is kept, and
-  /// the new one gets a number behind its name.
+  /// Writes the persistent registers of all joints to the backup file. An existing file is kept; the new one
+  /// gets a number in its name.
   std::filesystem::path back_up();
-  /// Torque off (after a yes), ranges by moving the joints by hand, then zero; writes limits and, where a
-  /// range crosses the end of the count, homing into the servos, and the calibration file.
+  /// Switches torque off (after confirmation), records ranges while the user moves the joints by hand, then
+  /// zero. Writes limits (and homing, if a range crosses the end of the count) into the servos, and the
+  /// calibration file.
   void calibrate();
-  /// Writes a backup back. Returns how many registers were different.
+  /// Restores a backup. Returns the number of registers that differed.
   int restore(const std::filesystem::path& file);
 
  private:

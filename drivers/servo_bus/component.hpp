@@ -1,5 +1,5 @@
 #pragma once
-/// Joints driven by servos on a serial line, of whatever family.
+/// Joints driven by servos on a serial line, for any family.
 #include <array>
 #include <atomic>
 #include <memory>
@@ -15,19 +15,19 @@
 
 namespace polyarm::servo_bus {
 
-/// States for each joint, as declared: position (rad), velocity (rad/s), effort (share of full load, or A,
+/// States of each joint, as declared: position (rad), velocity (rad/s), effort (fraction of full load, or A,
 /// times `effort_scale`), current (A), temperature (°C), voltage (V). One command for each: position,
 /// velocity or current, by its mode.
 ///
-/// Activation takes over from where the joints stand: goal = measured, then torque on. Deactivation stops and
-/// holds: torque stays on. Torque goes off only at the shutdown, only with `torque_off: on_shutdown`, and
-/// slowly. After an error the joints are told to hold where they are, as far as they can be reached.
+/// Activation starts from the present positions: goal = measured, then torque on. Deactivation stops and
+/// holds: torque stays on. Torque goes off only at shutdown, only with `torque_off: on_shutdown`, and slowly.
+/// After an error the joints are commanded to hold their positions, as far as they can be reached.
 ///
-/// Where joints turn for ever without a master, and wherever `watchdog: on` is given, a process stops them
-/// when this one dies or stands still. After a standstill nothing is sent until on_activate.
+/// If joints would keep turning without a master, and wherever `watchdog: on` is set, a separate process
+/// stops them when this one dies or hangs. After a hang nothing is sent until on_activate.
 class ServoComponent : public hardware::Component {
  public:
-  /// `watchdog`: the program.
+  /// `watchdog`: the path of the program.
   ServoComponent(const Family& family, std::unique_ptr<Protocol> protocol,
                  std::string watchdog = watchdog::find_program(kServoWatchdog))
       : family_(family), bus_(family, std::move(protocol)), program_(std::move(watchdog)) {}
@@ -64,7 +64,7 @@ class ServoComponent : public hardware::Component {
     std::size_t joint;
     Quantity quantity;
   };
-  /// What is known of a joint's servo.
+  /// The data of a joint's servo.
   struct Servo {
     int model = 0, firmware = 0;
     int min = 0, max = 0;        ///< steps
@@ -74,11 +74,11 @@ class ServoComponent : public hardware::Component {
     double min_voltage = 0, max_voltage = 0;
     double stall_effort = 0;
     int soft_limit = 0;  ///< as found or set at activation
-    // measured
+    // measured values
     int steps = 0;
     std::array<double, 6> values{};
     unsigned status = 0;
-    // the cycle's
+    // of the present cycle
     int lost = 0;
     int goal = 0;
     double stalled_for = 0;
@@ -118,7 +118,7 @@ class ServoComponent : public hardware::Component {
   hardware::CallbackReturn refuse(const Problems& problems);
 
   const Family& family_;
-  std::mutex mutex_;  // of the bus and what is known of its servos
+  std::mutex mutex_;  // guards the bus and the data of its servos
   ServoBus bus_;
   std::string name_;
   BusSetup setup_;
@@ -131,7 +131,7 @@ class ServoComponent : public hardware::Component {
   std::string program_;
   watchdog::Link watchdog_;
   bool held_ = true;                     ///< after the last hold(): all joints have confirmed it
-  Nanoseconds last_written_ = 0;         ///< of monotonic_now(); 0: not yet
+  Nanoseconds last_written_ = 0;         ///< of monotonic_now(); 0: never
   std::string refusal_;                  ///< of the last callback
   std::atomic<std::uint64_t> fault_{0};  ///< kind, detail, joints
 };

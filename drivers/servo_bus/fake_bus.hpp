@@ -1,7 +1,7 @@
 #pragma once
-/// The far side: servos with register tables behind a pty, byte for byte as a bus would answer. For tests,
-/// and for whoever wants to try an arm without one. It has its own reading of the wires, so that a fault of
-/// the driver's does not meet the same fault here.
+/// A simulated far side: servos with register tables behind a pty, with answers identical to a real bus. For
+/// tests, and for trying an arm without hardware. It implements the protocols independently, so that a fault
+/// of the driver does not cancel out.
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -22,29 +22,29 @@ namespace polyarm::servo_bus {
 
 enum class Wire { feetech, dynamixel };
 
-/// How the line misbehaves. `next_…` count down with each answer.
+/// Line faults. `next_…` count down with each answer.
 struct Mischief {
-  bool echo = false;                  ///< the adapter sends back what it gets
+  bool echo = false;                  ///< the adapter echoes its input
   std::vector<std::uint8_t> garbage;  ///< before each answer
   std::set<int> silent;               ///< these servos do not answer
-  int next_lose_byte = 0;             ///< so many answers lack a byte in their middle
-  int next_extra_byte = 0;            ///< so many answers have a byte too many in their middle
-  int next_wrong_checksum = 0;        ///< so many answers end with a wrong checksum
-  int next_wrong_id = 0;              ///< so many answers come from id + 100
-  int next_late = 0;                  ///< so many answers come after the next instruction only
-  int next_pieces = 0;                ///< so many answers come byte by byte
+  int next_lose_byte = 0;             ///< number of answers that lack a byte in the middle
+  int next_extra_byte = 0;            ///< number of answers with an additional byte in the middle
+  int next_wrong_checksum = 0;        ///< number of answers with a wrong checksum
+  int next_wrong_id = 0;              ///< number of answers from id + 100
+  int next_late = 0;                  ///< number of answers that come only after the next instruction
+  int next_pieces = 0;                ///< number of answers that come byte by byte
 };
 
-/// Bytes that have passed, each way.
+/// Number of bytes in each direction.
 struct Traffic {
   std::uint64_t instructions = 0, answers = 0;
 };
 
-/// Servos on a pty, served by a thread. Servos move towards their goals by `step` with each instruction that
-/// the bus takes, so that what happens depends on the traffic, not on the clock.
+/// Servos on a pty, served by a thread. Servos move towards their goals by `step` with each instruction on
+/// the bus, so the result depends on the traffic, not on the clock.
 class FakeBus {
  public:
-  /// `link`: a path that shall lead to the pty; may be empty. Throws Error("fake-failed").
+  /// `link`: a path to link to the pty; may be empty. Throws Error("fake-failed").
   FakeBus(Wire wire, std::vector<int> ids, const std::string& link = {});
   ~FakeBus();
   FakeBus(const FakeBus&) = delete;
@@ -53,34 +53,34 @@ class FakeBus {
   const std::string& path() const { return path_; }
   void set(int id, const Register& reg, std::int32_t value);
   std::int32_t get(int id, const Register& reg);
-  /// Waits until the register is so, as far as traffic and the servos' watchdogs change it; false after a
+  /// Waits until `is` accepts the register, changed by traffic or the servos' watchdogs; false after a
   /// minute.
   bool wait(int id, const Register& reg, const std::function<bool(std::int32_t)>& is);
-  /// Waits for so many instructions in all; false after a minute.
+  /// Waits for this total number of instructions; false after a minute.
   bool wait_for_instructions(std::uint64_t count);
-  /// Every value that was written to the register of that servo, in order.
+  /// Every value written to the register of that servo, in order.
   std::vector<std::int32_t> written(int id, const Register& reg);
   void mischief(const Mischief& what);
-  /// As a hand would turn it, torque or not.
+  /// Moves the servo as by hand, with or without torque.
   void move_by_hand(int id, std::int32_t position) { set(id, family_.present_position, position); }
-  /// Called with the number of each instruction that was taken, on the bus's thread.
+  /// Calls `call` with the number of each accepted instruction, on the bus's thread.
   void on_instruction(std::function<void(std::uint64_t)> call);
   void set_step(int step);
-  /// A servo pressed against something: it stays where it is, at full load.
+  /// Blocks a servo: it stays in place at full load.
   void block(int id, bool blocked);
-  /// From now on the line takes its time: 10 bits for each byte, one frame after the other, and
-  /// `return_delay` before each answer. 0: no time, as at first.
+  /// Simulates transmission times: 10 bits per byte, one frame after the other, and `return_delay` before
+  /// each answer. 0: no delay, the default.
   void set_bit_rate(int bits_per_second, Nanoseconds return_delay);
   Traffic traffic() const { return {bytes_in_, bytes_out_}; }
-  /// The last instructions, whole frames; at most 4096.
+  /// The last instructions as complete frames; at most 4096.
   std::vector<std::vector<std::uint8_t>> heard();
-  /// The wires between adapter and servos are cut, or joined again: the port stays, and while they are cut
-  /// neither side hears the other.
+  /// Cuts the line between adapter and servos, or restores it: the port stays, and neither side receives
+  /// anything meanwhile.
   void cut_off(bool cut = true);
-  /// The adapter is pulled.
+  /// Unplugs the adapter.
   void hang_up();
   std::uint64_t instructions() const { return instructions_; }
-  /// Plugs servos in and out.
+  /// Connects and disconnects servos.
   void plug_in(int id);
   void unplug(int id);
   std::vector<int> ids();

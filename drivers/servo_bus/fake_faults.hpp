@@ -1,5 +1,5 @@
 #pragma once
-/// Faults on purpose on the wire of a fake arm: what goes wrong, and from which exchange on.
+/// Fault injection on the wire of a simulated arm: which fault, and from which exchange on.
 #include <cstdint>
 #include <map>
 #include <string>
@@ -25,10 +25,10 @@ namespace polyarm::servo_bus {
 /// Without a joint, the first one is meant. Exchanges count from the component's activation.
 class FakeFaults {
  public:
-  /// Throws Error("bad-value") with what can be written.
+  /// Throws Error("bad-value") with the valid forms.
   void parse(const std::string& text, const std::vector<JointSetup>& joints);
   void begin() { exchange_ = 0; }  ///< exchanges count from here
-  /// Before each exchange; `position`: register of where a servo stands.
+  /// Call it before each exchange; `position`: the register of a servo's position.
   void next(FakeBus& bus, const Register& position);
 
  private:
@@ -38,7 +38,7 @@ class FakeFaults {
     std::uint64_t at = 0;
     double value = 0;
     int id = 0;        ///< of the servo
-    double steps = 0;  ///< of the servo, for a rad of the joint
+    double steps = 0;  ///< of the servo, per rad of the joint
   };
   void begin(const Entry& entry, FakeBus& bus, const Register& position);
   static bool ends(const Entry& entry, std::uint64_t now);

@@ -1,6 +1,6 @@
 #pragma once
-/// A driver with its own far side: `hardware: feetech_fake` drives an arm that is not there, over the real
-/// wire.
+/// A driver with its own simulated far side: `hardware: feetech_fake` drives a simulated arm over the real
+/// protocol.
 #include <memory>
 
 #include "drivers/dynamixel/family.hpp"
@@ -11,9 +11,9 @@
 
 namespace polyarm::servo_bus {
 
-/// `Real` is the component of a driver. Its parameters hold, but `port` and `calibration`: the servos are
-/// here, their zero is in the middle, and they stand where the robot starts. `wire_faults` says what goes
-/// wrong on the wire, see FakeFaults.
+/// `Real` is the component of a driver. Its parameters apply, except `port` and `calibration`: the servos are
+/// simulated, their zero is in the middle, and they start at the robot's start position. `wire_faults`
+/// injects faults on the wire, see FakeFaults.
 template <typename Real, Wire wire>
 class FakeServos : public Real {
  public:
@@ -23,7 +23,7 @@ class FakeServos : public Real {
     own.parameters.erase("calibration");
     own.parameters.erase("wire_faults");
     own.parameters.try_emplace("watchdog", "off");           // the servos end with the process
-    own.parameters.try_emplace("answer_timeout_ms", "200");  // a thread answers, not a chip
+    own.parameters.try_emplace("answer_timeout_ms", "200");  // a thread answers instead of a chip
     const hardware::CallbackReturn done = Real::on_init(own);
     std::vector<int> ids;
     for (const JointSetup& joint : this->setup().joints) ids.push_back(joint.id);

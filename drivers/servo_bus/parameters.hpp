@@ -1,6 +1,6 @@
 #pragma once
-/// The parameters of a servo bus and its joints: one table, which the reader of settings and the lists of
-/// `polyarm drivers` share.
+/// The parameters of a servo bus and its joints: one table for the reader of settings and the lists of
+/// `polyarm drivers`.
 #include <string_view>
 
 #include "drivers/servo_bus/registers.hpp"
@@ -8,7 +8,7 @@
 
 namespace polyarm::servo_bus {
 
-/// Those of a joint are called "JOINT.id".
+/// Parameters of a joint have names such as "JOINT.id".
 inline constexpr std::string_view kOfJoint = "JOINT.";
 
 const hardware::DriverFacts& facts_of(const Family& family);

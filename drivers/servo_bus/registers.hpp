@@ -1,5 +1,5 @@
 #pragma once
-/// Where a family of servos keeps what, and in which units.
+/// The register map and units of a servo family. Const: any thread.
 #include <cstdint>
 #include <span>
 #include <string>
@@ -11,7 +11,7 @@ namespace polyarm::servo_bus {
 
 enum class Sign : std::uint8_t { none, twos_complement, magnitude };
 
-/// A number in a servo's table, low byte first. Size 0: this family has no such thing.
+/// A number in a servo's table, low byte first. Size 0: the family does not have it.
 struct Register {
   std::uint16_t address = 0;
   std::uint8_t size = 0;
@@ -30,31 +30,31 @@ struct NamedRegister {
 struct Model {
   int number;
   const char* name;
-  double current_unit;  ///< A for each count; 0: it reports its load in the place of a current
+  double current_unit;  ///< A per count; 0: it reports its load instead of a current
 };
 
 /// One family ("feetech", "dynamixel").
 struct Family {
   const char* name;
   int default_baud;
-  std::vector<int> bauds;  ///< by the value of the baud register
+  std::vector<int> bauds;  ///< indexed by the value of the baud register
   int highest_id;
   std::vector<Model> models;
   int steps_per_turn;
-  double velocity_unit, voltage_unit;              ///< rad/s, V for each count
-  double load_unit;                                ///< share of full load for each count
+  double velocity_unit, voltage_unit;              ///< rad/s, V per count
+  double load_unit;                                ///< fraction of full load per count
   int mode_position, mode_velocity, mode_current;  ///< -1: no such mode
   double homing_sign;                              ///< measured = raw + homing_sign × homing
-  int homing_limit;                                ///< largest homing, either way
-  double soft_limit_full;                          ///< value of soft_limit that means full torque
+  int homing_limit;                                ///< largest homing in either direction
+  double soft_limit_full;                          ///< value of soft_limit for full torque
 
   Register model, firmware, id, baud, min_limit, max_limit, max_temperature, max_voltage, min_voltage, homing,
       mode, phase, lock;
   Register torque, goal_position, goal_velocity, goal_current, soft_limit, watchdog, status;
-  std::uint16_t present_address, present_length;  ///< one block with all that is measured
+  std::uint16_t present_address, present_length;  ///< one block with all measured values
   Register present_position, present_velocity, present_load, present_current, present_voltage,
       present_temperature, present_status;
-  std::vector<NamedRegister> lasting;  ///< that survive power-off, for backups; the id is not among them
+  std::vector<NamedRegister> lasting;  ///< persistent registers, for backups; without the id
 
   /// Names of the bits of a status or hardware error byte.
   const char* status_bit[8];

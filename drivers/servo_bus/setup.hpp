@@ -1,5 +1,5 @@
 #pragma once
-/// What a user says about a bus and its joints: parameters of the component, of its joints, and a
+/// The user's settings for a bus and its joints: parameters of the component, of its joints, and a
 /// calibration.
 #include <map>
 #include <optional>
@@ -20,17 +20,17 @@ struct JointSetup {
   std::string name;       ///< "elbow_flex"
   std::uint8_t id = 0;
   Mode mode = Mode::position;
-  int direction = 1;            ///< 1, or -1 where the joint turns against the servo
-  double offset = 0;            ///< rad, angle of the joint where the servo shows `zero`
+  int direction = 1;            ///< 1, or -1 if the joint turns against the servo
+  double offset = 0;            ///< rad, angle of the joint when the servo shows `zero`
   int zero = 0;                 ///< steps
-  std::optional<int> min, max;  ///< steps; else the servo's own limits
-  std::optional<int> model;     ///< its number; else any of the family
+  std::optional<int> min, max;  ///< steps; empty: the servo's own limits
+  std::optional<int> model;     ///< its number; empty: any of the family
   bool any_model = false;
-  std::optional<double> torque_limit;     ///< share; else what the servo is set to
-  std::optional<double> max_temperature;  ///< °C; else the servo's own limit
-  double effort_scale = 1;                ///< N·m for full load, or for each ampere
+  std::optional<double> torque_limit;     ///< fraction; empty: the servo's setting
+  std::optional<double> max_temperature;  ///< °C; empty: the servo's own limit
+  double effort_scale = 1;                ///< N·m at full load, or per ampere
   std::optional<double> stall_effort;     ///< in the units of the effort
-  double stall_time = 2;                  ///< s; 0: not watched
+  double stall_time = 2;                  ///< s; 0: disabled
   std::vector<std::string> states;        ///< "position", "temperature", …
 };
 
@@ -42,15 +42,15 @@ struct BusSetup {
   bool lowers_on_shutdown = false;
   Nanoseconds release_time = 0;
   bool fast_sync_read = false;
-  int bus_watchdog_ms = 0;   ///< of the servos themselves; 0: none
-  bool watched = false;      ///< a watchdog process shall stop the joints
-  bool all_watched = false;  ///< those in position as well
+  int bus_watchdog_ms = 0;   ///< of the servos themselves; 0: disabled
+  bool watched = false;      ///< a watchdog process stops the joints
+  bool all_watched = false;  ///< including joints in position mode
   int watchdog_ms = 0;       ///< of that process
   double period = 0;         ///< s, between two writes
   std::vector<JointSetup> joints;
 };
 
-/// Throws Error with every parameter that is missing, unknown or wrong.
+/// Throws Error with all missing, unknown or wrong parameters.
 BusSetup read_setup(const hardware::ComponentContext& context, const Family& family);
 
 }  // namespace polyarm::servo_bus

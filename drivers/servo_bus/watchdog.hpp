@@ -1,5 +1,5 @@
 #pragma once
-/// What the watchdog (drivers/watchdog) does to a bus: most servos keep their last speed for ever.
+/// The watchdog's action for a servo bus (drivers/watchdog). Most servos keep their last speed indefinitely.
 #include <string>
 #include <vector>
 
@@ -10,19 +10,19 @@ namespace polyarm::servo_bus {
 inline constexpr const char* kServoWatchdog = "polyarm_servo_watchdog";
 
 struct WatchdogSettings {
-  std::string family = {}, port = {};  ///< the port is open already; its name is for whoever lists processes
+  std::string family = {}, port = {};  ///< the port is already open; its name only appears in process lists
   int baud = 0, answer_ms = 0;
   int timeout_ms = 0;  ///< without a heartbeat
   int give_up_ms = 60'000;
   std::vector<StandingJoint> joints = {};
 };
 
-/// The words after the program's name, and back; false where they are not such words.
+/// Converts the settings to command-line words and back; false for invalid words.
 std::vector<std::string> words_of(const WatchdogSettings& settings);
 bool settings_from(int argc, char** argv, WatchdogSettings& settings);
 
-/// Joints are made to stand until they confirm it or the port is gone. Port and lock are descriptors
-/// `socket` + 1 and + 2. Returns the exit code of the process.
+/// Stops the joints until they confirm it or the port is lost. Port and lock are descriptors `socket` + 1 and
+/// + 2. Returns the exit code of the process.
 int watch(const WatchdogSettings& settings, int socket, const Family& family,
           std::unique_ptr<Protocol> protocol);
 

@@ -1,7 +1,7 @@
 #pragma once
-/// The process that makes a device safe when the one that drives it stands still or is gone. No handler
-/// within the driving process is enough: SIGKILL and SIGSTOP leave it no moment. This process has the device
-/// and one end of a socket, nothing else; how the device is made safe is the driver's to say.
+/// The process that makes a device safe when the driving process hangs or has died. A handler within the
+/// driving process does not suffice, because SIGKILL and SIGSTOP leave it no time. This process has the
+/// device and one end of a socket, nothing else; the driver defines how the device is made safe.
 #include <charconv>
 #include <cstring>
 #include <functional>
@@ -10,56 +10,56 @@ namespace polyarm::watchdog {
 
 /// Messages on the socket (SOCK_SEQPACKET), one byte each; `ready` is followed by the process id.
 enum class Word : char {
-  arm = 'A',        ///< from now on heartbeats are expected
+  arm = 'A',        ///< heartbeats are expected from now on
   beat = 'B',       ///<
-  disarm = 'D',     ///< the driver has made the device safe itself or sees to it; heartbeats end
-  make_safe = 'S',  ///< the driver cannot: until it is done, or the driver says another thing
-  quit = 'Q',       ///< end
+  disarm = 'D',     ///< the driver has made the device safe or takes care of it; heartbeats end
+  make_safe = 'S',  ///< the driver cannot make it safe: the watchdog does, until it is done or the driver
+                    ///< sends another word
+  quit = 'Q',       ///< ends the process
   ready = 'R',      ///< to the driver: the device is open
-  no_device = 'N',  ///< to the driver: it is not
+  no_device = 'N',  ///< to the driver: the device cannot be opened
   tripped = 'T',    ///< to the driver: heartbeats were missing, and the device is being made safe
 };
 
-/// What came of an attempt to make the device safe.
+/// The result of an attempt to make the device safe.
 enum class Attempt {
-  done,     ///< it has confirmed that it is
-  again,    ///< not yet
-  hopeless  ///< it is no longer there
+  done,     ///< confirmed
+  again,    ///< try again
+  hopeless  ///< the device no longer exists
 };
 
-/// How a device is made safe. Each function is one attempt and may wait for the device.
+/// The functions that make a device safe. Each is one attempt and may wait for the device.
 struct MakingSafe {
   std::function<Attempt()> stop;
-  /// After a trip, once stopped: shut the device against what the driver had still in hand when it was
-  /// stopped. False: stop it once more and try again. May be empty.
+  /// After a trip, once the device is stopped: closes the device to commands that the driver still had
+  /// pending. False: stop it once more and try again. May be empty.
   std::function<bool()> shut = {};
-  /// At the end that the driver asks for; false makes the process end with a failure. May be empty.
+  /// At an end requested by the driver; false makes the process end with a failure. May be empty.
   std::function<bool()> leave = {};
 };
 
 struct Patience {
   int timeout_ms = 0;       ///< without a heartbeat
-  int give_up_ms = 60'000;  ///< with a device that does not become safe, once the driver is gone
+  int give_up_ms = 60'000;  ///< if the device does not become safe and the driver has ended
 };
 
-/// The descriptor at which the watchdog finds its socket. What else is handed to it follows.
+/// The number of the watchdog's socket descriptor. Other inherited descriptors follow.
 constexpr int kSocket = 3;
 
-/// Leaves the session of the driver (whose Ctrl-C would reach it too) and closes what it has inherited beyond
-/// the socket and the `handed` descriptors behind it. Comes back in a child alone; the process that was
-/// called ends.
+/// Leaves the session of the driver (whose Ctrl-C would reach it too) and closes all inherited descriptors
+/// except the socket and the `handed` ones after it. Returns only in a child; the calling process ends.
 void become_watchdog(int handed = 0);
 
-/// Until it is told to quit, or the other end of the socket is closed, by whatever death: then the device is
-/// made safe, again and again until it confirms. When heartbeats end while it is armed, the driver is told
-/// first (so that, when it goes on just now, it does not drive on), then the device is made safe and shut.
-/// Returns the exit code of the process.
+/// Runs until `quit`, or until the other end of the socket is closed, by any death of the driver: then it
+/// makes the device safe, repeatedly until the device confirms. If heartbeats end while it is armed, it first
+/// notifies the driver (so that a driver that continues at this moment does not move anything), then makes
+/// the device safe and shuts it. Returns the exit code of the process.
 int watch(int socket, const Patience& patience, const MakingSafe& safe);
 
-/// Tells the driver that the device cannot be opened. Returns the exit code of the process.
+/// Notifies the driver that the device cannot be opened. Returns the exit code of the process.
 int watch_nothing(int socket);
 
-/// A word of the command line as a whole number; false where it is none or out of range.
+/// Parses a word of the command line as an integer; false if it is invalid or out of range.
 template <typename Number>
 bool read_number(const char* text, Number& out) {
   const char* end = text + std::strlen(text);
