@@ -28,7 +28,7 @@ std::uint16_t number(Bytes bytes, std::size_t at) {
   return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
 }
 
-/// FF FF FD FD → FF FF FD, in place; the new length.
+/// Replaces FF FF FD FD by FF FF FD in place; returns the new length.
 std::size_t take_out_stuffing(std::span<std::uint8_t> bytes) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) {
@@ -40,7 +40,7 @@ std::size_t take_out_stuffing(std::span<std::uint8_t> bytes) {
   return kept;
 }
 
-/// Where a header begins, or might begin with what is still to come.
+/// The position of a header, or of a possible begin of one at the end.
 std::size_t find_header(Bytes bytes) {
   for (std::size_t at = 0; at < bytes.size(); ++at) {
     const std::size_t there = std::min(kHeader.size(), bytes.size() - at);
@@ -84,7 +84,7 @@ Found Protocol2::find(std::span<std::uint8_t> bytes, std::size_t longest) const 
   const std::size_t at = find_header(bytes);
   if (bytes.size() - at < kBeforeLength) return {Found::Kind::more, at};
   const std::size_t length = number(bytes, at + 5);
-  // Stuffing can add a third to what an answer carries.
+  // Stuffing can add a third to the data of an answer.
   if (length < 3 || length - 3 > longest + longest / 3 + 8) return {Found::Kind::other, at + 1};
   const std::size_t size = length + kBeforeLength;
   if (bytes.size() - at < size) return {Found::Kind::more, at};
@@ -103,11 +103,11 @@ bool Protocol2::split_fast(Bytes bytes, std::size_t servos, std::size_t length, 
     if (rest.size() < 8) return false;
     const bool head =
         rest[4] == servo_bus::kBroadcast && number(rest, 5) == total - kBeforeLength && rest[7] == kStatus;
-    if (!head) {  // garbage, or the instruction itself, echoed
+    if (!head) {  // garbage, or the echo of the instruction
       at += 1 + find_header(rest.subspan(1));
       continue;
     }
-    // Each servo adds error, id, data and the CRC of all that stands before it.
+    // Each servo adds error, id, data and the CRC of all previous bytes.
     for (std::size_t i = 0; i < servos; ++i) {
       const std::size_t from = 8 + i * (length + 4), crc_at = from + 2 + length;
       if (rest.size() < crc_at + 2 || number(rest, crc_at) != crc16(rest.first(crc_at))) return false;

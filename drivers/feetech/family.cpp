@@ -16,7 +16,7 @@ const servo_bus::Family& sts_family() {
     f.highest_id = 253;
     f.models = {{777, "STS3215", 0.0065}, {2825, "STS3250", 0.0065}};
     f.steps_per_turn = 4096;
-    f.velocity_unit = 2 * std::numbers::pi / 4096;  // 1 step/s; 50 steps/s where bit 2 of `phase` is clear
+    f.velocity_unit = 2 * std::numbers::pi / 4096;  // 1 step/s; 50 steps/s if bit 2 of `phase` is clear
     f.voltage_unit = 0.1;
     f.load_unit = 0.001;
     f.mode_position = 0;

@@ -29,11 +29,11 @@ std::size_t Protocol0::make(std::span<std::uint8_t> out, std::uint8_t id, servo_
 
 Found Protocol0::find(std::span<std::uint8_t> bytes, std::size_t longest) const noexcept {
   std::size_t at = 0;
-  // A third FF belongs to the garbage before a header: no servo has that id.
+  // A third FF belongs to garbage before a header: no servo has that id.
   while (at + 2 < bytes.size() && !(bytes[at] == 0xFF && bytes[at + 1] == 0xFF && bytes[at + 2] != 0xFF))
     ++at;
   if (at + 4 > bytes.size()) {
-    if (at + 2 >= bytes.size())  // keep what may be the beginning of a header
+    if (at + 2 >= bytes.size())  // keeps a possible begin of a header
       while (at < bytes.size() && bytes[at] != 0xFF) ++at;
     return {Found::Kind::more, at};
   }

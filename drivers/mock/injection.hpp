@@ -10,17 +10,17 @@
 
 namespace polyarm::drivers {
 
-/// A list as users write it: `KIND@CYCLE[:JOINT][=VALUE]`, separated by spaces or semicolons.
+/// A list in user syntax: `KIND@CYCLE[:JOINT][=VALUE]`, separated by spaces or semicolons.
 ///
 ///     read_error, write_error   the call fails once
-///     deactivate                read asks to be deactivated, once
-///     nan:JOINT                 the joint's position is no number from then on
+///     deactivate                read requests deactivation, once
+///     nan:JOINT                 the joint's position is NaN from then on
 ///     jump:JOINT=RAD            the joint's position is off by this much (default 0.5) from then on
-///     freeze                    states stay as they were from then on
+///     freeze                    states are frozen from then on
 ///     slow=MS                   one read takes this long (default 50)
 ///
-/// Without a joint, the first one is meant. Cycles count from the component's activation, so that a component
-/// that was brought back meets its faults again. apply…(): control thread, nothing allocates.
+/// Without a joint, the first one is used. Cycles count from the component's activation, so that a component
+/// that was recovered gets its faults again. apply…(): control thread, nothing allocates.
 class Injection {
  public:
   /// Throws Error("bad-value") with the valid forms. `joints`: names of the joints in the order of

@@ -15,7 +15,7 @@ using hardware::ReturnType;
 
 namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr int kMovesNothing = -1, kMovesFollower = -2;  // in place of the index of a part
+constexpr int kMovesNothing = -1, kMovesFollower = -2;  // special values instead of the index of a part
 
 bool flag(const std::map<std::string, std::string>& parameters, const char* name) {
   const auto found = parameters.find(name);
@@ -166,7 +166,7 @@ std::string MockComponent::summary() const {
   return out;
 }
 
-/// The joints with an effort command, the first few by name.
+/// The joints with an effort command; names only the first few.
 std::string MockComponent::commanded_by_effort() const {
   constexpr std::size_t kNamed = 6;
   std::vector<std::string> names;
@@ -217,7 +217,7 @@ std::vector<hardware::InterfaceDescription> MockComponent::command_interfaces() 
   return commands_;
 }
 
-/// Sorts out the joints that only follow a position; commands know what they move.
+/// Separates the joints that only follow a position; commands store what they drive.
 void MockComponent::part_followers() {
   part_of_command_.assign(commands_.size(), kMovesNothing);
   std::vector<Part> others;
@@ -321,7 +321,7 @@ void MockComponent::move(Part& part, double dt) noexcept {
 
 inline void MockComponent::follow(double dt, std::span<double> states) noexcept {
   const double offset = custom_interface_.empty() ? following_offset_ : 0;
-  const double span = dt > 0 ? dt : std::numeric_limits<double>::infinity();  // no time: no speed
+  const double span = dt > 0 ? dt : std::numeric_limits<double>::infinity();  // no time: zero velocity
   const std::uint32_t* const command = followers_.command.data();
   const std::uint32_t* const at = followers_.position_state.data();
   const std::uint32_t* const speed_at = followers_.velocity_state.data();

@@ -15,7 +15,7 @@ using hardware::CallbackReturn;
 using hardware::ReturnType;
 
 namespace {
-/// Parts need a shape that can be simulated, since everything about them is found by it.
+/// Every part needs a shape that can be simulated, because all its properties follow from it.
 void check_parts(const description::Scene& scene) {
   Problems problems;
   for (const description::Part& part : scene.parts)
@@ -26,7 +26,7 @@ void check_parts(const description::Scene& scene) {
   problems.throw_if_errors();
 }
 
-/// As ROS names the numbers of a pose.
+/// The ROS names of the components of a pose.
 constexpr const char* kPoseNames[] = {"position.x",    "position.y",    "position.z",   "orientation.x",
                                       "orientation.y", "orientation.z", "orientation.w"};
 
@@ -131,7 +131,7 @@ ReturnType MujocoComponent::perform_command_mode_switch(std::span<const std::str
   for (const std::string& name : stop)
     if (Robot* robot = robot_of(name, joint, mode))
       robot->servo->stop(joint, mode, view().d()->qpos[at(*robot).qpos[joint]]);
-  // Of several interfaces of one joint, position leads velocity, and velocity leads effort.
+  // Priority among several interfaces of one joint: position, then velocity, then effort.
   for (const JointMode wanted : {JointMode::effort, JointMode::velocity, JointMode::position})
     for (const std::string& name : start)
       if (Robot* robot = robot_of(name, joint, mode); robot && mode == wanted)

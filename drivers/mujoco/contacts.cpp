@@ -11,7 +11,7 @@ bool stiff(Kind kind) {
   return kind == Kind::link || kind == Kind::tool;
 }
 
-/// How fast the body of a geometry moves or turns, m/s and rad/s together.
+/// The speed of a geometry's body, m/s plus rad/s.
 double body_speed(const mjModel* m, const mjData* d, int geom) {
   const mjtNum* v = d->cvel + 6 * m->geom_bodyid[geom];
   return std::sqrt(mju_dot(v, v, 6));
@@ -60,7 +60,7 @@ bool ContactReader::held_may_touch(std::size_t robot, const Owner& other, const 
     *free = {other.name, step_};
     return true;
   }
-  // The normal points from the first geometry to the second; up means: from what is below to the part.
+  // The normal points from the first geometry to the second; up means: from the support to the part.
   const double up = other_second ? -c.frame[2] : c.frame[2];
   return up > kPlacingNormal && -c.dist < kPlacingDepth;
 }
@@ -82,7 +82,7 @@ bool ContactReader::is_finding(const Owner& a, const Owner& b, const mjContact& 
   return false;
 }
 
-/// Null where newer ones have taken its place.
+/// Null if newer ones have replaced it.
 hardware::Contact* ContactReader::finding_of(const Pair& pair, hardware::WorldState& out) noexcept {
   constexpr int kMost = hardware::WorldState::kMaxFindings;
   if (pair.finding < 0 || pair.finding + kMost < out.finding_count) return nullptr;
@@ -116,7 +116,7 @@ void ContactReader::note(const Owner& a, const Owner& b, double depth, const Vec
   if (free) *free = {a.name, b.name, step_, number, depth};
 }
 
-/// After all contacts of a step.
+/// Call it after all contacts of a step.
 void ContactReader::let_go_of_clear_pairs(hardware::WorldState& out) noexcept {
   for (Pair& pair : pairs_) {
     if (pair.finding < 0 || step_ - pair.last <= kClearSteps) continue;
@@ -175,7 +175,7 @@ void ContactReader::read(const ModelView& view, Parts& parts, Nanoseconds now,
       const int geom = swapped ? c.geom2 : c.geom1;
       if (one.kind == Kind::finger && other.kind == Kind::part) {
         auto& touched = touched_[static_cast<std::size_t>(one.index)];
-        // The two fingers are two bodies of the tool: the one with the lower number is the first.
+        // The two fingers are two bodies of the tool; the one with the lower number is the first.
         const bool first =
             m->geom_bodyid[geom] ==
             m->jnt_bodyid[m->dof_jntid[view.robots[static_cast<std::size_t>(one.index)].finger_dof[0]]];

@@ -13,8 +13,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFacing = 0.9397;  // cosine of 20 degrees
 
-/// The cup on a flat face: `n` outward normal, `height` of the face along it, `inside` whether a point is on
-/// the face.
+/// The cup on a flat face: `n` is the outward normal, `height` the position of the face along it, `inside`
+/// tests whether a point is on the face.
 template <typename Inside>
 double on_face(const Vec3& lip, const Vec3& axis, const Vec3& n, double height, Inside inside) {
   if (-dot(axis, n) < kFacing) return kInfinity;
@@ -92,10 +92,10 @@ void Gripper::carry(const Pose& tool, Parts& parts, const Vec3& gravity, const V
   last_position_ = part.pose.position;
   part.velocity = {velocity_.x, velocity_.y, velocity_.z, 0, 0, 0};
   part.speed = norm(velocity_);
-  // What the cup has to pull with so that the part moves as it does.
+  // The force that the cup must apply for the present motion of the part.
   const double mass = parts.fact(static_cast<std::size_t>(held_)).mass;
   const Vec3 pull = mass * (acceleration_ - gravity) - contact_force;
-  // Pressing the part against the cup does not loosen it, and carries that much more sideways.
+  // Pressing the part against the cup does not loosen it, and increases the sideways force that it can carry.
   const Vec3 axis = tool.rotation * (tool_->tcp.rotation * Vec3{0, 0, 1});
   const double away = -dot(pull, axis), sideways = norm(pull + away * axis);
   const bool holds =
@@ -140,7 +140,7 @@ void Gripper::push(const ModelView& view) const noexcept {
   const ModelView::Robot& r = view.robots[robot_];
   mjData* d = view.d();
   constexpr double kDamping =
-      400;  // N s/m: reaches its speed at once, pushes with the full force against a part
+      400;  // N s/m: reaches its speed immediately, pushes with the full force against a part
   for (std::size_t side = 0; side < 2; ++side) {
     const double wanted = (on_ ? 1 : -1) * tool_->closing_speed;
     const double force =

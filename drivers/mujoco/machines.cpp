@@ -73,7 +73,7 @@ void Machines::command(std::span<const double> commands) noexcept {
 
 void Machines::advance(std::size_t index, Mover& mover, ModelView& view, Parts& parts, double dt) noexcept {
   if (!mover.moves()) return;
-  // The fastest speed from which it can still stop at the target, reached with the mover's acceleration.
+  // The highest speed from which it can still stop at the target with the mover's acceleration.
   const double left = mover.target - mover.at, a = mover.fact->acceleration;
   const double stoppable = std::sqrt(2 * a * std::abs(left));
   const double wanted = std::copysign(std::min(mover.fact->speed, stoppable), left);
@@ -110,7 +110,7 @@ void Machines::lay_out(ModelView& view) const noexcept {
     put(view.d()->mocap_pos + 3 * view.mover_mocap[k], movers_[k].at * movers_[k].fact->axis);
 }
 
-/// No part is where the next one would come: two in one place would push each other away.
+/// True if no part is at the place of the next one: two parts in one place would push each other away.
 bool Machines::is_free(const Feeder& feeder, const Parts& parts) const noexcept {
   constexpr double kOverlap = -1e-3;
   const auto next = static_cast<std::size_t>(feeder.parts[static_cast<std::size_t>(feeder.presented)]);

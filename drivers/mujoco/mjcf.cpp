@@ -15,12 +15,13 @@ using description::ShapeKind;
 
 namespace {
 
-constexpr double kLinkFriction = 0.5;  // where a description states none
+constexpr double kLinkFriction = 0.5;  // if the description states none
 constexpr double kArmature =
-    0.08;  // kg m², of a motor and its gear seen from the joint; makes the servo stiff
-constexpr double kHingeMargin = 0.05;   // rad, and
-constexpr double kSlideMargin = 0.01;   // m: from a joint's limit to its stop, so that only faults reach it
-constexpr double kSmallestMass = 0.01;  // kg, of a moving link that states none
+    0.08;  // kg m², inertia of a motor and its gear at the joint; makes the servo stiff
+constexpr double kHingeMargin = 0.05;   // rad
+constexpr double kSlideMargin = 0.01;   // m: distance of a joint's stop from its limit, so that only faults
+                                        // reach the stop
+constexpr double kSmallestMass = 0.01;  // kg, for a moving link that states none
 
 std::string text(const Vec3& v) {
   return fmt::format("{:.17g} {:.17g} {:.17g}", v.x, v.y, v.z);
@@ -32,7 +33,7 @@ std::string place(const Pose& p) {
   return fmt::format("pos=\"{}\" quat=\"{}\"", text(p.position), text(p.rotation));
 }
 
-/// type, size and place; empty for shapes that are not simulated (meshes).
+/// Type, size and pose; empty for shapes that are not simulated (meshes).
 std::string geometry(const Shape& s, const Pose& at) {
   switch (s.kind) {
     case ShapeKind::box:
@@ -99,7 +100,7 @@ class Writer {
            its_friction_counts ? " priority=\"1\"" : "");
   }
 
-  /// MuJoCo raises each to boundinertia, but refuses what it finds zero before that (1e-14 kg m²).
+  /// MuJoCo raises each value to boundinertia, but rejects zero values before that (1e-14 kg m²).
   void inertial(const description::Inertial& i) {
     constexpr double kNotZero = 1e-12;  // kg m²
     const auto& [xx, xy, xz, yy, yz, zz] = i.inertia;
@@ -112,7 +113,7 @@ class Writer {
   // --- robots
   // -------------------------------------------------------------------------------------------------
 
-  /// `at`: of its root link in the body that it stands on.
+  /// `at`: pose of its root link in the body that carries it.
   void robot(std::size_t r, const Pose& at) {
     const hardware::RobotInstance& robot = context_.robots[r];
     line("<body name=\"{}\" {}>", link_name(r, robot.model->root), place(at));
@@ -157,8 +158,8 @@ class Writer {
     line("</body>");
   }
 
-  /// The range of a joint, a little wider than its limits and than where it starts; nothing where it has
-  /// none.
+  /// The range of a joint, extended a little beyond its limits and its start position; empty if it has no
+  /// limits.
   std::string stops(std::size_t r, int index) {
     const hardware::RobotInstance& robot = context_.robots[r];
     const description::Joint& joint = robot.model->joints[static_cast<std::size_t>(index)];
@@ -176,7 +177,7 @@ class Writer {
                        upper + margin);
   }
 
-  /// Joints that follow others: mimic joints, and the second finger of a gripper, which one drive moves.
+  /// Couplings of mimic joints, and of the second finger of a gripper, which shares its drive.
   void couplings(std::size_t r) {
     const hardware::RobotInstance& robot = context_.robots[r];
     for (const Follower& f : followers(*robot.model))
@@ -198,7 +199,7 @@ class Writer {
     for (std::size_t s = 0; s < tool->body.size(); ++s)
       geom(tool_name(r) + "_" + std::to_string(s), tool->body[s], tool->body[s].pose, 0.5);
     if (tool->gripper == description::GripperKind::suction) {
-      // What the cup holds becomes part of the arm: shape and mass are filled in when it takes hold.
+      // The held part becomes part of the arm: shape and mass are set when it is gripped.
       line(
           "<body name=\"{}\"><inertial pos=\"0 0 0\" mass=\"1e-5\" diaginertia=\"1e-8 1e-8 1e-8\"/>"
           "<geom name=\"{}\" type=\"box\" size=\"0.01 0.01 0.01\" contype=\"0\" conaffinity=\"0\"/></body>",
@@ -261,7 +262,7 @@ class Writer {
     const double scale = body.mass > 0 ? part.mass / body.mass : 0;
     body.mass = part.mass;
     for (double& x : body.inertia) x = std::max(x * scale, 0.0);
-    // On the part's own axes and not turned to principal ones, so that a slot can take the shape of any part.
+    // In the part's own axes instead of the principal ones, so that a slot can take the shape of any part.
     line("<inertial pos=\"0 0 0\" mass=\"{:.17g}\" diaginertia=\"{:.17g} {:.17g} {:.17g}\"/>", body.mass,
          body.inertia[0], body.inertia[3], body.inertia[5]);
     geom(slot_name(i), part.shape, {}, part.friction);
@@ -275,8 +276,7 @@ class Writer {
     line("</body>");
   }
 
-  // --- pairs that are never compared
-  // -------------------------------------------------------------------------
+  // --- pairs that are excluded from collision checks ------------------------------------------------------
 
   void excludes(std::size_t r) {
     const description::RobotModel& model = *context_.robots[r].model;
@@ -285,7 +285,7 @@ class Writer {
     const auto add = [&](int a, int b) {
       if (a != b) pairs.insert({std::min(a, b), std::max(a, b)});
     };
-    // Links that one joint joins always touch; bodies that a rigid group is made of are named one by one.
+    // Links connected by one joint always touch; the bodies of a rigid group are listed one by one.
     for (std::size_t a = 0; a < model.links.size(); ++a)
       for (std::size_t b = a + 1; b < model.links.size(); ++b) {
         const int ga = rigid.body_of_link[a], gb = rigid.body_of_link[b];
@@ -309,7 +309,7 @@ class Writer {
     tool_excludes(r, rigid);
   }
 
-  /// The first moving link turns where the robot is bolted down, its loose capsule may reach into the table.
+  /// The first moving link turns at the mounting, so its loose capsule may reach into the table.
   void world_excludes(std::size_t r, const Rigid& rigid) {
     if (stands_free(context_.robots[r])) return;
     const hardware::RobotInstance* carrier = carrier_of(context_.robots[r], context_.robots);

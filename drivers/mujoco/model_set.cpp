@@ -11,9 +11,8 @@ namespace polyarm::drivers {
 
 namespace {
 
-/// MuJoCo's own errors and warnings must not end the process or print from the control thread; a warning is
-/// seen in mjData::warning, an error would be a defect of the text written here and is turned into the
-/// message of compile().
+/// MuJoCo's errors and warnings must not end the process or print on the control thread. A warning appears in
+/// mjData::warning; an error would be a fault in our text and becomes the message of compile().
 void keep_quiet(const char*) {}
 
 mjModel* load(const std::string& text, std::string& reason) {

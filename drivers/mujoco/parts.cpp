@@ -69,7 +69,7 @@ Parts::Parts(const description::Scene* scene) : scene_(scene) {
     Part part;
     part.radius = radius_of(fact.shape);
     if (fact.feeder.empty()) {
-      part.mode = Mode::awake;  // settles from where the scene puts it
+      part.mode = Mode::awake;  // settles from its position in the scene
       part.pose = fact.start;
       part.entered = true;
       part.still_for = kSleepAfter - 0.1;
@@ -194,7 +194,7 @@ void Parts::lay_out(const ModelSet& models, ModelView& view) noexcept {
     std::fill_n(d->xfrc_applied + 6 * slot.body, 6, 0.0);
     part.slot = static_cast<int>(next++);
   }
-  for (; next < view.slots; ++next) {  // empty slots hang in the air and touch nothing
+  for (; next < view.slots; ++next) {  // empty slots are placed in the air and touch nothing
     const ModelView::Slot& slot = view.slot[next];
     m->geom_contype[slot.geom] = m->geom_conaffinity[slot.geom] = 0;
     put(d->qpos + slot.qpos, Vec3{0, 0, 50.0 + static_cast<double>(next)});

@@ -7,7 +7,7 @@ namespace polyarm::drivers {
 
 namespace {
 constexpr double kBandwidth = 100;       // rad/s
-constexpr double kUnstatedEffort = 300;  // Nm or N, where a description states no limit
+constexpr double kUnstatedEffort = 300;  // Nm or N, if the description states no limit
 }  // namespace
 
 Servo::Servo(const hardware::RobotInstance& robot) {
@@ -84,7 +84,7 @@ void Servo::accelerations(const ModelView& view, std::size_t robot, mjtNum* acce
       tracking_error_ = std::max(tracking_error_, std::abs(joint.reference - q));
     }
     joint.velocity += joint.acceleration * timestep;
-    joint.reference += joint.velocity * timestep;  // in the order in which the simulator integrates
+    joint.reference += joint.velocity * timestep;  // in the integration order of the simulator
   }
   for (const auto& f : r.followers) acceleration[f.dof] = f.multiplier * acceleration[r.dof[f.source]];
 }
@@ -101,7 +101,7 @@ void Servo::torques(const ModelView& view, std::size_t robot, const mjtNum* iner
     joint.torque = std::clamp(wanted, -joint.limit, joint.limit);
     d->qfrc_applied[dof] = joint.torque;
   }
-  for (const auto& f : r.followers)  // carry their own weight, so that the coupling has little to do
+  for (const auto& f : r.followers)  // followers carry their own weight, which relieves the coupling
     d->qfrc_applied[f.dof] = inertial_force[f.dof] + d->qfrc_bias[f.dof] - d->qfrc_passive[f.dof];
 }
 

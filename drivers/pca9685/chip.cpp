@@ -34,13 +34,13 @@ ChipFailure Pca9685::expect(Step step, std::uint8_t where, std::uint8_t value) n
 }
 
 ChipFailure Pca9685::identify() noexcept {
-  // No register holds the name of the chip; what it cannot hold tells others apart.
+  // No register holds the chip's name; impossible values identify other chips.
   std::uint8_t mode2 = 0, prescale = 0;
   if (const int error = bus_.read(kMode2, {&mode2, 1})) return {Step::identify, kMode2, 0, error};
   if ((mode2 & 0xE0) != 0) return {Step::identify, kMode2, mode2, 0};
   if (const int error = bus_.read(kPrescale, {&prescale, 1})) return {Step::identify, kPrescale, 0, error};
   if (prescale < kSmallestPrescale) return {Step::identify, kPrescale, prescale, 0};
-  return expect(Step::identify, kAllOffHigh, 0);  // can be written only
+  return expect(Step::identify, kAllOffHigh, 0);  // write-only
 }
 
 ChipFailure Pca9685::off() noexcept {
@@ -54,7 +54,7 @@ ChipFailure Pca9685::start(std::uint8_t prescale) noexcept {
   if (const ChipFailure f = put(Step::start, kMode2, kTotemPole)) return f;
   if (const ChipFailure f = put(Step::start, kMode1, kAutoIncrement)) return f;
   std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  // Writing 1 to a restart that is pending clears it; there is nothing to restart, all channels are off.
+  // Writing 1 to a pending restart clears it; nothing restarts, because all channels are off.
   if (const ChipFailure f = put(Step::start, kMode1, kAutoIncrement | kRestart)) return f;
   if (const ChipFailure f = expect(Step::verify, kPrescale, prescale)) return f;
   if (const ChipFailure f = expect(Step::verify, kMode2, kTotemPole)) return f;

@@ -16,16 +16,16 @@ using hardware::CallbackReturn;
 using hardware::ReturnType;
 
 namespace {
-/// An order to stop is given so often before it is left to the watchdog.
+/// Number of attempts of a stop command before the watchdog takes over.
 constexpr int kOffTries = 3;
-constexpr double kCheckEvery = 0.1;  // s between two looks at the chip
+constexpr double kCheckEvery = 0.1;  // s between two checks of the chip
 
 std::string hex(int value) {
   constexpr char kDigits[] = "0123456789ABCDEF";
   return std::string("0x") + kDigits[(value >> 4) & 15] + kDigits[value & 15];
 }
 
-/// Two names of one bus, through a link, are one device.
+/// Resolves links, because two names of one bus are one device.
 std::string device_name(const BoardSettings& settings) {
   std::error_code error;
   const auto whole = std::filesystem::weakly_canonical(settings.bus, error);
@@ -109,7 +109,7 @@ CallbackReturn Pca9685Component::on_activate() {
 CallbackReturn Pca9685Component::on_deactivate() {
   const std::lock_guard guard(mutex_);
   driving_ = false;
-  if (!chip_ || failed_) return CallbackReturn::success;  // off already
+  if (!chip_ || failed_) return CallbackReturn::success;  // already off
   if (!all_off() || !ok(watchdog_.disarm())) {
     stop_for_failure();
     return CallbackReturn::error;
@@ -128,16 +128,16 @@ CallbackReturn Pca9685Component::on_shutdown() {
 }
 
 CallbackReturn Pca9685Component::on_error() {
-  return on_cleanup();  // configured again, it begins with a look at what the chip is
+  return on_cleanup();  // configuring it again starts with an identification of the chip
 }
 
-/// Motors off; where the chip does not take that, the watchdog goes on trying.
+/// Switches motors off; if the chip does not accept that, the watchdog keeps trying.
 void Pca9685Component::close() noexcept {
   driving_ = false;
   if (chip_) {
     const std::uint64_t before = trouble_.load(std::memory_order_relaxed);
     const bool off = all_off();
-    if (before != 0) trouble_.store(before, std::memory_order_relaxed);  // what came first is the reason
+    if (before != 0) trouble_.store(before, std::memory_order_relaxed);  // the first failure is the reason
     if (!off) watchdog_.abandon();
   }
   watchdog_.stop();
@@ -166,7 +166,7 @@ ReturnType Pca9685Component::write(const hardware::Cycle&, std::span<const doubl
   const std::lock_guard guard(mutex_);
   if (failed_) return ReturnType::error;
   if (!driving_) return ReturnType::ok;
-  // First what the watchdog has to say: after a standstill the commands are old.
+  // First checks the watchdog: after a hang the commands are old.
   const bool fine = ok(watchdog_.listen()) && drive_all(commands) && ok(watchdog_.beat());
   return fine ? ReturnType::ok : stop_for_failure();
 }
@@ -186,7 +186,7 @@ bool Pca9685Component::drive_all(std::span<const double> commands) noexcept {
   return true;
 }
 
-/// Only what changes is sent. Directions change while the motor is off.
+/// Sends only changes. Directions change while the motor is off.
 ChipFailure Pca9685Component::apply(std::size_t wheel, const MotorDrive& drive) noexcept {
   const MotorSettings& pins = settings_.wheels[wheel].motor;
   MotorDrive& now = motors_[wheel].applied;

@@ -11,7 +11,7 @@
 namespace polyarm::drivers {
 
 namespace {
-/// A transaction that lost the bus to another master, or that a signal cut short, is made again.
+/// Repeats a transaction that lost arbitration to another master or was interrupted by a signal.
 constexpr int kTries = 3;
 
 class LinuxBus : public I2cBus {
@@ -36,7 +36,7 @@ class LinuxBus : public I2cBus {
     for (int tries = 1;; ++tries) {
       const int done = calls_.ioctl(file_, I2C_RDWR, &all);
       if (done == static_cast<int>(messages.size())) return 0;
-      const int error = done < 0 ? errno : EIO;  // fewer messages than asked for
+      const int error = done < 0 ? errno : EIO;  // fewer messages than requested
       if ((error != EINTR && error != EAGAIN) || tries == kTries) return error;
     }
   }
@@ -70,7 +70,7 @@ std::unique_ptr<I2cBus> open_linux_bus(const std::string& path, std::uint8_t add
   unsigned long functions = 0;
   if (calls.ioctl(file, I2C_FUNCS, &functions) < 0) return refuse(Step::functions, errno);
   if ((functions & I2C_FUNC_I2C) == 0) return refuse(Step::not_plain, EOPNOTSUPP);
-  // Not needed for transactions, but the kernel answers EBUSY where a driver of its own has the device.
+  // Not needed for transactions, but returns EBUSY if a kernel driver uses the device.
   if (calls.ioctl(file, I2C_SLAVE, reinterpret_cast<void*>(static_cast<std::uintptr_t>(address))) < 0)
     return refuse(Step::address, errno);
   return std::make_unique<LinuxBus>(file, address, calls);

@@ -14,7 +14,7 @@ MotorOutput drive_at(const MotorSettings& motor, double velocity) noexcept {
   const double asked = std::abs(velocity) * factor;
   const double reach = motor.most_duty > motor.least_duty
                            ? (motor.most_duty - motor.least_duty) / (1 - motor.least_duty)
-                           : 0;  // the largest of `asked` that the clamp lets through
+                           : 0;  // the largest `asked` below the clamp
   const double given = std::min(asked, reach);
   const double duty = motor.least_duty + (1 - motor.least_duty) * given;
   const int ticks = std::min(static_cast<int>(std::lround(duty * kTicks)),

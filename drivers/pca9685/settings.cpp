@@ -26,7 +26,7 @@ constexpr DriverParameter kParameters[] = {
     {"frequency", number, "1600", "Hz of the pulses", 24, 1743},
     {"watchdog_ms", number, "", "ms without a heartbeat until motors are turned off; 4 writes, at least 250"},
     {"pin_enable_K", number, nullptr, "channel of motor K, 0 to 15; also pin_pos_K and pin_neg_K", 0, 15},
-    // Of all motors; with _K, of motor K alone.
+    // For all motors; with _K, for motor K only.
     {"speed_scale", number, "1", "duty per rad/s of the wheel", 1e-3, 100},
     {"trim", number, "1", "factor on the duty", 0.1, 10},
     {"direction", text, "1", "-1 for a motor that turns the wrong way", 0, 0, "1 -1 +1"},
@@ -41,7 +41,7 @@ constexpr hardware::DriverFacts kFacts = {
     "system", "DC motors on a PCA9685 board at I2C: the JetBot, motor HATs",
     "a register-exact chip, with its watchdog under SIGKILL and SIGSTOP; never on hardware", kParameters};
 constexpr const char* kPins[] = {"pin_enable", "pin_pos", "pin_neg"};
-// Without a stated time the watchdog waits for four writes, and a quarter of a second at least.
+// By default the watchdog waits for four writes, and at least a quarter of a second.
 constexpr double kWatchdogCycles = 4, kLeastWatchdog = 0.25, kMostWatchdog = 5;
 
 const DriverParameter& row(std::string_view name) {
@@ -133,7 +133,7 @@ class Reader {
     return std::string(trim(found->second));
   }
 
-  /// Of motor k: key_k, else key.
+  /// For motor k: key_k, else key.
   std::optional<std::string> text(const std::string& key, std::size_t k) const {
     const auto own = text(key + "_" + std::to_string(k));
     return own ? own : text(key);
@@ -150,7 +150,7 @@ class Reader {
     return fallback;
   }
 
-  // As the table has it, of motor k or of all.
+  // The value of the table for motor k, or for all.
 
   double number(const char* name, std::size_t k) {
     const DriverParameter& r = row(name);
@@ -169,7 +169,7 @@ class Reader {
     return context_.parameters.contains(own) ? own : name;
   }
 
-  /// A whole number of few digits, decimal or with 0x.
+  /// An integer of few digits, decimal or with 0x.
   static std::optional<int> integer(const std::string& given) {
     const bool hex = given.starts_with("0x") || given.starts_with("0X");
     const std::string digits = given.substr(hex ? 2 : 0);
@@ -247,8 +247,7 @@ class Reader {
                                 std::max(least, 20.0), kMostWatchdog * 1e3, " ms (at least two writes)"));
   }
 
-  /// A motor that there is not, or a key with a slip of the pen: what is silently ignored would drive
-  /// wrongly.
+  /// A motor that does not exist, or a misspelt key: a silently ignored parameter would cause wrong motion.
   void superfluous() {
     std::vector<std::string> known;
     for (const DriverParameter& r : kOfBoard) known.emplace_back(r.name);

@@ -80,7 +80,7 @@ std::string SerialImu::set_up() {
       {kWitKey, kWitUnlock}, {kWitContent, content}, {kWitRate, wit_rate_code(rate_)}};
   for (const auto& [address, value] : steps) {
     if (std::string failed = send(wit_write(address, value)); !failed.empty()) return failed;
-    constexpr Nanoseconds kPause = 20'000'000;  // the sensor takes one command after the other
+    constexpr Nanoseconds kPause = 20'000'000;  // the sensor processes one command after the other
     listen(realtime::monotonic_now() + kPause, [] { return false; });
   }
   known_ = {};
@@ -151,7 +151,7 @@ void SerialImu::take(const WitFrame& frame) noexcept {
       break;
     }
     case WitType::angle: {
-      if (quaternions_) break;  // the same once more, and less exact
+      if (quaternions_) break;  // redundant and less exact
       const auto angle = [&](std::size_t i) { return scaled(frame.values[i], kPi); };
       const Quaternion q = from_rpy(angle(0), angle(1), angle(2));
       set_orientation(q.x, q.y, q.z, q.w);

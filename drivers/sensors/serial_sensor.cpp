@@ -111,7 +111,7 @@ std::string SerialSensor::send(std::span<const std::uint8_t> bytes) {
   return sent ? std::string() : path_ + ": " + serial::explain(sent.status, sent.error);
 }
 
-/// All that has arrived, up to what no sensor sends in a cycle.
+/// Reads all pending input, up to more than any sensor sends in a cycle.
 serial::Transfer SerialSensor::drain() noexcept {
   for (int rounds = 0; rounds < 64; ++rounds) {
     const serial::Transfer got = port_.read(buffer_, 0);

@@ -48,7 +48,7 @@ constexpr const char* kInterfaces[kCount] = {"status",
                                              "lost_bytes"};
 // sensor_msgs/NavSatStatus
 constexpr double kNoFix = -1, kFix = 0, kSatelliteAugmented = 1, kGroundAugmented = 2;
-// The first protocol version whose receivers are set up by keys alone; CFG-RATE and CFG-MSG were withdrawn.
+// The first protocol version whose receivers are configured by keys only; CFG-RATE and CFG-MSG were removed.
 constexpr double kKeysFrom = 27;
 
 constexpr hardware::DriverParameter kParameters[] = {
@@ -89,7 +89,7 @@ void UbloxGnss::read_parameters(hardware::DriverParameters& parameters) {
   configure_ = parameters.text("configure");
   receiver_port_ = parameters.text("receiver_port");
   service_ = parameters.number("service");
-  constexpr double kBits = 10.0 * 100;  // of a NAV-PVT
+  constexpr double kBits = 10.0 * 100;  // size of a NAV-PVT
   if (!over_usb() && rate_ * kBits > baud_)
     parameters.problems().error("bad-value", parameters.where(),
                                 format_number(rate_) + " fixes a second need " +
@@ -114,7 +114,7 @@ bool UbloxGnss::ask_version() {
   const auto poll = ubx_message(kMonVer, {});
   const Nanoseconds deadline = start_deadline();
   for (int tries = 0; tries < 3 && !has_version_;
-       ++tries) {  // the receiver may be in the middle of something
+       ++tries) {  // the receiver may be busy with another task, so retries
     if (!send(poll).empty()) return false;
     listen(tries == 2 ? deadline : std::min(deadline, realtime::monotonic_now() + start_timeout_ / 3),
            [this] { return has_version_; });
@@ -195,7 +195,7 @@ void UbloxGnss::take(const NavPvt& fix) noexcept {
   no_fix();
   value(kSatellites) = fix.satellites;
   value(kFixType) = fix.fix_type;
-  // Dead reckoning counts: within the limits of accuracy it is a position as good as another.
+  // Dead reckoning counts: within the accuracy limits it is a valid position.
   if (!fix.fix_ok || fix.invalid_position || fix.fix_type < 1 || fix.fix_type > 4) return;
   value(kStatus) = fix.carrier > 0 ? kGroundAugmented : fix.differential ? kSatelliteAugmented : kFix;
   value(kLatitude) = fix.latitude;
@@ -216,7 +216,7 @@ void UbloxGnss::take(const UbxMessage& message) noexcept {
     if (const auto fix = read_nav_pvt(message.payload)) take(*fix);
     return;
   }
-  if (!identifying_) return;  // what follows may allocate
+  if (!identifying_) return;  // the following code may allocate
   if (message.id == kMonVer && message.payload.size() >= 40) {
     version_ = read_mon_ver(message.payload);
     has_version_ = true;

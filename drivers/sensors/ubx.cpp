@@ -31,7 +31,7 @@ void put(std::vector<std::uint8_t>& out, std::uint32_t value, int bytes) {
   for (int i = 0; i < bytes; ++i) out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
 
-/// A text in a field of fixed size, ended by zero where it is shorter; what does not print is left out.
+/// A text in a field of fixed size, with a zero at the end if it is shorter; drops non-printable characters.
 std::string field(std::span<const std::uint8_t> bytes) {
   std::string out;
   for (const std::uint8_t byte : bytes) {
@@ -53,15 +53,14 @@ void UbxReader::skip(std::size_t count) noexcept {
   drop(count);
 }
 
-/// For a message that is there whole.
+/// For a complete message.
 bool UbxReader::sums_fit(std::size_t at) const noexcept {
   const std::size_t whole = kHead + length(at) + kSums;
   const auto expected = sums(std::span(bytes_).subspan(at + 2, whole - 4));
   return bytes_[at + whole - 2] == expected[0] && bytes_[at + whole - 1] == expected[1];
 }
 
-/// Behind a beginning that waits for more: whether the last byte ended a message all the same. Then what
-/// waits was no beginning.
+/// After an incomplete start: true if the last byte completed a message anyway. Then the start was false.
 bool UbxReader::ends_inside() noexcept {
   for (std::size_t at = 1; at + kHead + kSums <= size_; ++at) {
     if (bytes_[at] != kBegin1 || bytes_[at + 1] != kBegin2) continue;
@@ -73,7 +72,7 @@ bool UbxReader::ends_inside() noexcept {
   return false;
 }
 
-/// Whether a message stands at the front, after what cannot be the beginning of one has been dropped.
+/// Drops bytes that cannot start a message; true if a complete message is at the front.
 bool UbxReader::look() noexcept {
   for (;;) {
     std::size_t from = 0;
@@ -89,7 +88,7 @@ bool UbxReader::look() noexcept {
       }
       ++counts_.bad_sums;
     }
-    skip(1);  // a false beginning, or a message too long to be ours
+    skip(1);  // a false start, or a message that is too long
   }
 }
 

@@ -1,6 +1,6 @@
 #include "drivers/serial/port.hpp"
 
-#include <asm/termbits.h>  // termios2: any rate; <termios.h> cannot stand beside it
+#include <asm/termbits.h>  // termios2: any rate; conflicts with <termios.h>
 #include <fcntl.h>
 #include <grp.h>
 #include <linux/serial.h>
@@ -64,7 +64,7 @@ std::string who_may(const std::string& path) {
   }
 }
 
-/// 0, or the errno. `actual`: what the kernel made of it.
+/// Returns 0 or an errno. `actual`: the rate that the kernel chose.
 int apply_baud(int file, termios2& settings, int baud, int& actual) {
   settings.c_cflag &= ~static_cast<tcflag_t>(CBAUD | (CBAUD << IBSHIFT));
   settings.c_cflag |= BOTHER | (BOTHER << IBSHIFT);
@@ -75,7 +75,7 @@ int apply_baud(int file, termios2& settings, int baud, int& actual) {
   return 0;
 }
 
-/// A UART tolerates some 2 percent; what is further off garbles every byte.
+/// A UART tolerates about 2 percent; a larger deviation garbles every byte.
 bool near_enough(int asked, int got) {
   return std::abs(static_cast<long>(got) - asked) * 50 <= asked;
 }
@@ -100,7 +100,7 @@ void make_raw(termios2& settings) {
   settings.c_cc[VTIME] = 0;
 }
 
-/// USB adapters collect bytes for up to 16 ms unless told otherwise. A pty has no such thing.
+/// USB adapters collect bytes for up to 16 ms by default. A pty does not support this.
 bool ask_low_latency(int file) {
   serial_struct line{};
   if (ioctl(file, TIOCGSERIAL, &line) != 0) return false;
@@ -114,7 +114,7 @@ bool is_gone(int error) {
 }  // namespace
 
 Port::Port(const PortOptions& options) : path_(options.path) {
-  if (access(path_.c_str(), F_OK) == 0)  // else the lock would be of a name that is no port
+  if (access(path_.c_str(), F_OK) == 0)  // else the lock would have the name of something that is no port
     lock_ = hardware::DeviceLock(path_, options.holder.empty() ? "another session" : options.holder);
   file_ = open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (file_ < 0) refuse_open(path_, errno);
@@ -166,7 +166,7 @@ Port& Port::operator=(Port&& other) noexcept {
 
 void Port::close() noexcept {
   if (file_ < 0) return;
-  ioctl(file_, TIOCNXCL);  // on a port that is gone this fails, and nothing is lost
+  ioctl(file_, TIOCNXCL);  // fails without harm on a lost port
   ::close(std::exchange(file_, -1));
   lock_ = hardware::DeviceLock();
   if (foreign_lock_ >= 0) ::close(std::exchange(foreign_lock_, -1));
@@ -180,7 +180,7 @@ void Port::set_baud(int baud) {
   try {
     require_baud(file_, settings, baud, path_);
   } catch (...) {
-    ioctl(file_, TCSETS2, &before);  // what was possible before is still
+    ioctl(file_, TCSETS2, &before);  // the former settings are still valid
     throw;
   }
 }

@@ -9,7 +9,7 @@
 namespace polyarm::servo_bus {
 
 namespace {
-// A late answer comes within this after the one that waited for it has given up.
+// A late answer arrives within this time after its request has timed out.
 constexpr Nanoseconds kSilence = 2'000'000, kLongestSettling = 10'000'000;
 
 Outcome outcome_of(serial::Status status) {
@@ -28,7 +28,7 @@ Outcome outcome_of(serial::Status status) {
 }  // namespace
 
 void ServoBus::open(const serial::PortOptions& options, Nanoseconds answer_timeout) {
-  port_.close();  // ours, else it would be found in use
+  port_.close();  // our own port would be found in use
   take(serial::Port(options), options.baud, answer_timeout);
 }
 
@@ -50,7 +50,7 @@ Nanoseconds ServoBus::byte_time(std::size_t bytes) const noexcept {
   return static_cast<Nanoseconds>(bytes) * 10'000'000'000 / baud_;
 }
 
-/// Waits until nothing more comes, so that a late answer is not taken for the next one.
+/// Waits until the line is silent, so that a late answer is not mistaken for the next one.
 void ServoBus::settle() noexcept {
   const Nanoseconds end = realtime::monotonic_now() + kLongestSettling;
   for (Nanoseconds now = end - kLongestSettling; now < end; now = realtime::monotonic_now()) {
@@ -77,12 +77,12 @@ Outcome ServoBus::send(std::uint8_t id, Instruction instruction, std::size_t par
   return outcome_of(port_.write(Bytes(out_).first(sent_), deadline).status);
 }
 
-/// Gives answers to `take` until it says that all are there, or until time is up.
+/// Passes answers to `take` until it reports that all have arrived, or until the timeout.
 template <typename Take>
 Outcome ServoBus::collect(std::size_t longest, std::size_t expected, Take take) noexcept {
   const Nanoseconds deadline = realtime::monotonic_now() + byte_time(2 * sent_ + expected) + answer_timeout_;
   bool echoed = false, late = false;
-  // An echo is as long as what was sent, which may be longer than any answer.
+  // An echo is as long as the instruction, which may be longer than any answer.
   const std::size_t bound = std::max(longest, sent_);
   std::size_t begin = 0;
   for (;;) {
@@ -103,7 +103,7 @@ Outcome ServoBus::collect(std::size_t longest, std::size_t expected, Take take) 
       if (echo_ == Echo::unknown) echo_ = echoed ? Echo::yes : Echo::no;
       return Outcome::ok;
     }
-    if (late) {  // a length that a disturbance made too great may hide a whole answer
+    if (late) {  // a length corrupted to a larger value may hide a complete answer
       if (begin >= received_) break;
       ++begin;
       ++counters_.garbage;
@@ -111,7 +111,7 @@ Outcome ServoBus::collect(std::size_t longest, std::size_t expected, Take take) 
     }
     std::memmove(in_.data(), in_.data() + begin, received_ - begin);
     received_ -= std::exchange(begin, 0);
-    if (received_ == in_.size()) received_ = 0;  // nothing that long is an answer
+    if (received_ == in_.size()) received_ = 0;  // no answer is that long
     const serial::Transfer got = port_.read(std::span(in_).subspan(received_), deadline);
     received_ += got.count;
     if (got.status == serial::Status::timeout)
@@ -119,7 +119,7 @@ Outcome ServoBus::collect(std::size_t longest, std::size_t expected, Take take) 
     else if (!got)
       return outcome_of(got.status);
     else if (realtime::monotonic_now() > deadline)
-      late = true;  // a line that never falls silent
+      late = true;  // a line that is never silent
   }
   unsettled_ = true;
   ++counters_.lost;
@@ -138,7 +138,7 @@ Outcome ServoBus::receive(std::uint8_t id, std::span<std::uint8_t> into) noexcep
 }
 
 Outcome ServoBus::ping(std::uint8_t id) noexcept {
-  // A read of one byte: unlike a ping, its echo can never look like its answer.
+  // Reads one byte: unlike for a ping, its echo never looks like its answer.
   std::uint8_t own = 0;
   return read(id, family_.id.address, std::span(&own, 1));
 }
@@ -177,7 +177,7 @@ Outcome ServoBus::write_checked(std::uint8_t id, const Register& reg, std::int32
 }
 
 Outcome ServoBus::reboot(std::uint8_t id) noexcept {
-  return send(id, Instruction::reboot, 0);  // whether it answers depends on its make
+  return send(id, Instruction::reboot, 0);  // some servos answer and others do not
 }
 
 Outcome ServoBus::sync_read(std::span<const std::uint8_t> ids, std::uint16_t address, std::uint16_t length,
@@ -230,7 +230,7 @@ Outcome ServoBus::collect_fast(std::span<const std::uint8_t> ids, std::uint16_t 
   }
   unsettled_ = true;
   ++counters_.lost;
-  return Outcome::ok;  // those that were whole are in the replies
+  return Outcome::ok;  // the complete ones are in the replies
 }
 
 Outcome ServoBus::sync_write(std::span<const std::uint8_t> ids, const Register& reg,

@@ -14,7 +14,7 @@ namespace polyarm::servo_bus {
 
 namespace {
 constexpr int kAttempts = 3, kTries = 5;
-constexpr int kLeastRange = 60;  // steps, 5°: less is a joint that was not moved
+constexpr int kLeastRange = 60;  // steps, 5°: a smaller range means that the joint was not moved
 
 bool yes(const std::string& answer) {
   return equal_ignoring_case(trim(answer), "yes") || equal_ignoring_case(trim(answer), "y");
@@ -139,7 +139,7 @@ void Commissioning::give_id(const FoundServo& servo, int id) {
   if (family_.lock && bus_->write_checked(from, family_.lock, 0) != Outcome::ok)
     throw Error("write-refused", "servo " + std::to_string(servo.id) + " does not open its lock",
                 "run this again");
-  bus_->write(from, family_.id, id);  // who answers, the old id or the new, differs
+  bus_->write(from, family_.id, id);  // the answer may come from the old or the new id
   for (int attempt = 0; attempt < kAttempts; ++attempt)
     if (bus_->ping(to) == Outcome::ok) {
       if (family_.lock) bus_->write_checked(to, family_.lock, 1);
@@ -251,7 +251,7 @@ void Commissioning::take_torque_off(const std::vector<int>& ids, const std::stri
   }
 }
 
-/// Follows each joint through the end of the count, where 4095 is followed by 0.
+/// Tracks each joint through the end of the count, where 0 follows 4095.
 void Commissioning::follow(std::map<std::string, Range>& ranges) {
   const int turn = family_.steps_per_turn;
   for (auto& [joint, range] : ranges) {
@@ -270,7 +270,7 @@ void Commissioning::follow(std::map<std::string, Range>& ranges) {
   }
 }
 
-/// Homing such that the middle of the range is the middle of the count.
+/// Chooses homing such that the middle of the range is the middle of the count.
 void Commissioning::move_away_from_the_wrap(const std::string& joint, Range& range) {
   const int turn = family_.steps_per_turn, id = id_of(joint);
   const int middle = (range.min + range.max) / 2;

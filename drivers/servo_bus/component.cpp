@@ -22,8 +22,8 @@ using hardware::ReturnType;
 namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr int kAttempts = 3;
-constexpr int kOutsideTolerance = 20;  // steps, 1.8°: play, and what a joint sags below its stop
-constexpr int kStallDistance = 20;     // steps from the goal at which a joint that does not move is stuck
+constexpr int kOutsideTolerance = 20;  // steps, 1.8°: play, and the sag of a joint below its stop
+constexpr int kStallDistance = 20;     // steps from the goal at which a joint without motion counts as stuck
 constexpr Nanoseconds kLoweringStep = 20'000'000;
 
 constexpr const char* kQuantities[] = {"position", "velocity", "effort", "current", "temperature", "voltage"};
@@ -158,7 +158,7 @@ bool ServoComponent::measure_all() {
 
 CallbackReturn ServoComponent::on_configure() {
   const std::lock_guard guard(mutex_);
-  watchdog_.stop();  // one that has not had its way yet: from here on this process sees to it
+  watchdog_.stop();  // ends one that has not finished; this process takes over
   refusal_.clear();
   fault_ = 0;
   active_ = false;
@@ -277,7 +277,7 @@ CallbackReturn ServoComponent::on_activate() {
   return CallbackReturn::success;
 }
 
-/// Stops what is under way, where it is; torque stays. Have all joints confirmed it?
+/// Stops the joints in place; torque stays on. True if all joints have confirmed it.
 bool ServoComponent::hold() noexcept {
   bool all = true;
   for (std::size_t j = 0; j < ids_.size(); ++j) {
@@ -288,7 +288,7 @@ bool ServoComponent::hold() noexcept {
   return all;
 }
 
-/// Takes the torque away little by little, then off.
+/// Reduces the torque gradually, then switches it off.
 void ServoComponent::lower() noexcept {
   std::array<std::int32_t, kMost> limits{};
   realtime::Periodic pace(kLoweringStep);
@@ -336,7 +336,7 @@ CallbackReturn ServoComponent::on_error() {
   const std::lock_guard guard(mutex_);
   active_ = false;
   if (!bus_.is_open()) return CallbackReturn::success;
-  watchdog_.disarm();  // one on the line at a time
+  watchdog_.disarm();  // only one process uses the line at a time
   held_ = hold();
   if (held_)
     watchdog_.stop();
@@ -353,7 +353,7 @@ ServoComponent::~ServoComponent() {
 }
 
 void ServoComponent::fault(FaultKind kind, std::uint32_t joints, unsigned detail) noexcept {
-  std::uint64_t none = 0;  // the first cause stays
+  std::uint64_t none = 0;  // the first cause is kept
   const std::uint64_t code =
       static_cast<std::uint64_t>(kind) << 56 | static_cast<std::uint64_t>(detail & 0xFFFF) << 32 | joints;
   fault_.compare_exchange_strong(none, code);
@@ -387,7 +387,7 @@ void ServoComponent::take(std::size_t j, Bytes block, std::uint8_t error) noexce
   servo.status = 0;
   if (family_.present_status) {
     servo.status = static_cast<unsigned>(at(family_.present_status)) | error;
-  } else if (error & 0x80) {  // the cause stands in a register of its own
+  } else if (error & 0x80) {  // a separate register has the cause
     std::int32_t bits = 0;
     servo.status =
         bus_.read(joint.id, family_.status, bits) == Outcome::ok ? static_cast<unsigned>(bits) : 0x100;
@@ -480,13 +480,13 @@ bool ServoComponent::send_goals(std::span<const double> commands) noexcept {
 ReturnType ServoComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
   const std::lock_guard guard(mutex_);
   if (!active_ || fault_.load(std::memory_order_relaxed)) return fault_ ? ReturnType::error : ReturnType::ok;
-  // First what the watchdog has to say: after a standstill the commands are old.
+  // First checks the watchdog: after a hang the commands are old.
   if (!fine(watchdog_.running() ? watchdog_.listen() : watchdog::Health::fine) || servos_have_waited() ||
       !send_goals(commands))
     return ReturnType::error;
   last_written_ = realtime::monotonic_now();
   if (!watchdog_.running()) return ReturnType::ok;
-  // Once more: this process may have stood still between the question and the goals.
+  // Checks again: this process may have hung between the check and the goals.
   if (fine(watchdog_.listen())) return fine(watchdog_.beat()) ? ReturnType::ok : ReturnType::error;
   std::array<double, kMost> zero{};
   for (std::size_t j = 0; j < ids_.size(); ++j)

@@ -1,4 +1,4 @@
-/// The component and the process that watches over it.
+/// The component and its watchdog process.
 #include <cmath>
 
 #include "drivers/servo_bus/component.hpp"
@@ -20,11 +20,11 @@ bool ServoComponent::fine(watchdog::Health health) noexcept {
   return false;
 }
 
-/// The one that runs is kept; else one is started that has the port as this process has opened it.
+/// Keeps a running one; else starts one that gets the port as this process has opened it.
 bool ServoComponent::start_watchdog(Problems& problems) {
   if (!setup_.watched) return true;
   if (watchdog_.running() && watchdog_.listen() == watchdog::Health::fine) return true;
-  // With `auto`, joints in position are left as they are: they go to their last goal and stay there.
+  // With `auto`, joints in position mode are not stopped: they go to their last goal and stay there.
   WatchdogSettings settings{family_.name, setup_.port, setup_.baud,
                             static_cast<int>(setup_.answer_timeout / 1'000'000), setup_.watchdog_ms};
   for (std::size_t j = 0; j < ids_.size(); ++j)
@@ -40,8 +40,7 @@ bool ServoComponent::start_watchdog(Problems& problems) {
   return false;
 }
 
-/// Has this process stood still for so long that servos with a watchdog of their own have stopped, and are
-/// shut against goals?
+/// True if this process hung for so long that servos with their own watchdog have stopped, and refuse goals.
 bool ServoComponent::servos_have_waited() noexcept {
   if (!family_.watchdog || setup_.bus_watchdog_ms == 0 || last_written_ == 0) return false;
   if (realtime::monotonic_now() - last_written_ <= Nanoseconds{setup_.bus_watchdog_ms} * 1'000'000)
@@ -54,7 +53,7 @@ bool ServoComponent::servos_have_waited() noexcept {
   return true;
 }
 
-/// What this process could not make stand is left to the watchdog, which then goes on without it.
+/// Joints that this process could not stop are left to the watchdog, which then continues alone.
 void ServoComponent::leave_watchdog() noexcept {
   if (held_)
     watchdog_.stop();

@@ -23,12 +23,12 @@ namespace polyarm::servo_bus {
 
 namespace {
 using Frame = std::vector<std::uint8_t>;
-// Of a Dynamixel's bus watchdog: what its register says when it has bitten, and its unit.
+// Of a Dynamixel's bus watchdog: the value of its register after it has tripped, and its unit.
 constexpr std::uint8_t kBitten = 0xFF;
 constexpr int kWatchdogUnit_ms = 20;
 constexpr std::chrono::seconds kLongestWait{60};
 
-/// Bit by bit, unlike the driver's table.
+/// Bit by bit, independent of the driver's table.
 std::uint16_t slow_crc(const Frame& bytes) {
   unsigned crc = 0;
   for (const std::uint8_t byte : bytes) {
@@ -226,7 +226,7 @@ void FakeBus::cut_off(bool cut) {
   cut_off_ = cut;
 }
 
-/// Until the first servo's own watchdog bites; -1: none is set.
+/// Time until the first servo's own watchdog trips; -1: none is set.
 int FakeBus::silence_left_ms() {
   const std::lock_guard lock(mutex_);
   int least = -1;
@@ -254,7 +254,7 @@ void FakeBus::end_of_patience() {
 }
 
 void FakeBus::serve() {
-  ::prctl(PR_SET_TIMERSLACK, 1);  // ns: the line's time is to be kept
+  ::prctl(PR_SET_TIMERSLACK, 1);  // ns: for accurate line times
   for (;;) {
     pollfd watched[2] = {{master_, POLLIN, 0}, {wake_[0], POLLIN, 0}};
     const int ready = ::poll(watched, 2, silence_left_ms());
@@ -279,7 +279,7 @@ void FakeBus::serve() {
   }
 }
 
-/// One whole instruction off the front of what came; what is broken a servo does not hear.
+/// Takes one complete instruction from the front of the input; servos ignore broken ones.
 bool FakeBus::take_instruction() {
   const bool feetech = wire_ == Wire::feetech;
   const std::size_t head = feetech ? 4 : 7;
@@ -363,7 +363,7 @@ void FakeBus::execute(std::uint8_t id, std::uint8_t instruction, const Bytes& p)
     } else if (instruction == 0x03 && p.size() > wide && in_table(number(0), p.size() - wide)) {
       const std::uint16_t address = number(0);
       const bool lasting = address < 64 && wire_ == Wire::dynamixel;
-      if (lasting && servo.table[64]) {  // the table's lasting part is closed while torque is on
+      if (lasting && servo.table[64]) {  // persistent registers are write-protected while torque is on
         if (id != kBroadcast) answer(own_id, servo, {}, 7);
         continue;
       }
@@ -375,7 +375,7 @@ void FakeBus::execute(std::uint8_t id, std::uint8_t instruction, const Bytes& p)
       if (wire_ == Wire::dynamixel) answer(own_id, servo, {});
     }
   }
-  // A new id holds from the next instruction on.
+  // A new id is used from the next instruction on.
   std::map<int, Servo> renamed;
   for (auto& [own, servo] : servos_) renamed[servo.table[family_.id.address]] = std::move(servo);
   servos_ = std::move(renamed);
@@ -386,7 +386,7 @@ void FakeBus::write(Servo& servo, std::uint16_t address, const std::uint8_t* fro
   if (family_.watchdog && goal && servo.table[family_.watchdog.address] == kBitten) return;
   std::copy(from, from + size, servo.table.begin() + address);
   const Register whole{address, static_cast<std::uint8_t>(size)};
-  // Kept as what the register of that size says, with its sign.
+  // Stored according to the register of that size, with its sign.
   for (const Register& reg :
        {family_.goal_position, family_.goal_velocity, family_.goal_current, family_.homing})
     if (reg && reg.address == address && reg.size == size) {
@@ -449,7 +449,7 @@ void FakeBus::answer_fast(const std::vector<std::uint8_t>& ids, std::uint16_t ad
               0x55};
   for (const std::uint8_t id : ids) {
     const auto found = servos_.find(id);
-    if (found == servos_.end() || mischief_.silent.contains(id)) break;  // those behind it wait in vain
+    if (found == servos_.end() || mischief_.silent.contains(id)) break;  // the servos after it wait in vain
     frame.push_back(status(found->second));
     frame.push_back(id);
     frame.insert(frame.end(), found->second.table.begin() + address,
@@ -486,13 +486,13 @@ void FakeBus::misbehave_and_send(int id, Bytes frame) {
   put(frame);
 }
 
-/// The line is taken for so many bytes.
+/// Occupies the line for this many bytes.
 void FakeBus::take_time(std::size_t bytes, Nanoseconds before) {
   if (bits_per_second_ > 0)
     line_free_ += before + static_cast<Nanoseconds>(bytes) * 10'000'000'000 / bits_per_second_;
 }
 
-/// An answer, which has arrived when its last byte has.
+/// An answer; it arrives with its last byte.
 void FakeBus::put(const Bytes& bytes) {
   bytes_out_ += bytes.size();
   take_time(bytes.size(), return_delay_);

@@ -10,19 +10,19 @@
 
 namespace polyarm::servo_bus {
 
-/// A list as users write it: `KIND@EXCHANGE[:JOINT][=VALUE]`, separated by spaces or semicolons.
+/// A list in user syntax: `KIND@EXCHANGE[:JOINT][=VALUE]`, separated by spaces or semicolons.
 ///
-///     silent:JOINT=EXCHANGES   the joint's servo answers no more, for so long; 0: for good
-///     cut=EXCHANGES            the wires between adapter and servos are cut, the same
-///     unplug                   the adapter is pulled, for good
+///     silent:JOINT=EXCHANGES   the joint's servo is silent for this many exchanges; 0: permanently
+///     cut=EXCHANGES            the line between adapter and servos is cut, likewise
+///     unplug                   the adapter is unplugged permanently
 ///     lose, extra, wrong_sum, late =ANSWERS
-///                              so many answers (1) lack a byte, have one too many, end with a wrong sum, or
-///                              come after the next instruction only
-///     garbage=ANSWERS          so many answers (1) begin with bytes that mean nothing
-///     jump:JOINT=RAD           a hand turns the joint by so much (0.5)
-///     block:JOINT              the joint is pressed against something, at full load
+///                              this many answers (1) lack a byte, have an extra one, end with a wrong sum,
+///                              or come only after the next instruction
+///     garbage=ANSWERS          this many answers (1) begin with garbage
+///     jump:JOINT=RAD           the joint is turned by hand by this angle (0.5)
+///     block:JOINT              the joint is blocked at full load
 ///
-/// Without a joint, the first one is meant. Exchanges count from the component's activation.
+/// Without a joint, the first one is used. Exchanges count from the component's activation.
 class FakeFaults {
  public:
   /// Throws Error("bad-value") with the valid forms.

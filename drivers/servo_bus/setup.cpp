@@ -18,7 +18,7 @@ namespace polyarm::servo_bus {
 namespace {
 using Values = std::map<std::string, std::string>;
 
-// Of a loop whose cycle is too slow for the usual time of the watchdog.
+// For a loop whose cycle is too slow for the default time of the watchdog.
 constexpr double kWatchdogWrites = 4;
 
 const std::vector<std::string> kStates = {"position", "velocity",    "effort",
@@ -31,10 +31,10 @@ std::vector<std::string> joint_parameters(const Family& family) {
   return out;
 }
 
-/// Takes values out of a map, as the table has them, and collects what is wrong with them.
+/// Reads values from a map by the table, and collects their faults.
 class Reader {
  public:
-  /// `group`: "" or kOfJoint. `prefix`: what the user calls it by.
+  /// `group`: "" or kOfJoint. `prefix`: the group's name in messages.
   Reader(const Family& family, std::string_view group, const Values& values, std::string prefix,
          Location where, Problems& problems)
       : rows_(facts_of(family).parameters),
@@ -49,7 +49,7 @@ class Reader {
     if (found == values_.end()) return std::nullopt;
     return std::string(trim(found->second));
   }
-  /// What is given, if it is right.
+  /// The given value, if it is valid.
   std::optional<double> given(const std::string& key) const {
     const auto given = text(key);
     if (!given) return std::nullopt;
@@ -112,7 +112,7 @@ class Reader {
   Problems& problems_;
 };
 
-/// Beside the description, or where the process stands; empty: nowhere.
+/// Beside the description, or in the working directory; empty: not found.
 std::filesystem::path find_calibration(const std::string& given, const hardware::ComponentContext& context) {
   std::error_code ignored;
   for (const hardware::RobotInstance& robot : context.robots)
@@ -149,7 +149,7 @@ std::map<std::string, Values> read_calibration(const hardware::ComponentContext&
   return out;
 }
 
-/// A joint as the description or the robot has it.
+/// A joint from the description or the robot.
 struct Declared {
   std::string robot, name;
   Values values;
@@ -227,7 +227,7 @@ JointSetup read_joint(const Declared& joint, const Family& family, Problems& pro
   return out;
 }
 
-/// Puts the cell's `joint.parameter` and the calibration where they belong; the cell has the last word.
+/// Merges the cell's `joint.parameter` values and the calibration; the cell has priority.
 void merge(std::vector<Declared>& joints, const Values& bus, const std::map<std::string, Values>& calibration,
            const Family& family, Problems& problems) {
   for (Declared& joint : joints)

@@ -7,10 +7,10 @@
 namespace polyarm::servo_bus {
 
 namespace {
-constexpr int kUnderWay = 30;  // steps between goal and joint: less is play and what a load bends
+constexpr int kUnderWay = 30;  // steps between goal and joint: a smaller distance is play and load
 using Ids = std::array<std::uint8_t, ServoBus::kMostServos>;
 
-/// Do all say that the register is at most `most(k)`, either way?
+/// True if all report a register value of at most `most(k)` in either direction.
 template <typename Most>
 Outcome all_within(ServoBus& bus, std::span<const std::uint8_t> ids, const Register& reg,
                    Most most) noexcept {
@@ -29,7 +29,7 @@ Outcome stop_turning(ServoBus& bus, std::span<const std::uint8_t> ids, std::span
   const Family& family = bus.family();
   constexpr std::array<std::int32_t, ServoBus::kMostServos> kZero{};
   const auto zero = std::span(kZero).first(ids.size());
-  // A watchdog of the servo's own that has bitten keeps the goal shut.
+  // A servo's own watchdog that has tripped write-protects the goal.
   Outcome outcome = family.watchdog ? bus.sync_write(ids, family.watchdog, zero) : Outcome::ok;
   if (outcome == Outcome::ok) outcome = bus.sync_write(ids, family.goal_velocity, zero);
   if (outcome == Outcome::ok)
@@ -55,7 +55,7 @@ Outcome stand(ServoBus& bus, std::uint8_t id, Mode mode, int min, int max) noexc
     if (outcome != Outcome::ok || std::abs(at - goal) <= kUnderWay) return outcome;
     return bus.write_checked(id, family.goal_position, std::clamp(at, min, max));
   }
-  // A watchdog of the servo's own that has bitten keeps the goal shut.
+  // A servo's own watchdog that has tripped write-protects the goal.
   const Outcome open = family.watchdog ? bus.write_checked(id, family.watchdog, 0) : Outcome::ok;
   if (open == Outcome::gone || open == Outcome::failed) return open;
   return bus.write_checked(id, goal_register(family, mode), 0);

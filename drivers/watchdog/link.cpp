@@ -23,13 +23,13 @@ namespace polyarm::watchdog {
 
 namespace {
 constexpr int kStartTimeout_ms = 10'000, kEndTimeout_ms = 2'000;
-/// So many heartbeats in a row may find the queue full.
+/// Number of consecutive heartbeats that may find the queue full.
 constexpr int kUnheard = 4;
 
-/// Heartbeats in the time that the watchdog waits.
+/// Heartbeats per watchdog timeout.
 constexpr double kBeats = 8;
 
-/// Copies of descriptors that are out of the way of the numbers at which the child finds them.
+/// Copies of descriptors, moved away from the numbers that the child expects.
 class OutOfTheWay {
  public:
   explicit OutOfTheWay(int first, std::span<const int> others) {
@@ -49,8 +49,8 @@ class OutOfTheWay {
   std::vector<int> copies_;
 };
 
-/// The program with the socket and what is handed over as descriptors 3 and on, the null device as 0 to 2,
-/// and signals as they were at birth.
+/// Starts the program with the socket and the handed descriptors as 3 and on, the null device as 0 to 2, and
+/// default signals.
 bool spawn(const std::string& program, std::vector<std::string>& words, const std::vector<int>& descriptors) {
   std::vector<char*> argv{const_cast<char*>(program.c_str())};
   for (std::string& word : words) argv.push_back(word.data());
@@ -79,7 +79,7 @@ bool spawn(const std::string& program, std::vector<std::string>& words, const st
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
   if (!ok) return false;
-  int status = 0;  // this one ends at once, its child is the watchdog
+  int status = 0;  // this process ends immediately; its child is the watchdog
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
@@ -126,8 +126,8 @@ Health Link::start(const std::string& program, std::vector<std::string> words, s
   int ends[2];
   if (program.empty()) return Health::missing;
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) return Health::missing;
-  // A short queue, so that a watchdog that does not listen is found out soon.
-  const int queue = 1;  // the kernel makes it the least it has, a few messages
+  // A short queue, so that a watchdog that does not read is detected soon.
+  const int queue = 1;  // the kernel raises it to its minimum, a few messages
   if (setsockopt(ends[0], SOL_SOCKET, SO_SNDBUF, &queue, sizeof queue) != 0) errno = 0;
   socket_ = ends[0];
   bool spawned = false;
@@ -200,7 +200,7 @@ void Link::stop() noexcept {
   if (say(Word::quit) == Health::fine) {
     pollfd waiting{socket_, POLLIN, 0};
     char word[8];
-    // What it still says is passed over; its end is the end of the socket.
+    // Ignores further messages; its end is the end of the socket.
     while (poll(&waiting, 1, kEndTimeout_ms) > 0 && recv(socket_, word, sizeof word, MSG_DONTWAIT) > 0) {
     }
   }

@@ -55,7 +55,7 @@ class Watch {
     tell(message, sizeof message);
   }
 
-  /// Nobody may be there any more; the next listen() finds out.
+  /// The other side may have ended; the next listen() detects it.
   void tell(const void* message, std::size_t size) {
     if (send(socket_, message, size, MSG_NOSIGNAL | MSG_DONTWAIT) < 0) return;
   }
@@ -91,7 +91,7 @@ class Watch {
     return poll(&asked, 1, 0) > 0 && (asked.revents & POLLHUP) != 0;
   }
 
-  /// While the driver lives, until it sees to it itself; after its end as long as it is worth it.
+  /// While the driver lives, until the driver takes care of it; after its end within the time limit.
   bool stop_at_any_cost() {
     Clock::time_point end = Clock::now() + milliseconds(patience_.give_up_ms);
     for (;;) {
@@ -130,13 +130,13 @@ class Watch {
 }  // namespace
 
 void become_watchdog(int handed) {
-  // Handed over to a child, which then belongs to nobody: the driver has no process to bury.
+  // Becomes an orphan, so the driver has no child process to wait for.
   const pid_t child = fork();
   if (child != 0) _exit(child < 0 ? 1 : 0);
   setsid();
   for (const int signal : {SIGINT, SIGHUP, SIGTERM, SIGQUIT, SIGPIPE, SIGTSTP}) ::signal(signal, SIG_IGN);
   syscall(SYS_close_range, kSocket + handed + 1, ~0U, 0);
-  // As far as the machine allows: before the others, and never paged out.
+  // As far as the system allows: real-time priority, and never paged out.
   sched_param first{};
   first.sched_priority = 1;
   if (sched_setscheduler(0, SCHED_FIFO, &first) != 0) errno = 0;
