@@ -54,8 +54,8 @@ class Commissioning {
   std::vector<FoundServo> find();
   /// Assigns an id to each joint, with one servo plugged in at a time.
   void assign_ids();
-  /// Checks that all joints answer, have the same model and firmware and a good voltage; reports faults. True
-  /// if there are none.
+  /// Checks that all joints answer, have the same model and firmware and a good voltage; reports faults.
+  /// Returns true without faults.
   bool check();
   /// Writes the persistent registers of all joints to the backup file. An existing file is kept; the new one
   /// gets a number in its name.

@@ -11,7 +11,7 @@
 
 namespace polyarm::ik {
 
-/// What is wrong with a question.
+/// The fault of a question.
 enum class Flaw { none, not_finite, no_rotation, no_joints, seed_size, task, nothing_moves, too_far };
 
 /// A question in the form of the numeric solver.

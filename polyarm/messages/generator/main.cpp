@@ -1,5 +1,5 @@
-/// Writes the structs of interfaces.list and how they go on the wire: polyarm_message_generator LIST FOLDER
-/// makes FOLDER/types.hpp and FOLDER/types.cpp.
+/// Writes the structs of interfaces.list and their wire format: polyarm_message_generator LIST FOLDER makes
+/// FOLDER/types.hpp and FOLDER/types.cpp.
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -13,7 +13,7 @@
 namespace polyarm::messages::generator {
 namespace {
 
-/// "sensor_msgs/msg/JointState" in its three words; a part of a service or action lies in a struct of that
+/// "sensor_msgs/msg/JointState" as its three words; a part of a service or action is in a struct of that
 /// name.
 struct Place {
   std::string package, kind, name;
@@ -52,7 +52,7 @@ std::string cpp_type(const Field& field) {
   return "std::vector<" + one + ">";
 }
 
-/// C++ names that ROS's names of services and actions stand for: Trigger::Request is Trigger_Request.
+/// C++ names for the ROS names of services and actions: Trigger::Request is Trigger_Request.
 std::string aliases(const std::vector<Type>& types) {
   std::map<std::string, std::map<std::string, std::vector<std::string>>> parts;  // space, name, parts
   for (const Type& type : types) {
@@ -142,7 +142,7 @@ std::string dds_name(const std::string& name) {
   return at.package + "::" + at.kind + "::dds_::" + at.name + "_";
 }
 
-/// The fewest bytes of one element of the field.
+/// The smallest size of one element of the field, bytes.
 std::size_t element_bytes(const Field& field, const std::map<std::string, const Type*>& all) {
   return least_bytes({"", {}, {{field.type, "", Shape::single, 0, "", 0}}}, all);
 }
@@ -154,7 +154,8 @@ std::string function_name(const std::string& distribution, std::string type) {
   return distribution + "_" + type;
 }
 
-/// What is known of a type, by the function `head` says; `varied` are the names of the distribution's own.
+/// Writes the function `head` with the type information; `varied` are the names of types that differ in the
+/// distribution.
 std::string information(const Type& type, const std::map<std::string, const Type*>& all,
                         const std::string& head, const std::string& distribution,
                         const std::set<std::string>& varied) {
@@ -190,7 +191,7 @@ std::string functions(const Type& type, const std::map<std::string, const Type*>
          information(type, all, "template <>\nconst TypeInfo& type_info<" + name + ">()", "", {}) + "\n";
 }
 
-/// The types that a distribution has otherwise, and the list of them: humble_types().
+/// Writes the types that differ in a distribution, and the list of them: humble_types().
 std::string varied(const std::string& distribution, const std::vector<Type>& types,
                    std::map<std::string, const Type*> all) {
   std::set<std::string> names;

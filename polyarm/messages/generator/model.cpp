@@ -27,14 +27,14 @@ const std::map<std::string, Primitive>& primitives() {
   return all;
 }
 
-/// A struct without fields has this one, which the wire sees and nobody else.
+/// The hidden member of a struct without fields; it exists only on the wire.
 const char* const kNothing = "structure_needs_at_least_one_member";
 
-/// An entry of the list: a name and its lines, parted at ---.
+/// An entry of the list: a name and its lines, separated at ---.
 struct Entry {
   std::string package, kind, name;
   std::vector<Type> parts{1};
-  std::string distribution;  ///< "": all that do not have one of their own
+  std::string distribution;  ///< "": all without a form of their own
 };
 
 class Reader {
@@ -137,7 +137,7 @@ class Reader {
     entry_ = {};
   }
 
-  /// What an action is on the wire: two services and a topic around its three parts (ROS 2 design, actions).
+  /// An action on the wire: two services and a topic around its three parts (ROS 2 design, actions).
   void action(const std::string& full) {
     const Field id{"unique_identifier_msgs/msg/UUID", "goal_id", Shape::single, 0, "", 0};
     add(full + "_Goal", std::move(entry_.parts[0]));
@@ -156,7 +156,7 @@ class Reader {
     add(full + "_FeedbackMessage", {"", {}, {id, {full + "_Feedback", "feedback", Shape::single, 0, "", 0}}});
   }
 
-  /// Those of a distribution and every type that has one of them in it, in the order of the list.
+  /// The types of a distribution and every type that uses one of them, in the order of the list.
   std::vector<Type> with_users(const std::map<std::string, Type>& varied) const {
     std::vector<Type> out;
     std::set<std::string> names;
@@ -225,7 +225,7 @@ void collect(const Type& type, const std::map<std::string, const Type*>& all, st
   }
 }
 
-/// A type as REP 2016 describes it; spaces as its reference has them.
+/// A type description as in REP 2016, with the spaces of its reference implementation.
 std::string description(const Type& type) {
   static constexpr std::array<int, 4> shapes{0, 48, 96, 144};
   std::vector<Field> fields = type.fields;
