@@ -1,6 +1,6 @@
 #pragma once
 /// The parameters of a servo bus and its joints: one table for the reader of settings and the lists of
-/// `polyarm drivers`.
+/// `polyarm drivers`. Constant.
 #include <string_view>
 
 #include "drivers/servo_bus/registers.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 /// Edits the file of a data set without ever losing data: one writer at a time, the file is at any moment
 /// either old or new, and its former content is kept in `.state/history/<file>/` beside it. Reads and writes
-/// the disk: not for the cell thread.
+/// the disk; waits for other writers.
 #include <filesystem>
 #include <functional>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-/// Builds a model from the names in a file, and completes its masses. Private to this room. SI units.
+/// Builds a model from the names in a file, and completes its masses. SI units.
 #include <string>
 
 #include "polyarm/description/robot_model.hpp"

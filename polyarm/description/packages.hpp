@@ -1,5 +1,5 @@
 #pragma once
-/// Finds ROS packages without ROS. Reads the disk: not for the cell thread.
+/// Finds ROS packages without ROS. Reads the disk.
 #include <filesystem>
 #include <functional>
 #include <map>

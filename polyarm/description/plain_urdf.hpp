@@ -1,6 +1,6 @@
 #pragma once
 /// URDF for readers that accept only standard URDF, such as ROS's own (urdfdom before version 5 fails at a
-/// <capsule>).
+/// <capsule>). SI units.
 #include <string>
 
 #include "polyarm/description/robot_model.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-/// Reads scene files. SI units. Reads the disk: not for the cell thread.
+/// Reads scene files. SI units.
 #include <string>
 
 #include "polyarm/base/yaml.hpp"

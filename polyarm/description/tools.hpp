@@ -1,5 +1,5 @@
 #pragma once
-/// Built-in tools and tool files. SI units. Reads the disk: not for the cell thread.
+/// Built-in tools and tool files. SI units.
 #include <optional>
 #include <string>
 #include <vector>

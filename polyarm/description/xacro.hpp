@@ -1,6 +1,6 @@
 #pragma once
 /// xacro: macros for XML, expanded as by the reference implementation. docs/xacro.md lists the supported
-/// features. Reads the disk: not for the cell thread.
+/// features. Reads the disk.
 #include <filesystem>
 #include <map>
 #include <string>

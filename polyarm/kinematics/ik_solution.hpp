@@ -1,5 +1,5 @@
 #pragma once
-/// Results of inverse kinematics; all solvers share them. Metres, radians; the TCP in the world.
+/// Results of inverse kinematics; all solvers share them. Metres, radians; the TCP in the world. Plain data.
 #include <array>
 #include <cstddef>
 

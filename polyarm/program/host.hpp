@@ -1,6 +1,5 @@
 #pragma once
-/// The interface of a program to its cell. The interpreter itself knows no robot, file or clock. SI units;
-/// cell thread.
+/// The interface of a program to its cell. The interpreter itself knows no robot, file or clock. SI units.
 #include <cstdint>
 #include <optional>
 #include <span>

@@ -1,6 +1,7 @@
 #pragma once
-/// Runs a program as explicit state that the cell thread steps: tasks, frames, program counters. It never
-/// blocks, so it can be paused between any two statements by not stepping it. Cell thread only.
+/// Runs a program as explicit state that its owner steps, for a cell the cell thread: tasks, frames, program
+/// counters. It never blocks, so it can be paused between any two statements by not stepping it. One thread
+/// at a time.
 #include <cstdint>
 #include <deque>
 #include <functional>

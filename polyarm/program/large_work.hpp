@@ -1,6 +1,6 @@
 #pragma once
 /// Works on large values in pieces, so that no step of a program takes long. Private to the interpreter's
-/// files; cell thread.
+/// files.
 #include <cstddef>
 #include <string>
 #include <utility>

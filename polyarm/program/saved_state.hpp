@@ -1,5 +1,5 @@
 #pragma once
-/// The state of a program as values that can be stored and restored by another process.
+/// The state of a program as values that can be stored and restored by another process. Plain data.
 #include <cstdint>
 #include <map>
 #include <optional>

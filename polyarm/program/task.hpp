@@ -1,5 +1,5 @@
 #pragma once
-/// The state of one task. Private to the interpreter's files; cell thread.
+/// The state of one task. Private to the interpreter's files.
 #include <deque>
 
 #include "polyarm/program/interpreter.hpp"
