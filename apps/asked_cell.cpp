@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -19,13 +20,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void print_taken(const ros_files::PythonLaunch& read) {
+void print_taken(const ros_files::PythonLaunch& read, const std::string& path) {
   std::error_code error;
   const auto missing = [&](const fs::path& file) {
     return fs::is_regular_file(file, error) ? "" : ", which is not there";
   };
-  const auto in_line = [](const Location& where) {
-    return where.line > 0 ? fmt::format(" (line {})", where.line) : std::string();
+  const auto in_line = [&](const Location& where) {
+    if (where.line <= 0) return std::string();
+    const std::string inside = where.file == path ? "" : fs::path(where.file).filename().string() + " ";
+    return fmt::format(" ({}line {})", inside, where.line);
   };
   for (const auto& found : read.descriptions)
     fmt::print(stderr, "  taken: description  {}{}{}\n", found.file.string(), in_line(found.where),
@@ -39,6 +42,31 @@ void print_taken(const ros_files::PythonLaunch& read) {
                  argument.given ? "" : " (its default)");
   for (const auto& [where, what] : read.not_taken)
     fmt::print(stderr, "  not taken: {}{}\n", what, in_line(where));
+  if (!read.missing_packages.empty())
+    fmt::print(stderr,
+               "not found: the package{} {}; with POLYARM_PACKAGES=FOLDER before the command, FOLDER and the "
+               "folders below it are searched, too\n",
+               read.missing_packages.size() > 1 ? "s" : "", join(read.missing_packages, ", "));
+}
+
+/// What the line that is printed lacks.
+void print_needs(const ros_files::PythonLaunch& read, const std::string& verb) {
+  for (const ros_files::PythonLaunchNeed& need : read.needed()) {
+    const auto argument = std::find_if(read.arguments.begin(), read.arguments.end(),
+                                       [&](const auto& other) { return other.name == need.argument; });
+    const bool choices = argument != read.arguments.end() && !argument->choices.empty();
+    fmt::print(stderr, "replace VALUE of {}: {}{}\n", need.name,
+               need.argument.empty()
+                   ? "the description needs it, and the launch file computes it"
+                   : fmt::format("the argument '{}' of the launch file has no default that is written down",
+                                 need.argument),
+               choices ? "; it is one of " + join(argument->choices, ", ") : "");
+  }
+  if (const std::string why = read.why_no_activate(); verb == "run" && !why.empty())
+    fmt::print(stderr, "--activate is left out: {}{}\n", why,
+               read.spawned.empty()
+                   ? ""
+                   : "; add --activate NAME for those you want (" + join(read.spawned, ", ") + ")");
 }
 
 /// Controllers files that the description itself names, for Gazebo.
@@ -58,22 +86,21 @@ std::vector<ros_files::PythonLaunchFile> controllers_of(
   return out;
 }
 
-/// What a Python launch file says in so many words, and the line that does `verb` with it.
-int explain_python_launch(const std::string& verb, const std::string& path,
-                          const std::map<std::string, std::string>& given) {
+/// What a launch file of ROS 2 says in so many words, and the line that does `verb` with it.
+int explain_launch_file(const std::string& verb, const std::string& path,
+                        const std::map<std::string, std::string>& given) {
   ros_files::PythonLaunch read =
       ros_files::read_python_launch(read_file(path), path, given, description::packages_near(path));
-  fmt::print(stderr, "polyarm {}: {} is a Python launch file of ROS 2, which is read and not executed\n",
-             verb, path);
+  fmt::print(stderr, "polyarm {}: {} is a {}launch file of ROS 2, which is read and not executed\n", verb,
+             path, path.ends_with(".py") ? "Python " : "");
   std::error_code error;
   if (!read.descriptions.empty() && read.parameters.empty())
     read.parameters = controllers_of(read.descriptions.front());
-  print_taken(read);
+  print_taken(read, path);
   if (!read.descriptions.empty() && fs::is_regular_file(read.descriptions.front().file, error)) {
     if (read.descriptions.size() > 1)
       fmt::print(stderr, "it has several descriptions; the first is used below\n");
-    if (const auto needed = read.needed(); !needed.empty())
-      fmt::print(stderr, "replace VALUE: the description needs {}\n", join(needed, ", "));
+    print_needs(read, verb);
     fmt::print(stderr, "type instead:\n  {}\n", read.line(verb));
     return kUsage;
   }
@@ -95,22 +122,19 @@ int explain_python_launch(const std::string& verb, const std::string& path,
   return kUsage;
 }
 
-/// A launch file of ROS 2 is a program and does not run here.
-int explain_launch_file(const std::string& verb, const std::string& path,
-                        const std::map<std::string, std::string>& given) {
-  if (path.ends_with(".py")) return explain_python_launch(verb, path, given);
-  const description::LaunchHints hints = description::find_in_launch_file(read_file(path));
-  fmt::print(stderr, "polyarm {}: {} is a launch file of ROS 2; it mentions\n", verb, path);
-  for (const std::string& name : hints.descriptions) fmt::print(stderr, "  description  {}\n", name);
-  for (const std::string& name : hints.controllers) fmt::print(stderr, "  controllers  {}\n", name);
-  fmt::print(stderr, "type instead, with their paths:\n  {}\n", hints.line(verb));
-  return kUsage;
-}
-
-/// A launch file of ROS 1 is XML; those of ROS 2 are programs, or XML that calls itself so.
-bool runs_here(const std::string& path) {
-  const fs::path file = path;
-  return file.extension() == ".launch" || path.ends_with(".launch.xml");
+/// A launch file of ROS 2: whatever is Python, and XML or YAML that says so.
+bool is_ros2_launch(const std::string& named) {
+  std::error_code error;
+  const fs::path path = named;
+  const std::string extension = path.extension().string();
+  if (extension == ".py") return true;
+  const bool markup =
+      extension == ".launch" || extension == ".xml" || extension == ".yaml" || extension == ".yml";
+  if (!markup || named.find("launch") == std::string::npos || !fs::is_regular_file(path, error)) return false;
+  std::string text;
+  Problems ignored;
+  collect(ignored, [&] { text = read_file(path); });
+  return ros_files::is_ros2_launch(text, path);
 }
 
 /// A description, or a robot of the catalogue, may stand where a cell does.
@@ -145,8 +169,7 @@ std::optional<int> AskedCell::settle(const std::string& verb) {
                verb);
     return kUsage;
   }
-  if (description::is_launch_file(named) && !runs_here(named))
-    return explain_launch_file(verb, named, named_values(arguments));
+  if (is_ros2_launch(named)) return explain_launch_file(verb, named, named_values(arguments));
   return std::nullopt;
 }
 

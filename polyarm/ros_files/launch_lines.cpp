@@ -96,41 +96,64 @@ Found look_into(const fs::path& package) {
 }  // namespace
 }  // namespace launch_lines
 
-std::vector<std::pair<std::string, std::string>> PythonLaunch::variables() const {
-  std::vector<std::pair<std::string, std::string>> out;
-  for (const PythonLaunchArgument& argument : arguments)
-    for (const PythonLaunchFile& parameter : parameters) {
-      if (!argument.known) continue;
-      if (launch_lines::text_of(parameter.file).find("$(var " + argument.name + ")") == std::string::npos)
-        continue;
-      out.emplace_back(argument.name, argument.value);
-      break;
-    }
+namespace {
+
+/// Does a parameter file have $(var NAME)?
+bool is_variable(const std::vector<PythonLaunchFile>& files, const std::string& name) {
+  return std::any_of(files.begin(), files.end(), [&](const PythonLaunchFile& file) {
+    return launch_lines::text_of(file.file).find("$(var " + name + ")") != std::string::npos;
+  });
+}
+
+std::string text_of_all(const std::vector<PythonLaunchFile>& files) {
+  std::string out;
+  for (const PythonLaunchFile& file : files) out += launch_lines::text_of(file.file);
   return out;
 }
 
-std::vector<std::string> PythonLaunch::needed() const {
-  std::vector<std::string> out;
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> PythonLaunch::variables() const {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (const PythonLaunchArgument& argument : arguments)
+    if (argument.known && is_variable(parameters, argument.name))
+      out.emplace_back(argument.name, argument.value);
+  return out;
+}
+
+std::vector<PythonLaunchNeed> PythonLaunch::needed() const {
+  std::vector<PythonLaunchNeed> out;
   if (descriptions.empty()) return out;
   const std::string text = launch_lines::text_of(descriptions.front().file);
-  for (const std::string& name : descriptions.front().unknown)
-    if (!launch_lines::has_default(text, name)) out.push_back(name);
+  for (const PythonLaunchNeed& need : descriptions.front().unknown)
+    if (!need.argument.empty() || !launch_lines::has_default(text, need.name)) out.push_back(need);
+  for (const PythonLaunchArgument& argument : arguments)
+    if (!argument.known && is_variable(parameters, argument.name))
+      out.push_back({argument.name, argument.name});
   return out;
+}
+
+std::string PythonLaunch::why_no_activate() const {
+  if (spawned.empty() && spawned_known) return "";
+  if (!spawned_known) return "which controllers are started is not known in full";
+  const std::string all = text_of_all(parameters);
+  for (const std::string& name : spawned)
+    if (all.find(name + ":") == std::string::npos)
+      return "'" + name + "' is started, but no controllers file that is here has it";
+  return "";
 }
 
 std::string PythonLaunch::line(const std::string& verb) const {
   using launch_lines::quoted;
   if (descriptions.empty()) return "";
   const PythonLaunchDescription& description = descriptions.front();
-  std::string out = "polyarm " + verb + " --description " + quoted(description.file.string()), all;
+  std::string out = "polyarm " + verb + " --description " + quoted(description.file.string());
   for (const PythonLaunchFile& file : parameters) {
     const std::string text = launch_lines::text_of(file.file);
     if (launch_lines::is_there(file.file) && !launch_lines::has_controllers(text)) continue;
     out += " --controllers " + quoted(file.file.string());
-    all += text;
   }
-  const auto is_known = [&](const std::string& name) { return all.find(name + ":") != std::string::npos; };
-  if (verb == "run" && !spawned.empty() && std::all_of(spawned.begin(), spawned.end(), is_known))
+  if (verb == "run" && why_no_activate().empty())
     for (const std::string& name : std::set<std::string>(spawned.begin(), spawned.end()))
       out += " --activate " + quoted(name);
   std::set<std::string> said;
@@ -138,8 +161,8 @@ std::string PythonLaunch::line(const std::string& verb) const {
     if (said.insert(name).second) out += " " + quoted(name + ":=" + value);
   for (const auto& [name, value] : variables())
     if (said.insert(name).second) out += " " + quoted(name + ":=" + value);
-  for (const std::string& name : needed())
-    if (said.insert(name).second) out += " " + quoted(name) + ":=VALUE";
+  for (const PythonLaunchNeed& need : needed())
+    if (said.insert(need.name).second) out += " " + quoted(need.name) + ":=VALUE";
   return out;
 }
 

@@ -1,12 +1,13 @@
 #include "polyarm/ros_files/python_launch.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <optional>
 #include <set>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/ros_files/markup_launch.hpp"
+#include "polyarm/ros_files/python_calls.hpp"
 #include "polyarm/ros_files/python_reader.hpp"
 #include "polyarm/ros_files/python_spawners.hpp"
 
@@ -18,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostFound = 200;
+const std::string kInPackage = "package:";  ///< begins the gap that a package leaves that is not found
 constexpr int kMostIncluded = 50, kDeepestInclude = 8;
 
 bool is_there(const fs::path& file) {
@@ -31,12 +33,13 @@ std::string without_quotes(std::string value) {
   return value;
 }
 
-class LaunchReader : private PythonReader {
+class LaunchReader : private PythonReader, private LaunchActions {
  public:
   /// `included`: launch files that have been read on the way, of the one that began.
   LaunchReader(std::string_view text, const fs::path& path, const std::map<std::string, std::string>& given,
                const PackageSearch& find, int depth, int& included)
-      : PythonReader(text, path.string()),
+      : PythonReader(path.extension() == ".py" ? text : std::string_view(), path.string()),
+        text_{text},
         path_{path},
         given_{given},
         find_{find},
@@ -50,29 +53,38 @@ class LaunchReader : private PythonReader {
       moveit_controllers_.clear();
       last_ = last;
     });
+    if (path_.extension() != ".py") read_markup_launch(text_, path_, *this);
     list_arguments();
+    out_.missing_packages.assign(missing_.begin(), missing_.end());
     if (out_.parameters.empty()) out_.parameters = moveit_controllers_;
-    if (!spawned_known_) out_.spawned.clear();
+    out_.spawned_known = spawned_known_;
     return std::move(out_);
   }
-  bool spawned_known() const { return spawned_known_; }
 
  private:
   // --- what names and methods mean ---
 
   Value unassigned(const std::string& name) override {
+    if (name == "os.sep" || name == "os.path.sep") return Value::of("/");
+    if (name == "None") return Value::of("none");
     return name == "__file__" ? Value::of(path_.string()) : Value{};
   }
 
-  Value method(Value value, const std::string& name, const Arguments* a) override {
+  Value act(const std::string& action, const Arguments& arguments, const Location& where) override {
+    return call(action, action, arguments, where);
+  }
+  void not_read(const Location& where, std::string what) override { not_taken(where, std::move(what)); }
+  void left_out(const Location& where, std::string what) override { not_taken(where, std::move(what)); }
+
+  Value method(Value value, const std::string& name, const Arguments* a, const Location& where) override {
     if (value.kind == Value::Kind::builder) return a ? builder_method(std::move(value), name, *a) : Value{};
-    if (!a)
-      return name == "parent" && value.kind == Value::Kind::text
-                 ? Value::of(fs::path(value.text).parent_path().string())
-                 : Value{};
+    if (!a) return part_of_path(value, name);
     static const std::set<std::string> kSame = {"perform", "as_posix", "toxml",    "resolve",    "strip",
-                                                "items",   "copy",     "absolute", "expanduser", "as_string"};
+                                                "items",   "copy",     "absolute", "expanduser", "as_string",
+                                                "rstrip",  "lstrip",   "__str__",  "toprettyxml"};
     if (kSame.contains(name)) return value;
+    if (name == "read_text" && value.kind == Value::Kind::text) return opened(value, where);
+    if (name == "open" && value.kind == Value::Kind::text) return opened(value, where);
     if (name == "find" && a->values.size() == 1) return package(flat(a->values.front()));
     if (name == "get" && !a->values.empty()) {
       if (const Value* found = value.find(flat(a->values.front()))) return *found;
@@ -93,7 +105,8 @@ class LaunchReader : private PythonReader {
     if (function == "FindExecutable") return own_argument(a, "name");
     if (function == "Command") return command(a, where);
     if (function == "process_file") return process_file(a, where);
-    if (whole == "open") return opened(a, where);
+    if (whole == "xacro.process") return process_file(a, where);
+    if (whole == "open") return opened(own_argument(a, "file"), where);
     if (function == "ParameterFile") return own_argument(a, "param_file");
     if (function == "ParameterValue" || function == "str") return own_argument(a, "value");
     if (function == "TextSubstitution") return own_argument(a, "text");
@@ -104,19 +117,8 @@ class LaunchReader : private PythonReader {
     if (function.ends_with("LaunchDescriptionSource")) return own_argument(a, "location");
     if (function == "IncludeLaunchDescription") include(a, where);
     if (function == "MoveItConfigsBuilder") return builder(a, where);
-    if (function == "Node" || function == "ExecuteProcess") node(function, a, where);
+    if (function == "Node" || is_process(function)) node(function, a, where);
     return function_of_file(a, where);
-  }
-
-  static Value own_argument(const Arguments& a, const char* name) {
-    const Value* value = a.first_or(name);
-    return value ? *value : Value{};
-  }
-  static Value map_of(const Arguments& a) {
-    Value out;
-    out.kind = Value::Kind::map;
-    out.entries = a.named;
-    return out;
   }
 
   // --- paths and packages ---
@@ -139,31 +141,12 @@ class LaunchReader : private PythonReader {
     return std::nullopt;
   }
 
-  static Value path_of(const Arguments& a) {
-    std::vector<std::string> parts;
-    for (const Value& value : a.values) {
-      if (value.kind != Value::Kind::list) {
-        parts.push_back(flat(value));
-        continue;
-      }
-      for (const Value& item : value.items) parts.push_back(flat(item));
-    }
-    return parts.empty() ? Value{} : Value::of(joined_path(parts));
-  }
-
   Value package(const std::string& name) {
     const fs::path folder = has_gap(name) ? fs::path{} : find_(name);
     if (!folder.empty()) return Value::of(folder.string());
-    if (!has_gap(name)) missing_.insert(name);
-    return Value::gap();
-  }
-
-  static Value environment(const Arguments& a) {
-    const Value* name = a.first_or("name");
-    if (!name || has_gap(flat(*name))) return {};
-    if (const char* value = std::getenv(flat(*name).c_str())) return Value::of(value);
-    const Value* fallback = a.second_or("default_value");
-    return fallback ? *fallback : Value::gap();
+    if (has_gap(name)) return Value::gap();
+    missing_.insert(name);
+    return Value::gap_of(kInPackage + name);
   }
 
   // --- launch arguments ---
@@ -172,7 +155,8 @@ class LaunchReader : private PythonReader {
     if (const auto given = given_.find(name); given != given_.end()) return Value::of(given->second);
     if (const auto declared = declared_.find(name); declared != declared_.end() && declared->second.value)
       return Value::of(*declared->second.value);
-    return fallback && fallback->kind == Value::Kind::text ? *fallback : Value::gap();
+    if (fallback && fallback->kind == Value::Kind::text) return *fallback;
+    return has_gap(name) ? Value::gap() : Value::gap_of(name);
   }
 
   void declare(const Arguments& a) {
@@ -194,37 +178,26 @@ class LaunchReader : private PythonReader {
       declared_[flat(*name)].value = flat(*value);
   }
 
-  /// "true" or "false"; a gap where it is computed.
-  static Value condition(bool unless, const Arguments& a) {
-    const std::string text = a.values.empty() ? std::string(1, kUnknown) : lower(flat(a.values.front()));
-    const bool yes = text == "true" || text == "1", no = text == "false" || text == "0";
-    return yes || no ? Value::of(yes != unless ? "true" : "false") : Value::gap();
-  }
-  /// What the condition of an action is; "true" without one.
-  static std::string condition_of(const Arguments& a) {
-    const Value* condition = a.find("condition");
-    return condition ? flat(*condition) : "true";
-  }
-
   // --- launch files that are included ---
 
   void include(const Arguments& a, const Location& where) {
     if (!last_ || condition_of(a) == "false") return;
     const std::string named = flat(own_argument(a, "launch_description_source"));
     if (has_gap(named) || named.empty())
-      return not_taken(where, unknown_file("launch file that is included"));
+      return not_taken(where, unknown_file("launch file that is included", named));
     const fs::path file = named;
     if (!is_there(file))
       return not_taken(where, "the launch file '" + named + "' that is included is not there");
-    if (file.extension() != ".py") return not_taken(where, "'" + named + "' is included, which is no Python");
     if (depth_ >= kDeepestInclude || ++included_ > kMostIncluded)
       return not_taken(where, "'" + named + "' is included, too many or too deep");
     std::string text;
     Problems problems;
     collect(problems, [&] { text = read_file(file, 1 << 20); });
-    if (problems.has_errors()) return not_taken(where, problems.list().front().what);
-    LaunchReader inner(text, file, values_for(a), find_, depth_ + 1, included_);
-    take_over(inner.read(), inner.spawned_known());
+    PythonLaunch inside;
+    collect(problems,
+            [&] { inside = LaunchReader(text, file, values_for(a), find_, depth_ + 1, included_).read(); });
+    if (problems.has_errors()) return not_taken(where, problems.list().front().text());
+    take_over(std::move(inside), unsure() || condition_of(a) != "true", where);
   }
 
   /// An included file sees all values of the one that includes it, and those that it is given.
@@ -247,12 +220,16 @@ class LaunchReader : private PythonReader {
     return out;
   }
 
-  void take_over(PythonLaunch inner, bool spawned_known) {
+  void take_over(PythonLaunch inner, bool unsurely, const Location& where) {
     for (PythonLaunchDescription& found : inner.descriptions) keep(std::move(found));
     for (PythonLaunchFile& found : inner.parameters) keep_parameters(found.file, found.where);
-    out_.spawned.insert(out_.spawned.end(), inner.spawned.begin(), inner.spawned.end());
-    spawned_known_ = spawned_known_ && spawned_known;
-    for (auto& [where, what] : inner.not_taken) not_taken(where, std::move(what));
+    if (unsurely)
+      spawn({inner.spawned, {}, true}, "", where);
+    else
+      out_.spawned.insert(out_.spawned.end(), inner.spawned.begin(), inner.spawned.end());
+    spawned_known_ = spawned_known_ && inner.spawned_known;
+    missing_.insert(inner.missing_packages.begin(), inner.missing_packages.end());
+    for (auto& [place, what] : inner.not_taken) not_taken(place, std::move(what));
     for (PythonLaunchArgument& argument : inner.arguments) {
       const bool again = std::any_of(out_.arguments.begin(), out_.arguments.end(),
                                      [&](const auto& other) { return other.name == argument.name; });
@@ -296,13 +273,9 @@ class LaunchReader : private PythonReader {
     return {};
   }
 
-  static bool is_description(const std::string& file) {
-    return file.ends_with(".urdf") || file.ends_with(".xacro");
-  }
-
   /// open(FILE), whose text becomes robot_description.
-  Value opened(const Arguments& a, const Location& where) {
-    const std::string file = flat(own_argument(a, "file"));
+  Value opened(const Value& named, const Location& where) {
+    const std::string file = flat(named);
     if (!has_gap(file) && is_description(file)) keep({file, {}, {}, where});
     return {};
   }
@@ -318,10 +291,15 @@ class LaunchReader : private PythonReader {
   }
 
   void add_argument(PythonLaunchDescription& to, const std::string& name, const std::string& value) {
+    const std::string gap = argument_of_gap(value);
     if (has_gap(name) || has_gap(value)) {
-      not_taken(to.where, "the value of '" + (has_gap(name) ? std::string("an argument") : name) +
-                              "' for the description is not written down");
-      if (!has_gap(name)) to.unknown.push_back(name);
+      not_taken(
+          to.where,
+          "the value of '" + (has_gap(name) ? std::string("an argument") : name) + "' for the description " +
+              (gap.empty() || gap.starts_with(kInPackage)
+                   ? "is not written down"
+                   : "comes from the argument '" + gap + "', which has no default that is written down"));
+      if (!has_gap(name)) to.unknown.push_back({name, gap.starts_with(kInPackage) ? "" : gap});
     } else {
       to.arguments.emplace_back(name, without_quotes(value));
     }
@@ -329,9 +307,11 @@ class LaunchReader : private PythonReader {
 
   void keep(PythonLaunchDescription found) {
     if (has_gap(found.file.string()) || found.file.empty())
-      return not_taken(found.where, unknown_file("description"));
+      return not_taken(found.where, unknown_file("description", found.file.string()));
     const std::string name = found.file.filename().string();
-    if (name.find(".sdf") != std::string::npos || name.find(".world") != std::string::npos) return;
+    if (name.find(".sdf") != std::string::npos || name.find(".world") != std::string::npos ||
+        name.find(".srdf") != std::string::npos)
+      return;
     const bool again = std::any_of(
         out_.descriptions.begin(), out_.descriptions.end(),
         [&](const auto& other) { return other.file == found.file && other.arguments == found.arguments; });
@@ -347,7 +327,7 @@ class LaunchReader : private PythonReader {
     const Value* named = a.second_or("package_name");
     const Value folder = package(named ? flat(*named) : flat(*robot) + "_moveit_config");
     if (has_gap(folder.text)) {
-      not_taken(where, unknown_file("description"));
+      not_taken(where, unknown_file("description", folder.text));
       return {};
     }
     Value out;
@@ -390,9 +370,9 @@ class LaunchReader : private PythonReader {
   void node(const std::string& function, const Arguments& a, const Location& where) {
     const std::string when = condition_of(a);
     if (when == "false") return;
-    if (function == "ExecuteProcess") {
+    if (is_process(function)) {
       const Value* cmd = a.find("cmd");
-      return cmd ? spawn(spawned_by_command(*cmd), when == "true") : void();
+      return cmd ? spawn(spawned_by_command(*cmd), when, where) : void();
     }
     const Value* package = a.find("package");
     const std::string name = package ? flat(*package) : "";
@@ -400,19 +380,33 @@ class LaunchReader : private PythonReader {
     if (name == "robot_state_publisher" && arguments)
       for (const Value& item : arguments->items)
         if (is_description(flat(item))) keep({flat(item), {}, {}, where});
-    if (name == "controller_manager" && arguments) {
-      const Value* program = a.find("executable");
-      if (program && flat(*program).starts_with("spawner"))
-        spawn(spawned_by_spawner(*arguments), when == "true");
-    }
+    if (name == "controller_manager") spawner(a, when, where);
     if (name != "controller_manager" && name != "ros_gz_sim" && name != "mujoco_ros2_control") return;
     for (const char* key : {"parameters", "arguments", "ros_arguments"})
       if (const Value* list = a.find(key)) parameter_files(*list, where, key == std::string("parameters"));
   }
 
-  void spawn(const Spawned& spawned, bool surely) {
-    spawned_known_ = spawned_known_ && surely && spawned.known;
+  void spawner(const Arguments& a, const std::string& when, const Location& where) {
+    const Value* program = a.find("executable") ? a.find("executable") : a.find("node_executable");
+    if (!program || !flat(*program).starts_with("spawner")) return;
+    const Value* arguments = a.find("arguments");
+    if (!arguments) return spawn(Spawned{{}, {}, false}, when, where);
+    const Spawned found = spawned_by_spawner(*arguments);
+    spawn(found, when, where);
+    for (const std::string& file : found.files) keep_parameters(file, where);
+  }
+
+  void spawn(const Spawned& spawned, const std::string& when, const Location& where) {
     out_.spawned.insert(out_.spawned.end(), spawned.names.begin(), spawned.names.end());
+    const bool surely = when == "true" && !unsure();
+    if (spawned.known && (surely || spawned.names.empty())) return;
+    spawned_known_ = false;
+    const std::string names = join(spawned.names, ", ");
+    if (!spawned.known)
+      not_taken(where, "which controllers are started here is computed" +
+                           (names.empty() ? "" : "; known are " + names));
+    else
+      not_taken(where, "'" + names + "' is started under a condition that is not known");
   }
 
   void parameter_files(const Value& value, const Location& where, bool each_is_one) {
@@ -421,7 +415,7 @@ class LaunchReader : private PythonReader {
       if (item.kind == Value::Kind::map) continue;
       const std::string text = flat(item);
       if (has_gap(text)) {
-        if (each_is_one) not_taken(where, unknown_file("node's parameters"));
+        if (each_is_one) not_taken(where, unknown_file("node's parameters", text));
       } else if (text.ends_with(".yaml") || text.ends_with(".yml")) {
         keep_parameters(text, where);
       }
@@ -443,12 +437,14 @@ class LaunchReader : private PythonReader {
       out_.not_taken.emplace_back(where, std::move(what));
   }
 
-  std::string unknown_file(const std::string& what) const {
-    std::string out = "the file of a " + what + " is not written down";
-    if (!missing_.empty())
-      out += ", or in a package that is not here (" +
-             join(std::vector<std::string>(missing_.begin(), missing_.end()), ", ") + ")";
-    return out;
+  /// Why `path` is no file; the gap in it says what is not known.
+  static std::string unknown_file(const std::string& what, const std::string& path) {
+    const std::string gap = argument_of_gap(path), begin = "the file of a " + what;
+    if (gap.starts_with(kInPackage))
+      return begin + " is in the package '" + gap.substr(kInPackage.size()) + "', which is not found";
+    if (!gap.empty())
+      return begin + " comes from the argument '" + gap + "', which has no default that is written down";
+    return begin + " is not written down";
   }
 
   void list_arguments() {
@@ -473,6 +469,7 @@ class LaunchReader : private PythonReader {
     std::vector<std::string> choices;
   };
 
+  const std::string_view text_;
   const fs::path& path_;
   const std::map<std::string, std::string> given_;
   const PackageSearch& find_;
@@ -493,6 +490,10 @@ PythonLaunch read_python_launch(std::string_view text, const std::filesystem::pa
                                 const std::map<std::string, std::string>& args, const PackageSearch& find) {
   int included = 0;
   return python::LaunchReader(text, path, args, find, 0, included).read();
+}
+
+bool is_ros2_launch(std::string_view text, const std::filesystem::path& path) {
+  return path.extension() == ".py" || python::is_markup_launch(text, path);
 }
 
 }  // namespace polyarm::ros_files

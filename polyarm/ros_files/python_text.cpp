@@ -31,11 +31,16 @@ class Words {
  private:
   void one() {
     const char c = text_[at_];
+    column_ = static_cast<int>(at_ - begin_);
     if (c == '#') {
       at_ = std::min(text_.find('\n', at_), text_.size());
     } else if (c == '\n') {
       ++line_;
-      ++at_;
+      begin_ = ++at_;
+      fresh_ = fresh_ || depth_ == 0;
+    } else if (c == '\\' && at_ + 1 < text_.size() && text_[at_ + 1] == '\n') {
+      ++line_;
+      begin_ = at_ += 2;
     } else if (std::isspace(static_cast<unsigned char>(c)) || c == '\\') {
       ++at_;
     } else if (c == '"' || c == '\'') {
@@ -50,7 +55,8 @@ class Words {
   }
 
   void add(PythonToken::Kind kind, std::string text, int line, bool formatted = false) {
-    out_.push_back({kind, std::move(text), formatted, line});
+    out_.push_back({kind, std::move(text), formatted, line, fresh_, column_});
+    fresh_ = false;
   }
 
   void name() {
@@ -74,6 +80,8 @@ class Words {
     const bool pair = at_ + 1 < text_.size() && text_[at_ + 1] == '=' &&
                       std::string_view("=!<>+-*/%:").find(text_[at_]) != std::string_view::npos;
     const std::size_t size = pair ? 2 : 1;
+    if (std::string_view("([{").find(text_[at_]) != std::string_view::npos) ++depth_;
+    if (std::string_view(")]}").find(text_[at_]) != std::string_view::npos) depth_ = std::max(0, depth_ - 1);
     add(PythonToken::Kind::sign, std::string(text_.substr(at_, size)), line_);
     at_ += size;
   }
@@ -108,7 +116,9 @@ class Words {
 
   std::string_view text_;
   std::size_t at_ = 0;
-  int line_ = 1;
+  std::size_t begin_ = 0;  ///< of the line
+  int line_ = 1, column_ = 0, depth_ = 0;
+  bool fresh_ = true;
   std::vector<PythonToken> out_;
 };
 

@@ -11,6 +11,8 @@ struct PythonToken {
   std::string text;        ///< of a string without quotes, its escapes resolved
   bool formatted = false;  ///< f"…"
   int line = 0;
+  bool first = false;  ///< of a line that is not within brackets and continues no other
+  int column = 0;      ///< blanks before it, of the first one of a line
 };
 
 /// Comments, blanks and line ends are left out. At most 100,000 tokens of at most 1 MiB of text; what lies

@@ -30,6 +30,9 @@ struct Value {
     return out;
   }
   static Value gap() { return of(std::string(1, kUnknown)); }
+  /// A gap that an argument of the launch file without a value leaves.
+  static Value gap_of(const std::string& argument) { return of(kUnknown + argument + kUnknown); }
+  static Value truth(bool yes) { return of(yes ? "true" : "false"); }
   const Value* find(const std::string& key) const {
     for (const auto& [name, value] : entries)
       if (name == key) return &value;
@@ -39,6 +42,13 @@ struct Value {
 
 inline bool has_gap(const std::string& text) {
   return text.find(kUnknown) != std::string::npos;
+}
+
+/// The name within a gap that Value::gap_of made; "" without one.
+inline std::string argument_of_gap(const std::string& text) {
+  const auto begin = text.find(kUnknown);
+  const auto end = begin == std::string::npos ? begin : text.find(kUnknown, begin + 1);
+  return end == std::string::npos ? std::string() : text.substr(begin + 1, end - begin - 1);
 }
 
 /// One text of a text or a list of texts, with `joint` between them.

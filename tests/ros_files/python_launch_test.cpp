@@ -84,12 +84,26 @@ TEST(PythonLaunch, KnowsTheOtherWaysToNameFiles) {
     return launch.descriptions.empty() ? std::string("none") : launch.descriptions[0].file.string();
   };
   for (const char* expression :
-       {"os.path.join(share, 'urdf', 'arm.xacro')", "share + '/urdf/arm.xacro'",
+       {"os.path.join(share, 'urdf', 'arm.xacro')",
+        "share + '/urdf/arm.xacro'",
         "f'{share}/urdf/{name}.xacro'",
         "PathSubstitution(FindPackageShare('arm_bringup')) / 'urdf' / 'arm.xacro'",
         "str(Path(share) / 'urdf' / 'arm.xacro')",
         "FindPackageShare(package='arm_bringup').find('arm_bringup'), '/urdf/arm.xacro'",
         "launch_ros.substitutions.FindPackageShare('arm_bringup'), '/urdf', '/arm.xacro'",
+        "f\"{get_package_share_directory('arm_bringup')}/urdf/{name}.xacro\"",
+        "f'{os.path.join(share, \"urdf\")}/{name!s}.xacro'",
+        "'{}/urdf/{}.xacro'.format(share, name)",
+        "'{s}/urdf/{0}.xacro'.format('arm', s=share)",
+        "'%s/urdf/%s.xacro' % (share, name)",
+        "'/'.join([share, 'urdf', 'arm.xacro'])",
+        "Path(share).joinpath('urdf', name + '.xacro')",
+        "str(Path(share, 'urdf') / f'{name}.xacro')",
+        "share + os.sep + 'urdf/arm.xacro'",
+        "os.path.join(share, *['urdf', 'arm.xacro'])",
+        "(get_package_share_path('arm_bringup') / 'urdf' / 'arm.xacro')",
+        "Path('/ws/arm_bringup/launch/a.py').parents[1] / 'urdf' / 'arm.xacro'",
+        "share.replace('bringup', 'bringup/urdf') + '/arm.xacro'",
         "\"\"\"/ws/arm_bringup/urdf/arm.xacro\"\"\""})
     EXPECT_EQ(file(expression), "/ws/arm_bringup/urdf/arm.xacro") << expression;
 }
@@ -115,8 +129,8 @@ TEST(PythonLaunch, SaysWhatIsComputedAndTakesNoneOfIt) {
   EXPECT_TRUE(computed.descriptions[0].arguments.empty());
   EXPECT_TRUE(computed.parameters.empty());
   for (const char* piece :
-       {"'port' has no default", "'model' has no default", "description is not written down", "not_here",
-        "value of 'port'", "node's parameters is not written down"})
+       {"'port' has no default", "'model' has no default", "description comes from the argument 'model'",
+        "not_here", "value of 'port'", "node's parameters is not written down"})
     EXPECT_TRUE(says(computed, piece)) << piece;
   EXPECT_TRUE(read("").line().empty());
 }
@@ -185,7 +199,8 @@ TEST(PythonLaunch, FollowsWhatItIncludesWithTheValuesItGives) {
   EXPECT_EQ(launch.descriptions[0].arguments,
             (Pairs{{"sim", "true"}, {"prefix", "none"}, {"outer", "seen"}}));
   EXPECT_TRUE(launch.descriptions[0].where.file.ends_with("rsp.launch.py"));
-  EXPECT_TRUE(says(launch, "nav2_bringup"));
+  EXPECT_TRUE(says(launch, "in the package 'nav2_bringup', which is not found"));
+  EXPECT_EQ(launch.missing_packages, (std::vector<std::string>{"nav2_bringup"}));
   EXPECT_TRUE(says(launch, "none.launch.py' that is included is not there"));
 }
 
@@ -238,12 +253,23 @@ TEST(PythonLaunch, ReadsDescriptionsThatAreOpenedPublishedOrPrinted) {
         "files = {'urdf': '/ws/arm.urdf'}\nd = Command(['xacro ', files['urdf']])\n",
         "files = dict(urdf='/ws/arm.urdf')\nd = Command(['xacro ', files.get('urdf')])\n",
         "d = Command(['xacro ', EnvironmentVariable('POLYARM_NOT_SET', default_value='/ws/arm.urdf')])\n",
+        "d = (Path('/ws') / 'arm.urdf').read_text()\n",
+        "f = '/ws'\nd = xacro.process_file(f\"{f}/arm.urdf\")\n",
+        "def load(folder, name):\n    with open(folder + '/' + name) as f:\n        return f.read()\n"
+        "d = load('/ws', 'arm.urdf')\n",
+        "def path(*, name='arm'):\n    return os.path.join('/ws', name + '.urdf')\nd = Command(['cat ', "
+        "path()])\n",
+        "with (Path('/ws') / 'arm.urdf').open() as f:\n    d = f.read()\n",
+        "a, b = '/ws', 'arm.urdf'\nd = Command(['xacro ', a, '/', b])\n",
+        "a: str = '/ws/arm.urdf'\nd = Command(['xacro', ' ', a])\n",
+        "a = {}\na['x'] = '/ws/arm.urdf'\nd = Command(['xacro ', a['x']])\n",
         "d = Command(['xacro ', Path('/ws/launch/x.py').parent.parent / 'arm.urdf'])\n"}) {
     const PythonLaunch launch = read(text);
     ASSERT_EQ(launch.descriptions.size(), 1u) << text;
     EXPECT_EQ(launch.descriptions[0].file, "/ws/arm.urdf") << text;
   }
   EXPECT_TRUE(read("d = Command(['xacro /ws/world.sdf.xacro'])\n").descriptions.empty()) << "SDF is no robot";
+  EXPECT_TRUE(read("d = Command(['xacro /ws/arm.srdf.xacro'])\n").descriptions.empty()) << "SRDF is none";
 }
 
 TEST(PythonLaunch, StartsTheControllersThatAreSpawned) {
@@ -269,6 +295,105 @@ TEST(PythonLaunch, StartsTheControllersThatAreSpawned) {
   EXPECT_EQ(read(begin + spawner + "['jsb'])\n").line("check").find("--activate"), std::string::npos);
 }
 
+/// A description and controllers that the launch files below start.
+struct Controllers {
+  test::Folder folder;
+  std::string begin =
+      "d = Command(['xacro /ws/arm.xacro'])\nn = Node(package='controller_manager', parameters=['" +
+      folder.write("c.yaml",
+                   "controller_manager: {ros__parameters: {}}\njsb: {ros__parameters: {}}\n"
+                   "arm: {ros__parameters: {}}\ngrip: {ros__parameters: {}}\n") +
+      "'])\n";
+  std::string activated(const std::string& text) const {
+    const std::string line = read(begin + text).line();
+    const auto at = line.find(" --activate");
+    return at == std::string::npos ? "none" : line.substr(at);
+  }
+};
+
+TEST(PythonLaunch, SpawnersInLoopsAndComprehensionsAreRead) {
+  const Controllers controllers;
+  const std::string node = "Node(package='controller_manager', executable='spawner', arguments=[c])";
+  for (const std::string& text :
+       {"s = [" + node + " for c in ['jsb', 'arm']]\n",
+        "s = []\nfor c in ['jsb', 'arm']:\n    s.append(" + node + ")\n",
+        "names = ['jsb'] + ['arm']\ns = [" + node + " for c in names]\n",
+        "names = []\nnames.append('jsb')\nnames += ['arm']\nfor c in names: " + node + "\n",
+        "s = [" + node + " for i, c in enumerate(['jsb', 'arm'])]\n",
+        "s = [" + node + " for c, on in [('jsb', True), ('arm', True), ('grip', False)] if on]\n",
+        "m = {'jsb': 1, 'arm': 2}\nfor c in m.keys():\n    " + node + "\n",
+        "for c, more in {'jsb': [], 'arm': ['x']}.items():\n    " + node + "\n",
+        "s = list(" + node + " for c in ('jsb', 'arm'))\n",
+        "def spawn(c, extra=[]):\n    return " + node + "\ns = [spawn('jsb'), spawn(c='arm')]\n",
+        "class A:\n  def f(self):\n    for a in ['j', 'x']:\n      if a == 'x': continue\n"
+        "for c in ['jsb', 'arm']:\n  if c != 'grip':\n    " +
+            node + "\n  else:\n    f(c)\n"})
+    EXPECT_EQ(controllers.activated(text), " --activate arm --activate jsb") << text;
+}
+
+TEST(PythonLaunch, SpawnersInsideOtherActionsAreRead) {
+  const Controllers controllers;
+  const std::string node = "Node(package='controller_manager', executable='spawner', arguments=['arm'])";
+  for (const std::string& text :
+       {"TimerAction(period=3.0, actions=[" + node + "])\n",
+        "RegisterEventHandler(event_handler=OnProcessExit(target_action=x, on_exit=[" + node + "]))\n",
+        "OpaqueFunction(function=lambda context: [" + node + "])\n",
+        "def setup(context, *args):\n    return [" + node + "]\nOpaqueFunction(function=setup)\n",
+        "GroupAction(actions=[" + node + "], condition=IfCondition('true'))\n",
+        "x = " + node + " if True else f()\n", "x = [*[" + node + "]]\n",
+        std::string("ExecuteProcess(cmd=[FindExecutable(name='ros2'), 'control', 'load_controller', "
+                    "'--set-state', 'active', 'arm', '-c', '/cm'])\n"),
+        std::string(
+            "ExecuteProcess(cmd=['ros2 control load_controller --set-state start arm'], shell=True)\n"),
+        std::string("ExecuteProcess(cmd=['ros2', 'control', 'set_controller_state', 'arm', 'active'])\n"),
+        std::string("ExecuteProcess(cmd=['ros2', 'control', 'switch_controllers', '--activate', 'arm', "
+                    "'--deactivate', 'grip'])\n"),
+        std::string("ExecuteProcess(cmd=['ros2', 'run', 'controller_manager', 'spawner', 'arm'])\n")})
+    EXPECT_EQ(controllers.activated(text), " --activate arm") << text;
+}
+
+TEST(PythonLaunch, ConditionsThatAreKnownDecideAboutSpawners) {
+  const Controllers controllers;
+  const std::string node = "Node(package='controller_manager', executable='spawner', arguments=['arm'])\n";
+  const std::string arm = "Node(package='controller_manager', executable='spawner', arguments=['jsb'])\n" +
+                          std::string("DeclareLaunchArgument('sim', default_value='true')\n") +
+                          "sim = LaunchConfiguration('sim').perform(context)\n";
+  EXPECT_EQ(controllers.activated(arm + "if sim == 'true':\n  " + node), " --activate arm --activate jsb");
+  EXPECT_EQ(controllers.activated(arm + "if sim.lower() != 'true':\n  " + node), " --activate jsb");
+  EXPECT_EQ(controllers.activated(arm + "if sim in ('no', 'false'):\n  " + node + "else:\n  pass\n"),
+            " --activate jsb");
+  EXPECT_EQ(
+      controllers.activated(arm + "GroupAction(condition=UnlessCondition(sim), actions=[" + node + "])\n"),
+      " --activate jsb");
+  EXPECT_EQ(controllers.activated(arm + "x = None if sim == 'true' else " + node), " --activate jsb");
+}
+
+TEST(PythonLaunch, SpawnersThatCannotBeReadAreSaidWithTheirLine) {
+  const Controllers controllers;
+  const std::string node = "Node(package='controller_manager', executable='spawner', arguments=[c])";
+  for (const std::string& text :
+       {"s = [" + node + " for c in names()]\n", "for c in names():\n    " + node + "\n",
+        "if f():\n    c = 'arm'\n    " + node + "\n", "c = 'arm'\nx = " + node + " if f() else None\n",
+        "c = 'arm'\nGroupAction([" + node + "], condition=IfCondition(f()))\n",
+        "c = 'arm'\nx = y or " + node + "\n", "while f():\n    " + node + "\n",
+        std::string(
+            "ExecuteProcess(cmd=['ros2', 'control', 'load_controller', '--set-state', 'active', f()])\n")}) {
+    const PythonLaunch launch = read(controllers.begin + text);
+    EXPECT_EQ(controllers.activated(text), "none") << text;
+    EXPECT_FALSE(launch.why_no_activate().empty()) << text;
+    ASSERT_EQ(launch.not_taken.size(), 1u) << text;
+    EXPECT_GE(launch.not_taken[0].first.line, 3) << text;
+    EXPECT_TRUE(says(launch, "started")) << text;
+  }
+}
+
+TEST(PythonLaunch, AControllerThatNoFileHasIsSaid) {
+  const Controllers controllers;
+  const PythonLaunch launch = read(
+      controllers.begin + "Node(package='controller_manager', executable='spawner', arguments=['other'])\n");
+  EXPECT_NE(launch.why_no_activate().find("'other'"), std::string::npos);
+}
+
 TEST(PythonLaunch, WhatTheDescriptionNeedsAndNobodySaysIsToBeFilledIn) {
   const test::Folder folder;
   const auto xacro = folder.write("a.xacro",
@@ -277,7 +402,7 @@ TEST(PythonLaunch, WhatTheDescriptionNeedsAndNobodySaysIsToBeFilledIn) {
   const PythonLaunch launch =
       read("DeclareLaunchArgument('model', choices=['one', 'two'])\nd = Command(['xacro ', '" + xacro +
            "', ' model:=', LaunchConfiguration('model'), ' sim:=', f()])\n");
-  EXPECT_EQ(launch.needed(), (std::vector<std::string>{"model"}));
+  EXPECT_EQ(launch.needed(), (std::vector<PythonLaunchNeed>{{"model", "model"}}));
   EXPECT_TRUE(launch.line().ends_with(" model:=VALUE")) << launch.line();
   EXPECT_TRUE(says(launch, "it is one of one, two"));
 }
