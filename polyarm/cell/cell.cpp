@@ -215,7 +215,7 @@ void Cell::build_controllers(const ros_files::ControllersFile& described, Proble
   std::vector<PlannedController> plan =
       plan_controllers(described, robots_, *loop_, {tags_->command_names(), options_.lock_step, file_.budget},
                        observer_, problems);
-  chosen_controllers_ = start_controllers(std::move(plan), file_, robots_, *loop_, observer_, problems);
+  chosen_controllers_ = start_controllers(std::move(plan), file_, described, robots_, *loop_, observer_, problems);
   if (auto* io = loop_->controllers().find(kIoController))
     tags_->connect(dynamic_cast<controllers::ForwardCommandController*>(io));
   for (const auto& robot : robots_) {

@@ -107,9 +107,16 @@ std::vector<std::string> one_way_for_each_joint(const std::vector<std::string>& 
   }
   return out;
 }
+
+/// Does a controllers file have it? Then it was left out with a warning, and the others start.
+bool is_described(const ros_files::ControllersFile& described, const std::string& name) {
+  return std::any_of(described.controllers.begin(), described.controllers.end(),
+                     [&](const auto& entry) { return entry.name == name || entry.full_name() == name; });
+}
 }  // namespace
 
 std::vector<std::string> start_controllers(std::vector<PlannedController> plan, const CellFile& file,
+                                           const ros_files::ControllersFile& described,
                                            const CellRobots& robots, control::ControlLoop& loop,
                                            Observer& observer, Problems& problems) {
   control::ControllerManager& manager = loop.controllers();
@@ -126,7 +133,7 @@ std::vector<std::string> start_controllers(std::vector<PlannedController> plan, 
     });
   }
   for (const std::string& name : file.activate)
-    if (std::find(names.begin(), names.end(), name) == names.end())
+    if (std::find(names.begin(), names.end(), name) == names.end() && !is_described(described, name))
       problems.error(
           "unknown-controller", {},
           "'activate' names the controller '" + name + "', which there is not" + did_you_mean(name, names));

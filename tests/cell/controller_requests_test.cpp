@@ -141,6 +141,21 @@ TEST(ControllersOfAFile, WhoIsNotAskedForMayNameWhatIsNotThere) {
   }
 }
 
+TEST(ControllersOfAFile, OneThatIsNotAvailableRefusesNoCellThatAsksForIt) {
+  const test::Folder folder;
+  const std::string controllers =
+      "controller_manager:\n  ros__parameters:\n    own: {type: their/OwnController}\n"
+      "    states: {type: joint_state_broadcaster/JointStateBroadcaster}\n";
+  cell::CellFile file =
+      cell::cell_from_description(test::kSixAxes, {folder.write("controllers.yaml", controllers)}, {});
+  file.activate = {"own", "states"};
+  LockStepCell cell{file};
+  EXPECT_EQ(cell.state_of("states"), "active");
+  EXPECT_EQ(cell.state_of("own"), "gone");
+  file.activate = {"nobody", "states"};
+  EXPECT_THROW(LockStepCell{file}, Error) << "a name that no file has is a typing error";
+}
+
 TEST(ControllersOfAFile, VariablesAreArgumentsOfTheDescription) {
   const test::Folder folder;
   const std::string robot = folder.write("arm.urdf.xacro", R"xml(<robot name="arm" xmlns:xacro="x">
