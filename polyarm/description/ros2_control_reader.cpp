@@ -1,6 +1,7 @@
 #include "polyarm/description/ros2_control_reader.hpp"
 
 #include <algorithm>
+#include <utility>
 #include <cmath>
 
 #include "polyarm/base/text.hpp"
@@ -209,11 +210,12 @@ void Ros2ControlReader::range(const Element& e, InterfaceInfo& info) {
   value(e, info, "min", info.min);
   value(e, info, "max", info.max);
   value(e, info, "initial_value", info.initial_value);
-  if (info.min && info.max && *info.min > *info.max)
-    error(e, "bad-limit",
+  if (!info.min || !info.max || *info.min <= *info.max) return;
+  warning(e, "bad-limit",
           "the min " + format_number(*info.min) + " of '" + info.name + "' is above its max " +
-              format_number(*info.max),
+              format_number(*info.max) + "; they are taken the other way round",
           "exchange them");
+  std::swap(info.min, info.max);
 }
 
 void Ros2ControlReader::value(const Element& e, const InterfaceInfo& info, const char* name,

@@ -257,8 +257,6 @@ std::vector<Bad> bad_blocks() {
        "did you mean 'float32'", "double, float32, bool"},
       {"LimitsWithoutEnable", block("<joint name=\"one\">\n<limits/></joint>\n"), 12, "missing-attribute",
        "'enable'", "enable=\"false\""},
-      {"MinAboveMax", interface("name=\"x\"", "<param name=\"min\">2</param><param name=\"max\">1</param>"),
-       12, "bad-limit", "min 2", "exchange"},
       {"TwoJointsOfOneName", block("<joint name=\"one\"/>\n<joint name=\"one\"/>\n"), 12, "duplicate-name",
        "has two of <joint name=\"one\">", "into one"},
       {"ActuatorOfTwoJoints",
@@ -286,6 +284,18 @@ INSTANTIATE_TEST_SUITE_P(Table, BadRos2Control, ::testing::ValuesIn(bad_blocks()
                          [](const auto& test) { return std::string(test.param.name); });
 
 // --- what some release of ROS 2 takes is mended
+
+TEST(Ros2Control, LimitsOfAnInterfaceTheWrongWayRoundAreExchanged) {
+  Problems warnings;
+  const RobotModel model =
+      read(interface("name=\"x\"", "<param name=\"min\">2</param><param name=\"max\">1</param>"), warnings);
+  const InterfaceInfo& found = model.hardware.at(0).components.at(0).state_interfaces.at(0);
+  EXPECT_EQ(found.min, 1);
+  EXPECT_EQ(found.max, 2);
+  ASSERT_EQ(warnings.list().size(), 1u);
+  EXPECT_EQ(warnings.list()[0].code, "bad-limit");
+  EXPECT_EQ(warnings.list()[0].where.line, 12);
+}
 
 TEST(Ros2Control, BlocksWithoutANameAndOfOneNameGetNamesOfTheirOwn) {
   Problems warnings;
