@@ -35,7 +35,7 @@ Spawned spawned_by_words(const Words& words) {
     if ((word == "-p" || word == "--param-file") && i + 1 < words.size() && !has_gap(words[i + 1]))
       out.files.push_back(words[i + 1]);
     if (with_value) ++i;
-    if (option) continue;
+    if (option || word.find(":=") != std::string::npos) continue;  // topics that are renamed
     if (has_gap(word))
       out.known = false;
     else

@@ -219,13 +219,26 @@ void PythonReader::define(int depth) {
   at_ = end;
 }
 
+namespace {
+/// *args: a list of what no other parameter takes.
+Value rest_of(const std::vector<Value>& values, std::size_t position) {
+  Value out;
+  out.kind = Value::Kind::list;
+  for (std::size_t i = position; i < values.size() && out.weight + values[i].weight <= kHeaviest; ++i) {
+    out.weight += values[i].weight;
+    out.items.push_back(values[i]);
+  }
+  return out;
+}
+}  // namespace
+
 /// Values of the parameters of a call; what is left has its default, or none.
 void PythonReader::bind_parameters(const Function& function, const Arguments& arguments, int depth) {
   const std::size_t end = std::min(main_.close[function.parameters], main_.tokens.size());
   std::size_t position = 0;
   for (at_ = function.parameters + 1; at_ < end;) {
-    const bool spread = is("*");
-    while (is("*")) ++at_;
+    int stars = 0;
+    for (; is("*"); ++at_) ++stars;
     if (!is_name()) {
       ++at_;
       continue;
@@ -238,8 +251,9 @@ void PythonReader::bind_parameters(const Function& function, const Arguments& ar
       ++at_;
       value = expression(depth + 1);
     }
-    const Value* given = arguments.find(name);
-    if (!given && !spread && position < arguments.values.size()) given = &arguments.values[position];
+    if (stars == 1) value = rest_of(arguments.values, position);
+    const Value* given = stars == 0 ? arguments.find(name) : nullptr;
+    if (!given && stars == 0 && position < arguments.values.size()) given = &arguments.values[position];
     ++position;
     if (given) copied_ += given->weight;
     if (given && copied_ <= kMostCopied) value = *given;

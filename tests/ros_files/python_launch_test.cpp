@@ -324,6 +324,10 @@ TEST(PythonLaunch, SpawnersInLoopsAndComprehensionsAreRead) {
         "m = {'jsb': 1, 'arm': 2}\nfor c in m.keys():\n    " + node + "\n",
         "for c, more in {'jsb': [], 'arm': ['x']}.items():\n    " + node + "\n",
         "s = list(" + node + " for c in ('jsb', 'arm'))\n",
+        std::string(
+            "def spawn(c, *more):\n  return Node(package='controller_manager', executable='spawner', "
+            "arguments=[c] + [m for m in more])\nx = [spawn(c) for c in ['jsb', 'arm']]\nspawn('grip', "
+            "'--inactive')\n"),
         "def spawn(c, extra=[]):\n    return " + node + "\ns = [spawn('jsb'), spawn(c='arm')]\n",
         "class A:\n  def f(self):\n    for a in ['j', 'x']:\n      if a == 'x': continue\n"
         "for c in ['jsb', 'arm']:\n  if c != 'grip':\n    " +
