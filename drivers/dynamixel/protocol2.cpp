@@ -40,7 +40,7 @@ std::size_t take_out_stuffing(std::span<std::uint8_t> bytes) {
   return kept;
 }
 
-/// The position of a header, or of a possible begin of one at the end.
+/// The position of a header, or of a possible start of one at the end.
 std::size_t find_header(Bytes bytes) {
   for (std::size_t at = 0; at < bytes.size(); ++at) {
     const std::size_t there = std::min(kHeader.size(), bytes.size() - at);

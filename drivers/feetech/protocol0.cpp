@@ -33,7 +33,7 @@ Found Protocol0::find(std::span<std::uint8_t> bytes, std::size_t longest) const 
   while (at + 2 < bytes.size() && !(bytes[at] == 0xFF && bytes[at + 1] == 0xFF && bytes[at + 2] != 0xFF))
     ++at;
   if (at + 4 > bytes.size()) {
-    if (at + 2 >= bytes.size())  // keeps a possible begin of a header
+    if (at + 2 >= bytes.size())  // keeps a possible start of a header
       while (at < bytes.size() && bytes[at] != 0xFF) ++at;
     return {Found::Kind::more, at};
   }

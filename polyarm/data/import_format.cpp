@@ -139,7 +139,7 @@ bool is_finite(const Value& value) {
   return true;
 }
 
-/// The begin of a comment outside quotes; npos if there is none.
+/// The start of a comment outside quotes; npos if there is none.
 std::size_t comment_at(std::string_view line) {
   bool quoted = false;
   for (std::size_t i = 0; i < line.size(); ++i) {

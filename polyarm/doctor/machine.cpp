@@ -40,7 +40,7 @@ std::vector<std::string> lines_of(const fs::path& file) {
   return split_words(text_of(file), "\r\n");
 }
 
-/// The text after `key` at the begin of a line of /proc/self/status or limits.
+/// The text after `key` at the start of a line of /proc/self/status or limits.
 std::string after(const std::vector<std::string>& lines, const std::string& key) {
   for (const std::string& line : lines)
     if (line.starts_with(key)) return std::string(trim(std::string_view(line).substr(key.size())));

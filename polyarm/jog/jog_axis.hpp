@@ -32,7 +32,7 @@ class AxisBrake {
   double slowest() const noexcept { return slowest_; }
 
  private:
-  std::array<AxisState, 4> state_;  // at the begin of each phase, and at the end
+  std::array<AxisState, 4> state_;  // at the start of each phase, and at the end
   std::array<double, 3> time_{}, jerk_{};
   double highest_, lowest_, fastest_, slowest_;
 };

@@ -341,7 +341,7 @@ void JogGenerator::follow(const JogValues& rates, const JogLimits& limits, State
 /// speed.
 struct JogGenerator::Ahead {
   std::array<double, moves::Workspace::kMostBoundaries> distance;
-  double speed = 0, at_once = 0;  // the highest, and at the begin
+  double speed = 0, at_once = 0;  // the highest, and at the start
 };
 
 void JogGenerator::look_ahead(const States& from, Ahead& out) noexcept {

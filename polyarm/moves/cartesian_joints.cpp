@@ -20,7 +20,7 @@ using paths::Jet;
 using paths::PolynomialPath;
 using paths::PoseDerivatives;
 
-constexpr double kThere = 1e-4;          // m and rad: tolerance for a seed at the begin of the path
+constexpr double kThere = 1e-4;          // m and rad: tolerance for a seed at the start of the path
 constexpr double kShare = 0.3;           // of the tolerance, at the checked places between nodes
 constexpr double kShortest = 1e-6;       // smallest step, as a fraction of the path's piece
 constexpr int kMostFailures = 1000;      // rejected steps of one piece
@@ -104,7 +104,7 @@ class Follower {
     return value < chain_.lower()[joint] - kBeyond || value > chain_.upper()[joint] + kBeyond;
   }
 
-  /// One piece of the path; `node` is at its begin, afterwards at its end.
+  /// One piece of the path; `node` is at its start, afterwards at its end.
   void follow(std::size_t piece, Node& node) {
     const double begin = path_.breaks()[piece], end = path_.breaks()[piece + 1];
     const double shortest = std::max(kLeast, kShortest * (end - begin));

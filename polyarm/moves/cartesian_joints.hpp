@@ -21,7 +21,7 @@ struct FollowOptions {
 /// Jacobian and its derivatives). Nodes are as far apart as the tolerances allow, which is checked between
 /// them. breaks() are those of `path`; between them the third derivative is continuous.
 ///
-/// Begins at `seed` (a joint state of the chain) if that matches the begin of the path to 1e-4 m and rad,
+/// Begins at `seed` (a joint state of the chain) if that matches the start of the path to 1e-4 m and rad,
 /// else at the matching joint state nearest to it. The joints continue without a jump, a gap or a change of
 /// configuration. An arm with more than six joints moves them as little as the path allows (least squares of
 /// the derivatives, at every place). Joints that do not move the TCP keep the seed's values.

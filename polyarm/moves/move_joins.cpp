@@ -24,7 +24,7 @@ constexpr int kBisections = 30;  // to find the place on a path at distance `rad
 constexpr int kSamples = 32;     // places of a join at which the distance at the TCP is checked
 constexpr double kLess = 0.8;    // factor for the next attempt after a join that is too wide
 constexpr int kTries = 40;
-constexpr double kStandsStill = 0.03;  // of the derivative at the begin of a join: below it the join reverses
+constexpr double kStandsStill = 0.03;  // of the derivative at the start of a join: below it the join reverses
 
 class Joins {
  public:
@@ -73,7 +73,7 @@ class Joins {
   }
 
  private:
-  /// The length before the end, or after the begin, of a part at which the distance is `radius`; at most
+  /// The length before the end, or after the start, of a part at which the distance is `radius`; at most
   /// `most`.
   double away(const MovePart& part, bool before, double radius, double most) const {
     const Values corner = joints_at(*part.joints, before ? part.to : part.from);

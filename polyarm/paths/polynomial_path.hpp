@@ -22,7 +22,7 @@ class PolynomialPath final : public Path {
   explicit PolynomialPath(std::span<const double> start);
 
   /// Appends a piece of `length` > 0. `coefficients[j * kCoefficients + k]` belongs to joint j and power k of
-  /// the fraction of the piece, from 0 at its begin to 1 at its end.
+  /// the fraction of the piece, from 0 at its start to 1 at its end.
   void append(double length, std::span<const double> coefficients, PieceJoin join = PieceJoin::third_jumps);
 
   std::size_t joints() const noexcept override { return start_.size(); }

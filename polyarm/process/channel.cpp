@@ -54,7 +54,7 @@ SharedMemory::~SharedMemory() {
   ::munmap(bytes_.data(), bytes_.size());
 }
 
-/// At the begin of the memory; zeros are its initial state.
+/// At the start of the memory; zeros are its initial state.
 struct Channel::Shared {
   RingState to_child, to_parent;
   std::atomic<std::uint64_t> beats, pulses, dropped_by_child, dropped_by_parent;

@@ -10,7 +10,7 @@
 
 namespace polyarm::process {
 
-/// At the begin of the shared memory, before the bytes.
+/// At the start of the shared memory, before the bytes.
 struct RingState {
   alignas(64) std::atomic<std::uint64_t> written{0};  ///< total bytes
   alignas(64) std::atomic<std::uint64_t> read{0};     ///< total bytes

@@ -136,7 +136,7 @@ inline constexpr int kStepsOfAStatement = 32;
 
 struct Step {
   Op op = Op::finish;
-  /// The cost in the budget at the begin of a statement or of the next check of a loop, more for a long line;
+  /// The cost in the budget at the start of a statement or of the next check of a loop, more for a long line;
   /// 0 for other steps.
   std::uint8_t begins = 0;
   std::uint16_t more = 0;  ///< operator; function; for a field the number of its cached position

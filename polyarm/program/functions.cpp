@@ -134,7 +134,7 @@ Value interpolate(Values a, Names) {
   return out;
 }
 
-/// `count` places of a grid along one edge; the first is at its begin.
+/// `count` places of a grid along one edge; the first is at its start.
 int count_of(const Value& value, const char* what) {
   const double n = of(value);
   if (n != std::floor(n) || n < 1 || n > static_cast<double>(kMostListItems))

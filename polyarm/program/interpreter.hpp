@@ -104,7 +104,7 @@ class Interpreter {
   bool has_file(const std::string& name) const { return lines_of(name) != nullptr; }
   /// Pauses before the next statement; queued motion continues.
   void pause() { pause_asked_ = true; }
-  /// Before the first step: pauses at the begin.
+  /// Before the first step: pauses at the start.
   void pause_here();
   bool paused() const { return paused_ != 0; }
   void resume();

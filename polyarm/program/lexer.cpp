@@ -64,7 +64,7 @@ class LineLexer {
   void read() {
     while (skip_blanks() && text_[at_] != '#') read_token();
   }
-  /// The begin of the comment, or the end of the line.
+  /// The start of the comment, or the end of the line.
   std::size_t end_of_code() const { return at_; }
 
  private:

@@ -23,7 +23,7 @@ bool one_of(std::string_view word, std::initializer_list<std::string_view> words
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// `on error` at the begin of a statement.
+/// `on error` at the start of a statement.
 bool is_handler(const SourceLine& source) {
   return source.tokens.size() > 2 && source.tokens[0].kind == TokenKind::name &&
          equal_ignoring_case(source.tokens[0].text, "on") && source.tokens[1].kind == TokenKind::name &&

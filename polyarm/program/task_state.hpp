@@ -77,7 +77,7 @@ struct CallFrame {
   std::size_t base = 0, uses = 0, locks = 0, handlers = 0;
 };
 
-/// An active `try`, with the stack heights at its begin.
+/// An active `try`, with the stack heights at its start.
 struct Handler {
   std::size_t step = 0;
   std::size_t stack = 0, frames = 0, uses = 0, locks = 0;

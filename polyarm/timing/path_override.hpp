@@ -44,7 +44,7 @@ class PathOverride {
   static constexpr double kHarder = 3;
 
   /// Not in the control cycle: evaluates the whole path. `limits`: of every joint, at least those that the
-  /// path was planned with; `period`: of the control cycle, s. Starts held at the begin of the path. Throws
+  /// path was planned with; `period`: of the control cycle, s. Starts held at the start of the path. Throws
   /// Error "wrong-size", "bad-limit".
   PathOverride(const TimedPath& path, std::span<const trajectory::MotionLimits> limits, double period);
 

@@ -30,7 +30,7 @@ struct LimitRows {
 };
 
 /// For N pieces between nodes 0..N. Velocity rows at nodes and middles: basis b. Acceleration rows likewise:
-/// bases s̈ and b. Jerk rows at the begin of each piece (points 0..N-1) and at its end (N..2N-1): bases s⃛,
+/// bases s̈ and b. Jerk rows at the start of each piece (points 0..N-1) and at its end (N..2N-1): bases s⃛,
 /// ṡ·s̈, ṡ³.
 struct SpeedProblem {
   LimitRows velocity, acceleration, jerk, norm_acceleration, norm_jerk;

@@ -27,7 +27,7 @@ inline PathMotion after(const PathMotion& m, double t) noexcept {
 /// construction: any thread, no allocation in at().
 class SpeedProfile {
  public:
-  /// The begin of one piece (s) and the motion there; `jerk` holds until the next piece.
+  /// The start of one piece (s) and the motion there; `jerk` holds until the next piece.
   struct Piece {
     double begin;
     PathMotion motion;

@@ -127,7 +127,7 @@ class Looker {
   const Trajectory& t_;
   std::span<const MotionLimits> limits_;
   std::size_t n_;
-  std::vector<double> q_, v_, a_;  // at the begin, then at the end of a piece
+  std::vector<double> q_, v_, a_;  // at the start, then at the end of a piece
 };
 
 }  // namespace

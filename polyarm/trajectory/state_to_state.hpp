@@ -57,7 +57,7 @@ class AxisMotion {
   /// After the end the axis continues with the target's velocity and zero acceleration.
   MotionState at(double t) const noexcept;
   std::size_t pieces() const noexcept { return count_; }
-  /// Begin of piece `i`, s; the state there; its jerk.
+  /// Start of piece `i`, s; the state there; its jerk.
   double begin_of(std::size_t i) const noexcept { return pieces_[i].begin; }
   const MotionState& state_of(std::size_t i) const noexcept { return pieces_[i].state; }
   double jerk_of(std::size_t i) const noexcept { return pieces_[i].jerk; }
