@@ -28,7 +28,8 @@ void rotate(Square& a, std::size_t p, std::size_t q) {
   }
 }
 
-/// Of a symmetric matrix, by Jacobi's cyclic method (Golub and Van Loan, Matrix Computations, section 8.5).
+/// The smallest eigenvalue of a symmetric matrix, by Jacobi's cyclic method (Golub and Van Loan, Matrix
+/// Computations, section 8.5).
 double smallest_eigenvalue(Square a) {
   constexpr int kSweeps = 8;
   for (int sweep = 0; sweep < kSweeps; ++sweep)

@@ -33,7 +33,7 @@ enum class Operator {
   power
 };
 
-/// As it is spelled in a program.
+/// The operator's spelling in a program.
 const char* spelling(Operator op);
 /// == != < <= > >=
 bool is_comparison(Operator op);
@@ -103,7 +103,7 @@ struct Clause {
   std::string target;     ///< for at: the name to set
   ExpressionPtr to;       ///< for at: the new value
 };
-/// As it is spelled in a program.
+/// The clause's spelling in a program.
 const char* spelling(Clause::Kind kind);
 
 /// A part of the target of `=` after the name: a field or a list index.

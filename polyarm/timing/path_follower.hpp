@@ -15,7 +15,8 @@ namespace polyarm::timing {
 class PathFollower {
  public:
   /// `limits`: of every joint, at least those that the path was timed with; `period_s`: of the control cycle,
-  /// s. Starts held at the start of the path. Throws Error "wrong-size", "bad-limit", "empty-path".
+  /// s. The initial state is held at the start of the path. Throws Error "wrong-size", "bad-limit",
+  /// "empty-path".
   PathFollower(TimedPath path, std::vector<trajectory::MotionLimits> limits, double period_s);
   PathFollower(const PathFollower&) = delete;
   PathFollower& operator=(const PathFollower&) = delete;

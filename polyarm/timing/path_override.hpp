@@ -26,11 +26,11 @@ struct StoppingWay {
 /// (q̇, q̈, q⃛ as planned). A plan within the limits keeps them at any constant f in [0, 1].
 ///
 /// Method: every change of f can be cancelled. There is always a known way from the present state to a steady
-/// f that keeps every limit; it is followed if nothing better is found. Each cycle tries a bolder f'' towards
+/// f that keeps every limit; it is followed if nothing better is found. Each cycle tries a larger f'' towards
 /// the target: first as much as the rows above allow, then less. The f'' is accepted if a way to a steady f
-/// exists from its end and does not pass the target. If this fails, the obstacle may be behind after f has
-/// changed more: then a way that continues boldly for some cycles is tried as well. Ways are simulated in
-/// steps of one cycle, or of several if they are long, on a table of the rows. So a cycle needs a bounded
+/// exists from its end and does not pass the target. If this fails, a limit may be in the way for a short
+/// time only: then a way that continues with a large f'' for some cycles is tried as well. Ways are simulated
+/// in steps of one cycle, or of several if they are long, on a table of the rows. So a cycle needs a bounded
 /// number of look-ups, reacts immediately, and never enters a state that it could not leave.
 /// docs/decisions/0010-timing.md.
 ///
@@ -44,8 +44,8 @@ class PathOverride {
   static constexpr double kHarder = 3;
 
   /// Not in the control cycle: evaluates the whole path. `limits`: of every joint, at least those that the
-  /// path was planned with; `period`: of the control cycle, s. Starts held at the start of the path. Throws
-  /// Error "wrong-size", "bad-limit".
+  /// path was planned with; `period`: of the control cycle, s. The initial state is held at the start of the
+  /// path. Throws Error "wrong-size", "bad-limit".
   PathOverride(const TimedPath& path, std::span<const trajectory::MotionLimits> limits, double period);
 
   /// Starts at `time` of the plan, at a steady `factor`: for a path that is already being followed, or at
@@ -87,7 +87,7 @@ class PathOverride {
     Way out;
     std::size_t step = 0, cycle = 0;  // the next ones of that way
     double boldness = 1;
-    std::size_t push = 16;  // cycles for which a way continues boldly
+    std::size_t push = 16;  // cycles for which a way continues with a large f''
     bool hard = false;
   };
   using Rows = PlannedRows::Rows;
