@@ -129,7 +129,7 @@ export class Watcher {
   speed(frame = this.frames.at(-1)) {
     let out = 0;
     for (const [name, place] of this.places)
-      if (name.endsWith('/velocity')) out = Math.max(out, Math.abs(frame.data.readFloatLE(16 + 4 * place)));
+      if (name.endsWith('_joint/velocity')) out = Math.max(out, Math.abs(frame.data.readFloatLE(16 + 4 * place)));
     return out;
   }
   end() {

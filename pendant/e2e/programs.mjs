@@ -67,7 +67,7 @@ test('pauses at a line whose number is pressed, and again at the next start', as
   await go(page, 'Program');
   await page.getByRole('radiogroup', { name: 'Shown as' }).getByText('Text').click();
   const top = async () => (await editor().boundingBox()).y;
-  await page.getByText(/^The program goes by the text/).waitFor();
+  await page.getByText(/The program goes by the text/).waitFor();
   const running = await top();
   await pressNumber('let third');
   await pausedAt(6);
@@ -82,7 +82,7 @@ test('pauses at a line whose number is pressed, and again at the next start', as
   await button('End program').click();
   await page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
   await until(() => now().ended, 30, 'the end of the program');
-  await page.getByText(/^The program goes by the text/).waitFor({ state: 'detached' });
+  await page.getByText(/The program goes by the text/).waitFor({ state: 'detached' });
   assert.equal(await top(), running, 'a notice that comes and goes moves no line');
   await atRest();
   await button('Start').click();
@@ -91,7 +91,7 @@ test('pauses at a line whose number is pressed, and again at the next start', as
 
 test('Start waits until the robot that was ended in its motion stands, and says so', async () => {
   await at.bar().getByRole('button', { name: 'Resume' }).click();
-  await until(() => at.watcher.speed() > 0.1, 60, 'motion');
+  await until(() => !now().paused && at.watcher.events.status.standing === false, 60, 'motion');
   await button('End program').click();
   await page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
   await button('Start').click();

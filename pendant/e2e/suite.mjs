@@ -71,7 +71,8 @@ export function suite({ example = 'pick_and_place', options = [], change = () =>
   const atRest = async () => {
     let since = null;
     await until(() => {
-      since = at.watcher.speed() < 0.002 ? (since ?? at.watcher.time) : null;
+      const moves = at.watcher.events.status?.standing === false || at.watcher.speed() > 0.002;
+      since = moves ? null : (since ?? at.watcher.time);
       return since !== null && at.watcher.time > since + 0.2;
     }, 20, 'standing');
   };

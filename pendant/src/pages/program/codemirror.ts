@@ -92,16 +92,28 @@ const markGutter = (hooks: EditorHooks) =>
     lineMarkerChange: (update) =>
       update.startState.field(breaks) !== update.state.field(breaks) || update.startState.field(live) !== update.state.field(live),
     renderEmptyElements: true,
-    domEventHandlers: { mousedown: (view, block) => toggled(hooks, view, block.from) },
+    domEventHandlers: { mousedown: (view, block, event) => toggled(hooks, view, block.from, event as MouseEvent) },
   });
 
-function toggled(hooks: EditorHooks, view: EditorView, at: number): true {
-  hooks.onBreakpoint(view.state.doc.lineAt(at).number);
+function toggled(hooks: EditorHooks, view: EditorView, at: number, event: MouseEvent): true {
+  hooks.onBreakpoint(view.state.doc.lineAt(shownAt(view, event.clientY) ?? at).number);
   return true;
 }
 
+/**
+ * Where the line begins that is drawn at this height. Until a text that was just opened has been measured, CodeMirror
+ * takes its lines for lower than they are, and a press for one on a later line.
+ */
+function shownAt(view: EditorView, y: number): number | null {
+  for (const line of view.contentDOM.querySelectorAll('.cm-line')) {
+    const { top, bottom } = line.getBoundingClientRect();
+    if (y >= top && y < bottom) return view.posAtDOM(line);
+  }
+  return null;
+}
+
 /** A number is as good as the mark beside it: both together are a target for a finger. */
-const numbers = (hooks: EditorHooks) => lineNumbers({ domEventHandlers: { mousedown: (view, block) => toggled(hooks, view, block.from) } });
+const numbers = (hooks: EditorHooks) => lineNumbers({ domEventHandlers: { mousedown: (view, block, event) => toggled(hooks, view, block.from, event as MouseEvent) } });
 
 // --- completion
 
