@@ -165,6 +165,7 @@
   X(kTextBytes, 65536, "bytes", "a text", "the program ends: too-long")                                       \
   X(kListValues, 10000, "values", "a list with all that is in it", "the program ends: too-long")              \
   X(kMovesAhead, 1000, "moves", "moves that have been asked for and have not arrived", "the program waits")   \
+  X(kSecondsAhead, 60, "s", "motions that are planned and wait for their turn (two may be longer)", "the program waits") \
   X(kDataNames, 50000, "names", "points, values and tags of a cell", "refused: too-many")                     \
   X(kChangesKept, 1024, "changes", "changes of values that are kept for those who ask", "the oldest go")      \
   X(kValuesKept, 500000, "values", "values in these changes", "the oldest go")                                \

@@ -9,6 +9,7 @@
 namespace polyarm::moves {
 
 static_assert(RobotMotion::kMostAhead == bounds::kMovesAhead);
+static_assert(RobotMotion::kSecondsAhead == bounds::kSecondsAhead);
 
 namespace {
 /// Number of outcomes of discarded moves that are kept for queries.
@@ -53,6 +54,14 @@ void RobotMotion::tick(Nanoseconds now) {
 
 bool RobotMotion::idle() const {
   return goal_ == 0 && ready_.empty() && !job_ && waiting_.empty();
+}
+
+bool RobotMotion::is_far_ahead() const {
+  if (ready_.size() < 2) return false;
+  double seconds = 0;
+  for (const Ready& ready : ready_)
+    if ((seconds += ready.motion.path.duration()) > kSecondsAhead) return true;
+  return false;
 }
 
 /// Plans moves in order, from the end of the previous ones, as far as something ends the blending.

@@ -54,13 +54,18 @@ class RobotMotion {
   static constexpr std::size_t kMostWaiting = 1000;
   /// The largest number of moves a program may be ahead: waiting, being planned, ready and under way.
   static constexpr std::size_t kMostAhead = 1000;
+  /// It also waits while motions of more than this time are ready, s, if there are two at least: a long motion
+  /// takes about 0.1 MB a second.
+  static constexpr double kSecondsAhead = 60;
 
   /// All arguments must outlive this object and the posted jobs.
   RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryController& controller, Post post)
       : robot_(robot), controller_(controller), post_(std::move(post)) {}
 
   /// True if a program may queue another move now; else it waits until one has arrived.
-  bool has_room() const { return waiting_.size() < kMostWaiting && last_id_ - settled_ < kMostAhead; }
+  bool has_room() const {
+    return waiting_.size() < kMostWaiting && last_id_ - settled_ < kMostAhead && !is_far_ahead();
+  }
   /// Returns the move's id, which counts up from 1. `with`: the robot with another TCP (null: unchanged);
   /// only moves with the same TCP blend. Throws Error("busy") if there is no room.
   /// `step`: waits for the moves of the other robots. Consecutive moves with the same step are one motion of
@@ -153,6 +158,7 @@ class RobotMotion {
     std::shared_ptr<std::atomic<bool>> ends;
   };
 
+  bool is_far_ahead() const;
   void plan();
   void collect();
   void hand_over(Nanoseconds now);
