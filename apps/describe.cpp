@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "apps/options.hpp"
 #include "polyarm/description/bodies.hpp"
 #include "polyarm/description/urdf.hpp"
+#include "polyarm/hulls/robot_bodies.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
 
@@ -142,6 +144,32 @@ json json_of(const RobotModel& model) {
   return out;
 }
 
+json bodies_json(const hulls::BodiesMade& bodies) {
+  json out = json::array();
+  for (const hulls::BodyReport& each : bodies.reports)
+    out.push_back({{"mesh", each.mesh},
+                   {"triangles", each.triangles},
+                   {"pieces", each.pieces},
+                   {"size_m", each.size},
+                   {"mean_excess_m", each.mean_excess},
+                   {"largest_excess_m", each.largest_excess}});
+  return out;
+}
+
+json described(const RobotModel& model, const hulls::BodiesMade& bodies) {
+  json out = json_of(model);
+  out["bodies"] = bodies_json(bodies);
+  return out;
+}
+
+void print_bodies(const hulls::BodiesMade& bodies) {
+  if (bodies.reports.empty()) return;
+  fmt::print("\n  {:<28}{:>12}{:>8}{:>16}{:>14}\n", "collision mesh", "triangles", "pieces", "mean excess", "largest");
+  for (const hulls::BodyReport& each : bodies.reports)
+    fmt::print("  {:<28}{:>12}{:>8}{:>13.2f} mm{:>11.1f} mm\n", std::filesystem::path(each.mesh).filename().string(),
+               each.triangles, each.pieces, 1e3 * each.mean_excess, 1e3 * each.largest_excess);
+}
+
 void print(const RobotModel& model) {
   const description::Provenance& p = model.provenance;
   fmt::print("{}{}{}\n", model.name, p.maker.empty() ? "" : "  —  " + p.maker + " ", p.model);
@@ -178,7 +206,7 @@ void print(const RobotModel& model) {
   if (const auto links = estimated_masses(model); !links.empty())
     fmt::print("  estimated masses: {}\n", fmt::join(links, ", "));
   if (const auto links = description::links_without_body(model); !links.empty())
-    fmt::print("  contacts are not detected, collision is a mesh or missing: {}\n", fmt::join(links, ", "));
+    fmt::print("  contacts are not detected, no <collision> or its mesh could not be read: {}\n", fmt::join(links, ", "));
   for (const std::string& text : description::placeholders(model)) fmt::print("  note: {}\n", text);
 }
 
@@ -196,14 +224,19 @@ int run_describe(int argc, char** argv) {
                        "polyarm describe abb/irb_120 --urdf > irb_120.urdf"}));
   if (const auto code = app.parse(argc, argv)) return *code;
   Problems warnings;
-  const RobotModel model = robot.load(warnings, open_catalogue());
+  RobotModel model = robot.load(warnings, open_catalogue());
+  hulls::BodiesMade bodies;
+  if (!urdf) bodies = hulls::make_bodies(model, hulls::bodies_cache());
+  for (Problem& problem : bodies.warnings) warnings.add(std::move(problem));
   for (const Problem& problem : warnings.list()) fmt::print(stderr, "{}\n", problem.text());
   if (urdf)
     fmt::print("{}", description::write_urdf(model));
   else if (json_wanted)
-    fmt::print("{}\n", json_of(model).dump(1));
-  else
+    fmt::print("{}\n", described(model, bodies).dump(1));
+  else {
     print(model);
+    print_bodies(bodies);
+  }
   return kOk;
 }
 

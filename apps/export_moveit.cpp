@@ -11,6 +11,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/plain_urdf.hpp"
 #include "polyarm/description/srdf.hpp"
+#include "polyarm/hulls/robot_bodies.hpp"
 
 namespace polyarm::apps {
 
@@ -310,6 +311,7 @@ MoveItFiles moveit_files(cell::Cell& cell, std::size_t index, int samples) {
   RobotModel model = robot.model;
   const std::vector<Actor> actors = actors_of(cell, robot.entry.name);
   add_groups(model, robot.entry.name, actors);
+  hulls::make_bodies(model, hulls::bodies_cache());
   const auto pairs = description::needless_pairs(model, samples);
   MoveItFiles out;
   const Pose& base = robot.entry.base;

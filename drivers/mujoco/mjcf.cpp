@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
 
 #include "polyarm/description/model_builder.hpp"
@@ -33,7 +34,7 @@ std::string place(const Pose& p) {
   return fmt::format("pos=\"{}\" quat=\"{}\"", text(p.position), text(p.rotation));
 }
 
-/// Type, size and pose; empty for shapes that are not simulated (meshes).
+/// Type, size and pose; empty for a mesh, whose pieces are geoms of their own.
 std::string geometry(const Shape& s, const Pose& at) {
   switch (s.kind) {
     case ShapeKind::box:
@@ -68,8 +69,10 @@ class Writer {
         "<size njmax=\"{}\" nconmax=\"{}\"/>\n"
         "<default><geom condim=\"4\" friction=\"0.8 0.005 0.0001\" solref=\"0.004 1\" solimp=\"0.95 0.99 "
         "0.0005\"/>"
-        "</default>\n<worldbody>\n",
+        "</default>\n",
         timestep_, text(scene.gravity), 600 + 60 * scene.parts.size(), 120 + 12 * scene.parts.size());
+    meshes();
+    out_ += "<worldbody>\n";
     if (scene.floor)
       line("<geom name=\"floor\" type=\"plane\" size=\"0 0 1\" pos=\"0 0 {:.17g}\"/>", scene.floor_height);
     for (std::size_t r = 0; r < context_.robots.size(); ++r)
@@ -94,10 +97,42 @@ class Writer {
 
   void geom(const std::string& name, const Shape& shape, const Pose& at, double friction,
             bool its_friction_counts = false) {
+    const char* priority = its_friction_counts ? " priority=\"1\"" : "";
+    for (std::size_t p = 0; p < shape.pieces.size(); ++p)
+      line("<geom name=\"{0}_{1}\" type=\"mesh\" mesh=\"{0}_{1}\" {2} friction=\"{3:.17g} 0.005 0.0001\"{4}/>", name, p,
+           place(at), friction, priority);
     const std::string what = geometry(shape, at);
     if (!what.empty())
-      line("<geom name=\"{}\" {} friction=\"{:.17g} 0.005 0.0001\"{}/>", name, what, friction,
-           its_friction_counts ? " priority=\"1\"" : "");
+      line("<geom name=\"{}\" {} friction=\"{:.17g} 0.005 0.0001\"{}/>", name, what, friction, priority);
+  }
+
+  /// The convex pieces of meshes, each once for each place where it is.
+  void meshes() {
+    out_ += "<asset>\n";
+    for (std::size_t r = 0; r < context_.robots.size(); ++r) {
+      const description::RobotModel& model = *context_.robots[r].model;
+      for (std::size_t i = 0; i < model.links.size(); ++i)
+        for (std::size_t s = 0; s < model.links[i].collisions.size(); ++s)
+          pieces(link_name(r, static_cast<int>(i)) + "_" + std::to_string(s), model.links[i].collisions[s]);
+    }
+    for (std::size_t r = 0; r < context_.robots.size(); ++r)
+      if (const description::Tool* tool = context_.robots[r].tool)
+        for (std::size_t s = 0; s < tool->body.size(); ++s)
+          pieces(tool_name(r) + "_" + std::to_string(s), tool->body[s]);
+    if (context_.scene)
+      for (std::size_t f = 0; f < context_.scene->fixtures.size(); ++f)
+        for (std::size_t s = 0; s < context_.scene->fixtures[f].shapes.size(); ++s)
+          pieces(fixture_name(f, s), context_.scene->fixtures[f].shapes[s]);
+    out_ += "</asset>\n";
+  }
+
+  void pieces(const std::string& name, const Shape& shape) {
+    for (std::size_t p = 0; p < shape.pieces.size(); ++p) {
+      out_ += fmt::format("<mesh name=\"{}_{}\" vertex=\"", name, p);
+      for (const Vec3& corner : shape.pieces[p])
+        fmt::format_to(std::back_inserter(out_), "{:.9g} {:.9g} {:.9g} ", corner.x, corner.y, corner.z);
+      out_ += "\"/>\n";
+    }
   }
 
   /// MuJoCo raises each value to boundinertia, but rejects zero values before that (1e-14 kg m²).

@@ -163,6 +163,12 @@ void ModelSet::find_owners(const hardware::ComponentContext& context, ModelView&
   const auto own = [&](int geom, Owner::Kind kind, int index, const std::string& called, bool stands = false) {
     if (geom >= 0) view.owner[static_cast<std::size_t>(geom)] = {kind, index, name(called), stands};
   };
+  const auto own_shape = [&](const std::string& geom, const description::Shape& shape, Owner::Kind kind, int index,
+                             const std::string& called, bool stands = false) {
+    own(find(m, mjOBJ_GEOM, geom), kind, index, called, stands);
+    for (std::size_t p = 0; p < shape.pieces.size(); ++p)
+      own(find(m, mjOBJ_GEOM, geom + "_" + std::to_string(p)), kind, index, called, stands);
+  };
   own(find(m, mjOBJ_GEOM, "floor"), Owner::Kind::floor, 0, "floor");
   for (std::size_t r = 0; r < context.robots.size(); ++r) {
     const hardware::RobotInstance& robot = context.robots[r];
@@ -170,11 +176,11 @@ void ModelSet::find_owners(const hardware::ComponentContext& context, ModelView&
     const std::vector<char> stands = description::links_on_the_floor(*robot.model, view.robots[r].base_dof >= 0);
     for (std::size_t l = 0; l < robot.model->links.size(); ++l)
       for (std::size_t s = 0; s < robot.model->links[l].collisions.size(); ++s)
-        own(find(m, mjOBJ_GEOM, link_name(r, static_cast<int>(l)) + "_" + std::to_string(s)),
-            Owner::Kind::link, index, robot.name + "/" + robot.model->links[l].name, stands[l] != 0);
+        own_shape(link_name(r, static_cast<int>(l)) + "_" + std::to_string(s), robot.model->links[l].collisions[s],
+                  Owner::Kind::link, index, robot.name + "/" + robot.model->links[l].name, stands[l] != 0);
     for (std::size_t s = 0; robot.tool && s < robot.tool->body.size(); ++s)
-      own(find(m, mjOBJ_GEOM, tool_name(r) + "_" + std::to_string(s)), Owner::Kind::tool, index,
-          robot.name + "/tool");
+      own_shape(tool_name(r) + "_" + std::to_string(s), robot.tool->body[s], Owner::Kind::tool, index,
+                robot.name + "/tool");
     own(view.robots[r].held_geom, Owner::Kind::held, index, "the part held by " + robot.name);
     for (int side = 0; side < 2; ++side)
       own(find(m, mjOBJ_GEOM, finger_name(r, side)), Owner::Kind::finger, index, robot.name + "/finger");
@@ -187,9 +193,9 @@ void ModelSet::find_owners(const hardware::ComponentContext& context, ModelView&
           std::find_if(scene.movers.begin(), scene.movers.end(),
                        [&](const description::Mover& k) { return k.name == scene.fixtures[f].mover; });
       const bool moves = mover != scene.movers.end();
-      own(find(m, mjOBJ_GEOM, fixture_name(f, s)), moves ? Owner::Kind::mover : Owner::Kind::fixture,
-          static_cast<int>(moves ? mover - scene.movers.begin() : static_cast<std::ptrdiff_t>(f)),
-          "fixture " + scene.fixtures[f].name);
+      own_shape(fixture_name(f, s), scene.fixtures[f].shapes[s], moves ? Owner::Kind::mover : Owner::Kind::fixture,
+                static_cast<int>(moves ? mover - scene.movers.begin() : static_cast<std::ptrdiff_t>(f)),
+                "fixture " + scene.fixtures[f].name);
     }
   for (std::size_t i = 0; i < scene.parts.size(); ++i)
     own(view.twin_geom[i], Owner::Kind::part, static_cast<int>(i), "part " + scene.parts[i].name);

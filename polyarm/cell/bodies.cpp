@@ -6,6 +6,7 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/bodies.hpp"
+#include "polyarm/hulls/robot_bodies.hpp"
 
 namespace polyarm::cell {
 
@@ -29,7 +30,7 @@ void add_robot(const CellRobot& robot, std::vector<Problem>& out) {
     out.push_back(unchecked(
         "links-without-body",
         fmt::format(
-            "{}: contacts of {} of {} links are not detected, as their collision is a mesh or missing: {}",
+            "{}: contacts of {} of {} links are not detected, as they have no <collision> or its mesh could not be read: {}",
             name, links.size(), robot.model.links.size(), join(links, ", ")),
         {{"robot", name},
          {"count", static_cast<double>(links.size())},
@@ -42,7 +43,36 @@ void add_robot(const CellRobot& robot, std::vector<Problem>& out) {
         fmt::format("{}: contacts of its tool {} are not detected, as it has no body", name, robot.tool.name),
         {{"robot", name}, {"tool", robot.tool.name}}));
 }
+
+void make(const std::vector<description::Shape*>& shapes, const std::string& of, const Location& where,
+          Problems& problems) {
+  for (Problem& problem : hulls::make_bodies(shapes, hulls::bodies_cache()).warnings) {
+    problem.what = of + ": " + problem.what;
+    if (problem.where.file.empty()) problem.where = where;
+    problems.add(std::move(problem));
+  }
+}
 }  // namespace
+
+void make_robot_bodies(const CellRobots& robots, Problems& problems) {
+  for (const auto& robot : robots) {
+    if (!checks_contacts(*robot)) continue;
+    std::vector<description::Shape*> shapes;
+    for (description::Link& link : robot->model.links)
+      for (description::Shape& shape : link.collisions) shapes.push_back(&shape);
+    for (description::Shape& shape : robot->tool.body) shapes.push_back(&shape);
+    make(shapes, robot->entry.name, robot->entry.where, problems);
+  }
+}
+
+void make_scene_bodies(const CellRobots& robots, description::Scene& scene, Problems& problems) {
+  if (std::none_of(robots.begin(), robots.end(), [](const auto& robot) { return checks_contacts(*robot); })) return;
+  for (description::Fixture& fixture : scene.fixtures) {
+    std::vector<description::Shape*> shapes;
+    for (description::Shape& shape : fixture.shapes) shapes.push_back(&shape);
+    make(shapes, "fixture " + fixture.name, {}, problems);
+  }
+}
 
 bool checks_contacts(const CellRobot& robot) {
   if (robot.blocks.empty()) return robot.driver == "mujoco";
@@ -57,7 +87,7 @@ std::vector<Problem> unchecked_bodies(const CellRobots& robots, const descriptio
     if (!fixture.shapes.empty() && !description::has_body(fixture.shapes))
       out.push_back(
           unchecked("fixture-without-body",
-                    "fixture " + fixture.name + ": contacts are not detected, as its shape is a mesh",
+                    "fixture " + fixture.name + ": contacts are not detected, as its mesh could not be read",
                     {{"fixture", fixture.name}}));
   return out;
 }

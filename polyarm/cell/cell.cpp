@@ -44,6 +44,8 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
                  ? scene_without_file(robots_, notes)
                  : description::read_scene(file_of_cell(file_, file_.scene, file_.scene_where), problems);
   });
+  make_robot_bodies(robots_, problems);
+  make_scene_bodies(robots_, scene_, problems);
   unchecked_bodies_ = cell::unchecked_bodies(robots_, scene_);
   for (const auto& more : {sentences(unchecked_bodies_), placeholder_notes(robots_)})
     notes.insert(notes.end(), more.begin(), more.end());

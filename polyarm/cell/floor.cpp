@@ -23,8 +23,12 @@ double depth_of(const description::Shape& shape, const Vec3& up) {
       return shape.radius;
     case description::ShapeKind::capsule:
       return along * shape.length / 2 + shape.radius;
-    case description::ShapeKind::mesh:
-      return -std::numeric_limits<double>::infinity();
+    case description::ShapeKind::mesh: {
+      double lowest = std::numeric_limits<double>::infinity();
+      for (const auto& piece : shape.pieces)
+        for (const Vec3& corner : piece) lowest = std::min(lowest, dot(up, corner));
+      return -lowest;
+    }
   }
   return 0;
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/bodies.hpp"
 #include "polyarm/cell/controllers_plan.hpp"
 #include "polyarm/description/tools.hpp"
 #include "polyarm/description/urdf.hpp"
@@ -240,7 +241,7 @@ using ReadRobots = std::map<std::string, description::RobotModel>;
 description::RobotModel read_model(const CellFile& file, const RobotEntry& entry,
                                    const description::Catalogue& catalogue, ReadRobots& read,
                                    Problems& found) {
-  if (!entry.text.empty()) return description::read_urdf(entry.text, entry.model, found);
+  if (!entry.text.empty()) return description::read_urdf(entry.text, entry.model, found, {description::packages_near(file.folder / "cell.yaml")});
   const auto beside = file.folder / entry.model;
   if (std::filesystem::is_regular_file(beside))
     return description::load_robot(beside.string(), catalogue, found, entry.arguments);
@@ -676,6 +677,7 @@ Remade make_again(const std::string& name, const CellFile& file, const descripti
   std::vector<std::string> notes;
   out.robots = resolve_robots(file, catalogue, real, out.warnings, notes);
   add_hardware_faults(out.robots, Severity::error, out.warnings);
+  make_robot_bodies(out.robots, out.warnings);
   out.warnings.throw_if_errors();
   const ros_files::ManagerParameters manager;
   Components(out.robots, scene, period, false, manager).make_one(name, out);

@@ -73,7 +73,7 @@ bool is_placeholder_effort(double effort) {
 
 bool has_body(const std::vector<Shape>& shapes) {
   return std::any_of(shapes.begin(), shapes.end(),
-                     [](const Shape& shape) { return shape.kind != ShapeKind::mesh; });
+                     [](const Shape& shape) { return shape.kind != ShapeKind::mesh || !shape.pieces.empty(); });
 }
 
 std::vector<std::string> links_without_body(const RobotModel& model) {

@@ -190,11 +190,11 @@ static Error only_macros(const fs::path& path, const std::vector<std::string>& m
 static RobotModel read_description(const fs::path& path, Problems& warnings,
                                    const std::map<std::string, std::string>& arguments) {
   const std::string text = read_file(path);
-  if (!uses_xacro(text)) return read_urdf(text, path.string(), warnings);
+  if (!uses_xacro(text)) return read_urdf(text, path.string(), warnings, {packages_near(path)});
   XacroReport report;
   const std::string expanded = expand_xacro_text(text, path, {arguments, {}}, warnings, &report);
   try {
-    return read_urdf(expanded, path.string() + " (expanded)", warnings);
+    return read_urdf(expanded, path.string() + " (expanded)", warnings, {packages_near(path)});
   } catch (const Error& e) {
     const std::string& code = e.problems().front().code;
     if (code == "no-links" && !report.macros.empty()) throw only_macros(path, report.macros);

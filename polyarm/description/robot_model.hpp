@@ -35,6 +35,9 @@ struct Shape {
   std::string mesh;   ///< mesh: the URI as written; `mesh_path` if the file was found, else empty
   std::string mesh_path;
   Vec3 scale{1, 1, 1};
+  /// mesh: the corners of convex pieces that contain it, scaled, m, in the shape's frame; empty until
+  /// hulls::make_bodies fills it. Physics simulates these.
+  std::vector<std::vector<Vec3>> pieces;
 };
 
 /// Friction of a link, from `<gazebo reference="link">`. Empty means not stated.

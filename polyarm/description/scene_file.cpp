@@ -166,10 +166,10 @@ class SceneReader {
   }
 
   void fixture(const std::string& name, const Yaml& y) {
-    y.check_keys(with_shapes({"at", "xyz", "rpy", "quaternion", "mover", "friction"}), problems_);
+    y.check_keys(with_shapes({"mesh", "at", "xyz", "rpy", "quaternion", "mover", "friction"}), problems_);
     Fixture out;
     out.name = name;
-    out.shapes = {read_shape(y)};
+    out.shapes = {read_shape_or_mesh(y)};
     out.pose = y.pose();
     out.mover = y["mover"].text("");
     out.friction = friction(y["friction"], out.friction);

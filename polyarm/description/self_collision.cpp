@@ -3,15 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
-#include <exception>
 #include <numbers>
 #include <random>
-#include <set>
 #include <span>
 #include <utility>
-
-#include "polyarm/base/file.hpp"
 
 namespace polyarm::description {
 
@@ -117,27 +112,6 @@ bool touch(const Body& a, const Pose& pose_a, const Body& b, const Pose& pose_b)
   return true;  // round bodies that just touch
 }
 
-/// The points of a binary STL file; empty for any other file.
-std::vector<Vec3> points_of_stl(const std::string& path, const Vec3& scale) try {
-  const std::string bytes = read_file(path);
-  std::uint32_t count = 0;
-  if (bytes.size() < 84) return {};
-  std::memcpy(&count, bytes.data() + 80, 4);
-  if (bytes.size() != 84 + std::size_t{50} * count) return {};
-  std::set<std::array<float, 3>> unique;
-  for (std::uint32_t i = 0; i < count; ++i)
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      std::array<float, 3> xyz;
-      std::memcpy(xyz.data(), bytes.data() + 84 + std::size_t{50} * i + 12 + 12 * corner, 12);
-      unique.insert(xyz);
-    }
-  std::vector<Vec3> out;
-  for (const auto& p : unique) out.push_back({p[0] * scale.x, p[1] * scale.y, p[2] * scale.z});
-  return out;
-} catch (const std::exception&) {
-  return {};
-}
-
 /// The rims of a cylinder as polygons outside the circle.
 std::vector<Vec3> rims(double radius, double length) {
   constexpr int kCorners = 24;
@@ -151,30 +125,33 @@ std::vector<Vec3> rims(double radius, double length) {
   return out;
 }
 
-/// Empty if the shape is unknown.
-Body body_of(const Shape& shape) {
-  Body out;
+/// Adds the convex bodies of a shape; none for a mesh without pieces.
+void add_bodies(const Shape& shape, std::vector<Body>& to) {
+  const std::size_t before = to.size();
   switch (shape.kind) {
-    case ShapeKind::box:
+    case ShapeKind::box: {
+      Body box;
       for (int corner = 0; corner < 8; ++corner)
-        out.points.push_back({(corner & 1 ? 0.5 : -0.5) * shape.size.x,
+        box.points.push_back({(corner & 1 ? 0.5 : -0.5) * shape.size.x,
                               (corner & 2 ? 0.5 : -0.5) * shape.size.y,
                               (corner & 4 ? 0.5 : -0.5) * shape.size.z});
+      to.push_back(std::move(box));
       break;
+    }
     case ShapeKind::sphere:
-      out = {{{}}, shape.radius};
+      to.push_back({{{}}, shape.radius});
       break;
     case ShapeKind::capsule:
-      out = {{{0, 0, -shape.length / 2}, {0, 0, shape.length / 2}}, shape.radius};
+      to.push_back({{{0, 0, -shape.length / 2}, {0, 0, shape.length / 2}}, shape.radius});
       break;
     case ShapeKind::cylinder:
-      out.points = rims(shape.radius, shape.length);
+      to.push_back({rims(shape.radius, shape.length)});
       break;
     case ShapeKind::mesh:
-      out.points = points_of_stl(shape.mesh_path, shape.scale);
+      for (const std::vector<Vec3>& piece : shape.pieces) to.push_back({piece});
   }
-  for (Vec3& point : out.points) point = shape.pose * point;
-  return out;
+  for (std::size_t i = before; i < to.size(); ++i)
+    for (Vec3& point : to[i].points) point = shape.pose * point;
 }
 
 class Bodies {
@@ -183,8 +160,9 @@ class Bodies {
       : model_{model}, of_link_(model.links.size()), known_(model.links.size(), true) {
     for (std::size_t i = 0; i < model.links.size(); ++i)
       for (const Shape& shape : model.links[i].collisions) {
-        of_link_[i].push_back(body_of(shape));
-        if (of_link_[i].back().points.empty()) known_[i] = false;
+        const std::size_t before = of_link_[i].size();
+        add_bodies(shape, of_link_[i]);
+        if (of_link_[i].size() == before) known_[i] = false;
       }
   }
 

@@ -21,9 +21,8 @@ struct LinkPair {
 
 /// adjacent: no colliding link lies between them. default_state: they touch at `home` (at zero without one).
 /// always: they touch in more than 95 % of the samples. never: in none. Joint states are uniform within the
-/// limits (±π, ±1 m if there are none); mimic joints follow. The same seed gives the same pairs. Shapes count
-/// as their convex hulls. A mesh that is not binary STL, or not found, may touch anything; it occurs only in
-/// adjacent pairs.
+/// limits (±π, ±1 m if there are none); mimic joints follow. The same seed gives the same pairs. A mesh
+/// counts as its convex pieces (hulls::make_bodies); a mesh without pieces occurs only in adjacent pairs.
 std::vector<LinkPair> needless_pairs(const RobotModel& model, int samples = 10'000, std::uint32_t seed = 1);
 
 /// Whether two links touch at a state of all actuated joints; empty if a shape is unknown.

@@ -1,8 +1,11 @@
 #include "polyarm/description/shape_yaml.hpp"
 
+#include <filesystem>
 #include <string>
+#include <system_error>
 
 #include "polyarm/base/bounds.hpp"
+#include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::description {
@@ -53,6 +56,48 @@ Shape read_shape(const Yaml& yaml) {
     out.radius = positive(value.required("radius"));
     out.length = positive(value.required("length"));
   }
+  return out;
+}
+
+namespace {
+double metres_in(const Yaml& unit) {
+  const std::string text = unit.text("m");
+  if (text == "m") return 1;
+  if (text == "mm") return 1e-3;
+  if (text == "cm") return 1e-2;
+  if (text == "in") return 0.0254;
+  throw Error(Problem{"bad-value", unit.where(), "'" + shortened(text) + "' is not a unit of a mesh file",
+                      "write m, mm, cm or in"});
+}
+}  // namespace
+
+Shape read_shape_or_mesh(const Yaml& yaml) {
+  const Yaml mesh = yaml["mesh"];
+  if (!mesh.defined()) return read_shape(yaml);
+  for (const std::string& key : shape_keys())
+    if (yaml.has(key))
+      throw Error(Problem{"bad-value", yaml.where(), "'mesh' and '" + key + "' are given for one thing", "keep one of them"});
+  Problems problems;
+  if (mesh.is_map()) mesh.check_keys({"file", "unit", "scale"}, problems);
+  problems.throw_if_errors();
+  const Yaml file = mesh.is_map() ? mesh.required("file") : mesh;
+  Shape out;
+  out.kind = ShapeKind::mesh;
+  out.mesh = file.text();
+  const std::filesystem::path path = std::filesystem::path(yaml.where().file).parent_path() / out.mesh;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    throw Error(Problem{"no-mesh", file.where(), "there is no mesh file " + path.string(),
+                        "paths of meshes begin at the folder of this file"});
+  out.mesh_path = path.string();
+  const double metres = metres_in(mesh["unit"]);
+  const Yaml scale = mesh["scale"];
+  out.scale = scale.is_list() ? scale.vec3(Dimension::none)
+                              : scale.number(Dimension::none, 1) * Vec3{1, 1, 1};
+  for (const double each : {out.scale.x, out.scale.y, out.scale.z})
+    if (!(each > 0 && each <= 1e6))
+      throw Error(Problem{"bad-value", scale.where(), "the scale of a mesh must be above zero and at most 1e6", {}});
+  out.scale = metres * out.scale;
   return out;
 }
 

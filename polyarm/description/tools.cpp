@@ -87,7 +87,7 @@ Tool read_tool(const Yaml& yaml, const std::string& name) {
   tool.mass = positive(yaml["mass"], Dimension::mass, 0.1);
   if (yaml.has("center")) tool.center = yaml["center"].vec3();
   for (const Yaml& entry : yaml["body"].items()) {
-    Shape shape = read_shape(entry);
+    Shape shape = read_shape_or_mesh(entry);
     shape.pose = entry.pose();
     tool.body.push_back(shape);
   }

@@ -5,13 +5,14 @@
 #include <string_view>
 #include <vector>
 
+#include "polyarm/description/packages.hpp"
 #include "polyarm/description/robot_model.hpp"
 
 namespace polyarm::description {
 
 struct UrdfOptions {
-  /// Folders with ROS packages, for `package://name/…`. Meshes are optional.
-  std::vector<std::filesystem::path> package_folders;
+  /// Finds the packages of meshes, `package://name/…`; empty: none is found. Meshes are optional.
+  PackageSearch packages;
 };
 
 /// Reads URDF with its <ros2_control>, <transmission>, <safety_controller> and <gazebo> friction, damping and

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "polyarm/base/text.hpp"
@@ -242,19 +244,28 @@ class UrdfReader : private XmlReader {
     return false;
   }
 
-  std::string resolve_mesh(const std::string& uri) const {
-    std::vector<std::filesystem::path> candidates;
-    if (uri.starts_with("package://")) {
-      for (const auto& folder : options_.package_folders) candidates.push_back(folder / uri.substr(10));
-    } else if (uri.starts_with("file://")) {
-      candidates.emplace_back(uri.substr(7));
+  /// The folder of a package, searched for once; empty if there is none.
+  std::filesystem::path package(const std::string& name) {
+    const auto [at, is_new] = packages_.try_emplace(name);
+    if (is_new && options_.packages) at->second = options_.packages(name);
+    return at->second;
+  }
+
+  std::string resolve_mesh(const std::string& uri) {
+    constexpr std::string_view kPackage = "package://", kFile = "file://";
+    std::filesystem::path path;
+    if (uri.starts_with(kPackage)) {
+      const std::size_t slash = std::min(uri.find('/', kPackage.size()), uri.size());
+      path = package(uri.substr(kPackage.size(), slash - kPackage.size()));
+      if (path.empty()) return {};
+      path += uri.substr(slash);
+    } else if (uri.starts_with(kFile)) {
+      path = uri.substr(kFile.size());
     } else {
-      candidates.push_back(std::filesystem::path(file_).parent_path() / uri);
+      path = std::filesystem::path(file_).parent_path() / uri;
     }
     std::error_code error;
-    for (const auto& candidate : candidates)
-      if (std::filesystem::is_regular_file(candidate, error)) return candidate.string();
-    return {};
+    return std::filesystem::is_regular_file(path, error) ? path.string() : std::string();
   }
 
   JointType joint_type(const XMLElement& e) {
@@ -462,6 +473,7 @@ class UrdfReader : private XmlReader {
   RobotModel model_;
   std::vector<NamedJoint> joints_;
   std::set<std::string> passed_over_, link_names_;
+  std::map<std::string, std::filesystem::path> packages_;  ///< found so far
   const XMLElement* facts_ = nullptr;  ///< <polyarm>: facts that URDF cannot express
 };
 

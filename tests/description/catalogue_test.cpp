@@ -396,6 +396,26 @@ TEST(Catalogue, FaultsOfAnSrdfBesideADescriptionAreLeftOut) {
 }
 
 /// As colcon finds them: workspaces hold repositories, and these hold packages.
+TEST(LoadRobot, FindsTheMeshesOfAPackageNearTheFile) {
+  const polyarm::test::Folder folder;
+  const auto file = [&](const std::string& name, const std::string& text) { return folder.write(name, text); };
+  file("arms/package.xml", "<package><name>my_arms</name></package>");
+  const std::string mesh = file("arms/meshes/one.stl", "solid one\nendsolid one\n");
+  file("outside.stl", "solid two\nendsolid two\n");
+  const auto mesh_of = [&](const std::string& uri) {
+    const std::string urdf =
+        file("arms/urdf/arm.urdf", "<robot name=\"a\"><link name=\"base\"><collision><geometry><mesh filename=\"" + uri +
+                                       "\"/></geometry></collision></link></robot>");
+    Problems warnings;
+    return load_robot(urdf, catalogue(), warnings).links[0].collisions[0].mesh_path;
+  };
+  EXPECT_TRUE(std::filesystem::equivalent(mesh_of("package://my_arms/meshes/one.stl"), mesh));
+  EXPECT_TRUE(std::filesystem::equivalent(mesh_of("../meshes/one.stl"), mesh));
+  for (const char* missing : {"package://my_arms/meshes/two.stl", "package://other/meshes/one.stl", "package://my_arms",
+                              "package://", "package:///meshes/one.stl"})
+    EXPECT_EQ(mesh_of(missing), "") << missing;
+}
+
 TEST(Packages, AreFoundDeepBelowTheFoldersOfPackagePaths) {
   const Folder workspace;
   const auto manifest = [](const std::string& name) {

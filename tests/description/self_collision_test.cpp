@@ -93,6 +93,21 @@ TEST(LinksTouch, ACylinderIsNeverTakenForLessThanItIs) {
   EXPECT_FALSE(*links_touch(model, 0, 3, std::vector<double>{0, 0, 0.301}));
 }
 
+TEST(LinksTouch, AMeshIsItsConvexPieces) {
+  Shape mesh = shape(ShapeKind::mesh, 0);
+  const auto cube = [](double x) {
+    std::vector<Vec3> out;
+    for (int i = 0; i < 8; ++i) out.push_back({x + (i & 1 ? 0.1 : -0.1), i & 2 ? 0.1 : -0.1, i & 4 ? 0.1 : -0.1});
+    return out;
+  };
+  mesh.pieces = {cube(-0.5), cube(0.5)};
+  const RobotModel model = two(mesh, shape(ShapeKind::sphere, 0.1));
+  EXPECT_TRUE(*links_touch(model, 0, 3, std::vector<double>{0.69, 0, 0}));
+  EXPECT_TRUE(*links_touch(model, 0, 3, std::vector<double>{-0.5, 0.19, 0}));
+  EXPECT_FALSE(*links_touch(model, 0, 3, std::vector<double>{0.71, 0, 0}));
+  EXPECT_FALSE(*links_touch(model, 0, 3, std::vector<double>{0, 0, 0})) << "between the pieces";
+}
+
 TEST(LinksTouch, OfAMeshThatIsNotThereNothingIsSaid) {
   const RobotModel model = two(shape(ShapeKind::mesh, 0), shape(ShapeKind::sphere, 0.1));
   EXPECT_EQ(links_touch(model, 0, 3, std::vector<double>{9, 9, 9}), std::nullopt);

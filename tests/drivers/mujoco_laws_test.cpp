@@ -218,6 +218,59 @@ TEST(MujocoLinks, MeetUnlessTheDescriptionSaysThatTheirRobotSparesItself) {
   }
 }
 
+/// The corners of a cube of this half edge.
+std::vector<Vec3> corners_about(const Vec3& at, double half) {
+  std::vector<Vec3> out;
+  for (int i = 0; i < 8; ++i)
+    out.push_back({at.x + (i & 1 ? half : -half), at.y + (i & 2 ? half : -half), at.z + (i & 4 ? half : -half)});
+  return out;
+}
+
+/// A mesh of two cubes with a gap between them, in the frame of its link or fixture.
+description::Shape two_cubes(const Vec3& at, double apart, double half) {
+  description::Shape out;
+  out.kind = description::ShapeKind::mesh;
+  out.pieces = {corners_about(at - Vec3{0, 0, apart / 2}, half), corners_about(at + Vec3{0, 0, apart / 2}, half)};
+  return out;
+}
+
+TEST(MujocoMeshes, OfALinkTouchWithEachOfTheirConvexPieces) {
+  for (const double apart : {0.0, 0.3}) {  // the other arm's box passes through a gap of 0.28 m
+    Stage stage;
+    stage.model = crossing();
+    const Vec3 at = stage.model.links[1].collisions[0].pose.position;
+    stage.model.links[1].collisions = {two_cubes(at, apart, 0.01)};
+    stage.scene.floor = false;
+    Rig rig = physics(stage);
+    rig.move({{"arm/left/position", -0.5}}, 0.5);
+    const bool touches = rig.findings().find("arm/left touches arm/right") != std::string::npos ||
+                         rig.findings().find("arm/right touches arm/left") != std::string::npos;
+    EXPECT_EQ(touches, apart == 0) << rig.findings();
+  }
+}
+
+TEST(MujocoMeshes, OfAFixtureCarryPartsOnTheirPiecesOnly) {
+  for (const double x : {0.0, 0.5}) {
+    Stage stage = only(table());
+    description::Fixture fixture;
+    fixture.name = "stand";
+    fixture.pose.position = {0, 0, 0.3};
+    description::Shape mesh;
+    mesh.kind = description::ShapeKind::mesh;
+    mesh.pieces = {corners_about({0, 0, 0}, 0.05)};
+    fixture.shapes = {mesh};
+    stage.scene.fixtures.push_back(fixture);
+    stage.scene.parts = {cube("cube", {x, 0, 0.5}, 0.04, 0.1)};
+    Rig rig = physics(stage);
+    rig.run(1.0);
+    const double z = rig.part(0).pose.position.z;
+    if (x == 0)
+      EXPECT_NEAR(z, 0.3 + 0.05 + 0.02, 1e-3);
+    else
+      EXPECT_LT(z, 0.3);
+  }
+}
+
 TEST(MujocoLinks, HoldOnASlopeAsMuchAsTheyRub) {
   for (const double mu : {0.1, 0.8}) {  // the slope has 0.3 rad, whose tangent is 0.31
     Stage stage;

@@ -1,0 +1,36 @@
+#pragma once
+/// Gives the collision meshes of robots and scenes a body: convex pieces that contain the mesh.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/description/robot_model.hpp"
+
+namespace polyarm::hulls {
+
+/// One mesh and its body, for reports.
+struct BodyReport {
+  std::string mesh;  ///< the path of the file
+  std::size_t triangles = 0, pieces = 0;
+  double size = 0, mean_excess = 0, largest_excess = 0;  ///< m; see ConvexPieces
+  bool cached = false;
+};
+
+struct BodiesMade {
+  std::vector<BodyReport> reports;
+  std::vector<Problem> warnings;  ///< one for each mesh without a body: missing, broken or too large
+};
+
+/// Where this user's bodies are kept; empty without a home.
+std::filesystem::path bodies_cache();
+
+/// Fills `pieces` of each collision mesh of the robot. Meshes of the same file and scale are computed once,
+/// side by side on the processors that there are. `cache`: a folder of the user that keeps results by the
+/// content of the mesh; an empty path disables it. Slow, reads the disk: any thread except those of a cell.
+BodiesMade make_bodies(description::RobotModel& model, const std::filesystem::path& cache);
+/// The same for single shapes, such as those of a tool or a fixture. Shapes that are no mesh stay as they
+/// are.
+BodiesMade make_bodies(const std::vector<description::Shape*>& shapes, const std::filesystem::path& cache);
+
+}  // namespace polyarm::hulls
