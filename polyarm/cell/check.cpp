@@ -352,9 +352,18 @@ class Checker {
       const Rehearsal found = rehearse(cell), of_plc = rehearse_plc(cell);
       for (const Problem& problem : found.problems.list()) problems_.add(problem);
       for (const Problem& problem : of_plc.problems.list()) problems_.add(problem);
+      note_left_out(found, "program");
+      note_left_out(of_plc, "script of the PLC");
       result_.moves = found.moves;
       result_.reached = found.reached;
     });
+  }
+
+  void note_left_out(const Rehearsal& found, const std::string& of) {
+    if (found.left_out == 0) return;
+    result_.notes.push_back(fmt::format(
+        "the {} was followed with {} other values, answers, time-outs and errors; {} more were left out", of,
+        found.variants, found.left_out));
   }
 
   void run_whole(const CellOptions& options) {

@@ -71,7 +71,7 @@ class ProgramHost : public program::Host {
   program::Progress poll_load(program::Handle handle) override;
   program::Handle start_ask(const std::string& text, const Location& where) override;
   program::Progress poll_ask(program::Handle handle) override;
-  std::string answer() const override { return answer_; }
+  std::string answer(const data::Value&) const override { return answer_; }
   void run_program(const std::string& name, const Location& where) override;
   data::Value call(std::string_view function, std::span<const data::Value> arguments,
                    const Location& where) override;

@@ -1,6 +1,7 @@
 #include "polyarm/cell/rehearsal.hpp"
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -25,7 +26,7 @@ constexpr int kEndlessSteps = 10000;  // without a wait or a move
 constexpr int kMostStalls = 100;      // without a statement begun
 constexpr std::uint64_t kPasses = 2;
 constexpr std::uint64_t kCountedPasses = 50;  // of a loop whose condition compares
-constexpr int kMostVariants = 24;             // of values that decide about branches
+constexpr std::size_t kMostVariants = 40;     // of what decides about branches
 
 /// Ends waits. One thing at a time, so that what waits for one of two sees one of them.
 class Helper {
@@ -108,7 +109,7 @@ void go_through(Stage& stage, const std::shared_ptr<program::Compiled>& compiled
       step = kMostSteps;
     }
     if (step < kMostSteps && !stage.enough() && interpreter.overview().passes < passes) continue;
-    if (interpreter.overview().passes < passes) stage.result().reached = interpreter.overview().where;
+    if (interpreter.overview().passes < passes) stage.tell_reached(interpreter.overview().where);
     break;
   }
   stage.start_arrival({});
@@ -125,80 +126,136 @@ struct Subject {
   const program::Program* others() const { return other ? &other->interpreter().program() : nullptr; }
 };
 
-/// What one pass through the program supposes.
-struct Variant {
-  std::optional<NamedValue> kept = {};  ///< a name that has one value all the time
-  std::string late = {};                ///< the place of a wait that times out
+struct Pass {
+  Rehearsal found;
+  std::map<std::string, Question> questions;
 };
 
 /// Once, with values that end its waits.
-Rehearsal go_once(const Subject& subject, const PossibleValues& values, const Variant& variant,
-                  bool with_paths) {
+Pass go_once(const Subject& subject, const PossibleValues& values, const Supposition& supposed,
+             bool with_paths) {
   Stage stage(subject.cell, subject.compiled()->program, subject.others(), subject.moves, with_paths);
-  if (variant.kept) stage.keep(*variant.kept);
+  stage.suppose(supposed);
   try {
-    go_through(stage, subject.compiled(), values, variant.late);
+    go_through(stage, subject.compiled(), values, supposed.late);
   } catch (const Error&) {  // what else is wrong with it others tell
   }
-  return std::move(stage.result());
+  Pass out{{}, stage.questions()};
+  out.found = stage.take_result();
+  return out;
 }
 
-/// What leads to other branches: values of names that others set, and of tags that nobody sets but a person;
-/// and each wait that may time out.
-std::vector<Variant> variants(const Subject& subject, const PossibleValues& values) {
-  const std::set<std::string> open = open_names(subject.cell, subject.others());
-  const std::set<std::string> own = names_set(subject.compiled()->program);
-  std::vector<Variant> out;
+/// Names of the cell that may come to have any value: what sets them is no program, or calculates.
+std::set<std::string> names_with_any_value(const Subject& subject) {
+  std::set<std::string> out = open_names(subject.cell, nullptr);
+  if (!subject.others()) return out;
+  using Kind = program::Statement::Kind;
+  program::for_each_statement(subject.others()->statements, [&](const program::Statement& s) {
+    if (s.kind == Kind::set && s.expression && s.expression->kind != program::Expression::Kind::literal)
+      out.insert(s.name);
+  });
+  return out;
+}
+
+/// What leads to other branches, in groups of which each is about one thing: values of names that others set,
+/// and of tags that nobody sets but a person; each wait that may time out; each `try` that may fail.
+std::vector<std::vector<Supposition>> groups_of_suppositions(const Subject& subject,
+                                                             const PossibleValues& values) {
   const program::Program& program = subject.compiled()->program;
+  const std::set<std::string> open = open_names(subject.cell, subject.others());
+  const std::set<std::string> any_value = names_with_any_value(subject);
+  const std::set<std::string> own = names_set(program);
+  std::vector<std::vector<Supposition>> out;
   program::for_each_statement(program.statements, [&](const program::Statement& s) {
     if (s.kind == program::Statement::Kind::wait && s.second)
-      out.push_back({.late = program.at(s.place).text()});
+      out.push_back({{.late = program.at(s.place).text()}});
+    if (s.kind == program::Statement::Kind::try_block)
+      out.push_back({{.fails = program.at(s.handler_place).text()}});
   });
   for (const std::string& name : values.deciding()) {
     const data::Value* now = subject.cell.store().find(name);
     const bool of_a_person = subject.cell.store().is_tag(name) && !own.contains(name);
     if (!now || (!open.contains(name) && !of_a_person)) continue;
-    out.push_back({.kept = NamedValue{name, *now}});
+    const bool only_tried = !any_value.contains(name);
+    std::vector<Supposition>& group = out.emplace_back();
+    group.push_back({.kept = NamedValue{name, *now}, .only_tried = only_tried});
     for (data::Value& value : values.instead_of(name, *now))
-      out.push_back({.kept = NamedValue{name, std::move(value)}});
+      group.push_back({.kept = NamedValue{name, std::move(value)}, .only_tried = only_tried});
   }
   return out;
 }
 
-/// What is wrong in branches that the present values do not lead to.
-void add_branches(const Subject& subject, const PossibleValues& values, Rehearsal& out) {
-  std::set<std::string> told;
-  const auto is_new = [&](const Problem& problem) {
-    return told.insert(problem.where.text() + problem.what).second;
-  };
-  for (const Problem& problem : out.problems.list()) is_new(problem);
-  std::size_t moves = 0;
-  int count = 0;
-  for (const Variant& variant : variants(subject, values)) {
-    if (++count > kMostVariants || moves > Stage::kMostMoves) return;
-    const Rehearsal found = go_once(subject, values, variant, false);
-    moves += found.moves;
-    for (const Problem& problem : found.problems.list())
-      if (problem.code != "busy-loop" && is_new(problem)) out.problems.add(problem);
+/// The first of each group, then the second of each …, so that a bound leaves out the least likely.
+std::vector<Supposition> in_turn(std::vector<std::vector<Supposition>> groups) {
+  std::vector<Supposition> out;
+  for (std::size_t i = 0, more = 1; more > 0; ++i) {
+    more = 0;
+    for (std::vector<Supposition>& group : groups)
+      if (i < group.size()) out.push_back(std::move(group[i])), ++more;
   }
-}
-
-Rehearsal go_everywhere(const Subject& subject, bool with_paths) {
-  const PossibleValues values(subject.compiled()->program, subject.others());
-  Rehearsal out = go_once(subject, values, {}, with_paths);
-  add_branches(subject, values, out);
   return out;
 }
+
+/// Goes through a program again and again, and looks at branches that the present values do not lead to.
+class Explorer {
+ public:
+  explicit Explorer(const Subject& subject)
+      : subject_(subject),
+        values_(subject.compiled()->program, subject.others(),
+                [&subject](const std::string& name) { return subject.cell.store().find(name); }) {}
+
+  Rehearsal run(bool with_paths) {
+    Pass first = go_once(subject_, values_, {}, with_paths);
+    Rehearsal out = std::move(first.found);
+    for (const Problem& problem : out.problems.list()) is_new(problem);
+    add_answers(first.questions);
+    for (Supposition& each : in_turn(groups_of_suppositions(subject_, values_)))
+      todo_.push_back(std::move(each));
+    std::size_t moves = 0;
+    for (; out.variants < todo_.size(); ++out.variants) {
+      if (out.variants >= kMostVariants || moves > Stage::kMostMoves) break;
+      const Pass pass = go_once(subject_, values_, todo_[out.variants], false);
+      moves += pass.found.moves;
+      add_answers(pass.questions);
+      for (const Problem& problem : pass.found.problems.list())
+        if (problem.code != "busy-loop" && is_new(problem)) out.problems.add(problem);
+    }
+    out.left_out = todo_.size() - out.variants;
+    return out;
+  }
+
+ private:
+  /// Other answers than those that Enter gives, to questions that were not asked before.
+  void add_answers(const std::map<std::string, Question>& questions) {
+    std::vector<std::vector<Supposition>> groups;
+    for (const auto& [name, question] : questions) {
+      if (!asked_.insert(name).second) continue;
+      std::vector<Supposition>& group = groups.emplace_back();
+      for (data::Value& value : values_.other_answers(name, question.usual))
+        group.push_back({.answer = NamedValue{name, std::move(value)}});
+    }
+    for (Supposition& each : in_turn(std::move(groups))) todo_.push_back(std::move(each));
+  }
+  bool is_new(const Problem& problem) { return told_.insert(problem.where.text() + problem.what).second; }
+
+  const Subject& subject_;
+  PossibleValues values_;
+  std::vector<Supposition> todo_;
+  std::set<std::string> asked_, told_;
+};
+
 }  // namespace
 
 Rehearsal rehearse(Cell& cell, bool with_paths) {
   if (!cell.program() || !cell.program_moves()) return {};
-  return go_everywhere({cell, *cell.program(), cell.plc(), cell.program_moves()}, with_paths);
+  const Subject subject{cell, *cell.program(), cell.plc(), cell.program_moves()};
+  return Explorer(subject).run(with_paths);
 }
 
 Rehearsal rehearse_plc(Cell& cell) {
   if (!cell.plc()) return {};
-  return go_everywhere({cell, *cell.plc(), cell.program(), nullptr}, false);
+  const Subject subject{cell, *cell.plc(), cell.program(), nullptr};
+  return Explorer(subject).run(false);
 }
 
 }  // namespace polyarm::cell

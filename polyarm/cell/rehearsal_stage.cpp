@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <utility>
 #include <variant>
 
 #include "polyarm/cell/cell.hpp"
@@ -53,13 +54,13 @@ Stage::~Stage() {
   for (auto& [name, value] : before_) cell_.store().set(name, std::move(value), "check");
 }
 
-void Stage::keep(const NamedValue& value) {
-  help(value.first, value.second);
-  kept_ = value;
+void Stage::suppose(const Supposition& supposed) {
+  if (supposed.kept) help(supposed.kept->first, supposed.kept->second);
+  supposed_ = supposed;
 }
 
 const data::Value* Stage::find(std::string_view name) const {
-  if (kept_ && kept_->first == name) return &kept_->second;
+  if (supposed_.kept && supposed_.kept->first == name) return &supposed_.kept->second;
   const data::Value* value = cell_.store().find(name);
   const data::Point* point = value ? value->as_point() : nullptr;
   if (!point || !moves_ || point->frame().empty()) return value;
@@ -68,7 +69,8 @@ const data::Value* Stage::find(std::string_view name) const {
   return &out;
 }
 
-void Stage::set(const std::string& name, data::Value value, const Location&) {
+void Stage::set(const std::string& name, data::Value value, const Location& where) {
+  if (where.line > 0) fail_as_supposed(where);
   if (const data::Value* now = cell_.store().find(name)) before_.try_emplace(name, *now);
   cell_.store().set(name, std::move(value), "check");
 }
@@ -77,13 +79,56 @@ program::Handle Stage::start_move(const program::Move& move, const Location& whe
   ++events_;
   if (!moves_) throw Error(Problem{"no-robot", where, "a PLC's script moves no robot", {}});
   if (move.of_base()) return 1;
-  const Asked asked{where, calls_at(where), move.called};
+  fail_as_supposed(where);
+  const Asked asked{where, calls_at(where), move.called, interpreter_->handler()};
   try {
     queue(moves_->prepare(is_relative(move) ? from_now(move) : move, where), asked);
   } catch (const Error& e) {
     tell(e.problems().front(), asked, values_known(asked));
   }
+  raise_pending();
   return 1;
+}
+
+program::Progress Stage::poll_move(program::Handle) {
+  arrive();
+  if (!pending_) return program::Progress::done();
+  return program::Progress::failed(*std::exchange(pending_, std::nullopt));
+}
+
+program::Handle Stage::start_load(const std::string&, program::LoadForm, const Location& where) {
+  fail_as_supposed(where);
+  return 1;
+}
+
+program::Handle Stage::start_ask(const std::string& text, const Location& where) {
+  asked_ = answer_name(where);
+  asked_text_ = text;
+  return 1;
+}
+
+/// Enter, unless another answer to this question is supposed.
+std::string Stage::answer(const data::Value& usual) const {
+  questions_.try_emplace(asked_, Question{asked_text_, usual});
+  if (!supposed_.answer || supposed_.answer->first != asked_) return {};
+  const data::Value& value = supposed_.answer->second;
+  const data::Number *number = value.as_number(), *like = usual.as_number();
+  if (value.kind() != usual.kind() || (number && like && number->dimension != like->dimension)) return {};
+  if (const bool* boolean = value.as_boolean()) return *boolean ? "yes" : "no";
+  return value.text();
+}
+
+/// Once, in the `try` that is supposed to fail.
+void Stage::fail_as_supposed(const Location& where) {
+  if (supposed_.fails.empty() || has_failed_ || !interpreter_) return;
+  const std::optional<Location> handler = interpreter_->handler();
+  if (!handler || handler->text() != supposed_.fails) return;
+  has_failed_ = true;
+  throw Error(Problem{"refused", where, "the rehearsal supposes that this line fails", {}});
+}
+
+void Stage::raise_pending() {
+  if (pending_) throw Error(*std::exchange(pending_, std::nullopt));
 }
 
 program::Handle Stage::start_arrival(const std::string&) {
@@ -118,13 +163,21 @@ void Stage::help(const std::string& name, const data::Value& value) {
 
 void Stage::tell_failure(const program::TaskStatus& status) {
   out_.reached = status.where;
+  if (status.problem && tell_passed_on(*status.problem)) return;
   const std::vector<std::string> own = {"user",    "expect",   "timeout",     "ended",       "discarded",
                                         "refused", "no-robot", "unreachable", "nobody-there"};
   if (!status.problem || std::find(own.begin(), own.end(), status.problem->code) != own.end()) return;
   Problem problem = *status.problem;
   bool known = values_known({status.where, calls_at(status.where), {}});
   if (problem.code == "too-deep") known = known && certainty().conditions_known();
-  if (kept_ && !known) return;  // the value was only tried
+  if (supposed_.kept && !known) {
+    if (supposed_.only_tried || problem.code != "zero") return;
+    problem.advice = "this happens when '" + supposed_.kept->first + "' is " + supposed_.kept->second.text() +
+                     ": test it before";
+  }
+  if (supposed_.answer && !known)
+    problem.advice = "this happens with the answer " + supposed_.answer->second.text() + " to '" +
+                     questions_[supposed_.answer->first].text + "': test it before";
   problem.severity = known ? Severity::error : Severity::warning;
   out_.problems.add(std::move(problem));
 }
@@ -148,9 +201,8 @@ program::Move Stage::from_now(const program::Move& move) {
   return from_here(move, place, *arm->robot, arm->at);
 }
 
-program::Progress Stage::arrive() {
+void Stage::arrive() {
   for (Arm& arm : arms_) plan(arm);
-  return program::Progress::done();
 }
 
 void Stage::queue(ProgramMoves::Prepared move, const Asked& asked) {
@@ -184,10 +236,12 @@ void Stage::plan(Arm& arm) {
       note_made(arm, moves.size());
     } catch (const moves::MoveError& e) {
       out_.moves += e.move + 1;
+      const std::vector<double> before = end_of(arm, e.move);
       note_made(arm, e.move);
       const auto& [move, asked] = arm.waiting.front();
       tell(e.problems().front(), asked,
            values_known(asked) && (is_out_of_reach(arm, move) || start_known(arm, asked.where)));
+      if (pending_) return stay(arm, before);
       arm.lost = true;
     }
   }
@@ -229,6 +283,25 @@ void Stage::note_made(Arm& arm, std::size_t count) {
   for (auto at = arm.waiting.begin(); at != end; ++at)
     arm.went.push_back({at->second, std::holds_alternative<std::vector<double>>(at->first.end().at)});
   arm.waiting.erase(arm.waiting.begin(), end);
+}
+
+/// Where the robot is after the first `count` of the moves that wait.
+std::vector<double> Stage::end_of(const Arm& arm, std::size_t count) {
+  std::vector<double> out = arm.at;
+  try {
+    for (std::size_t i = 0; i < count; ++i) out = joints_at(arm, arm.waiting[i].first.end(), out);
+  } catch (const Error&) {  // about there
+  }
+  return out;
+}
+
+/// A move fails, and the program catches the error: the robot is at the end of the move before it, and what
+/// is queued behind it is discarded.
+void Stage::stay(Arm& arm, std::vector<double> at) {
+  arm.at = std::move(at);
+  tell_where(arm);
+  arm.went.push_back({arm.waiting.front().second, false, true});
+  arm.waiting.clear();
 }
 
 /// After a move that cannot be made: as if it had arrived some other way, if its end can be reached at all.
@@ -307,10 +380,39 @@ void Stage::tell_where(const Arm& arm) {
 /// Of a move. `known`: it cannot be made in any run that comes there.
 void Stage::tell(Problem problem, const Asked& asked, bool known) {
   if (problem.where.file.empty()) problem.where = asked.where;
+  const bool is_caught = asked.handler && problem.severity == Severity::error;
+  if (is_caught && (known || !supposes())) pending_ = problem;
+  const std::string raised = problem.what;
   problem.what += asked.called;
   if (!told_.insert({problem.where.text(), problem.code}).second) return;
-  if (!helped_.empty() && !known) problem.severity = Severity::warning;
-  out_.problems.add(std::move(problem));
+  if (supposes() && !known) problem.severity = Severity::warning;
+  if (is_caught)
+    caught_.push_back({std::move(problem), raised, *asked.handler});
+  else
+    out_.problems.add(std::move(problem));
+}
+
+/// True if the program has failed with an error that it had caught before: no handler solves it.
+bool Stage::tell_passed_on(const Problem& problem) {
+  const auto at = std::find_if(caught_.begin(), caught_.end(), [&](const Caught& caught) {
+    return caught.problem.where.line == problem.where.line &&
+           caught.problem.where.file == problem.where.file && problem.what.starts_with(caught.raised);
+  });
+  if (at == caught_.end()) return false;
+  at->problem.advice = "the 'on error' in line " + std::to_string(at->handler.line) + " passes this error on";
+  out_.problems.add(std::move(at->problem));
+  caught_.erase(at);
+  return true;
+}
+
+Rehearsal Stage::take_result() {
+  for (Caught& caught : caught_) {
+    caught.problem.severity = Severity::warning;
+    caught.problem.what += "; handled in line " + std::to_string(caught.handler.line);
+    out_.problems.add(std::move(caught.problem));
+  }
+  caught_.clear();
+  return std::move(out_);
 }
 
 std::vector<std::string> Stage::names() const {

@@ -20,7 +20,23 @@ namespace polyarm::cell {
 struct Asked {
   Location where;
   std::vector<Location> calls;
-  std::string called;  ///< the same for messages
+  std::string called;               ///< the same for messages
+  std::optional<Location> handler;  ///< the `on error` that catches an error of this line
+};
+
+/// What one pass through the program supposes.
+struct Supposition {
+  std::optional<NamedValue> kept = {};    ///< a name that has one value all the time
+  bool only_tried = false;                ///< nobody has said that it has this value
+  std::optional<NamedValue> answer = {};  ///< to a question, by answer_name()
+  std::string late = {};                  ///< the place of a wait that times out
+  std::string fails = {};                 ///< the place of an `on error`: something before it fails once
+};
+
+/// A question that the program has asked.
+struct Question {
+  std::string text;
+  data::Value usual;  ///< the answer that Enter gives
 };
 
 /// Plans the moves that the program asks for, keeps the values that it sets, and knows which of them others
@@ -39,8 +55,8 @@ class Stage : public program::Host {
 
   /// The interpreter that goes through the program. It outlives the going.
   void attend(const program::Interpreter* interpreter) { interpreter_ = interpreter; }
-  /// The name has this value, whatever the program sets.
-  void keep(const NamedValue& value);
+  /// Before the program begins.
+  void suppose(const Supposition& supposed);
   void wait_until(Nanoseconds time);
   /// Sets a name to what ends a wait. In the cell others do that, or do not, and later it has any value.
   void help(const std::string& name, const data::Value& value);
@@ -52,7 +68,12 @@ class Stage : public program::Host {
   /// Grows with every wait and every move.
   std::uint64_t events() const { return events_; }
   bool enough() const { return out_.moves >= kMostMoves; }
-  Rehearsal& result() { return out_; }
+  /// The program could not be followed any further.
+  void tell_reached(const Location& where) { out_.reached = where; }
+  /// What was found, at the end.
+  Rehearsal take_result();
+  /// That were asked, by answer_name().
+  const std::map<std::string, Question>& questions() const { return questions_; }
 
   // As of program::Host.
   const data::Value* find(std::string_view name) const override;
@@ -60,17 +81,18 @@ class Stage : public program::Host {
   void set(const std::string& name, data::Value value, const Location& where) override;
   std::uint64_t data_version() const override;
   program::Handle start_move(const program::Move& move, const Location& where) override;
-  program::Progress poll_move(program::Handle) override { return arrive(); }
+  program::Progress poll_move(program::Handle) override;
   bool room_for_move(const std::string&) override { return true; }
   program::Handle start_arrival(const std::string& robot) override;
   void end_move(program::Handle, const Location&) override {}
   program::Travel travel(program::Handle handle) const override;
   data::Value here(const std::string& robot, const std::string& tool,
                    const std::string& frame) const override;
-  program::Handle start_load(const std::string&, program::LoadForm, const Location&) override { return 1; }
+  program::Handle start_load(const std::string&, program::LoadForm, const Location& where) override;
   program::Progress poll_load(program::Handle) override { return program::Progress::done(); }
-  program::Handle start_ask(const std::string&, const Location&) override { return 1; }
+  program::Handle start_ask(const std::string& text, const Location& where) override;
   program::Progress poll_ask(program::Handle) override { return program::Progress::done(); }
+  std::string answer(const data::Value& usual) const override;
   Nanoseconds now() const override { return now_; }
   void hold(const std::string&, const Location&) override {}
   void log(const std::string&, const Location&) override {}
@@ -92,9 +114,22 @@ class Stage : public program::Host {
   };
 
   program::Move from_now(const program::Move& move);
-  program::Progress arrive();
+  void arrive();
+  /// An error that an `on error` of the program catches, and its message.
+  struct Caught {
+    Problem problem;
+    std::string raised;  ///< the text that the program sees
+    Location handler;
+  };
+
   void queue(ProgramMoves::Prepared move, const Asked& asked);
   void plan(Arm& arm);
+  static std::vector<double> end_of(const Arm& arm, std::size_t count);
+  void stay(Arm& arm, std::vector<double> at);
+  void fail_as_supposed(const Location& where);
+  void raise_pending();
+  bool tell_passed_on(const Problem& problem);
+  bool supposes() const { return !helped_.empty() || supposed_.answer || !supposed_.fails.empty(); }
   void check_on_the_way(const Arm& arm, const moves::RobotFacts& facts, const moves::PlannedMotion& motion);
   void keep_paths(const Arm& arm, const moves::RobotFacts& facts, const moves::MovePlan& plan);
   static void note_made(Arm& arm, std::size_t count);
@@ -119,7 +154,12 @@ class Stage : public program::Host {
   std::set<std::string> open_;    ///< names whose values others change
   std::set<std::string> helped_;  ///< names that were set to end a wait
   std::map<std::string, data::Value> before_;
-  std::optional<NamedValue> kept_;
+  Supposition supposed_;
+  bool has_failed_ = false;         ///< as supposed
+  std::optional<Problem> pending_;  ///< an error of a move, for the program to catch
+  std::vector<Caught> caught_;
+  mutable std::map<std::string, Question> questions_;
+  std::string asked_, asked_text_;  ///< the last question
   bool with_paths_ = false;
   mutable bool here_known_ = true;  ///< each here() was where the robot is in every run
   mutable std::optional<program::Certainty> certainty_;

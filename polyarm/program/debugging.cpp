@@ -203,4 +203,16 @@ void Interpreter::tell_assumptions(const StartingPoint& start, StartReport& out)
   out.reads.assign(reads.begin(), reads.end());
 }
 
+std::optional<Location> Interpreter::handler() const {
+  const Task* task = turn_ < tasks_.size() ? tasks_[turn_].get() : nullptr;
+  while (task && task->handlers.empty()) task = task->parent ? task_of(task->parent) : nullptr;
+  if (!task) return std::nullopt;
+  for (std::size_t i = 0; i < code_.steps.size(); ++i) {
+    const Step& step = code_.steps[i];
+    if (step.op != Op::try_begin || static_cast<std::size_t>(step.d) != task->handlers.back().step) continue;
+    return program_.at(code_.sources[i].statement->handler_place);
+  }
+  return std::nullopt;
+}
+
 }  // namespace polyarm::program

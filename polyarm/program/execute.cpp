@@ -453,7 +453,7 @@ std::optional<Value> understood(const std::string& answer, const Value& like) {
 /// False if the answer does not match the example: the question is repeated.
 bool Interpreter::take_answer(Task& task, const Step& step) {
   const Value like = take_value(task, step.a, step);
-  std::optional<Value> given = understood(std::string(trim(host_.answer())), like);
+  std::optional<Value> given = understood(std::string(trim(host_.answer(like))), like);
   if (given) {
     slot(task, step.a).fill(std::move(*given));
     return true;

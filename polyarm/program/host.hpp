@@ -122,8 +122,8 @@ class Host {
   /// Asks the operator a question.
   virtual Handle start_ask(const std::string& text, const Location& where) = 0;
   virtual Progress poll_ask(Handle handle) = 0;
-  /// The answer to the last finished question.
-  virtual std::string answer() const { return {}; }
+  /// The answer to the last finished question; `like` is the value that Enter gives.
+  virtual std::string answer(const data::Value& /*like*/) const { return {}; }
   /// In tests: starts the program, or another program of the cell; and the test functions, by name.
   virtual void run_program(const std::string& name, const Location& where);
   virtual data::Value call(std::string_view function, std::span<const data::Value> arguments,

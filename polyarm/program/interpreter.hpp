@@ -120,6 +120,8 @@ class Interpreter {
   Place position() const;
   /// The cycles in overview(), for frequent calls.
   std::uint64_t cycles() const;
+  /// The location of the innermost `on error` that would catch an error of the present task.
+  std::optional<Location> handler() const;
   /// `call` is called when the wait of a task is over, before the task continues; it may inspect this object.
   void on_wait_over(std::function<void()> call) { wait_over_ = std::move(call); }
 

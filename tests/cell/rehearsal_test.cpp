@@ -189,7 +189,8 @@ TEST(Rehearsal, ATimeOutIsTakenToo) {
   const std::string far = "movej pose(3m, 0, 1m)\n";
   EXPECT_EQ(texts("wait Ready timeout 1s else\n  " + far + "end\n").substr(0, 3), "E2 ");
   EXPECT_EQ(texts("try\n  wait Ready timeout 1s\non error e\n  " + far + "end\n").substr(0, 3), "E4 ");
-  EXPECT_EQ(texts("let n = 0\nwait Ready timeout 1s else\n  set n = 3\nend\nlog(10 / (n - 3))\n").substr(1), "5 zero '");
+  EXPECT_EQ(texts("let n = 0\nwait Ready timeout 1s else\n  set n = 3\nend\nlog(10 / (n - 3))\n").substr(1),
+            "5 zero '");
   EXPECT_EQ(texts("wait Ready timeout 1s else\n  stop\nend\n"), "");
 }
 
@@ -226,6 +227,103 @@ TEST(Rehearsal, AProgramWithoutEndIsLookedAtForTwoPasses) {
   const Found found = checked(kBend + "while True\n  movel offset(start, z = -50mm)\n  movel start\nend\n");
   EXPECT_EQ(found.texts, "");
   EXPECT_EQ(found.result.moves, 5u);
+}
+
+const std::string kFar = "  movej pose(3m, 0, 1m)\n", kNear = "  movej joints(0, 0, 0, 0, 0, 0)\n";
+
+TEST(Rehearsal, OtherAnswersToQuestionsAreTried) {
+  const auto first = [](const std::string& program) { return checked(program, kTags).texts.substr(0, 3); };
+  EXPECT_EQ(first("if ask(\"Far?\", false)\n" + kFar + "end\n"), "E2 ");
+  EXPECT_EQ(first("if ask(\"Near?\", true)\n" + kNear + "else\n" + kFar + "end\n"), "E4 ");
+  EXPECT_EQ(first("let n = ask(\"How many?\", 4)\nif n + 1 > 6\n" + kFar + "end\n"), "E3 ");
+  EXPECT_EQ(first("let far = ask(\"Height?\", 100mm)\nif far >= 2 * 90mm\n" + kFar + "end\n"), "E3 ");
+  EXPECT_EQ(first("let c = ask(\"Colour?\", \"red\")\nif c == \"blue\"\n" + kFar + "end\n"), "E3 ");
+  EXPECT_EQ(first("let c = ask(\"Colour?\", \"red\")\nif c == \"red\"\n" + kNear + "else\n" + kFar + "end\n"),
+            "E5 ");
+  EXPECT_EQ(first("if ask(\"One?\", false)\n  if ask(\"Two?\", false)\n  " + kFar + "  end\nend\n"), "")
+      << "two other answers at once are not tried";
+  EXPECT_EQ(first("if ask(\"One?\", false)\n  if ask(\"Two?\", true)\n  " + kFar + "  end\nend\n"), "E3 ");
+  EXPECT_EQ(first("func asks()\n  return ask(\"Far?\", false)\nend\nif asks()\n" + kFar + "end\n"), "E5 ");
+  EXPECT_EQ(first("let n = ask(\"How many?\", 4)\nif n < 1\n  raise \"too few\"\nend\n"), "");
+}
+
+TEST(Rehearsal, WhatDependsOnAnAnswerIsAWarning) {
+  const std::string zero = checked("let n = ask(\"How many?\", 4)\nlog(10 / n)\n", kTags).texts;
+  EXPECT_EQ(zero, "W2 zero '/' by zero\n");
+  const Found found =
+      checked("let n = ask(\"How many?\", 4)\nif n > 9\nmovej pose(n * 1m, 0, 1m)\nend\n", kTags);
+  EXPECT_EQ(found.texts.rfind("W3 ", 0), 0u) << found.texts;
+}
+
+TEST(Rehearsal, WhatIsLeftOutIsSaid) {
+  std::string program;
+  for (int i = 0; i < 50; ++i)
+    program += "if ask(\"Is it " + std::to_string(i) + "?\", false)\n  log(1)\nend\n";
+  const Found found = checked(program, kTags);
+  ASSERT_FALSE(found.result.notes.empty());
+  EXPECT_NE(
+      found.result.notes.back().find("40 other values, answers, time-outs and errors; 10 more were left out"),
+      std::string::npos)
+      << found.result.notes.back();
+  for (const std::string& note : checked("if ask(\"Far?\", false)\n  log(1)\nend\n", kTags).result.notes)
+    EXPECT_EQ(note.find("left out"), std::string::npos) << note;
+}
+
+TEST(Rehearsal, AnErrorThatTheProgramHandlesIsAWarning) {
+  const auto handled = [](const std::string& program) {
+    const Found found = checked(program, kTags);
+    EXPECT_FALSE(found.result.has_errors()) << found.texts;
+    return found.texts.substr(0, 3) + found.texts.substr(found.texts.rfind(';'));
+  };
+  EXPECT_EQ(handled("try\n" + kFar + "on error e\n  log(e.text)\nend\n"), "W2 ; handled in line 3\n");
+  EXPECT_EQ(
+      handled("func go(p)\n  movej p\nend\ntry\n  go(pose(3m, 0, 1m))\non error e\n  log(e.text)\nend\n"),
+      "W2 ; handled in line 6\n");
+  EXPECT_EQ(handled("try\n  movej joints(9rad, 0, 0, 0, 0, 0), blend 10mm\n" + kNear +
+                    "on error e\n  log(e.text)\nend\n"),
+            "W2 ; handled in line 4\n");
+  EXPECT_EQ(handled("try\n  try\n  " + kFar + "  on error e\n    raise\n  end\non error e\n  log(1)\nend\n"),
+            "W3 ; handled in line 4\n");
+  EXPECT_EQ(handled("wait Ready\ntry\n" + kFar + "on error e\n  log(e.text)\nend\n"),
+            "W3 ; handled in line 4\n");
+}
+
+TEST(Rehearsal, AnErrorThatAHandlerPassesOnOrMakesIsAnError) {
+  const auto first = [](const std::string& program) { return checked(program, kTags).texts; };
+  const auto starts = [&](const std::string& program, const std::string& with) {
+    const std::string texts = first(program);
+    EXPECT_NE(("\n" + texts).find("\n" + with), std::string::npos) << program << "\n" << texts;
+  };
+  starts("try\n" + kFar + "on error e\n  retry 2\nend\n", "E2 ");
+  starts("try\n" + kFar + "on error e\n  raise\nend\n", "E2 ");
+  starts("try\n" + kFar + "on error e\n" + kFar + "end\n", "E4 ");
+  starts("try\n" + kNear + "on error e\n" + kFar + "end\n", "E4 ");
+  starts("try\n  set Kind = 3\non error e\n" + kFar + "end\n", "E4 ");
+  starts("try\n" + kNear + "on error e\n  let n = 0\n  log(1 / n)\nend\n", "E5 zero");
+  EXPECT_EQ(first("try\n" + kNear + "on error e\n  raise\nend\n"), "");
+  EXPECT_EQ(first("try\n" + kNear + "on error e\n  retry 3\nend\n"), "");
+}
+
+TEST(Rehearsal, WhatIsCalculatedFromOutsideValuesDecidesAboutBranches) {
+  const std::string live = "signals: tags.yaml\n";
+  const auto first = [&](const std::string& program, const std::string& plc = "") {
+    return checked(program, live, "", plc).texts.substr(0, 3);
+  };
+  EXPECT_EQ(first("let left = 12 - At\nif left < 5\n" + kFar + "end\n"), "E3 ");
+  EXPECT_EQ(first("if 3 * At - 7 == 2\n" + kFar + "end\n"), "E2 ");
+  EXPECT_EQ(first("func left()\n  return 12 - At\nend\nif left() < 5\n" + kFar + "end\n"), "E5 ");
+  EXPECT_EQ(first("func go(n)\n  if n > 8\n  " + kFar + "  end\nend\ngo(2 * At)\n"), "E3 ");
+  EXPECT_EQ(first("let n = 0\nset n = At / 4\nif n > 2\n" + kFar + "end\n"), "E4 ");
+  EXPECT_EQ(first("let many = At * 2 > 30\nif many\n" + kFar + "end\n"), "E3 ");
+  EXPECT_EQ(first("while At + 2 < 1\n" + kFar + "  wait 10ms\nend\n"), "E2 ");
+  EXPECT_EQ(first("log(1 / (At - 1))\n"), "W1 ");
+  EXPECT_EQ(first("if At > 3\n  log(1 / (2 * At - 8))\nend\n"), "W2 ");
+  EXPECT_EQ(first("if At != 1\n  log(1 / (At - 1))\nend\n"), "");
+  EXPECT_EQ(first("wait At > 3\nlog(10 mod (At - 7))\n"), "W2 ");
+  const std::string counts = "set Kind = Kind + 1\n";
+  EXPECT_EQ(first("set Ready = true\nlog(1 / (Kind - 4))\n", counts), "W2 ") << "the PLC counts";
+  EXPECT_EQ(first("set Ready = true\nlog(1 / (Kind - 4))\n", "set Kind = 3\n"), "")
+      << "the PLC never sets it to 4";
 }
 
 }  // namespace

@@ -118,7 +118,7 @@ class FakeHost : public Host {
     questions.push_back(text);
     return start(time + 10'000'000);
   }
-  std::string answer() const override {
+  std::string answer(const data::Value&) const override {
     const std::size_t i = questions.size() - 1;
     return i < given_answers.size() ? given_answers[i] : "";
   }
