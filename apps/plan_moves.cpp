@@ -9,6 +9,7 @@
 
 #include "polyarm/base/quantity.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/unit_advice.hpp"
 
 namespace polyarm::apps {
 
@@ -37,7 +38,29 @@ std::optional<MoveKind> kind_of(const std::string& word) {
   throw Error("bad-move", fmt::format("'{}' {}", word, why), advice);
 }
 
+/// Refuses a number without a unit that is far more than a robot can do, and shows the text with a unit.
+void refuse_without_unit(const std::string& text, Dimension dimension, const std::string& whole) {
+  constexpr double kMostMetres = 10, kMostRadians = 15;
+  const bool length = dimension == Dimension::length;
+  const auto bare = parse_number(text);
+  if (!bare || (!length && dimension != Dimension::angle)) return;
+  if (std::abs(*bare) <= (length ? kMostMetres : kMostRadians)) return;
+  std::string mended = whole;
+  for (auto at = mended.find(text); at != std::string::npos; at = mended.find(text, at + text.size())) {
+    const auto separates = [&](std::size_t i) {
+      return i >= mended.size() || std::string_view("(), =").find(mended[i]) != std::string_view::npos;
+    };
+    if (at > 0 && separates(at - 1) && separates(at + text.size()))
+      mended.insert(at + text.size(), length ? "mm" : "deg");
+  }
+  throw Error("bad-value",
+              fmt::format("'{}' in {} has no unit, and would be {} {}", text, whole, text,
+                          length ? "metres" : "radians"),
+              fmt::format("{} needs a unit: write {}", name(dimension), mended));
+}
+
 double quantity(const std::string& text, Dimension dimension, const std::string& whole) {
+  refuse_without_unit(text, dimension, whole);
   if (const auto value = parse_quantity(text, dimension)) return *value;
   throw Error("bad-value", fmt::format("'{}' in {} is not {}", text, whole, name(dimension)),
               dimension == Dimension::length ? "write metres, or a unit: 0.3 or 300mm"

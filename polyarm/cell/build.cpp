@@ -129,6 +129,20 @@ void add_brought(const signals::Signals& signals, program::KnownNames& known) {
         known.brought[tag.name] = link.name;
 }
 
+void add_places(const signals::Signals& signals, program::KnownNames& known) {
+  for (const signals::Tag& tag : signals.tags)
+    if (tag.where.line > 0) known.defined[tag.name] = tag.where;
+}
+
+namespace {
+/// Where the data files of the user define the names of the store.
+void add_places(const data::DataStore& store, DataFiles& files, program::KnownNames& known) {
+  for (const std::string& set : files.sets())
+    for (const data::Entry& entry : files.origin(set).entries())
+      if (entry.where.line > 0 && store.set_of(entry.name) == set) known.defined[entry.name] = entry.where;
+}
+}  // namespace
+
 Programs load_programs(const CellFile& file, const signals::Signals& signals, DataFiles& files,
                        data::DataStore& store, Problems& problems, const std::function<void()>& more_names,
                        const program::ReadPrograms& read) {
@@ -172,6 +186,8 @@ Programs load_programs(const CellFile& file, const signals::Signals& signals, Da
   known.folder = file.folder;
   add_robots(file, known);
   add_brought(signals, known);
+  add_places(store, files, known);
+  add_places(signals, known);
   for (const auto* loaded : {&out.program, &out.plc})
     if (*loaded && checked == 0 && !of_data.has_errors()) program::check(**loaded, known, problems);
   return out;

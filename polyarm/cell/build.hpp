@@ -35,6 +35,8 @@ void add_robots(const CellFile& file, program::KnownNames& known);
 /// Tags that only the far side of a link sets. What comes as messages (MQTT, topics of ROS 2) is not among
 /// them: a program takes a message back so that it sees the next one.
 void add_brought(const signals::Signals& signals, program::KnownNames& known);
+/// Where tags are defined.
+void add_places(const signals::Signals& signals, program::KnownNames& known);
 
 /// Loads the program (a script, or a script-information file whose files are followed), its data and the PLC,
 /// and checks them against the names of the store, which `more_names` may add to when the data are there.

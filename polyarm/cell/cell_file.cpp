@@ -8,6 +8,7 @@
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
+#include "polyarm/base/yaml_repeats.hpp"
 #include "polyarm/cell/cell_reach.hpp"
 #include "polyarm/cell/door_kinds.hpp"
 
@@ -249,7 +250,8 @@ void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
   const auto equals = overrides.robot.find('=');
   const std::filesystem::path model = overrides.robot.substr(equals == std::string::npos ? 0 : equals + 1);
   std::error_code error;  // a description that the user names brings meshes and includes from beside it
-  if (std::filesystem::is_regular_file(model, error)) cell.grant->allow_reading(resolved(model).parent_path());
+  if (std::filesystem::is_regular_file(model, error))
+    cell.grant->allow_reading(resolved(model).parent_path());
   if (equals == std::string::npos) {
     if (cell.robots.size() == 1)
       cell.robots.front().model = overrides.robot;
@@ -320,6 +322,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   const Yaml yaml = Yaml::load(cell.path.string());
   Problems problems;
   check_kind(yaml, problems);
+  check_repeats(yaml, problems);
   std::vector<std::string> keys{"polyarm",  "rate",      "robots",  "scene",   "controllers",
                                 "activate", "send",      "plugins", "budget",  "signals",
                                 "program",  "plc",       "motion",  "loop",    "profile",

@@ -281,7 +281,7 @@ program::Handle ProgramMoves::start(const program::Move& asked, const Location& 
   }
   if (const auto bad = bad_end(arm, arm.robot.motion->last_id())) throw Error(*bad->problem);
   auto [of, moves, facts] = prepare(move, where);
-  const auto step = step_of(move, index);
+  const auto step = step_of(move, index, where);
   Moves queued{index, arm.robot.motion->last_id() + 1, 0};
   for (moves::Move& one : moves) {
     std::string name = one.end().name;
@@ -312,14 +312,18 @@ void ProgramMoves::check_payload(const program::Move& move, const Arm& arm, cons
                       "carry less, or take a stronger robot"});
 }
 
-/// What the moves of a group share; a second move of the same robot comes after, in nobody's step.
-std::shared_ptr<moves::InStep> ProgramMoves::step_of(const program::Move& move, std::size_t arm) {
+/// What the moves of a group share. A second move of the same robot cannot begin with the first one.
+std::shared_ptr<moves::InStep> ProgramMoves::step_of(const program::Move& move, std::size_t arm,
+                                                     const Location& where) {
   if (move.step.group == 0 || move.step.members < 2) return nullptr;
   if (step_.group != move.step.group)
     step_ = {move.step.group, std::make_shared<moves::InStep>(move.step.members), {}};
   if (std::find(step_.arms.begin(), step_.arms.end(), arm) != step_.arms.end()) {
     step_.shared->leave();
-    return nullptr;
+    throw Error(Problem{"two-moves", where,
+                        "'" + arms_[arm].robot.robot->entry.name +
+                            "' is moved twice in one 'together': its statements run at the same time",
+                        "put these moves one after the other outside of 'together', or name another robot"});
   }
   step_.arms.push_back(arm);
   return step_.shared;

@@ -107,7 +107,7 @@ class ProgramMoves {
                  std::vector<moves::Move>& moves) const;
   void check_payload(const program::Move& move, const Arm& arm, const Location& where) const;
   void forget_ended();
-  std::shared_ptr<moves::InStep> step_of(const program::Move& move, std::size_t arm);
+  std::shared_ptr<moves::InStep> step_of(const program::Move& move, std::size_t arm, const Location& where);
   std::optional<program::Progress> bad_end(Arm& arm, std::uint64_t through);
 
   std::string task_;

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/yaml_repeats.hpp"
 #include "polyarm/description/model_builder.hpp"
 #include "polyarm/description/shape_yaml.hpp"
 
@@ -63,6 +65,7 @@ class SceneReader {
 
   Scene read() {
     header();
+    check_repeats(yaml_, problems_);
     each("movers", [&](const std::string& name, const Yaml& y) { mover(name, y); });
     each("bins", [&](const std::string& name, const Yaml& y) { bin(name, y); });
     each("fixtures", [&](const std::string& name, const Yaml& y) { fixture(name, y); });
@@ -106,11 +109,7 @@ class SceneReader {
     }
     std::set<std::string> seen;
     for (const std::string& name : all.keys()) {
-      if (!seen.insert(name).second) {
-        problems_.error("duplicate-name", all.key_location(name),
-                        "'" + name + "' stands twice under '" + section + "'", "rename one of them");
-        continue;
-      }
+      if (!seen.insert(name).second) continue;
       try {
         require_near(all[name], {"at", "xyz", "inner", "wall", "lower", "upper", "size", "eye", "box"});
         read(name, all[name]);
@@ -257,9 +256,12 @@ class SceneReader {
       scene_.kinds.push_back(part.kind);
     for (int i = 1; i <= static_cast<int>(count); ++i) {
       part.name = count > 1 ? name + "_" + std::to_string(i) : name;
-      if (!part_names_.insert(part.name).second)
-        throw Error(Problem{"duplicate-name", y.where(), "two parts are called '" + part.name + "'",
-                            "a count makes the names NAME_1, NAME_2, …; rename one of them"});
+      const auto [first, is_new] = part_lines_.try_emplace(part.name, y.where().line);
+      if (!is_new)
+        throw Error(Problem{
+            "duplicate-name", y.where(),
+            "two parts are called '" + part.name + "', here and in line " + std::to_string(first->second),
+            "a count makes the names NAME_1, NAME_2, …; rename one of them"});
       scene_.parts.push_back(part);
     }
   }
@@ -294,7 +296,7 @@ class SceneReader {
 
   const Yaml& yaml_;
   Scene scene_;
-  std::set<std::string> part_names_;
+  std::map<std::string, int> part_lines_;  ///< by name
   Problems problems_;
 };
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/unit_advice.hpp"
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/program/code.hpp"
 #include "polyarm/program/scope.hpp"
@@ -21,7 +22,10 @@ Type type_of(const Value& value) {
 }
 
 void KnownNames::add(const data::DataSet& set) {
-  for (const data::Entry& entry : set.entries()) names[entry.name] = type_of(entry.value);
+  for (const data::Entry& entry : set.entries()) {
+    names[entry.name] = type_of(entry.value);
+    if (entry.where.line > 0) defined[entry.name] = entry.where;
+  }
 }
 
 void KnownNames::add(const data::DataStore& store) {
@@ -62,7 +66,7 @@ class Checker {
     check_functions_names();
     block(program_.statements, true);
     for (const Statement& s : program_.statements) apart(s);
-    check_tasks(program_, scope_);
+    check_tasks(program_, known_, scope_);
     check_cell_names(program_, known_, scope_);
     check_blends(program_, scope_);
     check_values(program_, scope_);
@@ -80,17 +84,19 @@ class Checker {
   }
 
   void check_functions_names() {
-    std::map<std::string, int> lines;
-    int stops = 0;
+    std::map<std::string, Place> places;
+    const Statement* stop = nullptr;
     for (const Statement& s : program_.statements) {
-      if (s.kind == Statements::on_stop && ++stops == 2)
-        error("twice", s.place, "there is an 'on stop' already", "a program has one");
+      if (s.kind == Statements::on_stop && stop)
+        error("twice", s.place, "there is an 'on stop' already, " + scope_.in_line(stop->place, s.place),
+              "a program has one");
+      if (s.kind == Statements::on_stop && !stop) stop = &s;
       if (s.kind != Statements::function && s.kind != Statements::task) continue;
       const std::string what = s.kind == Statements::task ? "task" : "func";
-      const auto [at, made] = lines.try_emplace(what + " " + s.name, s.place.line);
+      const auto [at, made] = places.try_emplace(what + " " + s.name, s.place);
       if (!made)
         error("twice", s.name_place,
-              "there is a '" + at->first + "' in line " + std::to_string(at->second) + " already",
+              "there is a '" + at->first + "' already, " + scope_.in_line(at->second, s.place),
               "choose another name");
     }
   }
@@ -274,7 +280,7 @@ class Checker {
     const Type value = s.expression ? infer(*s.expression) : kUnknown;
     for (const PathPart& part : s.path)
       if (part.index && surely_other(infer(*part.index), number_of(Dimension::none)))
-        error("bad-type", part.place, "the place in a list is a whole number");
+        error("bad-type", part.place, "the place in a list is a whole number", "write such as LIST[1]");
     if (s.name.empty()) return;
     scope_.used.emplace(s.name, s.name_place);
     check_target(s.name, s.name_place, s.path.empty() ? value : kUnknown);
@@ -295,7 +301,9 @@ class Checker {
     if (surely_other(before, value))
       error("bad-type", place,
             "'" + name + "' is " + described(before) + " and cannot become " + described(value),
-            "a name keeps its type and unit");
+            before.kind == Kind::number && before.dimension && value.kind == Kind::number
+                ? "a name keeps its unit: " + unit_advice(*before.dimension)
+                : "a name keeps its type and unit");
   }
 
   void check_not_fixed(const std::string& variable, Place place) {
@@ -316,7 +324,9 @@ class Checker {
       error("bad-type", amount.place,
             std::string("'") + (turns ? "turn" : "drive") + "' takes " + (turns ? "an angle" : "a length") +
                 ", here is " + described(type),
-            turns ? "write `turn 90deg`, to the left" : "write `drive 500mm`");
+            bare_number(amount) ? unit_advice(wanted, bare_number(amount))
+            : turns             ? "write `turn 90deg`, to the left"
+                                : "write `drive 500mm`");
     check_clauses(s);
   }
 
@@ -437,7 +447,8 @@ class Checker {
     const std::string word = std::string("'") + spelling(clause.kind) + "'";
     if (type.kind != Kind::number || std::none_of(dimensions.begin(), dimensions.end(), fits))
       return error("bad-type", clause.value->place, word + " cannot be " + described(type),
-                   std::string("write such as ") + such_as);
+                   dimensions.size() == 1 ? unit_advice(*dimensions.begin(), bare_number(*clause.value))
+                                          : std::string("write such as ") + such_as);
     const data::Number* value =
         clause.value->kind == Expression::Kind::literal ? clause.value->value.as_number() : nullptr;
     if (value && value->dimension == Dimension::none && value->value > 1)
@@ -450,7 +461,8 @@ class Checker {
     if (clause.value) {
       const Type type = infer(*clause.value);
       if (surely_other(type, number_of(Dimension::length)) && surely_other(type, number_of(Dimension::time)))
-        error("bad-type", clause.value->place, "'at' takes a length or a time, here is " + described(type));
+        error("bad-type", clause.value->place, "'at' takes a length or a time, here is " + described(type),
+              "write such as `at end - 20mm` or `at start + 1s`");
     }
     const Type value = clause.to ? infer(*clause.to) : kUnknown;
     if (clause.target.empty()) return;
@@ -477,7 +489,11 @@ class Checker {
                       (!type.dimension || *type.dimension == Dimension::time || (bare && bare_seconds));
     if (!fits)
       error("bad-type", e->place, "a time was expected, here is " + described(type),
-            bare ? "say the unit, such as 2s" : "");
+            unit_advice(Dimension::time, bare_number(*e)));
+  }
+
+  static std::string wait_number(const Expression& e) {
+    return bare_number(e) ? e.value.text() : std::string("1");
   }
 
   void check_wait(const Statement& s) {
@@ -488,7 +504,8 @@ class Checker {
       if (type.kind == Kind::number && type.dimension == Dimension::none) {
         error("bad-type", s.expression->place,
               "'wait' takes a condition or a time, here is a number without unit",
-              "write `wait time 1` or `wait 1s`");
+              "write `wait time " + wait_number(*s.expression) + "` or `wait " + wait_number(*s.expression) +
+                  "s`");
       } else if (type.kind && type.kind != Kind::boolean && !may_be_time) {
         error("bad-type", s.expression->place,
               "the condition of 'wait' is " + described(type) + ", True or False was expected");
@@ -516,7 +533,10 @@ class Checker {
     const Type last = s.second ? infer(*s.second) : kUnknown;
     if (s.second && (surely_other(first, last) || surely_other(first, number_of({})) ||
                      surely_other(last, number_of({}))))
-      error("bad-type", s.second->place, "a range goes from one number to another of the same unit");
+      error("bad-type", s.second->place,
+            "a range goes from one number to another of the same unit, here are " + described(first) +
+                " and " + described(last),
+            "write such as 1 .. 5");
     if (!s.second && s.expression && first.kind && *first.kind != Kind::list)
       error("bad-type", s.expression->place,
             "a list, or a range such as 1 .. 5, was expected, here is " + described(first));

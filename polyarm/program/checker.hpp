@@ -23,6 +23,7 @@ Type type_of(const Value& value);
 /// All names that a program may use.
 struct KnownNames {
   std::map<std::string, Type> names;
+  std::map<std::string, Location> defined;  ///< where those are that a file defines
   /// Where `load` looks for files; empty: files are not checked.
   std::optional<std::filesystem::path> folder;
   std::set<std::string> measured;              ///< tags that only the hardware sets

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/unit_advice.hpp"
 
 namespace polyarm::program {
 
@@ -364,15 +365,20 @@ std::vector<std::string> function_names() {
   return out;
 }
 
+std::optional<Dimension> dimension_of(Wanted wanted) {
+  if (wanted == Wanted::length) return Dimension::length;
+  if (wanted == Wanted::angle) return Dimension::angle;
+  if (wanted == Wanted::scalar) return Dimension::none;
+  return std::nullopt;
+}
+
 void require(const Function& function, std::size_t place, const Value& value) {
   const FunctionParameter& parameter = function.parameters[std::min(place, function.parameters.size() - 1)];
   if (fits(parameter.wanted, value)) return;
   std::string advice;
   const Number* n = value.as_number();
-  if (n && n->dimension == Dimension::none)
-    advice = parameter.wanted == Wanted::length  ? "say the unit, such as 20mm"
-             : parameter.wanted == Wanted::angle ? "say the unit, such as 30deg"
-                                                 : "";
+  if (const auto wanted = dimension_of(parameter.wanted); n && wanted)
+    advice = unit_advice(*wanted, n->dimension == Dimension::none ? std::optional(n->value) : std::nullopt);
   if (parameter.wanted == Wanted::pose && value.as_joints())
     advice =
         "where a joint state puts the tool depends on the robot; teach the point as a pose, or go there and "

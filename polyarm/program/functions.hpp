@@ -54,6 +54,8 @@ const std::vector<Function>& functions();
 
 /// Throws OperationError if `value` does not have the required type.
 void require(const Function& function, std::size_t place, const Value& value);
+/// Of a number that is wanted with a certain unit, or without one.
+std::optional<Dimension> dimension_of(Wanted wanted);
 /// "a length", "a pose".
 const char* name(Wanted wanted);
 

@@ -7,6 +7,7 @@
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/unit_advice.hpp"
 
 namespace polyarm::program {
 
@@ -21,6 +22,13 @@ namespace {
 
 std::string pair(const Value& a, const Value& b) {
   return described(a) + " and " + described(b);
+}
+
+/// Of two numbers of different dimensions.
+std::string same_unit_advice(const Number& a, const Number& b) {
+  if (a.dimension == Dimension::none) return unit_advice(b.dimension, a.value);
+  if (b.dimension == Dimension::none) return unit_advice(a.dimension, b.value);
+  return "give both the same kind of unit";
 }
 
 Value number(double value, Dimension dimension) {
@@ -50,7 +58,7 @@ Value add(const Value& a, const Value& b) {
   if (!x || !y)
     refuse("'+' joins two numbers, two texts or two lists, here are " + pair(a, b),
            a.as_text() || b.as_text() ? "write \"…{value}…\" to put a value into a text" : "");
-  if (x->dimension != y->dimension) refuse("'+' cannot add " + pair(a, b), "give both the same kind of unit");
+  if (x->dimension != y->dimension) refuse("'+' cannot add " + pair(a, b), same_unit_advice(*x, *y));
   return number(x->value + y->value, x->dimension);
 }
 
@@ -67,8 +75,7 @@ NumberPair numbers(Operator op, const Value& a, const Value& b) {
 NumberPair alike(Operator op, const Value& a, const Value& b) {
   const NumberPair out = numbers(op, a, b);
   if (out.a.dimension != out.b.dimension)
-    refuse(std::string("'") + spelling(op) + "' cannot take " + pair(a, b),
-           "give both the same kind of unit");
+    refuse(std::string("'") + spelling(op) + "' cannot take " + pair(a, b), same_unit_advice(out.a, out.b));
   return out;
 }
 
@@ -81,7 +88,8 @@ Value multiply(const Value& a, const Value& b) {
     return data::Point{a.as_point()->pose * b.as_point()->pose, a.as_point()->quaternion_given};
   const auto [x, y] = numbers(Operator::multiply, a, b);
   const auto dimension = product(x.dimension, y.dimension);
-  if (!dimension) refuse("the product of " + pair(a, b) + " has no unit here");
+  if (!dimension)
+    refuse("the product of " + pair(a, b) + " has no unit here", "divide by a unit first, such as d / 1mm");
   return number(x.value * y.value, *dimension);
 }
 
@@ -89,7 +97,8 @@ Value divide(const Value& a, const Value& b) {
   const auto [x, y] = numbers(Operator::divide, a, b);
   refuse_zero(y, Operator::divide);
   const auto dimension = quotient(x.dimension, y.dimension);
-  if (!dimension) refuse("the quotient of " + pair(a, b) + " has no unit here");
+  if (!dimension)
+    refuse("the quotient of " + pair(a, b) + " has no unit here", "divide by a unit first, such as d / 1mm");
   return number(x.value / y.value, *dimension);
 }
 
@@ -103,7 +112,8 @@ Value modulo(const Value& a, const Value& b) {
 Value power(const Value& a, const Value& b) {
   const auto [x, y] = numbers(Operator::power, a, b);
   if (x.dimension != Dimension::none || y.dimension != Dimension::none)
-    refuse("'^' takes numbers without unit");
+    refuse("'^' takes numbers without unit, here are " + pair(a, b),
+           "divide by a unit first, such as d / 1mm");
   return number(std::pow(x.value, y.value), Dimension::none);
 }
 

@@ -303,7 +303,9 @@ class Parser {
       return error("stray-handler", line.source.place,
                    "'on error' belongs to a 'try', here is the '" + opener.word + "' of line " +
                        std::to_string(opener.place.line),
-                   opener.handles ? "it has its 'on error' already" : "close the block before it");
+                   opener.handles
+                       ? "it has its 'on error' already, in line " + std::to_string(out.handler_place.line)
+                       : std::string("close the block before it"));
     opener.handles = true;
     out.handler_place = line.source.place;
     target = &out.handler;
@@ -352,9 +354,11 @@ class Parser {
     const Opener& opener = open_.back();
     if (opener.word != "if" || had_else) {
       const std::string of = "the '" + opener.word + "' of line " + std::to_string(opener.place.line);
-      return error("stray-else", line.source.place,
-                   had_else ? of + " has its 'else' already" : "'" + line.word + "' does not belong to " + of,
-                   "");
+      return error(
+          "stray-else", line.source.place,
+          had_else ? of + " has its 'else' already, in line " + std::to_string(out.branches.back().place.line)
+                   : "'" + line.word + "' does not belong to " + of,
+          "");
     }
     out.branches.push_back({nullptr, line.source.place, {}});
     target = &out.branches.back().body;

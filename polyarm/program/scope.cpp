@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/unit_advice.hpp"
 #include "polyarm/program/code.hpp"
 
 namespace polyarm::program {
@@ -47,6 +48,15 @@ bool surely_not(Wanted wanted, const Type& type) {
 }
 }  // namespace
 
+std::optional<double> bare_number(const Expression& e) {
+  if (e.kind == Expression::Kind::unary && e.op == Operator::negate) {
+    const auto of = bare_number(*e.parts[0]);
+    return of ? std::optional(-*of) : std::nullopt;
+  }
+  const data::Number* number = e.kind == Expression::Kind::literal ? e.value.as_number() : nullptr;
+  return number && number->dimension == Dimension::none ? std::optional(number->value) : std::nullopt;
+}
+
 Type number_of(std::optional<Dimension> dimension) {
   return {Kind::number, dimension};
 }
@@ -68,7 +78,7 @@ bool is_place(const Type& type) {
 }
 
 Scope::Scope(const Program& program, const KnownNames& known, Problems& problems)
-    : names{known.names}, program_{program}, problems_{problems} {
+    : names{known.names}, program_{program}, problems_{problems}, defined_{known.defined} {
   for_each_statement(program.statements, [&](const Statement& s) {
     if (s.kind == Statement::Kind::set_literal && !s.name.empty() && !known.names.contains(s.name))
       made.insert(s.name);
@@ -115,14 +125,34 @@ const Statement* Scope::function(const std::string& name) const {
   return at == function_at_.end() ? nullptr : at->second;
 }
 
+namespace {
+/// "in line 3 of Points.data"; a location without a line names the file alone.
+std::string in_line_of(const Location& at, bool other_file) {
+  const std::string file = at.file.substr(at.file.rfind('/') + 1);
+  if (at.line <= 0) return "in " + file;
+  return "in line " + std::to_string(at.line) + (other_file ? " of " + file : std::string{});
+}
+}  // namespace
+
+std::string Scope::in_line(Place place, Place seen_from) const {
+  return in_line_of(program_.at(place), place.file != seen_from.file);
+}
+
+std::string Scope::where_made(const std::string& name, Place seen_from) const {
+  if (const auto at = places_.find(name); at != places_.end() && !at->second.empty())
+    return ", " + in_line(variables[at->second.back()].place, seen_from);
+  const auto defined = defined_.find(name);
+  return defined == defined_.end() ? std::string{} : ", " + in_line_of(defined->second, true);
+}
+
 void Scope::declare(const std::string& name, Place place, Type type) {
   if (name.empty()) return;
   if (local(name) || names.contains(name))
-    error("shadowing", place, "there is a '" + name + "' already",
+    error("shadowing", place, "there is a '" + name + "' already" + where_made(name, place),
           "choose another name, or change it with `set`");
   used.emplace(name, place);
   places_[name].push_back(variables.size());
-  variables.push_back({name, type});
+  variables.push_back({name, type, place});
 }
 
 Type Scope::type_of_field(const Type& of, const std::string& field, Place place) {
@@ -202,9 +232,17 @@ Type Scope::infer_unary(const Expression& e) {
 }
 
 namespace {
-/// The intended form of an addition to a place.
-const char* advice_for(Operator op, const Type& a, const Type& b) {
-  if (op != Operator::add && op != Operator::subtract) return "";
+/// The intended form of an operation with the wrong operands.
+std::string advice_for(const Expression& e, const Type& a, const Type& b) {
+  if (a.kind == Kind::number && b.kind == Kind::number && a.dimension && b.dimension) {
+    if (e.op == Operator::multiply || e.op == Operator::divide)
+      return "the result would have a unit that programs do not know; divide by a unit first, such as d / "
+             "1mm";
+    if (*a.dimension == Dimension::none) return unit_advice(*b.dimension, bare_number(*e.parts[0]));
+    if (*b.dimension == Dimension::none) return unit_advice(*a.dimension, bare_number(*e.parts[1]));
+    return "give both the same kind of unit";
+  }
+  if (e.op != Operator::add && e.op != Operator::subtract) return "";
   if (a.kind == Kind::pose && b.kind == Kind::pose)
     return "write A * B for B in the frame A, or offset(A, x = 20mm) to shift it";
   if (a.kind == Kind::pose) return "shift a pose with offset(P, x = 20mm, rz = 5deg)";
@@ -222,7 +260,7 @@ void Scope::refuse_pair(const Expression& e, const Type& a, const Type& b) {
   const bool tag = boolean_for_number(a, *e.parts[0], b) || boolean_for_number(b, *e.parts[1], a);
   error("bad-type", e.place,
         std::string("'") + spelling(e.op) + "' cannot take " + described(a) + " and " + described(b),
-        tag ? "a tag is a bool unless signals.yaml says `type: number`" : advice_for(e.op, a, b));
+        tag ? "a tag is a bool unless signals.yaml says `type: number`" : advice_for(e, a, b));
 }
 
 Type Scope::infer_binary(const Expression& e) {
@@ -303,13 +341,11 @@ Type Scope::infer_builtin(const Expression& e, const Function& function, const s
     const data::Number* literal = given.kind == Expression::Kind::literal ? given.value.as_number() : nullptr;
     if (literal && literal->value == 0 && (wanted.wanted == Wanted::length || wanted.wanted == Wanted::angle))
       return;
-    const bool bare = type.dimension == Dimension::none;
+    const auto dimension = type.kind == Kind::number ? program::dimension_of(wanted.wanted) : std::nullopt;
     error("bad-type", e.parts[static_cast<std::size_t>(argument)]->place,
           "'" + std::string(wanted.name) + "' of " + std::string(function.name) + "() is " +
               name(wanted.wanted) + ", here is " + described(type),
-          bare && wanted.wanted == Wanted::length  ? "say the unit, such as 20mm"
-          : bare && wanted.wanted == Wanted::angle ? "say the unit, such as 30deg"
-                                                   : "");
+          dimension ? unit_advice(*dimension, bare_number(given)) : std::string{});
   };
   for (std::size_t i = 0; i < bound.argument_of.size(); ++i) look(i, bound.argument_of[i]);
   for (const int argument : bound.further) look(function.parameters.size() - 1, argument);

@@ -16,6 +16,8 @@ inline const Type kBoolean{data::Kind::boolean, {}};
 Type number_of(std::optional<Dimension> dimension);
 /// "a length", "a boolean", "something".
 std::string described(const Type& type);
+/// The value of a number that is written without a unit; empty for anything else.
+std::optional<double> bare_number(const Expression& e);
 /// True if both are known and different.
 bool surely_other(const Type& a, const Type& b);
 bool is_place(const Type& type);
@@ -48,7 +50,10 @@ class Scope {
   struct Variable {
     std::string name;
     Type type;
+    Place place;
   };
+  /// "in line 3", with the file where that is another one than the file of `seen_from`.
+  std::string in_line(Place place, Place seen_from) const;
   std::map<std::string, Type> names;  ///< data, points, tags
   std::set<std::string> made;         ///< names that lines such as `set NAME True` will create
   std::map<std::string, Place> used;
@@ -70,17 +75,19 @@ class Scope {
   Type infer_builtin(const Expression& e, const Function& function, const std::vector<Type>& arguments);
 
   std::string suggested(const std::string& name) const;
+  std::string where_made(const std::string& name, Place seen_from) const;
 
   const Program& program_;
   Problems& problems_;
   std::unordered_map<std::string, std::vector<std::size_t>> places_;  ///< of variables, innermost last
   std::unordered_map<std::string, const Statement*> function_at_;
+  std::map<std::string, Location> defined_;  ///< where files of the cell define names
 };
 
 /// True if it waits or moves, and so cannot be in a block that runs within one cycle.
 bool takes_time(const Statement& s);
-/// Finds tasks that command the same robot, and meetings of only one task.
-void check_tasks(const Program& program, Scope& scope);
+/// Finds tasks, or statements of one `together`, that command the same robot, and meetings of only one task.
+void check_tasks(const Program& program, const KnownNames& known, Scope& scope);
 /// Finds robots, tools and frames that the cell does not have, and tags that programs may not set.
 void check_cell_names(const Program& program, const KnownNames& known, Scope& scope);
 /// Finds values that would fail at run time, as far as they are known before.

@@ -1,5 +1,7 @@
+#include <functional>
 #include <map>
 #include <set>
+#include <string>
 
 #include "polyarm/program/code.hpp"
 #include "polyarm/program/scope.hpp"
@@ -65,10 +67,100 @@ class TaskCheck {
   const Program& program_;
   Scope& scope_;
 };
+
+/// Statements of one `together` run at the same time, so each moves robots of its own.
+class TogetherCheck {
+ public:
+  TogetherCheck(const Program& program, const KnownNames& known, Scope& scope)
+      : program_{program}, scope_{scope} {
+    if (known.robots && known.robots->names.size() == 1) only_ = known.robots->names.front();
+  }
+
+  void run() { block(program_.statements, {}); }
+
+ private:
+  /// Robots, and where each is moved first. The base of a robot counts as another one.
+  using Moved = std::map<std::string, Place>;
+
+  static std::string robot_of(const Statement& s) {
+    for (const Clause& clause : s.clauses)
+      if (clause.kind == Clause::Kind::robot && clause.value)
+        return clause.value->kind == Expression::Kind::literal ? clause.value->value.text()
+                                                               : clause.value->name;
+    return {};
+  }
+
+  /// `robot`: what moves use that name none.
+  void block(const Block& statements, std::string robot) {
+    for (const Statement& s : statements) {
+      if (s.kind == Statements::use)
+        if (const std::string named = robot_of(s); !named.empty()) robot = named;
+      if (s.kind == Statements::together) together(s, robot);
+      for_each_block(s, [&](const Block& inner) { block(inner, robot); });
+    }
+  }
+
+  void together(const Statement& s, const std::string& robot) {
+    Moved all;
+    for (const Statement& part : s.body) {
+      Moved own;
+      std::set<std::string> seen;
+      std::string used = robot;
+      moved_by(part, used, own, seen);
+      for (const auto& [name, place] : own) {
+        const auto [first, is_new] = all.try_emplace(name, place);
+        if (!is_new) refuse(name, first->second, place, part.place);
+      }
+    }
+  }
+
+  void refuse(const std::string& name, Place first, Place second, Place statement) {
+    const bool in_function = second.file != statement.file || second.line < statement.line;
+    scope_.error(
+        "two-moves", in_function ? statement : second,
+        (name.empty() ? "one robot" : "'" + name + "'") + " is moved twice in one 'together', here and " +
+            scope_.in_line(first, second) + ": its statements run at the same time",
+        "put these moves one after the other outside of 'together', or name another robot: `robot NAME`");
+  }
+
+  void moved_by(const Statement& s, std::string& robot, Moved& out, std::set<std::string>& seen) const {
+    if (s.kind == Statements::lock || s.kind == Statements::function) return;
+    if (s.kind == Statements::use)
+      if (const std::string named = robot_of(s); !named.empty()) robot = named;
+    if (s.kind == Statements::move) {
+      std::string name = robot_of(s);
+      if (name.empty()) name = robot;
+      if (name.empty()) name = only_;
+      out.try_emplace((s.moves_base() ? "the base of " : "") + name, s.place);
+    }
+    for_each_expression(s, [&](const Expression& e) {
+      for_each_call(e, [&](const Expression& call) {
+        const Statement* function = scope_.function(call.name);
+        if (function && seen.insert(call.name).second) moved_in(function->body, robot, out, seen);
+      });
+    });
+    for_each_block(s, [&](const Block& inner) { moved_in(inner, robot, out, seen); });
+  }
+  void moved_in(const Block& statements, std::string robot, Moved& out, std::set<std::string>& seen) const {
+    for (const Statement& s : statements) moved_by(s, robot, out, seen);
+  }
+
+  static void for_each_block(const Statement& s, const std::function<void(const Block&)>& visit) {
+    visit(s.body);
+    visit(s.handler);
+    for (const Branch& branch : s.branches) visit(branch.body);
+    for (const Clause& clause : s.clauses) visit(clause.otherwise);
+  }
+
+  const Program& program_;
+  Scope& scope_;
+  std::string only_;  ///< the robot of a cell with one robot
+};
 }  // namespace
 
-void check_tasks(const Program& program, Scope& scope) {
+void check_tasks(const Program& program, const KnownNames& known, Scope& scope) {
   TaskCheck(program, scope).run();
+  TogetherCheck(program, known, scope).run();
 }
 
 }  // namespace polyarm::program

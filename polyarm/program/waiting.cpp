@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/unit_advice.hpp"
 #include "polyarm/program/operators.hpp"
 #include "polyarm/program/task.hpp"
 
@@ -183,9 +184,10 @@ Nanoseconds Interpreter::time(const Value& value, Place place, bool bare_seconds
   const bool fits = number && (number->dimension == Dimension::time ||
                                (bare_seconds && number->dimension == Dimension::none));
   if (!fits)
-    fail_at(
-        place, "bad-type", "a time was expected, here is " + value.excerpt(60),
-        number && number->dimension == Dimension::none ? "say the unit, such as " + value.text() + "s" : "");
+    fail_at(place, "bad-type", "a time was expected, here is " + value.excerpt(60),
+            unit_advice(Dimension::time, number && number->dimension == Dimension::none
+                                             ? std::optional(number->value)
+                                             : std::nullopt));
   if (number->value < 0) fail_at(place, "bad-value", "a time cannot be negative: " + value.text());
   return nanoseconds(std::min(number->value, kLongest));
 }

@@ -8,6 +8,7 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
+#include "polyarm/base/yaml_repeats.hpp"
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/signals/links_file.hpp"
 
@@ -227,7 +228,11 @@ data::Value Tag::from_interface(double value) const {
 Signals parse_signals(const std::string& text, const std::string& file, Problems& problems) {
   Signals out;
   const std::filesystem::path folder = std::filesystem::path(file).parent_path();
-  collect(problems, [&] { read_all(Yaml::parse(text, file), folder, out, problems); });
+  collect(problems, [&] {
+    const Yaml yaml = Yaml::parse(text, file);
+    check_repeats(yaml, problems);
+    read_all(yaml, folder, out, problems);
+  });
   return out;
 }
 

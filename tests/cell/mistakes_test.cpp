@@ -122,6 +122,48 @@ TEST_F(Mistakes, TheNamedStatesOfARobotAreNamesOfTheCell) {
   EXPECT_NE(both().find("job.script:1 there is a 'home' already"), std::string::npos) << checked();
 }
 
+TEST_F(Mistakes, ANameThatIsThereAlreadyIsToldWithThePlaceOfTheFirst) {
+  folder.write("signals.yaml", "polyarm: signals/1\ntags:\n  Ready: {initial: False}\n");
+  folder.write("job.data", "Name: Count\nNum: 3\n");
+  folder.write("more.script", "let step = 2\n");
+  const auto of = [&](const std::string& program) {
+    folder.write("job.script", "load job\n" + program);
+    return both();
+  };
+  cell("", "signals: signals.yaml\nprogram: job.script\n");
+  EXPECT_EQ(of("let n = 1\nlet n = 2\n").find("job.script:3 there is a 'n' already, in line 2 ("), 0u)
+      << checked();
+  EXPECT_EQ(of("let Count = 1\n").find("job.script:2 there is a 'Count' already, in line 2 of job.data ("),
+            0u)
+      << checked();
+  EXPECT_EQ(of("for Ready in [1]\nend\n")
+                .find("job.script:2 there is a 'Ready' already, in line 3 of signals.yaml"),
+            0u)
+      << checked();
+  EXPECT_EQ(of("include \"more.script\"\nlet step = 3\n")
+                .find("job.script:3 there is a 'step' already, in line 1 of more.script"),
+            0u)
+      << checked();
+}
+
+TEST_F(Mistakes, AKeyThatIsDefinedTwiceIsAnErrorInEveryFile) {
+  folder.write("signals.yaml",
+               "polyarm: signals/1\ntags:\n  Ready: {initial: False}\n  Ready: {initial: 3}\n");
+  cell("", "signals: signals.yaml\n");
+  EXPECT_EQ(both().find("signals.yaml:4 'Ready' is defined twice, here and in line 3 (rename"), 0u)
+      << checked();
+  cell("", "motion: {speed: 50%}\nmotion: {speed: 20%}\n");
+  EXPECT_EQ(both().find("cell.yaml:5 'motion' is defined twice, here and in line 4 (rename"), 0u)
+      << checked();
+  cell(", at: [0, 0, 0], at: [1, 0, 0]");
+  EXPECT_EQ(both().find("cell.yaml:3 'at' is defined twice, here and in line 3 (rename"), 0u) << checked();
+  folder.write("scene.yaml",
+               "polyarm: scene/1\nparts:\n  cube: {box: [50mm, 50mm, 50mm], mass: 1, at: [1, 0, 0]}\n"
+               "  cube: {box: [50mm, 50mm, 50mm], mass: 1, at: [2, 0, 0]}\n");
+  cell("", "scene: scene.yaml\n");
+  EXPECT_EQ(both().find("scene.yaml:4 'cube' is defined twice, here and in line 3 (rename"), 0u) << checked();
+}
+
 TEST_F(Mistakes, ALiveDataSetWithoutAFileIsToldWithTheNearest) {
   folder.write("orders.data", "Name: Count\nNum: 0\n");
   folder.write("job.script", "load orders\nlog(Count)\n");
@@ -192,7 +234,8 @@ TEST_F(Mistakes, WhoSetsATagThatALinkBringsIsWarned) {
   folder.write("job.script", "wait Go\nset Done = true\nset Go = false\n");
   cell("", "signals: signals.yaml\nprogram: job.script\n");
   const std::string text =
-      "job.script:3 'Go' comes from the link 'plc': what a program sets holds until the other side changes it "
+      "job.script:3 'Go' comes from the link 'plc': what a program sets holds until the other side changes "
+      "it "
       "(wait for it; if both sides set it, say direction: both in signals.yaml)\n";
   EXPECT_EQ(checked(), text);
   EXPECT_EQ(run(), "") << "a warning";

@@ -101,6 +101,21 @@ cell::CellFile with_program(const test::Folder& folder, const std::string& progr
   return cell::read_cell_file(folder.path());
 }
 
+TEST(Moves, OneRobotCannotMakeTwoMovesTogether) {
+  const test::Folder folder;
+  LockStepCell run(with_program(folder,
+                                "let which = \"arm\"\n"
+                                "together\n"
+                                "  movej joints(0, -30deg, 60deg, 0, 60deg, 0)\n"
+                                "  movej joints(0, -40deg, 60deg, 0, 60deg, 0), robot which\n"
+                                "end\n",
+                                ""));
+  for (int i = 0; i < 5000 && !run.cell().finished(); ++i) run.tick();
+  ASSERT_TRUE(run.cell().program()->status().problem);
+  EXPECT_EQ(run.cell().program()->status().problem->code, "two-moves");
+  EXPECT_EQ(run.cell().program()->status().problem->where.line, 4);
+}
+
 TEST(Moves, AProgramThatLeavesTheWorkspaceFailsAtItsLineBeforeItMoves) {
   const test::Folder folder;
   LockStepCell run(with_program(folder,

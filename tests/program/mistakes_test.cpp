@@ -1,0 +1,72 @@
+/// What `check` says of units that are missing or wrong, and of statements that cannot run together: in each
+/// line the text that a person needs.
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "polyarm/program/checker.hpp"
+#include "polyarm/program/parser.hpp"
+
+namespace polyarm::program {
+namespace {
+
+/// "LINE: what (advice)" of each finding.
+std::string findings(const std::string& text) {
+  KnownNames known;
+  for (const char* point : {"A", "B"}) known.names[point] = type_of(data::Value(data::Point{}));
+  Problems found;
+  const Program program = parse(text, "job.script", found);
+  check(program, known, found);
+  std::string out;
+  for (const Problem& p : found.list())
+    out += std::to_string(p.where.line) + ": " + p.what + " (" + p.advice + ")\n";
+  return out;
+}
+
+TEST(ProgramMistakes, AMissingOrWrongUnitIsShownAsItShouldBe) {
+  struct Row {
+    const char *line, *advice;
+  };
+  for (const Row& row : {Row{"log(offset(A, z = 200))", "(a length needs a unit: write 200mm)"},
+                         Row{"log(offset(A, x = -0.2))", "(a length needs a unit: write -0.2m)"},
+                         Row{"log(offset(A, rz = 90))", "(an angle needs a unit: write 90deg)"},
+                         Row{"log(offset(A, rz = 20mm))", "(write an angle such as 30deg)"},
+                         Row{"log(pose(400, 0, 0))", "(a length needs a unit: write 400mm)"},
+                         Row{"movel A, blend 20", "(a length needs a unit: write 20mm)"},
+                         Row{"movel A, duration 2", "(a time needs a unit: write 2s)"},
+                         Row{"movel A, payload 3", "(a mass needs a unit: write 3kg)"},
+                         Row{"movel A, payload 3mm", "(write a mass such as 2kg)"},
+                         Row{"drive 500", "(a length needs a unit: write 500mm)"},
+                         Row{"turn 90", "(an angle needs a unit: write 90deg)"},
+                         Row{"log(20mm + 5)", "(a length needs a unit: write 5mm)"},
+                         Row{"log(5 < 20deg)", "(an angle needs a unit: write 5deg)"},
+                         Row{"log(20mm + 5deg)", "(give both the same kind of unit)"},
+                         Row{"log(20mm * 5mm)", "divide by a unit first, such as d / 1mm"},
+                         Row{"wait 5", "(write `wait time 5` or `wait 5s`)"},
+                         Row{"wait 1 < 2 timeout 3", "(a time needs a unit: write 3s)"},
+                         Row{"for i in 1 .. 50mm\nend", "(write such as 1 .. 5)"},
+                         Row{"let far = 20mm\nset far = 3", "write a length such as 200mm)"}})
+    EXPECT_NE(findings(row.line).find(row.advice), std::string::npos) << row.line << "\n"
+                                                                      << findings(row.line);
+}
+
+TEST(ProgramMistakes, StatementsOfOneTogetherMoveRobotsOfTheirOwn) {
+  const std::string twice = " is moved twice in one 'together', here and in line ";
+  EXPECT_EQ(findings("together\n  movel A, robot left\n  movel B, robot left\nend\n")
+                .rfind("3: 'left'" + twice + "2", 0),
+            0u);
+  EXPECT_EQ(
+      findings("use robot right\ntogether\n  movel A\n  if 1 < 2\n    movel B, robot right\n  end\nend\n")
+          .rfind("5: 'right'" + twice + "3", 0),
+      0u);
+  EXPECT_EQ(findings("together\n  movel A\n  movel B\nend\n").rfind("3: one robot" + twice + "2", 0), 0u);
+  EXPECT_EQ(findings("together\n  movel A, robot left\n  movel A, robot right\nend\n"), "");
+  EXPECT_EQ(
+      findings(
+          "together\n  lock table\n    movel A, robot left\n  end\n  lock table\n    movel B, robot left\n"
+          "  end\nend\n"),
+      "");
+}
+
+}  // namespace
+}  // namespace polyarm::program
