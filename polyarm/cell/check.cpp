@@ -113,6 +113,7 @@ class Checker {
     add_named_states(known);
     add_link_names(known);
     add_brought(signals_, known);
+    add_places(signals_, known);
     collect(problems_, [&] {  // tags that are written wrong are names all the same
       std::error_code ignored;
       if (file_.signals.empty() || !std::filesystem::exists(beside(file_.signals), ignored)) return;
@@ -282,6 +283,10 @@ class Checker {
       problem.where = entry.where;
       report.reachable = false;
       report.reason = problem.what;
+      if (const int line = frames.handled_in(entry.name); line > 0) {
+        problem.severity = Severity::warning;
+        problem.what += "; handled in line " + std::to_string(line);
+      }
       problems_.add(std::move(problem));
     }
     result_.points.push_back(std::move(report));
@@ -366,7 +371,9 @@ class Checker {
         found.variants, found.left_out));
   }
 
-  void run_whole(const CellOptions& options) {
+  void run_whole(CellOptions options) {
+    constexpr std::size_t kMostQuestions = 1000;
+    options.answers.assign(kMostQuestions, "");  // Enter, as the rehearsal does
     Listener listener;
     collect(problems_, [&] {
       Cell cell(file_, catalogue_, options, listener);

@@ -17,7 +17,31 @@ FrameCheck::FrameCheck(const std::vector<data::DataSet>& sets, const CellRobots&
     }
 }
 
+/// `handler`: the line of the `on error` around the statements; 0: none.
+void FrameCheck::note_uses(const program::Block& statements, int handler) {
+  for (const program::Statement& s : statements) {
+    program::for_each_expression(s, [&](const program::Expression& e) {
+      for (const std::string& name : program::names_read(e)) {
+        if (handler > 0)
+          handled_.try_emplace(name, handler);
+        else
+          unhandled_.insert(name);
+      }
+    });
+    note_uses(s.body, s.kind == program::Statement::Kind::try_block ? s.handler_place.line : handler);
+    note_uses(s.handler, handler);
+    for (const program::Branch& branch : s.branches) note_uses(branch.body, handler);
+    for (const program::Clause& clause : s.clauses) note_uses(clause.otherwise, handler);
+  }
+}
+
+int FrameCheck::handled_in(const std::string& name) const {
+  const auto at = handled_.find(name);
+  return at == handled_.end() || unhandled_.contains(name) ? 0 : at->second;
+}
+
 void FrameCheck::look_at(const program::Program& program) {
+  note_uses(program.statements, 0);
   using Kind = program::Statement::Kind;
   program::for_each_statement(program.statements, [&](const program::Statement& s) {
     if (s.kind == Kind::set || s.kind == Kind::set_literal) later_.insert(s.name.substr(0, s.name.find('.')));

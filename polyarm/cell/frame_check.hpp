@@ -27,6 +27,9 @@ class FrameCheck {
   /// Poses in the world that moves of the program may mean by this point: as it is, and in each frame that
   /// the program states for moves. Empty: only a run can know.
   std::vector<Pose> meanings(const data::Entry& entry) const;
+  /// The line of the `on error` that handles a move to this point; 0 if lines outside of every `try` use it,
+  /// or none does.
+  int handled_in(const std::string& name) const;
   /// It stands for a frame or a tool, and no move of the program names it.
   bool is_no_target(const std::string& name) const;
 
@@ -34,7 +37,11 @@ class FrameCheck {
   std::optional<Pose> frame(const std::string& name, const data::Entry& of,
                             std::vector<std::string>& way) const;
 
+  void note_uses(const program::Block& statements, int handler);
+
   std::map<std::string, const data::Entry*> entries_;
+  std::map<std::string, int> handled_;  ///< names that a `try` reads, with the line of its `on error`
+  std::set<std::string> unhandled_;     ///< names that other lines read
   const CellRobots& robots_;
   std::set<std::string> later_;    ///< not known before the run
   std::set<std::string> origins_;  ///< frames and tools

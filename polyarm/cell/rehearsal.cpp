@@ -86,12 +86,13 @@ std::uint64_t passes_of(const program::Program& program) {
 }
 
 void go_through(Stage& stage, const std::shared_ptr<program::Compiled>& compiled,
-                const PossibleValues& values, const std::string& late) {
+                const PossibleValues& values, const Supposition& supposed) {
   program::Interpreter interpreter(compiled, stage);
   stage.attend(&interpreter);
-  const std::uint64_t passes = passes_of(compiled->program);
+  // A loop does not count to its end where a name keeps its value.
+  const std::uint64_t passes = supposed.kept ? kPasses : passes_of(compiled->program);
   interpreter.limit_passes(passes);
-  Helper helper(stage, values, late);
+  Helper helper(stage, values, supposed.late);
   std::uint64_t events = 0;
   for (int step = 0, quiet = 0;; ++step, ++quiet) {
     const program::StepResult result = interpreter.step(kStatements);
@@ -137,7 +138,7 @@ Pass go_once(const Subject& subject, const PossibleValues& values, const Supposi
   Stage stage(subject.cell, subject.compiled()->program, subject.others(), subject.moves, with_paths);
   stage.suppose(supposed);
   try {
-    go_through(stage, subject.compiled(), values, supposed.late);
+    go_through(stage, subject.compiled(), values, supposed);
   } catch (const Error&) {  // what else is wrong with it others tell
   }
   Pass out{{}, stage.questions()};

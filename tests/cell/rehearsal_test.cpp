@@ -326,5 +326,55 @@ TEST(Rehearsal, WhatIsCalculatedFromOutsideValuesDecidesAboutBranches) {
       << "the PLC never sets it to 4";
 }
 
+TEST(Rehearsal, ALoopThatAKeptValueMakesEndlessLeavesRoomForOtherValues) {
+  const std::string program =
+      "while At < 6\n  for i in 1 .. 10\n    movej joints(0, 0, 0, 0, 0, 0)\n    movej joints(0, 0, 0, 0, 0, "
+      "0.1)\n"
+      "  end\n  wait 10ms\nend\nif At > 8\n" +
+      kFar + "end\n";
+  const Found found = checked(program, kTags);
+  EXPECT_NE(("\n" + found.texts).find("\nE9 "), std::string::npos) << found.texts;
+  for (const std::string& note : found.result.notes)
+    EXPECT_EQ(note.find("left out"), std::string::npos) << note;
+}
+
+TEST(Rehearsal, ADryRunAnswersQuestionsWithEnter) {
+  const test::Folder folder;
+  folder.write("go.script", "let n = ask(\"How many?\", 2)\nwait user \"Ready?\"\nlog(n)\n");
+  folder.write("cell.yaml",
+               "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes + ", hardware: mock}\nprogram: go\n");
+  const CheckResult result = check(folder.path(), {}, description::Catalogue({}), {.dry = true});
+  EXPECT_FALSE(result.has_errors()) << result.problems.front().text();
+}
+
+TEST(Rehearsal, APointOutOfReachThatOnlyATryUsesIsAWarning) {
+  const auto with_point = [](const std::string& program) {
+    const test::Folder folder;
+    folder.write("go.script", "load P\n" + program);
+    folder.write("P.data", "Name: Away\nPose: RPY\nPoint: 3, 0, 1, 0, 0, 0\n");
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes +
+                                  ", hardware: mock}\nprogram: go\n");
+    return check(folder.path(), {}, description::Catalogue({}), {});
+  };
+  const CheckResult handled = with_point("try\n  movej Away\non error e\n  log(e.text)\nend\n");
+  EXPECT_FALSE(handled.has_errors());
+  ASSERT_FALSE(handled.problems.empty());
+  EXPECT_NE(handled.problems.front().what.find("; handled in line 4"), std::string::npos)
+      << handled.problems.front().what;
+  EXPECT_TRUE(with_point("try\n  movej Away\non error e\n  log(e.text)\nend\nmovej Away\n").has_errors());
+  EXPECT_TRUE(with_point("log(1)\n").has_errors()) << "no line uses it";
+}
+
+TEST(Rehearsal, OneRobotIsMovedOnceInTogether) {
+  const std::string near = "movej joints(0, 0, 0, 0, 0, 0)";
+  const std::string same = checked("together\n  " + near + "\n  " + near + ", robot arm\nend\n").texts;
+  EXPECT_EQ(same.rfind("E3 two-moves 'arm' is moved twice in one 'together', here and in line 2", 0), 0u)
+      << same;
+  const std::string called =
+      checked("func go()\n  " + near + "\nend\ntogether\n  go()\n  " + near + "\nend\n").texts;
+  EXPECT_EQ(called.rfind("E6 two-moves", 0), 0u) << called;
+  EXPECT_EQ(checked("together\n  " + near + "\n  wait 10ms\nend\n").texts, "");
+}
+
 }  // namespace
 }  // namespace polyarm::cell
