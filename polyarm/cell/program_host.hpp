@@ -62,6 +62,7 @@ class ProgramHost : public program::Host {
   program::Progress poll_move(program::Handle handle) override;
   bool room_for_move(const std::string& robot) override { return !c_.moves || c_.moves->has_room(robot); }
   bool under_way(program::Handle handle) const override { return c_.moves && c_.moves->under_way(handle); }
+  bool given_up(program::Handle handle) const override { return c_.moves && c_.moves->given_up(handle); }
   program::Handle start_arrival(const std::string& robot) override;
   void end_move(program::Handle handle, const Location&) override { c_.moves->end(handle); }
   program::Travel travel(program::Handle handle) const override { return c_.moves->travel(handle); }

@@ -482,6 +482,21 @@ bool ProgramMoves::under_way(program::Handle handle) const {
   });
 }
 
+bool ProgramMoves::given_up(program::Handle handle) const {
+  const auto found = asked_.find(handle);
+  if (found == asked_.end()) return false;
+  return std::any_of(found->second.begin(), found->second.end(), [&](const Moves& moves) {
+    const Robot& robot = arms_[moves.arm].robot;
+    using Base = moves::BaseMotion::State;
+    if (moves.base) {
+      const Base state = robot.base ? robot.base->state_of(moves.last) : Base::discarded;
+      return state != Base::running && state != Base::done;
+    }
+    const moves::MoveState state = robot.motion ? robot.motion->state_of(moves.last) : moves::MoveState::discarded;
+    return state != moves::MoveState::running && state != moves::MoveState::done;
+  });
+}
+
 bool ProgramMoves::moving() const {
   return std::any_of(arms_.begin(), arms_.end(), [](const Arm& arm) {
     return (arm.robot.motion && !arm.robot.motion->idle()) || (arm.robot.base && !arm.robot.base->idle());

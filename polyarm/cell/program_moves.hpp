@@ -62,6 +62,7 @@ class ProgramMoves {
   Location place_of(const moves::RobotMotion& motion, std::uint64_t move) const;
   /// True until the robot has come to the end of what start() returned this handle for.
   bool under_way(program::Handle handle) const;
+  bool given_up(program::Handle handle) const;
   /// True while something that was asked for has not ended.
   bool moving() const;
 

@@ -102,6 +102,9 @@ class Host {
   /// False once the robot has reached the end of a move, even if others are blended after it. For handles
   /// from start_move().
   virtual bool under_way(Handle) const { return false; }
+  /// True if the robot did not complete a move: it failed, was refused or was discarded. For handles from
+  /// start_move().
+  virtual bool given_up(Handle) const { return false; }
   /// True if `robot` (empty: the task's own) accepts another move now; if not, it is called again in the next
   /// tick. True if an earlier move has failed: the next call reports that.
   virtual bool room_for_move(const std::string& robot) = 0;

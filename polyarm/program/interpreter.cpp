@@ -98,7 +98,10 @@ Place Interpreter::position() const {
 }
 
 void Interpreter::forget_arrived(Task& task) const {
-  while (!task.moves.empty() && !host_.under_way(task.moves.front().handle)) task.moves.pop_front();
+  const auto is_open = [&](const Task::Asked& move) {
+    return host_.under_way(move.handle) || host_.given_up(move.handle);
+  };
+  while (!task.moves.empty() && !is_open(task.moves.front())) task.moves.pop_front();
 }
 
 TaskStatus Interpreter::status_of(const Task& task) const {
@@ -107,12 +110,12 @@ TaskStatus Interpreter::status_of(const Task& task) const {
           task.passes, cycles_of(task), task.problem,       paused_ == task.id};
 }
 
-/// A pass counts when the robot has finished it: while a move is under way, only the passes before the one
-/// that requested it.
+/// A pass counts when the robot has finished it: while a move is under way, or was given up, only the passes
+/// before the one that requested it.
 std::uint64_t Interpreter::cycles_of(const Task& task) const {
   if (task.ended_cycles) return *task.ended_cycles;
   for (const Task::Asked& move : task.moves)
-    if (host_.under_way(move.handle)) return move.passes;
+    if (host_.under_way(move.handle) || host_.given_up(move.handle)) return move.passes;
   return task.passes;
 }
 
@@ -304,6 +307,7 @@ void Interpreter::unwind(Task& task, const Problem& problem) {
   give_back_locks(task, handler.locks);
   task.pc = handler.step;
   task.state = TaskState::running;
+  std::erase_if(task.moves, [&](const Task::Asked& move) { return host_.given_up(move.handle); });
 }
 
 /// The calls that led to the task's line, as a suffix of messages; empty outside functions.

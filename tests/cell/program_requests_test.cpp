@@ -95,6 +95,23 @@ TEST_F(ProgramRequests, AnEndlessProgramThatQueuesAheadCountsTheCyclesThatTheRob
   EXPECT_LE(std::abs(state()["passes"].get<int>() - turns), 1) << "nor does its end count what was queued";
 }
 
+TEST_F(ProgramRequests, ACanceledMotionCountsNoCycleThatTheRobotHasNotDone) {
+  folder.write("work.script", "load work_data\nwhile true\n  movej A\n  movej B\nend\n");
+  ASSERT_TRUE(load("work.script")["ok"].get<bool>());
+  ask("program.start");
+  cell->run(0.05);
+  ASSERT_GT(cell->cell().program()->status().passes, 10u) << "it is far ahead";
+  ask("hold");
+  cell->run(1);
+  ask("discard");
+  cell->run(1);
+  EXPECT_EQ(state()["passes"], 0);
+  ask("resume");
+  cell->run(1);
+  EXPECT_EQ(word(), "failed");
+  EXPECT_EQ(state()["passes"], 0);
+}
+
 TEST_F(ProgramRequests, WhatStandsReadyMayBeginAsItWasSavedSince) {
   ASSERT_TRUE(load("work.script")["ok"].get<bool>());
   folder.write("work.script", "load work_data\nmoveto B\nmoveto Nowhere\n");
