@@ -201,7 +201,7 @@ TEST(SceneFile, ReportsEverythingThatIsWrongAtOnceWithItsLine) {
 
 TEST(SceneFile, RefusesNamesThatStandTwice) {
   EXPECT_EQ(findings("movers:\n  door: {axis: [0, 0, 1]}\n  door: {axis: [1, 0, 0]}\n"),
-            (std::vector<std::string>{"3 duplicate-name"}));
+            (std::vector<std::string>{"4 duplicate-name"}));
   EXPECT_TRUE(has(complaint("feeders: {chute: {at: [0, 0, 0]}}\n"
                             "parts:\n"
                             "  cube_2: {box: [1, 1, 1], at: [0, 0, 0]}\n"
