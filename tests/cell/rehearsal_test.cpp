@@ -329,7 +329,7 @@ TEST(Rehearsal, WhatIsCalculatedFromOutsideValuesDecidesAboutBranches) {
 TEST(Rehearsal, ALoopThatAKeptValueMakesEndlessLeavesRoomForOtherValues) {
   const std::string program =
       "while At < 6\n  for i in 1 .. 10\n    movej joints(0, 0, 0, 0, 0, 0)\n    movej joints(0, 0, 0, 0, 0, "
-      "0.1)\n"
+      "6deg)\n"
       "  end\n  wait 10ms\nend\nif At > 8\n" +
       kFar + "end\n";
   const Found found = checked(program, kTags);
