@@ -200,13 +200,14 @@ TEST(SceneFile, ReportsEverythingThatIsWrongAtOnceWithItsLine) {
 }
 
 TEST(SceneFile, RefusesNamesThatStandTwice) {
-  EXPECT_EQ(findings("movers:\n  door: {axis: [0, 0, 1]}\n  door: {axis: [1, 0, 0]}\n"),
-            (std::vector<std::string>{"4 duplicate-name"}));
+  const std::string doors = "movers:\n  door: {axis: [0, 0, 1]}\n  door: {axis: [1, 0, 0]}\n";
+  EXPECT_EQ(findings(doors), (std::vector<std::string>{"4 duplicate-name"}));
+  EXPECT_TRUE(has(complaint(doors), "'door' is defined twice, here and in line 3"));
   EXPECT_TRUE(has(complaint("feeders: {chute: {at: [0, 0, 0]}}\n"
                             "parts:\n"
                             "  cube_2: {box: [1, 1, 1], at: [0, 0, 0]}\n"
                             "  cube: {count: 3, box: [1, 1, 1], feeder: chute}\n"),
-                  "two parts are called 'cube_2'"));
+                  "two parts are called 'cube_2', here and in line "));
 }
 
 TEST(SceneFile, RefusesNumbersThatNoThingHas) {
