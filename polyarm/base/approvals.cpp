@@ -56,7 +56,8 @@ std::vector<std::string> parts_of(std::string_view text, char separator) {
 bool require_own(const fs::path& file) {
   struct stat status {};
   if (::lstat(file.c_str(), &status) != 0) {
-    if (errno == ENOENT || errno == ENOTDIR) return false;
+    // A list that this user cannot reach (HOME of somebody else) approves nothing.
+    if (errno == ENOENT || errno == ENOTDIR || errno == EACCES) return false;
     refuse(file, 0, std::string("it cannot be read: ") + std::strerror(errno), "check its permissions");
   }
   if (S_ISLNK(status.st_mode))

@@ -101,12 +101,12 @@ TEST_F(ProgramRequests, ACanceledMotionCountsNoCycleThatTheRobotHasNotDone) {
   ask("program.start");
   cell->run(0.05);
   ASSERT_GT(cell->cell().program()->status().passes, 10u) << "it is far ahead";
-  ask("hold");
+  ask("control.hold");
   cell->run(1);
-  ask("discard");
+  ask("control.discard");
   cell->run(1);
   EXPECT_EQ(state()["passes"], 0);
-  ask("resume");
+  ask("control.resume");
   cell->run(1);
   EXPECT_EQ(word(), "failed");
   EXPECT_EQ(state()["passes"], 0);

@@ -188,7 +188,7 @@ TEST_F(ProjectTest, AGroupIsRefusedWhereItIsNone) {
   EXPECT_EQ(code({{"request", "points.group"}, {"names", {"Bench", "Moon"}}, {"group", "x"}}),
             "unknown-name");
   EXPECT_EQ(code({{"request", "points.group"}, {"names", Json::array()}, {"group", "x"}}), "bad-argument");
-  EXPECT_EQ(code({{"request", "points.teach"}, {"name", "P"}, {"group", "a\nb"}}), "bad-group");
+  EXPECT_EQ(code({{"request", "points.teach"}, {"name", "P"}, {"group", "a\nb"}}), "bad-argument");
   EXPECT_EQ(read_file(folder.path() / "points.points"), before);
 }
 
