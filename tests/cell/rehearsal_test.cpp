@@ -15,14 +15,18 @@ namespace {
 
 const std::string kBend = "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\nlet start = here()\n";
 
+void know_the_mock() {
+  hardware::register_driver("mock",
+                            [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+}
+
 struct Found {
   CheckResult result;
   std::string texts;
 };
 Found checked(const std::string& program, const std::string& more = "", const std::string& robots = "",
               const std::string& plc = "") {
-  hardware::register_driver("mock",
-                            [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+  know_the_mock();
   const test::Folder folder;
   folder.write("go.script", program);
   folder.write(
@@ -339,6 +343,7 @@ TEST(Rehearsal, ALoopThatAKeptValueMakesEndlessLeavesRoomForOtherValues) {
 }
 
 TEST(Rehearsal, ADryRunAnswersQuestionsWithEnter) {
+  know_the_mock();
   const test::Folder folder;
   folder.write("go.script", "let n = ask(\"How many?\", 2)\nwait user \"Ready?\"\nlog(n)\n");
   folder.write("cell.yaml",
@@ -348,6 +353,7 @@ TEST(Rehearsal, ADryRunAnswersQuestionsWithEnter) {
 }
 
 TEST(Rehearsal, APointOutOfReachThatOnlyATryUsesIsAWarning) {
+  know_the_mock();
   const auto with_point = [](const std::string& program) {
     const test::Folder folder;
     folder.write("go.script", "load P\n" + program);
