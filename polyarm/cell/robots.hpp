@@ -15,6 +15,9 @@
 
 namespace polyarm::cell {
 
+/// The driver that simulates contacts.
+inline constexpr const char* kPhysics = "mujoco";
+
 /// One `<ros2_control>` of a description and what plays it.
 struct HardwareBlock {
   const description::HardwareInfo* info = nullptr;
@@ -80,6 +83,8 @@ void add_components(hardware::Hardware& hardware, const CellRobots& robots, cons
                     Nanoseconds period, bool lock_step, const ros_files::ManagerParameters& manager,
                     Problems& problems);
 
+/// True if reading from the driver's device blocks, so it needs a thread of its own.
+bool waits_for_a_device(const std::string& driver);
 /// Has all hardware of the robot a thread of its own, which may run at any rate?
 bool on_threads(const CellRobot& robot);
 /// Every how many cycles of a loop of this period the controllers of a robot run whose entry states a rate,
