@@ -7,12 +7,6 @@
 
 namespace polyarm::hulls {
 
-/// Points p with dot(normal, p) < offset are below.
-struct Plane {
-  Vec3 normal;
-  double offset = 0;
-};
-
 struct Halves {
   std::vector<Triangle> below, above;
 };

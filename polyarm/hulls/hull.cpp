@@ -15,11 +15,6 @@ namespace polyarm::hulls {
 
 namespace {
 
-struct Plane {
-  Vec3 normal;
-  double offset = 0;  ///< points p of the plane: dot(normal, p) == offset
-};
-
 Plane plane_of(const Hull& hull, const std::array<std::uint32_t, 3>& face) {
   const Vec3 &a = hull.corners[face[0]], &b = hull.corners[face[1]], &c = hull.corners[face[2]];
   const Vec3 normal = cross(b - a, c - a);

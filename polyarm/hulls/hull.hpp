@@ -25,6 +25,12 @@ struct Hull {
   double volume = 0;                                ///< m³
 };
 
+/// Points p with dot(normal, p) < offset are below it.
+struct Plane {
+  Vec3 normal;
+  double offset = 0;
+};
+
 /// The thinnest hull that is made, m: flat points get this thickness. Physics needs a volume.
 inline constexpr double kThinnest = 5e-4;
 

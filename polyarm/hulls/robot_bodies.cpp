@@ -8,12 +8,12 @@
 #include <exception>
 #include <map>
 #include <optional>
-#include <set>
 #include <string_view>
 #include <system_error>
 #include <thread>
 #include <utility>
 
+#include "polyarm/base/cache.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/sha256.hpp"
@@ -140,19 +140,6 @@ fs::path place_in(const fs::path& cache, const Shape& shape) {
   return cache / (sha256(key).substr(0, 32) + ".body");
 }
 
-void keep(const Body& body, const fs::path& path) {
-  const std::string text = to_text(body);
-  if (text.size() > kLargestCached) return;
-  std::error_code error;
-  fs::create_directories(path.parent_path(), error);
-  std::set<std::pair<fs::file_time_type, fs::path>> there;
-  for (const auto& entry : fs::directory_iterator(path.parent_path(), error))
-    if (entry.path().extension() == ".body") there.emplace(entry.last_write_time(error), entry.path());
-  for (; there.size() >= kMostCached; there.erase(there.begin())) fs::remove(there.begin()->second, error);
-  Problems ignored;  // without a cache it is computed again the next time
-  collect(ignored, [&] { write_file_atomically(path, text, 0600); });
-}
-
 bool take(const fs::path& path, Body& out) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return false;
@@ -178,7 +165,8 @@ Body body_of(const Shape& shape, const fs::path& cache) {
   }
   out = computed(shape);
   const AsUser as_user;
-  keep(out, path);
+  if (const std::string text = to_text(out); text.size() <= kLargestCached)
+    store_in_cache(path, text, kMostCached, 0600);
   return out;
 }
 
@@ -235,10 +223,9 @@ void run(std::vector<Job>& jobs, const fs::path& cache) {
   };
   const std::size_t workers =
       std::min<std::size_t>(std::max(1u, std::thread::hardware_concurrency()), jobs.size());
-  std::vector<std::thread> threads;
+  std::vector<std::jthread> threads;  // joined at the end
   for (std::size_t i = 1; i < workers; ++i) threads.emplace_back(work);
   work();
-  for (std::thread& thread : threads) thread.join();
 }
 
 }  // namespace

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 #include <system_error>
 #include <utility>
 
+#include "polyarm/base/cache.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/meshes/glb_writer.hpp"
@@ -107,17 +107,6 @@ RobotMeshes convert(const RobotModel& model, std::size_t left) {
   return out;
 }
 
-void keep(const std::string& glb, const fs::path& path) {
-  std::error_code error;
-  fs::create_directories(path.parent_path(), error);
-  std::set<std::pair<fs::file_time_type, fs::path>> there;
-  for (const auto& entry : fs::directory_iterator(path.parent_path(), error))
-    if (entry.path().extension() == ".glb") there.emplace(entry.last_write_time(error), entry.path());
-  for (; there.size() >= kMostCached; there.erase(there.begin())) fs::remove(there.begin()->second, error);
-  Problems ignored;  // without a cache it is built again next time
-  collect(ignored, [&] { write_file_atomically(path, glb); });
-}
-
 }  // namespace
 
 bool has_mesh(const Link& link) {
@@ -158,7 +147,7 @@ RobotMeshes robot_meshes(const RobotModel& model, const fs::path& cache, std::si
     if (kept.glb.starts_with("glTF")) return kept;
   }
   RobotMeshes out = convert(model, most_triangles);
-  if (!cache.empty() && out.warnings.empty()) keep(out.glb, path);
+  if (!cache.empty() && out.warnings.empty()) store_in_cache(path, out.glb, kMostCached, 0644);
   return out;
 }
 
