@@ -152,7 +152,11 @@
   X(kFileControllers, 500, "controllers", "controllers of a cell's controllers files", "refused: too-many")    \
   X(kLaunchFiles, 500, "files", "launch files that include each other", "refused: too-many-includes")         \
   X(kLaunchElements, 50000, "elements", "elements of all of them", "refused: too-many-elements")              \
-  X(kLaunchNesting, 32, "levels", "includes within includes", "refused")
+  X(kLaunchNesting, 32, "levels", "includes within includes", "refused")                                     \
+  X(kLaunchRounds, 200, "rounds", "one loop of a launch file in Python", "the rest is left out, with a note") \
+  X(kLaunchSteps, 200000, "steps", "statements and calls that are read in it", "loops and calls are left out, with a note") \
+  X(kLaunchCalls, 8, "calls", "functions of it that call one another", "the value is unknown") \
+  X(kLaunchValues, 2000000, "values", "values of its variables that are copied", "the value is unknown")
 
 #define POLYARM_BOUNDS_PROGRAMS(X)                                                                            \
   X(kProgramBytes, 16 << 20, "bytes", "one file of a program", "refused: too-large")                          \

@@ -79,26 +79,15 @@ Value enumerated(const std::vector<Value>& items) {
 }
 
 Value formatted(const std::string& text, const Arguments& a) {
-  std::string out;
   std::size_t next = 0;
-  for (std::size_t i = 0; i < text.size() && out.size() <= kLongestText; ++i) {
-    const bool twice = i + 1 < text.size() && text[i + 1] == text[i];
-    if ((text[i] == '{' || text[i] == '}') && twice) {
-      out += text[i++];
-      continue;
-    }
-    if (text[i] != '{') {
-      out += text[i];
-      continue;
-    }
-    const std::size_t end = std::min(text.find('}', i), text.size());
-    const std::string field = text.substr(i + 1, end - i - 1);
+  return Value::of(with_fields(text, [&](std::size_t begin, std::string& out) {
+    const std::size_t end = std::min(text.find('}', begin), text.size());
+    const std::string field = text.substr(begin + 1, end - begin - 1);
     const auto index = field.empty() ? std::optional<std::size_t>(next++) : index_of(Value::of(field));
     const Value* value = index ? (*index < a.values.size() ? &a.values[*index] : nullptr) : a.find(field);
     out += value ? flat(*value) : std::string(1, kUnknown);
-    i = end;
-  }
-  return Value::of(out);
+    return end;
+  }));
 }
 
 Value replaced(std::string text, const std::string& from, const std::string& to) {

@@ -259,22 +259,11 @@ Value PythonReader::strings(int depth) {
 
 /// f"…{expression}…"; a gap for what is computed.
 std::string PythonReader::formatted(const std::string& text, int line, int depth) {
-  std::string out;
-  for (std::size_t i = 0; i < text.size() && out.size() <= kLongestText; ++i) {
-    const bool twice = i + 1 < text.size() && text[i + 1] == text[i];
-    if ((text[i] == '{' || text[i] == '}') && twice) {
-      out += text[i++];
-      continue;
-    }
-    if (text[i] != '{') {
-      out += text[i];
-      continue;
-    }
-    const std::size_t end = end_of_insertion(text, i);
-    out += flat(inserted(text.substr(i + 1, end - i - 1), line, depth));
-    i = end;
-  }
-  return out;
+  return with_fields(text, [&](std::size_t begin, std::string& out) {
+    const std::size_t end = end_of_insertion(text, begin);
+    out += flat(inserted(text.substr(begin + 1, end - begin - 1), line, depth));
+    return end;
+  });
 }
 
 /// What stands between the braces of f"…{…}…".

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/ros_files/python_source.hpp"
 #include "polyarm/ros_files/python_value.hpp"
@@ -49,9 +50,9 @@ class PythonReader {
   virtual void left_out(const Location& where, std::string what) = 0;
 
  private:
-  static constexpr int kPasses = 3, kMostRounds = 200, kDeepestCall = 8;
-  static constexpr std::size_t kMostCopied = 2'000'000;  ///< values, of variables that are read
-  static constexpr std::size_t kMostSteps = 200'000;     ///< then loops and functions are read no more
+  static constexpr int kPasses = 3, kDeepestCall = bounds::kLaunchCalls;
+  static constexpr std::size_t kMostRounds = bounds::kLaunchRounds, kMostCopied = bounds::kLaunchValues,
+                               kMostSteps = bounds::kLaunchSteps;
 
   struct Function {
     std::size_t parameters = 0, body = 0, end = 0;

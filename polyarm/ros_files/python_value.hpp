@@ -51,6 +51,23 @@ inline std::string argument_of_gap(const std::string& text) {
   return end == std::string::npos ? std::string() : text.substr(begin + 1, end - begin - 1);
 }
 
+/// A text with its fields filled in, such as "a {b} {{c}}": two equal braces are one. `fill` gets the index of the
+/// brace that begins a field, appends the value to `out`, and returns the index of the brace that ends the field.
+template <typename Fill>
+std::string with_fields(const std::string& text, Fill fill) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size() && out.size() <= kLongestText; ++i) {
+    const bool brace = text[i] == '{' || text[i] == '}';
+    if (brace && i + 1 < text.size() && text[i + 1] == text[i])
+      out += text[i++];
+    else if (text[i] == '{')
+      i = fill(i, out);
+    else
+      out += text[i];
+  }
+  return out;
+}
+
 /// One text of a text or a list of texts, with `joint` between them.
 inline std::string flat(const Value& value, const std::string& joint = "", int depth = 0) {
   if (value.kind == Value::Kind::text) return value.text;
