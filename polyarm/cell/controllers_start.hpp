@@ -13,11 +13,11 @@
 
 namespace polyarm::cell {
 
-/// Loads and configures the planned controllers, those that others are chained to first, and starts what can
-/// run together; who has to stay inactive is told. A controller of `activate` that `described` has but the
-/// plan has not was left out with a warning; one that neither has is an error. What is wrong joins the
-/// problems. Returns those that were chosen, also where their hardware is not there yet: they are to start
-/// when it is armed.
+/// Loads and configures the planned controllers, those that others are chained to first, and starts those that
+/// can run together. Reports each one that stays inactive. If `activate` names a controller that the plan lacks,
+/// that is an error, unless `described` has it: then it was left out with a warning. Adds its findings to the
+/// problems. Returns the chosen controllers, including those whose hardware is missing: they start when it is
+/// armed.
 std::vector<std::string> start_controllers(std::vector<PlannedController> plan, const CellFile& file,
                                            const ros_files::ControllersFile& described,
                                            const CellRobots& robots, control::ControlLoop& loop,

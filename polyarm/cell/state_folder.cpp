@@ -72,7 +72,7 @@ StateLock::StateLock(const fs::path& file, int patience_ms) {
   std::error_code error;
   fs::create_directories(file.parent_path(), error);
   fd_ = ::open(file.c_str(), O_RDONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0600);
-  // Without a lock two runs would write to one folder; only where nothing can be written is none needed.
+  // Without a lock two runs could write to one folder. A folder that nobody can write to needs no lock.
   if (fd_ < 0 && errno != EACCES && errno != EPERM && errno != EROFS && errno != ENOENT && errno != ENOTDIR)
     throw Error(Problem{"bad-state",
                         {file.string()},
