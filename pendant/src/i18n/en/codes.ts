@@ -154,6 +154,7 @@ export const codes = {
   'told.frame-moves': 'The frame moves',
   'told.unknown-tool': 'The tool is unknown',
   'told.unknown-robot': 'The robot is unknown',
+  'told.two-moves': 'One robot is moved twice at the same time',
   'told.which-robot': 'It is not clear which robot is meant',
   'told.no-robot': 'There is no robot',
   'told.unknown-joint': 'The joint is unknown',

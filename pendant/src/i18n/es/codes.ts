@@ -152,6 +152,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.frame-moves': 'El sistema de referencia se mueve',
   'told.unknown-tool': 'La herramienta no se conoce',
   'told.unknown-robot': 'El robot no se conoce',
+  'told.two-moves': 'Un robot se mueve dos veces a la vez',
   'told.which-robot': 'No está claro qué robot se quiere decir',
   'told.no-robot': 'No hay ningún robot',
   'told.unknown-joint': 'El eje no se conoce',
