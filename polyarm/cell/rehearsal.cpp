@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/inside.hpp"
 #include "polyarm/cell/open_names.hpp"
 #include "polyarm/cell/prompter.hpp"
 #include "polyarm/cell/rehearsal_stage.hpp"
@@ -116,7 +116,7 @@ void go_through(Stage& stage, const std::shared_ptr<program::Compiled>& compiled
 
 /// A program, and what runs beside it.
 struct Subject {
-  Cell& cell;
+  CellInside& cell;
   Task& task;
   const Task* other;    ///< null: none
   ProgramMoves* moves;  ///< null: it moves nothing
@@ -146,7 +146,7 @@ Rehearsal go_once(const Subject& subject, const PossibleValues& values, const Va
 /// What leads to other branches: values of names that others set, and of tags that nobody sets but a person;
 /// and each wait that may time out.
 std::vector<Variant> variants(const Subject& subject, const PossibleValues& values) {
-  const std::set<std::string> open = open_names(subject.cell, subject.others());
+  const std::set<std::string> open = open_names(subject.cell.data, subject.others());
   const std::set<std::string> own = names_set(subject.compiled()->program);
   std::vector<Variant> out;
   const program::Program& program = subject.compiled()->program;
@@ -155,8 +155,8 @@ std::vector<Variant> variants(const Subject& subject, const PossibleValues& valu
       out.push_back({.late = program.at(s.place).text()});
   });
   for (const std::string& name : values.deciding()) {
-    const data::Value* now = subject.cell.store().find(name);
-    const bool of_a_person = subject.cell.store().is_tag(name) && !own.contains(name);
+    const data::Value* now = subject.cell.data.store.find(name);
+    const bool of_a_person = subject.cell.data.store.is_tag(name) && !own.contains(name);
     if (!now || (!open.contains(name) && !of_a_person)) continue;
     out.push_back({.kept = NamedValue{name, *now}});
     for (data::Value& value : values.instead_of(name, *now))
@@ -191,14 +191,16 @@ Rehearsal go_everywhere(const Subject& subject, bool with_paths) {
 }
 }  // namespace
 
-Rehearsal rehearse(Cell& cell, bool with_paths) {
-  if (!cell.program() || !cell.program_moves()) return {};
-  return go_everywhere({cell, *cell.program(), cell.plc(), cell.program_moves()}, with_paths);
+Rehearsal rehearse(CellInside& cell, bool with_paths) {
+  Programs& programs = *cell.programs;
+  if (!programs.program() || !programs.moves()) return {};
+  return go_everywhere({cell, *programs.program(), programs.plc(), programs.moves()}, with_paths);
 }
 
-Rehearsal rehearse_plc(Cell& cell) {
-  if (!cell.plc()) return {};
-  return go_everywhere({cell, *cell.plc(), cell.program(), nullptr}, false);
+Rehearsal rehearse_plc(CellInside& cell) {
+  Programs& programs = *cell.programs;
+  if (!programs.plc()) return {};
+  return go_everywhere({cell, *programs.plc(), programs.program(), nullptr}, false);
 }
 
 }  // namespace polyarm::cell
