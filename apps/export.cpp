@@ -9,12 +9,13 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/view.hpp"
 
 namespace polyarm::apps {
 
 namespace {
 
-void write_moveit(cell::Cell& cell, const std::filesystem::path& folder, int samples) {
+void write_moveit(const cell::CellView& cell, const std::filesystem::path& folder, int samples) {
   for (std::size_t i = 0; i < cell.robots().size(); ++i) {
     const std::filesystem::path own =
         cell.robots().size() == 1 ? folder : folder / cell.robots()[i]->entry.name;
@@ -54,7 +55,7 @@ int run_export(int argc, char** argv) {
   options.lock_step = true;
   cell::Observer silent;
   cell::Cell cell(file, open_catalogue(), options, silent);
-  write_moveit(cell, folder, samples);
+  write_moveit(cell.view(), folder, samples);
   return kOk;
 }
 

@@ -38,11 +38,11 @@ std::string joint_of(const std::string& interface, const std::string& robot) {
   return parts.size() == 3 && parts[0] == robot ? parts[1] : "";
 }
 
-std::vector<Actor> actors_of(cell::Cell& cell, const std::string& robot) {
+std::vector<Actor> actors_of(const cell::CellView& cell, const std::string& robot) {
   std::vector<Actor> out;
-  for (const control::ListedController& listed : cell.loop().controllers().list()) {
+  for (const control::ListedController& listed : cell.controllers().list()) {
     Actor actor{listed.name, {}, {}, {}};
-    for (const controllers::InputPort& port : cell.loop().controllers().find(listed.name)->inputs()) {
+    for (const controllers::InputPort& port : cell.controllers().find(listed.name)->inputs()) {
       if (!port.action) continue;
       actor.type = port.types.front().substr(port.types.front().find('/') + 1);
       actor.action = port.name;
@@ -156,12 +156,12 @@ std::string controllers_yaml(const std::vector<Actor>& actors) {
 
 /// As a controller manager of ROS 2 would load them, where the cell has no file of its own for them: those
 /// whose joints the description has.
-std::string own_controllers_yaml(cell::Cell& cell, const cell::CellRobot& robot) {
-  const double rate = 1e9 / static_cast<double>(cell.loop().options().period);
+std::string own_controllers_yaml(const cell::CellView& cell, const cell::CellRobot& robot) {
+  const double rate = 1e9 / static_cast<double>(cell.period());
   std::string manager =
       fmt::format("controller_manager:\n  ros__parameters:\n    update_rate: {:.0f}\n", rate);
   std::string each;
-  for (const control::ListedController& c : cell.loop().controllers().list()) {
+  for (const control::ListedController& c : cell.controllers().list()) {
     std::vector<std::string> joints;
     std::set<std::string> interfaces;
     bool known = true;
@@ -230,8 +230,8 @@ std::string pilz_yaml() {
 }
 
 /// Of lines and arcs, as the cell plans them itself.
-std::string cartesian_limits_yaml(const cell::Cell& cell) {
-  const moves::TcpLimits& tcp = cell.pace().tcp;
+std::string cartesian_limits_yaml(const cell::CellView& cell) {
+  const moves::TcpLimits& tcp = cell.file().motion.tcp;
   return fmt::format(
       "cartesian_limits:\n  max_trans_vel: {}\n  max_trans_acc: {}\n  max_trans_dec: {}\n  max_rot_vel: "
       "{}\n",
@@ -306,7 +306,7 @@ std::string in_world(std::string urdf, const RobotModel& model, const Pose& base
 
 }  // namespace
 
-MoveItFiles moveit_files(cell::Cell& cell, std::size_t index, int samples) {
+MoveItFiles moveit_files(const cell::CellView& cell, std::size_t index, int samples) {
   const cell::CellRobot& robot = *cell.robots()[index];
   RobotModel model = robot.model;
   const std::vector<Actor> actors = actors_of(cell, robot.entry.name);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/view.hpp"
 
 namespace polyarm::apps {
 
@@ -16,6 +16,6 @@ struct MoveItFiles {
 
 /// Of one robot of the cell: description, SRDF, kinematics, limits, controllers and a launch file. `samples`:
 /// joint states that are tried for the pairs of links that need not be compared.
-MoveItFiles moveit_files(cell::Cell& cell, std::size_t robot, int samples);
+MoveItFiles moveit_files(const cell::CellView& cell, std::size_t robot, int samples);
 
 }  // namespace polyarm::apps

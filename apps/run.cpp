@@ -25,6 +25,8 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/check.hpp"
 #include "polyarm/cell/fault_record.hpp"
+#include "polyarm/cell/inside.hpp"
+#include "polyarm/cell/view.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/recording/cell_recorder.hpp"
 
@@ -156,11 +158,11 @@ class EndsInTime {
 };
 
 /// Everything that is needed to look at a failed run, and to run it again, in one folder.
-std::string keep_failure(cell::Cell& cell, const cell::RunResult& result, const std::string& command) {
+std::string keep_failure(cell::CellInside& cell, const cell::RunResult& result, const std::string& command) {
   const Problem problem =
       result.problems.empty() ? Problem{"failed", {}, "the run failed", {}} : result.problems.front();
-  cell::FaultRecord record = cell::begin_record(cell, problem);
-  record.stopped = &cell.loop().black_box();
+  cell::FaultRecord record = cell.watches->begin_record(problem);
+  record.stopped = &cell.machine.loop().black_box();
   record.files["command.txt"] = command + "\n";
   record.files["result.json"] = result_json(result, "") + "\n";
   return cell::write_record(record, "failures").string();
@@ -202,24 +204,24 @@ void tell_unread(const std::string& text) {
   Printer(STDERR_FILENO, Printer::Full::leaves_out, [](std::size_t) { return ""; }).put(text);
 }
 
-/// What a program that begins in the middle takes for given.
-void tell_assumptions(cell::Cell& cell, const program::StartReport& report) {
+/// What a program that begins in the middle assumes.
+void print_assumptions(cell::CellInside& cell, const program::StartReport& report) {
   const auto line = [](const char* what, const std::string& text) {
     if (!text.empty()) fmt::print("  {:<22}{}\n", what, text);
   };
   const auto values = [&](const std::vector<std::string>& names) {
     std::vector<std::string> out;
     for (const std::string& name : names) {
-      const data::Value* value = cell.store().find(name);
+      const data::Value* value = cell.data.store.find(name);
       if (value && !value->is_place()) out.push_back(name + " = " + value->text());
     }
     return join(out, ", ");
   };
-  const cell::Task& task = *cell.program();
-  std::vector<std::string> variables, held = cell.held_parts();
+  const cell::Task& task = *cell.programs->program();
+  std::vector<std::string> variables, held = cell.programs->held_parts();
   for (const auto& each : task.interpreter().variables(task.status().name))
     variables.push_back(each.name + " = " + each.value.text());
-  if (const auto& before = cell.held_before(); !before.empty() && before != held)
+  if (const auto& before = cell.programs->held_before(); !before.empty() && before != held)
     held.push_back(join(before, ", ") + " when it was cut off");
   fmt::print("The program goes on at {}: {}\n", report.where.text(), task.status().source);
   line("robot", report.robot);
@@ -234,11 +236,12 @@ void tell_assumptions(cell::Cell& cell, const program::StartReport& report) {
 }
 
 /// False where a person does not want to begin in the middle.
-bool begins_where_told(cell::Cell& cell, const RunArguments& a) {
+bool begins_where_asked(cell::CellInside& cell, const RunArguments& a) {
   if (!a.goes_on && a.line == 0) return true;
   if (a.goes_on && a.line > 0) throw Error("bad-value", "--continue and --from say two places to begin at");
-  const program::StartReport report = a.goes_on ? cell.continue_program() : cell.prepare_program("", a.line);
-  if (!a.json) tell_assumptions(cell, report);
+  const program::StartReport report =
+      a.goes_on ? cell.programs->continue_from_safe_point() : cell.programs->prepare("", a.line);
+  if (!a.json) print_assumptions(cell, report);
   if (!a.yes) {
     if (::isatty(STDIN_FILENO) == 0)
       throw Error("nobody-there", "nobody can be asked whether the program may begin there", "say --yes");
@@ -248,23 +251,23 @@ bool begins_where_told(cell::Cell& cell, const RunArguments& a) {
     std::getline(std::cin, answer);
     if (answer != "yes") return false;
   }
-  if (a.line > 0) cell.program()->interpreter().resume();
+  if (a.line > 0) cell.programs->program()->interpreter().resume();
   return true;
 }
 
 /// The cell can be recorded, and is from the start where that was asked for.
 void begin_recording(cell::Cell& cell, const RunArguments& a) {
-  cell.set_recorder(recording::make_recorder(cell, POLYARM_VERSION));
+  cell.set_recorder(recording::make_recorder(cell.view(), POLYARM_VERSION));
   if (!a.record.file.empty())
     cell.recorder()->start(a.record);
-  else if (cell.file().record)
-    cell.recorder()->start(*cell.file().record);
+  else if (cell.view().file().record)
+    cell.recorder()->start(*cell.view().file().record);
 }
 
 constexpr const char* kNothingReal = "nothing-real";
 
 /// Who says --real expects a robot to move: a cell that only simulates must not look like that.
-void require_something_real(cell::Cell& cell, bool asked) {
+void require_something_real(const cell::CellView& cell, bool asked) {
   if (!asked || cell.arming().needed()) return;
   std::vector<std::string> robots;
   for (const auto& robot : cell.robots()) robots.push_back(robot->entry.name + " (" + robot->driver + ")");
@@ -275,7 +278,7 @@ void require_something_real(cell::Cell& cell, bool asked) {
 }
 
 /// Nothing here needs root, and a fault of a process of root's reaches the whole machine.
-void warn_of_root(cell::Cell& cell) {
+void warn_of_root(cell::CellView& cell) {
   if (::geteuid() == 0 && cell.arming().needed())
     cell.tell(
         "this runs as root, with real hardware: run it as a user of the groups that the device needs "
@@ -314,11 +317,11 @@ class OneRun {
       cell::CellFile file = open_cell(a_);
       if (a_.ros2) file.doors["ros2"];
       cell.emplace(file, catalogue_, a_.cell_options, observer_);
-      require_something_real(*cell, a_.cell_options.real);
-      warn_of_root(*cell);
+      require_something_real(cell->view(), a_.cell_options.real);
+      warn_of_root(cell->view());
       begin_recording(*cell, a_);
       shown_.settle();
-      if (!begins_where_told(*cell, a_)) {
+      if (!begins_where_asked(cell::inside_of(*cell), a_)) {
         fmt::print("nothing was begun\n");
         return {kStopped, true, {}, false};
       }
@@ -328,18 +331,21 @@ class OneRun {
       if (nothing_real) out.code = kUsage;
       return out;
     }
-    if (pendant_ && !waits_) cell->let_begin();
+    cell::CellInside& inside = cell::inside_of(*cell);
+    if (pendant_ && !waits_) inside.programs->let_begin();
     if (pendant_) {
-      pendant_->attach(*cell);
-      cell->tell("pendant: " + pendant_->link());  // by the cell, whose events say it to other clients, too
+      pendant_->attach(cell->view());
+      cell->view().tell("pendant: " +
+                        pendant_->link());  // by the cell, whose events say it to other clients, too
     }
-    if (a_.connects) cell->hold_for({"connected", {}, "the real hardware has just been connected", {}});
+    if (a_.connects)
+      inside.machine.hold_for({"connected", {}, "the real hardware has just been connected", {}});
     const cell::RunResult result = cell::run(*cell, a_.run, observer_);
-    const bool armed = cell->arming().needed() && cell->arming().armed();
+    const bool armed = inside.arming->needed() && inside.arming->armed();
     if (pendant_) pendant_->detach();
-    a_.cell_options.breakpoints = cell->kept_breakpoints();
+    a_.cell_options.breakpoints = inside.programs->kept_breakpoints();
     std::string folder;
-    if (result.outcome == cell::Outcome::failed) folder = keep_failure(*cell, result, command_);
+    if (result.outcome == cell::Outcome::failed) folder = keep_failure(inside, result, command_);
     const int code = code_of(result);
     if (shown_.settle())
       report(result, folder, a_.json);

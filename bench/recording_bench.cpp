@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "drivers/mock/mock.hpp"
-#include "polyarm/cell/cell.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/recording/cell_channels.hpp"
 #include "polyarm/recording/mcap_writer.hpp"
+#include "tests/support/open_cell.hpp"
 
 namespace polyarm {
 namespace {
@@ -34,7 +34,7 @@ struct Arm {
     options.lock_step = true;
     cell::Overrides overrides;
     overrides.hardware = "mock";
-    cell = std::make_unique<cell::Cell>(
+    cell = std::make_unique<test::OpenCell>(
         cell::cell_from_description(std::filesystem::path(POLYARM_SOURCE_DIR) / "examples/r6bot/r6bot.urdf",
                                     {}, overrides),
         description::Catalogue({}), options, nobody);
@@ -51,7 +51,7 @@ struct Arm {
     return out;
   }
   cell::Observer nobody;
-  std::unique_ptr<cell::Cell> cell;
+  std::unique_ptr<test::OpenCell> cell;
   std::vector<double> states, commands;
   std::uint64_t count = 0;
 };
@@ -67,7 +67,7 @@ void put_down(benchmark::State& state) {
 
 void make_messages(benchmark::State& state) {
   Arm arm;
-  recording::CellChannels channels(*arm.cell, 0);
+  recording::CellChannels channels(arm.cell->view(), 0);
   std::size_t messages = 0;
   for (auto _ : state)
     channels.tell_sample(arm.next(), arm.states, arm.commands,
@@ -78,7 +78,7 @@ void make_messages(benchmark::State& state) {
 
 void write_messages(benchmark::State& state) {
   Arm arm;
-  recording::CellChannels channels(*arm.cell, 0);
+  recording::CellChannels channels(arm.cell->view(), 0);
   Nowhere sink;
   recording::McapWriter writer(sink, {"ros2", "bench", 1 << 20, state.range(0) != 0});
   for (const recording::Channel& channel : channels.list()) writer.add_channel(channel);

@@ -41,7 +41,7 @@ describe('what the cell tells', () => {
     const own = Object.values(sources).flatMap(
         (text) =>
             [...text.matchAll(
-                 /hold_for\(\{"([\w-]+)"|Problem why\{"([\w-]+)"|Cell::stop_cause[^}]*return \{"([\w-]+)"|(?:stopped_ = |return )Problem\{\s*"(link-\w+|heartbeat)"/g)]
+                 /hold_for\(\{"([\w-]+)"|Problem why\{"([\w-]+)"|LifeCycle::stop_cause[^}]*return \{"([\w-]+)"|(?:stopped_ = |return )Problem\{\s*"(link-\w+|heartbeat)"/g)]
                 .map((found) => (found[1] ?? found[2] ?? found[3] ?? found[4])!));
     for (const code of ['connected', 'program-hold', 'run-failed', 'link-lost', 'link-stale', 'heartbeat'])
       expect(own).toContain(code);

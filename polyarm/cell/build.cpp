@@ -143,10 +143,10 @@ void add_places(const data::DataStore& store, DataFiles& files, program::KnownNa
 }
 }  // namespace
 
-Programs load_programs(const CellFile& file, const signals::Signals& signals, DataFiles& files,
-                       data::DataStore& store, Problems& problems, const std::function<void()>& more_names,
-                       const program::ReadPrograms& read) {
-  Programs out;
+LoadedPrograms load_programs(const CellFile& file, const signals::Signals& signals, DataFiles& files,
+                             data::DataStore& store, Problems& problems,
+                             const std::function<void()>& more_names, const program::ReadPrograms& read) {
+  LoadedPrograms out;
   std::size_t checked = 0;  // who had read them has checked them, too
   Problems of_data;         // names that are missing because of these are nobody's mistake
   const auto load_script = [&](const std::filesystem::path& path) -> std::optional<program::Program> {

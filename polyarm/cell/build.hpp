@@ -22,7 +22,7 @@ bool look_at_plugins(const CellFile& file, Problems& problems);
 /// Warns of live data sets that the cell has no file of.
 void check_live(const CellFile& file, const signals::Signals& signals, Problems& problems);
 
-struct Programs {
+struct LoadedPrograms {
   std::optional<program::Program> program, plc;
 };
 
@@ -40,8 +40,9 @@ void add_places(const signals::Signals& signals, program::KnownNames& known);
 
 /// Loads the program (a script, or a script-information file whose files are followed), its data and the PLC,
 /// and checks them against the names of the store, which `more_names` may add to when the data are there.
-Programs load_programs(const CellFile& file, const signals::Signals& signals, DataFiles& files,
-                       data::DataStore& store, Problems& problems,
-                       const std::function<void()>& more_names = {}, const program::ReadPrograms& read = {});
+LoadedPrograms load_programs(const CellFile& file, const signals::Signals& signals, DataFiles& files,
+                             data::DataStore& store, Problems& problems,
+                             const std::function<void()>& more_names = {},
+                             const program::ReadPrograms& read = {});
 
 }  // namespace polyarm::cell

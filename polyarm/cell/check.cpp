@@ -16,8 +16,10 @@
 #include "polyarm/base/yaml.hpp"
 #include "polyarm/cell/bodies.hpp"
 #include "polyarm/cell/build.hpp"
+#include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/controllers_plan.hpp"
 #include "polyarm/cell/frame_check.hpp"
+#include "polyarm/cell/inside.hpp"
 #include "polyarm/cell/rehearsal.hpp"
 #include "polyarm/cell/run.hpp"
 #include "polyarm/description/scene_file.hpp"
@@ -354,7 +356,8 @@ class Checker {
       Cell cell(file, catalogue_, options, listener);
       if (!file.controllers.empty())
         for (const Problem& problem : listener.problems) problems_.add(problem);
-      const Rehearsal found = rehearse(cell), of_plc = rehearse_plc(cell);
+      CellInside& inside = inside_of(cell);
+      const Rehearsal found = rehearse(inside), of_plc = rehearse_plc(inside);
       for (const Problem& problem : found.problems.list()) problems_.add(problem);
       for (const Problem& problem : of_plc.problems.list()) problems_.add(problem);
       note_left_out(found, "program");

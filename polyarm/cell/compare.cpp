@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/inside.hpp"
 #include "polyarm/kinematics/singularity.hpp"
 
 namespace polyarm::cell {
@@ -13,14 +14,15 @@ namespace {
 /// Looks at every robot's joints, tick by tick.
 class Closeness {
  public:
-  explicit Closeness(Cell& cell) : cell_(cell), places_(cell.robots(), cell.loop().table()) {}
+  explicit Closeness(const CellInside& cell)
+      : cell_(cell), places_(cell.setup.robots, cell.machine.table()) {}
 
   void look(RobotVerdict& out) {
-    const std::vector<double> at = places_.commanded(cell_.snapshot());
-    const Location where = cell_.program() ? cell_.program()->status().where : Location{};
+    const std::vector<double> at = places_.commanded(cell_.machine.snapshot());
+    const Location where = cell_.programs->program() ? cell_.programs->program()->status().where : Location{};
     std::vector<double> q;
-    for (std::size_t robot = 0, next = 0; robot < cell_.robots().size(); ++robot) {
-      const CellRobot& r = *cell_.robots()[robot];
+    for (std::size_t robot = 0, next = 0; robot < cell_.setup.robots.size(); ++robot) {
+      const CellRobot& r = *cell_.setup.robots[robot];
       q.clear();
       for (std::size_t j = 0; j < r.joints.size(); ++j, ++next) {
         q.push_back(at[next]);
@@ -38,27 +40,27 @@ class Closeness {
     if (!best || now.value < best->value) best = now;
   }
 
-  Cell& cell_;
+  const CellInside& cell_;
   JointPlaces places_;
-  std::vector<std::vector<double>> looked_at_ = std::vector<std::vector<double>>(cell_.robots().size());
+  std::vector<std::vector<double>> looked_at_ = std::vector<std::vector<double>>(cell_.setup.robots.size());
 };
 
 class Quiet : public Observer {};
 
 /// Of a cell with a program.
-void run_cell(Cell& cell, double limit_s, RobotVerdict& out) {
-  control::ControlLoop& loop = cell.loop();
+void run_cell(CellInside& cell, double limit_s, RobotVerdict& out) {
+  control::ControlLoop& loop = cell.machine.loop();
   Closeness closeness(cell);
   std::vector<double> passes;      // when each ended
   std::optional<double> ended_at;  // the program
   loop.begin();
   Nanoseconds next_tick = 0;
-  while (!cell.finished() && !cell.failure() && seconds(loop.cycle().time) < limit_s) {
+  while (!cell.life->finished() && !cell.life->failure() && seconds(loop.cycle().time) < limit_s) {
     if (loop.cycle().time >= next_tick) {
       next_tick = loop.cycle().time + Cell::kTick;
       cell.tick(loop.cycle().time);
       closeness.look(out);
-      const Task& program = *cell.program();
+      const Task& program = *cell.programs->program();
       if (program.status().passes > passes.size()) passes.push_back(seconds(loop.cycle().time));
       if (!ended_at && program.ended()) ended_at = seconds(loop.cycle().time);
     }
@@ -72,12 +74,12 @@ void run_cell(Cell& cell, double limit_s, RobotVerdict& out) {
   else if (passes.size() == 1 || ended_at)
     out.cycle_s = passes.empty() ? *ended_at : passes.front();
   if (passes.empty() && ended_at) out.cycles = 1;
-  if (cell.failure()) {
-    out.problem = cell.failure()->problem;
-    if (out.problem->where.file.empty() && cell.program())
-      out.problem->where = cell.program()->status().where;
-  } else if (!cell.finished()) {
-    out.problem = Problem{"too-long", cell.program() ? cell.program()->status().where : Location{},
+  const Task* const program = cell.programs->program();
+  if (cell.life->failure()) {
+    out.problem = cell.life->failure()->problem;
+    if (out.problem->where.file.empty() && program) out.problem->where = program->status().where;
+  } else if (!cell.life->finished()) {
+    out.problem = Problem{"too-long", program ? program->status().where : Location{},
                           "the program has not ended in time", "say --seconds"};
   }
 }
@@ -95,11 +97,14 @@ RobotVerdict try_robot(const std::filesystem::path& path, const description::Cat
     cell_options.cycles = options.cycles;
     cell_options.state_folder = options.state_folder;
     Quiet quiet;
-    Cell cell(file, catalogue, cell_options, quiet);
-    if (!cell.program()) throw Error("no-program", "the cell has no program", "name one with --program");
+    Cell whole(file, catalogue, cell_options, quiet);
+    CellInside& cell = inside_of(whole);
+    if (!cell.programs->program())
+      throw Error("no-program", "the cell has no program", "name one with --program");
     run_cell(cell, options.seconds, out);
-    if (!out.problem && !cell.group_faults().empty()) out.problem = cell.group_faults().front();
-    for (const std::string& part : cell.parts().failures(true))
+    if (!out.problem && !cell.watches->group_faults().empty())
+      out.problem = cell.watches->group_faults().front();
+    for (const std::string& part : cell.parts->failures(true))
       if (!out.problem) out.problem = Problem{"part", {}, part, {}};
   } catch (const Error& e) {
     const auto is_error = [](const Problem& p) { return p.severity == Severity::error; };

@@ -10,6 +10,6 @@ struct Taken {
   std::vector<std::string> stopped;
 };
 /// Stops the controllers that use the component, then takes it there. Throws Error where that is refused.
-Poll<Taken> take_to(Cell& cell, std::size_t component, hardware::LifecycleState wanted);
+Poll<Taken> take_to(Machine& machine, std::size_t component, hardware::LifecycleState wanted);
 
 }  // namespace polyarm::cell

@@ -52,8 +52,10 @@ class ContactWatch {
   int seen_ = 0;
 };
 
-class Cell;
+struct CellSetup;
+class Machine;
 /// The answer of `contacts`, and what the pendant's status has of it.
-protocol::ContactState contact_state(const Cell& cell);
+protocol::ContactState contact_state(const CellSetup& setup, const Machine& machine,
+                                     const ContactWatch& contacts);
 
 }  // namespace polyarm::cell

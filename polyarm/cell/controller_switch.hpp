@@ -6,6 +6,6 @@ namespace polyarm::cell {
 
 /// A switch; it begins again if the loop has changed controllers by itself meanwhile. Throws Error with why the switch
 /// is refused.
-Poll<control::SwitchPlan> switch_controllers(Cell& cell, control::SwitchRequest request);
+Poll<control::SwitchPlan> switch_controllers(Machine& machine, control::SwitchRequest request);
 
 }  // namespace polyarm::cell

@@ -26,7 +26,7 @@ const std::vector<DoorKind>& door_kinds() {
   return kinds();
 }
 
-std::unique_ptr<Door> open_door(const std::string& name, Cell& cell, const DoorOptions& options) {
+std::unique_ptr<Door> open_door(const std::string& name, CellView& cell, const DoorOptions& options) {
   for (const std::filesystem::path& folder : hardware::driver_folders()) {
     const std::filesystem::path path = folder / ("polyarm_door_" + name + ".so");
     std::error_code error;

@@ -10,7 +10,7 @@
 
 namespace polyarm::cell {
 
-class Cell;
+class CellView;
 
 /// What a cell says of a door: `ros2: {domain: 3}` is {"domain", "3"}.
 using DoorOptions = std::map<std::string, std::string>;
@@ -31,13 +31,14 @@ class Door {
 
 /// A door of that name into the cell, which must outlive it. Throws Error("no-door") where its module is not
 /// installed, and what the door throws.
-std::unique_ptr<Door> open_door(const std::string& name, Cell& cell, const DoorOptions& options);
+std::unique_ptr<Door> open_door(const std::string& name, CellView& cell, const DoorOptions& options);
 
-/// In the source of a module: POLYARM_DOOR(make), where `make` takes (Cell&, const DoorOptions&) and gives a
-/// std::unique_ptr<Door>. Doors are Polyarm's own: they are built with the command, and are no plugins.
-using MakeDoor = Door* (*)(Cell& cell, const DoorOptions& options);
+/// In the source of a module: POLYARM_DOOR(make), where `make` takes (CellView&, const DoorOptions&) and
+/// gives a std::unique_ptr<Door>. Doors are Polyarm's own: they are built with the command, and are no
+/// plugins.
+using MakeDoor = Door* (*)(CellView& cell, const DoorOptions& options);
 #define POLYARM_DOOR(make)                                                                       \
-  extern "C" polyarm::cell::Door* polyarm_open_door(polyarm::cell::Cell& cell,                   \
+  extern "C" polyarm::cell::Door* polyarm_open_door(polyarm::cell::CellView& cell,               \
                                                     const polyarm::cell::DoorOptions& options) { \
     return make(cell, options).release();                                                        \
   }

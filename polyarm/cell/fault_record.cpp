@@ -14,7 +14,7 @@
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/secrets.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/cell_setup.hpp"
 #include "polyarm/cell/floor.hpp"
 #include "polyarm/cell/robots.hpp"
 #include "polyarm/description/scene_file.hpp"
@@ -94,17 +94,16 @@ void keep_copy(const fs::path& file, const fs::path& to) {
 
 }  // namespace
 
-FaultRecord begin_record(Cell& cell, Problem problem) {
+FaultRecord begin_record(const CellSetup& setup, control::ControlLoop& loop, Problem problem,
+                         const std::string& stop) {
   FaultRecord out;
-  control::ControlLoop& loop = cell.loop();
-  out.cell_folder = cell.file().folder;
+  out.cell_folder = setup.file.folder;
   out.problem = std::move(problem);
+  out.stop = stop;
   out.period_s = seconds(loop.options().period);
   out.states = first(loop.table().state_names(), loop.table().built_states());
   out.commands = first(loop.table().command_names(), loop.table().built_commands());
-  if (!cell.stops().empty() && cell.stops().back().begun == cell.snapshot().stop.begun)
-    out.stop = cell.stops().back().sentence();
-  for (const auto& robot : cell.robots())
+  for (const auto& robot : setup.robots)
     out.files[robot->entry.name + ".urdf"] = description::write_urdf(robot->model);
   return out;
 }

@@ -14,7 +14,7 @@
 
 namespace polyarm::cell {
 
-class Cell;
+struct CellSetup;
 
 /// Everything a record needs, taken from the running cell by the cell thread; writing it may then be left to
 /// any thread.
@@ -29,7 +29,9 @@ struct FaultRecord {
   const control::BlackBox* stopped = nullptr;               ///< of a loop that nobody steps any more
 };
 
-FaultRecord begin_record(Cell& cell, Problem problem);
+/// `stop`: what the stop took, in one line; empty: it has not ended.
+FaultRecord begin_record(const CellSetup& setup, control::ControlLoop& loop, Problem problem,
+                         const std::string& stop);
 
 /// Writes into the next free `<cell>/.state/KIND/NNNN/`: the cell's files, each robot's URDF, `cycles.csv`
 /// with cycle, state, cause, request, all states and all commands, and `fault.txt`, which begins with what

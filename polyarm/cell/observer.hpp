@@ -22,7 +22,7 @@ class Observer {
                       const std::string& who) {}
   virtual void on_pose(Nanoseconds time, const std::string& robot, const Pose& tcp) {}
   virtual void on_log(Nanoseconds time, const std::string& task, const std::string& text) {}
-  /// The state of the loop is another one now. `cause`: as Cell::stop_cause().
+  /// The state of the loop is another one now. `cause`: as LifeCycle::stop_cause().
   virtual void on_state(Nanoseconds time, const std::string& state, const Problem& cause) {}
   /// A stop has ended.
   virtual void on_stop(Nanoseconds time, const StopReport& stop) {}

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/cell_data.hpp"
 #include "polyarm/program/code.hpp"
 
 namespace polyarm::cell {
@@ -47,14 +47,14 @@ std::set<std::string> names_set(const program::Program& program) {
   return out;
 }
 
-std::set<std::string> open_names(Cell& cell, const program::Program* others) {
+std::set<std::string> open_names(const CellData& data, const program::Program* others) {
   std::set<std::string> out;
-  add_signals(cell.signals(), out);
-  for (const std::string& name : cell.store().names())
-    if (const std::string set = cell.store().set_of(name); !set.empty() && cell.files().is_live(set))
+  add_signals(data.signals(), out);
+  for (const std::string& name : data.store.names())
+    if (const std::string set = data.store.set_of(name); !set.empty() && data.files().is_live(set))
       out.insert(name);
   if (others) out.merge(names_set(*others));
-  add_points(cell.store(), out);
+  add_points(data.store, out);
   return out;
 }
 

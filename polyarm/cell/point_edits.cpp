@@ -28,21 +28,21 @@ std::map<std::string, double> joint_map(const data::JointState& joints) {
 
 }  // namespace
 
-const data::Value& place_of(Cell& cell, const std::string& name) {
-  const data::Value* value = cell.store().find(name);
+const data::Value& place_of(const data::DataStore& store, const std::string& name) {
+  const data::Value* value = store.find(name);
   if (value && value->is_place()) return *value;
   std::vector<std::string> known;
-  for (const std::string& each : cell.store().names())
-    if (cell.store().find(each)->is_place()) known.push_back(each);
+  for (const std::string& each : store.names())
+    if (store.find(each)->is_place()) known.push_back(each);
   throw Error("unknown-name",
               value ? "'" + name + "' is " + data::name(value->kind()) + ", no point"
                     : "there is no point '" + name + "'" + did_you_mean(name, known),
               known.empty() ? "teach one: points.teach" : "there are: " + join(known, ", "));
 }
 
-const data::Value& kept_value(Cell& cell, const std::string& name) {
-  const data::Value* value = cell.store().find(name);
-  return value && !cell.store().set_of(name).empty() ? *value : place_of(cell, name);
+const data::Value& kept_value(const data::DataStore& store, const std::string& name) {
+  const data::Value* value = store.find(name);
+  return value && !store.set_of(name).empty() ? *value : place_of(store, name);
 }
 
 void check_point_name(const std::string& name) {
@@ -52,22 +52,22 @@ void check_point_name(const std::string& name) {
     throw Error("bad-name", "'" + name + "' is no name for a point", "letters, digits and _, a letter first");
 }
 
-std::string set_for(Cell& cell, const std::optional<std::string>& file, const std::string& name) {
-  const std::vector<std::string> sets = cell.files().sets();
+std::string set_for(const CellData& data, const std::optional<std::string>& file, const std::string& name) {
+  const std::vector<std::string> sets = data.files().sets();
   const std::string wanted = file.value_or("");
   if (!wanted.empty()) {
     for (const std::string& set : sets)
-      if (wanted == set || wanted == cell.files().file_of(set).filename()) return set;
+      if (wanted == set || wanted == data.files().file_of(set).filename()) return set;
     throw Error("unknown-file", "the cell has no data file '" + wanted + "'" + did_you_mean(wanted, sets),
                 "there are: " + join(sets, ", "));
   }
-  if (const std::string has = cell.store().set_of(name); !has.empty()) return has;
+  if (const std::string has = data.store.set_of(name); !has.empty()) return has;
   std::string best;
   std::size_t most = 0;
   for (const std::string& set : sets) {
     std::size_t count = 0;
-    for (const std::string& each : cell.store().names())
-      count += cell.store().find(each)->is_place() && cell.store().set_of(each) == set ? 1 : 0;
+    for (const std::string& each : data.store.names())
+      count += data.store.find(each)->is_place() && data.store.set_of(each) == set ? 1 : 0;
     if (best.empty() || count > most) best = set, most = count;
   }
   if (best.empty())
@@ -76,8 +76,8 @@ std::string set_for(Cell& cell, const std::optional<std::string>& file, const st
   return best;
 }
 
-std::filesystem::path own_file(Cell& cell, const std::string& set) {
-  return cell.file().folder / cell.files().file_of(set).filename();
+std::filesystem::path own_file(const CellSetup& setup, const CellData& data, const std::string& set) {
+  return setup.file.folder / data.files().file_of(set).filename();
 }
 
 namespace {
@@ -86,42 +86,42 @@ bool same_entry(const data::Entry* a, const data::Entry* b) {
 }
 
 /// Has the run the name in this set as `entry` has it?
-bool run_has(Cell& cell, const std::string& set, const data::Entry& entry) {
-  const data::Value* value = cell.store().find(entry.name);
-  return value && cell.store().set_of(entry.name) == set && *value == entry.value &&
-         cell.store().group_of(entry.name) == entry.group;
+bool run_has(const CellData& data, const std::string& set, const data::Entry& entry) {
+  const data::Value* value = data.store.find(entry.name);
+  return value && data.store.set_of(entry.name) == set && *value == entry.value &&
+         data.store.group_of(entry.name) == entry.group;
 }
 }  // namespace
 
-Outside outside_changes(Cell& cell, const std::string& set, const data::DataSet& now) {
+Outside outside_changes(CellData& data, const std::string& set, const data::DataSet& now) {
   Outside out;
-  const data::DataSet& origin = cell.files().origin(set);
+  const data::DataSet& origin = data.files().origin(set);
   for (const data::Entry& entry : now.entries()) {
     const data::Entry* before = origin.find(entry.name);
-    if (!same_entry(before, &entry) && !run_has(cell, set, entry))
+    if (!same_entry(before, &entry) && !run_has(data, set, entry))
       (before ? out.changed : out.added).push_back(entry.name);
   }
   for (const data::Entry& entry : origin.entries())
-    if (!now.find(entry.name) && cell.store().set_of(entry.name) == set) out.removed.push_back(entry.name);
+    if (!now.find(entry.name) && data.store.set_of(entry.name) == set) out.removed.push_back(entry.name);
   return out;
 }
 
-void take_outside_changes(Cell& cell, const std::string& set, const data::DataSet& now) {
-  const Outside found = outside_changes(cell, set, now);
-  for (const std::string& name : found.removed) cell.files().remove(set, name);
+void take_outside_changes(CellData& data, const std::string& set, const data::DataSet& now) {
+  const Outside found = outside_changes(data, set, now);
+  for (const std::string& name : found.removed) data.files().remove(set, name);
   for (const auto* names : {&found.changed, &found.added})
     for (const std::string& name : *names) {
       const data::Entry& entry = *now.find(name);
-      cell.files().put(set, name, entry.value, "outside");
-      cell.files().set_group(set, name, entry.group);
+      data.files().put(set, name, entry.value, "outside");
+      data.files().set_group(set, name, entry.group);
     }
-  cell.files().origin(set) = now;
+  data.files().origin(set) = now;
 }
 
-void adopt(Cell& cell, const std::string& set, const Edited& edited) {
+void adopt(CellData& data, const std::string& set, const Edited& edited) {
   // What the edit did is known from now on; what others have done to the file before it is not.
   data::DataSet origin;
-  const data::DataSet& known = cell.files().origin(set);
+  const data::DataSet& known = data.files().origin(set);
   const auto keep = [&origin](const data::Entry& entry) {
     origin.set(entry.name, entry.value, entry.where);
     origin.set_group(entry.name, entry.group);
@@ -130,19 +130,19 @@ void adopt(Cell& cell, const std::string& set, const Edited& edited) {
     if (!edited.before.find(entry.name) || edited.after.find(entry.name)) keep(entry);
   for (const data::Entry& entry : edited.after.entries())
     if (!same_entry(edited.before.find(entry.name), &entry)) keep(entry);
-  cell.files().origin(set) = std::move(origin);
+  data.files().origin(set) = std::move(origin);
   for (const data::Entry& entry : edited.before.entries())
-    if (!edited.after.find(entry.name)) cell.files().remove(set, entry.name);
+    if (!edited.after.find(entry.name)) data.files().remove(set, entry.name);
   for (const data::Entry& entry : edited.after.entries()) {
     const data::Entry* old = edited.before.find(entry.name);
-    if (!old || !(old->value == entry.value)) cell.files().put(set, entry.name, entry.value, "a person");
-    if (entry.group != (old ? old->group : "")) cell.files().set_group(set, entry.name, entry.group);
+    if (!old || !(old->value == entry.value)) data.files().put(set, entry.name, entry.value, "a person");
+    if (entry.group != (old ? old->group : "")) data.files().set_group(set, entry.name, entry.group);
   }
 }
 
-Poll<Done> edit_set(Cell& cell, const std::string& set, const std::string& what,
+Poll<Done> edit_set(const PointOwners& cell, const std::string& set, const std::string& what,
                     std::function<void(data::ImportFile&)> change) {
-  const auto edit = [file = own_file(cell, set), what, change = std::move(change)] {
+  const auto edit = [file = own_file(cell.setup, cell.data, set), what, change = std::move(change)] {
     Edited out;
     const data::ImportFile after = data::edit_set(file, what, [&](data::ImportFile& content) {
       out.before = content.values();
@@ -151,8 +151,8 @@ Poll<Done> edit_set(Cell& cell, const std::string& set, const std::string& what,
     out.after = after.values();
     return out;
   };
-  return later(cell, edit, [&cell, set](const Edited& edited) {
-    adopt(cell, set, edited);
+  return later(cell.worker, edit, [cell, set](const Edited& edited) {
+    adopt(cell.data, set, edited);
     return Done{};
   });
 }
@@ -163,62 +163,65 @@ void require_short_name(const std::string& name) {
                 "a name may have " + std::to_string(bounds::kAddedNameBytes));
 }
 
-void require_room_for(Cell& cell, const std::string& name) {
+void require_room_for(const data::DataStore& store, const std::string& name) {
   require_short_name(name);
-  if (cell.store().find(name) || cell.store().names().size() < bounds::kDataValues) return;
+  if (store.find(name) || store.names().size() < bounds::kDataValues) return;
   throw Error("too-many",
               "the cell's data have " + std::to_string(bounds::kDataValues) + " points and variables already",
               "delete some of them");
 }
 
-Poll<ChangedPoint> edit_value(Cell& cell, const std::string& set, const std::string& what, const std::string& name,
-                              const data::Value& value, const std::optional<std::string>& group) {
-  require_room_for(cell, name);
+Poll<ChangedPoint> edit_value(const PointOwners& cell, const std::string& set, const std::string& what,
+                              const std::string& name, const data::Value& value,
+                              const std::optional<std::string>& group) {
+  require_room_for(cell.data.store, name);
   data::check_can_keep(name, value, set);
   if (group) data::check_group(*group);
   const auto change = [name, value, group](data::ImportFile& file) {
     file.set(name, value);
     if (group) file.set_group(name, *group);
   };
-  return then(edit_set(cell, set, what, change),
-              [&cell, name, what](Done) { return at_once(ChangedPoint{point_facts(cell, name), what}); });
+  return then(edit_set(cell, set, what, change), [cell, name, what](Done) {
+    return at_once(ChangedPoint{point_facts(cell, name), what});
+  });
 }
 
-std::vector<double> joints_now(Cell& cell, const CellRobot& robot) {
+std::vector<double> joints_now(const Machine& machine, const CellRobot& robot) {
   std::vector<double> out;
   for (const controllers::JointFacts& joint : robot.joints) {
-    const auto index = cell.loop().table().find_state(joint.name + "/position");
-    out.push_back(index ? cell.snapshot().states[*index] : 0.0);
+    const auto index = machine.table().find_state(joint.name + "/position");
+    out.push_back(index ? machine.snapshot().states[*index] : 0.0);
   }
   return out;
 }
 
-Pose frame_in_world(Cell& cell, const std::string& frame, int depth) {
+Pose frame_in_world(const CellSetup& setup, const data::DataStore& store, const std::string& frame,
+                    int depth) {
   if (frame.empty() || frame == "world") return {};
-  for (const auto& robot : cell.robots())
+  for (const auto& robot : setup.robots)
     if (frame == robot->entry.name + "/base") return robot->entry.base;
   if (depth > 16) throw Error("unknown-frame", "the frame '" + frame + "' is in itself");
-  const data::Point* point = place_of(cell, frame).as_point();
+  const data::Point* point = place_of(store, frame).as_point();
   if (!point) throw Error("unknown-frame", "'" + frame + "' is a joint state, no frame");
-  return frame_in_world(cell, point->frame(), depth + 1) * point->pose;
+  return frame_in_world(setup, store, point->frame(), depth + 1) * point->pose;
 }
 
-std::string file_name(Cell& cell, const std::string& set) {
-  const std::vector<std::string> sets = cell.files().sets();
+std::string file_name(const CellData& data, const std::string& set) {
+  const std::vector<std::string> sets = data.files().sets();
   return std::find(sets.begin(), sets.end(), set) == sets.end()
              ? ""
-             : cell.files().file_of(set).filename().string();
+             : data.files().file_of(set).filename().string();
 }
 
-PointFacts point_facts(Cell& cell, const std::string& name) {
-  const data::Value& value = *cell.store().find(name);
+PointFacts point_facts(const PointOwners& cell, const std::string& name) {
+  const data::Value& value = *cell.data.store.find(name);
   PointFacts out;
   out.name = name;
   out.kind = static_cast<ValueKind>(value.kind());
-  out.file = file_name(cell, cell.store().set_of(name));
+  out.file = file_name(cell.data, cell.data.store.set_of(name));
   out.text = value.text();
   out.literal = data::literal(value);
-  out.group = cell.store().group_of(name);
+  out.group = cell.data.store.group_of(name);
   if (const bool* flag = value.as_boolean()) out.value = *flag;
   if (const std::string* text = value.as_text()) out.value = *text;
   if (const data::Number* number = value.as_number()) {
@@ -230,7 +233,7 @@ PointFacts point_facts(Cell& cell, const std::string& name) {
   if (!point) return out;
   out.pose.emplace(pose_facts(point->pose));
   try {
-    out.world.emplace(pose_facts(frame_in_world(cell, point->frame()) * point->pose));
+    out.world.emplace(pose_facts(frame_in_world(cell.setup, cell.data.store, point->frame()) * point->pose));
   } catch (const Error&) {  // its frame is not known to this cell
   }
   if (!point->taught) return out;

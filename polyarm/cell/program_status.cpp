@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "polyarm/cell/jog_commands.hpp"
 #include "polyarm/cell/program_hash.hpp"
 
 namespace polyarm::cell {
@@ -55,17 +56,17 @@ TaskFacts facts_of(const program::Interpreter& interpreter, const program::TaskS
 }
 
 /// What a cell without a program has as well.
-ProgramStatus surroundings(const Cell& cell) {
+ProgramStatus surroundings(const StatusOwners& cell) {
   ProgramStatus out;
   out.state = "none";
-  out.control = control::name(cell.snapshot().state);
-  out.cause = control::name(cell.snapshot().cause);
-  out.holder = cell.control_holder();
-  out.folder = std::filesystem::weakly_canonical(cell.file().folder).string();
-  for (const auto& robot : cell.robots()) out.robots.push_back(robot->entry.name);
-  out.held = cell.held_parts();
-  out.events = cell.events().last();
-  out.breakpoints = file_lines(cell.breakpoints());
+  out.control = control::name(cell.machine.snapshot().state);
+  out.cause = control::name(cell.machine.snapshot().cause);
+  out.holder = control_holder(cell.programs, cell.jogging);
+  out.folder = std::filesystem::weakly_canonical(cell.setup.file.folder).string();
+  for (const auto& robot : cell.setup.robots) out.robots.push_back(robot->entry.name);
+  out.held = cell.programs.held_parts();
+  out.events = cell.events.last();
+  out.breakpoints = file_lines(cell.programs.breakpoints());
   return out;
 }
 
@@ -79,13 +80,13 @@ std::string name_in(const std::filesystem::path& folder, const std::string& file
 }
 }  // namespace
 
-ProgramOverview program_overview(const Cell& cell, const Task& task, bool begun) {
+ProgramOverview program_overview(const CellSetup& setup, const Task& task, bool begun) {
   const program::Interpreter& interpreter = task.interpreter();
   const program::TaskStatus& status = task.status();
   ProgramOverview out;
   out.state = begun ? program::name(interpreter.state()) : "ready";
   out.file = interpreter.program().file;
-  out.name = name_in(cell.file().folder, out.file);
+  out.name = name_in(setup.file.folder, out.file);
   if (!begun) out.hash = program_hash(interpreter.program());
   out.paused = interpreter.paused();
   out.ended = task.ended();
@@ -99,15 +100,15 @@ ProgramOverview program_overview(const Cell& cell, const Task& task, bool begun)
   return out;
 }
 
-ProgramStatus program_status(const Cell& cell) {
+ProgramStatus program_status(const StatusOwners& cell) {
   ProgramStatus out = surroundings(cell);
-  if (!cell.program()) return out;
-  const Task& task = *cell.program();
-  static_cast<ProgramOverview&>(out) = program_overview(cell, task, cell.program_begun());
+  if (!cell.programs.program()) return out;
+  const Task& task = *cell.programs.program();
+  static_cast<ProgramOverview&>(out) = program_overview(cell.setup, task, cell.programs.begun());
   for (const program::TaskStatus& each : task.interpreter().status())
     out.tasks.push_back(facts_of(task.interpreter(), each));
   const program::Waiting& waiting = task.status().waiting;
-  if (cell.program_begun() && waiting.kind == program::WaitKind::user) out.question = waiting.text;
+  if (cell.programs.begun() && waiting.kind == program::WaitKind::user) out.question = waiting.text;
   return out;
 }
 

@@ -1,5 +1,4 @@
 #include "polyarm/cell/program_tests.hpp"
-#include "polyarm/cell/typed_words.hpp"
 
 #include <fmt/format.h>
 
@@ -11,6 +10,8 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/inside.hpp"
+#include "polyarm/cell/typed_words.hpp"
 #include "polyarm/cell/wait_hints.hpp"
 #include "polyarm/program/checker.hpp"
 #include "polyarm/program/code.hpp"
@@ -85,7 +86,7 @@ std::vector<ProgramTest> find_tests(const fs::path& path, Problems& problems) {
   return out;
 }
 
-TestTask::TestTask(Cell& cell, program::Program tests, std::size_t index, ProgramHost::Context context,
+TestTask::TestTask(CellInside& cell, program::Program tests, std::size_t index, ProgramHost::Context context,
                    Problems& problems)
     : cell_(cell) {
   const std::vector<std::pair<const char*, data::Value>> names = {{"program.running", false},
@@ -93,10 +94,10 @@ TestTask::TestTask(Cell& cell, program::Program tests, std::size_t index, Progra
                                                                   {"program.line", 0},
                                                                   {"program.passes", 0},
                                                                   {"program.error", ""}};
-  for (const auto& [name, value] : names) cell.store().declare_tag(name, value, data::TagRole::state);
+  for (const auto& [name, value] : names) cell.data.store.declare_tag(name, value, data::TagRole::state);
   program::KnownNames known;
-  known.add(cell.store());
-  known.folder = cell.file().folder;
+  known.add(cell.data.store);
+  known.folder = cell.setup.file.folder;
   program::check(tests, known, problems);
   const auto all = program::tests(tests);
   if (index >= all.size()) throw Error("no-test", fmt::format("{} has {} tests", tests.file, all.size()));
@@ -108,7 +109,7 @@ TestTask::TestTask(Cell& cell, program::Program tests, std::size_t index, Progra
   });
   context.task = "test";
   context.run_program = [this](const std::string& name, const Location& where) {
-    cell_.begin_program(name, where);
+    cell_.programs->begin(name, where);
   };
   context.call = [this](std::string_view function, std::span<const data::Value> arguments,
                         const Location& where) { return call(function, arguments, where); };
@@ -121,12 +122,12 @@ void TestTask::tick() {
 }
 
 void TestTask::tell_of_program() {
-  Task* program = cell_.program();
+  Task* program = cell_.programs->program();
   std::string error;
-  if (cell_.failure()) error = cell_.failure()->problem.what;
+  if (cell_.life->failure()) error = cell_.life->failure()->problem.what;
   if (program && program->status().problem) error = program->status().problem->what;
   const auto state = program ? program->status().state : program::TaskState::waiting;
-  data::DataStore& store = cell_.store();
+  data::DataStore& store = cell_.data.store;
   store.set("program.running", program && !program->ended(), "cell");
   store.set("program.state", program ? program::name(state) : "waiting", "cell");
   store.set("program.line", program ? program->status().where.line : 0, "cell");
@@ -137,10 +138,10 @@ void TestTask::tell_of_program() {
 std::optional<Problem> TestTask::problem() const {
   if (task_->failed() && task_->status().problem) {
     Problem out = *task_->status().problem;
-    explain_timeout(cell_, *task_, out);
+    explain_timeout({cell_.setup, cell_.machine, cell_.data, *cell_.motions, *cell_.programs}, *task_, out);
     return out;
   }
-  if (cell_.failure() && !asks_for_error_) return cell_.failure()->problem;
+  if (cell_.life->failure() && !asks_for_error_) return cell_.life->failure()->problem;
   return std::nullopt;
 }
 
@@ -160,7 +161,7 @@ data::Value TestTask::call(std::string_view function, std::span<const data::Valu
     value = forced.as_boolean() ? (*forced.as_boolean() ? 1.0 : 0.0) : forced.as_number()->value;
   }
   try {
-    cell_.loop().hardware().force(name, value);
+    cell_.machine.loop().hardware().force(name, value);
   } catch (const Error& e) {
     Problem problem = e.problems().front();
     problem.where = where;
@@ -172,9 +173,9 @@ data::Value TestTask::call(std::string_view function, std::span<const data::Valu
 /// What somebody types at the console of the cell.
 void TestTask::person(const std::string& words, const Location& where) {
   const std::optional<protocol::Request> request = typed_request(words);
-  if (words == "stop") return cell_.stop_programs();
-  if (!request) return cell_.answers().give(words);
-  cell_.requests().ask(*request, [&](const protocol::Reply& reply) {
+  if (words == "stop") return cell_.programs->stop_all();
+  if (!request) return cell_.programs->answers().give(words);
+  cell_.requests.ask(*request, [&](const protocol::Reply& reply) {
     if (!reply.refusal) return true;
     const Problem& why = reply.refusal->problems().front();
     throw Error(Problem{"refused", where, why.what, why.advice});
@@ -182,11 +183,11 @@ void TestTask::person(const std::string& words, const Location& where) {
 }
 
 data::Value TestTask::part(const std::string& name, const Location& where) const {
-  const auto& parts = cell_.scene().parts;
+  const auto& parts = cell_.setup.scene.parts;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     names.push_back(parts[i].name);
-    const auto& seen = cell_.snapshot().world.parts;
+    const auto& seen = cell_.machine.snapshot().world.parts;
     if (parts[i].name == name && i < seen.size()) return data::Point{seen[i].pose, true};
   }
   throw Error(Problem{"unknown-part", where,
@@ -204,10 +205,11 @@ TestResult run_test(const ProgramTest& test, const description::Catalogue& catal
     cell_options.state_folder = options.state_folder;
     cell_options.test = TestEntry{test.file, test.index};
     Cell cell(read_cell_file(test.cell, options.overrides), catalogue, cell_options, listener);
-    control::ControlLoop& loop = cell.loop();
+    CellInside& inside = inside_of(cell);
+    control::ControlLoop& loop = inside.machine.loop();
     loop.begin();
     Nanoseconds next_tick = 0;
-    TestTask& task = *cell.test();
+    TestTask& task = *inside.programs->test();
     while (!task.ended()) {
       if (loop.cycle().time >= next_tick) {
         next_tick = loop.cycle().time + Cell::kTick;
@@ -227,7 +229,7 @@ TestResult run_test(const ProgramTest& test, const description::Catalogue& catal
     if (const auto problem = task.problem()) {
       out.problems.push_back(*problem);
       // What ended the program says more than what the test missed then.
-      const auto& failure = cell.failure();
+      const auto& failure = inside.life->failure();
       if (failure && failure->problem.text() != problem->text()) out.problems.push_back(failure->problem);
     }
   } catch (const Error& e) {

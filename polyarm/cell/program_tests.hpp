@@ -12,7 +12,7 @@
 
 namespace polyarm::cell {
 
-class Cell;
+struct CellInside;
 
 /// One test and the cell that it belongs to.
 struct ProgramTest {
@@ -49,7 +49,7 @@ TestResult run_test(const ProgramTest& test, const description::Catalogue& catal
 class TestTask {
  public:
   /// Makes those tags. The program may be begun by `begin`.
-  TestTask(Cell& cell, program::Program tests, std::size_t index, ProgramHost::Context context,
+  TestTask(CellInside& cell, program::Program tests, std::size_t index, ProgramHost::Context context,
            Problems& problems);
   void tick();
   bool ended() const { return task_->ended(); }
@@ -61,7 +61,7 @@ class TestTask {
   data::Value part(const std::string& name, const Location& where) const;
   void tell_of_program();
 
-  Cell& cell_;
+  CellInside& cell_;
   std::unique_ptr<Task> task_;
   bool asks_for_error_ = false;  ///< it looks at program.error: a program that fails is what it wants
 };

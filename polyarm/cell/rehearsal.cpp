@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/inside.hpp"
 #include "polyarm/cell/open_names.hpp"
 #include "polyarm/cell/prompter.hpp"
 #include "polyarm/cell/rehearsal_stage.hpp"
@@ -118,7 +118,7 @@ void go_through(Stage& stage, const std::shared_ptr<program::Compiled>& compiled
 
 /// A program, and what runs beside it.
 struct Subject {
-  Cell& cell;
+  CellInside& cell;
   Task& task;
   const Task* other;    ///< null: none
   ProgramMoves* moves;  ///< null: it moves nothing
@@ -148,7 +148,7 @@ Pass go_once(const Subject& subject, const PossibleValues& values, const Supposi
 
 /// Names of the cell that may come to have any value: what sets them is no program, or calculates.
 std::set<std::string> names_with_any_value(const Subject& subject) {
-  std::set<std::string> out = open_names(subject.cell, nullptr);
+  std::set<std::string> out = open_names(subject.cell.data, nullptr);
   if (!subject.others()) return out;
   using Kind = program::Statement::Kind;
   program::for_each_statement(subject.others()->statements, [&](const program::Statement& s) {
@@ -163,7 +163,7 @@ std::set<std::string> names_with_any_value(const Subject& subject) {
 std::vector<std::vector<Supposition>> groups_of_suppositions(const Subject& subject,
                                                              const PossibleValues& values) {
   const program::Program& program = subject.compiled()->program;
-  const std::set<std::string> open = open_names(subject.cell, subject.others());
+  const std::set<std::string> open = open_names(subject.cell.data, subject.others());
   const std::set<std::string> any_value = names_with_any_value(subject);
   const std::set<std::string> own = names_set(program);
   std::vector<std::vector<Supposition>> out;
@@ -174,8 +174,8 @@ std::vector<std::vector<Supposition>> groups_of_suppositions(const Subject& subj
       out.push_back({{.fails = program.at(s.handler_place).text()}});
   });
   for (const std::string& name : values.deciding()) {
-    const data::Value* now = subject.cell.store().find(name);
-    const bool of_a_person = subject.cell.store().is_tag(name) && !own.contains(name);
+    const data::Value* now = subject.cell.data.store.find(name);
+    const bool of_a_person = subject.cell.data.store.is_tag(name) && !own.contains(name);
     if (!now || (!open.contains(name) && !of_a_person)) continue;
     const bool only_tried = !any_value.contains(name);
     std::vector<Supposition>& group = out.emplace_back();
@@ -203,7 +203,7 @@ class Explorer {
   explicit Explorer(const Subject& subject)
       : subject_(subject),
         values_(subject.compiled()->program, subject.others(),
-                [&subject](const std::string& name) { return subject.cell.store().find(name); }) {}
+                [&subject](const std::string& name) { return subject.cell.data.store.find(name); }) {}
 
   Rehearsal run(bool with_paths) {
     Pass first = go_once(subject_, values_, {}, with_paths);
@@ -247,15 +247,17 @@ class Explorer {
 
 }  // namespace
 
-Rehearsal rehearse(Cell& cell, bool with_paths) {
-  if (!cell.program() || !cell.program_moves()) return {};
-  const Subject subject{cell, *cell.program(), cell.plc(), cell.program_moves()};
+Rehearsal rehearse(CellInside& cell, bool with_paths) {
+  Programs& programs = *cell.programs;
+  if (!programs.program() || !programs.moves()) return {};
+  const Subject subject{cell, *programs.program(), programs.plc(), programs.moves()};
   return Explorer(subject).run(with_paths);
 }
 
-Rehearsal rehearse_plc(Cell& cell) {
-  if (!cell.plc()) return {};
-  const Subject subject{cell, *cell.plc(), cell.program(), nullptr};
+Rehearsal rehearse_plc(CellInside& cell) {
+  Programs& programs = *cell.programs;
+  if (!programs.plc()) return {};
+  const Subject subject{cell, *programs.plc(), programs.program(), nullptr};
   return Explorer(subject).run(false);
 }
 

@@ -9,7 +9,7 @@
 
 namespace polyarm::cell {
 
-class Cell;
+struct CellInside;
 
 /// The way of the TCP in one motion from rest to rest, in the world.
 struct RehearsedPath {
@@ -37,8 +37,8 @@ struct Rehearsal {
 /// A problem behind such a wait is an error if it is there whatever the wait brings: neither the values of
 /// the line nor the place where its move begins depend on what others set. Else it is a warning.
 /// `with_paths`: the ways are kept, too.
-Rehearsal rehearse(Cell& cell, bool with_paths = false);
+Rehearsal rehearse(CellInside& cell, bool with_paths = false);
 /// The same with the script of the PLC, which moves nothing.
-Rehearsal rehearse_plc(Cell& cell);
+Rehearsal rehearse_plc(CellInside& cell);
 
 }  // namespace polyarm::cell

@@ -7,7 +7,7 @@
 #include <utility>
 #include <variant>
 
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/inside.hpp"
 #include "polyarm/cell/open_names.hpp"
 #include "polyarm/cell/relative_moves.hpp"
 #include "polyarm/program/code.hpp"
@@ -38,20 +38,20 @@ double length_of(const moves::RobotFacts& facts, const moves::PlannedMotion& mot
 }
 }  // namespace
 
-Stage::Stage(Cell& cell, const program::Program& program, const program::Program* others, ProgramMoves* moves,
-             bool with_paths)
+Stage::Stage(CellInside& cell, const program::Program& program, const program::Program* others,
+             ProgramMoves* moves, bool with_paths)
     : cell_(cell),
       program_(program),
       moves_(moves),
-      open_(open_names(cell, others)),
+      open_(open_names(cell.data, others)),
       with_paths_(with_paths) {
-  for (const auto& robot : cell.robots())
+  for (const auto& robot : cell.setup.robots)
     arms_.push_back({robot.get(), robot->start, {}, nullptr, false, {}});
   for (const Arm& arm : arms_) tell_where(arm);
 }
 
 Stage::~Stage() {
-  for (auto& [name, value] : before_) cell_.store().set(name, std::move(value), "check");
+  for (auto& [name, value] : before_) cell_.data.store.set(name, std::move(value), "check");
 }
 
 void Stage::suppose(const Supposition& supposed) {
@@ -61,7 +61,7 @@ void Stage::suppose(const Supposition& supposed) {
 
 const data::Value* Stage::find(std::string_view name) const {
   if (supposed_.kept && supposed_.kept->first == name) return &supposed_.kept->second;
-  const data::Value* value = cell_.store().find(name);
+  const data::Value* value = cell_.data.store.find(name);
   const data::Point* point = value ? value->as_point() : nullptr;
   if (!point || !moves_ || point->frame().empty()) return value;
   data::Value& out = in_world_[std::string(name)];
@@ -71,8 +71,8 @@ const data::Value* Stage::find(std::string_view name) const {
 
 void Stage::set(const std::string& name, data::Value value, const Location& where) {
   if (where.line > 0) fail_as_supposed(where);
-  if (const data::Value* now = cell_.store().find(name)) before_.try_emplace(name, *now);
-  cell_.store().set(name, std::move(value), "check");
+  if (const data::Value* now = cell_.data.store.find(name)) before_.try_emplace(name, *now);
+  cell_.data.store.set(name, std::move(value), "check");
 }
 
 program::Handle Stage::start_move(const program::Move& move, const Location& where) {
@@ -225,7 +225,7 @@ void Stage::plan(Arm& arm) {
     for (const auto& [move, asked] : arm.waiting) moves.push_back(move);
     const moves::RobotFacts& facts = arm.with ? *arm.with : *arm.robot->facts;
     try {
-      moves::MovePlan plan = moves::plan_moves(facts, arm.at, moves, cell_.plan_options());
+      moves::MovePlan plan = moves::plan_moves(facts, arm.at, moves, cell_.motions->plan_options());
       if (with_paths_) keep_paths(arm, facts, plan);
       for (const moves::MovePlan::Warning& warning : plan.warnings)
         tell(warning.problem, arm.waiting[warning.move].second, true);
@@ -374,7 +374,7 @@ const program::Certainty& Stage::certainty() const {
 /// What hangs on the robot goes with it.
 void Stage::tell_where(const Arm& arm) {
   const auto index = static_cast<std::size_t>(&arm - arms_.data());
-  if (cell_.motion(index)) cell_.motion(index)->set_planned(arm.at);
+  if (cell_.motions->motion(index)) cell_.motions->motion(index)->set_planned(arm.at);
 }
 
 /// Of a move. `known`: it cannot be made in any run that comes there.
@@ -416,11 +416,11 @@ Rehearsal Stage::take_result() {
 }
 
 std::vector<std::string> Stage::names() const {
-  return cell_.store().names();
+  return cell_.data.store.names();
 }
 
 std::uint64_t Stage::data_version() const {
-  return cell_.store().version();
+  return cell_.data.store.version();
 }
 
 }  // namespace polyarm::cell

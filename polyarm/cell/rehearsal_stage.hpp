@@ -46,8 +46,8 @@ class Stage : public program::Host {
   static constexpr std::size_t kMostMoves = 500;
 
   /// `others`: a program that runs beside it; null: none. `moves`: null where it moves nothing.
-  Stage(Cell& cell, const program::Program& program, const program::Program* others, ProgramMoves* moves,
-        bool with_paths);
+  Stage(CellInside& cell, const program::Program& program, const program::Program* others,
+        ProgramMoves* moves, bool with_paths);
   /// The cell has the values that it had before.
   ~Stage() override;
   Stage(const Stage&) = delete;
@@ -144,7 +144,7 @@ class Stage : public program::Host {
   void tell_where(const Arm& arm);
   void tell(Problem problem, const Asked& asked, bool known);
 
-  Cell& cell_;
+  CellInside& cell_;
   const program::Program& program_;
   const program::Interpreter* interpreter_ = nullptr;
   ProgramMoves* moves_;

@@ -23,7 +23,9 @@ using protocol::Reply;
 using protocol::Request;
 using protocol::Role;
 
-protocol::Help::Answer help(Cell&, const protocol::Help&) {
+struct NoOwners {};
+
+protocol::Help::Answer help(const NoOwners&, const protocol::Help&) {
   return protocol::help_rows();
 }
 
@@ -45,7 +47,7 @@ const std::map<const protocol::RequestType*, Handler>& all_handlers() {
 
 class Requests::Work {
  public:
-  explicit Work(Cell& cell) : cell_(cell) {}
+  explicit Work(CellInside& cell) : cell_(cell) {}
 
   void ask(Request request, OnReply on_reply, const void* from, std::size_t bytes) {
     begin(std::move(on_reply), from, bytes, [&](Open& open) { open.request = std::move(request); });
@@ -223,13 +225,13 @@ class Requests::Work {
     return !send(open, {std::move(progress.answer), {}, !progress.over}) || progress.over;
   }
 
-  Cell& cell_;
+  CellInside& cell_;
   std::vector<Open> open_;
   std::size_t bytes_ = 0;  // of the requests in there
   std::size_t first_ = 0;  // where the next tick goes on
 };
 
-Requests::Requests(Cell& cell) : work_(std::make_unique<Work>(cell)) {}
+Requests::Requests(CellInside& cell) : work_(std::make_unique<Work>(cell)) {}
 Requests::~Requests() = default;
 void Requests::ask(Request request, OnReply on_reply, const void* from, std::size_t bytes) {
   work_->ask(std::move(request), std::move(on_reply), from, bytes);

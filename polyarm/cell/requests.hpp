@@ -9,7 +9,7 @@
 
 namespace polyarm::cell {
 
-class Cell;
+struct CellInside;
 
 /// Cell thread. What takes a few cycles is answered when it is done; what goes on (`watch`, goals) is answered again
 /// and again, with `more`. Requests of one asker begin one after the other, each when the one before it has been
@@ -21,7 +21,7 @@ class Requests {
   /// Takes a reply as one line of JSON without its end; false when nobody listens any more.
   using OnLine = std::function<bool(const std::string& line)>;
 
-  explicit Requests(Cell& cell);
+  explicit Requests(CellInside& cell);
   ~Requests();
   /// `from` tells askers apart (an address that is unique while the asker is there); null: nobody waits.
   /// `bytes`: about the memory of a request that may be large; counts towards bounds::kOpenRequestBytes.

@@ -4,11 +4,11 @@
 
 namespace polyarm::cell {
 
-std::size_t robot_named(Cell& cell, const std::optional<std::string>& name) {
+std::size_t robot_named(const CellSetup& setup, const std::optional<std::string>& name) {
   const std::string wanted = name.value_or("");
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < cell.robots().size(); ++i) {
-    names.push_back(cell.robots()[i]->entry.name);
+  for (std::size_t i = 0; i < setup.robots.size(); ++i) {
+    names.push_back(setup.robots[i]->entry.name);
     if (names.back() == wanted) return i;
   }
   if (wanted.empty() && names.size() == 1) return 0;

@@ -12,12 +12,13 @@
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/yaml.hpp"
+#include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/check.hpp"
 #include "polyarm/cell/known_cells.hpp"
 #include "polyarm/cell/rehearsal.hpp"
 #include "polyarm/cell/requests_later.hpp"
-#include "polyarm/protocol/projects.hpp"
 #include "polyarm/program/parser.hpp"
+#include "polyarm/protocol/projects.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::cell {
@@ -27,6 +28,12 @@ namespace fs = std::filesystem;
 namespace {
 
 using namespace protocol;
+
+/// Requests about other cells read these.
+struct CellsOwners {
+  const CellSetup& setup;
+  Worker& worker;
+};
 
 constexpr std::size_t kLargest = 900'000, kMostBytes = 500'000'000;
 
@@ -147,21 +154,23 @@ void add_contacts(const CellFile& file, const description::Catalogue& catalogue,
   options.cycles = 1;
   options.state_folder = state;
   Cell cell(file, catalogue, options, contacts);
-  const ContactState facts = contact_state(cell);
+  CellInside& inside = inside_of(cell);
+  const ContactState facts = contact_state(inside.setup, inside.machine, inside.contacts);
   out.contacts.checked = facts.checked;
   out.contacts.unchecked = facts.unchecked;
   if (!facts.checked) return;
-  control::ControlLoop& loop = cell.loop();
+  control::ControlLoop& loop = inside.machine.loop();
   const Nanoseconds until = realtime::monotonic_now() + kPatience;
   loop.begin();
-  while (!cell.finished() && !cell.failure() && loop.cycle().time < kMost && realtime::monotonic_now() < until) {
+  while (!inside.life->finished() && !inside.life->failure() && loop.cycle().time < kMost &&
+         realtime::monotonic_now() < until) {
     const Nanoseconds next = loop.cycle().time + Cell::kTick;
     cell.tick(loop.cycle().time);
     while (loop.cycle().time < next) loop.step_next();
   }
   loop.end();
   out.contacts.seconds = seconds(loop.cycle().time);
-  out.contacts.whole = cell.finished();
+  out.contacts.whole = inside.life->finished();
   for (Finding& finding : findings_in(contacts.found, folder)) out.problems.push_back(std::move(finding));
 }
 
@@ -182,7 +191,7 @@ ProgramDry::Answer dry_run(CellFile file, const description::Catalogue& catalogu
   Silence silence;
   try {
     Cell cell(file, catalogue, options, silence);
-    const Rehearsal found = rehearse(cell, true);
+    const Rehearsal found = rehearse(inside_of(cell), true);
     out.problems = findings_in(found.problems.list(), folder);
     out.moves = static_cast<std::size_t>(found.moves);
     out.paths = ways_of(found.paths);
@@ -264,20 +273,20 @@ void write_new_cell(const fs::path& folder, const std::string& robot) {
 
 // --- handlers
 
-Poll<ProgramDry::Answer> program_dry(Cell& cell, const ProgramDry& request) {
-  const fs::path original = project_file(cell.file().folder, request.name);
+Poll<ProgramDry::Answer> program_dry(const CellsOwners& cell, const ProgramDry& request) {
+  const fs::path original = project_file(cell.setup.file.folder, request.name);
   const std::string text = request.text ? *request.text : read_file(original);
   if (text.size() > kLargest) throw Error("too-large", "the text has more than 900 kB");
-  return aside([file = cell.file(), catalogue = cell.catalogue(), original, text] {
+  return aside([file = cell.setup.file, catalogue = cell.setup.catalogue, original, text] {
     return dry_run(file, catalogue, original, text);
   });
 }
 
-Poll<CellCheck::Answer> cell_check(Cell& cell, const CellCheck&) {
-  const CellFile& file = cell.file();
+Poll<CellCheck::Answer> cell_check(const CellsOwners& cell, const CellCheck&) {
+  const CellFile& file = cell.setup.file;
   Overrides overrides;
   if (file.robots.size() == 1) overrides.robot = file.robots.front().model;
-  return aside([path = file.path, folder = file.folder, catalogue = cell.catalogue(), overrides] {
+  return aside([path = file.path, folder = file.folder, catalogue = cell.setup.catalogue, overrides] {
     const Scratch scratch;
     CheckOptions options;
     options.state_folder = scratch.path() / "state";
@@ -287,23 +296,23 @@ Poll<CellCheck::Answer> cell_check(Cell& cell, const CellCheck&) {
   });
 }
 
-Poll<CellReach::Answer> cell_reach(Cell& cell, const CellReach& request) {
-  return aside([open = cell.file().path, folder = request.folder.value_or(""),
+Poll<CellReach::Answer> cell_reach(const CellsOwners& cell, const CellReach& request) {
+  return aside([open = cell.setup.file.path, folder = request.folder.value_or(""),
                 allowed = request.allow.value_or(Names{})] { return reach_of_cell(open, folder, allowed); });
 }
 
-Poll<CellsList::Answer> cells(Cell& cell, const CellsList&) {
-  return later(cell, [open = cell.file().folder] { return known_cells(open); });
+Poll<CellsList::Answer> cells(const CellsOwners& cell, const CellsList&) {
+  return later(cell.worker, [open = cell.setup.file.folder] { return known_cells(open); });
 }
 
-Poll<NameAndFolder> cell_save_as(Cell& cell, const CellSaveAs& request) {
-  return later(cell, [name = request.name, from = cell.file().folder] {
+Poll<NameAndFolder> cell_save_as(const CellsOwners& cell, const CellSaveAs& request) {
+  return later(cell.worker, [name = request.name, from = cell.setup.file.folder] {
     return make_project(name, [&](const fs::path& to) { copy_project(from, to); });
   });
 }
 
-Poll<NameAndFolder> cell_new(Cell& cell, const CellNew& request) {
-  return later(cell, [name = request.name, robot = request.robot, catalogue = cell.catalogue()] {
+Poll<NameAndFolder> cell_new(const CellsOwners& cell, const CellNew& request) {
+  return later(cell.worker, [name = request.name, robot = request.robot, catalogue = cell.setup.catalogue] {
     catalogue.load(robot);  // throws where there is none
     return make_project(name, [&](const fs::path& to) { write_new_cell(to, robot); });
   });

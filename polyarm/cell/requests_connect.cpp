@@ -15,6 +15,13 @@ namespace {
 
 using namespace protocol;
 
+/// Connecting real hardware works on these.
+struct ConnectOwners {
+  const CellSetup& setup;
+  const Arming& arming;
+  LifeCycle& life;
+};
+
 /// The files of the system that a driver opens, by the parameters that name them.
 std::vector<DeviceFacts> devices_of(const NamedHardware& hardware, const hardware::DriverFacts* facts) {
   std::vector<DeviceFacts> out;
@@ -30,9 +37,9 @@ std::vector<DeviceFacts> devices_of(const NamedHardware& hardware, const hardwar
 }
 
 /// What would be connected, each with its driver and the devices that it opens.
-std::vector<RealHardware> found_in(Cell& cell) {
+std::vector<RealHardware> found_in(const ConnectOwners& cell) {
   std::vector<RealHardware> out;
-  for (const NamedHardware& each : named_real_hardware(cell.robots())) {
+  for (const NamedHardware& each : named_real_hardware(cell.setup.robots)) {
     const auto component = hardware::make_driver(each.driver);
     const hardware::DriverFacts* facts = component->facts();
     out.push_back({each.robot, each.component, each.driver, facts ? facts->drives : "", devices_of(each, facts)});
@@ -41,13 +48,13 @@ std::vector<RealHardware> found_in(Cell& cell) {
 }
 
 /// Why it cannot be connected, in one sentence; nothing where it may be tried.
-std::optional<Error> refusal(Cell& cell, const std::vector<RealHardware>& found) {
-  if (cell.lock_step())
+std::optional<Error> refusal(const ConnectOwners& cell, const std::vector<RealHardware>& found) {
+  if (cell.setup.options.lock_step)
     return Error("real-and-fast", "real hardware has its own time, this cell runs in lock-step",
                  "run it without --fast");
   if (found.empty()) {
     std::vector<std::string> robots;
-    for (const auto& robot : cell.robots())
+    for (const auto& robot : cell.setup.robots)
       robots.push_back("'" + robot->entry.name + "' is '" + robot->entry.hardware + "'");
     return Error("no-real-hardware", "the cell names no real hardware: " + join(robots, ", "),
                  "name the driver in cell.yaml ('hardware: feetech'); polyarm drivers lists them");
@@ -62,9 +69,9 @@ std::optional<Error> refusal(Cell& cell, const std::vector<RealHardware>& found)
   return std::nullopt;
 }
 
-CellConnect::Answer cell_connect(Cell& cell, const CellConnect& request) {
+CellConnect::Answer cell_connect(const ConnectOwners& cell, const CellConnect& request) {
   CellConnect::Answer answer;
-  answer.real = cell.arming().needed();
+  answer.real = cell.arming.needed();
   answer.hardware = found_in(cell);
   const std::optional<Error> why = refusal(cell, answer.hardware);
   answer.possible = !why;
@@ -78,7 +85,7 @@ CellConnect::Answer cell_connect(Cell& cell, const CellConnect& request) {
   if (*request.real && why) throw *why;
   RestartWish wish;
   wish.real = request.real;
-  cell.ask_restart(std::move(wish));
+  cell.life.ask_restart(std::move(wish));
   answer.asked = *request.real ? "real" : "simulated";
   return answer;
 }

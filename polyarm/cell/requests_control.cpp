@@ -19,6 +19,13 @@ namespace {
 
 using namespace protocol;
 
+/// Requests about controllers work on these.
+struct ControllerOwners {
+  Machine& machine;
+  const CellSetup& setup;
+  CellInside& inside;
+};
+
 control::Strictness strictness_of(Strictness word) {
   switch (word) {
     case Strictness::strict:
@@ -36,9 +43,9 @@ control::Strictness strictness_of(Strictness word) {
 }
 
 /// What the request says, else what the controllers' file says.
-control::Strictness strictness_of(const Cell& cell, const ControlSwitch& request) {
+control::Strictness strictness_of(const ControllerOwners& cell, const ControlSwitch& request) {
   if (request.strictness) return strictness_of(*request.strictness);
-  const std::string& stated = cell.manager().strictness;
+  const std::string& stated = cell.setup.manager.strictness;
   const auto& words = Words<Strictness>::kWords;
   const auto at = std::find(std::begin(words), std::end(words), lower(stated));
   if (at == std::end(words)) return control::Strictness::strict;
@@ -66,34 +73,34 @@ void flatten(const nlohmann::json& map, const std::string& prefix, controllers::
 }
 
 /// The messages that a controller takes, with the types of ROS.
-std::vector<ControllerInput> inputs_of(Cell& cell, const std::string& name) {
+std::vector<ControllerInput> inputs_of(const ControllerOwners& cell, const std::string& name) {
   std::vector<ControllerInput> out;
-  if (const controllers::Controller* controller = cell.loop().controllers().find(name))
+  if (const controllers::Controller* controller = cell.machine.controllers().find(name))
     for (const controllers::InputPort& port : controller->inputs()) out.push_back({port.name, port.types});
   return out;
 }
 }  // namespace
 
-LifecycleState controller_state(Cell& cell, const std::string& name) {
-  for (const control::ListedController& c : cell.loop().controllers().list())
+LifecycleState controller_state(const Machine& machine, const std::string& name) {
+  for (const control::ListedController& c : machine.controllers().list())
     if (c.name == name) return c.state;
   throw Error("unknown-controller",
-              "there is no controller '" + name + "'" + did_you_mean(name, cell.loop().controllers().names()),
-              "there are: " + join(cell.loop().controllers().names(), ", "));
+              "there is no controller '" + name + "'" + did_you_mean(name, machine.controllers().names()),
+              "there are: " + join(machine.controllers().names(), ", "));
 }
 
 namespace {
 
-ControlList::Answer control_list(Cell& cell, const ControlList&) {
+ControlList::Answer control_list(const ControllerOwners& cell, const ControlList&) {
   ControlList::Answer out;
-  for (const control::ListedController& c : cell.loop().controllers().list())
+  for (const control::ListedController& c : cell.machine.controllers().list())
     out.push_back({.name = c.name,
                    .type = c.type,
                    .state = hardware::name(c.state),
                    .chained = c.chained,
                    .async = c.async,
                    .stale = c.stale,
-                   .rate = rate_of(cell, c),
+                   .rate = rate_of(cell.machine, c),
                    .updates = c.updates,
                    .missed = c.missed,
                    .claimed = c.claimed,
@@ -106,16 +113,16 @@ ControlList::Answer control_list(Cell& cell, const ControlList&) {
   return out;
 }
 
-ControlTypes::Answer control_types(Cell&, const ControlTypes&) {
+ControlTypes::Answer control_types(const ControllerOwners&, const ControlTypes&) {
   ControlTypes::Answer out;
   for (const controllers::ControllerType& type : controllers::controller_types())
     out.push_back({type.name, type.summary});
   return out;
 }
 
-ControlChains::Answer control_chains(Cell& cell, const ControlChains&) {
+ControlChains::Answer control_chains(const ControllerOwners& cell, const ControlChains&) {
   ControlChains::Answer out;
-  const auto all = cell.loop().controllers().list();
+  const auto all = cell.machine.controllers().list();
   for (const auto& upper : all)
     for (const auto& below : all)
       for (const std::string& reference : below.references)
@@ -129,51 +136,52 @@ SwitchOutcome outcome_of(const control::SwitchPlan& plan) {
   return {plan.ok, plan.reason, plan.advice, plan.start, plan.stop, plan.left_out, plan.chained, plan.unchained};
 }
 
-Poll<SwitchOutcome> control_switch(Cell& cell, const ControlSwitch& request) {
+Poll<SwitchOutcome> control_switch(const ControllerOwners& cell, const ControlSwitch& request) {
   control::SwitchRequest wanted{request.activate.value_or(Names{}), request.deactivate.value_or(Names{}),
                                 strictness_of(cell, request)};
   if (wanted.activate.empty() && wanted.deactivate.empty())
     throw Error("bad-argument", "nothing is to be activated and nothing deactivated");
-  if (request.dry) return at_once(outcome_of(cell.loop().controllers().plan(wanted)));
-  return then(switch_controllers(cell, std::move(wanted)),
+  if (request.dry) return at_once(outcome_of(cell.machine.controllers().plan(wanted)));
+  return then(switch_controllers(cell.machine, std::move(wanted)),
               [](const control::SwitchPlan& plan) { return at_once(outcome_of(plan)); });
 }
 
-ControlLoad::Answer control_load(Cell& cell, const ControlLoad& request) {
+ControlLoad::Answer control_load(const ControllerOwners& cell, const ControlLoad& request) {
   require_short_name(request.name);
-  if (const std::size_t loaded = cell.loop().controllers().list().size(); loaded >= bounds::kLoadedControllers)
+  if (const std::size_t loaded = cell.machine.controllers().list().size();
+      loaded >= bounds::kLoadedControllers)
     throw Error("too-many", "the cell has " + std::to_string(loaded) + " controllers already",
                 "unload one first: control.unload");
   controllers::Parameters parameters;
   for (const auto& [key, value] : request.parameters.value_or(Map{}))
     flatten({{key, value.json()}}, "", parameters);
-  const Problems problems = cell.load_controller(request.name, request.type.value_or(""), std::move(parameters),
-                                                 request.file.value_or(""));
-  ControlLoad::Answer out{request.name, hardware::name(controller_state(cell, request.name)), {}};
+  const Problems problems = cell.machine.load_controller(request.name, request.type.value_or(""),
+                                                         std::move(parameters), request.file.value_or(""));
+  ControlLoad::Answer out{request.name, hardware::name(controller_state(cell.machine, request.name)), {}};
   for (const Problem& problem : problems.list()) out.warnings.push_back(problem.text());
   return out;
 }
 
-NameAndState control_configure(Cell& cell, const ControlConfigure& request) {
-  cell.loop().controllers().configure(request.name);
-  return {request.name, hardware::name(controller_state(cell, request.name))};
+NameAndState control_configure(const ControllerOwners& cell, const ControlConfigure& request) {
+  cell.machine.controllers().configure(request.name);
+  return {request.name, hardware::name(controller_state(cell.machine, request.name))};
 }
 
-NameAndState control_cleanup(Cell& cell, const ControlCleanup& request) {
-  cell.loop().controllers().cleanup(request.name);
-  return {request.name, hardware::name(controller_state(cell, request.name))};
+NameAndState control_cleanup(const ControllerOwners& cell, const ControlCleanup& request) {
+  cell.machine.controllers().cleanup(request.name);
+  return {request.name, hardware::name(controller_state(cell.machine, request.name))};
 }
 
-JustName control_unload(Cell& cell, const ControlUnload& request) {
-  cell.unload_controller(request.name);
+JustName control_unload(const ControllerOwners& cell, const ControlUnload& request) {
+  cell.inside.unload_controller(request.name);
   return {request.name};
 }
 
-Poll<ControlState::Answer> control_state(Cell& cell, const ControlState& request) {
+Poll<ControlState::Answer> control_state(const ControllerOwners& cell, const ControlState& request) {
   const std::string name = request.name;
   const LifecycleState wanted = state_named(request.state);
-  control::ControllerManager& manager = cell.loop().controllers();
-  const LifecycleState now = controller_state(cell, name);
+  control::ControllerManager& manager = cell.machine.controllers();
+  const LifecycleState now = controller_state(cell.machine, name);
   ControlState::Answer answer{name, hardware::name(wanted), {}};
   if (now == wanted) return at_once(answer);
   if (wanted == LifecycleState::finalized)
@@ -184,7 +192,7 @@ Poll<ControlState::Answer> control_state(Cell& cell, const ControlState& request
     return at_once(out);
   };
   if (now == LifecycleState::active) {
-    Poll<control::SwitchPlan> stopped = switch_controllers(cell, {{}, {name}});
+    Poll<control::SwitchPlan> stopped = switch_controllers(cell.machine, {{}, {name}});
     if (wanted == LifecycleState::inactive) return then(std::move(stopped), with_outcome);
     return then(std::move(stopped), [&manager, name, answer](const control::SwitchPlan&) {
       manager.cleanup(name);
@@ -197,7 +205,7 @@ Poll<ControlState::Answer> control_state(Cell& cell, const ControlState& request
   }
   if (now == LifecycleState::unconfigured) manager.configure(name);
   if (wanted == LifecycleState::inactive) return at_once(answer);
-  return then(switch_controllers(cell, {{name}, {}}), with_outcome);
+  return then(switch_controllers(cell.machine, {{name}, {}}), with_outcome);
 }
 
 }  // namespace

@@ -22,6 +22,13 @@ namespace {
 
 using namespace protocol;
 
+/// Requests about the project's files read these.
+struct FileOwners {
+  const CellSetup& setup;
+  const Programs& programs;
+  Worker& worker;
+};
+
 constexpr std::size_t kLargestText = bounds::kFileBytes, kMostFiles = bounds::kProjectFiles,
                       kMostVersions = bounds::kVersionsOfFile;
 
@@ -166,9 +173,9 @@ const std::string& bounded(const std::string& text) {
 }
 
 /// The files of the program that runs, in the form that the list has.
-std::vector<fs::path> running_files(Cell& cell) {
+std::vector<fs::path> running_files(const FileOwners& cell) {
   std::vector<fs::path> out;
-  for (Task* task : {cell.program(), cell.plc()}) {
+  for (const Task* task : {cell.programs.program(), cell.programs.plc()}) {
     if (!task || task->ended()) continue;
     const program::Program& program = task->interpreter().program();
     out.emplace_back(program.file);
@@ -259,19 +266,21 @@ std::string content_hash(std::string_view text) {
 
 namespace {
 
-Poll<FilesList::Answer> files(Cell& cell, const FilesList&) {
+Poll<FilesList::Answer> files(const FileOwners& cell, const FilesList&) {
   FilesList::Answer out;
-  out.folder = cell.file().folder.string();
-  if (cell.program()) out.main = fs::path(cell.program()->interpreter().program().file).filename().string();
+  out.folder = cell.setup.file.folder.string();
+  if (cell.programs.program())
+    out.main = fs::path(cell.programs.program()->interpreter().program().file).filename().string();
   if (out.main && out.main->empty()) out.main.reset();
-  return later(cell, [folder = cell.file().folder, running = running_files(cell), out]() mutable {
+  return later(cell.worker, [folder = cell.setup.file.folder, running = running_files(cell), out]() mutable {
     out.files = listed(folder, running);
     return out;
   });
 }
 
-Poll<FilesRead::Answer> files_read(Cell& cell, const FilesRead& request) {
-  return later(cell, [folder = cell.file().folder, running = running_files(cell), path = request.name] {
+Poll<FilesRead::Answer> files_read(const FileOwners& cell, const FilesRead& request) {
+  return later(cell.worker, [folder = cell.setup.file.folder, running = running_files(cell),
+                             path = request.name] {
     const fs::path file = project_file(folder, path);
     std::error_code error;
     const OrNull<FileDraft> draft = draft_of(folder, path);
@@ -301,21 +310,22 @@ FilesDraft::Answer keep_draft(const fs::path& folder, const FilesDraft& request)
   return {now};
 }
 
-Poll<FilesDraft::Answer> files_draft(Cell& cell, const FilesDraft& request) {
+Poll<FilesDraft::Answer> files_draft(const FileOwners& cell, const FilesDraft& request) {
   if (request.text) bounded(*request.text);
-  return later(cell, [folder = cell.file().folder, request] { return keep_draft(folder, request); });
+  return later(cell.worker,
+               [folder = cell.setup.file.folder, request] { return keep_draft(folder, request); });
 }
 
-Poll<FilesWrite::Answer> files_write(Cell& cell, const FilesWrite& request) {
+Poll<FilesWrite::Answer> files_write(const FileOwners& cell, const FilesWrite& request) {
   bounded(request.text);
-  return later(cell, [folder = cell.file().folder, request] {
+  return later(cell.worker, [folder = cell.setup.file.folder, request] {
     keep_out_of_git(folder);
     return written(folder, request.name, request.text, request.base.value_or(""), request.force);
   });
 }
 
-Poll<FilesVersions::Answer> files_versions(Cell& cell, const FilesVersions& request) {
-  return later(cell, [folder = cell.file().folder, path = request.name] {
+Poll<FilesVersions::Answer> files_versions(const FileOwners& cell, const FilesVersions& request) {
+  return later(cell.worker, [folder = cell.setup.file.folder, path = request.name] {
     project_file(folder, path);
     const fs::path where = versions_folder(folder, path);
     const std::vector<int> numbers = version_numbers(where);
@@ -333,9 +343,9 @@ Poll<FilesVersions::Answer> files_versions(Cell& cell, const FilesVersions& requ
   });
 }
 
-Poll<FilesVersion::Answer> files_version(Cell& cell, const FilesVersion& request) {
+Poll<FilesVersion::Answer> files_version(const FileOwners& cell, const FilesVersion& request) {
   const int wanted = static_cast<int>(std::clamp(request.number, 0.0, 1e9));
-  return later(cell, [folder = cell.file().folder, path = request.name, wanted] {
+  return later(cell.worker, [folder = cell.setup.file.folder, path = request.name, wanted] {
     project_file(folder, path);
     const fs::path file = versions_folder(folder, path) / std::to_string(wanted);
     std::error_code error;
@@ -345,8 +355,8 @@ Poll<FilesVersion::Answer> files_version(Cell& cell, const FilesVersion& request
   });
 }
 
-Poll<JustName> files_delete(Cell& cell, const FilesDelete& request) {
-  return later(cell, [folder = cell.file().folder, path = request.name] {
+Poll<JustName> files_delete(const FileOwners& cell, const FilesDelete& request) {
+  return later(cell.worker, [folder = cell.setup.file.folder, path = request.name] {
     const fs::path file = project_file(folder, path);
     std::error_code error;
     if (!fs::exists(file, error)) throw Error("no-file", "there is no file '" + path + "' in the project");
@@ -358,8 +368,8 @@ Poll<JustName> files_delete(Cell& cell, const FilesDelete& request) {
   });
 }
 
-Poll<JustName> files_rename(Cell& cell, const FilesRename& request) {
-  return later(cell, [folder = cell.file().folder, path = request.name, to = request.to] {
+Poll<JustName> files_rename(const FileOwners& cell, const FilesRename& request) {
+  return later(cell.worker, [folder = cell.setup.file.folder, path = request.name, to = request.to] {
     const fs::path from = project_file(folder, path), target = project_file(folder, to);
     std::error_code error;
     if (!fs::exists(from, error)) throw Error("no-file", "there is no file '" + path + "' in the project");

@@ -18,8 +18,8 @@ Vec3 place_at(const std::optional<Any>& given, const char* name) {
 }
 
 /// Where tool0 was when the point was taught, by its joints.
-Pose flange_at(Cell& cell, const CellRobot& robot, const std::string& name) {
-  const data::Value& value = place_of(cell, name);
+Pose flange_at(const PointOwners& cell, const CellRobot& robot, const std::string& name) {
+  const data::Value& value = place_of(cell.data.store, name);
   const data::JointState* joints = value.as_joints();
   if (!joints && value.as_point()->taught) joints = &value.as_point()->taught->joints;
   if (!joints || joints->positions.size() != robot.joints.size())
@@ -27,10 +27,11 @@ Pose flange_at(Cell& cell, const CellRobot& robot, const std::string& name) {
   return robot.facts->chain.forward(joints_by_name(robot.model, *joints, name)) * inverse(robot.tool.tcp);
 }
 
-std::vector<Pose> poses_of(Cell& cell, const std::vector<std::string>& names, std::string& frame) {
+std::vector<Pose> poses_of(const PointOwners& cell, const std::vector<std::string>& names,
+                           std::string& frame) {
   std::vector<Pose> out;
   for (const std::string& each : names) {
-    const data::Point* point = place_of(cell, each).as_point();
+    const data::Point* point = place_of(cell.data.store, each).as_point();
     if (!point) throw Error("bad-points", "'" + each + "' is a joint state", "teach it as a pose");
     if (!out.empty() && point->frame() != frame)
       throw Error("bad-points",
@@ -43,7 +44,7 @@ std::vector<Pose> poses_of(Cell& cell, const std::vector<std::string>& names, st
   return out;
 }
 
-Poll<PointsFrame::Answer> points_frame(Cell& cell, const PointsFrame& request) {
+Poll<PointsFrame::Answer> points_frame(const PointOwners& cell, const PointsFrame& request) {
   const std::string& name = request.name;
   check_point_name(name);
   std::array<Vec3, 3> at;
@@ -69,7 +70,7 @@ Poll<PointsFrame::Answer> points_frame(Cell& cell, const PointsFrame& request) {
                                   .y_length = norm(y)};
   if (!frame.empty()) out.taught = std::make_shared<data::Taught>(data::Taught{frame, {}, {}, {}});
   if (request.dry) return at_once(found);
-  return then(edit_value(cell, set_for(cell, request.file, name), "frame " + name, name, out),
+  return then(edit_value(cell, set_for(cell.data, request.file, name), "frame " + name, name, out),
               [found](const ChangedPoint& changed) {
                 PointsFrame::Answer answer = found;
                 answer.point.emplace(changed);
@@ -77,12 +78,12 @@ Poll<PointsFrame::Answer> points_frame(Cell& cell, const PointsFrame& request) {
               });
 }
 
-Poll<PointsTool::Answer> points_tool(Cell& cell, const PointsTool& request) {
+Poll<PointsTool::Answer> points_tool(const PointOwners& cell, const PointsTool& request) {
   const std::string& name = request.name;
   check_point_name(name);
   std::vector<Pose> poses;
   if (request.from && !request.from->empty()) {
-    const CellRobot& robot = *cell.robots()[robot_named(cell, request.robot)];
+    const CellRobot& robot = *cell.setup.robots[robot_named(cell.setup, request.robot)];
     for (const std::string& each : *request.from) poses.push_back(flange_at(cell, robot, each));
   } else if (request.poses) {
     const nlohmann::json& given = request.poses->json();
@@ -98,12 +99,13 @@ Poll<PointsTool::Answer> points_tool(Cell& cell, const PointsTool& request) {
                                  .rms = tool.rms,
                                  .largest = tool.largest};
   if (request.dry) return at_once(found);
-  return then(edit_value(cell, set_for(cell, request.file, name), "tool " + name, name, data::point_of(tool)),
-              [found](const ChangedPoint& changed) {
-                PointsTool::Answer answer = found;
-                answer.point.emplace(changed);
-                return at_once(answer);
-              });
+  return then(
+      edit_value(cell, set_for(cell.data, request.file, name), "tool " + name, name, data::point_of(tool)),
+      [found](const ChangedPoint& changed) {
+        PointsTool::Answer answer = found;
+        answer.point.emplace(changed);
+        return at_once(answer);
+      });
 }
 
 }  // namespace

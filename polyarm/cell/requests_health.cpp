@@ -6,18 +6,24 @@
 
 namespace polyarm::cell {
 
-double rate_of(Cell& cell, const hardware::HostedInfo& info) {
-  return info.period > 0 ? 1 / seconds(info.period)
-                         : 1 / seconds(cell.loop().options().period) / info.divisor;
+double rate_of(const Machine& machine, const hardware::HostedInfo& info) {
+  return info.period > 0 ? 1 / seconds(info.period) : 1 / seconds(machine.period()) / info.divisor;
 }
-double rate_of(Cell& cell, const control::ListedController& controller) {
+double rate_of(const Machine& machine, const control::ListedController& controller) {
   return controller.period > 0 ? 1 / seconds(controller.period)
-                               : 1 / seconds(cell.loop().options().period) / controller.divisor;
+                               : 1 / seconds(machine.period()) / controller.divisor;
 }
 
 namespace {
 
 using namespace protocol;
+
+/// Requests about the loop read these.
+struct HealthOwners {
+  const Machine& machine;
+  const LifeCycle& life;
+  const Watches& watches;
+};
 
 OrNull<double> number_or_null(double value) {
   OrNull<double> out;
@@ -25,9 +31,9 @@ OrNull<double> number_or_null(double value) {
   return out;
 }
 
-InterfacesList::Answer interfaces_list(Cell& cell, const InterfacesList&) {
-  const hardware::InterfaceTable& table = cell.loop().table();
-  const control::Snapshot& seen = cell.snapshot();
+InterfacesList::Answer interfaces_list(const HealthOwners& cell, const InterfacesList&) {
+  const hardware::InterfaceTable& table = cell.machine.table();
+  const control::Snapshot& seen = cell.machine.snapshot();
   InterfacesList::Answer out;
   for (std::size_t i = 0; i < table.state_names().size(); ++i)
     if (!table.state_names()[i].empty())
@@ -36,7 +42,7 @@ InterfacesList::Answer interfaces_list(Cell& cell, const InterfacesList&) {
     const std::string& name = table.command_names()[i];
     if (!name.empty())
       out.commands.push_back(
-          {name, number_or_null(seen.commands[i]), cell.loop().controllers().holder_of(name)});
+          {name, number_or_null(seen.commands[i]), cell.machine.controllers().holder_of(name)});
   }
   return out;
 }
@@ -69,16 +75,16 @@ LoopPart part_of(double rate, const realtime::PartHealth& part) {
   return {{}, {}, rate, part.cost.count(), times(part.cost), times(part.period)};
 }
 
-void add_components(Cell& cell, protocol::LoopHealth::Answer& out) {
-  hardware::Hardware& hardware = cell.loop().hardware();
-  const control::Snapshot& seen = cell.snapshot();
+void add_components(const HealthOwners& cell, protocol::LoopHealth::Answer& out) {
+  hardware::Hardware& hardware = cell.machine.hardware();
+  const control::Snapshot& seen = cell.machine.snapshot();
   for (std::size_t i = 0; i < hardware.size(); ++i) {
     const std::string& name = hardware.component_name(i);
     if (i < seen.fallen.size() && seen.fallen[i] != control::StopCause::none)
       out.fallen.push_back({name, control::name(seen.fallen[i]), control::code(seen.fallen[i])});
     const hardware::Diagnostics& diagnostics = hardware.diagnostics();
     const hardware::HostedInfo info = diagnostics.info(i);
-    const double rate = rate_of(cell, info);
+    const double rate = rate_of(cell.machine, info);
     if (const realtime::ThreadHealth* thread = diagnostics.thread_health(i))
       out.threads.emplace_back(thread_of(rate, info.period > 0, *thread)).component = name;
     else if (diagnostics.part_health(i).cost.count() > 0)
@@ -86,43 +92,43 @@ void add_components(Cell& cell, protocol::LoopHealth::Answer& out) {
   }
 }
 
-void add_controllers(Cell& cell, protocol::LoopHealth::Answer& out) {
-  for (const control::ListedController& c : cell.loop().controllers().list())
+void add_controllers(const HealthOwners& cell, protocol::LoopHealth::Answer& out) {
+  for (const control::ListedController& c : cell.machine.controllers().list())
     if (c.thread)
-      out.threads.emplace_back(thread_of(rate_of(cell, c), false, *c.thread)).controller = c.name;
+      out.threads.emplace_back(thread_of(rate_of(cell.machine, c), false, *c.thread)).controller = c.name;
     else if (c.part->cost.count() > 0)
-      out.parts.emplace_back(part_of(rate_of(cell, c), *c.part)).controller = c.name;
+      out.parts.emplace_back(part_of(rate_of(cell.machine, c), *c.part)).controller = c.name;
 }
 
-protocol::LoopHealth::Answer health(Cell& cell, const protocol::LoopHealth&) {
-  const control::Health& h = cell.loop().health();
-  const control::Snapshot& seen = cell.snapshot();
+protocol::LoopHealth::Answer health(const HealthOwners& cell, const protocol::LoopHealth&) {
+  const control::Health& h = cell.machine.health();
+  const control::Snapshot& seen = cell.machine.snapshot();
   protocol::LoopHealth::Answer out;
   out.state = control::name(seen.state);
-  out.cause = cell.stop_cause().what;
-  out.cause_code = cell.stop_cause().code;
+  out.cause = cell.life.stop_cause().what;
+  out.cause_code = cell.life.stop_cause().code;
   out.standing = seen.standing;
-  out.override_percent = 100 * cell.loop().supervisor().override_share();
-  out.allowed_percent = 100 * cell.loop().supervisor().share();
-  if (!cell.stops().empty()) out.last_stop.emplace(facts_of(cell.stops().back()));
+  out.override_percent = 100 * cell.machine.supervisor().override_share();
+  out.allowed_percent = 100 * cell.machine.supervisor().share();
+  if (!cell.watches.stops().empty()) out.last_stop.emplace(facts_of(cell.watches.stops().back()));
   out.time_s = seconds(seen.cycle.time);
-  out.rate_hz = 1 / seconds(cell.loop().options().period);
+  out.rate_hz = 1 / seconds(cell.machine.period());
   out.cycles = h.cycles;
   out.late = h.late;
   out.cost = distribution(h.cost);
   out.wake_up = distribution(h.wake_up);
   out.period = distribution(h.period);
-  out.clamps = cell.loop().limits().clamps();
+  out.clamps = cell.machine.loop().limits().clamps();
   add_components(cell, out);
   add_controllers(cell, out);
   return out;
 }
 
-LimitsList::Answer limits_list(Cell& cell, const LimitsList&) {
+LimitsList::Answer limits_list(const HealthOwners& cell, const LimitsList&) {
   LimitsList::Answer out;
-  const double period = seconds(cell.loop().options().period);
-  for (const control::Clamp& clamp : cell.loop().limits().report())
-    out.push_back({clamp.interface, cell.loop().controllers().holder_of(clamp.interface),
+  const double period = seconds(cell.machine.period());
+  for (const control::Clamp& clamp : cell.machine.loop().limits().report())
+    out.push_back({clamp.interface, cell.machine.controllers().holder_of(clamp.interface),
                    controllers::name(clamp.limit), clamp.count, number_or_null(clamp.asked),
                    number_or_null(clamp.given), static_cast<double>(clamp.cycle) * period});
   return out;

@@ -52,15 +52,15 @@ auto errand(Job job, Finish finish) {
 
 /// An errand of the cell's worker.
 template <class Job, class Finish>
-auto later(Cell& cell, Job job, Finish finish) {
+auto later(Worker& worker, Job job, Finish finish) {
   auto sent = errand(std::move(job), std::move(finish));
-  cell.worker().post(std::move(sent.run));
+  worker.post(std::move(sent.run));
   return std::move(sent.done);
 }
 /// The same; what the job returns is the answer.
 template <class Job>
-auto later(Cell& cell, Job job) {
-  return later(cell, std::move(job), [](auto& result) { return std::move(result); });
+auto later(Worker& worker, Job job) {
+  return later(worker, std::move(job), [](auto& result) { return std::move(result); });
 }
 
 /// A file of the project by its path in the cell's folder. Throws Error("bad-path") for one that would lead

@@ -20,15 +20,22 @@ namespace polyarm::cell {
 namespace {
 
 using namespace protocol;
+
+/// Messages to controllers work on these.
+struct MessageOwners {
+  Machine& machine;
+  Worker& worker;
+  Observer& events;
+};
 using Json = nlohmann::json;
 
-const controllers::Parameters& parameters_of(Cell& cell, const std::string& name) {
-  const controllers::ControllerContext* context = cell.loop().controllers().context(name);
+const controllers::Parameters& parameters_of(const MessageOwners& cell, const std::string& name) {
+  const controllers::ControllerContext* context = cell.machine.controllers().context(name);
   if (!context)
     throw Error(
         "unknown-controller",
-        "there is no controller '" + name + "'" + did_you_mean(name, cell.loop().controllers().names()),
-        "there are: " + join(cell.loop().controllers().names(), ", "));
+        "there is no controller '" + name + "'" + did_you_mean(name, cell.machine.controllers().names()),
+        "there are: " + join(cell.machine.controllers().names(), ", "));
   return context->parameters;
 }
 
@@ -87,29 +94,29 @@ Address resolve(const std::string& given, const std::vector<Ports>& all, const c
               known.empty() ? "" : "there are: " + join(known, ", "));
 }
 
-Address input_address(Cell& cell, const std::string& given) {
+Address input_address(const MessageOwners& cell, const std::string& given) {
   std::vector<Ports> all;
-  for (const std::string& name : cell.loop().controllers().names()) {
+  for (const std::string& name : cell.machine.controllers().names()) {
     Ports& ports = all.emplace_back(Ports{name, {}});
-    for (const controllers::InputPort& port : cell.loop().controllers().find(name)->inputs())
+    for (const controllers::InputPort& port : cell.machine.controllers().find(name)->inputs())
       ports.names.push_back(port.name);
   }
   return resolve(given, all, "that takes messages");
 }
 
-Address output_address(Cell& cell, const std::string& given) {
+Address output_address(const MessageOwners& cell, const std::string& given) {
   std::vector<Ports> all;
-  for (const std::string& name : cell.loop().controllers().names()) {
+  for (const std::string& name : cell.machine.controllers().names()) {
     Ports& ports = all.emplace_back(Ports{name, {}});
-    for (const auto& output : cell.loop().controllers().find(name)->outputs())
+    for (const auto& output : cell.machine.controllers().find(name)->outputs())
       ports.names.push_back(output->name());
   }
   return resolve(given, all, "that puts messages out");
 }
 
 /// What nobody listens to is refused, not swallowed.
-void require_active(Cell& cell, const std::string& controller) {
-  for (const control::ListedController& c : cell.loop().controllers().list())
+void require_active(const MessageOwners& cell, const std::string& controller) {
+  for (const control::ListedController& c : cell.machine.controllers().list())
     if (c.name == controller && c.state != hardware::LifecycleState::active)
       throw Error(
           "not-active",
@@ -175,7 +182,7 @@ constexpr const char* kRejectWhenHeld = "reject_goals_when_held";
 constexpr double kFeedbackRate = 20;
 
 /// How often feedback of a goal under way is reported.
-Nanoseconds feedback_period(Cell& cell, const std::string& controller) {
+Nanoseconds feedback_period(const MessageOwners& cell, const std::string& controller) {
   const controllers::Declared* declared =
       parameters_of(cell, controller).find_declared("action_monitor_rate");
   const double rate = declared ? parse_number(declared->value).value_or(kFeedbackRate) : kFeedbackRate;
@@ -188,26 +195,26 @@ Any message_of(const controllers::Output& output) {
 }
 
 /// Reports a goal that succeeded although it is far off.
-void report_far_from_goal(Cell& cell, const std::string& controller, const SendMessage::Answer& answer) {
+void report_far_from_goal(const MessageOwners& cell, const std::string& controller,
+                          const SendMessage::Answer& answer) {
   if (!answer.note) return;
-  cell.observer().on_problem(
-      cell.now(),
-      {"far-from-goal",
-       {},
-       controller + ": goal " + std::to_string(*answer.goal) + " succeeded, but " + *answer.note,
-       "set the tolerance, or send goal_tolerance with the goal",
-       Severity::warning});
+  cell.events.on_problem(cell.machine.now(), {"far-from-goal",
+                                              {},
+                                              controller + ": goal " + std::to_string(*answer.goal) +
+                                                  " succeeded, but " + *answer.note,
+                                              "set the tolerance, or send goal_tolerance with the goal",
+                                              Severity::warning});
 }
 
 /// Follows a goal: feedback as often as its controller says, its result last.
-Poll<SendMessage::Answer> follow_goal(Cell& cell, const Address& to, const std::string& feedback, std::uint64_t goal,
-                                      Nanoseconds every) {
+Poll<SendMessage::Answer> follow_goal(const MessageOwners& cell, const Address& to,
+                                      const std::string& feedback, std::uint64_t goal, Nanoseconds every) {
   using Followed = Progress<SendMessage::Answer>;
-  return [&cell, to, feedback, goal, every, reported = Nanoseconds{0}, sample = Nanoseconds{-1},
+  return [cell, to, feedback, goal, every, reported = Nanoseconds{0}, sample = Nanoseconds{-1},
           accepted = false]() mutable {
-    controllers::Controller* controller = cell.loop().controllers().find(to.controller);
+    controllers::Controller* controller = cell.machine.controllers().find(to.controller);
     if (!controller) throw Error("unloaded", "the controller was removed");
-    for (const controllers::GoalEvent& event : cell.goal_events(to.controller)) {
+    for (const controllers::GoalEvent& event : cell.machine.goal_events(to.controller)) {
       if (event.goal != goal) continue;
       const bool first = event.outcome == controllers::GoalOutcome::accepted;
       if (first && std::exchange(accepted, true)) continue;
@@ -218,11 +225,13 @@ Poll<SendMessage::Answer> follow_goal(Cell& cell, const Address& to, const std::
     // If it ended between the message and its first look at it, the goal does not begin any more.
     if (!accepted) require_active(cell, to.controller);
     controllers::Output* state = controller->find_output(feedback);
-    if (!accepted || !state || cell.now() - reported < every) return Followed{};
+    if (!accepted || !state || cell.machine.now() - reported < every) return Followed{};
     state->fetch();
     if (state->value().time == sample) return Followed{};
     sample = state->value().time;
-    reported += cell.now() - reported < 2 * every ? every : cell.now() - reported;  // no less often than asked for
+    reported += cell.machine.now() - reported < 2 * every
+                    ? every
+                    : cell.machine.now() - reported;  // no less often than asked for
     SendMessage::Answer answer;
     answer.goal = goal;
     answer.feedback = message_of(*state);
@@ -230,13 +239,13 @@ Poll<SendMessage::Answer> follow_goal(Cell& cell, const Address& to, const std::
   };
 }
 
-ParamList::Answer param_list(Cell& cell, const ParamList& request) {
+ParamList::Answer param_list(const MessageOwners& cell, const ParamList& request) {
   ParamList::Answer out;
   for (const controllers::Declared& d : parameters_of(cell, request.name).declared()) out.push_back(parameter_of(d));
   return out;
 }
 
-Parameter param_get(Cell& cell, const ParamGet& request) {
+Parameter param_get(const MessageOwners& cell, const ParamGet& request) {
   const controllers::Parameters& parameters = parameters_of(cell, request.name);
   if (const controllers::Declared* declared = parameters.find_declared(request.key)) return parameter_of(*declared);
   std::vector<std::string> known;
@@ -245,33 +254,33 @@ Parameter param_get(Cell& cell, const ParamGet& request) {
               "there is no parameter '" + request.key + "'" + did_you_mean(request.key, known));
 }
 
-Poll<ParamSet::Answer> param_set(Cell& cell, const ParamSet& request) {
+Poll<ParamSet::Answer> param_set(const MessageOwners& cell, const ParamSet& request) {
   using Changed = Progress<ParamSet::Answer>;
   std::vector<std::pair<std::string, std::string>> values;
   if (request.values.empty()) throw Error("bad-argument", "'values' is no map of parameters");
   for (const auto& [key, value] : request.values) values.emplace_back(key, value.text().value_or(value.dump()));
-  const auto job = cell.loop().controllers().begin_change(request.name, values);
+  const auto job = cell.machine.controllers().begin_change(request.name, values);
   return [job, count = values.size()] { return job->done() ? Changed::done({count}) : Changed{}; };
 }
 
 /// A goal for a cell that is held moves nothing: a person is told so, or the goal is refused where the
 /// controller's parameter says that.
-void look_at_state(Cell& cell, const std::string& controller) {
-  const control::RunState state = cell.snapshot().state;
+void look_at_state(const MessageOwners& cell, const std::string& controller) {
+  const control::RunState state = cell.machine.snapshot().state;
   if (state == control::RunState::running) return;
   const std::string while_held = std::string(" while the cell is ") + control::name(state) + " (" +
-                                 control::name(cell.snapshot().cause) + ")";
+                                 control::name(cell.machine.snapshot().cause) + ")";
   const std::string advice =
       state == control::RunState::fault ? "polyarm control recover" : "polyarm control resume";
   const controllers::Declared* reject = parameters_of(cell, controller).find_declared(kRejectWhenHeld);
   if (reject && reject->value == "true")
     throw Error("held", "a goal for '" + controller + "' is refused" + while_held, advice);
-  cell.observer().on_problem(cell.now(), {"held",
-                                          {},
-                                          "a goal for '" + controller + "' comes" + while_held +
-                                              "; nothing moves before the cell runs",
-                                          advice,
-                                          Severity::warning});
+  cell.events.on_problem(cell.machine.now(), {"held",
+                                              {},
+                                              "a goal for '" + controller + "' comes" + while_held +
+                                                  "; nothing moves before the cell runs",
+                                              advice,
+                                              Severity::warning});
 }
 
 /// The input that is meant, what it takes, and whether it is an action. A goal goes to the first action.
@@ -309,7 +318,8 @@ std::string text_of(Json message) {
   return Any(std::move(message)).dump();
 }
 
-std::shared_ptr<Reading> begin_reading(Cell& cell, const Json& given, std::vector<std::string> types) {
+std::shared_ptr<Reading> begin_reading(const MessageOwners& cell, const Json& given,
+                                       std::vector<std::string> types) {
   constexpr std::size_t kShort = 4096;
   auto out = std::make_shared<Reading>();
   out->message = ros_files::read_json_trajectory(given, "the message", types);
@@ -328,23 +338,24 @@ std::shared_ptr<Reading> begin_reading(Cell& cell, const Json& given, std::vecto
   if (is_short)
     read();
   else
-    cell.worker().post(read);
+    cell.worker.post(read);
   return out;
 }
 
-Poll<SendMessage::Answer> send_message(Cell& cell, const SendMessage& request) {
+Poll<SendMessage::Answer> send_message(const MessageOwners& cell, const SendMessage& request) {
   using Sent = Progress<SendMessage::Answer>;
   Address to = input_address(cell, request.to);
   require_active(cell, to.controller);
-  const controllers::InputPort port = port_of(*cell.loop().controllers().find(to.controller), to, request.goal);
+  const controllers::InputPort port =
+      port_of(*cell.machine.controllers().find(to.controller), to, request.goal);
   const auto reading = begin_reading(cell, request.message.json(), port.types);
-  return [&cell, to, action = port.action, feedback = port.feedback, reading,
+  return [cell, to, action = port.action, feedback = port.feedback, reading,
           follow = Poll<SendMessage::Answer>{}]() mutable {
     if (follow) return follow();
     if (!reading->done.load(std::memory_order_acquire)) return Sent{};
     if (reading->failed) std::rethrow_exception(reading->failed);
     require_active(cell, to.controller);
-    controllers::Controller* controller = cell.loop().controllers().find(to.controller);
+    controllers::Controller* controller = cell.machine.controllers().find(to.controller);
     if (!controller) throw Error("unloaded", "the controller was removed");
     if (action) look_at_state(cell, to.controller);
     const std::uint64_t id = controller->receive(to.port, *reading->message, action);
@@ -360,16 +371,16 @@ Poll<SendMessage::Answer> send_message(Cell& cell, const SendMessage& request) {
 }
 
 /// Where a trajectory controller's trajectory will be at `at` s of cell time.
-Poll<QueryTrajectory::Answer> query_state(Cell& cell, const QueryTrajectory& request) {
+Poll<QueryTrajectory::Answer> query_state(const MessageOwners& cell, const QueryTrajectory& request) {
   using Sampled = Progress<QueryTrajectory::Answer>;
-  const Nanoseconds at = nanoseconds(request.at.value_or(seconds(cell.now())));
-  controller_state(cell, request.name);  // it is known
-  return [&cell, name = request.name, at, asked = false]() mutable {
+  const Nanoseconds at = nanoseconds(request.at.value_or(seconds(cell.machine.now())));
+  controller_state(cell.machine, request.name);  // it is known
+  return [cell, name = request.name, at, asked = false]() mutable {
     auto* controller =
-        dynamic_cast<controllers::JointTrajectoryController*>(cell.loop().controllers().find(name));
+        dynamic_cast<controllers::JointTrajectoryController*>(cell.machine.controllers().find(name));
     if (!controller)
       throw Error("no-trajectories", "'" + name + "' follows no trajectories", "ask a trajectory controller");
-    if (controller_state(cell, name) != hardware::LifecycleState::active) {
+    if (controller_state(cell.machine, name) != hardware::LifecycleState::active) {
       if (asked) controller->forget_sample();
       throw Error("not-active", "the controller '" + name + "' is not active",
                   "start it, and give it a goal");
@@ -392,18 +403,18 @@ Poll<QueryTrajectory::Answer> query_state(Cell& cell, const QueryTrajectory& req
   };
 }
 
-Asked goal_cancel(Cell& cell, const GoalCancel& request) {
+Asked goal_cancel(const MessageOwners& cell, const GoalCancel& request) {
   const Address to = input_address(cell, request.to);
   const double number = request.goal;
   const bool whole = number >= 1 && number < 9e15 && number == std::floor(number);
-  if (!whole || !cell.loop().controllers().find(to.controller)->cancel(static_cast<std::uint64_t>(number)))
+  if (!whole || !cell.machine.controllers().find(to.controller)->cancel(static_cast<std::uint64_t>(number)))
     throw Error("no-goal", "there is no goal " + format_number(number) + " under way");
   return {"cancel"};
 }
 
 /// Reported to a watcher once, until the next message comes.
-NoMessage why_nothing_comes(Cell& cell, const Address& from, bool never) {
-  const hardware::LifecycleState state = controller_state(cell, from.controller);
+NoMessage why_nothing_comes(const MessageOwners& cell, const Address& from, bool never) {
+  const hardware::LifecycleState state = controller_state(cell.machine, from.controller);
   const std::string name = from.controller + "/" + from.port;
   const bool active = state == hardware::LifecycleState::active;
   return {name, hardware::name(state),
@@ -413,7 +424,7 @@ NoMessage why_nothing_comes(Cell& cell, const Address& from, bool never) {
                  : "start it: polyarm control state " + from.controller + " active"};
 }
 
-Poll<WatchOutput::Answer> watch_output(Cell& cell, const WatchOutput& request) {
+Poll<WatchOutput::Answer> watch_output(const MessageOwners& cell, const WatchOutput& request) {
   using Watched = Progress<WatchOutput::Answer>;
   const Address from = output_address(cell, request.name);
   const double rate = request.rate.value_or(10);
@@ -421,22 +432,23 @@ Poll<WatchOutput::Answer> watch_output(Cell& cell, const WatchOutput& request) {
     throw Error("bad-argument", "'rate' is " + format_number(rate) + " Hz", "it may be 0.001 to 10000");
   const Nanoseconds every = nanoseconds(1 / rate);
   const Nanoseconds patience = nanoseconds(std::clamp(request.patience.value_or(0), 0.0, 3600.0));
-  return [&cell, from, every, patience, reported = Nanoseconds{-1}, sample = Nanoseconds{0}, fresh = cell.now(),
-          patient = patience > 0]() mutable {
-    controllers::Controller* controller = cell.loop().controllers().find(from.controller);
+  return [cell, from, every, patience, reported = Nanoseconds{-1}, sample = Nanoseconds{0},
+          fresh = cell.machine.now(), patient = patience > 0]() mutable {
+    controllers::Controller* controller = cell.machine.controllers().find(from.controller);
     controllers::Output* output = controller ? controller->find_output(from.port) : nullptr;
     if (!output) throw Error("unloaded", "the controller was removed");
     output->fetch();
     if (output->value().time == sample) {
-      if (!patient || cell.now() - fresh < patience) return Watched{};
+      if (!patient || cell.machine.now() - fresh < patience) return Watched{};
       patient = false;
       return Watched::more(why_nothing_comes(cell, from, sample == 0));
     }
-    fresh = cell.now();
+    fresh = cell.machine.now();
     patient = patience > 0;
-    if (reported >= 0 && cell.now() - reported < every) return Watched{};
+    if (reported >= 0 && cell.machine.now() - reported < every) return Watched{};
     sample = output->value().time;
-    reported = reported < 0 ? cell.now() : reported + every * ((cell.now() - reported) / every);
+    reported =
+        reported < 0 ? cell.machine.now() : reported + every * ((cell.machine.now() - reported) / every);
     return Watched::more(message_of(*output));
   };
 }

@@ -19,6 +19,17 @@ namespace polyarm::cell {
 namespace {
 
 using namespace protocol;
+
+/// Moves to points work on these.
+struct MoveOwners {
+  const CellSetup& setup;
+  Machine& machine;
+  const CellData& data;
+  Motions& motions;
+  const Programs& programs;
+  const Jogging& jogging;
+  const Arming& arming;
+};
 using Json = nlohmann::json;
 
 constexpr Nanoseconds kTellMoveEvery = 100'000'000;
@@ -81,15 +92,16 @@ data::JointState joints_of(const Json& map, const CellRobot& robot, const std::s
 }
 
 /// Where a value of the data, a joint state or a pose puts the robot.
-moves::MoveTarget target_of(Cell& cell, const CellRobot& robot, const Json& point, const std::string& what) {
+moves::MoveTarget target_of(const MoveOwners& cell, const CellRobot& robot, const Json& point,
+                            const std::string& what) {
   if (point.contains("joints"))
     return {joints_by_name(robot.model, joints_of(point["joints"], robot, what), what), what};
   if (point.contains("pose")) return {pose_of(point["pose"], what), what};
   const std::string name = point.value("point", "");
-  const data::Value* value = cell.store().find(name);
+  const data::Value* value = cell.data.store.find(name);
   if (!value)
     throw Error("unknown-point",
-                "there is no point '" + name + "'" + did_you_mean(name, cell.store().names()),
+                "there is no point '" + name + "'" + did_you_mean(name, cell.data.store.names()),
                 "name a point of the cell's data, or say {joints: …} or {pose: …}");
   if (const data::JointState* joints = value->as_joints())
     return {joints_by_name(robot.model, *joints, name), name};
@@ -124,7 +136,7 @@ std::vector<moves::Move> one_curve(std::vector<moves::Move> lines) {
   return {curve};
 }
 
-std::vector<moves::Move> read_move(Cell& cell, const CellRobot& robot, const MoveTo& request) {
+std::vector<moves::Move> read_move(const MoveOwners& cell, const CellRobot& robot, const MoveTo& request) {
   const bool line = request.kind == MoveKind::line;
   const double pace = request.pace.value_or(0), share = request.speed.value_or(1);
   if (!(pace >= 0 && pace <= kLongestWay))
@@ -145,7 +157,7 @@ std::vector<moves::Move> read_move(Cell& cell, const CellRobot& robot, const Mov
     moves::Move move;
     move.kind = line ? moves::MoveKind::line : moves::MoveKind::joint;
     move.targets = {target_of(cell, robot, point, point.value("name", number))};
-    move.speed = share * (move.kind == moves::MoveKind::joint ? cell.pace().speed : 1);
+    move.speed = share * (move.kind == moves::MoveKind::joint ? cell.setup.file.motion.speed : 1);
     if (move.kind == moves::MoveKind::joint) move.joint_pace = pace;
     if (point.contains("duration"))
       move.duration = quantity(point["duration"], "the duration of " + number, Dimension::time);
@@ -158,15 +170,15 @@ std::vector<moves::Move> read_move(Cell& cell, const CellRobot& robot, const Mov
   return line && !request.rests && out.size() > 1 ? one_curve(std::move(out)) : out;
 }
 
-void require_may_move(Cell& cell, std::size_t i) {
-  const std::string& robot = cell.robots()[i]->entry.name;
-  if (!cell.arming().armed())
+void require_may_move(const MoveOwners& cell, std::size_t i) {
+  const std::string& robot = cell.setup.robots[i]->entry.name;
+  if (!cell.arming.armed())
     throw Error("disarmed", "'" + robot + "' is not moved: real hardware that nobody has armed",
                 "polyarm control arm");
-  if (!cell.motion(i))
+  if (!cell.motions.motion(i))
     throw Error("no-motion", "no trajectory controller moves all joints of '" + robot + "'",
                 "leave 'controllers' out of the cell, or name a joint_trajectory_controller for them");
-  const control::RunState state = cell.snapshot().state;
+  const control::RunState state = cell.machine.snapshot().state;
   if (state == control::RunState::fault)
     throw Error("fault", "'" + robot + "' is not moved: the cell is in a fault",
                 "polyarm control recover, resume");
@@ -176,35 +188,36 @@ void require_may_move(Cell& cell, std::size_t i) {
   if (state != control::RunState::running)
     throw Error("held", "'" + robot + "' is not moved: the cell is " + control::name(state),
                 "go on: polyarm control resume; or forget the motion: polyarm control discard");
-  if (cell.program_runs())
+  if (cell.programs.runs())
     throw Error("program-runs", "'" + robot + "' is not moved: the program is running and holds control",
                 "pause it: program.pause");
-  if (!cell.idle(i)) throw Error("moving", "'" + robot + "' is moving already", "wait until it has arrived");
+  if (!cell.motions.idle(i))
+    throw Error("moving", "'" + robot + "' is moving already", "wait until it has arrived");
 }
 
 /// Who asked for a move is followed as long as it is there: when it has gone, the robot stops on its path.
 class UnderWay {
  public:
-  explicit UnderWay(Cell& cell) : cell_(cell) {}
+  explicit UnderWay(const MoveOwners& cell) : cell_(cell) {}
   UnderWay(const UnderWay&) = delete;
   UnderWay& operator=(const UnderWay&) = delete;
   ~UnderWay() {
-    if (first != 0 && !over) cell_.loop().supervisor().latch().request(realtime::StopKind::controlled);
+    if (first != 0 && !over) cell_.machine.supervisor().latch().request(realtime::StopKind::controlled);
   }
   std::uint64_t first = 0, last = 0;
   bool over = false;
 
  private:
-  Cell& cell_;
+  MoveOwners cell_;
 };
 
-MoveTo::Answer progress_of(Cell& cell, std::size_t i, const UnderWay& moves, Nanoseconds begun) {
-  const moves::Travel way = cell.motion(i)->travel(moves.first, moves.last);
+MoveTo::Answer progress_of(const MoveOwners& cell, std::size_t i, const UnderWay& moves, Nanoseconds begun) {
+  const moves::Travel way = cell.motions.motion(i)->travel(moves.first, moves.last);
   MoveTo::Answer out;
-  out.robot = cell.robots()[i]->entry.name;
-  out.cell = control::name(cell.snapshot().state);
-  out.cause = control::name(cell.snapshot().cause);
-  out.elapsed_s = seconds(cell.now() - begun);
+  out.robot = cell.setup.robots[i]->entry.name;
+  out.cell = control::name(cell.machine.snapshot().state);
+  out.cause = control::name(cell.machine.snapshot().cause);
+  out.elapsed_s = seconds(cell.machine.now() - begun);
   if (!std::isfinite(way.remaining)) return out;
   out.left_s = way.remaining;
   out.left_m = way.left;
@@ -228,49 +241,50 @@ void throw_bad_end(const moves::RobotMotion& motion, UnderWay& moves) {
   throw Error("discarded", "the rest of the motion was discarded", "the robot stands where it was stopped");
 }
 
-Poll<MoveTo::Answer> follow_moves(Cell& cell, std::size_t i, std::vector<moves::Move> asked) {
+Poll<MoveTo::Answer> follow_moves(const MoveOwners& cell, std::size_t i, std::vector<moves::Move> asked) {
   using Moved = Progress<MoveTo::Answer>;
-  return [&cell, i, asked = std::move(asked), moves = std::shared_ptr<UnderWay>(), stood = false,
+  return [cell, i, asked = std::move(asked), moves = std::shared_ptr<UnderWay>(), stood = false,
           asked_at = Nanoseconds{-1}, begun = Nanoseconds{0}, reported = Nanoseconds{0}]() mutable {
-    if (asked_at < 0) asked_at = cell.now();
+    if (asked_at < 0) asked_at = cell.machine.now();
     if (!moves) {  // a robot that was jogged comes back first, and moves begin where it is
-      const bool free = !cell.jogging().engaged(i) && cell.snapshot().standing;
-      if (!free && cell.now() - asked_at > kJogPatience)
+      const bool free = !cell.jogging.engaged(i) && cell.machine.snapshot().standing;
+      if (!free && cell.machine.now() - asked_at > kJogPatience)
         throw Error("jogged",
-                    "'" + cell.robots()[i]->entry.name + "' is moved by hand or by somebody else now",
+                    "'" + cell.setup.robots[i]->entry.name + "' is moved by hand or by somebody else now",
                     "wait until they let go");
       if (!free || !std::exchange(stood, true)) return Moved{};
       require_may_move(cell, i);
       moves = std::make_shared<UnderWay>(cell);
       for (moves::Move& move : asked) {
-        moves->last = cell.motion(i)->queue(std::move(move));
+        moves->last = cell.motions.motion(i)->queue(std::move(move));
         if (moves->first == 0) moves->first = moves->last;
       }
-      cell.motion(i)->close();
-      begun = reported = cell.now();
+      cell.motions.motion(i)->close();
+      begun = reported = cell.machine.now();
       return Moved{};
     }
-    if (!cell.motion(i)) {
+    if (!cell.motions.motion(i)) {
       moves->over = true;
       throw Error("discarded", "the controller that moved it was unloaded");
     }
-    throw_bad_end(*cell.motion(i), *moves);
+    throw_bad_end(*cell.motions.motion(i), *moves);
     MoveTo::Answer out = progress_of(cell, i, *moves, begun);
-    if (cell.motion(i)->state_of(moves->last) == moves::MoveState::done && cell.snapshot().standing) {
+    if (cell.motions.motion(i)->state_of(moves->last) == moves::MoveState::done &&
+        cell.machine.snapshot().standing) {
       moves->over = true;
       out.done = true;
       return Moved::done(std::move(out));
     }
-    if (cell.now() - reported < kTellMoveEvery) return Moved{};
-    reported = cell.now();
+    if (cell.machine.now() - reported < kTellMoveEvery) return Moved{};
+    reported = cell.machine.now();
     return Moved::more(std::move(out));
   };
 }
 
-Poll<MoveTo::Answer> move(Cell& cell, const MoveTo& request) {
-  const std::size_t i = robot_named(cell, request.robot);
+Poll<MoveTo::Answer> move(const MoveOwners& cell, const MoveTo& request) {
+  const std::size_t i = robot_named(cell.setup, request.robot);
   require_may_move(cell, i);
-  return follow_moves(cell, i, read_move(cell, *cell.robots()[i], request));
+  return follow_moves(cell, i, read_move(cell, *cell.setup.robots[i], request));
 }
 
 }  // namespace

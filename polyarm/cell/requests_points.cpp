@@ -23,32 +23,32 @@ using namespace protocol;
 using data::ImportFile;
 
 /// The place of the robot, with all that a point remembers.
-data::Value standing_value(Cell& cell, std::size_t i, bool as_joints, const std::string& frame) {
-  const CellRobot& robot = *cell.robots()[i];
-  if (!cell.snapshot().standing && !cell.idle(i))
+data::Value standing_value(const PointOwners& cell, std::size_t i, bool as_joints, const std::string& frame) {
+  const CellRobot& robot = *cell.setup.robots[i];
+  if (!cell.machine.snapshot().standing && !cell.motions.idle(i))
     throw Error("moving", "'" + robot.entry.name + "' moves", "teach where it stands");
   data::JointState joints;
-  joints.positions = joints_now(cell, robot);
+  joints.positions = joints_now(cell.machine, robot);
   for (const controllers::JointFacts& joint : robot.joints)
     joints.names.push_back(joint.name.substr(joint.name.find('/') + 1));
   if (as_joints) return joints;
-  data::Point point{inverse(frame_in_world(cell, frame)) * cell.tcp(i), true};
+  data::Point point{inverse(frame_in_world(cell.setup, cell.data.store, frame)) * cell.motions.tcp(i), true};
   point.taught = std::make_shared<data::Taught>(
       data::Taught{frame == "world" ? "" : frame, robot.entry.tool, robot.entry.model, joints});
   return point;
 }
 
 /// The set that all of these are in. Throws Error("bad-points") where they are in several.
-std::string one_set(Cell& cell, const std::vector<std::string>& names) {
-  const std::string set = cell.store().set_of(names.front());
+std::string one_set(const PointOwners& cell, const std::vector<std::string>& names) {
+  const std::string set = cell.data.store.set_of(names.front());
   for (const std::string& each : names)
-    if (cell.store().set_of(each) != set)
+    if (cell.data.store.set_of(each) != set)
       throw Error("bad-points", "'" + each + "' is in another file than '" + names.front() + "'",
                   "change them apart");
   return set;
 }
 
-std::vector<PointFacts> all_facts(Cell& cell, const std::vector<std::string>& names) {
+std::vector<PointFacts> all_facts(const PointOwners& cell, const std::vector<std::string>& names) {
   std::vector<PointFacts> out;
   for (const std::string& each : names) out.push_back(point_facts(cell, each));
   return out;
@@ -94,22 +94,22 @@ std::vector<FileLine> uses_of(const fs::path& folder, const std::string& name) {
   return out;
 }
 
-PointsList::Answer points(Cell& cell, const PointsList&) {
+PointsList::Answer points(const PointOwners& cell, const PointsList&) {
   PointsList::Answer out;
-  std::vector<std::string> names = cell.store().names();
+  std::vector<std::string> names = cell.data.store.names();
   std::sort(names.begin(), names.end());
   for (const std::string& each : names)
-    if (!cell.store().set_of(each).empty()) out.values.push_back(point_facts(cell, each));
-  for (const std::string& set : cell.files().sets()) out.files.push_back(file_name(cell, set));
-  if (!out.files.empty()) out.file = file_name(cell, set_for(cell, {}, ""));
+    if (!cell.data.store.set_of(each).empty()) out.values.push_back(point_facts(cell, each));
+  for (const std::string& set : cell.data.files().sets()) out.files.push_back(file_name(cell.data, set));
+  if (!out.files.empty()) out.file = file_name(cell.data, set_for(cell.data, {}, ""));
   return out;
 }
 
-PointsHere::Answer points_here(Cell& cell, const PointsHere& request) {
-  const std::size_t i = robot_named(cell, request.robot);
-  const CellRobot& robot = *cell.robots()[i];
-  const Pose tcp = cell.tcp(i);
-  const std::vector<double> q = joints_now(cell, robot);
+PointsHere::Answer points_here(const PointOwners& cell, const PointsHere& request) {
+  const std::size_t i = robot_named(cell.setup, request.robot);
+  const CellRobot& robot = *cell.setup.robots[i];
+  const Pose tcp = cell.motions.tcp(i);
+  const std::vector<double> q = joints_now(cell.machine, robot);
   PointsHere::Answer out{robot.entry.name, pose_facts(tcp), pose_facts(tcp * inverse(robot.tool.tcp)), {},
                          robot.entry.tool};
   for (std::size_t j = 0; j < q.size(); ++j)
@@ -122,10 +122,10 @@ std::optional<std::string> trimmed(const std::optional<std::string>& text) {
   return std::string(trim(*text));
 }
 
-Poll<ChangedPoint> points_teach(Cell& cell, const PointsTeach& request) {
+Poll<ChangedPoint> points_teach(const PointOwners& cell, const PointsTeach& request) {
   const std::string& name = request.name;
   check_point_name(name);
-  const data::Value* old = cell.store().find(name);
+  const data::Value* old = cell.data.store.find(name);
   if (old && !old->is_place())
     throw Error("exists", "'" + name + "' is " + data::name(old->kind()), "give the point another name");
   if (old && !request.replace)
@@ -133,12 +133,12 @@ Poll<ChangedPoint> points_teach(Cell& cell, const PointsTeach& request) {
   const PointKind kind = request.kind.value_or(old && old->as_joints() ? PointKind::joints : PointKind::pose);
   const std::string frame = request.frame.value_or(old && old->as_point() ? old->as_point()->frame() : "");
   const data::Value value =
-      standing_value(cell, robot_named(cell, request.robot), kind == PointKind::joints, frame);
-  return edit_value(cell, set_for(cell, request.file, name), (old ? "touch up " : "teach ") + name, name, value,
-                    trimmed(request.group));
+      standing_value(cell, robot_named(cell.setup, request.robot), kind == PointKind::joints, frame);
+  return edit_value(cell, set_for(cell.data, request.file, name), (old ? "touch up " : "teach ") + name, name,
+                    value, trimmed(request.group));
 }
 
-Poll<ChangedPoint> points_set(Cell& cell, const PointsSet& request) {
+Poll<ChangedPoint> points_set(const PointOwners& cell, const PointsSet& request) {
   const std::string& name = request.name;
   check_point_name(name);
   std::string why;
@@ -152,23 +152,23 @@ Poll<ChangedPoint> points_set(Cell& cell, const PointsSet& request) {
     data::Point out = *point;
     data::Taught taught = out.taught ? *out.taught : data::Taught{};
     taught.frame = frame == "world" ? "" : frame;
-    frame_in_world(cell, taught.frame);
+    frame_in_world(cell.setup, cell.data.store, taught.frame);
     out.taught = std::make_shared<data::Taught>(std::move(taught));
     value = out;
   }
-  return edit_value(cell, set_for(cell, request.file, name), "set " + name, name, *value);
+  return edit_value(cell, set_for(cell.data, request.file, name), "set " + name, name, *value);
 }
 
 /// A change of points, and all of them as they are then.
-Poll<ChangedPoints> edit_points(Cell& cell, const std::string& set, const std::string& what,
+Poll<ChangedPoints> edit_points(const PointOwners& cell, const std::string& set, const std::string& what,
                                 const std::vector<std::string>& names,
                                 std::function<void(ImportFile&)> change) {
-  return then(edit_set(cell, set, what, std::move(change)), [&cell, names, what](Done) {
+  return then(edit_set(cell, set, what, std::move(change)), [cell, names, what](Done) {
     return at_once(ChangedPoints{all_facts(cell, names), what});
   });
 }
 
-Poll<ChangedPoints> points_shift(Cell& cell, const PointsShift& request) {
+Poll<ChangedPoints> points_shift(const PointOwners& cell, const PointsShift& request) {
   const Vec3 way = vector_of(request.by, {"x", "y", "z"}, Dimension::length);
   const Vec3 turn = vector_of(request.by, {"rx", "ry", "rz"}, Dimension::angle);
   const Pose change = pose_xyz_rpy(way, turn);
@@ -176,10 +176,10 @@ Poll<ChangedPoints> points_shift(Cell& cell, const PointsShift& request) {
   const std::vector<std::string>& names = request.names;
   if (names.empty()) throw Error("bad-argument", "no point is named", "'names': [\"Pick\", \"Place\"]");
   std::vector<std::pair<std::string, data::Value>> shifted;
-  for (const std::string& each : names) place_of(cell, each);
+  for (const std::string& each : names) place_of(cell.data.store, each);
   const std::string set = one_set(cell, names);
   for (const std::string& each : names) {
-    const data::Point* point = place_of(cell, each).as_point();
+    const data::Point* point = place_of(cell.data.store, each).as_point();
     if (!point) throw Error("bad-points", "'" + each + "' is a joint state, which has no place to shift");
     data::Point out = *point;
     out.pose = own ? out.pose * change
@@ -196,26 +196,26 @@ Poll<ChangedPoints> points_shift(Cell& cell, const PointsShift& request) {
   });
 }
 
-Poll<ChangedPoints> points_group(Cell& cell, const PointsGroup& request) {
+Poll<ChangedPoints> points_group(const PointOwners& cell, const PointsGroup& request) {
   const std::string group(trim(request.group));
   data::check_group(group);
   const std::vector<std::string>& names = request.names;
   if (names.empty()) throw Error("bad-argument", "no point is named", "'names': [\"Pick\", \"Place\"]");
-  for (const std::string& each : names) kept_value(cell, each);
+  for (const std::string& each : names) kept_value(cell.data.store, each);
   const std::string what = (group.empty() ? "no group for " : "group " + group + ": ") + join(names, ", ");
   return edit_points(cell, one_set(cell, names), what, names, [names, group](ImportFile& file) {
     for (const std::string& each : names) file.set_group(each, group);
   });
 }
 
-Poll<PointsRename::Answer> points_rename(Cell& cell, const PointsRename& request) {
+Poll<PointsRename::Answer> points_rename(const PointOwners& cell, const PointsRename& request) {
   const std::string from = request.name, to = request.to, what = "rename " + from + " to " + to;
   require_short_name(to);
   check_point_name(to);
-  const data::Value value = kept_value(cell, from);
-  if (cell.store().find(to)) throw Error("in-use", "there is a '" + to + "' already", "give another name");
+  const data::Value value = kept_value(cell.data.store, from);
+  if (cell.data.store.find(to)) throw Error("in-use", "there is a '" + to + "' already", "give another name");
   auto uses = std::make_shared<std::vector<FileLine>>();
-  const auto change = [from, to, value, uses, folder = cell.file().folder](ImportFile& file) {
+  const auto change = [from, to, value, uses, folder = cell.setup.file.folder](ImportFile& file) {
     const data::Entry* entry = file.values().find(from);
     const std::string group = entry ? entry->group : "";
     file = data::without(file, from);
@@ -223,34 +223,35 @@ Poll<PointsRename::Answer> points_rename(Cell& cell, const PointsRename& request
     file.set_group(to, group);
     *uses = uses_of(folder, from);
   };
-  return then(edit_set(cell, set_for(cell, {}, from), what, change), [&cell, to, uses, what](Done) {
+  return then(edit_set(cell, set_for(cell.data, {}, from), what, change), [cell, to, uses, what](Done) {
     return at_once(PointsRename::Answer{{point_facts(cell, to), what}, *uses});
   });
 }
 
-Poll<PointsDelete::Answer> points_delete(Cell& cell, const PointsDelete& request) {
+Poll<PointsDelete::Answer> points_delete(const PointOwners& cell, const PointsDelete& request) {
   const std::string name = request.name, what = "delete " + name;
-  kept_value(cell, name);
-  return then(edit_set(cell, set_for(cell, {}, name), what,
+  kept_value(cell.data.store, name);
+  return then(edit_set(cell, set_for(cell.data, {}, name), what,
                        [name](ImportFile& file) { file = data::without(file, name); }),
               [name, what](Done) {
                 return at_once(PointsDelete::Answer{name, what});
               });
 }
 
-Poll<PointsHistory::Answer> points_history(Cell& cell, const PointsHistory& request) {
-  return later(cell, [file = own_file(cell, set_for(cell, request.file, ""))] {
+Poll<PointsHistory::Answer> points_history(const PointOwners& cell, const PointsHistory& request) {
+  return later(cell.worker, [file = own_file(cell.setup, cell.data, set_for(cell.data, request.file, ""))] {
     PointsHistory::Answer out;
-    for (const data::SetVersion& each : data::history(file)) out.push_back({each.number, each.when, each.what});
+    for (const data::SetVersion& each : data::history(file))
+      out.push_back({each.number, each.when, each.what});
     std::reverse(out.begin(), out.end());
     return out;
   });
 }
 
-Poll<PointsUndo::Answer> points_undo(Cell& cell, const PointsUndo& request) {
-  const std::string set = set_for(cell, request.file, "");
+Poll<PointsUndo::Answer> points_undo(const PointOwners& cell, const PointsUndo& request) {
+  const std::string set = set_for(cell.data, request.file, "");
   const auto steps = static_cast<std::size_t>(std::clamp(request.steps.value_or(1), 1.0, 200.0));
-  const auto undo = [file = own_file(cell, set), steps] {
+  const auto undo = [file = own_file(cell.setup, cell.data, set), steps] {
     Edited out;
     const auto versions = data::history(file);
     out.what = versions.empty() ? "" : versions.back().what;
@@ -259,8 +260,8 @@ Poll<PointsUndo::Answer> points_undo(Cell& cell, const PointsUndo& request) {
     out.after = ImportFile::load(file.string()).values();
     return out;
   };
-  return later(cell, undo, [&cell, set](const Edited& edited) {
-    adopt(cell, set, edited);
+  return later(cell.worker, undo, [cell, set](const Edited& edited) {
+    adopt(cell.data, set, edited);
     return PointsUndo::Answer{edited.what};
   });
 }
@@ -275,31 +276,31 @@ std::map<std::string, data::DataSet> own_files(const std::map<std::string, fs::p
   return out;
 }
 
-std::map<std::string, fs::path> copied_sets(Cell& cell) {
+std::map<std::string, fs::path> copied_sets(const PointOwners& cell) {
   std::map<std::string, fs::path> out;
-  for (const std::string& set : cell.files().sets())
-    if (!cell.files().is_live(set)) out[set] = own_file(cell, set);
+  for (const std::string& set : cell.data.files().sets())
+    if (!cell.data.files().is_live(set)) out[set] = own_file(cell.setup, cell.data, set);
   return out;
 }
 
-Poll<OutsideChanges> outside(Cell& cell, bool take) {
+Poll<OutsideChanges> outside(const PointOwners& cell, bool take) {
   const auto read = [paths = copied_sets(cell)] { return own_files(paths); };
-  return later(cell, read, [&cell, take](const std::map<std::string, data::DataSet>& found) {
+  return later(cell.worker, read, [cell, take](const std::map<std::string, data::DataSet>& found) {
     OutsideChanges out;
     for (const auto& [set, now] : found) {
-      const Outside outside = outside_changes(cell, set, now);
+      const Outside outside = outside_changes(cell.data, set, now);
       if (!outside.any()) continue;
-      out.files.push_back({file_name(cell, set), outside.changed, outside.added, outside.removed});
-      if (take) take_outside_changes(cell, set, now);
+      out.files.push_back({file_name(cell.data, set), outside.changed, outside.added, outside.removed});
+      if (take) take_outside_changes(cell.data, set, now);
     }
     return out;
   });
 }
 
-Poll<OutsideChanges> points_outside(Cell& cell, const PointsOutside&) {
+Poll<OutsideChanges> points_outside(const PointOwners& cell, const PointsOutside&) {
   return outside(cell, false);
 }
-Poll<OutsideChanges> points_take(Cell& cell, const PointsTake&) {
+Poll<OutsideChanges> points_take(const PointOwners& cell, const PointsTake&) {
   return outside(cell, true);
 }
 

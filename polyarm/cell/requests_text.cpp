@@ -22,6 +22,14 @@ namespace polyarm::cell {
 namespace {
 
 using namespace protocol;
+
+/// Requests about the text of programs read these.
+struct TextOwners {
+  const CellSetup& setup;
+  const CellData& data;
+  LifeCycle& life;
+  Worker& worker;
+};
 using program::Block;
 using program::Program;
 using program::Statement;
@@ -43,8 +51,8 @@ struct Source {
   std::string read() const { return text ? *text : read_file(file); }
 };
 
-Source source_of(Cell& cell, const std::string& name, const std::optional<std::string>& text) {
-  Source out{project_file(cell.file().folder, name), text};
+Source source_of(const TextOwners& cell, const std::string& name, const std::optional<std::string>& text) {
+  Source out{project_file(cell.setup.file.folder, name), text};
   if (out.text && out.text->size() > kLargest) throw Error("too-large", "the text has more than 900 kB");
   return out;
 }
@@ -133,13 +141,13 @@ class Steps {
   std::vector<StatementFacts> out_;
 };
 
-Poll<ProgramCheck::Answer> program_check(Cell& cell, const ProgramCheck& request) {
+Poll<ProgramCheck::Answer> program_check(const TextOwners& cell, const ProgramCheck& request) {
   const Source source = source_of(cell, request.name, request.text);
   program::KnownNames known;
-  known.add(cell.store());
-  known.folder = cell.file().folder;
-  add_robots(cell.file(), known);
-  return later(cell, [source, known = std::move(known)]() mutable {
+  known.add(cell.data.store);
+  known.folder = cell.setup.file.folder;
+  add_robots(cell.setup.file, known);
+  return later(cell.worker, [source, known = std::move(known)]() mutable {
     Problems found;
     const Program parsed = program::parse(source.read(), source.file.string(), found);
     add_loaded(parsed, known);
@@ -148,29 +156,31 @@ Poll<ProgramCheck::Answer> program_check(Cell& cell, const ProgramCheck& request
   });
 }
 
-Poll<ProgramSteps::Answer> program_steps(Cell& cell, const ProgramSteps& request) {
-  return later(cell, [source = source_of(cell, request.name, request.text)] {
+Poll<ProgramSteps::Answer> program_steps(const TextOwners& cell, const ProgramSteps& request) {
+  return later(cell.worker, [source = source_of(cell, request.name, request.text)] {
     Problems found;
     const Program parsed = program::parse(source.read(), source.file.string(), found);
     return ProgramSteps::Answer{Steps(parsed).list(), findings_of(found)};
   });
 }
 
-ProgramNames::Answer program_names(Cell& cell, const ProgramNames&) {
+ProgramNames::Answer program_names(const TextOwners& cell, const ProgramNames&) {
   constexpr const char* kKinds[] = {"boolean", "number", "text", "list", "joints", "pose", "record"};
-  ProgramNames::Answer out{{}, cell.store().version()};
-  std::vector<std::string> known = cell.store().names();
+  ProgramNames::Answer out{{}, cell.data.store.version()};
+  std::vector<std::string> known = cell.data.store.names();
   std::sort(known.begin(), known.end());
   for (const std::string& each : known) {
-    const data::Value& value = *cell.store().find(each);
-    const char* const kind = cell.store().is_tag(each) ? "tag" : kKinds[static_cast<std::size_t>(value.kind())];
+    const data::Value& value = *cell.data.store.find(each);
+    const char* const kind =
+        cell.data.store.is_tag(each) ? "tag" : kKinds[static_cast<std::size_t>(value.kind())];
     out.names.push_back({each, kind, value.text()});
   }
-  for (const auto& robot : cell.robots()) out.names.push_back({robot->entry.name, "robot", robot->entry.model});
+  for (const auto& robot : cell.setup.robots)
+    out.names.push_back({robot->entry.name, "robot", robot->entry.model});
   return out;
 }
 
-LanguageWords::Answer language_words(Cell&, const LanguageWords&) {
+LanguageWords::Answer language_words(const TextOwners&, const LanguageWords&) {
   constexpr const char* kRoles[] = {"statement", "branch", "closer", "clause", "reserved"};
   LanguageWords::Answer out;
   for (const program::Word& word : program::words())
@@ -182,14 +192,14 @@ LanguageWords::Answer language_words(Cell&, const LanguageWords&) {
   return out;
 }
 
-Asked cell_restart(Cell& cell, const CellRestart& request) {
+Asked cell_restart(const TextOwners& cell, const CellRestart& request) {
   RestartWish wish;
   wish.robot = request.robot.value_or("");
   wish.hardware = request.hardware.value_or("");
   wish.program = request.program.value_or("");
   wish.cell = request.cell.value_or("");
-  require_within_reach(wish, cell.file().folder);
-  cell.ask_restart(std::move(wish));
+  require_within_reach(wish, cell.setup.file.folder);
+  cell.life.ask_restart(std::move(wish));
   return {"restart"};
 }
 

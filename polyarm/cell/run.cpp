@@ -14,8 +14,10 @@
 #include <thread>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/inside.hpp"
 #include "polyarm/cell/socket_door.hpp"
 #include "polyarm/cell/typed_words.hpp"
+#include "polyarm/cell/view.hpp"
 #include "polyarm/cell/worker.hpp"
 #include "polyarm/protocol/hardware.hpp"
 #include "polyarm/realtime/bell.hpp"
@@ -91,10 +93,9 @@ class Console {
 /// The thread of the loop. It keeps what it needs beside the cell, so that a run can end without it.
 class ControlThread {
  public:
-  ControlThread(Cell& cell, realtime::ThreadOptions options)
-      : shared_(std::make_shared<Shared>()), thread_([&cell, options, shared = shared_] {
+  ControlThread(control::ControlLoop& loop, realtime::ThreadOptions options)
+      : shared_(std::make_shared<Shared>()), thread_([&loop, options, shared = shared_] {
           shared->refused.store(realtime::apply_each(options), std::memory_order_release);
-          control::ControlLoop& loop = cell.loop();
           realtime::Periodic clock(loop.options().period);
           for (clock.start(); !shared->done.load(std::memory_order_relaxed);) {
             const auto paced = loop.hardware().exchange().await_cycle(2 * loop.options().period);
@@ -136,25 +137,26 @@ class ControlThread {
 class Runner {
  public:
   Runner(Cell& cell, const RunOptions& options, Observer& observer)
-      : cell_(cell),
+      : door_(cell),
+        cell_(inside_of(cell)),
         options_(options),
-        observer_(cell.observer()),
+        observer_(cell_.events),
         console_(options.console && !options.fast) {
-    cell_.add_observer(observer);
-    cell_.answers().somebody_there = console_.on();
+    cell_.observers.add(observer);
+    cell_.programs->answers().somebody_there = console_.on();
     wall_start_ = realtime::monotonic_now();
     limit_ = options.seconds > 0 ? nanoseconds(options.seconds) : INT64_MAX;
   }
 
   RunResult run() {
-    running_supervisor = &cell_.loop().supervisor();
-    cell_.loop().begin();
+    running_supervisor = &cell_.machine.loop().supervisor();
+    cell_.machine.loop().begin();
     if (options_.fast)
       lock_step();
     else
       wall_clock();
-    if (!stuck_) cell_.loop().end();
-    if (!stuck_ && cell_.recorder()) cell_.recorder()->stop();
+    if (!stuck_) cell_.machine.loop().end();
+    if (!stuck_ && cell_.recorder) cell_.recorder->stop();
     running_supervisor = nullptr;
     const RunResult out = result();
     stops_asked = 0;
@@ -163,15 +165,15 @@ class Runner {
 
  private:
   void lock_step() {
-    control::ControlLoop& loop = cell_.loop();
+    control::ControlLoop& loop = cell_.machine.loop();
     const std::unique_ptr<SocketDoor> door = options_.fast_socket ? open_door() : nullptr;
     const auto doors = open_doors();
-    nobody_there_ = !door && doors.empty() && options_.doors.empty() && !cell_.test();
+    nobody_there_ = !door && doors.empty() && options_.doors.empty() && !cell_.programs->test();
     Nanoseconds next_tick = 0;
     while (!over_) {
       if (loop.cycle().time >= next_tick) {
         next_tick = loop.cycle().time + Cell::kTick;
-        if (door) door->serve(cell_.requests());
+        if (door) door->serve(cell_.requests);
         serve(doors);
         after_tick(loop.cycle().time);
         if (over_) break;
@@ -183,9 +185,9 @@ class Runner {
   void wall_clock() {
     const std::unique_ptr<SocketDoor> door = options_.socket ? open_door() : nullptr;
     const auto doors = open_doors();
-    cell_.arming().announce();
-    EmptyLoop empty(cell_.loop().options().period, thread_options());
-    ControlThread control(cell_, thread_options());
+    cell_.arming->announce();
+    EmptyLoop empty(cell_.machine.loop().options().period, thread_options());
+    ControlThread control(cell_.machine.loop(), thread_options());
     const auto bell = std::make_shared<realtime::Bell>();
     hang(bell, door.get(), doors);
     realtime::Periodic clock(Cell::kTick);
@@ -194,9 +196,9 @@ class Runner {
       for (int i = 0; i < kMostBetween && bell->wait_until(due); ++i) take(door.get(), doors);
       const realtime::WakeUp wake = clock.wait();
       due = wake.due + static_cast<Nanoseconds>(wake.skipped + 1) * Cell::kTick;
-      cell_.loop().outbox().fetch();
-      const hardware::Cycle seen = cell_.snapshot().cycle;
-      if (door) door->serve(cell_.requests());
+      cell_.machine.loop().outbox().fetch();
+      const hardware::Cycle seen = cell_.machine.snapshot().cycle;
+      if (door) door->serve(cell_.requests);
       serve(doors);
       watch_loop();
       tell_refused(control.refused());
@@ -210,8 +212,8 @@ class Runner {
 
   std::unique_ptr<SocketDoor> open_door() {
     try {
-      auto door = std::make_unique<SocketDoor>(cell_.file().name);
-      if (door->path().stem() != cell_.file().name)
+      auto door = std::make_unique<SocketDoor>(cell_.setup.file.name);
+      if (door->path().stem() != cell_.setup.file.name)
         observer_.on_note("this cell answers as '" + door->path().stem().string() + "'");
       return door;
     } catch (const Error& e) {
@@ -222,8 +224,8 @@ class Runner {
 
   std::vector<std::unique_ptr<Door>> open_doors() {
     std::vector<std::unique_ptr<Door>> out;
-    for (const auto& [name, options] : cell_.file().doors) try {
-        out.push_back(cell::open_door(name, cell_, options));
+    for (const auto& [name, options] : cell_.setup.file.doors) try {
+        out.push_back(cell::open_door(name, door_.view(), options));
         observer_.on_note(out.back()->address());
       } catch (const Error& e) {
         observer_.on_note(std::string(e.what()) + "; the door '" + name + "' stays shut");
@@ -242,20 +244,20 @@ class Runner {
     if (socket) socket->set_bell(bell);
     for (const auto& door : doors) door->set_bell(bell);
     for (Door* const door : options_.doors) door->set_bell(bell);
-    cell_.worker().set_bell(bell);
+    cell_.worker.set_bell(bell);
   }
 
   /// Between two ticks: requests that have come in are begun, and those that waited for the worker go on.
   void take(SocketDoor* socket, const std::vector<std::unique_ptr<Door>>& doors) {
-    cell_.loop().outbox().fetch();
-    if (socket) socket->serve(cell_.requests());
+    cell_.machine.loop().outbox().fetch();
+    if (socket) socket->serve(cell_.requests);
     for (const auto& door : doors) door->take();
     for (Door* const door : options_.doors) door->take();
-    cell_.requests().tick();
+    cell_.requests.tick();
   }
 
   realtime::ThreadOptions thread_options() const {
-    return control_thread(options_, cell_.file().loop, cell_.manager());
+    return control_thread(options_, cell_.setup.file.loop, cell_.setup.manager);
   }
 
   /// What the machine did not permit the control thread: at once, and once.
@@ -267,7 +269,8 @@ class Runner {
 
   /// The loop watches the cell thread; here the cell thread watches the loop, and can only tell.
   void watch_loop() {
-    const std::uint64_t cycles = cell_.loop().health().cycles, gaps = cell_.loop().health().gaps;
+    const std::uint64_t cycles = cell_.machine.loop().health().cycles,
+                        gaps = cell_.machine.loop().health().gaps;
     if (std::exchange(gaps_, gaps) != gaps)
       observer_.on_note("wall time went missing; a simulated cell goes on (loop: {stall: hold} holds it)");
     const Nanoseconds now = realtime::monotonic_now();
@@ -279,15 +282,15 @@ class Runner {
       seen_cycles_ = cycles;
       cycles_seen_at_ = now;
     } else if (!loop_silent_ &&
-               now - cycles_seen_at_ > std::max(kLoopSilence, 5 * cell_.loop().options().period)) {
+               now - cycles_seen_at_ > std::max(kLoopSilence, 5 * cell_.machine.loop().options().period)) {
       loop_silent_ = true;
       observer_.on_note(standing_still());
     }
   }
 
   std::string standing_still() {
-    const hardware::Hardware& hardware = cell_.loop().hardware();
-    const control::ControllerManager& controllers = cell_.loop().controllers();
+    const hardware::Hardware& hardware = cell_.machine.loop().hardware();
+    const control::ControllerManager& controllers = cell_.machine.loop().controllers();
     if (const int who = hardware.diagnostics().in_call(); who >= 0)
       return "the control loop stands still: it waits for the hardware component " +
              hardware.component_name(static_cast<std::size_t>(who)) + "; give it is_async=\"true\"";
@@ -300,9 +303,9 @@ class Runner {
   void typed(const std::string& line) {
     const std::optional<protocol::Request> request = typed_request(line);
     if (line == "resume") stops_asked = 0;
-    if (line == "arm" && cell_.arming().needed() && !console_.is_terminal()) {
+    if (line == "arm" && cell_.arming->needed() && !console_.is_terminal()) {
       observer_.on_note("only a person at a terminal arms real hardware");
-    } else if (line == "arm" && cell_.arming().needed()) {
+    } else if (line == "arm" && cell_.arming->needed()) {
       protocol::ControlArm arm;
       arm.confirmed = true;
       ask(arm);
@@ -311,13 +314,13 @@ class Runner {
     } else if (request) {
       ask(*request);
     } else {
-      cell_.answers().give(line);
+      cell_.programs->answers().give(line);
     }
   }
 
   /// What a person types is a request like those of any program; a refusal is reported.
   void ask(protocol::Request request) {
-    cell_.requests().ask(std::move(request), [this](const protocol::Reply& reply) {
+    cell_.requests.ask(std::move(request), [this](const protocol::Reply& reply) {
       if (!reply.refusal) return true;
       const Problem& why = reply.refusal->problems().front();
       observer_.on_note(why.what + " (" + why.advice + ")");
@@ -329,69 +332,69 @@ class Runner {
     cell_.tick(now);
     watch_state(now);
     watch_first_motion();
-    const control::Snapshot& seen = cell_.snapshot();
+    const control::Snapshot& seen = cell_.machine.snapshot();
     if (stops_asked.load() > 0 && !stopping_) {
       stopping_ = true;
-      cell_.stop_programs();
+      cell_.programs->stop_all();
     }
-    if (cell_.restart() && !stopping_) {
+    if (cell_.life->restart() && !stopping_) {
       stopping_ = true;
-      cell_.loop().supervisor().latch().request(realtime::StopKind::controlled);
-      cell_.stop_programs();
+      cell_.machine.loop().supervisor().latch().request(realtime::StopKind::controlled);
+      cell_.programs->stop_all();
     }
-    if (stopping_ || cell_.failure()) {
+    if (stopping_ || cell_.life->failure()) {
       const Nanoseconds clock = options_.fast ? now : realtime::monotonic_now();  // of a loop that may hang
       if (stop_since_ < 0) stop_since_ = clock;
       const bool standing = seen.standing && seen.state != control::RunState::stopping &&
                             seen.state != control::RunState::running;
       over_ = (standing && cell_.outputs_settled()) || clock - stop_since_ > options_.patience;
     } else {
-      const bool finished = cell_.finished() && !options_.stay;
+      const bool finished = cell_.life->finished() && !options_.stay;
       if (seen.state != control::RunState::held || !seen.standing) held_since_ = now;
       held_out_ = nobody_there_ && now - held_since_ > kHeldPatience;
       over_ = finished || now >= limit_ || held_out_;
-      cut_short_ = over_ && !cell_.finished();
+      cut_short_ = over_ && !cell_.life->finished();
     }
     if (now - told_pose_ >= 100'000'000) {
       told_pose_ = now;
-      for (std::size_t i = 0; i < cell_.robots().size(); ++i)
-        observer_.on_pose(now, cell_.robots()[i]->entry.name, cell_.tcp(i));
+      for (std::size_t i = 0; i < cell_.setup.robots.size(); ++i)
+        observer_.on_pose(now, cell_.setup.robots[i]->entry.name, cell_.motions->tcp(i));
     }
   }
 
   void watch_state(Nanoseconds now) {
-    const control::Snapshot& seen = cell_.snapshot();
+    const control::Snapshot& seen = cell_.machine.snapshot();
     if (seen.state == told_state_) return;
     told_state_ = seen.state;
-    observer_.on_state(now, control::name(seen.state), cell_.stop_cause());
+    observer_.on_state(now, control::name(seen.state), cell_.life->stop_cause());
   }
 
   void watch_first_motion() {
-    if (first_motion_ || !cell_.first_motion_cycle()) return;
+    if (first_motion_ || !cell_.motions->first_motion_cycle()) return;
     const Nanoseconds here = options_.started > 0 ? realtime::wall_now() - options_.started
                                                   : realtime::monotonic_now() - wall_start_;
     first_motion_ = seconds(here);
   }
 
   RunResult result() {
-    cell_.files().flush();
-    cell_.keep_safe_point();
-    control::ControlLoop& loop = cell_.loop();
+    cell_.data.files().flush();
+    cell_.programs->keep_safe_point();
+    control::ControlLoop& loop = cell_.machine.loop();
     RunResult out;
     out.sim_time_s = seconds(loop.cycle().time);
     out.wall_time_s = seconds(realtime::monotonic_now() - wall_start_);
-    out.program_cycles = cell_.program() ? cell_.program()->status().passes : 0;
-    out.contacts_max = cell_.contacts_max();
-    out.tracking_error_max = cell_.tracking_error_max();
+    out.program_cycles = cell_.programs->program() ? cell_.programs->program()->status().passes : 0;
+    out.contacts_max = cell_.watches->contacts_max();
+    out.tracking_error_max = cell_.watches->tracking_error_max();
     out.clamps = loop.limits().clamps();
-    out.parts = cell_.parts().report();
-    out.stops = cell_.stops();
-    out.restart = cell_.restart();
-    out.repeatable = options_.fast && !options_.fast_socket && !cell_.files().has_outside_writers() &&
-                     !cell_.links().any();
+    out.parts = cell_.parts->report();
+    out.stops = cell_.watches->stops();
+    out.restart = cell_.life->restart();
+    out.repeatable = options_.fast && !options_.fast_socket && !cell_.data.files().has_outside_writers() &&
+                     !cell_.data.links().any();
     out.trace_hash = loop.trace().text();
     out.first_motion_s = first_motion_;
-    for (const auto& robot : cell_.robots())
+    for (const auto& robot : cell_.setup.robots)
       if (robot->driver == "mujoco") out.physics_step_s = std::min(1e-3, seconds(loop.options().period));
     health(out.health);
     verdict(out);
@@ -399,7 +402,7 @@ class Runner {
   }
 
   void health(LoopHealth& out) {
-    const control::Health& h = cell_.loop().health();
+    const control::Health& h = cell_.machine.loop().health();
     out = {h.cycles,
            h.late,
            late_empty_,
@@ -421,31 +424,33 @@ class Runner {
                               "what it drives is left to the driver's watchdog"});
       return;
     }
-    if (cell_.failure()) {
+    if (cell_.life->failure()) {
       out.outcome = Outcome::failed;
-      out.problems.push_back(cell_.failure()->problem);
+      out.problems.push_back(cell_.life->failure()->problem);
     } else if (stopping_) {
       out.outcome = Outcome::stopped;
       return;
     } else if (held_out_) {
       out.outcome = Outcome::failed;
-      out.problems.push_back({"held", cell_.program() ? cell_.program()->status().where : Location{},
-                              "the cell is held, and in lock-step nobody is there to resume it",
-                              "run it without --fast, or with --socket, and polyarm control resume"});
+      out.problems.push_back(
+          {"held", cell_.programs->program() ? cell_.programs->program()->status().where : Location{},
+           "the cell is held, and in lock-step nobody is there to resume it",
+           "run it without --fast, or with --socket, and polyarm control resume"});
     }
-    for (const Problem& problem : cell_.group_faults()) {
+    for (const Problem& problem : cell_.watches->group_faults()) {
       out.outcome = Outcome::failed;
       out.problems.push_back(problem);
     }
-    const bool cut = cut_short_ || cell_.failure().has_value() || cell_.limited();
-    for (const std::string& part : cell_.parts().failures(cut)) {
-      if (cut_short_ && !cell_.failure()) continue;  // ended by --seconds in the middle of the work
+    const bool cut = cut_short_ || cell_.life->failure().has_value() || cell_.setup.options.cycles > 0;
+    for (const std::string& part : cell_.parts->failures(cut)) {
+      if (cut_short_ && !cell_.life->failure()) continue;  // ended by --seconds in the middle of the work
       out.outcome = Outcome::failed;
       out.problems.push_back({"part", {}, part, {}});
     }
   }
 
-  Cell& cell_;
+  Cell& door_;
+  CellInside& cell_;
   RunOptions options_;
   Observer& observer_;
   Console console_;

@@ -4,7 +4,13 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/base/error.hpp"
 #include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/cell/door.hpp"
+#include "polyarm/cell/parts.hpp"
+#include "polyarm/cell/stops.hpp"
+#include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::cell {
 

@@ -7,21 +7,21 @@
 #include <optional>
 #include <string_view>
 
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/programs.hpp"
 #include "polyarm/program/code.hpp"
 
 namespace polyarm::cell {
 
 namespace {
-std::optional<double> state_of(Cell& cell, const std::string& interface) {
-  const auto at = cell.loop().table().find_state(interface);
-  const auto& states = cell.snapshot().states;
+std::optional<double> state_of(const WaitOwners& cell, const std::string& interface) {
+  const auto at = cell.machine.table().find_state(interface);
+  const auto& states = cell.machine.snapshot().states;
   if (!at || *at >= states.size()) return std::nullopt;
   return states[*at];
 }
 
-const signals::Tag* command_tag(const Cell& cell, const std::string& interface) {
-  for (const signals::Tag& tag : cell.signals().tags)
+const signals::Tag* command_tag(const WaitOwners& cell, const std::string& interface) {
+  for (const signals::Tag& tag : cell.data.signals().tags)
     if (tag.role == data::TagRole::command && tag.interface == interface) return &tag;
   return nullptr;
 }
@@ -31,12 +31,12 @@ std::string parts(double count) {
 }
 
 /// `at_feeder`: who waits looks at the feeder itself, not at a gripper that takes from it.
-std::string hint_of(Cell& cell, const std::string& feeder, bool at_feeder) {
+std::string hint_of(const WaitOwners& cell, const std::string& feeder, bool at_feeder) {
   const auto presented = state_of(cell, "scene/" + feeder + "/presented");
   const auto remaining = state_of(cell, "scene/" + feeder + "/remaining");
   if (!presented || !remaining) return {};
   const signals::Tag* tag = command_tag(cell, "scene/" + feeder + "/feed");
-  const double asked = tag ? cell.tags().sent(tag->name).value_or(0) : 0;
+  const double asked = tag ? cell.data.tags().sent(tag->name).value_or(0) : 0;
   if (*remaining <= 0 && (at_feeder || asked > *presented))
     return *presented <= 0
                ? "the feeder '" + feeder + "' is empty: no part of the scene has 'feeder: " + feeder + "'"
@@ -70,12 +70,12 @@ struct NearPart {
 };
 
 /// Of those that nothing holds; none where no part lies in the cell.
-NearPart nearest_part(Cell& cell, const Vec3& tcp) {
+NearPart nearest_part(const WaitOwners& cell, const Vec3& tcp) {
   NearPart out;
-  const auto& states = cell.snapshot().world.parts;
-  for (std::size_t i = 0; i < std::min(states.size(), cell.scene().parts.size()); ++i) {
+  const auto& states = cell.machine.snapshot().world.parts;
+  for (std::size_t i = 0; i < std::min(states.size(), cell.setup.scene.parts.size()); ++i) {
     if (!states[i].in_world || states[i].held_by >= 0) continue;
-    const description::Part& part = cell.scene().parts[i];
+    const description::Part& part = cell.setup.scene.parts[i];
     const Vec3 there = inverse(states[i].pose.rotation) * (tcp - states[i].pose.position);
     const double away = distance(there, part.shape);
     if (!out.part || away < out.away) out = {&part, away};
@@ -84,18 +84,18 @@ NearPart nearest_part(Cell& cell, const Vec3& tcp) {
 }
 
 /// Why the gripper of this robot holds nothing.
-std::string hint_of_gripper(Cell& cell, std::size_t robot) {
+std::string hint_of_gripper(const WaitOwners& cell, std::size_t robot) {
   constexpr double kGravity = 9.81;
-  const CellRobot& arm = *cell.robots()[robot];
+  const CellRobot& arm = *cell.setup.robots[robot];
   const bool suction = arm.tool.gripper == description::GripperKind::suction;
   const std::string interface = arm.entry.name + (suction ? "/tool/vacuum" : "/tool/grip");
   const signals::Tag* tag = command_tag(cell, interface);
   if (!tag) return "no tag of signals.yaml has 'command: " + interface + "'";
   const std::string what = suction ? "the vacuum of '" : "the gripper of '";
-  if (cell.tags().sent(tag->name).value_or(0) < 0.5)
+  if (cell.data.tags().sent(tag->name).value_or(0) < 0.5)
     return what + arm.entry.name + (suction ? "' is off" : "' is open") + ": '" + tag->name + "' is " +
-           cell.store().find(tag->name)->text();
-  const NearPart near = nearest_part(cell, cell.tcp(robot).position);
+           cell.data.store.find(tag->name)->text();
+  const NearPart near = nearest_part(cell, cell.motions.tcp(robot).position);
   if (!near.part) return "no part lies in the cell";
   const double reach = suction ? arm.tool.reach : arm.tool.finger_length;
   if (near.away > reach)
@@ -109,13 +109,13 @@ std::string hint_of_gripper(Cell& cell, std::size_t robot) {
 }
 
 /// Who waits for this tag, which is False or 0, waits for a gripper that holds something.
-std::string hint_of_gripper(Cell& cell, const signals::Tag& tag) {
+std::string hint_of_gripper(const WaitOwners& cell, const signals::Tag& tag) {
   constexpr std::string_view kEnd = "/tool/part_present";
-  const data::Value* value = cell.store().find(tag.name);
+  const data::Value* value = cell.data.store.find(tag.name);
   if (!tag.interface.ends_with(kEnd) || !value || tag.to_interface(*value).value_or(1) != 0) return {};
   const std::string name = tag.interface.substr(0, tag.interface.size() - kEnd.size());
-  for (std::size_t i = 0; i < cell.robots().size(); ++i)
-    if (cell.robots()[i]->entry.name == name) return hint_of_gripper(cell, i);
+  for (std::size_t i = 0; i < cell.setup.robots.size(); ++i)
+    if (cell.setup.robots[i]->entry.name == name) return hint_of_gripper(cell, i);
   return {};
 }
 
@@ -126,11 +126,11 @@ void add_waits(const Task* task, std::vector<std::string>& names) {
 }
 }  // namespace
 
-std::string hint_of_wait(Cell& cell, std::span<const std::string> names) {
-  for (const signals::Tag& tag : cell.signals().tags) {
+std::string hint_of_wait(const WaitOwners& cell, std::span<const std::string> names) {
+  for (const signals::Tag& tag : cell.data.signals().tags) {
     if (tag.role != data::TagRole::state || std::find(names.begin(), names.end(), tag.name) == names.end())
       continue;
-    for (const description::Feeder& feeder : cell.scene().feeders) {
+    for (const description::Feeder& feeder : cell.setup.scene.feeders) {
       const bool at_feeder = tag.interface.starts_with("scene/" + feeder.name + "/");
       if (!at_feeder && !tag.interface.ends_with("/tool/part_present")) continue;
       if (std::string hint = hint_of(cell, feeder.name, at_feeder); !hint.empty()) return hint;
@@ -140,20 +140,20 @@ std::string hint_of_wait(Cell& cell, std::span<const std::string> names) {
   return {};
 }
 
-std::string hint_of_wait(Cell& cell) {
+std::string hint_of_wait(const WaitOwners& cell) {
   std::vector<std::string> names;
-  add_waits(cell.program(), names);
-  add_waits(cell.plc(), names);
+  add_waits(cell.programs.program(), names);
+  add_waits(cell.programs.plc(), names);
   return hint_of_wait(cell, names);
 }
 
-void explain_timeout(Cell& cell, const Task& task, Problem& problem) {
+void explain_timeout(const WaitOwners& cell, const Task& task, Problem& problem) {
   if (problem.code != "timeout" && problem.code != "expect") return;
   const program::Program& program = task.interpreter().program();
   const program::Statement* s = program::statement_at(program, problem.where);
   if (!s || !s->expression) return;
   std::vector<std::string> names = program::names_read(*s->expression);
-  add_waits(cell.plc(), names);
+  add_waits(cell.programs.plc(), names);
   if (const std::string hint = hint_of_wait(cell, names); !hint.empty()) problem.what += "; " + hint;
 }
 

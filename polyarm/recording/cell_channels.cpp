@@ -54,7 +54,7 @@ std::string robot_topic(const cell::CellRobots& robots, const cell::CellRobot& r
   return robots.size() == 1 ? std::string("/") + topic : "/" + topic_part(robot.entry.name) + "/" + topic;
 }
 
-std::vector<bool> drives(const cell::Cell& cell) {
+std::vector<bool> drives(const cell::CellView& cell) {
   std::vector<bool> out;
   for (std::size_t i = 0; i < cell.robots().size(); ++i) out.push_back(cell.base(i).moves());
   return out;
@@ -75,8 +75,8 @@ std::size_t CellChannels::add_json(std::string topic, const char* name, const ch
   return list_.size() - 1;
 }
 
-CellChannels::CellChannels(cell::Cell& cell, std::int64_t offset)
-    : cell_(cell), offset_(offset), state_(cell.robots(), cell.loop().table(), drives(cell)) {
+CellChannels::CellChannels(cell::CellView& cell, std::int64_t offset)
+    : cell_(cell), offset_(offset), state_(cell.robots(), cell.table(), drives(cell)) {
   joints_ = add<ros::sensor_msgs::msg::JointState>("/joint_states", "every joint that is measured");
   add_commands();
   moving_ = add<ros::tf2_msgs::msg::TFMessage>(
@@ -106,7 +106,7 @@ void CellChannels::add_descriptions() {
       tcp_frames_.back() = {frame_of(*robot, robot->model.root, robots.size() > 1), robot->entry.base};
     auto& states = tcp_states_.emplace_back();
     for (const controllers::JointFacts& joint : robot->joints) {
-      const auto index = cell_.loop().table().find_state(joint.name + "/position");
+      const auto index = cell_.table().find_state(joint.name + "/position");
       states.push_back(index ? static_cast<int>(*index) : -1);
     }
   }
@@ -120,7 +120,7 @@ void CellChannels::add_commands() {
   for (const auto& robot : robots)
     for (const controllers::JointFacts& joint : robot->joints) {
       const auto find = [&](const char* what) {
-        const auto index = cell_.loop().table().find_command(joint.name + "/" + what);
+        const auto index = cell_.table().find_command(joint.name + "/" + what);
         return index ? static_cast<int>(*index) : -1;
       };
       commands_of_.push_back({find("position"), find("velocity"), find("effort")});
@@ -138,7 +138,7 @@ void CellChannels::add_commands() {
 void CellChannels::add_interfaces() {
   interfaces_ = add<ros::control_msgs::msg::DynamicJointState>("/dynamic_joint_states",
                                                                "every state interface, tools and boards too");
-  const hardware::InterfaceTable& table = cell_.loop().table();
+  const hardware::InterfaceTable& table = cell_.table();
   const std::string own = cell_.robots().size() == 1 ? cell_.robots()[0]->entry.name + "/" : "";
   std::map<std::string, std::size_t> owners;
   for (std::size_t i = 0; i < table.built_states(); ++i) {
@@ -359,7 +359,7 @@ void CellChannels::tell_line(Nanoseconds time, const std::string& task, const Lo
 void CellChannels::tell_health(Nanoseconds time, const Tell& tell) {
   using Status = ros::diagnostic_msgs::msg::DiagnosticStatus;
   const control::Snapshot& seen = cell_.snapshot();
-  const control::Health& health = cell_.loop().health();
+  const control::Health& health = cell_.health();
   Status status;
   status.level = seen.state == control::RunState::fault     ? Status::ERROR
                  : seen.state == control::RunState::running ? Status::OK
@@ -375,7 +375,7 @@ void CellChannels::tell_health(Nanoseconds time, const Tell& tell) {
     return fmt::format("{:.1f}", 1e-3 * static_cast<double>(t));
   };
   add("cycles", std::to_string(seen.cycle.index));
-  add("clamps", std::to_string(cell_.loop().limits().clamps()));
+  add("clamps", std::to_string(cell_.clamps()));
   if (!cell_.lock_step()) {
     add("late", std::to_string(std::uint64_t{health.late}));
     add("cost p50 us", microseconds(health.cost.percentile(0.5)));

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "polyarm/base/time.hpp"
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/view.hpp"
 #include "polyarm/control/cycle_tap.hpp"
 #include "polyarm/recording/channel.hpp"
 #include "polyarm/recording/state_messages.hpp"
@@ -29,7 +29,7 @@ enum class LogLevel : std::uint8_t { debug = 10, info = 20, warn = 30, error = 4
 /// Times given are of the cell; those of messages are `offset` later.
 class CellChannels {
  public:
-  explicit CellChannels(cell::Cell& cell, std::int64_t offset);
+  explicit CellChannels(cell::CellView& cell, std::int64_t offset);
 
   /// ROS time − cell time, ns.
   std::int64_t offset() const { return offset_; }
@@ -80,7 +80,7 @@ class CellChannels {
   void say_tag(const Tag& tag, const data::Value& value, std::int64_t time, const Tell& tell);
   void tell_loop(const control::TappedCycle& cycle, std::int64_t time, const Tell& tell);
 
-  cell::Cell& cell_;
+  cell::CellView& cell_;
   std::int64_t offset_;
   StateMessages state_;
   std::vector<Channel> list_;

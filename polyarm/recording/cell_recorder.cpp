@@ -15,7 +15,8 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/secrets.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/stops.hpp"
+#include "polyarm/cell/view.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/recording/attachments.hpp"
 #include "polyarm/recording/cell_channels.hpp"
@@ -43,7 +44,7 @@ std::int64_t system_time() {
 /// One file, from its beginning to its end. What the cell thread calls never waits for the disk.
 class Session {
  public:
-  Session(cell::Cell& cell, const fs::path& path, double rate, const std::string& version)
+  Session(cell::CellView& cell, const fs::path& path, double rate, const std::string& version)
       : cell_(cell),
         lock_step_(cell.lock_step()),
         begin_(cell.now()),
@@ -53,14 +54,13 @@ class Session {
         writer_(sink_, {"ros2", "polyarm " + version}),
         channels_(cell, lock_step_ ? 0 : system_time() - cell.now()) {
     for (const Channel& channel : channels_.list()) writer_.add_channel(channel);
-    control::ControlLoop& loop = cell.loop();
-    const double cycles = 1e9 / static_cast<double>(loop.options().period);
+    const double cycles = 1e9 / static_cast<double>(cell.period());
     const auto every = static_cast<unsigned>(std::max(1.0, std::round(cycles / rate)));
     rate_ = cycles / every;
-    const std::size_t values = loop.table().built_states() + loop.table().built_commands();
+    const std::size_t values = cell.table().built_states() + cell.table().built_commands();
     const std::size_t row = sizeof(double) * values + sizeof(control::TappedCycle);
     const auto rows = static_cast<std::size_t>(std::max(256.0, 4 * rate_));
-    tap_ = loop.make_tap(std::min(rows, std::max<std::size_t>(16, kMostRowBytes / row)), every);
+    tap_ = cell.make_tap(std::min(rows, std::max<std::size_t>(16, kMostRowBytes / row)), every);
     facts_ = {{"version", version},
               {"cell", cell.file().name},
               {"clock", lock_step_ ? "lock-step" : "wall clock"},
@@ -68,7 +68,7 @@ class Session {
               {"recorded_hz", format_number(rate_)},
               {"begin_s", format_number(seconds(begin_))}};
     channels_.tell_tags(begin_, true, events());
-    cell.loop().tap(tap_.get());
+    cell.tap(tap_.get());
     if (lock_step_)
       write_head();
     else
@@ -115,7 +115,7 @@ class Session {
     closes_ = true;
     if (closed()) return;
     Problems busy;  // tried again in the next tick
-    if (!untapped_) collect(busy, [this] { untapped_ = cell_.loop().tap(nullptr); });
+    if (!untapped_) collect(busy, [this] { untapped_ = cell_.tap(nullptr); });
     if (lock_step_) {
       pass();
       end();
@@ -257,7 +257,7 @@ class Session {
 
   static constexpr Nanoseconds kMargin = 200'000'000;  // the thread naps and writes meanwhile
 
-  cell::Cell& cell_;
+  cell::CellView& cell_;
   const bool lock_step_;
   const Nanoseconds begin_;
   Nanoseconds told_all_;
@@ -288,7 +288,7 @@ class Session {
 
 class CellRecorder : public cell::Recorder, private cell::Observer {
  public:
-  CellRecorder(cell::Cell& cell, std::string version) : cell_(cell), version_(std::move(version)) {
+  CellRecorder(cell::CellView& cell, std::string version) : cell_(cell), version_(std::move(version)) {
     cell_.add_observer(*this);
   }
   ~CellRecorder() override { cell_.remove_observer(*this); }
@@ -382,7 +382,7 @@ class CellRecorder : public cell::Recorder, private cell::Observer {
         problem.what + advice, problem.where);
   }
 
-  cell::Cell& cell_;
+  cell::CellView& cell_;
   std::string version_;
   fs::path path_;
   std::unique_ptr<Session> session_;
@@ -390,7 +390,7 @@ class CellRecorder : public cell::Recorder, private cell::Observer {
 
 }  // namespace
 
-std::unique_ptr<cell::Recorder> make_recorder(cell::Cell& cell, std::string version) {
+std::unique_ptr<cell::Recorder> make_recorder(cell::CellView& cell, std::string version) {
   return std::make_unique<CellRecorder>(cell, std::move(version));
 }
 

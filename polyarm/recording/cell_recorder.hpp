@@ -6,7 +6,7 @@
 #include "polyarm/cell/recorder.hpp"
 
 namespace polyarm::cell {
-class Cell;
+class CellView;
 }
 
 namespace polyarm::recording {
@@ -19,6 +19,6 @@ namespace polyarm::recording {
 ///
 /// `stop` only begins to close the file: `status().recording` says when it is whole. Destroying the recorder
 /// waits for that.
-std::unique_ptr<cell::Recorder> make_recorder(cell::Cell& cell, std::string version);
+std::unique_ptr<cell::Recorder> make_recorder(cell::CellView& cell, std::string version);
 
 }  // namespace polyarm::recording

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "polyarm/base/file.hpp"
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/view.hpp"
 #include "polyarm/cell/worker.hpp"
 #include "polyarm/description/plain_urdf.hpp"
 #include "polyarm/recording/cell_channels.hpp"
@@ -28,7 +28,7 @@ std::int64_t system_time() {
 /// Files of descriptions, by what these call them; nothing else is given out.
 class Meshes {
  public:
-  explicit Meshes(const cell::Cell& cell) {
+  explicit Meshes(const cell::CellView& cell) {
     for (const auto& robot : cell.robots())
       for (const description::Link& link : robot->model.links)
         for (const auto* shapes : {&link.visuals, &link.collisions})
@@ -57,7 +57,7 @@ class Meshes {
 
 class LiveView::Work : public cell::Observer {
  public:
-  Work(cell::Cell& cell, FoxgloveServer& server)
+  Work(cell::CellView& cell, FoxgloveServer& server)
       : cell_(cell),
         server_(server),
         channels_(cell, cell.lock_step() ? 0 : system_time() - cell.now()),
@@ -103,8 +103,8 @@ class LiveView::Work : public cell::Observer {
     control::TappedCycle cycle;
     cycle.index = seen.cycle.index;
     cycle.time = seen.cycle.time;
-    cycle.late = cell_.loop().health().late;
-    cycle.cost = cell_.loop().health().cost.percentile(0.5);
+    cycle.late = cell_.health().late;
+    cycle.cost = cell_.health().cost.percentile(0.5);
     cycle.state = seen.state;
     cycle.cause = seen.cause;
     cycle.standing = seen.standing;
@@ -145,7 +145,7 @@ class LiveView::Work : public cell::Observer {
         problem.what + advice, problem.where);
   }
 
-  cell::Cell& cell_;
+  cell::CellView& cell_;
   FoxgloveServer& server_;
   CellChannels channels_;
   std::shared_ptr<const Meshes> meshes_;
@@ -154,7 +154,8 @@ class LiveView::Work : public cell::Observer {
   Nanoseconds told_at_ = -kEvery, told_seldom_ = -kSeldom;
 };
 
-LiveView::LiveView(cell::Cell& cell, FoxgloveServer& server) : work_(std::make_unique<Work>(cell, server)) {}
+LiveView::LiveView(cell::CellView& cell, FoxgloveServer& server)
+    : work_(std::make_unique<Work>(cell, server)) {}
 LiveView::~LiveView() = default;
 bool LiveView::serve() {
   return work_->serve();

@@ -5,7 +5,7 @@
 #include "polyarm/recording/foxglove_server.hpp"
 
 namespace polyarm::cell {
-class Cell;
+class CellView;
 }
 
 namespace polyarm::recording {
@@ -15,7 +15,7 @@ namespace polyarm::recording {
 /// Cell thread; the server outlives it, and it goes before the cell does.
 class LiveView {
  public:
-  LiveView(cell::Cell& cell, FoxgloveServer& server);
+  LiveView(cell::CellView& cell, FoxgloveServer& server);
   ~LiveView();
   /// Each tick. True where a client has been given something.
   bool serve();

@@ -175,7 +175,7 @@ class Server : public std::enable_shared_from_this<Server> {
   /// What the code alone does not say.
   std::string why_aborted(const Goal& goal, const GoalAnswer& answer) const {
     if (answer.error_code != kInvalidGoal) return "";
-    for (const control::ListedController& c : bridge_.cell().loop().controllers().list())
+    for (const control::ListedController& c : bridge_.cell().controllers().list())
       if (c.name == port_.controller && c.state != hardware::LifecycleState::active)
         return "the controller is not active any more";
     const bool newer = goals_.empty() || goals_.back().get() != &goal;

@@ -27,7 +27,7 @@ Json stamp_of(std::int64_t nanoseconds) {
   return {{"sec", whole}, {"nanosec", part}};
 }
 
-Bridge::Bridge(cell::Cell& cell, const ParticipantOptions& options, messages::Distribution distribution,
+Bridge::Bridge(cell::CellView& cell, const ParticipantOptions& options, messages::Distribution distribution,
                std::string space, std::vector<std::string> twists)
     : cell_{cell}, wire_{options, distribution}, space_{std::move(space)}, twists_{std::move(twists)} {
   while (space_.ends_with('/')) space_.pop_back();
@@ -144,7 +144,7 @@ void Bridge::look_at_clock() {
   if (cell_.lock_step()) return;
   const auto since = std::chrono::system_clock::now().time_since_epoch();
   const std::int64_t now = std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
-  const std::int64_t period = cell_.loop().options().period, seen = now - cell_.snapshot().cycle.time;
+  const std::int64_t period = cell_.period(), seen = now - cell_.snapshot().cycle.time;
   if (std::abs(seen - offset_) > kSecond) {  // the first look, or somebody set the clock
     least_ = least_before_ = recent_ = seen;
     looks_ = 0;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "polyarm/base/time.hpp"
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/view.hpp"
 #include "polyarm/protocol/request.hpp"
 #include "polyarm/ros2/wire.hpp"
 
@@ -30,10 +30,10 @@ using OnCall = std::function<void(Json request, Reply reply)>;
 /// The cell, the wire, and how names and times of one become those of the other.
 class Bridge {
  public:
-  Bridge(cell::Cell& cell, const ParticipantOptions& options, messages::Distribution distribution,
+  Bridge(cell::CellView& cell, const ParticipantOptions& options, messages::Distribution distribution,
          std::string space, std::vector<std::string> twists);
 
-  cell::Cell& cell() { return cell_; }
+  cell::CellView& cell() { return cell_; }
   Wire& wire() { return wire_; }
   const Wire& wire() const { return wire_; }
   /// "/arm" + "joint_states" → "/arm/joint_states"; what begins with / stays.
@@ -83,7 +83,7 @@ class Bridge {
   bool is_due(std::chrono::steady_clock::time_point& last) const;
 
  private:
-  cell::Cell& cell_;
+  cell::CellView& cell_;
   Wire wire_;
   bool tells_ = true;
   std::chrono::steady_clock::time_point told_streams_;

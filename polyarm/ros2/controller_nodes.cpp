@@ -25,8 +25,8 @@ constexpr Nanoseconds kLookForControllers = 50'000'000;
 /// The same reason is not told again sooner.
 constexpr Nanoseconds kTellAgain = 5'000'000'000;
 
-std::string declared(cell::Cell& cell, const std::string& controller, const char* key) {
-  const controllers::ControllerContext* context = cell.loop().controllers().context(controller);
+std::string declared(cell::CellView& cell, const std::string& controller, const char* key) {
+  const controllers::ControllerContext* context = cell.controllers().context(controller);
   const controllers::Declared* found = context ? context->parameters.find_declared(key) : nullptr;
   return found ? found->value : "";
 }
@@ -153,7 +153,7 @@ class ControllerNode {
     for (const auto& topic : inputs_) topic->look();
   }
   void serve() {
-    const controllers::Controller* controller = bridge_.cell().loop().controllers().find(controller_);
+    const controllers::Controller* controller = bridge_.cell().controllers().find(controller_);
     if (!controller) return;
     for (OutputTopic& topic : outputs_) topic.serve(*controller);
     for (const auto& action : actions_) action->serve();
@@ -329,17 +329,17 @@ class ControllerNodes : public Part {
   };
 
   /// The only controller that takes a twist answers to /cmd_vel, too.
-  static std::string only_base(cell::Cell& cell, const std::vector<control::ListedController>& all) {
+  static std::string only_base(cell::CellView& cell, const std::vector<control::ListedController>& all) {
     std::vector<std::string> bases;
     for (const control::ListedController& c : all)
-      for (const controllers::InputPort& port : cell.loop().controllers().find(c.name)->inputs())
+      for (const controllers::InputPort& port : cell.controllers().find(c.name)->inputs())
         if (port.name == "cmd_vel") bases.push_back(c.name);
     return bases.size() == 1 ? bases.front() : "";
   }
 
   void look() {
     looked_ = bridge_.cell().now();
-    const auto all = bridge_.cell().loop().controllers().list();
+    const auto all = bridge_.cell().controllers().list();
     const std::string base = only_base(bridge_.cell(), all);
     std::erase_if(nodes_, [&](const auto& known) {
       return std::none_of(all.begin(), all.end(), [&](const auto& c) { return c.name == known.first; });
@@ -351,7 +351,7 @@ class ControllerNodes : public Part {
   }
 
   void bring_up_to_date(Known& known, const control::ListedController& c, bool only_base) {
-    const controllers::Controller* controller = bridge_.cell().loop().controllers().find(c.name);
+    const controllers::Controller* controller = bridge_.cell().controllers().find(c.name);
     const bool configured = c.state != LifecycleState::unconfigured;
     if (known.controller != controller) {
       known.node.reset();  // its endpoints go before their names are used again

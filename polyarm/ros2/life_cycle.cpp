@@ -64,8 +64,8 @@ const Transition* success_after(const Transition& asked) {
   return nullptr;
 }
 
-std::string state_of(cell::Cell& cell, const std::string& controller) {
-  for (const control::ListedController& c : cell.loop().controllers().list())
+std::string state_of(cell::CellView& cell, const std::string& controller) {
+  for (const control::ListedController& c : cell.controllers().list())
     if (c.name == controller) return hardware::name(c.state);
   return "unknown";
 }

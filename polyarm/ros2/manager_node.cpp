@@ -39,9 +39,9 @@ class ManagerNode : public Part {
     if (looked_ >= 0 && bridge_.cell().now() - looked_ < kLookForChanges) return;
     looked_ = bridge_.cell().now();
     Json now{{"controllers", Json::array()}, {"hardware_components", Json::array()}};
-    for (const control::ListedController& c : bridge_.cell().loop().controllers().list())
+    for (const control::ListedController& c : bridge_.cell().controllers().list())
       now["controllers"].push_back({{"name", c.name}, {"state", state_json(hardware::name(c.state))}});
-    hardware::Hardware& hardware = bridge_.cell().loop().hardware();
+    const hardware::Hardware& hardware = bridge_.cell().hardware();
     for (std::size_t i = 0; i < hardware.size(); ++i)
       for (const std::string& name :
            cell::names_of_component(bridge_.cell().robots(), hardware.component_name(i)))
@@ -87,7 +87,7 @@ class ManagerNode : public Part {
     Json chains = Json::array();
     std::map<std::string, Json> by_controller;
     for (const std::string& name : c.commands)
-      for (const std::string& other : bridge_.cell().loop().controllers().names())
+      for (const std::string& other : bridge_.cell().controllers().names())
         if (name.starts_with(other + "/")) by_controller[other].push_back(name.substr(other.size() + 1));
     for (const auto& [name, references] : by_controller)
       chains.push_back({{"name", name}, {"reference_interfaces", references}});
@@ -215,7 +215,7 @@ class ManagerNode : public Part {
   void reload(bool force, const Reply& reply) {
     protocol::Names active;
     const auto names = std::make_shared<std::vector<std::string>>();
-    for (const control::ListedController& c : bridge_.cell().loop().controllers().list()) {
+    for (const control::ListedController& c : bridge_.cell().controllers().list()) {
       if (c.state == LifecycleState::active) active.push_back(c.name);
       names->push_back(c.name);
     }
@@ -251,7 +251,7 @@ class ManagerNode : public Part {
   }
 
   bool is_active(const std::string& name) const {
-    const auto all = bridge_.cell().loop().controllers().list();
+    const auto all = bridge_.cell().controllers().list();
     return std::any_of(all.begin(), all.end(), [&](const control::ListedController& c) {
       return c.name == name && c.state == LifecycleState::active;
     });
@@ -298,7 +298,7 @@ class ManagerNode : public Part {
     std::string left_out;
     for (const std::string& why : outcome.left_out) left_out += (left_out.empty() ? "" : "; ") + why;
     bool all = true;
-    for (const control::ListedController& c : bridge_.cell().loop().controllers().list())
+    for (const control::ListedController& c : bridge_.cell().controllers().list())
       all =
           all && (c.state != LifecycleState::inactive || std::find(on.begin(), on.end(), c.name) == on.end());
     return {{"ok", all}, {"message", left_out.empty() ? "the controllers are switched" : left_out}};
@@ -396,10 +396,10 @@ class ManagerNode : public Part {
       const auto entry = [](Json value, const char* text, bool read_only) {
         return Json{{"value", std::move(value)}, {"text", text}, {"read_only", read_only}};
       };
-      const double rate = 1e9 / static_cast<double>(bridge_.cell().loop().options().period);
+      const double rate = 1e9 / static_cast<double>(bridge_.cell().period());
       Json all{
           {"update_rate", entry(static_cast<std::int64_t>(rate + 0.5), "of the control loop, Hz", true)}};
-      for (const control::ListedController& c : bridge_.cell().loop().controllers().list())
+      for (const control::ListedController& c : bridge_.cell().controllers().list())
         all[c.name + ".type"] = entry(c.type, "what it is", false);
       for (const auto& [key, value] : spawned_)
         all[key] = entry(value, "for a controller that is to be loaded", false);

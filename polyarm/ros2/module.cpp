@@ -14,7 +14,7 @@ constexpr std::size_t kMost = 32;
 
 class Ros2Door : public cell::Door {
  public:
-  Ros2Door(cell::Cell& cell, const cell::DoorOptions& options)
+  Ros2Door(cell::CellView& cell, const cell::DoorOptions& options)
       : options_{participant_options(options)},
         bridge_{cell, options_, distribution_of(options), option_of(options, "namespace"),
                 twists_of(options)} {
@@ -68,7 +68,7 @@ class Ros2Door : public cell::Door {
   std::array<std::unique_ptr<Part>, 4> parts_;
 };
 
-std::unique_ptr<cell::Door> make(cell::Cell& cell, const cell::DoorOptions& options) {
+std::unique_ptr<cell::Door> make(cell::CellView& cell, const cell::DoorOptions& options) {
   return std::make_unique<Ros2Door>(cell, options);
 }
 

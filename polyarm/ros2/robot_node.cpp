@@ -19,7 +19,7 @@ constexpr Nanoseconds kFrames = 20'000'000;
 
 /// Which robots' root links have their place in the frame of an odometry, which their controller tells. Where
 /// that frame is, is the matter of who localizes.
-std::vector<bool> drives(const cell::Cell& cell) {
+std::vector<bool> drives(const cell::CellView& cell) {
   std::vector<bool> out;
   for (std::size_t i = 0; i < cell.robots().size(); ++i) {
     const description::RobotModel& model = cell.robots()[i]->model;
@@ -36,7 +36,7 @@ class RobotNode : public Part {
   explicit RobotNode(Bridge& bridge)
       : bridge_{bridge},
         node_{bridge.name("robot_state_publisher")},
-        state_{bridge.cell().robots(), bridge.cell().loop().table(), drives(bridge.cell())} {
+        state_{bridge.cell().robots(), bridge.cell().table(), drives(bridge.cell())} {
     tell_descriptions();
     const Qos often{true, false, 100}, latched{true, true, 1};
     const auto& transforms = messages::type_info<messages::tf2_msgs::msg::TFMessage>();

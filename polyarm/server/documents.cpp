@@ -151,7 +151,7 @@ Json robot_joints_json(const cell::CellRobot& robot) {
   return out;
 }
 
-Json robot_json(cell::Cell& cell, const cell::CellRobot& robot) {
+Json robot_json(cell::CellView& cell, const cell::CellRobot& robot) {
   const Vec3 rpy = to_rpy(robot.entry.base.rotation);
   Json out{
       {"name", robot.entry.name},
@@ -178,7 +178,7 @@ Json robot_json(cell::Cell& cell, const cell::CellRobot& robot) {
   for (const moves::WorkspaceZone& zone : robot.facts->workspace.zones()) zones.push_back(zone.name);
   out["zones"] = zones;
   Json gripper = Json::array();
-  for (const std::string& command : cell.loop().table().command_names())
+  for (const std::string& command : cell.table().command_names())
     if (command.starts_with(robot.entry.name + "/tool/")) gripper.push_back(command);
   out["tool_commands"] = gripper;
   return out;
@@ -208,7 +208,7 @@ Json shape_json(const Shape& shape) {
   return out;
 }
 
-Json cell_json(cell::Cell& cell) {
+Json cell_json(cell::CellView& cell) {
   Json robots = Json::array(), cameras = Json::array(), frames = Json::array();
   for (std::size_t i = 0; i < cell.robots().size(); ++i) {
     robots.push_back(robot_json(cell, *cell.robots()[i]));
@@ -226,7 +226,7 @@ Json cell_json(cell::Cell& cell) {
           {"folder", cell.file().folder.string()},
           {"simulated", !cell.arming().needed()},
           {"real", cell.arming().needed()},
-          {"rate_hz", 1 / seconds(cell.loop().options().period)},
+          {"rate_hz", 1 / seconds(cell.period())},
           {"program", cell.file().program},
           {"plc", cell.file().plc},
           {"robots", robots},
@@ -256,7 +256,7 @@ Json model_json(const cell::CellRobot& robot) {
           {"tool", tool_json(robot.tool)}};
 }
 
-Json scene_json(const cell::Cell& cell) {
+Json scene_json(const cell::CellView& cell) {
   const description::Scene& scene = cell.scene();
   Json fixtures = Json::array(), parts = Json::array(), bins = Json::array(), movers = Json::array(),
        zones = Json::array(), feeders = Json::array();
@@ -301,7 +301,7 @@ Json requests_json() {
   return protocol::any_of(protocol::help_rows()).json();
 }
 
-std::map<std::string, description::RobotModel> meshes_of(const cell::Cell& cell) {
+std::map<std::string, description::RobotModel> meshes_of(const cell::CellView& cell) {
   std::map<std::string, description::RobotModel> out;
   const auto add = [&](const std::vector<Shape>& shapes) {
     for (const Shape& shape : shapes)

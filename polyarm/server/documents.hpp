@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/view.hpp"
 
 namespace polyarm::server {
 
@@ -17,17 +17,17 @@ Json pose_json(const Pose& pose);
 Json shape_json(const description::Shape& shape);
 
 /// /api/cell
-Json cell_json(cell::Cell& cell);
+Json cell_json(cell::CellView& cell);
 /// /api/model/<robot>
 Json model_json(const cell::CellRobot& robot);
 /// /api/scene
-Json scene_json(const cell::Cell& cell);
+Json scene_json(const cell::CellView& cell);
 /// /api/requests
 Json requests_json();
 
 /// What is made into the GLBs that models and scene name, by the address they have there
 /// ("/api/mesh/<hash>.glb"): robots, and robots of one link for meshes that stand alone.
-std::map<std::string, description::RobotModel> meshes_of(const cell::Cell& cell);
+std::map<std::string, description::RobotModel> meshes_of(const cell::CellView& cell);
 
 std::string dump(const Json& json);
 

@@ -5,8 +5,6 @@
 #include <filesystem>
 #include <utility>
 
-#include "polyarm/cell/program_status.hpp"
-#include "polyarm/cell/ways.hpp"
 #include "polyarm/server/documents.hpp"
 
 namespace polyarm::server {
@@ -35,13 +33,13 @@ bool same_place(const hardware::PartState& a, const hardware::PartState& b) {
 
 /// A robot that moves are made for and whose joints nobody commands: the controller that would. Empty:
 /// somebody does.
-std::string idle_mover(cell::Cell& cell, std::size_t robot) {
+std::string idle_mover(cell::CellView& cell, std::size_t robot) {
   if (!cell.motion(robot)) return {};
   const auto& joints = cell.robots()[robot]->joints;
   for (const controllers::JointFacts& joint : joints)
     for (const char* what : {"/position", "/velocity", "/effort"})
-      if (!cell.loop().controllers().holder_of(joint.name + what).empty()) return {};
-  for (const control::ListedController& each : cell.loop().controllers().list())
+      if (!cell.controllers().holder_of(joint.name + what).empty()) return {};
+  for (const control::ListedController& each : cell.controllers().list())
     for (const std::string& command : each.required_commands)
       if (each.state == hardware::LifecycleState::inactive && command.starts_with(joints.front().name + "/"))
         return each.name;
@@ -50,9 +48,9 @@ std::string idle_mover(cell::Cell& cell, std::size_t robot) {
 
 }  // namespace
 
-protocol::CellStatus status_of(cell::Cell& cell, const Journal& journal) {
+protocol::CellStatus status_of(cell::CellView& cell, const Journal& journal) {
   const control::Snapshot& seen = cell.snapshot();
-  const control::Supervisor& supervisor = cell.loop().supervisor();
+  const control::Supervisor& supervisor = cell.supervisor();
   protocol::CellStatus out;
   out.cell = cell.file().name;
   out.state = control::name(seen.state);
@@ -61,8 +59,8 @@ protocol::CellStatus status_of(cell::Cell& cell, const Journal& journal) {
   out.cause_code = cause.code;
   out.cause_facts = protocol::fact_values(cause.facts);
   if (seen.state != control::RunState::running) out.held = out.cause;
-  out.can = cell::possible_now(cell);
-  out.contacts = cell::contact_state(cell);
+  out.can = cell.possible_now();
+  out.contacts = cell.contacts();
   out.standing = seen.standing;
   out.motion_left = cell.motion_left();
   out.armed = cell.arming().armed();
@@ -73,18 +71,18 @@ protocol::CellStatus status_of(cell::Cell& cell, const Journal& journal) {
   out.override_ = 100 * supervisor.override_share();
   out.allowed = 100 * supervisor.share();
   out.control = cell.control_holder();
-  if (cell.program()) out.program.emplace(cell::program_overview(cell, *cell.program(), cell.program_begun()));
-  if (cell.plc()) out.plc.emplace(cell::program_overview(cell, *cell.plc(), true));
+  out.program = cell.program_overview();
+  out.plc = cell.plc_overview();
   if (cell.failure()) out.failure = cell.failure()->problem.text();
   out.alarms = journal.last_alarm();
-  const hardware::Hardware& hardware = cell.loop().hardware();
+  const hardware::Hardware& hardware = cell.hardware();
   for (std::size_t i = 0; i < hardware.size(); ++i)
     if (hardware.takes_commands(i) && hardware.state_of(i) != hardware::LifecycleState::active)
       out.inactive.push_back(hardware.component_name(i));
   for (std::size_t i = 0; i < cell.robots().size(); ++i) {
     const std::string& robot = cell.robots()[i]->entry.name;
     if (const std::string mover = idle_mover(cell, i); !mover.empty()) out.inactive.push_back(mover);
-    if (cell.jogging().engaged(i)) out.jogged.push_back(robot);
+    if (cell.jogged(i)) out.jogged.push_back(robot);
     out.bases[robot] = rounded(cell.base(i).pose(seen));
   }
   return out;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/view.hpp"
 #include "polyarm/protocol/status.hpp"
 #include "polyarm/server/client.hpp"
 #include "polyarm/server/journal.hpp"
@@ -15,12 +15,12 @@
 namespace polyarm::server {
 
 /// State in words, modes, program, alarms; without who has control.
-protocol::CellStatus status_of(cell::Cell& cell, const Journal& journal);
+protocol::CellStatus status_of(cell::CellView& cell, const Journal& journal);
 
 /// Tags and variables that are no places.
 class TagEvents {
  public:
-  explicit TagEvents(cell::Cell& cell) : cell_(cell) {}
+  explicit TagEvents(cell::CellView& cell) : cell_(cell) {}
   /// What has changed since the last call; null: nothing. `look`: at all of them, since forces and links
   /// change without a value that does.
   Text changes(bool look);
@@ -33,7 +33,7 @@ class TagEvents {
  private:
   nlohmann::json value_of(const std::string& name) const;
 
-  cell::Cell& cell_;
+  cell::CellView& cell_;
   std::map<std::string, nlohmann::json> told_;
   std::uint64_t version_ = ~0ull, groups_version_ = 0;
   bool places_ = false;
@@ -42,13 +42,13 @@ class TagEvents {
 /// Where parts are: {"event": "parts", "parts": [{name, p, q, in_world, held_by}], "full"}.
 class PartEvents {
  public:
-  explicit PartEvents(cell::Cell& cell) : cell_(cell) {}
+  explicit PartEvents(cell::CellView& cell) : cell_(cell) {}
   Text changes();
   Text full();
 
  private:
   Text tell(bool full);
-  cell::Cell& cell_;
+  cell::CellView& cell_;
   std::vector<hardware::PartState> told_;
 };
 
@@ -57,7 +57,7 @@ class PartEvents {
 /// the move under way ends, of all that the path is made of.
 class PlanEvents {
  public:
-  explicit PlanEvents(cell::Cell& cell) : cell_(cell) {}
+  explicit PlanEvents(cell::CellView& cell) : cell_(cell) {}
   /// Null: nothing has changed since the last call.
   Text changes();
   /// All there is; null: nobody moves.
@@ -72,14 +72,14 @@ class PlanEvents {
   void look(std::size_t robot, Way& way) const;
   Text tell() const;
 
-  cell::Cell& cell_;
+  cell::CellView& cell_;
   std::vector<Way> ways_;  ///< by robot
 };
 
 /// Where the program stands: {"event": "program", …} with what the request `program.watch` answers.
 class ProgramEvents {
  public:
-  explicit ProgramEvents(cell::Cell& cell) : cell_(cell) {}
+  explicit ProgramEvents(cell::CellView& cell) : cell_(cell) {}
   /// What is new at `now`, s; null: nothing. Has the cell tell it once there is a program; where that is
   /// refused, again a second later.
   Text changes(double now);
@@ -94,7 +94,7 @@ class ProgramEvents {
     Text text;
     bool fresh = false, on = false;
   };
-  cell::Cell& cell_;
+  cell::CellView& cell_;
   double asked_ = 0;
   std::shared_ptr<Told> told_ = std::make_shared<Told>();
 };

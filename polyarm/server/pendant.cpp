@@ -85,7 +85,7 @@ class Pendant::Work {
   void take() {
     if (sessions.take()) port_->wake();
   }
-  void attach(cell::Cell& cell) {
+  void attach(cell::CellView& cell) {
     site_.show(cell);
     sessions.attach(cell);
     viewers_.attach(cell);
@@ -141,7 +141,7 @@ Pendant::~Pendant() = default;
 cell::Observer& Pendant::observer() {
   return work_->sessions.journal();
 }
-void Pendant::attach(cell::Cell& cell) {
+void Pendant::attach(cell::CellView& cell) {
   work_->attach(cell);
 }
 void Pendant::detach() {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/door.hpp"
+#include "polyarm/cell/view.hpp"
 #include "polyarm/protocol/facts.hpp"
 
 namespace polyarm::server {
@@ -36,7 +36,7 @@ class Pendant : public cell::Door {
   /// What a cell is to be made with, so that pages see what a person is told.
   cell::Observer& observer();
   /// This cell is served from now on, until detach() or another; it outlives that.
-  void attach(cell::Cell& cell);
+  void attach(cell::CellView& cell);
   void detach();
   /// Each tick, or now and then without a cell.
   void serve() override;

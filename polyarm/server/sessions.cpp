@@ -54,9 +54,9 @@ class Sessions::Work {
     return client;
   }
 
-  void attach(cell::Cell& cell) {
+  void attach(cell::CellView& cell) {
     cell_ = &cell;
-    jogs_.emplace(cell, [this](std::uint64_t to, const std::string& line) { tell(to, line); });
+    jogs_.emplace(cell.held_motions(), [this](std::uint64_t to, const std::string& line) { tell(to, line); });
     frames_.emplace(cell, ++layout_);
     tags_.emplace(cell);
     parts_.emplace(cell);
@@ -600,7 +600,7 @@ class Sessions::Work {
   std::uint64_t last_client_ = 0;
   std::size_t connected_ = 0;
 
-  cell::Cell* cell_ = nullptr;
+  cell::CellView* cell_ = nullptr;
   double now_ = 0;
   std::map<std::uint64_t, Seat> seats_;
   static constexpr Nanoseconds kBudgetEvery = 2'000'000;  // a tick
@@ -631,7 +631,7 @@ std::shared_ptr<Client> Sessions::welcome(Client::Side side) {
 Journal& Sessions::journal() {
   return work_->journal;
 }
-void Sessions::attach(cell::Cell& cell) {
+void Sessions::attach(cell::CellView& cell) {
   work_->attach(cell);
 }
 void Sessions::detach() {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/view.hpp"
 #include "polyarm/server/client.hpp"
 #include "polyarm/server/journal.hpp"
 #include "polyarm/server/pendant.hpp"
@@ -25,7 +25,7 @@ class Sessions {
   std::shared_ptr<Client> welcome(Client::Side side);
 
   Journal& journal();
-  void attach(cell::Cell& cell);
+  void attach(cell::CellView& cell);
   void detach();
   /// True when somebody has been given something to send.
   bool serve();

@@ -56,7 +56,7 @@ void PageSite::stop() {
   worker_.reset();
 }
 
-void PageSite::show(cell::Cell& cell) {
+void PageSite::show(cell::CellView& cell) {
   auto made = std::make_shared<Documents>();
   made->by_path["/api/cell"] = text_of(dump(cell_json(cell)));
   made->by_path["/api/scene"] = text_of(dump(scene_json(cell)));

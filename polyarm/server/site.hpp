@@ -30,7 +30,7 @@ class PageSite : public Site {
   void stop();
 
   /// Cell thread.
-  void show(cell::Cell& cell);
+  void show(cell::CellView& cell);
   void show_nothing();
 
   bool is_open(const std::string& method, const std::string& path) const override;

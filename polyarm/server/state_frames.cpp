@@ -32,7 +32,7 @@ std::string unit_of(const std::string& interface, bool slides) {
   return "";
 }
 
-bool slides(const cell::Cell& cell, const std::string& name) {
+bool slides(const cell::CellView& cell, const std::string& name) {
   const std::string joint = name.substr(0, name.rfind('/'));
   for (const auto& robot : cell.robots())
     for (std::size_t j = 0; j < robot->joints.size(); ++j)
@@ -42,8 +42,8 @@ bool slides(const cell::Cell& cell, const std::string& name) {
 
 }  // namespace
 
-StateFrames::StateFrames(cell::Cell& cell, std::uint16_t layout) : cell_(cell), id_(layout) {
-  const hardware::InterfaceTable& table = cell.loop().table();
+StateFrames::StateFrames(cell::CellView& cell, std::uint16_t layout) : cell_(cell), id_(layout) {
+  const hardware::InterfaceTable& table = cell.table();
   for (const std::string& name : table.state_names()) add(name, unit_of(ending(name), slides(cell, name)));
   for (const std::string& name : table.command_names()) {
     const std::string owner = name.substr(0, name.rfind('/') + 1);
@@ -73,7 +73,7 @@ StateFrames::StateFrames(cell::Cell& cell, std::uint16_t layout) : cell_(cell), 
 
 Text StateFrames::frame() {
   const control::Snapshot& seen = cell_.snapshot();
-  const hardware::InterfaceTable& table = cell_.loop().table();
+  const hardware::InterfaceTable& table = cell_.table();
   const double now = seconds(seen.cycle.time), dt = now - before_time_;
   std::string out;
   out.reserve(16 + 4 * fields_.size());
@@ -106,7 +106,7 @@ Text StateFrames::frame() {
     for (const double value : {p.x, p.y, p.z, q.x, q.y, q.z, q.w}) append(out, static_cast<float>(value));
   }
   before_time_ = now;
-  const control::Health& health = cell_.loop().health();
+  const control::Health& health = cell_.health();
   append(out, static_cast<float>(static_cast<double>(health.period.percentile(0.5)) * 1e-3));
   append(out, static_cast<float>(static_cast<double>(health.cost.percentile(0.5)) * 1e-3));
   append(out, static_cast<float>(static_cast<double>(std::uint64_t{health.late})));

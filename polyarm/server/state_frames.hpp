@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/view.hpp"
 #include "polyarm/server/client.hpp"
 
 namespace polyarm::server {
@@ -18,7 +18,7 @@ namespace polyarm::server {
 class StateFrames {
  public:
   /// The cell outlives this. `layout`: a number that tells layouts apart.
-  StateFrames(cell::Cell& cell, std::uint16_t layout);
+  StateFrames(cell::CellView& cell, std::uint16_t layout);
 
   /// {"event": "layout", "id", "fields": [{name, unit}]}
   const Text& layout() const { return layout_; }
@@ -32,7 +32,7 @@ class StateFrames {
   };
   void add(std::string name, std::string unit) { fields_.push_back({std::move(name), std::move(unit)}); }
 
-  cell::Cell& cell_;
+  cell::CellView& cell_;
   std::uint16_t id_;
   std::uint32_t sequence_ = 0;
   std::vector<Field> fields_;

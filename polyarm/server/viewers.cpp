@@ -72,7 +72,7 @@ void Viewers::set_wake(std::function<void()> wake) {
   work_->server.set_wake(std::move(wake));
 }
 
-void Viewers::attach(cell::Cell& cell) {
+void Viewers::attach(cell::CellView& cell) {
   work_->view.reset();
   work_->view = std::make_unique<recording::LiveView>(cell, work_->server);
 }

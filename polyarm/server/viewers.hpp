@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "polyarm/cell/cell.hpp"
+#include "polyarm/cell/view.hpp"
 #include "polyarm/server/stream.hpp"
 
 namespace polyarm::server {
@@ -18,7 +18,7 @@ class Viewers {
   std::shared_ptr<Stream> welcome();
   /// Called, from any thread, when one of them has been given something between two calls of serve().
   void set_wake(std::function<void()> wake);
-  void attach(cell::Cell& cell);
+  void attach(cell::CellView& cell);
   void detach();
   /// True when somebody has been given something to send.
   bool serve();

@@ -86,6 +86,23 @@ TEST(Arrows, GoOneWay) {
   for (const auto& [room, uses] : left) ADD_FAILURE() << room << " is part of a circle of rooms";
 }
 
+/// What others than the command may include of the cell: the view, its requests and what these answer with.
+TEST(Arrows, DoorsSeeTheViewOfACellAndNotItsOwners) {
+  const std::set<std::string> allowed{"cell_file", "door",   "held_motions", "known_cells", "observer",
+                                      "recorder",  "robots", "stops",        "view",        "worker"};
+  const std::string begin = "#include \"polyarm/cell/";
+  for (const char* room : {"server", "ros2", "recording"})
+    for (const auto& entry : fs::recursive_directory_iterator(kRooms / room)) {
+      if (!entry.is_regular_file()) continue;
+      const std::string text = read_file(entry.path());
+      for (auto at = text.find(begin); at != std::string::npos; at = text.find(begin, at + 1)) {
+        const auto name = at + begin.size();
+        const std::string header = text.substr(name, text.find(".hpp", name) - name);
+        EXPECT_TRUE(allowed.contains(header)) << entry.path() << " includes cell/" << header << ".hpp";
+      }
+    }
+}
+
 TEST(Arrows, ThePageOfTheArchitectureNamesEachRoom) {
   const std::string page = read_file(fs::path(POLYARM_SOURCE_DIR) / "ARCHITECTURE.md");
   for (const auto& [room, uses] : declared())

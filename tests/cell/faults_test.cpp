@@ -168,11 +168,11 @@ class RealMock : public drivers::MockComponent {
   bool real() const noexcept override { return true; }
 };
 
-std::unique_ptr<cell::Cell> real_cell(const Folder& folder, bool real, bool full_speed,
-                                      cell::Observer& observer, bool lock_step = false,
-                                      const std::string& driver = "real_mock",
-                                      const std::string& urdf = two_joints(""), int rate = 1000,
-                                      std::string controllers = kFollowAndStates) {
+std::unique_ptr<test::OpenCell> real_cell(const Folder& folder, bool real, bool full_speed,
+                                          cell::Observer& observer, bool lock_step = false,
+                                          const std::string& driver = "real_mock",
+                                          const std::string& urdf = two_joints(""), int rate = 1000,
+                                          std::string controllers = kFollowAndStates) {
   hardware::register_driver("mock",
                             [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
   hardware::register_driver("real_mock", [] { return std::unique_ptr<hardware::Component>(new RealMock); });
@@ -183,21 +183,21 @@ std::unique_ptr<cell::Cell> real_cell(const Folder& folder, bool real, bool full
   options.real = real;
   options.full_speed = full_speed;
   options.lock_step = lock_step;
-  auto out = std::make_unique<cell::Cell>(
+  auto out = std::make_unique<test::OpenCell>(
       cell::cell_from_description(folder.write("arm.urdf", text), {folder.write("c.yaml", controllers)}, {}),
       description::Catalogue({}), options, observer);
   out->loop().begin();
   return out;
 }
 
-void run(cell::Cell& cell, double s) {
+void run(test::OpenCell& cell, double s) {
   for (const Nanoseconds end = cell.loop().cycle().time + nanoseconds(s); cell.loop().cycle().time < end;) {
     cell.tick(cell.loop().cycle().time);
     for (int k = 0; k < 2; ++k) cell.loop().step_next();
   }
 }
 
-Json ask(cell::Cell& cell, const Json& request) {
+Json ask(test::OpenCell& cell, const Json& request) {
   auto out = std::make_shared<Json>();
   cell.requests().handle(request.dump(), [out](const std::string& line) {
     *out = Json::parse(line);
@@ -214,7 +214,7 @@ Json ask(cell::Cell& cell, const Json& request) {
   return *out;
 }
 
-double position(cell::Cell& cell) {
+double position(test::OpenCell& cell) {
   cell.loop().outbox().fetch();
   return cell.snapshot().states[*cell.loop().table().find_state("arm/a/position")];
 }
@@ -450,7 +450,7 @@ TEST(FaultRecord, IsWrittenWithEveryFaultAndPlaysAgain) {
   } notes;
   cell::CellFile file = cell::cell_from_description(urdf, {folder.write("c.yaml", kFollowAndStates)}, {});
   file.folder = folder.path();
-  cell::Cell cell(file, description::Catalogue({}), {}, notes);  // on the wall clock: the run goes on
+  test::OpenCell cell(file, description::Catalogue({}), {}, notes);  // on the wall clock: the run goes on
   cell.loop().begin();
   ask(cell, kMove);
   const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);

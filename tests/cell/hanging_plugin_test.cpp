@@ -53,12 +53,12 @@ class HangingPlugin : public testing::Test {
     Hanging::reading.open();
     Hanging::configuring.open();
   }
-  std::unique_ptr<cell::Cell> make(bool own_thread, cell::CellOptions options = {}) {
+  std::unique_ptr<test::OpenCell> make(bool own_thread, cell::CellOptions options = {}) {
     Hanging::own_thread = own_thread;
     hardware::register_driver("hanging", [] { return std::unique_ptr<hardware::Component>(new Hanging); });
     options.hardware_patience = 1;
     const std::string model = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
-    return std::make_unique<cell::Cell>(
+    return std::make_unique<test::OpenCell>(
         cell::read_cell_file(folder.write(
             "cell.yaml",
             "polyarm: cell/1\nrate: 1000\nrobots:\n  arm: {model: " + model + ", hardware: hanging}\n")),
@@ -72,7 +72,7 @@ TEST_F(HangingPlugin, ARunEndsWithoutTheLoopThatItKeepsAndNamesIt) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   // As the program does it: the loop is still inside the plugin, so the process ends without tidying up.
   const auto run_and_leave = [this] {
-    const std::unique_ptr<cell::Cell> cell = make(false);
+    const std::unique_ptr<test::OpenCell> cell = make(false);
     Hanging::close(Hanging::reading);
     std::thread person([] {
       Hanging::waiting.wait(0);

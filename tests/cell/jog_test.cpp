@@ -6,7 +6,10 @@
 #include <numbers>
 #include <string>
 
+#include "polyarm/base/file.hpp"
 #include "polyarm/cell/cell_file.hpp"
+#include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/protocol/session.hpp"
 #include "tests/cell/requests_cell.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
@@ -148,6 +151,93 @@ TEST_F(JogTest, OneAtATime) {
   EXPECT_EQ(error_of(cell->ask({{"request", "jog"}, {"joints", {{"joint_2", 0.1}}}})), "jogged");
   cell->run(1);
   EXPECT_EQ(error_of(cell->ask({{"request", "jog"}, {"joints", {{"joint_2", 0.1}}}})), "none");
+}
+
+/// A robot whose trajectory controller brakes softly when its goal is cancelled.
+class SoftlyCancelled : public ::testing::Test {
+ protected:
+  static constexpr const char* kControllers = R"(
+controller_manager:
+  ros__parameters:
+    update_rate: 1000
+    follow: {type: joint_trajectory_controller/JointTrajectoryController}
+    joint_state_broadcaster: {type: joint_state_broadcaster/JointStateBroadcaster}
+follow:
+  ros__parameters:
+    joints: [joint_1, joint_2, joint_3, joint_4, joint_5, joint_6]
+    command_interfaces: [position]
+    state_interfaces: [position, velocity]
+    constraints: {decelerate_on_cancel: true, joint_1: {max_deceleration_on_cancel: DECELERATION}}
+)";
+  /// The robot moves; `deceleration`, rad/s², is how it brakes after cancel().
+  void move(const std::string& deceleration) {
+    std::string controllers = kControllers;
+    controllers.replace(controllers.find("DECELERATION"), 12, deceleration);
+    std::string urdf = read_file(test::kSixAxes);
+    const std::string plugin = "<plugin>ros2_control_demo_example_7/RobotSystem</plugin>";
+    urdf.replace(
+        urdf.find(plugin), plugin.size(),
+        "<plugin>mock_components/GenericSystem</plugin><param name='calculate_dynamics'>true</param>");
+    cell = std::make_unique<LockStepCell>(folder.write("arm.urdf", urdf), controllers);
+    cell->run(0.05);
+    const Json joints = {"joint_1", "joint_2", "joint_3", "joint_4", "joint_5", "joint_6"};
+    const Json point = {{"positions", {1, 0, 0, 0, 0, 0}}, {"time_from_start", 2.0}};
+    const Json trajectory = {{"joint_names", joints}, {"points", Json::array({point})}};
+    cell->give(Json{{"request", "send"}, {"to", "follow"}, {"goal", true}, {"message", trajectory}});
+    cell->run(0.5);
+    ASSERT_FALSE(cell->cell().snapshot().standing);
+  }
+  void cancel() {
+    const auto* moves = dynamic_cast<const controllers::JointTrajectoryController*>(
+        cell->cell().loop().controllers().find("follow"));
+    cell->give(Json{{"request", "goal.cancel"}, {"to", "follow"}, {"goal", moves->status().active.load()}});
+    cell->run(0.01);
+    ASSERT_EQ(moves->status().active.load(), 0u);
+    ASSERT_FALSE(cell->cell().snapshot().standing) << "it brakes";
+  }
+  Json jog() { return cell->ask({{"request", "jog"}, {"joints", {{"joint_2", 0.1}}}}); }
+
+  Folder folder;
+  std::unique_ptr<LockStepCell> cell;
+};
+
+TEST_F(SoftlyCancelled, ARobotThatFollowsATrajectoryIsNotJogged) {
+  move("5");
+  const Nanoseconds asked = cell->cell().now();
+  EXPECT_EQ(error_of(jog()), "moving");
+  EXPECT_LT(cell->cell().now() - asked, 20'000'000) << "refused at once";
+}
+
+TEST_F(SoftlyCancelled, ARobotThatSettlesIsWaitedForAndThenJogged) {
+  move("5");
+  cancel();
+  EXPECT_EQ(cell->cell().jogging().why_not(0), std::nullopt) << "a key can be pressed";
+  EXPECT_EQ(error_of(jog()), "none");
+  EXPECT_EQ(cell->state_of("jog"), "active");
+}
+
+TEST_F(SoftlyCancelled, AKeyThatIsPressedMeanwhileBeginsWhenItStandsAndIsNotLost) {
+  move("2.5");  // it brakes longer than a motion lasts without heartbeats
+  cancel();
+  protocol::JogBegin key;
+  key.axis = 1;
+  HeldMotions& held = *cell->cell().in().held_motions;
+  const std::uint64_t motion = held.begin(key);
+  cell->run(0.15);
+  EXPECT_TRUE(held.take_events().empty()) << "it still brakes, and nothing is lost before the motion begins";
+  cell->run(0.1);
+  const std::vector<HeldEvent> events = held.take_events();
+  ASSERT_FALSE(events.empty());
+  EXPECT_EQ(events.front().what, HeldEvent::What::begun);
+  EXPECT_EQ(events.front().motion, motion);
+}
+
+TEST_F(SoftlyCancelled, ARobotThatDoesNotComeToRestIsNotJogged) {
+  move("0.5");  // it brakes for a second
+  cancel();
+  const Nanoseconds asked = cell->cell().now();
+  EXPECT_EQ(error_of(jog()), "moving");
+  EXPECT_GE(cell->cell().now() - asked, 300'000'000);
 }
 
 TEST_F(JogTest, TheReducedProfileKeepsTheTcpBelowItsSpeed) {

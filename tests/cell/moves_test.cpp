@@ -281,7 +281,7 @@ TEST(Moves, VelocitiesThatCannotBeAreRefusedWithTheirLine) {
     const test::Folder folder;
     const auto file = with_program(folder, "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\n" + line, "");
     LockStepCell before(file), run(file);
-    const std::size_t problems = cell::rehearse(before.cell()).problems.list().size();
+    const std::size_t problems = cell::rehearse(before.cell().in()).problems.list().size();
     EXPECT_EQ(problems, 1u) << "told by a rehearsal, too";
     while (!run.cell().finished() && run.cell().loop().cycle().time < nanoseconds(30.0)) run.tick();
     const Problem why = run.cell().program()->status().problem.value_or(Problem{});

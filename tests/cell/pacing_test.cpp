@@ -34,8 +34,8 @@ TEST(Pacing, TheLoopFollowsTheDevicesClockAndGoesOnWithoutIt) {
   Clocked::asked = 0;
   Clocked::comes = 40;
   cell::Observer nobody;
-  cell::Cell cell(cell_of(folder, "  arm: {model: " + kModel + "}\n"), description::Catalogue({}), {},
-                  nobody);
+  test::OpenCell cell(cell_of(folder, "  arm: {model: " + kModel + "}\n"), description::Catalogue({}), {},
+                      nobody);
   cell::RunOptions options;
   options.socket = options.console = false;
   options.seconds = 60;  // of the device's time; at 1 Hz of the loop's own it would be a minute
@@ -49,7 +49,7 @@ TEST(Pacing, ALoopHasOneClock) {
   const test::Folder folder;
   cell::Observer nobody;
   try {
-    cell::Cell cell(
+    test::OpenCell cell(
         cell_of(folder, "  a: {model: " + kModel + ", rate: 1}\n  b: {model: " + kModel + ", rate: 0.5}\n"),
         description::Catalogue({}), {}, nobody);
     FAIL() << "two clocks were taken";
@@ -77,7 +77,7 @@ TEST(Pacing, WhatRingsIsTakenBeforeTheNextTick) {
   hardware::register_driver("mock",
                             [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
   cell::Observer nobody;
-  cell::Cell cell(
+  test::OpenCell cell(
       cell::read_cell_file(folder.write(
           "cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + std::string(POLYARM_SOURCE_DIR) +
                            "/examples/r6bot/r6bot.urdf, hardware: mock}\n")),

@@ -20,9 +20,9 @@ class PointFrames : public testing::Test {
     folder.write("main.script", "load places\n" + program);
     cell::CellOptions options;
     options.lock_step = true;
-    cell = std::make_unique<cell::Cell>(cell::read_cell_file(folder.path() / "cell.yaml"),
-                                        description::Catalogue({POLYARM_SOURCE_DIR "/robots"}), options,
-                                        observer);
+    cell = std::make_unique<test::OpenCell>(cell::read_cell_file(folder.path() / "cell.yaml"),
+                                            description::Catalogue({POLYARM_SOURCE_DIR "/robots"}), options,
+                                            observer);
     cell->loop().begin();
     for (int k = 0; k < 20'000 && !cell->finished() && !cell->failure(); ++k) {
       const Nanoseconds until = cell->loop().cycle().time + cell::Cell::kTick;
@@ -39,7 +39,7 @@ class PointFrames : public testing::Test {
 
   test::Folder folder;
   cell::Observer observer;
-  std::unique_ptr<cell::Cell> cell;
+  std::unique_ptr<test::OpenCell> cell;
 };
 
 const Pose kTable = pose_xyz_rpy({0.25, 0.1, 0.05}, {0, 0, 0.5});

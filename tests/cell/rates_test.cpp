@@ -12,7 +12,7 @@
 namespace polyarm {
 namespace {
 
-using cell::Cell;
+using test::OpenCell;
 
 struct TwoRobots {
   test::Folder folder;
@@ -20,7 +20,7 @@ struct TwoRobots {
     std::string all;
     void on_note(const std::string& text) override { all += text + "\n"; }
   } observer;
-  std::unique_ptr<Cell> made;
+  std::unique_ptr<test::OpenCell> made;
 
   explicit TwoRobots(const std::string& base, bool lock_step = true, const std::string& controllers = "") {
     hardware::register_driver(
@@ -33,7 +33,8 @@ struct TwoRobots {
     if (!controllers.empty()) folder.write("controllers.yaml", controllers);
     cell::CellOptions options;
     options.lock_step = lock_step;
-    made = std::make_unique<Cell>(cell::read_cell_file(file), description::Catalogue({}), options, observer);
+    made = std::make_unique<test::OpenCell>(cell::read_cell_file(file), description::Catalogue({}), options,
+                                            observer);
   }
   unsigned divisor_of_component(const std::string& robot) {
     hardware::Hardware& hardware = made->loop().hardware();

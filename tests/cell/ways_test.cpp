@@ -257,7 +257,7 @@ TEST_F(Ways, AReasonComesWithTheValuesOfItsSentence) {
   begin("work.script", 0.3);
   ask("control.hold");
   cell->run(2);
-  const protocol::PossibleNow held = possible_now(cell->cell());
+  const protocol::PossibleNow held = possible_now(cell->cell().in());
   EXPECT_EQ(held.jog.at("arm")->code, "motion-held");
   EXPECT_EQ(std::get<std::string>(held.program->facts->at("cause")), "asked");
   FailingMock::pushed = 0.03;
@@ -276,7 +276,7 @@ TEST_F(Ways, AReasonComesWithTheValuesOfItsSentence) {
   FailingMock::fails = true;
   cell->run(0.1);
   EXPECT_EQ(ask("control.resume")["error"]["facts"], (Json{{"cause", "component"}}));
-  EXPECT_EQ(possible_now(cell->cell()).jog.at("arm")->code, "fault");
+  EXPECT_EQ(possible_now(cell->cell().in()).jog.at("arm")->code, "fault");
 }
 
 TEST_F(Ways, AHoldOfTheProgramHasItsOwnCauseUntilTheCellRunsAgain) {

@@ -6,10 +6,10 @@
 #include "drivers/mock/mock.hpp"
 #include "links/modbus/port.hpp"
 #include "polyarm/base/file.hpp"
-#include "polyarm/cell/cell.hpp"
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "tests/links/running_link.hpp"
+#include "tests/support/open_cell.hpp"
 
 namespace polyarm {
 namespace {
@@ -60,8 +60,8 @@ cell: {modbus: server, port: PORT, tags: {Start: {coil: 0, direction: out}, Belt
             "IsHeld: {coil: 3, direction: out}}\n");
     cell::CellOptions options;
     options.lock_step = options.links = true;
-    running = std::make_unique<cell::Cell>(cell::read_cell_file(folder / "cell.yaml"),
-                                           description::Catalogue({}), options, *this);
+    running = std::make_unique<test::OpenCell>(cell::read_cell_file(folder / "cell.yaml"),
+                                               description::Catalogue({}), options, *this);
     running->loop().begin();
   }
   void tick() {
@@ -97,7 +97,7 @@ cell: {modbus: server, port: PORT, tags: {Start: {coil: 0, direction: out}, Belt
   std::filesystem::path folder;
   std::string told;
   std::unique_ptr<test::RunningLink> plc;
-  std::unique_ptr<cell::Cell> running;
+  std::unique_ptr<test::OpenCell> running;
 };
 
 constexpr const char* kWaits = "set Belt = 3\nwait Start\nset Belt = 4\nwait not Start\n";

@@ -181,10 +181,11 @@ class ACell : public ::testing::Test {
   static description::Catalogue catalogue() {
     return description::Catalogue({std::string(POLYARM_SOURCE_DIR) + "/robots"});
   }
-  std::unique_ptr<cell::Cell> make() {
+  std::unique_ptr<test::OpenCell> make() {
     cell::CellOptions options;
     options.lock_step = true;
-    return std::make_unique<cell::Cell>(cell::read_cell_file(folder.path()), catalogue(), options, observer);
+    return std::make_unique<test::OpenCell>(cell::read_cell_file(folder.path()), catalogue(), options,
+                                            observer);
   }
   test::Folder folder, settings;
   cell::Observer observer;
@@ -211,7 +212,7 @@ TEST_F(ACell, TellsAtOnceWhatOverranItsBudgetAndThenNotEveryTime) {
   Notes notes;
   cell::CellOptions options;
   options.lock_step = true;
-  cell::Cell cell(cell::read_cell_file(folder.path()), catalogue(), options, notes);
+  test::OpenCell cell(cell::read_cell_file(folder.path()), catalogue(), options, notes);
   for (int i = 0; i < 8; ++i) cell.loop().step_next();
   cell.tick(cell.loop().cycle().time);
   EXPECT_SAYS(notes.all, "read took 0.0");
@@ -228,7 +229,7 @@ TEST_F(ACell, NothingIsTimedWithoutABudget) {
   Notes notes;
   cell::CellOptions options;
   options.lock_step = true;
-  cell::Cell cell(cell::read_cell_file(folder.path()), catalogue(), options, notes);
+  test::OpenCell cell(cell::read_cell_file(folder.path()), catalogue(), options, notes);
   for (int i = 0; i < 9; ++i) cell.loop().step_next();
   cell.tick(cell.loop().cycle().time);
   EXPECT_EQ(notes.all.find("budget"), std::string::npos) << notes.all;

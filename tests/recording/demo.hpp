@@ -42,7 +42,7 @@ class Demo {
   /// The bytes of a recording of `s` seconds in lock-step.
   std::string record(double s, double rate, const std::string& name = "demo.mcap") {
     test::LockStepCell bench(file());
-    bench.cell().set_recorder(recording::make_recorder(bench.cell(), "9.9"));
+    bench.cell().set_recorder(recording::make_recorder(bench.cell().view(), "9.9"));
     bench.cell().recorder()->start({folder.path() / name, rate});
     bench.run(s);
     bench.cell().recorder()->stop();

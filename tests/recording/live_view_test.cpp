@@ -17,7 +17,7 @@ TEST(LiveView, TellsWatchersWhatTheCellDoesAndGivesNoOtherFiles) {
   Demo demo;
   test::LockStepCell bench(demo.file());
   FoxgloveServer server{{"demo", "9.9", "1", true, 8}};
-  auto view = std::make_unique<LiveView>(bench.cell(), server);
+  auto view = std::make_unique<LiveView>(bench.cell().view(), server);
   const auto client = server.connect();
   std::map<std::string, std::uint32_t> ids;
   std::vector<std::string> binary;

@@ -50,7 +50,7 @@ class RecordingProcess {
   RecordingProcess(const test::Demo& demo, const fs::path& file) : pid_(::fork()) {
     if (pid_ != 0) return;
     test::LockStepCell bench("controller_manager: {ros__parameters: {update_rate: 1000}}\n", true);
-    bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
+    bench.cell().set_recorder(make_recorder(bench.cell().view(), "9.9"));
     bench.cell().recorder()->start({file, 1000});
     for (;; ::usleep(1000)) bench.tick();
   }

@@ -57,7 +57,7 @@ TEST(Recorder, ABaseThatDrivesIsInTheWorldByWayOfItsOdometry) {
   std::string bytes;
   {
     test::LockStepCell bench(cell::read_cell_file(folder.path()));
-    bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
+    bench.cell().set_recorder(make_recorder(bench.cell().view(), "9.9"));
     bench.cell().recorder()->start({folder.path() / "drive.mcap", 100});
     bench.run(5);
     bench.cell().recorder()->stop();
@@ -178,7 +178,7 @@ TEST(Recorder, IsAskedForFromOutsideByTheNameOfAFileAlone) {
   Demo demo;
   test::LockStepCell bench(demo.file());
   EXPECT_EQ(bench.ask({{"request", "record.start"}})["error"]["code"], "no-recorder");
-  bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
+  bench.cell().set_recorder(make_recorder(bench.cell().view(), "9.9"));
   for (const char* bad : {"../out.mcap", "/tmp/out.mcap", "a/b.mcap", "..", "."})
     EXPECT_EQ(bench.ask({{"request", "record.start"}, {"file", bad}})["error"]["code"], "bad-argument")
         << bad;
@@ -223,7 +223,7 @@ TEST(Recorder, AFullDiskEndsTheRecordingAndNotTheRun) {
     void on_problem(Nanoseconds, const Problem& problem) override { told.push_back(problem.what); }
   } problems;
   bench.cell().add_observer(problems);
-  bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
+  bench.cell().set_recorder(make_recorder(bench.cell().view(), "9.9"));
   {
     const ShortFiles full(4096);
     bench.cell().recorder()->start({demo.folder.path() / "full.mcap", 100});
@@ -242,7 +242,7 @@ TEST(Recorder, AFullDiskEndsTheRecordingAndNotTheRun) {
 TEST(Recorder, WhatIsNoOrdinaryFileIsNotRecordedInto) {
   Demo demo;
   test::LockStepCell bench(demo.file());
-  bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
+  bench.cell().set_recorder(make_recorder(bench.cell().view(), "9.9"));
   for (const char* path : {"/dev/null", "/tmp"}) try {
       bench.cell().recorder()->start({path, 100});
       FAIL() << path;
@@ -254,7 +254,7 @@ TEST(Recorder, WhatIsNoOrdinaryFileIsNotRecordedInto) {
 TEST(Recorder, AFileThatCannotBeMadeIsRefusedWithItsName) {
   Demo demo;
   test::LockStepCell bench(demo.file());
-  bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
+  bench.cell().set_recorder(make_recorder(bench.cell().view(), "9.9"));
   try {
     bench.cell().recorder()->start({"/proc/nowhere/run.mcap", 100});
     FAIL() << "it was made";
@@ -267,7 +267,7 @@ TEST(Recorder, OnTheWallClockAThreadOfItsOwnWritesAndTheFileGrowsWhileItRuns) {
   Demo demo;
   test::LockStepCell bench("controller_manager: {ros__parameters: {update_rate: 1000}}\n", true);
   const auto path = demo.folder.path() / "live.mcap";
-  bench.cell().set_recorder(make_recorder(bench.cell(), "9.9"));
+  bench.cell().set_recorder(make_recorder(bench.cell().view(), "9.9"));
   bench.cell().recorder()->start({path, 1000});
   // The thread ends a chunk by the system's clock: cycles go on until it has.
   for (int i = 0; i < 2'000'000 && McapFile::read(read_file(path)).chunks < 2; ++i)
@@ -290,7 +290,7 @@ TEST(Recorder, OnTheWallClockAThreadOfItsOwnWritesAndTheFileGrowsWhileItRuns) {
 TEST(Channels, ArePrintedInTheirPage) {
   Demo demo;
   test::LockStepCell bench(demo.file());
-  const std::string table = channel_reference(CellChannels(bench.cell(), 0).list());
+  const std::string table = channel_reference(CellChannels(bench.cell().view(), 0).list());
   const std::string page = read_file(std::filesystem::path(POLYARM_SOURCE_DIR) / "docs/recording.md");
   EXPECT_NE(page.find(table), std::string::npos) << "docs/recording.md has to have this table:\n" << table;
 }

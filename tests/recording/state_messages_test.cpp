@@ -16,7 +16,7 @@ const std::filesystem::path kRobot = std::filesystem::path(POLYARM_SOURCE_DIR) /
 
 TEST(StateMessages, SayTheStatesOfACycleByName) {
   test::LockStepCell bench(kRobot, std::string());
-  cell::Cell& cell = bench.cell();
+  test::OpenCell& cell = bench.cell();
   StateMessages messages(cell.robots(), cell.loop().table());
   std::vector<double> states(cell.loop().table().states().size());
   for (std::size_t i = 0; i < states.size(); ++i) states[i] = 0.01 * static_cast<double>(i);
@@ -32,7 +32,7 @@ TEST(StateMessages, SayTheStatesOfACycleByName) {
 
 TEST(StateMessages, FramesLeadToWhereTheKinematicsSayTheToolIs) {
   test::LockStepCell bench(kRobot, std::string());
-  cell::Cell& cell = bench.cell();
+  test::OpenCell& cell = bench.cell();
   const cell::CellRobot& robot = *cell.robots()[0];
   StateMessages messages(cell.robots(), cell.loop().table());
   std::vector<double> states(cell.loop().table().states().size(), 0.0), q;
@@ -61,7 +61,7 @@ TEST(StateMessages, FramesLeadToWhereTheKinematicsSayTheToolIs) {
 
 TEST(StateMessages, AJointThatIsNotMeasuredStandsAtZeroInTheFramesAndIsNoNumberInTheStates) {
   test::LockStepCell bench(kRobot, std::string());
-  cell::Cell& cell = bench.cell();
+  test::OpenCell& cell = bench.cell();
   StateMessages messages(cell.robots(), cell.loop().table());
   const std::vector<double> nothing;
   for (const auto& one : messages.moving_frames(nothing, 0).transforms)

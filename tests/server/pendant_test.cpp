@@ -37,7 +37,7 @@ class PendantTest : public ::testing::Test {
     options.token = "secret";
     options.version = "7";
     pendant = std::make_unique<Pendant>(options, nobody);
-    pendant->attach(cell->cell());
+    pendant->attach(cell->cell().view());
     cell->run(0.05);
   }
   ~PendantTest() override { pendant->detach(); }
@@ -335,7 +335,7 @@ TEST_F(PendantTest, AHeldKeyMovesAsLongAsHeartbeatsCome) {
 }
 
 /// The time from the last heartbeat to rest, s of the cell. At teaching speed.
-double time_to_rest(PendantTest&, cell::Cell& cell, const std::function<void()>& tick) {
+double time_to_rest(PendantTest&, test::OpenCell& cell, const std::function<void()>& tick) {
   const Nanoseconds since = cell.now();
   for (int n = 0; n < 1000 && !cell.jogging().status(0).standing; ++n) tick();
   return seconds(cell.now() - since);
@@ -574,7 +574,7 @@ TEST_F(PendantTest, BetweenTwoCellsRequestsAreRefusedAndTheNextOneIsServed) {
   EXPECT_TRUE(heard(*peer, "status", [](const Json& e) { return e["cell"].is_null(); }));
   EXPECT_EQ(WebPeer::status(fetch("/api/cell")), 503);
   cell = std::make_unique<LockStepCell>(cell::read_cell_file(folder.path()));
-  pendant->attach(cell->cell());
+  pendant->attach(cell->cell().view());
   EXPECT_TRUE(heard(*peer, "layout", [&](const Json& e) { return e["id"] != first; }));
   EXPECT_EQ(code(ask(*peer, {{"request", "health"}})), "ok");
 }

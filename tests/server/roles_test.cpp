@@ -35,7 +35,7 @@ class RolesInACell : public ::testing::Test {
     options.port = 0;
     options.token = "secret";
     pendant = std::make_unique<Pendant>(options, nobody);
-    pendant->attach(lock_step->cell());
+    pendant->attach(lock_step->cell().view());
     lock_step->run(0.05);
   }
   ~RolesInACell() override { pendant->detach(); }
@@ -164,7 +164,7 @@ TEST_F(RolesInACell, SeatsForWatchersRunOutBeforeThoseForControl) {
 class ManyClients : public RolesInACell {
  protected:
   ManyClients() : sessions(nobody, "7") {
-    sessions.attach(lock_step->cell());
+    sessions.attach(lock_step->cell().view());
     for (int i = 0; i < 100; ++i) clients.push_back(sessions.welcome({"client", true, Role::administer}));
   }
   ~ManyClients() override { sessions.detach(); }

@@ -68,7 +68,7 @@ class ViewersTest : public ::testing::Test {
     options.port = 0;
     options.token = "secret";
     pendant = std::make_unique<Pendant>(options, nobody);
-    pendant->attach(cell->cell());
+    pendant->attach(cell->cell().view());
     cell->run(0.05);
   }
   ~ViewersTest() override { pendant->detach(); }

@@ -16,11 +16,11 @@
 
 #include "drivers/mock/mock.hpp"
 #include "polyarm/base/file.hpp"
-#include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/requests.hpp"
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "tests/support/folder.hpp"
+#include "tests/support/open_cell.hpp"
 
 namespace polyarm::test {
 
@@ -105,7 +105,7 @@ class LockStepCell {
     cell::CellOptions options;
     options.lock_step = !worked_from_outside;
     options.hardware_patience = patience;
-    cell_ = std::make_unique<cell::Cell>(
+    cell_ = std::make_unique<OpenCell>(
         cell::cell_from_description(urdf, {folder_.write("controllers.yaml", controllers)}, overrides),
         description::Catalogue({}), options, observer_);
     cell_->loop().begin();
@@ -118,7 +118,7 @@ class LockStepCell {
         "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
     cell::CellFile file =
         cell::cell_from_description(description, {folder_.write("controllers.yaml", controllers)}, {});
-    cell_ = std::make_unique<cell::Cell>(file, description::Catalogue({}), options, observer_);
+    cell_ = std::make_unique<OpenCell>(file, description::Catalogue({}), options, observer_);
     cell_->loop().begin();
   }
   /// A cell file of the test's own; `robots`: folders of a catalogue.
@@ -127,13 +127,13 @@ class LockStepCell {
     options.lock_step = true;
     hardware::register_driver(
         "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
-    cell_ = std::make_unique<cell::Cell>(file, description::Catalogue(robots), options, observer_);
+    cell_ = std::make_unique<OpenCell>(file, description::Catalogue(robots), options, observer_);
     cell_->loop().begin();
   }
   /// The same as `options` say, in lock-step.
   LockStepCell(const cell::CellFile& file, cell::CellOptions options) {
     options.lock_step = true;
-    cell_ = std::make_unique<cell::Cell>(file, description::Catalogue({}), std::move(options), observer_);
+    cell_ = std::make_unique<OpenCell>(file, description::Catalogue({}), std::move(options), observer_);
     cell_->loop().begin();
   }
   ~LockStepCell() { end(); }
@@ -198,7 +198,7 @@ class LockStepCell {
       if (i["name"] == interface) return i["value"].is_null() ? NAN : i["value"].get<double>();
     return NAN;
   }
-  cell::Cell& cell() { return *cell_; }
+  OpenCell& cell() { return *cell_; }
   /// How many notes have said this so far.
   int told(const std::string& part) const {
     return static_cast<int>(
@@ -214,7 +214,7 @@ class LockStepCell {
   };
   Folder folder_;
   Notes observer_;
-  std::unique_ptr<cell::Cell> cell_;
+  std::unique_ptr<OpenCell> cell_;
 };
 
 }  // namespace polyarm::test

@@ -157,6 +157,7 @@ effect(() => {
 });
 
 async function greet(): Promise<void> {
+  const again = greeted, hadControl = heldBefore;  // as they were, since answers and events change both
   try {
     const hello = await request('session.hello', { name: settings.clientName.value });
     client.value = Number(hello.client ?? -1);
@@ -165,11 +166,10 @@ async function greet(): Promise<void> {
     mayForce.value = hello.local === true;
     youHold.value = hello.you_hold === true;
     await request('session.watch', { rate: kFrameRate });
+    greeted = true;
     // A cell that nobody controls is taken by who opens the page; one that has a holder is only watched. After a
     // lost connection the page that had control takes it again, and pages that only watched go on watching.
-    const again = greeted;
-    greeted = true;
-    if (!holder.value && settings.takeWhenFree.value && (!again || heldBefore)) await takeControl(false);
+    if (!holder.value && settings.takeWhenFree.value && (!again || hadControl)) await takeControl(false);
     settled.value = true;
   } catch (error) {
     if (link.value === 'open') complain(error);

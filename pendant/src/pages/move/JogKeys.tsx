@@ -4,17 +4,14 @@ import { t } from '../../i18n';
 import { jogBlocked } from '../../state/cell';
 import { heldKey, jogMode, pressJog, release, stepsToGo } from '../../state/jog';
 import { beat } from '../../state/live';
-import { type Blocked, canBe } from '../../state/ways';
+import { canBe } from '../../state/ways';
 import { jointText } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
 import { type Axis, axesNow, nearLimit, roomTo } from './axes';
 
-/** A robot that settles from the motion before stands a moment later: the cell waits for that, or says why not. */
-const canPress = (blocked: Blocked) => canBe(blocked) || (typeof blocked === 'object' && blocked.code === 'moving');
-
 export function JogKeys() {
   beat.value;
-  const blocked = !canPress(jogBlocked.value);
+  const blocked = !canBe(jogBlocked.value);
   const axes = axesNow();
   return (
     <div class={`jog-keys ${axes.length > 6 ? 'many' : ''}`} role="group" aria-label={t('move.axes')}>
