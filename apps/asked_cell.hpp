@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/command_line.hpp"
-#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/setup/cell_file.hpp"
 
 namespace polyarm::apps {
 

@@ -8,8 +8,8 @@
 #include "apps/verb.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/cell/cell.hpp"
-#include "polyarm/cell/cell_file.hpp"
-#include "polyarm/cell/view.hpp"
+#include "polyarm/inside/view.hpp"
+#include "polyarm/setup/cell_file.hpp"
 
 namespace polyarm::apps {
 

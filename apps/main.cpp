@@ -14,8 +14,8 @@
 #include "drivers/mock/mock.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/cell/door_kinds.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
+#include "polyarm/setup/door_kinds.hpp"
 
 namespace polyarm::apps {
 

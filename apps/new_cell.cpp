@@ -14,9 +14,9 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/cell/check.hpp"
-#include "polyarm/cell/robots.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/moves/move_plan.hpp"
+#include "polyarm/setup/robots.hpp"
 
 namespace polyarm::apps {
 

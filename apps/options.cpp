@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/cell/cell_file.hpp"
 #include "polyarm/plugins/plugins.hpp"
+#include "polyarm/setup/cell_file.hpp"
 
 namespace polyarm::apps {
 

@@ -9,7 +9,7 @@
 #include "polyarm/base/approvals.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/reach.hpp"
-#include "polyarm/cell/build.hpp"
+#include "polyarm/setup/build.hpp"
 
 namespace polyarm::apps {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/setup/cell_file.hpp"
 
 namespace polyarm::apps {
 

@@ -4,8 +4,8 @@
 
 #include "apps/options.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/cell/fault_record.hpp"
 #include "polyarm/control/supervisor.hpp"
+#include "polyarm/machine/fault_record.hpp"
 
 namespace polyarm::apps {
 

@@ -24,10 +24,10 @@
 #include "polyarm/base/printer.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/check.hpp"
-#include "polyarm/cell/fault_record.hpp"
-#include "polyarm/cell/inside.hpp"
-#include "polyarm/cell/view.hpp"
 #include "polyarm/description/urdf.hpp"
+#include "polyarm/inside/inside.hpp"
+#include "polyarm/inside/view.hpp"
+#include "polyarm/machine/fault_record.hpp"
 #include "polyarm/recording/cell_recorder.hpp"
 
 namespace polyarm::apps {

@@ -2,8 +2,8 @@
 #include <memory>
 #include <string>
 
-#include "polyarm/cell/observer.hpp"
 #include "polyarm/cell/run.hpp"
+#include "polyarm/setup/observer.hpp"
 
 namespace polyarm::apps {
 

@@ -12,8 +12,8 @@
 #include "apps/workspace_map.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/cell/robots.hpp"
 #include "polyarm/description/tools.hpp"
+#include "polyarm/setup/robots.hpp"
 
 namespace polyarm::apps {
 

@@ -57,8 +57,8 @@ if(CMAKE_BUILD_TYPE STREQUAL "Release")
 endif()
 set(POLYARM_CELL_HEADERS <nlohmann/json.hpp>)
 if(POLYARM_TOGETHER)
-  list(APPEND POLYARM_CELL_HEADERS ${PROJECT_SOURCE_DIR}/polyarm/cell/inside.hpp
-       ${PROJECT_SOURCE_DIR}/polyarm/cell/view.hpp)
+  list(APPEND POLYARM_CELL_HEADERS ${PROJECT_SOURCE_DIR}/polyarm/inside/inside.hpp
+       ${PROJECT_SOURCE_DIR}/polyarm/inside/view.hpp)
 endif()
 add_library(polyarm_cell_uses INTERFACE)  # what a compiler has to be told for these headers
 target_include_directories(polyarm_cell_uses INTERFACE ${PROJECT_SOURCE_DIR})

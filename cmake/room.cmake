@@ -1,12 +1,13 @@
 # Files that go into the kit for plugins one by one (sdk.cmake) stand alone.
-set(POLYARM_ROOMS_TOGETHER cell control controllers data doctor hardware meshes messages plugins program realtime
+set(POLYARM_ROOMS_TOGETHER io setup machine tasks operation inside requests cell control controllers data doctor hardware meshes messages plugins program realtime
     server signals apps description recording ros2 ros_files paths timing trajectory)
 set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics closed_form descent ik cell scenario server signals
     recording ros_files links messages plugins program ros2 base description paths timing trajectory moves jog sensors drivers)
 # So many at a time that each takes a compiler some seconds.
 set(POLYARM_BY_SIX test_base test_cell test_control test_controllers test_data test_description test_drivers test_hardware
     test_kinematics test_closed_form test_descent test_ik test_jog test_links test_messages test_moves test_paths test_pca9685 test_plugins test_program test_recording test_ros2
-    test_ros_files test_sensors test_servos test_signals test_timing test_trajectory polyarm polyarm_cell polyarm_server)
+    test_ros_files test_sensors test_servos test_signals test_timing test_trajectory polyarm polyarm_io polyarm_setup polyarm_machine polyarm_tasks polyarm_operation polyarm_inside
+    polyarm_requests polyarm_cell polyarm_server)
 function(polyarm_together target name rooms)
   if(POLYARM_TOGETHER AND name IN_LIST rooms)
     set(batch 4)
@@ -19,7 +20,7 @@ function(polyarm_together target name rooms)
   endif()
 endfunction()
 
-set(POLYARM_ROOMS_AROUND_CELL cell recording server)
+set(POLYARM_ROOMS_AROUND_CELL io setup machine tasks operation inside requests cell recording server)
 # A room is a folder of headers and sources side by side, one static library, and one test program.
 #
 #   polyarm_room(kinematics USES base description LIBRARIES Eigen3::Eigen)

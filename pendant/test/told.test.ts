@@ -129,7 +129,7 @@ describe('what the cell tells', () => {
 
   it('has a word for everything that a task can wait for, and for every state', () => {
     const kinds = [...(/waits_for\(program::WaitKind kind\) \{([^}]*\})/
-                           .exec(sources['../../polyarm/cell/program_status.cpp']!)
+                           .exec(sources['../../polyarm/operation/program_status.cpp']!)
                            ?.[1] ??
                        '')
                        .matchAll(/"([^"]*)"/g)]

@@ -1,13 +1,24 @@
 #include "polyarm/cell/cell.hpp"
 
-#include "polyarm/cell/inside.hpp"
-#include "polyarm/cell/view.hpp"
+#include "polyarm/cell/handlers.hpp"
+#include "polyarm/inside/inside.hpp"
+#include "polyarm/inside/view.hpp"
+#include "polyarm/requests/families.hpp"
 
 namespace polyarm::cell {
 
+namespace {
+std::vector<Handler> all_handlers() {
+  std::vector<Handler> out = room_handlers();
+  for (const auto& family : {cells_handlers(), text_handlers()}) out.insert(out.end(), family.begin(), family.end());
+  return out;
+}
+}  // namespace
+
 Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOptions options,
            Observer& observer)
-    : inside_(std::make_unique<CellInside>(file, catalogue, std::move(options), observer)),
+    : inside_(std::make_unique<CellInside>(file, catalogue, std::move(options), observer,
+                                           all_handlers())),
       view_(std::make_unique<CellView>(*inside_)) {}
 Cell::~Cell() {
   inside_.reset();  // what records it uses the view until then

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "polyarm/base/time.hpp"
-#include "polyarm/cell/cell_options.hpp"
+#include "polyarm/setup/cell_options.hpp"
 
 namespace polyarm::description {
 class Catalogue;
@@ -50,5 +50,8 @@ class Cell {
   std::unique_ptr<CellInside> inside_;
   std::unique_ptr<CellView> view_;
 };
+
+/// The inside of a cell, for those who run it: the runner, and tests.
+CellInside& inside_of(Cell& cell);
 
 }  // namespace polyarm::cell

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/cell/cell_file.hpp"
 #include "polyarm/description/catalogue.hpp"
+#include "polyarm/setup/cell_file.hpp"
 
 namespace polyarm::cell {
 

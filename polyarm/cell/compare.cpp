@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "polyarm/cell/cell.hpp"
-#include "polyarm/cell/inside.hpp"
+#include "polyarm/inside/inside.hpp"
 #include "polyarm/kinematics/singularity.hpp"
 
 namespace polyarm::cell {

@@ -9,8 +9,8 @@
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/cell.hpp"
-#include "polyarm/cell/cell_file.hpp"
-#include "polyarm/cell/cell_reach.hpp"
+#include "polyarm/setup/cell_file.hpp"
+#include "polyarm/setup/cell_reach.hpp"
 
 namespace polyarm::cell {
 
@@ -26,7 +26,7 @@ fs::path projects_folder() {
 }
 
 namespace {
-constexpr std::size_t kMostRecent = 12, kMostCells = 200, kLargest = 900'000;
+constexpr std::size_t kMostRecent = 12, kMostCells = 200, kLargestReadme = 900'000;
 fs::path recent_file() {
   return projects_folder().parent_path() / "recent.json";
 }
@@ -70,7 +70,7 @@ std::string title_of(const fs::path& folder) {
   if (!fs::is_regular_file(folder / "README.md", error)) return {};
   std::string text;
   Problems ignored;
-  collect(ignored, [&] { text = read_file(folder / "README.md", kLargest); });
+  collect(ignored, [&] { text = read_file(folder / "README.md", kLargestReadme); });
   const std::string first = text.substr(0, text.find('\n'));
   return first.starts_with("# ") ? std::string(trim(first.substr(2))) : std::string{};
 }

@@ -1,18 +1,13 @@
 #pragma once
 /// Tests of programs: `test` blocks that stand beside the program of a cell and run in lock-step.
 #include <filesystem>
-#include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "polyarm/cell/cell_file.hpp"
-#include "polyarm/cell/task.hpp"
 #include "polyarm/description/catalogue.hpp"
+#include "polyarm/setup/cell_file.hpp"
 
 namespace polyarm::cell {
-
-struct CellInside;
 
 /// One test and the cell that it belongs to.
 struct ProgramTest {
@@ -43,27 +38,5 @@ struct TestResult {
 /// from the beginning. Not for two threads at the same time.
 TestResult run_test(const ProgramTest& test, const description::Catalogue& catalogue,
                     const TestOptions& options);
-
-/// The test in a cell: a task that moves nothing, reads and sets every tag, and has the functions of tests.
-/// It sees the program as tags: program.running, program.state, program.line, program.passes, program.error.
-class TestTask {
- public:
-  /// Makes those tags. The program may be begun by `begin`.
-  TestTask(CellInside& cell, program::Program tests, std::size_t index, ProgramHost::Context context,
-           Problems& problems);
-  void tick();
-  bool ended() const { return task_->ended(); }
-  std::optional<Problem> problem() const;
-
- private:
-  data::Value call(std::string_view function, std::span<const data::Value> arguments, const Location& where);
-  void person(const std::string& words, const Location& where);
-  data::Value part(const std::string& name, const Location& where) const;
-  void tell_of_program();
-
-  CellInside& cell_;
-  std::unique_ptr<Task> task_;
-  bool asks_for_error_ = false;  ///< it looks at program.error: a program that fails is what it wants
-};
 
 }  // namespace polyarm::cell

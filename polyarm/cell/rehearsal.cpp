@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/cell/inside.hpp"
-#include "polyarm/cell/open_names.hpp"
 #include "polyarm/cell/prompter.hpp"
 #include "polyarm/cell/rehearsal_stage.hpp"
+#include "polyarm/inside/inside.hpp"
+#include "polyarm/machine/open_names.hpp"
 #include "polyarm/program/code.hpp"
 #include "polyarm/program/interpreter.hpp"
 

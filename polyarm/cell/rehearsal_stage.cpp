@@ -7,10 +7,10 @@
 #include <utility>
 #include <variant>
 
-#include "polyarm/cell/inside.hpp"
-#include "polyarm/cell/open_names.hpp"
-#include "polyarm/cell/relative_moves.hpp"
+#include "polyarm/inside/inside.hpp"
+#include "polyarm/machine/open_names.hpp"
 #include "polyarm/program/code.hpp"
+#include "polyarm/setup/relative_moves.hpp"
 
 namespace polyarm::cell {
 

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/cell/program_moves.hpp"
 #include "polyarm/cell/prompter.hpp"
 #include "polyarm/cell/rehearsal.hpp"
 #include "polyarm/program/certainty.hpp"
 #include "polyarm/program/interpreter.hpp"
+#include "polyarm/tasks/program_moves.hpp"
 
 namespace polyarm::cell {
 

@@ -14,9 +14,10 @@
 #include "polyarm/base/yaml.hpp"
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/check.hpp"
+#include "polyarm/cell/handlers.hpp"
 #include "polyarm/cell/known_cells.hpp"
 #include "polyarm/cell/rehearsal.hpp"
-#include "polyarm/cell/requests_later.hpp"
+#include "polyarm/inside/requests_later.hpp"
 #include "polyarm/program/parser.hpp"
 #include "polyarm/protocol/projects.hpp"
 #include "polyarm/realtime/periodic.hpp"
@@ -35,7 +36,7 @@ struct CellsOwners {
   Worker& worker;
 };
 
-constexpr std::size_t kLargest = 900'000, kMostBytes = 500'000'000;
+constexpr std::size_t kMostBytes = 500'000'000;
 
 /// A folder for this alone, which goes when nobody needs it any more.
 class Scratch {
@@ -276,7 +277,7 @@ void write_new_cell(const fs::path& folder, const std::string& robot) {
 Poll<ProgramDry::Answer> program_dry(const CellsOwners& cell, const ProgramDry& request) {
   const fs::path original = project_file(cell.setup.file.folder, request.name);
   const std::string text = request.text ? *request.text : read_file(original);
-  if (text.size() > kLargest) throw Error("too-large", "the text has more than 900 kB");
+  if (text.size() > kLargestText) throw Error("too-large", "the text has more than 900 kB");
   return aside([file = cell.setup.file, catalogue = cell.setup.catalogue, original, text] {
     return dry_run(file, catalogue, original, text);
   });

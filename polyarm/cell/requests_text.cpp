@@ -6,16 +6,17 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/cell/handlers.hpp"
 #include "polyarm/cell/known_cells.hpp"
-#include "polyarm/cell/build.hpp"
-#include "polyarm/cell/requests_later.hpp"
 #include "polyarm/data/file_lookup.hpp"
+#include "polyarm/inside/requests_later.hpp"
 #include "polyarm/program/checker.hpp"
 #include "polyarm/program/functions.hpp"
 #include "polyarm/program/lexer.hpp"
 #include "polyarm/program/parser.hpp"
 #include "polyarm/program/words.hpp"
 #include "polyarm/protocol/projects.hpp"
+#include "polyarm/setup/build.hpp"
 
 namespace polyarm::cell {
 
@@ -34,7 +35,6 @@ using program::Block;
 using program::Program;
 using program::Statement;
 
-constexpr std::size_t kLargest = 900'000;
 
 std::vector<Finding> findings_of(const Problems& problems) {
   std::vector<Finding> out;
@@ -53,7 +53,7 @@ struct Source {
 
 Source source_of(const TextOwners& cell, const std::string& name, const std::optional<std::string>& text) {
   Source out{project_file(cell.setup.file.folder, name), text};
-  if (out.text && out.text->size() > kLargest) throw Error("too-large", "the text has more than 900 kB");
+  if (out.text && out.text->size() > kLargestText) throw Error("too-large", "the text has more than 900 kB");
   return out;
 }
 
@@ -192,7 +192,7 @@ LanguageWords::Answer language_words(const TextOwners&, const LanguageWords&) {
   return out;
 }
 
-Asked cell_restart(const TextOwners& cell, const CellRestart& request) {
+protocol::Asked cell_restart(const TextOwners& cell, const CellRestart& request) {
   RestartWish wish;
   wish.robot = request.robot.value_or("");
   wish.hardware = request.hardware.value_or("");

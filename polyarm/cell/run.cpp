@@ -14,11 +14,11 @@
 #include <thread>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/cell/inside.hpp"
 #include "polyarm/cell/socket_door.hpp"
-#include "polyarm/cell/typed_words.hpp"
-#include "polyarm/cell/view.hpp"
-#include "polyarm/cell/worker.hpp"
+#include "polyarm/inside/inside.hpp"
+#include "polyarm/inside/view.hpp"
+#include "polyarm/io/typed_words.hpp"
+#include "polyarm/io/worker.hpp"
 #include "polyarm/protocol/hardware.hpp"
 #include "polyarm/realtime/bell.hpp"
 #include "polyarm/realtime/periodic.hpp"
@@ -168,7 +168,7 @@ class Runner {
     control::ControlLoop& loop = cell_.machine.loop();
     const std::unique_ptr<SocketDoor> door = options_.fast_socket ? open_door() : nullptr;
     const auto doors = open_doors();
-    nobody_there_ = !door && doors.empty() && options_.doors.empty() && !cell_.programs->test();
+    nobody_there_ = !door && doors.empty() && options_.doors.empty() && !cell_.setup.options.test;
     Nanoseconds next_tick = 0;
     while (!over_) {
       if (loop.cycle().time >= next_tick) {

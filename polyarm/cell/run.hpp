@@ -6,11 +6,11 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/cell/cell.hpp"
-#include "polyarm/cell/cell_file.hpp"
-#include "polyarm/cell/door.hpp"
-#include "polyarm/cell/parts.hpp"
-#include "polyarm/cell/stops.hpp"
+#include "polyarm/io/parts.hpp"
+#include "polyarm/machine/stops.hpp"
 #include "polyarm/realtime/periodic.hpp"
+#include "polyarm/setup/cell_file.hpp"
+#include "polyarm/setup/door.hpp"
 
 namespace polyarm::cell {
 

@@ -22,7 +22,7 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/spare_descriptor.hpp"
-#include "polyarm/cell/requests.hpp"
+#include "polyarm/inside/requests.hpp"
 
 namespace polyarm::cell {
 

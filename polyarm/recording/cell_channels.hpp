@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "polyarm/base/time.hpp"
-#include "polyarm/cell/view.hpp"
 #include "polyarm/control/cycle_tap.hpp"
+#include "polyarm/inside/view.hpp"
 #include "polyarm/recording/channel.hpp"
 #include "polyarm/recording/state_messages.hpp"
 

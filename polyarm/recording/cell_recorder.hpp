@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "polyarm/cell/recorder.hpp"
+#include "polyarm/setup/recorder.hpp"
 
 namespace polyarm::cell {
 class CellView;

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "polyarm/base/file.hpp"
-#include "polyarm/cell/view.hpp"
-#include "polyarm/cell/worker.hpp"
 #include "polyarm/description/plain_urdf.hpp"
+#include "polyarm/inside/view.hpp"
+#include "polyarm/io/worker.hpp"
 #include "polyarm/recording/cell_channels.hpp"
 
 namespace polyarm::recording {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "polyarm/base/pose.hpp"
-#include "polyarm/cell/robots.hpp"
 #include "polyarm/hardware/interface_table.hpp"
 #include "polyarm/messages/types.hpp"
+#include "polyarm/setup/robots.hpp"
 
 namespace polyarm::recording {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "polyarm/base/time.hpp"
-#include "polyarm/cell/view.hpp"
+#include "polyarm/inside/view.hpp"
 #include "polyarm/protocol/request.hpp"
 #include "polyarm/ros2/wire.hpp"
 

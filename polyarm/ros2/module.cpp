@@ -1,9 +1,9 @@
 /// The door to ROS 2: what `ros2:` in a cell and --ros2 open.
 #include <array>
 
-#include "polyarm/cell/door.hpp"
 #include "polyarm/ros2/cell_door.hpp"
 #include "polyarm/ros2/options.hpp"
+#include "polyarm/setup/door.hpp"
 
 namespace polyarm::ros2 {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/cell/held_motions.hpp"
+#include "polyarm/operation/held_motions.hpp"
 #include "polyarm/protocol/session.hpp"
 
 namespace polyarm::server {

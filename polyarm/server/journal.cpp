@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "polyarm/cell/stops.hpp"
+#include "polyarm/machine/stops.hpp"
 
 namespace polyarm::server {
 

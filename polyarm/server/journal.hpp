@@ -4,7 +4,7 @@
 #include <deque>
 #include <string>
 
-#include "polyarm/cell/observer.hpp"
+#include "polyarm/setup/observer.hpp"
 
 namespace polyarm::server {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "polyarm/cell/door.hpp"
-#include "polyarm/cell/view.hpp"
+#include "polyarm/inside/view.hpp"
 #include "polyarm/protocol/facts.hpp"
+#include "polyarm/setup/door.hpp"
 
 namespace polyarm::server {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/cell/view.hpp"
+#include "polyarm/inside/view.hpp"
 #include "polyarm/server/client.hpp"
 #include "polyarm/server/journal.hpp"
 #include "polyarm/server/pendant.hpp"

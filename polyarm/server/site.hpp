@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/cell/worker.hpp"
+#include "polyarm/io/worker.hpp"
 #include "polyarm/server/assets.hpp"
 #include "polyarm/server/pendant.hpp"
 #include "polyarm/server/port.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/cell/view.hpp"
+#include "polyarm/inside/view.hpp"
 #include "polyarm/server/client.hpp"
 
 namespace polyarm::server {

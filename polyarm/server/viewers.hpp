@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "polyarm/cell/view.hpp"
+#include "polyarm/inside/view.hpp"
 #include "polyarm/server/stream.hpp"
 
 namespace polyarm::server {

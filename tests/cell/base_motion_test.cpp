@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/check.hpp"
+#include "polyarm/setup/cell_file.hpp"
 #include "tests/support/jetbot_cell.hpp"
 #include "tests/support/lock_step_cell.hpp"
 

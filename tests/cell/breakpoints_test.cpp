@@ -1,5 +1,5 @@
 /// Breakpoints go with their lines while a text is changed.
-#include "polyarm/cell/breakpoints.hpp"
+#include "polyarm/setup/breakpoints.hpp"
 
 #include <gtest/gtest.h>
 

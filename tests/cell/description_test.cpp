@@ -3,8 +3,8 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/check.hpp"
-#include "polyarm/cell/floor.hpp"
-#include "polyarm/cell/robots.hpp"
+#include "polyarm/setup/floor.hpp"
+#include "polyarm/setup/robots.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {

@@ -8,8 +8,8 @@
 #include <map>
 #include <thread>
 
-#include "polyarm/cell/fault_record.hpp"
-#include "polyarm/cell/worker.hpp"
+#include "polyarm/io/worker.hpp"
+#include "polyarm/machine/fault_record.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {

@@ -1,5 +1,5 @@
 /// The states of a robot that is jogged, as a table, and the dead-man rule.
-#include "polyarm/cell/jog_states.hpp"
+#include "polyarm/operation/jog_states.hpp"
 
 #include <gtest/gtest.h>
 

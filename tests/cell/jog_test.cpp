@@ -7,9 +7,9 @@
 #include <string>
 
 #include "polyarm/base/file.hpp"
-#include "polyarm/cell/cell_file.hpp"
 #include "polyarm/controllers/joint_trajectory_controller.hpp"
 #include "polyarm/protocol/session.hpp"
+#include "polyarm/setup/cell_file.hpp"
 #include "tests/cell/requests_cell.hpp"
 #include "tests/support/lock_step_cell.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/check.hpp"
+#include "polyarm/setup/cell_file.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm::cell {

@@ -1,5 +1,5 @@
 /// Where a base is that drives: by its odometry, from where the cell's file puts it.
-#include "polyarm/cell/moving_base.hpp"
+#include "polyarm/setup/moving_base.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
-#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/setup/cell_file.hpp"
 #include "tests/support/jetbot_cell.hpp"
 #include "tests/support/lock_step_cell.hpp"
 

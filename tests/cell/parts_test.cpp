@@ -1,4 +1,4 @@
-#include "polyarm/cell/parts.hpp"
+#include "polyarm/io/parts.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,10 +5,10 @@
 #include <memory>
 #include <string>
 
-#include "polyarm/cell/cell_file.hpp"
 #include "polyarm/cell/compare.hpp"
 #include "polyarm/cell/program_tests.hpp"
-#include "polyarm/cell/safe_points.hpp"
+#include "polyarm/setup/cell_file.hpp"
+#include "polyarm/tasks/safe_points.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {

@@ -11,9 +11,9 @@
 #include <random>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/cell/cell_file.hpp"
-#include "polyarm/cell/requests_later.hpp"
 #include "polyarm/data/import_format.hpp"
+#include "polyarm/inside/requests_later.hpp"
+#include "polyarm/setup/cell_file.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm::cell {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "polyarm/cell/requests.hpp"
+#include "polyarm/inside/requests.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm::test {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/setup/cell_file.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm::cell {

@@ -1,11 +1,11 @@
 /// A program that waits in vain is told why, as far as the cell knows it.
-#include "polyarm/cell/wait_hints.hpp"
+#include "polyarm/tasks/wait_hints.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "polyarm/cell/cell_file.hpp"
+#include "polyarm/setup/cell_file.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm::cell {

@@ -1,5 +1,5 @@
 /// Every state of a cell has a way back that its refusals name, and a contact is blamed on what moved.
-#include "polyarm/cell/ways.hpp"
+#include "polyarm/inside/ways.hpp"
 
 #include <gtest/gtest.h>
 

@@ -11,8 +11,8 @@
 #include <random>
 #include <thread>
 
-#include "polyarm/cell/cell_file.hpp"
 #include "polyarm/realtime/periodic.hpp"
+#include "polyarm/setup/cell_file.hpp"
 #include "tests/support/lock_step_cell.hpp"
 #include "tests/support/web_peer.hpp"
 

@@ -5,8 +5,8 @@
 #include <cstring>
 #include <string>
 
-#include "polyarm/cell/cell_file.hpp"
 #include "polyarm/server/events.hpp"
+#include "polyarm/setup/cell_file.hpp"
 #include "tests/support/jetbot_cell.hpp"
 #include "tests/support/lock_step_cell.hpp"
 

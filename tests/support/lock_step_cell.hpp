@@ -16,9 +16,9 @@
 
 #include "drivers/mock/mock.hpp"
 #include "polyarm/base/file.hpp"
-#include "polyarm/cell/requests.hpp"
 #include "polyarm/description/catalogue.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
+#include "polyarm/inside/requests.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/open_cell.hpp"
 

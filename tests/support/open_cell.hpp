@@ -1,8 +1,8 @@
 #pragma once
 /// A cell with its inside open, for tests that step it and look into it.
 #include "polyarm/cell/cell.hpp"
-#include "polyarm/cell/inside.hpp"
-#include "polyarm/cell/view.hpp"
+#include "polyarm/inside/inside.hpp"
+#include "polyarm/inside/view.hpp"
 
 namespace polyarm::test {
 

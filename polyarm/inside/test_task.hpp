@@ -1,0 +1,37 @@
+#pragma once
+/// The task that carries out a `test` block beside the program of its cell.
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "polyarm/tasks/task.hpp"
+
+namespace polyarm::cell {
+
+struct CellInside;
+
+/// The test in a cell: a task that moves nothing, reads and sets every tag, and has the functions of tests.
+/// It sees the program as tags: program.running, program.state, program.line, program.passes, program.error.
+class TestTask {
+ public:
+  /// Makes those tags. The program may be begun by `begin`.
+  TestTask(CellInside& cell, program::Program tests, std::size_t index, ProgramHost::Context context,
+           Problems& problems);
+  void tick();
+  bool ended() const { return task_->ended(); }
+  std::optional<Problem> problem() const;
+
+ private:
+  data::Value call(std::string_view function, std::span<const data::Value> arguments, const Location& where);
+  void person(const std::string& words, const Location& where);
+  data::Value part(const std::string& name, const Location& where) const;
+  void tell_of_program();
+
+  CellInside& cell_;
+  std::unique_ptr<Task> task_;
+  bool asks_for_error_ = false;  ///< it looks at program.error: a program that fails is what it wants
+};
+
+}  // namespace polyarm::cell

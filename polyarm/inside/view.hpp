@@ -1,0 +1,93 @@
+#pragma once
+/// What doors see of a cell: everything that others may read, and the one way to change something, its
+/// requests.
+#include <string>
+
+#include "polyarm/control/control_loop.hpp"
+#include "polyarm/inside/requests.hpp"
+#include "polyarm/io/links.hpp"
+#include "polyarm/jog/jog_controller.hpp"
+#include "polyarm/machine/arming.hpp"
+#include "polyarm/machine/event_log.hpp"
+#include "polyarm/moves/robot_motion.hpp"
+#include "polyarm/protocol/motion.hpp"
+#include "polyarm/protocol/programs.hpp"
+#include "polyarm/setup/cell_options.hpp"
+#include "polyarm/setup/cell_setup.hpp"
+#include "polyarm/setup/moving_base.hpp"
+#include "polyarm/tasks/task.hpp"
+
+namespace polyarm::cell {
+
+struct CellInside;
+class HeldMotions;
+
+/// Cell thread.
+class CellView {
+ public:
+  explicit CellView(CellInside& inside) : inside_(inside) {}
+
+  Requests& requests();
+  /// Motion while a key is held.
+  HeldMotions& held_motions();
+  /// Reports to everybody, and keeps it among the events.
+  Observer& observer();
+  void tell(const std::string& note) { observer().on_note(note); }
+  void add_observer(Observer& observer);
+  void remove_observer(Observer& observer);
+  void ask_restart(RestartWish wish);
+
+  // What it is built from.
+  const CellFile& file() const;
+  const CellRobots& robots() const;
+  const description::Scene& scene() const;
+  const ros_files::ManagerParameters& manager() const;
+  const signals::Signals& signals() const;
+  bool lock_step() const;
+  Nanoseconds period() const;
+
+  // How it is now.
+  Nanoseconds now() const;
+  const control::Snapshot& snapshot() const;
+  const hardware::InterfaceTable& table() const;
+  const control::ControllerManager& controllers() const;
+  const hardware::Hardware& hardware() const;
+  const control::Supervisor& supervisor() const;
+  const control::Health& health() const;
+  std::uint64_t clamps() const;
+  /// A tap with room for so many cycles; `every`: one of so many.
+  std::unique_ptr<control::CycleTap> make_tap(std::size_t rows, unsigned every) const;
+  /// From the next cycle on rows go to `tap`; null: to none. What was tapped into before must live until the
+  /// job is done.
+  std::shared_ptr<realtime::Job> tap(control::CycleTap* tap) const;
+  const data::DataStore& store() const;
+  const CellLinks& links() const;
+  const EventLog& events() const;
+  const Arming& arming() const;
+  const std::optional<Failure>& failure() const;
+  /// Why the cell does not run; its code is as control::code, or what the cell itself asked for.
+  Problem stop_cause() const;
+  const Task* program() const;
+  const Task* plc() const;
+  bool program_begun() const;
+  protocol::ProgramStatus program_status() const;
+  protocol::OrNull<protocol::ProgramOverview> program_overview() const;
+  protocol::OrNull<protocol::ProgramOverview> plc_overview() const;
+  protocol::ContactState contacts() const;
+  protocol::PossibleNow possible_now() const;
+
+  // Its robots, by their index.
+  const moves::RobotMotion* motion(std::size_t robot) const;
+  const MovingBase& base(std::size_t robot) const;
+  Pose tcp(std::size_t robot) const;
+  bool motion_left() const;
+  bool jogged(std::size_t robot) const;
+  /// Which of those that may move the robots does: "program", "jog" or "nobody".
+  const char* control_holder() const;
+  const std::string& profile() const;
+
+ private:
+  CellInside& inside_;
+};
+
+}  // namespace polyarm::cell

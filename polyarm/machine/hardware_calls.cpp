@@ -1,0 +1,82 @@
+#include "polyarm/machine/hardware_calls.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::cell {
+
+void HardwareCalls::start(std::shared_ptr<hardware::Transition> transition) {
+  if (inline_) return transition->run();
+  // Detached: a device that never answers must not keep the process; who gives up leaves the component
+  // behind.
+  std::thread([transition = std::move(transition)] { transition->run(); }).detach();
+}
+
+void HardwareCalls::tell_waiting(const hardware::Transition& transition, Nanoseconds since, const char* end) {
+  observer_.on_note("the hardware component " + transition.component() + " is being " +
+                    hardware::done_word(transition.step()) + " for " +
+                    format_number(std::round(seconds(since) * 10) / 10) + " s; " + end);
+}
+
+bool HardwareCalls::give_up(const hardware::Transition& transition, Nanoseconds waited) {
+  if ((patience_ < 0 || waited < patience_) && !(asked_ && asked_())) return false;
+  tell_waiting(transition, waited, "nobody waits for it any longer, and it is left as it is");
+  return true;
+}
+
+bool HardwareCalls::await(const hardware::Transition& transition) {
+  constexpr Nanoseconds kLook = 100'000'000;
+  Nanoseconds waited = 0, told_next = kWorthTelling;
+  for (;;) {
+    Nanoseconds next = patience_ < 0 ? told_next : std::min(told_next, patience_);
+    if (asked_) next = std::min(next, waited + kLook);
+    if (transition.wait(next - waited)) return true;
+    waited = next;
+    if (give_up(transition, waited)) return false;
+    if (waited < told_next) continue;
+    tell_waiting(transition, waited, "waiting for it");
+    told_next *= 2;
+  }
+}
+
+bool HardwareCalls::advance(hardware::Hardware& hardware, std::shared_ptr<hardware::Transition>& transition,
+                            Nanoseconds now) {
+  while (transition) {
+    if (!transition->done()) {
+      Since& since = since_.try_emplace(transition.get(), Since{now, kWorthTelling}).first->second;
+      if (now - since.begun >= since.told_next) {
+        tell_waiting(*transition, now - since.begun, "the cell goes on");
+        since.told_next *= 2;
+      }
+      return false;
+    }
+    since_.erase(transition.get());
+    const auto done = std::exchange(transition, nullptr);
+    transition = hardware.finish(*done);
+    if (transition) start(transition);
+  }
+  return true;
+}
+
+void HardwareCalls::tick(hardware::Hardware& hardware, Nanoseconds now) {
+  for (auto each = wanted_.begin(); each != wanted_.end();) {
+    bool over = false;
+    try {
+      if (!each->running && !hardware.pending(each->component)) {
+        each->running = hardware.begin(each->component, each->step);
+        start(each->running);
+      }
+      over = each->running && advance(hardware, each->running, now);
+    } catch (const Error& e) {
+      observer_.on_note(e.what());
+      over = true;
+    }
+    each = over ? wanted_.erase(each) : std::next(each);
+  }
+}
+
+}  // namespace polyarm::cell

@@ -1,0 +1,210 @@
+#include "polyarm/machine/motions.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/setup/controllers_start.hpp"
+
+namespace polyarm::cell {
+
+Motions::Motions(const CellSetup& setup, Machine& machine, Arming& arming, const ContactWatch& contacts,
+                 Observer& observer)
+    : setup_(setup), machine_(machine), arming_(arming), contacts_(contacts), observer_(observer) {}
+
+void Motions::build(Worker& planner) {
+  for (const auto& robot : setup_.robots) {
+    controllers::JointTrajectoryController* follower =
+        trajectory_controller_of(*robot, machine_.controllers(), !arming_.armed());
+    followers_.push_back(follower);
+    motions_.push_back(follower ? std::make_unique<moves::RobotMotion>(
+                                      *robot->facts, *follower,
+                                      [&planner](std::function<void()> job) { planner.post(std::move(job)); })
+                                : nullptr);
+    if (motions_.back()) motions_.back()->set_planned(robot->start);
+    controllers::DiffDriveController* wheels = base_controller_of(*robot, machine_.controllers());
+    bases_.push_back(wheels ? std::make_unique<moves::BaseMotion>(*wheels, seconds(machine_.period()))
+                            : nullptr);
+    places_.emplace_back(*robot, machine_.table(), wheels);
+  }
+  for (std::size_t i = 0; i < setup_.robots.size(); ++i)
+    for (std::size_t k = 0; k < setup_.robots.size(); ++k)
+      if (setup_.robots[i]->entry.on == setup_.robots[k]->entry.name) places_[i].set_carrier(places_[k]);
+}
+
+void Motions::tick(const PlaceOf& place_of) {
+  const Nanoseconds now = machine_.now();
+  const control::Supervisor& supervisor = machine_.supervisor();
+  for (const auto& base : bases_)
+    if (base)
+      base->tick(now, machine_.snapshot().state == control::RunState::running,
+                 supervisor.share() * supervisor.override_share());
+  for (const auto& motion : motions_) {
+    if (!motion) continue;
+    motion->set_options(plan_options());
+    motion->tick(now);
+    for (moves::RobotMotion::Warning& warning : motion->take_warnings()) {
+      if (warning.problem.where.file.empty()) warning.problem.where = place_of(*motion, warning.move);
+      if (reported_.insert(warning.problem.text()).second) observer_.on_problem(now, warning.problem);
+    }
+  }
+}
+
+void Motions::look_at_bases() {
+  for (MovingBase& base : places_) base.look();
+}
+
+void Motions::set_planned(std::size_t robot, int JointPlaces::Place::*index, std::span<const double> values) {
+  const std::span<const JointPlaces::Place> places = machine_.joint_places().of(robot);
+  for (std::size_t j = 0; j < motions_[robot]->planned().size(); ++j) {
+    const int at = places[j].*index;
+    if (at >= 0 && std::isfinite(values[static_cast<std::size_t>(at)]))
+      motions_[robot]->set_planned(j, values[static_cast<std::size_t>(at)]);
+  }
+}
+
+void Motions::follow_others() {
+  const control::Snapshot& snapshot = machine_.snapshot();
+  if (!snapshot.standing) return;
+  for (std::size_t i = 0; i < motions_.size(); ++i)
+    if (motions_[i] && motions_[i]->idle()) set_planned(i, &JointPlaces::Place::command, snapshot.commands);
+}
+
+void Motions::begin_where_robots_are() {
+  for (std::size_t i = 0; i < motions_.size(); ++i)
+    if (motions_[i]) set_planned(i, &JointPlaces::Place::state, machine_.snapshot().states);
+}
+
+bool Motions::any() const {
+  const auto there = [](const auto& motion) { return motion != nullptr; };
+  return std::any_of(motions_.begin(), motions_.end(), there) ||
+         std::any_of(bases_.begin(), bases_.end(), there);
+}
+
+bool Motions::all_idle() const {
+  for (std::size_t i = 0; i < motions_.size(); ++i)
+    if (!idle(i)) return false;
+  return true;
+}
+
+bool Motions::motion_left() const {
+  const control::ControllerManager& manager = machine_.controllers();
+  const std::vector<std::string> names = manager.names();
+  const auto sent = [&](const std::string& name) {
+    const auto* follower = dynamic_cast<const controllers::JointTrajectoryController*>(manager.find(name));
+    return follower && follower->status().active.load(std::memory_order_acquire) != 0;
+  };
+  return !all_idle() || std::any_of(names.begin(), names.end(), sent) ||
+         std::any_of(bases_.begin(), bases_.end(), [](const auto& base) { return base && !base->idle(); });
+}
+
+Pose Motions::tcp(std::size_t robot) const {
+  const CellRobot& r = *setup_.robots[robot];
+  std::array<double, 64> q{};
+  const control::Snapshot& snapshot = machine_.snapshot();
+  const std::span<const JointPlaces::Place> places = machine_.joint_places().of(robot);
+  for (std::size_t j = 0; j < places.size() && j < q.size(); ++j)
+    q[j] = places[j].state >= 0 ? snapshot.states[static_cast<std::size_t>(places[j].state)] : 0;
+  return r.facts->chain.forward({q.data(), r.joints.size()});
+}
+
+std::vector<Vec3> Motions::tcps() const {
+  std::vector<Vec3> out;
+  for (std::size_t i = 0; i < setup_.robots.size(); ++i) out.push_back(tcp(i).position);
+  return out;
+}
+
+void Motions::end() {
+  for (const auto& motion : motions_)
+    if (motion) motion->end(1);
+  drop_bases();
+}
+
+void Motions::drop() {
+  for (const auto& motion : motions_)
+    if (motion) motion->drop();
+  drop_bases();
+}
+
+void Motions::drop_bases() {
+  for (const auto& base : bases_)
+    if (base) base->drop();
+}
+
+const ProfileEntry& Motions::limits() const {
+  return profile_ == "reduced" ? setup_.file.profiles.reduced : setup_.file.profiles.full;
+}
+
+void Motions::set_profile(const std::string& name) {
+  const std::vector<std::string> known = {"reduced", "full"};
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    throw Error("unknown-profile", "there is no limits profile '" + name + "'" + did_you_mean(name, known),
+                "reduced or full");
+  profile_ = name;
+  const bool slower = limits().tcp_speed < kNoTcpLimit || limits().joint_speed < 1;
+  arming_.set_profile(slower, limits().tcp_speed, limits().joint_speed);
+}
+
+jog::JogLimits Motions::jog_limits() const {
+  jog::JogLimits out{limits().joint_speed, limits().tcp_speed, limits().tcp_turning};
+  if (contacts_.touching()) {  // out of it slowly
+    constexpr double kJointShare = 0.05, kSpeed = 0.02, kTurning = 0.1;
+    out.joint_share = std::min(out.joint_share, kJointShare);
+    out.tcp_speed = std::min(out.tcp_speed, kSpeed);
+    out.tcp_turning = std::min(out.tcp_turning, kTurning);
+  }
+  if (!arming_.first_pass()) return out;
+  out.joint_share = std::min(out.joint_share, kReducedProfile.joint_speed);
+  out.tcp_speed = std::min(out.tcp_speed, kReducedProfile.tcp_speed);
+  out.tcp_turning = std::min(out.tcp_turning, kReducedProfile.tcp_turning);
+  return out;
+}
+
+moves::MovePlanOptions Motions::plan_options() const {
+  if (arming_.first_pass()) return {};
+  return {limits().tcp_speed < kNoTcpLimit ? limits().tcp_speed : 0, limits().joint_speed};
+}
+
+bool Motions::planned_as_now() const {
+  if (arming_.first_pass()) return false;
+  bool any = false;
+  for (const auto& motion : motions_) {
+    const moves::MovePlanOptions* with = motion ? motion->options_under_way() : nullptr;
+    if (with && *with != plan_options()) return false;
+    any = any || with;
+  }
+  return any;
+}
+
+std::optional<std::uint64_t> Motions::first_motion_cycle() const {
+  for (const controllers::JointTrajectoryController* follower : followers_)
+    if (follower && follower->status().started_cycle.load() > 0)
+      return follower->status().started_cycle.load() - 1;
+  return std::nullopt;
+}
+
+bool Motions::use(const controllers::Controller& controller) const {
+  const auto drives = [&](const auto& base) { return base && &base->controller() == &controller; };
+  return std::find(followers_.begin(), followers_.end(), &controller) != followers_.end() ||
+         std::any_of(bases_.begin(), bases_.end(), drives);
+}
+
+void Motions::release(const controllers::Controller& controller,
+                      const std::function<void(moves::RobotMotion&)>& forget,
+                      const std::function<void(moves::BaseMotion&)>& forget_base) {
+  for (std::size_t i = 0; i < bases_.size(); ++i) {
+    if (!bases_[i] || &bases_[i]->controller() != &controller) continue;
+    forget_base(*bases_[i]);
+    places_[i].forget_wheels();
+    bases_[i].reset();
+  }
+  for (std::size_t i = 0; i < followers_.size(); ++i) {
+    if (followers_[i] != &controller) continue;
+    followers_[i] = nullptr;
+    forget(*motions_[i]);
+    motions_[i].reset();
+  }
+}
+
+}  // namespace polyarm::cell

@@ -1,0 +1,111 @@
+/// What a contact in physics leads to, and what it is blamed on.
+#include <algorithm>
+#include <string>
+
+#include "polyarm/operation/watches.hpp"
+#include "polyarm/setup/bodies.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+/// What touches by then was there from the start: no joint has come anywhere yet.
+constexpr Nanoseconds kFromTheStart = 5'000'000;
+
+bool belongs(const std::string& name, const std::string& robot) {
+  return name.starts_with(robot + "/") || name == "the part held by " + robot;
+}
+}  // namespace
+
+/// The robot that moves, of those that touch; a part is its holder's. -1: none.
+int Watches::robot_in(const ContactReport& contact) const {
+  const auto holder = [&](const std::string& name) {
+    const auto& parts = cell_.machine.snapshot().world.parts;
+    for (std::size_t p = 0; p < cell_.setup.scene.parts.size() && p < parts.size(); ++p)
+      if (name == "part " + cell_.setup.scene.parts[p].name) return parts[p].held_by;
+    return -1;
+  };
+  int out = -1;
+  for (const std::string* name : {&contact.a, &contact.b})
+    for (std::size_t r = 0; r < cell_.setup.robots.size(); ++r) {
+      if (!belongs(*name, cell_.setup.robots[r]->entry.name) && holder(*name) != static_cast<int>(r))
+        continue;
+      if (!cell_.motions.idle(r) || cell_.jogging.engaged(r)) return static_cast<int>(r);
+      if (out < 0) out = static_cast<int>(r);
+    }
+  return out;
+}
+
+/// The move under way, and the jog while somebody jogs; never a program that has ended or has another robot.
+void Watches::find_cause(ContactReport& contact) const {
+  const int who = robot_in(contact);
+  if (who < 0) return;
+  const auto r = static_cast<std::size_t>(who);
+  contact.robot = cell_.setup.robots[r]->entry.name;
+  if (contact.time <= kFromTheStart) {
+    contact.during = ContactDuring::start;
+  } else if (cell_.jogging.engaged(r)) {
+    contact.during = ContactDuring::jog;
+  } else if (cell_.motions.motion(r) && cell_.motions.motion(r)->under_way()) {
+    contact.where =
+        cell_.programs.place_of(*cell_.motions.motion(r), cell_.motions.motion(r)->move_under_way());
+    contact.during = contact.where.file.empty() ? ContactDuring::move : ContactDuring::program;
+  } else if (cell_.motions.wheels(r) && !cell_.motions.wheels(r)->idle() && cell_.programs.under_way()) {
+    contact.during = ContactDuring::program;
+    contact.where = cell_.programs.program()->status().where;
+  }
+}
+
+Problem Watches::problem_of(const ContactReport& contact) const {
+  Problem out{"contact",       contact.where,  contact.sentence(), "move the points or the obstacle",
+              Severity::error, contact.facts()};
+  if (contact.during == ContactDuring::start)
+    out.advice = "move the base of the robot, the obstacle, or where it starts (home)";
+  else if (contact.during == ContactDuring::jog)
+    out.advice = "jog it away slowly, then polyarm control resume";
+  else if (cell_.programs.waits())
+    out.advice =
+        "polyarm control back leads out along the path; or polyarm control discard, then jog it away "
+        "slowly; then polyarm control resume";
+  if (!cell_.programs.waits()) out.advice += ", or run with --allow-contact";
+  return out;
+}
+
+void Watches::watch_contacts() {
+  const CellOptions& options = cell_.setup.options;
+  const Nanoseconds now = cell_.machine.now();
+  std::optional<Problem> inside;  // what follows in physics is no news
+  for (ContactReport* contact :
+       cell_.contacts.tick(cell_.machine.snapshot(), cell_.machine.hardware().diagnostics().world_names())) {
+    find_cause(*contact);
+    if (cell_.life.failure()) continue;
+    Problem problem = problem_of(*contact);
+    if (options.allow_contact) {
+      problem.severity = options.contact_errors ? Severity::error : Severity::warning;
+      cell_.observer.on_problem(now, problem);
+      if (options.contact_errors && contact->during == ContactDuring::start) inside = std::move(problem);
+    } else if (cell_.programs.waits()) {  // a person is there; the loop has begun to stop
+      cell_.observer.on_problem(now, problem);
+    } else {
+      cell_.life.fail(std::move(problem));
+    }
+  }
+  if (inside) cell_.life.fail(std::move(*inside));
+}
+
+protocol::ContactState contact_state(const CellSetup& setup, const Machine& machine,
+                                     const ContactWatch& contacts) {
+  protocol::ContactState out;
+  for (const auto& robot : setup.robots) out.checked = out.checked || checks_contacts(*robot);
+  const control::ContactStop stop = machine.supervisor().contact_stop();
+  if (stop != control::ContactStop::none) out.stop = stop == control::ContactStop::cut ? 0 : 1;
+  out.touching = contacts.touching();
+  out.unchecked = sentences(setup.unchecked_bodies);
+  for (const Problem& each : setup.unchecked_bodies)
+    out.unchecked_why.push_back({each.code, protocol::fact_values(each.facts)});
+  for (const ContactReport& c : contacts.list())
+    out.list.push_back({c.a, c.b, c.robot, seconds(c.time), c.depth, c.position, c.now, name(c.during),
+                        c.where.file.empty() ? "" : c.where.text(), c.sentence()});
+  return out;
+}
+
+}  // namespace polyarm::cell

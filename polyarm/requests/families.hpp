@@ -1,0 +1,29 @@
+#pragma once
+/// The requests of a running cell by families; the handlers of each family are in one file.
+#include <vector>
+
+#include "polyarm/inside/requests_work.hpp"
+
+namespace polyarm::cell {
+
+/// Every handler of this room.
+std::vector<Handler> room_handlers();
+
+std::vector<Handler> controller_handlers();
+std::vector<Handler> motion_handlers();
+std::vector<Handler> tag_handlers();
+std::vector<Handler> hardware_handlers();
+std::vector<Handler> health_handlers();
+std::vector<Handler> message_handlers();
+std::vector<Handler> jog_handlers();
+std::vector<Handler> move_handlers();
+std::vector<Handler> load_handlers();
+std::vector<Handler> program_handlers();
+std::vector<Handler> record_handlers();
+std::vector<Handler> point_handlers();
+std::vector<Handler> frame_handlers();
+std::vector<Handler> preview_handlers();
+std::vector<Handler> file_handlers();
+std::vector<Handler> connect_handlers();
+
+}  // namespace polyarm::cell

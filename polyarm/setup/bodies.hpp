@@ -1,0 +1,28 @@
+#pragma once
+/// The bodies that physics checks for contact, and what has none. Any thread.
+#include <string>
+#include <vector>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/description/scene.hpp"
+#include "polyarm/setup/robots.hpp"
+
+namespace polyarm::cell {
+
+/// Does physics look for contacts of this robot?
+bool checks_contacts(const CellRobot& robot);
+/// Makes the convex pieces of the collision meshes and tool meshes of the robots that physics plays. Reads the
+/// disk and may take seconds the first time. Adds a warning for each mesh that cannot be read.
+void make_robot_bodies(const CellRobots& robots, Problems& problems);
+/// The same for the fixtures of the scene, if physics plays a robot.
+void make_scene_bodies(const CellRobots& robots, description::Scene& scene, Problems& problems);
+/// One for each robot, tool and fixture that passes through everything: a warning of code no-contacts (robot,
+/// driver), links-without-body (robot, count, all, links), tool-without-body (robot, tool) or
+/// fixture-without-body (fixture).
+std::vector<Problem> unchecked_bodies(const CellRobots& robots, const description::Scene& scene);
+/// What each of them says.
+std::vector<std::string> sentences(const std::vector<Problem>& problems);
+/// What looks like a placeholder in the robots that physics plays, a sentence each.
+std::vector<std::string> placeholder_notes(const CellRobots& robots);
+
+}  // namespace polyarm::cell

@@ -1,0 +1,394 @@
+#include "polyarm/setup/cell_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "polyarm/base/bounds.hpp"
+#include "polyarm/base/printable.hpp"
+#include "polyarm/base/reach.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/base/yaml.hpp"
+#include "polyarm/base/yaml_repeats.hpp"
+#include "polyarm/setup/cell_reach.hpp"
+#include "polyarm/setup/door_kinds.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+Nanoseconds read_budget(const Yaml& yaml, Problems& problems) {
+  if (!yaml.defined()) return 0;
+  double out = 0;
+  collect(problems, [&] {
+    out = yaml.number(Dimension::time);
+    if (!(out >= 1e-6 && out <= 1))
+      throw Error(Problem{"bad-value", yaml.where(), "a budget is a time from 1e-6 s to 1 s", "0.2ms"});
+  });
+  return nanoseconds(out);
+}
+
+int whole(const Yaml& yaml, const char* key, int fallback, int lowest, int highest, Problems& problems) {
+  double value = fallback;
+  collect(problems, [&] { value = yaml[key].number(Dimension::none, fallback); });
+  if (value >= lowest && value <= highest && value == std::floor(value)) return static_cast<int>(value);
+  problems.error("bad-value", yaml[key].where(),
+                 std::string(key) + " is a whole number from " + format_number(lowest) + " to " +
+                     format_number(highest));
+  return fallback;
+}
+
+/// Which of report, hold and fault, 0 to 2.
+int read_overrun(const Yaml& yaml, Problems& problems) {
+  std::string overrun = "report";
+  collect(problems, [&] { overrun = yaml["overrun"].text("report"); });
+  const std::vector<std::string> known = {"report", "hold", "fault"};
+  const auto found = std::find(known.begin(), known.end(), overrun);
+  if (found != known.end()) return static_cast<int>(found - known.begin());
+  problems.error("bad-value", yaml["overrun"].where(),
+                 "overrun is '" + overrun + "'" + did_you_mean(overrun, known), "report, hold or fault");
+  return 0;
+}
+
+/// `thread: true`, or how.
+void read_thread(const Yaml& yaml, RobotEntry& robot, Problems& problems) {
+  if (!yaml.defined()) return;
+  if (!yaml.is_map()) return collect(problems, [&] { robot.thread = yaml.boolean(); });
+  yaml.check_keys({"priority", "cpu", "overrun", "overrun_after"}, problems);
+  robot.thread = true;
+  robot.on_thread =
+      ThreadEntry{whole(yaml, "priority", 0, 0, 99, problems), whole(yaml, "cpu", -1, -1, 1023, problems),
+                  static_cast<hardware::WhenLate>(read_overrun(yaml, problems)),
+                  static_cast<unsigned>(whole(yaml, "overrun_after", 10, 1, 1'000'000, problems))};
+}
+
+void read_on_fault(const Yaml& yaml, RobotEntry& robot, Problems& problems) {
+  const std::vector<std::string> known = {"cell", "group"};
+  std::string whom = known.front();
+  collect(problems, [&] { whom = yaml.text(known.front()); });
+  robot.fault_of_group = whom == "group";
+  if (std::find(known.begin(), known.end(), whom) == known.end())
+    problems.error("bad-value", yaml.where(), "on_fault is '" + whom + "'" + did_you_mean(whom, known),
+                   "cell: a fault of its hardware stops everything; group: this robot alone");
+}
+
+/// Who has written `on:` and nothing behind it did not mean the ground.
+std::string read_carrier(const std::string& name, const Yaml& yaml) {
+  const std::vector<std::string> keys = yaml.keys();
+  if (std::find(keys.begin(), keys.end(), "on") == keys.end()) return {};
+  std::string carrier = yaml["on"].text("");
+  if (carrier.empty())
+    throw Error(Problem{"bad-carrier", yaml.key_location("on"), "'on' of '" + name + "' names no robot",
+                        "name the robot that carries it, or take 'on' away"});
+  return carrier;
+}
+
+RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& problems) {
+  RobotEntry robot;
+  robot.name = name;
+  robot.where = yaml.where();
+  for (const std::string& key : yaml.keys()) robot.places[key] = yaml.key_location(key);
+  yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
+                   "accept_unverified", "budget", "rate", "thread", "on_fault", "workspace", "joint_ranges",
+                   "payload", "tip", "on"},
+                  problems);
+  robot.payload = read_payload(yaml["payload"], problems);
+  robot.workspace = read_workspace(yaml["workspace"], problems);
+  robot.ranges = read_ranges(yaml["joint_ranges"], problems);
+  for (const std::string& key : yaml["arguments"].keys())
+    collect(problems, [&] { robot.arguments[key] = yaml["arguments"][key].text(); });
+  collect(problems, [&] { robot.model = yaml.required("model").text(); });
+  collect(problems, [&] { robot.base = yaml.pose(); });
+  collect(problems, [&] { robot.hardware = yaml["hardware"].text("mock"); });
+  collect(problems, [&] {
+    if (yaml.has("accept_unverified")) robot.accept_unverified = yaml["accept_unverified"].boolean();
+  });
+  collect(problems, [&] { robot.tool = yaml["tool"].text("none"); });
+  collect(problems, [&] { robot.tip = yaml["tip"].text(""); });
+  collect(problems, [&] { robot.on = read_carrier(name, yaml); });
+  read_thread(yaml["thread"], robot, problems);
+  read_on_fault(yaml["on_fault"], robot, problems);
+  collect(problems, [&] {
+    if (!yaml.has("rate")) return;
+    robot.rate = yaml["rate"].number();
+    if (!(robot.rate > 0 && robot.rate <= 10000))
+      problems.error("bad-rate", yaml["rate"].where(),
+                     "the rate of '" + name + "' does not lie above zero and at most at 10000 Hz",
+                     "write how often a second it is read and commanded, Hz");
+  });
+  robot.budget = read_budget(yaml["budget"], problems);
+  for (const std::string& key : yaml["parameters"].keys())
+    collect(problems, [&] { robot.parameters[key] = yaml["parameters"][key].text(); });
+  if (name.find_first_of("/ \t") != std::string::npos)
+    problems.error("bad-name", robot.where, "a robot's name may hold no '/' and no blanks: '" + name + "'");
+  return robot;
+}
+
+/// What is carried says where in its carrier's root link it stands.
+void place_carried(std::vector<RobotEntry>& robots, Problems& problems) {
+  for (RobotEntry& robot : robots) {
+    if (robot.on.empty()) continue;
+    std::vector<std::string> others;
+    for (const RobotEntry& other : robots)
+      if (other.name != robot.name) others.push_back(other.name);
+    const auto carrier = std::find_if(robots.begin(), robots.end(),
+                                      [&](const RobotEntry& each) { return each.name == robot.on; });
+    if (carrier == robots.end())
+      problems.error("unknown-robot", robot.place_of("on"),
+                     "'" + robot.name + "' is on '" + robot.on + "', and the cell has no robot of that name" +
+                         did_you_mean(robot.on, others),
+                     "name another robot; fixtures and movers of the scene carry no robot");
+    else if (carrier->name == robot.name)
+      problems.error("bad-carrier", robot.place_of("on"), "'" + robot.name + "' stands on itself",
+                     "name another robot, or take 'on' away");
+    else if (!carrier->on.empty())
+      problems.error(
+          "bad-carrier", robot.place_of("on"),
+          "'" + robot.name + "' stands on '" + robot.on + "', which stands on '" + carrier->on + "'",
+          "let it stand on one that stands on the ground");
+    else
+      robot.base = carrier->base * robot.base;
+  }
+}
+
+LoopEntry read_loop(const Yaml& yaml, Problems& problems) {
+  LoopEntry out;
+  if (!yaml.defined()) return out;
+  yaml.check_keys({"priority", "cpu", "lock_memory", "overrun", "overrun_after", "stall"}, problems);
+  if (yaml.has("priority")) out.priority = whole(yaml, "priority", 0, 0, 99, problems);
+  if (yaml.has("cpu")) out.cpu = whole(yaml, "cpu", -1, -1, 1023, problems);
+  out.overrun_after = static_cast<unsigned>(whole(yaml, "overrun_after", 10, 1, 1'000'000, problems));
+  collect(problems, [&] {
+    if (yaml.has("lock_memory")) out.lock_memory = yaml["lock_memory"].boolean();
+  });
+  out.overrun = static_cast<control::Overrun>(read_overrun(yaml, problems));
+  if (yaml.has("stall"))
+    collect(problems, [&] {
+      const std::string stall = yaml["stall"].text();
+      if (stall != "hold" && stall != "report")
+        problems.error("bad-value", yaml["stall"].where(), "stall is '" + shortened(stall) + "'",
+                       "hold or report");
+      out.stall_holds = stall == "hold";
+    });
+  return out;
+}
+
+MotionEntry read_motion(const Yaml& yaml, Problems& problems) {
+  MotionEntry motion;
+  if (!yaml.defined()) return motion;
+  yaml.check_keys({"speed", "seconds", "thesis_scale", "tcp_speed", "tcp_acceleration", "tcp_jerk",
+                   "turn_speed", "turn_acceleration", "turn_jerk"},
+                  problems);
+  if (yaml.has("seconds"))
+    collect(problems, [&] { motion.seconds = yaml["seconds"].number(Dimension::time); });
+  collect(problems, [&] { motion.speed = yaml["speed"].number(Dimension::none, 1); });
+  if (yaml.has("thesis_scale"))
+    collect(problems, [&] { motion.thesis_scale = yaml["thesis_scale"].number(Dimension::none); });
+  const std::pair<const char*, std::pair<double*, Dimension>> of_tcp[] = {
+      {"tcp_speed", {&motion.tcp.speed, Dimension::speed}},
+      {"tcp_acceleration", {&motion.tcp.acceleration, Dimension::acceleration}},
+      {"tcp_jerk", {&motion.tcp.jerk, Dimension::none}},
+      {"turn_speed", {&motion.tcp.turn_speed, Dimension::angular_speed}},
+      {"turn_acceleration", {&motion.tcp.turn_acceleration, Dimension::angular_acceleration}},
+      {"turn_jerk", {&motion.tcp.turn_jerk, Dimension::none}}};
+  for (const auto& [key, to] : of_tcp) {
+    const Yaml value = yaml[key];
+    if (!value.defined()) continue;
+    collect(problems, [&, place = to.first, dimension = to.second] { *place = value.number(dimension); });
+    if (!(*to.first > 0) || !std::isfinite(*to.first))
+      problems.error("bad-value", value.where(), std::string(key) + " is not above 0", {});
+    constexpr double kMost = 20;  // m/s, far above any arm
+    if (to.second == Dimension::speed && *to.first > kMost)
+      problems.error("bad-value", value.where(),
+                     std::string(key) + " is " + value.text() + ", faster than any robot",
+                     "this looks like mm/s: write such as 500mm/s; speeds without a unit are m/s");
+  }
+  if (!(motion.speed > 0 && motion.speed <= 1))
+    problems.error("bad-value", yaml["speed"].where(),
+                   "speed is a share of the limits, above 0 and at most 1 (100%)");
+  return motion;
+}
+
+void check_kind(const Yaml& yaml, Problems& problems) {
+  const std::string kind = yaml["polyarm"].text("");
+  if (kind == "cell/1") return;
+  const std::vector<std::string> keys = yaml.keys();
+  const bool parameters = std::any_of(keys.begin(), keys.end(), [&](const std::string& key) {
+    return key == "/**" || yaml[key].has("ros__parameters");
+  });
+  if (parameters)
+    throw Error(Problem{"no-cell",
+                        {yaml.where().file, 1, 1},
+                        "this is a controllers file of ROS, not a cell",
+                        "polyarm run --description ROBOT --controllers " + yaml.where().file});
+  if (kind.empty())
+    problems.error("missing-key", {yaml.where().file, 1, 1},
+                   "this is not a cell file: it does not say 'polyarm: cell/1'",
+                   "write that as its first line");
+  else if (kind.starts_with("cell/"))
+    problems.error("newer-file", yaml["polyarm"].where(),
+                   "this is a " + kind + " file, newer than this program reads",
+                   "it reads cell/1; install a newer Polyarm");
+  else
+    problems.error("wrong-kind", yaml["polyarm"].where(),
+                   "this is a '" + kind + "' file, a cell/1 was expected");
+}
+
+void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
+  if (overrides.budget > 0) cell.budget = overrides.budget;
+  for (RobotEntry& robot : cell.robots) {
+    if (!overrides.hardware.empty()) robot.hardware = overrides.hardware;
+    if (robot.budget == 0 || overrides.budget > 0) robot.budget = cell.budget;
+  }
+  if (!overrides.program.empty()) {
+    const std::filesystem::path given = overrides.program;
+    const bool beside = !given.is_absolute() && std::filesystem::exists(cell.folder / given);
+    cell.program = beside || !std::filesystem::exists(given) ? overrides.program
+                                                             : std::filesystem::absolute(given).string();
+    cell.program_where = {"--program"};
+    if (!beside) cell.grant->allow_reading(resolved(cell.folder / cell.program).parent_path());
+  }
+  if (overrides.robot.empty()) return;
+  const auto equals = overrides.robot.find('=');
+  const std::filesystem::path model = overrides.robot.substr(equals == std::string::npos ? 0 : equals + 1);
+  std::error_code error;  // a description that the user names brings meshes and includes from beside it
+  if (std::filesystem::is_regular_file(model, error))
+    cell.grant->allow_reading(resolved(model).parent_path());
+  if (equals == std::string::npos) {
+    if (cell.robots.size() == 1)
+      cell.robots.front().model = overrides.robot;
+    else
+      problems.error("which-robot", {cell.path.string()},
+                     "the cell has " + std::to_string(cell.robots.size()) + " robots",
+                     "say which: --robot NAME=MODEL");
+    return;
+  }
+  const std::string name = overrides.robot.substr(0, equals);
+  const auto found = std::find_if(cell.robots.begin(), cell.robots.end(),
+                                  [&](const RobotEntry& r) { return r.name == name; });
+  if (found != cell.robots.end())
+    found->model = overrides.robot.substr(equals + 1);
+  else
+    problems.error("which-robot", {cell.path.string()}, "the cell has no robot '" + name + "'");
+}
+
+/// `NAME: true`, or a map of what the door is told.
+void read_door(const DoorKind& kind, const Yaml& yaml, CellFile& cell, Problems& problems) {
+  if (!yaml.defined() || (!yaml.is_map() && !yaml.boolean())) return;
+  DoorOptions& options = cell.doors[kind.name];
+  if (!yaml.is_map()) return;
+  yaml.check_keys(kind.keys, problems);
+  for (const std::string& key : yaml.keys())
+    options[key] = yaml[key].is_list() ? join(yaml[key].texts(), ",") : yaml[key].text();
+}
+
+/// `true`, a file, or `{file, rate}`.
+std::optional<RecordOptions> read_record(const Yaml& yaml, const std::filesystem::path& folder,
+                                         Problems& problems) {
+  if (!yaml.defined()) return std::nullopt;
+  RecordOptions out;
+  std::string file;
+  if (yaml.is_map()) {
+    yaml.check_keys({"file", "rate"}, problems);
+    file = yaml["file"].text("");
+    out.rate = yaml["rate"].number(Dimension::rate, out.rate);
+    if (!(out.rate > 0))
+      problems.error("bad-value", yaml["rate"].where(), "a recording needs a rate above 0 Hz");
+  } else if (const std::string text = yaml.text(); text == "true" || text == "false") {
+    if (text == "false") return std::nullopt;
+  } else {
+    file = text;
+  }
+  if (!file.empty()) out.file = folder / file;
+  return out;
+}
+}  // namespace
+
+CellFile read_cell_file(const std::filesystem::path& given, const Overrides& overrides) {
+  CellFile cell;
+  cell.path = std::filesystem::is_directory(given) ? given / "cell.yaml" : given;
+  cell.folder = cell.path.parent_path().empty() ? "." : cell.path.parent_path();
+  cell.name = std::filesystem::weakly_canonical(cell.folder).filename().string();
+  if (std::filesystem::is_directory(given) && !std::filesystem::exists(cell.path))
+    throw Error(Problem{"no-cell",
+                        {given.string()},
+                        "there is no cell.yaml in this folder",
+                        "name a folder with a cell.yaml, a cell file, or use --description FILE.urdf"});
+  if (cell.path.extension() == ".script")
+    throw Error(Problem{"no-cell",
+                        {given.string()},
+                        "this is a program, and a cell is asked for",
+                        "polyarm run CELL --program " + given.string()});
+  cell.grant = reach().open_cell(cell.folder);
+  allow_remembered(cell);
+  const Yaml yaml = Yaml::load(cell.path.string());
+  Problems problems;
+  check_kind(yaml, problems);
+  check_repeats(yaml, problems);
+  std::vector<std::string> keys{"polyarm",  "rate",      "robots",  "scene",   "controllers",
+                                "activate", "send",      "plugins", "budget",  "signals",
+                                "program",  "plc",       "motion",  "loop",    "profile",
+                                "profiles", "workspace", "record",  "contacts"};
+  for (const DoorKind& kind : door_kinds()) keys.push_back(kind.name);
+  yaml.check_keys(keys, problems);
+  cell.profiles = read_profiles(yaml, problems);
+  cell.workspace = read_workspace(yaml["workspace"], problems);
+  cell.rate_stated = yaml.has("rate");
+  collect(problems, [&] { cell.rate = yaml["rate"].number(Dimension::rate, 1000); });
+  if (!(cell.rate >= 1 && cell.rate <= 10000))
+    problems.error("bad-value", yaml["rate"].where(), "the control rate must lie between 1 and 10000 Hz");
+  if (yaml["robots"].keys().size() > bounds::kRobots)
+    throw Error(Problem{"too-many", yaml["robots"].where(),
+                        "the cell has more than " + std::to_string(bounds::kRobots) + " robots",
+                        "divide it into several cells"});
+  for (const std::string& name : yaml["robots"].keys())
+    cell.robots.push_back(read_robot(name, yaml["robots"][name], problems));
+  place_carried(cell.robots, problems);
+  if (cell.robots.empty() && !yaml.has("plc"))  // a PLC alone is the far side of a link
+    problems.error("missing-key", yaml.where(), "the cell has no robots",
+                   "add 'robots: {arm: {model: universal_robots/ur3}}'");
+  const auto file = [&](const char* key, std::string& name, Location& where) {
+    collect(problems, [&] { name = yaml[key].text(""); });
+    where = yaml[key].where();
+  };
+  file("scene", cell.scene, cell.scene_where);
+  collect(problems, [&] { cell.controllers = yaml["controllers"].texts(); });
+  cell.controllers_where = yaml["controllers"].where();
+  for (const std::string& to : yaml["send"].keys())
+    collect(problems, [&] { cell.send.emplace_back(to, yaml["send"][to].text()); });
+  collect(problems, [&] { cell.activate = yaml["activate"].texts(); });
+  collect(problems, [&] { cell.plugins = yaml["plugins"].texts(); });
+  cell.plugins_where = yaml["plugins"].where();
+  cell.budget = read_budget(yaml["budget"], problems);
+  file("signals", cell.signals, cell.signals_where);
+  file("program", cell.program, cell.program_where);
+  file("plc", cell.plc, cell.plc_where);
+  cell.motion = read_motion(yaml["motion"], problems);
+  cell.loop = read_loop(yaml["loop"], problems);
+  cell.contact_stop = read_contact_stop(yaml["contacts"], problems);
+  for (const DoorKind& kind : door_kinds())
+    collect(problems, [&] { read_door(kind, yaml[kind.name], cell, problems); });
+  collect(problems, [&] { cell.record = read_record(yaml["record"], cell.folder, problems); });
+  apply(overrides, cell, problems);
+  problems.throw_if_errors();
+  return cell;
+}
+
+CellFile cell_from_description(const std::filesystem::path& description,
+                               const std::vector<std::string>& controllers, const Overrides& overrides) {
+  CellFile cell;
+  cell.path = description;
+  cell.folder = ".";
+  cell.name = description.stem().string();
+  RobotEntry robot;
+  robot.model = description.string();
+  robot.hardware = "declared";
+  robot.where = {description.string()};
+  cell.robots.push_back(robot);
+  cell.controllers = controllers;
+  if (!controllers.empty()) cell.controllers_where = {controllers.front()};
+  Problems problems;
+  apply(overrides, cell, problems);
+  problems.throw_if_errors();
+  return cell;
+}
+
+}  // namespace polyarm::cell

@@ -1,0 +1,178 @@
+#include "polyarm/setup/controllers_start.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+
+/// A controller that cannot be configured stays out; the others start, as under ros2_control.
+void tell_unconfigured(const std::string& name, Problem problem, Problems& problems) {
+  if (problem.severity == Severity::error && name != kIoController) {
+    problem.what = "the controller '" + name + "' is left unconfigured: " + problem.what;
+    problem.severity = Severity::warning;
+  }
+  problems.add(std::move(problem));
+}
+
+/// Configures all that can be: one that is chained to another is tried again when that one stands. Those that
+/// cannot be.
+std::vector<std::string> configure(control::ControllerManager& manager, std::vector<std::string> names,
+                                   Problems& problems) {
+  for (bool again = true; again && !names.empty();) {
+    again = false;
+    std::vector<std::pair<std::string, Problem>> found;
+    std::vector<std::string> left;
+    for (const std::string& name : names) {
+      try {
+        manager.configure_only(name);
+        again = true;
+      } catch (const Error& e) {
+        for (const Problem& problem : e.problems()) found.emplace_back(name, problem);
+        left.push_back(name);
+      }
+    }
+    if (!again || left.empty())
+      for (auto& [name, problem] : found) tell_unconfigured(name, std::move(problem), problems);
+    names = std::move(left);
+  }
+  manager.refresh();
+  return names;
+}
+
+/// What a controller found in its parameters and the file's reader has not told already.
+void tell_findings(const std::vector<Problem>& findings, Problems& problems) {
+  const auto told = [&](const Problem& problem) {
+    return std::any_of(problems.list().begin(), problems.list().end(), [&](const Problem& other) {
+      return other.where.line > 0 && other.where.line == problem.where.line &&
+             other.where.file == problem.where.file;
+    });
+  };
+  for (const Problem& problem : findings)
+    if (problem.severity == Severity::warning && !told(problem)) problems.add(problem);
+}
+
+/// Those of the plan that would be started if nothing were in their way.
+std::vector<std::string> wanted_controllers(const std::vector<PlannedController>& plan,
+                                            const CellFile& file) {
+  std::vector<std::string> out;
+  for (const PlannedController& planned : plan) {
+    const std::string& name = planned.context.name;
+    const bool asked = file.activate.empty() || name == kIoController ||
+                       std::find(file.activate.begin(), file.activate.end(), name) != file.activate.end();
+    if (planned.start && asked) out.push_back(name);
+  }
+  return out;
+}
+
+/// Of controllers that nobody chose, those stay inactive that command a joint which another that starts
+/// commands by another interface: hardware follows one of them. Who follows trajectories goes before others.
+/// (Of those that want the same interface the later one is refused when they are switched.)
+std::vector<std::string> one_way_for_each_joint(const std::vector<std::string>& asked,
+                                                const control::ControllerManager& manager,
+                                                const CellRobots& robots, Observer& observer) {
+  std::map<std::string, std::string> holders;  // by joint
+  std::set<std::string> held;
+  for (const auto& robot : robots)
+    for (const controllers::JointFacts& joint : robot->joints) holders[joint.name];
+  std::vector<control::ListedController> order = manager.list();
+  std::stable_partition(order.begin(), order.end(), [](const control::ListedController& c) {
+    return c.type.find("TrajectoryController") != std::string::npos;
+  });
+  std::vector<std::string> out = asked;
+  for (const control::ListedController& c : order) {
+    if (std::find(asked.begin(), asked.end(), c.name) == asked.end()) continue;
+    const auto holder_of = [&](const std::string& command) {
+      const auto joint = holders.find(command.substr(0, command.rfind('/')));
+      return joint == holders.end() ? nullptr : &joint->second;
+    };
+    std::string other;
+    for (const std::string& command : c.required_commands)
+      if (const std::string* holder = holder_of(command);
+          holder && !holder->empty() && !held.contains(command))
+        other = *holder;
+    if (!other.empty()) {
+      observer.on_note("the controller '" + c.name + "' commands joints of '" + other +
+                       "' in another way; it stays inactive");
+      std::erase(out, c.name);
+      continue;
+    }
+    for (const std::string& command : c.required_commands)
+      if (std::string* holder = holder_of(command)) *holder = c.name, held.insert(command);
+  }
+  return out;
+}
+
+/// Does a controllers file have it? Then it was left out with a warning, and the others start.
+bool is_described(const ros_files::ControllersFile& described, const std::string& name) {
+  return std::any_of(described.controllers.begin(), described.controllers.end(),
+                     [&](const auto& entry) { return entry.name == name || entry.full_name() == name; });
+}
+}  // namespace
+
+std::vector<std::string> start_controllers(std::vector<PlannedController> plan, const CellFile& file,
+                                           const ros_files::ControllersFile& described,
+                                           const CellRobots& robots, control::ControlLoop& loop,
+                                           Observer& observer, Problems& problems) {
+  control::ControllerManager& manager = loop.controllers();
+  std::vector<std::string> names;
+  control::SwitchRequest request;
+  request.strictness = control::Strictness::best_effort;
+  const std::vector<std::string> wanted = wanted_controllers(plan, file);
+  for (PlannedController& planned : plan) {
+    const std::string name = planned.context.name;
+    collect(problems, [&] {
+      manager.load(std::move(planned.controller), std::move(planned.context), std::move(planned.options));
+      names.push_back(name);
+      if (std::find(wanted.begin(), wanted.end(), name) != wanted.end()) request.activate.push_back(name);
+    });
+  }
+  for (const std::string& name : file.activate)
+    if (std::find(names.begin(), names.end(), name) == names.end() && !is_described(described, name))
+      problems.error(
+          "unknown-controller", {},
+          "'activate' names the controller '" + name + "', which there is not" + did_you_mean(name, names));
+  for (const std::string& name : configure(manager, names, problems)) std::erase(request.activate, name);
+  for (const std::string& name : names) tell_findings(manager.findings(name), problems);
+  if (problems.has_errors()) return {};
+  if (file.activate.empty() && !file.launched)
+    request.activate = one_way_for_each_joint(request.activate, manager, robots, observer);
+  const control::SwitchPlan planned = manager.plan(request);
+  for (const std::string& left_out : planned.left_out) observer.on_note(left_out + "; it stays inactive");
+  collect(problems, [&] { manager.switch_now(request); });
+  return request.activate;
+}
+
+controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot& robot,
+                                                                 const control::ControllerManager& manager,
+                                                                 bool or_inactive) {
+  using hardware::LifecycleState;
+  std::vector<std::string> wanted;
+  for (const controllers::JointFacts& joint : robot.joints) wanted.push_back(joint.name);
+  for (const auto& [controller, state] : manager.loaded()) {
+    auto* follower = dynamic_cast<controllers::JointTrajectoryController*>(controller);
+    if (follower && follower->joints() == wanted &&
+        (state == LifecycleState::active || (or_inactive && state == LifecycleState::inactive)))
+      return follower;
+  }
+  return nullptr;
+}
+
+controllers::DiffDriveController* base_controller_of(const CellRobot& robot,
+                                                     const control::ControllerManager& manager) {
+  const std::string own = robot.entry.name + "/";
+  for (const auto& [controller, state] : manager.loaded()) {
+    auto* wheels = dynamic_cast<controllers::DiffDriveController*>(controller);
+    if (wheels && !wheels->command_interfaces().empty() &&
+        wheels->command_interfaces().front().starts_with(own))
+      return wheels;
+  }
+  return nullptr;
+}
+
+}  // namespace polyarm::cell

@@ -1,0 +1,167 @@
+#include "polyarm/setup/safety_entries.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "polyarm/base/quantity.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::cell {
+
+namespace {
+
+void read_profile(const Yaml& yaml, ProfileEntry& out, Problems& problems) {
+  if (!yaml.defined()) return;
+  yaml.check_keys({"tcp_speed", "tcp_turning", "joint_speed"}, problems);
+  const auto read = [&](const char* key, Dimension dimension, double& value, double most, const char* what) {
+    if (!yaml.has(key)) return;
+    collect(problems, [&] {
+      const double given = yaml[key].number(dimension);
+      if (!(given > 0 && given <= most))
+        throw Error(
+            Problem{"bad-value", yaml[key].where(), std::string(key) + " is " + format_number(given), what});
+      value = given;
+    });
+  };
+  read("tcp_speed", Dimension::speed, out.tcp_speed, 1e6, "a speed above zero, such as 250mm/s");
+  read("tcp_turning", Dimension::angular_speed, out.tcp_turning, 1e3,
+       "an angular speed above zero, such as 30deg/s");
+  read("joint_speed", Dimension::none, out.joint_speed, 1,
+       "a share of the joints' limits, above 0 and at most 1 (100%)");
+}
+
+moves::WorkspaceZone read_zone(const std::string& name, const Yaml& yaml, Problems& problems) {
+  moves::WorkspaceZone out;
+  out.name = name;
+  out.where = yaml.where();
+  yaml.check_keys({"plane", "normal", "inside", "outside"}, problems);
+  const int kinds = yaml.has("plane") + yaml.has("inside") + yaml.has("outside");
+  if (kinds != 1)
+    throw Error(Problem{"bad-value", out.where,
+                        "the zone '" + name + "' says " + (kinds == 0 ? "none" : "more than one") +
+                            " of plane, inside and outside",
+                        "{plane: [x, y, z], normal: [0, 0, 1]} or {inside: [[x, y, z], [x, y, z]]}"});
+  if (yaml.has("plane")) {
+    out.point = yaml["plane"].vec3();
+    out.normal = yaml.required("normal").vec3(Dimension::none);
+    return out;
+  }
+  const char* key = yaml.has("inside") ? "inside" : "outside";
+  out.kind = yaml.has("inside") ? moves::ZoneKind::inside : moves::ZoneKind::outside;
+  const std::vector<Yaml> corners = yaml[key].items();
+  if (corners.size() != 2)
+    throw Error(Problem{"bad-value", yaml[key].where(), "a box has two corners",
+                        "[[low x, y, z], [high x, y, z]], m in the world"});
+  out.low = corners[0].vec3();
+  out.high = corners[1].vec3();
+  return out;
+}
+
+}  // namespace
+
+control::ContactStop read_contact_stop(const Yaml& yaml, Problems& problems) {
+  using control::ContactStop;
+  if (!yaml.defined()) return ContactStop::path;
+  yaml.check_keys({"stop"}, problems);
+  std::string stop = "1";
+  collect(problems, [&] { stop = yaml["stop"].text("1"); });
+  if (stop != "0" && stop != "1")
+    problems.error("bad-value", yaml["stop"].where(), "contacts: stop is '" + stop + "'",
+                   "1: on the path, as hard as the joints can; 0: each joint at once, the path is left");
+  return stop == "0" ? ContactStop::cut : ContactStop::path;
+}
+
+ProfileEntries read_profiles(const Yaml& cell, Problems& problems) {
+  ProfileEntries out;
+  const std::vector<std::string> known = {"reduced", "full"};
+  collect(problems, [&] { out.name = cell["profile"].text("full"); });
+  if (std::find(known.begin(), known.end(), out.name) == known.end())
+    problems.error("bad-value", cell["profile"].where(),
+                   "the profile is '" + out.name + "'" + did_you_mean(out.name, known), "reduced or full");
+  if (!cell.has("profiles")) return out;
+  cell["profiles"].check_keys(known, problems);
+  read_profile(cell["profiles"]["reduced"], out.reduced, problems);
+  read_profile(cell["profiles"]["full"], out.full, problems);
+  return out;
+}
+
+std::vector<moves::WorkspaceZone> read_workspace(const Yaml& yaml, Problems& problems) {
+  std::vector<moves::WorkspaceZone> out;
+  for (const std::string& name : yaml.keys())
+    collect(problems, [&] {
+      const moves::WorkspaceZone zone = read_zone(name, yaml[name], problems);
+      const moves::Workspace checked({zone});
+      out.push_back(zone);
+    });
+  return out;
+}
+
+PayloadEntry read_payload(const Yaml& yaml, Problems& problems) {
+  PayloadEntry out;
+  if (!yaml.defined()) return out;
+  collect(problems, [&] {
+    if (yaml.is_map()) yaml.check_keys({"mass", "center"}, problems);
+    out.mass = (yaml.is_map() ? yaml.required("mass") : yaml).number(Dimension::mass);
+    if (!(out.mass >= 0 && std::isfinite(out.mass)))
+      throw Error(Problem{"bad-value", yaml.where(), fmt::format("the payload is {:.6g} kg", out.mass),
+                          "2kg, or {mass: 2kg, center: [0, 0, 80mm]} with its centre of gravity in tool0"});
+    if (yaml.is_map() && yaml.has("center")) out.center = yaml["center"].vec3();
+  });
+  return out;
+}
+
+std::vector<RangeEntry> read_ranges(const Yaml& yaml, Problems& problems) {
+  std::vector<RangeEntry> out;
+  for (const std::string& joint : yaml.keys())
+    collect(problems, [&] {
+      const std::vector<Yaml> ends = yaml[joint].items();
+      if (ends.size() != 2)
+        throw Error(Problem{"bad-value", yaml[joint].where(), "the range of '" + joint + "' has no two ends",
+                            "[-90deg, 90deg]; of a joint that slides [0mm, 100mm]"});
+      const auto end = [](const Yaml& value) {
+        if (const auto angle = parse_quantity(value.text(), Dimension::angle)) return *angle;
+        return value.number(Dimension::length);
+      };
+      out.push_back({joint, end(ends[0]), end(ends[1]), yaml[joint].where()});
+      if (!(out.back().lower < out.back().upper))
+        throw Error(Problem{"bad-value", yaml[joint].where(),
+                            fmt::format("the range of '{}' is empty: {:.6g} to {:.6g}", joint,
+                                        out.back().lower, out.back().upper),
+                            "the lower end comes first"});
+    });
+  return out;
+}
+
+void narrow_ranges(const std::vector<RangeEntry>& ranges, description::RobotModel& model,
+                   Problems& problems) {
+  const std::vector<std::string> names = model.joint_names();
+  for (const RangeEntry& range : ranges) {
+    const auto found = std::find(names.begin(), names.end(), range.joint);
+    if (found == names.end()) {
+      problems.error("unknown-joint", range.where,
+                     model.name + " has no joint '" + range.joint + "'" + did_you_mean(range.joint, names),
+                     "it has: " + join(names, ", "));
+      continue;
+    }
+    description::Joint& joint = model.joints[static_cast<std::size_t>(
+        model.actuated[static_cast<std::size_t>(found - names.begin())])];
+    const bool free = joint.type == description::JointType::continuous;
+    const double lower = free ? -1e300 : joint.limits.lower.value_or(-1e300);
+    const double upper = free ? 1e300 : joint.limits.upper.value_or(1e300);
+    constexpr double kRounding = 1e-9;
+    if (range.lower < lower - kRounding || range.upper > upper + kRounding) {
+      problems.error("bad-range", range.where,
+                     fmt::format("the range of '{}', {:.4f} to {:.4f}, is wider than the robot's own",
+                                 range.joint, range.lower, range.upper),
+                     fmt::format("stay within {:.4f} to {:.4f}", lower, upper));
+      continue;
+    }
+    if (free) joint.type = description::JointType::revolute;
+    joint.limits.lower = std::max(range.lower, lower);
+    joint.limits.upper = std::min(range.upper, upper);
+  }
+}
+
+}  // namespace polyarm::cell

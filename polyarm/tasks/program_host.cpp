@@ -1,0 +1,114 @@
+#include "polyarm/tasks/program_host.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::cell {
+
+std::vector<double> joints_by_name(const description::RobotModel& model, const data::JointState& joints,
+                                   const std::string& what) {
+  const std::vector<std::string> names = model.joint_names();
+  if (joints.names.empty() && !joints.positions.empty()) {  // in the robot's own order
+    if (joints.positions.size() == names.size()) return joints.positions;
+    throw Error("missing-joint",
+                fmt::format("{} has {} values, {} has {} joints: {}", what, joints.positions.size(),
+                            model.name, names.size(), join(names, ", ")),
+                "write joints(NAME = 30deg, …)");
+  }
+  for (const std::string& joint : joints.names)
+    if (std::find(names.begin(), names.end(), joint) == names.end())
+      throw Error("unknown-joint",
+                  fmt::format("{} names the joint '{}', which {} does not have{}", what, joint, model.name,
+                              did_you_mean(joint, names)),
+                  "joint states belong to one make of robot; a pose works for all");
+  std::vector<double> out;
+  for (const std::string& joint : names) {
+    const double* position = joints.find(joint);
+    if (!position)
+      throw Error("missing-joint",
+                  fmt::format("{} has no value for the joint '{}' of {}", what, joint, model.name), {});
+    out.push_back(*position);
+  }
+  return out;
+}
+
+const data::Value* ProgramHost::find(std::string_view name) const {
+  const data::Value* value = c_.store->find(name);
+  const data::Point* point = value ? value->as_point() : nullptr;
+  if (!point || !c_.moves || point->frame().empty()) return value;
+  data::Value& out = in_world_[std::string(name)];
+  out = c_.moves->in_world(*point);
+  return &out;
+}
+
+void ProgramHost::set(const std::string& name, data::Value value, const Location&) {
+  c_.store->set(name, std::move(value), c_.task);
+}
+
+program::Handle ProgramHost::start_move(const program::Move& move, const Location& where) {
+  if (!c_.moves)
+    throw Error(Problem{"no-robot", where, "'" + c_.task + "' moves no robot",
+                        "only the robot program can move one"});
+  return c_.moves->start(move, where);
+}
+
+program::Handle ProgramHost::start_arrival(const std::string& robot) {
+  return c_.moves ? c_.moves->start_arrival(robot) : 0;
+}
+
+program::Progress ProgramHost::poll_move(program::Handle handle) {
+  return c_.moves ? c_.moves->poll(handle) : program::Progress::done();
+}
+
+data::Value ProgramHost::here(const std::string& robot, const std::string& tool,
+                              const std::string& frame) const {
+  if (!c_.moves) throw Error("no-robot", "'" + c_.task + "' moves no robot");
+  return c_.moves->here(robot, tool, frame);
+}
+
+void ProgramHost::hold(const std::string& reason, const Location& where) {
+  if (!c_.hold) return Host::hold(reason, where);
+  c_.hold(reason, where);
+}
+
+program::Handle ProgramHost::start_load(const std::string& name, program::LoadForm, const Location& where) {
+  return c_.files->start_load(name, where);
+}
+
+program::Progress ProgramHost::poll_load(program::Handle handle) {
+  try {
+    return c_.files->poll_load(handle) ? program::Progress::done() : program::Progress{};
+  } catch (const Error& e) {
+    return program::Progress::failed(e.problems().front());
+  }
+}
+
+program::Handle ProgramHost::start_ask(const std::string& text, const Location& where) {
+  if (c_.answers->given().empty() && !c_.answers->somebody_there)
+    throw Error(Problem{"nobody-there", where, "the program waits for a user, and there is none: " + text,
+                        "run it in a terminal, or give the answer in advance with --answer TEXT"});
+  c_.observer->on_question(text.empty() ? "The program waits for you. Press Enter to go on." : text);
+  return 1;
+}
+
+program::Progress ProgramHost::poll_ask(program::Handle) {
+  if (c_.answers->given().empty()) return {};
+  answer_ = c_.answers->given().front();
+  c_.answers->given().pop_front();
+  return program::Progress::done();
+}
+
+void ProgramHost::run_program(const std::string& name, const Location& where) {
+  if (!c_.run_program) return Host::run_program(name, where);
+  c_.run_program(name, where);
+}
+
+data::Value ProgramHost::call(std::string_view function, std::span<const data::Value> arguments,
+                              const Location& where) {
+  return c_.call ? c_.call(function, arguments, where) : Host::call(function, arguments, where);
+}
+
+}  // namespace polyarm::cell

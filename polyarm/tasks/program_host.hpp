@@ -1,0 +1,102 @@
+#pragma once
+#include <deque>
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "polyarm/io/data_files.hpp"
+#include "polyarm/program/host.hpp"
+#include "polyarm/setup/cell_file.hpp"
+#include "polyarm/setup/observer.hpp"
+#include "polyarm/tasks/program_moves.hpp"
+
+namespace polyarm::cell {
+
+/// Questions of programs and their answers: given in advance, or typed while they wait. Cell thread.
+class Answers {
+ public:
+  void give(std::string text) { given_.push_back(std::move(text)); }
+  /// True when somebody can type answers.
+  bool somebody_there = false;
+  std::deque<std::string>& given() { return given_; }
+
+ private:
+  std::deque<std::string> given_;
+};
+
+/// What a task of a cell reaches: the store under the task's name, and the motion of its robot if it has one.
+class ProgramHost : public program::Host {
+ public:
+  struct Context {
+    std::string task;
+    data::DataStore* store = nullptr;
+    DataFiles* files = nullptr;
+    ProgramMoves* moves = nullptr;  ///< null: a task that moves nothing (a PLC)
+    /// Whether every robot stands, and what holds them; null where nobody can tell.
+    std::function<bool()> standing;
+    std::function<void(const std::string&, const Location&)> hold;
+    /// Of a test: what runs a program, and the functions of tests; null: it is none.
+    std::function<void(const std::string&, const Location&)> run_program;
+    std::function<data::Value(std::string_view, std::span<const data::Value>, const Location&)> call;
+    /// Whether others see what is set to a name: a file of the user's, or a link; null: nobody does.
+    std::function<bool(const std::string& name)> seen_outside;
+    Answers* answers = nullptr;
+    Observer* observer = nullptr;
+    const Nanoseconds* now = nullptr;
+  };
+  explicit ProgramHost(Context context) : c_(std::move(context)) {}
+
+  /// A point that names a frame comes in the world, as that frame is now.
+  const data::Value* find(std::string_view name) const override;
+  std::vector<std::string> names() const override { return c_.store->names(); }
+  void set(const std::string& name, data::Value value, const Location& where) override;
+  void end_loop(const std::string& name, const Location& where) override {
+    if (!c_.seen_outside || !c_.seen_outside(name)) set(name, false, where);
+  }
+  std::uint64_t data_version() const override { return c_.store->version(); }
+
+  program::Handle start_move(const program::Move& move, const Location& where) override;
+  program::Progress poll_move(program::Handle handle) override;
+  bool room_for_move(const std::string& robot) override { return !c_.moves || c_.moves->has_room(robot); }
+  bool under_way(program::Handle handle) const override { return c_.moves && c_.moves->under_way(handle); }
+  bool given_up(program::Handle handle) const override { return c_.moves && c_.moves->given_up(handle); }
+  program::Handle start_arrival(const std::string& robot) override;
+  void end_move(program::Handle handle, const Location&) override { c_.moves->end(handle); }
+  program::Travel travel(program::Handle handle) const override { return c_.moves->travel(handle); }
+  data::Value here(const std::string& robot, const std::string& tool,
+                   const std::string& frame) const override;
+  program::Handle start_load(const std::string& name, program::LoadForm form, const Location& where) override;
+  program::Progress poll_load(program::Handle handle) override;
+  program::Handle start_ask(const std::string& text, const Location& where) override;
+  program::Progress poll_ask(program::Handle handle) override;
+  std::string answer(const data::Value&) const override { return answer_; }
+  void run_program(const std::string& name, const Location& where) override;
+  data::Value call(std::string_view function, std::span<const data::Value> arguments,
+                   const Location& where) override;
+
+  Nanoseconds now() const override { return *c_.now; }
+  void log(const std::string& text, const Location& where) override {
+    c_.observer->on_log(now(), c_.task, text);
+  }
+
+  bool standing() const override { return !c_.standing || c_.standing(); }
+  void hold(const std::string& reason, const Location& where) override;
+
+  /// True while a move of this task is under way.
+  bool moving() const { return c_.moves && c_.moves->moving(); }
+
+ private:
+  Context c_;
+  mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< of points that name a frame
+  std::string answer_;
+};
+
+/// The joint values of `joints` for the robot, by joint name whatever their order. Throws Error naming a
+/// joint that the robot does not have, or one that is missing.
+std::vector<double> joints_by_name(const description::RobotModel& model, const data::JointState& joints,
+                                   const std::string& what);
+
+}  // namespace polyarm::cell

@@ -1,0 +1,128 @@
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polyarm/data/data_store.hpp"
+#include "polyarm/moves/base_motion.hpp"
+#include "polyarm/moves/robot_motion.hpp"
+#include "polyarm/program/host.hpp"
+#include "polyarm/setup/cell_file.hpp"
+#include "polyarm/setup/robots.hpp"
+
+namespace polyarm::cell {
+
+/// The moves of a task: from what a program says to what robots do. Cell thread.
+class ProgramMoves {
+ public:
+  struct Robot {
+    const CellRobot* robot = nullptr;
+    moves::RobotMotion* motion = nullptr;  ///< null: no controller moves it
+    moves::BaseMotion* base = nullptr;     ///< null: it has no wheels that a controller drives
+  };
+  /// `robots`: those that the task may move; none: it moves nothing. `store` has the points that stand for
+  /// frames and tools; it outlives this.
+  ProgramMoves(std::string task, std::vector<Robot> robots, const MotionEntry& pace,
+               const data::DataStore& store);
+
+  /// The point with its pose in the world, as its frame is now: a point of the data (which may be in
+  /// another), `ROBOT/base`, `ROBOT/flange` or `ROBOT/tcp` (as they are when all that is queued has arrived).
+  /// Throws Error("unknown-frame").
+  data::Point in_world(const data::Point& point) const;
+
+  // As of program::Host.
+  program::Handle start(const program::Move& move, const Location& where);
+  program::Progress poll(program::Handle handle);
+  bool has_room(const std::string& robot);
+  program::Handle start_arrival(const std::string& robot);
+  program::Travel travel(program::Handle handle) const;
+  void end(program::Handle handle);
+  data::Value here(const std::string& robot, const std::string& tool, const std::string& frame) const;
+
+  /// A move as its robot's planner takes it, without queueing it. `with`: the robot with another TCP.
+  struct Prepared {
+    std::size_t arm = 0;  ///< index of the robots given
+    std::vector<moves::Move> moves;
+    std::shared_ptr<const moves::RobotFacts> with;
+  };
+  Prepared prepare(const program::Move& move, const Location& where);
+  /// here(), with the robot's joints where `joints_of` says.
+  data::Value here_at(const std::string& robot, const std::string& tool, const std::string& frame,
+                      const std::function<std::vector<double>(std::size_t arm)>& joints_of) const;
+
+  /// Their controllers are going to be unloaded.
+  void forget(const moves::BaseMotion& base);
+  void forget(const moves::RobotMotion& motion);
+  /// Where the program asks for a move that is under way; empty for one that is not the program's.
+  Location place_of(const moves::RobotMotion& motion, std::uint64_t move) const;
+  /// True until the robot has come to the end of what start() returned this handle for.
+  bool under_way(program::Handle handle) const;
+  bool given_up(program::Handle handle) const;
+  /// True while something that was asked for has not ended.
+  bool moving() const;
+
+ private:
+  /// A move that has not been told about.
+  struct Open {
+    std::uint64_t id;
+    Location where;
+    std::string name;
+    std::string called;  ///< by the functions of the program
+  };
+  /// The robot with another TCP, and which; points may change while a program runs.
+  struct MadeTool {
+    Pose tcp;
+    std::shared_ptr<const moves::RobotFacts> facts;
+  };
+  struct Arm {
+    Robot robot;
+    std::deque<Open> open;
+    std::map<std::string, MadeTool> tools;
+  };
+  struct Moves {
+    std::size_t arm = 0;
+    std::uint64_t first = 0, last = 0;
+    bool base = false;
+  };
+  using Asked = std::vector<Moves>;
+
+  std::size_t robot_of(const std::string& robot, const Location& where) const;
+  std::size_t arm_of(const std::string& robot, const Location& where) const;
+  program::Handle start_base(const program::Move& move, const Location& where);
+  Pose frame_of(const program::Move& move, const Arm& arm, const Location& where) const;
+  Pose frame_named(const std::string& name, const Arm& arm, const Location& where, int depth = 0) const;
+  std::optional<Pose> frame_on_robot(const std::string& name) const;
+  std::shared_ptr<const moves::RobotFacts> tool_of(const std::string& name, Arm& arm, const Location& where);
+  Pose tcp_of_tool(const std::string& name, const Arm& arm, const Location& where) const;
+  moves::MoveTarget target_of(const program::Move::Target& target, const Pose& frame, const Arm& arm,
+                              const Location& where) const;
+  std::vector<moves::Move> moves_of(const program::Move& move, const Pose& frame, const Arm& arm,
+                                    const Location& where) const;
+  void pace(const program::Move& from, moves::Move& to) const;
+  void keep_near(const data::JointState& near, const moves::RobotFacts& robot,
+                 std::vector<moves::Move>& moves) const;
+  void check_payload(const program::Move& move, const Arm& arm, const Location& where) const;
+  void forget_ended();
+  std::shared_ptr<moves::InStep> step_of(const program::Move& move, std::size_t arm, const Location& where);
+  std::optional<program::Progress> bad_end(Arm& arm, std::uint64_t through);
+
+  std::string task_;
+  std::vector<Arm> arms_;
+  MotionEntry pace_;
+  const data::DataStore& store_;
+  std::map<program::Handle, Asked> asked_;
+  program::Handle last_handle_ = 0;
+  struct Step {
+    std::uint64_t group = 0;
+    std::shared_ptr<moves::InStep> shared;
+    std::vector<std::size_t> arms;
+  };
+  Step step_;  ///< the latest
+};
+
+}  // namespace polyarm::cell

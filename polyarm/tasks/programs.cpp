@@ -1,0 +1,257 @@
+#include "polyarm/tasks/programs.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <utility>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/program/code.hpp"
+#include "polyarm/program/parser.hpp"
+
+namespace polyarm::cell {
+
+namespace fs = std::filesystem;
+
+Programs::Programs(const CellSetup& setup, Machine& machine, CellData& data, Motions& motions, Worker& worker,
+                   Observer& observer)
+    : setup_(setup),
+      machine_(machine),
+      data_(data),
+      motions_(motions),
+      worker_(worker),
+      observer_(observer),
+      waits_(setup.options.waits) {
+  for (const std::string& answer : setup.options.answers) answers_.give(answer);
+}
+Programs::~Programs() = default;
+
+ProgramHost::Context Programs::context(const std::string& task) const {
+  ProgramHost::Context out;
+  out.task = task;
+  out.store = &data_.store;
+  out.files = &data_.files();
+  out.answers = const_cast<Answers*>(&answers_);
+  out.observer = &observer_;
+  out.now = &machine_.clock();
+  return out;
+}
+
+void Programs::load(Problems& problems) {
+  std::vector<std::string> names;
+  for (const auto& robot : setup_.robots) names.push_back(robot->entry.name);
+  held_parts_ = std::make_unique<HeldParts>(std::move(names), setup_.scene, machine_.table());
+  for (const FileBreakpoints& each : setup_.options.breakpoints) keep_breakpoints(each);
+  loaded_ = load_programs(
+      setup_.file, data_.signals(), data_.files(), data_.store, problems,
+      [&] { data_.connect_links(problems); }, setup_.options.read);
+  if (loaded_.plc) plc_ = std::make_unique<Task>("plc", std::move(*loaded_.plc), context("plc"));
+}
+
+void Programs::start_loaded(Problems& problems) {
+  std::optional<program::Program> program = std::exchange(loaded_.program, std::nullopt);
+  if (!program) return;
+  if (setup_.options.test) {
+    ready_ = std::move(program);
+  } else if (!problems.has_errors()) {  // else it lacks what those are about
+    collect(problems, [&] { start(std::move(*program)); });
+    begun_ = !waits_;
+  }
+}
+
+void Programs::start(program::Program program) {
+  if (!motions_.any())
+    throw Error(Problem{"no-motion", setup_.file.program_where,
+                        "the program needs a robot whose joints a trajectory controller moves",
+                        "give the cell a robot, and leave 'controllers' out or name a "
+                        "joint_trajectory_controller for all joints"});
+  std::vector<ProgramMoves::Robot> robots;
+  for (std::size_t i = 0; i < setup_.robots.size(); ++i)
+    robots.push_back({setup_.robots[i].get(), motions_.motion(i), motions_.wheels(i)});
+  program_.reset();
+  moves_ = std::make_unique<ProgramMoves>("program", std::move(robots), setup_.file.motion, data_.store);
+  ProgramHost::Context context = this->context("program");
+  context.moves = moves_.get();
+  context.standing = [this] { return machine_.snapshot().standing; };
+  context.seen_outside = [this](const std::string& name) {
+    const std::string set = data_.store.set_of(name);
+    return (!set.empty() && data_.files().is_live(set)) || data_.links().source_of(name).has_value();
+  };
+  context.hold = [this](const std::string& reason, const Location& where) {
+    Problem why{"program-hold",      where, reason, "polyarm control resume", Severity::warning,
+                {{"reason", reason}}};
+    observer_.on_problem(machine_.now(), why);
+    machine_.hold_for(std::move(why));
+  };
+  program_ = std::make_unique<Task>("program", std::move(program), context);
+  if (setup_.options.cycles > 0) program_->interpreter().limit_passes(setup_.options.cycles);
+  begun_ = true;
+  ++starts_;
+  if (!setup_.options.test && setup_.options.state_folder.empty())
+    safe_points_ = std::make_unique<SafePoints>(setup_.file.folder / ".state" / "program.json", worker_,
+                                                setup_.options.lock_step);
+  if (safe_points_) safe_points_->set_held(held_parts_->names(machine_.snapshot()));
+  place_breakpoints();
+}
+
+void Programs::put(program::Program program) {
+  if (under_way())
+    throw Error("program-runs", "a program is under way: " + program_->sentence(),
+                "end it first: program.stop");
+  waits_ = true;
+  start(std::move(program));
+  begun_ = false;
+}
+
+bool Programs::runs() const {
+  if (!under_way()) return false;
+  return !program_->interpreter().paused() || !machine_.snapshot().standing || !motions_.all_idle();
+}
+
+std::string Programs::hint_of_live() const {
+  if (!program_ || program_->status().waiting.kind != program::WaitKind::condition) return {};
+  std::set<std::string> set_here;  // by somebody in the cell
+  for (const Task* task : {program_.get(), plc_.get()}) {
+    if (!task) continue;
+    program::for_each_statement(task->interpreter().program().statements, [&](const program::Statement& s) {
+      using Kind = program::Statement::Kind;
+      if (s.kind == Kind::set || s.kind == Kind::set_literal) set_here.insert(s.name);
+      for (const program::Clause& clause : s.clauses) set_here.insert(clause.target);
+    });
+  }
+  for (const std::string& name : program_->status().waiting.names) {
+    const std::string set = data_.store.set_of(name);
+    if (set.empty() || data_.files().is_live(set) || set_here.contains(name) || data_.links().source_of(name))
+      continue;
+    const std::string file = data_.files().file_of(set).filename().string();
+    return "nobody in the cell sets '" + name + "', which comes from " + file +
+           ": the run has a copy of that file; where another program writes it, say live: [" +
+           fs::path(file).stem().string() + "] in signals.yaml";
+  }
+  return {};
+}
+
+Location Programs::place_of(const moves::RobotMotion& motion, std::uint64_t move) const {
+  return moves_ ? moves_->place_of(motion, move) : Location{};
+}
+
+void Programs::forget(const moves::RobotMotion& motion) {
+  if (moves_) moves_->forget(motion);
+}
+void Programs::forget(const moves::BaseMotion& base) {
+  if (moves_) moves_->forget(base);
+}
+
+void Programs::end() {
+  if (!under_way()) return;
+  program_->interpreter().stop();
+  motions_.end();
+}
+
+void Programs::stop_all() {
+  for (Task* task : {program_.get(), plc_.get()})
+    if (task) task->interpreter().stop();
+}
+
+program::StartReport Programs::prepare(const std::string& name, int line) {
+  if (under_way()) {  // its `on stop` is done: the robots stand
+    program_->interpreter().stop();
+    program_->tick();
+  }
+  std::unique_ptr<Task> before = std::exchange(program_, nullptr);
+  std::unique_ptr<ProgramMoves> moves = std::move(moves_);
+  const std::uint64_t starts = starts_;
+  try {
+    begin(name, {});
+    program::StartReport report;
+    if (line > 0) report = program_->interpreter().start_at(line);
+    program_->interpreter().pause_here();
+    program_->refresh();
+    if (line <= 0) report.where = program_->status().where;
+    return report;
+  } catch (const Error&) {  // the one before stays as it was, at its end
+    program_ = std::move(before);
+    moves_ = std::move(moves);
+    starts_ = starts;
+    throw;
+  }
+}
+
+void Programs::begin(const std::string& name, const Location& where) {
+  if (under_way())
+    throw Error(Problem{"still-running", where, "the program is still running: " + program_->sentence(),
+                        "wait for its end, or stop it"});
+  for (std::size_t i = 0; i < setup_.robots.size(); ++i)
+    if (!motions_.idle(i))
+      throw Error(
+          Problem{"moving", where, "the robot '" + setup_.robots[i]->entry.name + "' still moves", {}});
+  if (name.empty() && ready_) {
+    start(std::move(*ready_));
+    return ready_.reset();
+  }
+  CellFile file = setup_.file;
+  if (!name.empty()) file.program = name, file.program_where = where;
+  file.plc.clear();
+  if (file.program.empty())
+    throw Error(Problem{"no-program", where, "the cell has no program", "name one: program: NAME"});
+  data_.files().flush();
+  Problems problems;
+  LoadedPrograms programs = load_programs(file, data_.signals(), data_.files(), data_.store, problems);
+  problems.throw_if_errors();
+  start(std::move(*programs.program));
+}
+
+/// What a PLC cannot take up it begins anew, and says so.
+void Programs::continue_plc(const SafePoint& point) {
+  Task* const plc = plc_.get();
+  if (!plc) return;
+  const auto anew = [&](const std::string& why) {
+    observer_.on_note("the PLC's script begins anew: " + why);
+  };
+  if (point.plc_ended) {
+    plc->interpreter().stop();
+  } else if (!point.plc) {
+    return anew("it was waiting for a person or a file when the program was cut off");
+  } else {
+    try {
+      plc->interpreter().restore(*point.plc);
+    } catch (const Error& e) {
+      return anew(e.problems().front().what);
+    }
+  }
+  plc->refresh();
+}
+
+program::StartReport Programs::continue_from_safe_point() {
+  const SafePoint point = SafePoints::read(setup_.file.folder / ".state" / "program.json");
+  if (!program_) throw Error("no-program", "the cell has no program");
+  program::StartReport report = program_->interpreter().restore(point.state);
+  for (const auto& [name, value] : point.values)
+    if (data_.store.find(name) && !data_.store.is_tag(name)) data_.store.set(name, value, "continue");
+  program_->refresh();
+  for (const auto& [name, value] : point.tags) {
+    const auto role = data_.store.tag_role(name);
+    if (role && *role != data::TagRole::state && data_.store.find(name)->kind() == value.kind())
+      data_.store.set(name, value, "continue");
+  }
+  continue_plc(point);
+  held_before_ = point.held;
+  if (!setup_.scene.parts.empty() && !setup_.options.real)
+    observer_.on_note("the simulated parts lie where the scene puts them: what was held or moved is not");
+  return report;
+}
+
+void Programs::keep_safe_point() {
+  if (program_ && safe_points_) safe_points_->finish(*program_);
+}
+
+void Programs::tick_program() {
+  if (!safe_points_) return program_->tick();
+  if (held_parts_->changed(machine_.snapshot()))
+    safe_points_->set_held(held_parts_->names(machine_.snapshot()));
+  const auto look = [&] { safe_points_->tick(machine_.now(), *program_, plc_.get(), data_.store); };
+  program_->tick(look);
+  look();
+}
+
+}  // namespace polyarm::cell
