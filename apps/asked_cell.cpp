@@ -9,10 +9,10 @@
 #include "apps/options.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/description/catalogue.hpp"
-#include "polyarm/description/packages.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/description/urdf.hpp"
-#include "polyarm/ros_files/python_launch.hpp"
+#include "polyarm/launch/python_launch.hpp"
+#include "polyarm/xacro/packages.hpp"
 
 namespace polyarm::apps {
 

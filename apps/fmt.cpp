@@ -2,8 +2,8 @@
 
 #include "apps/options.hpp"
 #include "polyarm/base/file.hpp"
-#include "polyarm/program/format.hpp"
-#include "polyarm/program/parser.hpp"
+#include "polyarm/language/format.hpp"
+#include "polyarm/language/parser.hpp"
 
 namespace polyarm::apps {
 

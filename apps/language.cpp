@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "apps/options.hpp"
-#include "polyarm/program/functions.hpp"
-#include "polyarm/program/words.hpp"
+#include "polyarm/language/functions.hpp"
+#include "polyarm/language/words.hpp"
 
 namespace polyarm::apps {
 

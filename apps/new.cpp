@@ -10,12 +10,12 @@
 #include "apps/new_cell.hpp"
 #include "apps/options.hpp"
 #include "apps/templates.hpp"
-#include "polyarm/base/approvals.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/printable.hpp"
-#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/approvals.hpp"
+#include "polyarm/base/reach.hpp"
 
 namespace polyarm::apps {
 

@@ -12,11 +12,11 @@
 
 #include "apps/options.hpp"
 #include "polyarm/base/file.hpp"
-#include "polyarm/base/reach.hpp"
 #include "polyarm/cell/check.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/moves/move_plan.hpp"
 #include "polyarm/setup/robots.hpp"
+#include "polyarm/base/reach.hpp"
 
 namespace polyarm::apps {
 

@@ -6,7 +6,7 @@
 
 #include "apps/command_line.hpp"
 #include "apps/verb.hpp"
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 
 namespace polyarm::apps {
 

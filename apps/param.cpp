@@ -5,7 +5,7 @@
 
 #include "apps/client.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/base/yaml.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::apps {
 

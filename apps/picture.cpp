@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "polyarm/description/kinematic_table.hpp"
+#include "polyarm/catalogue/kinematic_table.hpp"
 #include "polyarm/kinematics/chain.hpp"
 
 namespace polyarm::apps {

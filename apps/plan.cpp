@@ -9,13 +9,13 @@
 #include "apps/plan_moves.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/data/file_lookup.hpp"
+#include "polyarm/language/parser.hpp"
 #include "polyarm/moves/cartesian_joints.hpp"
 #include "polyarm/moves/tcp_rates.hpp"
-#include "polyarm/program/parser.hpp"
 #include "polyarm/ros_files/trajectory_file.hpp"
 #include "polyarm/setup/robots.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::apps {
 

@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/options.hpp"
-#include "polyarm/base/approvals.hpp"
 #include "polyarm/base/error.hpp"
-#include "polyarm/base/reach.hpp"
 #include "polyarm/setup/build.hpp"
+#include "polyarm/base/approvals.hpp"
+#include "polyarm/base/reach.hpp"
 
 namespace polyarm::apps {
 

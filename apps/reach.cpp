@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "polyarm/base/printable.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
+#include "polyarm/setup/cell_reach.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/secrets.hpp"
-#include "polyarm/base/text.hpp"
-#include "polyarm/description/catalogue.hpp"
-#include "polyarm/setup/cell_reach.hpp"
 
 namespace polyarm::apps {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/options.hpp"
-#include "polyarm/description/catalogue_query.hpp"
+#include "polyarm/catalogue/catalogue_query.hpp"
 
 namespace polyarm::apps {
 

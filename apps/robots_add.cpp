@@ -5,7 +5,7 @@
 #include "apps/options.hpp"
 #include "apps/robots.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/description/user_robots.hpp"
+#include "polyarm/catalogue/user_robots.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
 
 namespace polyarm::apps {

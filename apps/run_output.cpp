@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "polyarm/protocol/type.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/printer.hpp"
+#include "polyarm/protocol/type.hpp"
 #include "polyarm/base/secrets.hpp"
 
 namespace polyarm::apps {

@@ -16,10 +16,10 @@
 #include "apps/picture.hpp"
 #include "apps/terminal.hpp"
 #include "polyarm/base/file.hpp"
-#include "polyarm/base/reach.hpp"
 #include "polyarm/cell/socket_door.hpp"
 #include "polyarm/server/tls.hpp"
 #include "polyarm/server/token.hpp"
+#include "polyarm/base/reach.hpp"
 
 namespace polyarm::apps {
 

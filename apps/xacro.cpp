@@ -1,4 +1,4 @@
-#include "polyarm/description/xacro.hpp"
+#include "polyarm/xacro/xacro.hpp"
 
 #include <fmt/format.h>
 

@@ -15,9 +15,9 @@
 #include <numbers>
 
 #include "drivers/mock/mock.hpp"
+#include "polyarm/broadcasters/joint_state_broadcaster.hpp"
 #include "polyarm/control/control_loop.hpp"
-#include "polyarm/controllers/joint_state_broadcaster.hpp"
-#include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/joint_control/joint_trajectory_controller.hpp"
 #include "polyarm/realtime/periodic.hpp"
 #include "polyarm/trajectory/joint_move.hpp"
 

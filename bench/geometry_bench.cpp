@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/moves/cartesian_joints.hpp"
 #include "polyarm/timing/timing.hpp"
 

@@ -16,12 +16,12 @@
 #include <algorithm>
 #include <chrono>
 
-#include "polyarm/description/catalogue.hpp"
-#include "polyarm/kinematics/singularity.hpp"
-#include "polyarm/ik/inverse_kinematics.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/descent/numeric_ik.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/kinematics/arm_geometry.hpp"
 #include "polyarm/kinematics/random.hpp"
+#include "polyarm/kinematics/singularity.hpp"
 
 #ifdef POLYARM_KDL
 #include <kdl/chain.hpp>

@@ -26,8 +26,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/descent/numeric_ik.hpp"
-#include "polyarm/description/catalogue.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/kinematics/random.hpp"
 #include "polyarm/kinematics/singularity.hpp"

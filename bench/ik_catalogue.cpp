@@ -24,7 +24,7 @@
 #include <string>
 
 #include "bench/ik_words.hpp"
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/kinematics/random.hpp"
 

@@ -32,11 +32,11 @@
 #include <string>
 
 #include "bench/ik_words.hpp"
-#include "polyarm/description/catalogue.hpp"
-#include "polyarm/kinematics/singularity.hpp"
-#include "polyarm/ik/inverse_kinematics.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/descent/numeric_ik.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/kinematics/random.hpp"
+#include "polyarm/kinematics/singularity.hpp"
 
 namespace {
 

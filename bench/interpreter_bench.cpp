@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/program/parser.hpp"
+#include "polyarm/language/parser.hpp"
 #include "tests/program/fake_host.hpp"
 #ifdef POLYARM_LUA
 #include <lua.hpp>

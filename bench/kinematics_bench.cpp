@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/kinematics/dynamics.hpp"
 #include "polyarm/kinematics/random.hpp"

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/moves/cartesian_joints.hpp"
 #include "polyarm/paths/cartesian_path.hpp"
 #include "polyarm/timing/timing.hpp"

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "drivers/mujoco/component.hpp"
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/moves/move_plan.hpp"
 
 namespace polyarm {

@@ -1,5 +1,5 @@
 # Files that go into the kit for plugins one by one (sdk.cmake) stand alone.
-set(POLYARM_ROOMS_TOGETHER io setup machine tasks operation inside requests cell control controllers data doctor hardware meshes messages plugins program realtime
+set(POLYARM_ROOMS_TOGETHER yaml xacro catalogue language vm launch joint_control wheels broadcasters io setup machine tasks operation inside requests cell control controllers data doctor hardware meshes messages plugins program realtime
     server signals apps description recording ros2 ros_files paths timing trajectory)
 set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics closed_form descent ik cell scenario server signals
     recording ros_files links messages plugins program ros2 base description paths timing trajectory moves jog sensors drivers)

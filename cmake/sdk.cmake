@@ -30,7 +30,7 @@ function(polyarm_testing_objects room files)
 endfunction()
 add_library(polyarm_testing STATIC)
 set_target_properties(polyarm_testing PROPERTIES LINKER_LANGUAGE CXX)
-target_sources(polyarm_testing PRIVATE $<FILTER:$<TARGET_OBJECTS:polyarm_base>,EXCLUDE,/yaml(_document)?[.]cpp[.]>
+target_sources(polyarm_testing PRIVATE $<TARGET_OBJECTS:polyarm_base>
                                        $<TARGET_OBJECTS:polyarm_trajectory>)
 polyarm_testing_objects(description robot_model)
 polyarm_testing_objects(hardware "(device_lock|lifecycle)")

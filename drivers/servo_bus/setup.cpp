@@ -11,7 +11,7 @@
 #include "drivers/servo_bus/parameters.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/base/yaml.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::servo_bus {
 

@@ -11,8 +11,8 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/printable.hpp"
-#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/reach.hpp"
 
 namespace polyarm {
 

@@ -13,21 +13,21 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/rehearsal.hpp"
 #include "polyarm/cell/run.hpp"
 #include "polyarm/description/scene_file.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/inside/inside.hpp"
+#include "polyarm/language/parser.hpp"
 #include "polyarm/program/checker.hpp"
-#include "polyarm/program/parser.hpp"
 #include "polyarm/ros_files/controllers_file.hpp"
 #include "polyarm/setup/bodies.hpp"
 #include "polyarm/setup/build.hpp"
 #include "polyarm/setup/controllers_plan.hpp"
 #include "polyarm/setup/frame_check.hpp"
 #include "polyarm/signals/tags.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::cell {
 

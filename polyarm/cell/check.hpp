@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/setup/cell_file.hpp"
 
 namespace polyarm::cell {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/program/ast.hpp"
+#include "polyarm/language/ast.hpp"
 
 namespace polyarm::cell {
 

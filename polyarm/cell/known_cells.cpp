@@ -6,11 +6,11 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/printable.hpp"
-#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/setup/cell_reach.hpp"
+#include "polyarm/base/reach.hpp"
 
 namespace polyarm::cell {
 

@@ -11,9 +11,9 @@
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/inside/inside.hpp"
 #include "polyarm/inside/test_task.hpp"
+#include "polyarm/language/lexer.hpp"
+#include "polyarm/language/parser.hpp"
 #include "polyarm/program/code.hpp"
-#include "polyarm/program/lexer.hpp"
-#include "polyarm/program/parser.hpp"
 
 namespace polyarm::cell {
 

@@ -8,7 +8,7 @@
 
 #include "polyarm/cell/definitions.hpp"
 #include "polyarm/data/value.hpp"
-#include "polyarm/program/ast.hpp"
+#include "polyarm/language/ast.hpp"
 
 namespace polyarm::cell {
 

@@ -14,7 +14,7 @@
 #include "polyarm/inside/inside.hpp"
 #include "polyarm/machine/open_names.hpp"
 #include "polyarm/program/code.hpp"
-#include "polyarm/program/interpreter.hpp"
+#include "polyarm/vm/interpreter.hpp"
 
 namespace polyarm::cell {
 

@@ -11,8 +11,8 @@
 #include "polyarm/cell/prompter.hpp"
 #include "polyarm/cell/rehearsal.hpp"
 #include "polyarm/program/certainty.hpp"
-#include "polyarm/program/interpreter.hpp"
 #include "polyarm/tasks/program_moves.hpp"
+#include "polyarm/vm/interpreter.hpp"
 
 namespace polyarm::cell {
 

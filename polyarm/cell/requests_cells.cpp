@@ -11,16 +11,16 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/check.hpp"
 #include "polyarm/cell/handlers.hpp"
 #include "polyarm/cell/known_cells.hpp"
 #include "polyarm/cell/rehearsal.hpp"
 #include "polyarm/inside/requests_later.hpp"
-#include "polyarm/program/parser.hpp"
+#include "polyarm/language/parser.hpp"
 #include "polyarm/protocol/projects.hpp"
 #include "polyarm/realtime/periodic.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::cell {
 

@@ -8,9 +8,9 @@
 
 #include "polyarm/base/pair.hpp"
 #include "polyarm/controllers/controller.hpp"
-#include "polyarm/controllers/joint_limiters.hpp"
 #include "polyarm/hardware/fault_event.hpp"
 #include "polyarm/hardware/interface_table.hpp"
+#include "polyarm/joint_control/joint_limiters.hpp"
 
 namespace polyarm::control {
 

@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/data/format_parts.hpp"
 #include "polyarm/data/import_format.hpp"
 #include "polyarm/data/literal.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::data {
 

@@ -8,9 +8,9 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/base/yaml_repeats.hpp"
 #include "polyarm/description/model_builder.hpp"
 #include "polyarm/description/shape_yaml.hpp"
+#include "polyarm/yaml/yaml_repeats.hpp"
 
 namespace polyarm::description {
 

@@ -2,8 +2,8 @@
 /// Reads scene files. SI units.
 #include <string>
 
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/description/scene.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::description {
 

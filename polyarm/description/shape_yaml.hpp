@@ -2,8 +2,8 @@
 /// Shapes in YAML files. Metres.
 #include <vector>
 
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/description/robot_model.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::description {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/description/scene.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::description {
 

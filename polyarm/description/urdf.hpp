@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "polyarm/description/packages.hpp"
 #include "polyarm/description/robot_model.hpp"
+#include "polyarm/xacro/packages.hpp"
 
 namespace polyarm::description {
 

@@ -15,10 +15,10 @@
 
 #include "polyarm/base/cache.hpp"
 #include "polyarm/base/file.hpp"
-#include "polyarm/base/reach.hpp"
-#include "polyarm/base/sha256.hpp"
 #include "polyarm/hulls/convex_pieces.hpp"
 #include "polyarm/meshes/mesh.hpp"
+#include "polyarm/base/reach.hpp"
+#include "polyarm/base/sha256.hpp"
 
 namespace polyarm::hulls {
 

@@ -5,7 +5,7 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/inside/test_task.hpp"
-#include "polyarm/program/parser.hpp"
+#include "polyarm/language/parser.hpp"
 #include "polyarm/protocol/messages.hpp"
 #include "polyarm/setup/controllers_plan.hpp"
 #include "polyarm/setup/controllers_start.hpp"

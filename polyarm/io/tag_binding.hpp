@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/controllers/forward_command_controller.hpp"
 #include "polyarm/data/data_store.hpp"
 #include "polyarm/hardware/interface_table.hpp"
+#include "polyarm/joint_control/forward_command_controller.hpp"
 #include "polyarm/signals/tags.hpp"
 
 namespace polyarm::cell {

@@ -11,14 +11,14 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/printable.hpp"
-#include "polyarm/base/reach.hpp"
-#include "polyarm/base/secrets.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/scene_file.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/setup/cell_setup.hpp"
 #include "polyarm/setup/floor.hpp"
 #include "polyarm/setup/robots.hpp"
+#include "polyarm/base/reach.hpp"
+#include "polyarm/base/secrets.hpp"
 
 namespace polyarm::cell {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/controllers/types.hpp"
+#include "polyarm/plugins/types.hpp"
 #include "polyarm/realtime/refusals.hpp"
 #include "polyarm/setup/controllers_plan.hpp"
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/controllers/joint_trajectory_controller.hpp"
 #include "polyarm/jog/jog_controller.hpp"
+#include "polyarm/joint_control/joint_trajectory_controller.hpp"
 #include "polyarm/machine/arming.hpp"
 #include "polyarm/machine/contact_watch.hpp"
 #include "polyarm/machine/machine.hpp"

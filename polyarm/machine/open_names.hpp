@@ -3,7 +3,7 @@
 #include <set>
 #include <string>
 
-#include "polyarm/program/ast.hpp"
+#include "polyarm/language/ast.hpp"
 
 namespace polyarm::cell {
 

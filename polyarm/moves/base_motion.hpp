@@ -6,8 +6,8 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/time.hpp"
-#include "polyarm/controllers/diff_drive_controller.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
+#include "polyarm/wheels/diff_drive_controller.hpp"
 
 namespace polyarm::moves {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/joint_control/joint_trajectory_controller.hpp"
 #include "polyarm/moves/move_plan.hpp"
 #include "polyarm/moves/robot_facts.hpp"
 

@@ -7,11 +7,11 @@
 #include <variant>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/controllers/diff_drive_controller.hpp"
 #include "polyarm/operation/jog_commands.hpp"
 #include "polyarm/operation/way_planning.hpp"
 #include "polyarm/protocol/session.hpp"
 #include "polyarm/ros_files/message_forms.hpp"
+#include "polyarm/wheels/diff_drive_controller.hpp"
 
 namespace polyarm::cell {
 

@@ -4,16 +4,16 @@
 #include <cstdlib>
 #include <set>
 
-#include "polyarm/base/approvals.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
-#include "polyarm/base/reach.hpp"
-#include "polyarm/base/sha256.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/controllers/controller.hpp"
-#include "polyarm/controllers/types.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/hardware/plugin_library.hpp"
+#include "polyarm/plugins/types.hpp"
+#include "polyarm/base/approvals.hpp"
+#include "polyarm/base/reach.hpp"
+#include "polyarm/base/sha256.hpp"
 
 namespace polyarm::plugins {
 

@@ -8,9 +8,9 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/unit_advice.hpp"
 #include "polyarm/data/file_lookup.hpp"
+#include "polyarm/language/statement_parser.hpp"
 #include "polyarm/program/code.hpp"
 #include "polyarm/program/scope.hpp"
-#include "polyarm/program/statement_parser.hpp"
 
 namespace polyarm::program {
 

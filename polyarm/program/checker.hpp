@@ -9,7 +9,7 @@
 
 #include "polyarm/data/data_set.hpp"
 #include "polyarm/data/data_store.hpp"
-#include "polyarm/program/ast.hpp"
+#include "polyarm/language/ast.hpp"
 
 namespace polyarm::program {
 

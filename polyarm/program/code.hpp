@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/program/ast.hpp"
+#include "polyarm/language/ast.hpp"
 #include "polyarm/program/task_state.hpp"
 
 namespace polyarm::program {

@@ -1,5 +1,5 @@
+#include "polyarm/language/functions.hpp"
 #include "polyarm/program/code_writer.hpp"
-#include "polyarm/program/functions.hpp"
 
 namespace polyarm::program {
 

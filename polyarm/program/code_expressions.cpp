@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "polyarm/language/functions.hpp"
 #include "polyarm/program/code_writer.hpp"
-#include "polyarm/program/functions.hpp"
 
 /// Expressions: results are computed directly into their destination; variables and constants are read in
 /// place.

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "polyarm/language/operators.hpp"
 #include "polyarm/program/code.hpp"
-#include "polyarm/program/operators.hpp"
 
 namespace polyarm::program {
 

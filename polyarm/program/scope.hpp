@@ -6,8 +6,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "polyarm/language/functions.hpp"
 #include "polyarm/program/checker.hpp"
-#include "polyarm/program/functions.hpp"
 
 namespace polyarm::program {
 

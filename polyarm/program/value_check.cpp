@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "polyarm/language/operators.hpp"
 #include "polyarm/program/code.hpp"
-#include "polyarm/program/operators.hpp"
 #include "polyarm/program/scope.hpp"
 
 namespace polyarm::program {

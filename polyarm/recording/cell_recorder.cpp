@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "polyarm/base/file.hpp"
-#include "polyarm/base/secrets.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/inside/view.hpp"
@@ -22,6 +21,7 @@
 #include "polyarm/recording/cell_channels.hpp"
 #include "polyarm/recording/file_sink.hpp"
 #include "polyarm/recording/mcap_writer.hpp"
+#include "polyarm/base/secrets.hpp"
 
 namespace polyarm::recording {
 

@@ -3,9 +3,9 @@
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/controllers/types.hpp"
 #include "polyarm/inside/requests_work.hpp"
 #include "polyarm/operation/point_edits.hpp"
+#include "polyarm/plugins/types.hpp"
 #include "polyarm/protocol/controllers.hpp"
 #include "polyarm/requests/controller_switch.hpp"
 #include "polyarm/requests/families.hpp"

@@ -9,11 +9,11 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/printable.hpp"
-#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/inside/requests_later.hpp"
 #include "polyarm/protocol/projects.hpp"
 #include "polyarm/requests/families.hpp"
+#include "polyarm/base/reach.hpp"
 
 namespace polyarm::cell {
 

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/controllers/joint_trajectory_controller.hpp"
 #include "polyarm/inside/requests_work.hpp"
 #include "polyarm/io/worker.hpp"
+#include "polyarm/joint_control/joint_trajectory_controller.hpp"
 #include "polyarm/protocol/messages.hpp"
 #include "polyarm/requests/families.hpp"
 #include "polyarm/ros_files/json_trajectory.hpp"

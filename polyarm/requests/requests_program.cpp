@@ -13,8 +13,8 @@
 #include "polyarm/inside/requests_later.hpp"
 #include "polyarm/inside/requests_work.hpp"
 #include "polyarm/inside/ways.hpp"
+#include "polyarm/language/lexer.hpp"
 #include "polyarm/operation/program_status.hpp"
-#include "polyarm/program/lexer.hpp"
 #include "polyarm/requests/families.hpp"
 
 namespace polyarm::cell {

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/messages/json.hpp"
 #include "polyarm/messages/types.hpp"
 #include "polyarm/protocol/messages.hpp"
@@ -12,6 +11,7 @@
 #include "polyarm/ros2/life_cycle.hpp"
 #include "polyarm/ros2/typed_topic.hpp"
 #include "polyarm/ros_files/message_forms.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::ros2 {
 

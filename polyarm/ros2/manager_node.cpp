@@ -4,13 +4,13 @@
 #include <utility>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/messages/json.hpp"
 #include "polyarm/messages/types.hpp"
 #include "polyarm/protocol/controllers.hpp"
 #include "polyarm/protocol/hardware.hpp"
 #include "polyarm/ros2/cell_door.hpp"
 #include "polyarm/ros2/life_cycle.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::ros2 {
 

@@ -5,7 +5,7 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/base/yaml.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::ros_files {
 

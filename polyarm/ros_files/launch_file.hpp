@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/launch/launch_substitution.hpp"
 #include "polyarm/ros_files/controllers_file.hpp"
-#include "polyarm/ros_files/launch_substitution.hpp"
 #include "polyarm/ros_files/parameter_file.hpp"
 
 namespace polyarm::ros_files {

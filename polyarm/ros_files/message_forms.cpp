@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/ros_files/message_parts.hpp"
 #include "polyarm/ros_files/trajectory_file.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::ros_files {
 

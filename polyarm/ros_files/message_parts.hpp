@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "polyarm/base/time.hpp"
-#include "polyarm/base/yaml.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::ros_files {
 

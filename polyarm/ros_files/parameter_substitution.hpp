@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/ros_files/launch_substitution.hpp"
+#include "polyarm/launch/launch_substitution.hpp"
 
 namespace polyarm::ros_files {
 

@@ -4,7 +4,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/ros_files/launch_substitution.hpp"
+#include "polyarm/launch/launch_substitution.hpp"
 #include "polyarm/ros_files/parameter_file.hpp"
 
 namespace polyarm::ros_files {

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/controllers/messages.hpp"
 #include "polyarm/paths/joint_path.hpp"
 #include "polyarm/timing/timed_path.hpp"
 #include "polyarm/trajectory/trajectory.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::ros_files {
 

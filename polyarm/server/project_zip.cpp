@@ -13,9 +13,9 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/printable.hpp"
+#include "polyarm/base/text.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/secrets.hpp"
-#include "polyarm/base/text.hpp"
 #endif
 
 namespace polyarm::server {

@@ -5,8 +5,8 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/io/data_files.hpp"
+#include "polyarm/language/parser.hpp"
 #include "polyarm/program/checker.hpp"
-#include "polyarm/program/parser.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/signals/tags.hpp"
 

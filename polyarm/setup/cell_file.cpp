@@ -7,10 +7,10 @@
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/base/yaml.hpp"
-#include "polyarm/base/yaml_repeats.hpp"
 #include "polyarm/setup/cell_reach.hpp"
 #include "polyarm/setup/door_kinds.hpp"
+#include "polyarm/yaml/yaml.hpp"
+#include "polyarm/yaml/yaml_repeats.hpp"
 
 namespace polyarm::cell {
 

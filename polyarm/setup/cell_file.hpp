@@ -9,13 +9,13 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/pose.hpp"
-#include "polyarm/base/reach.hpp"
 #include "polyarm/base/time.hpp"
 #include "polyarm/control/control_loop.hpp"
 #include "polyarm/moves/robot_facts.hpp"
 #include "polyarm/setup/door.hpp"
 #include "polyarm/setup/recorder.hpp"
 #include "polyarm/setup/safety_entries.hpp"
+#include "polyarm/base/reach.hpp"
 
 namespace polyarm::ros_files {
 struct ControllersFile;

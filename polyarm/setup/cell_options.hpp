@@ -10,7 +10,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/time.hpp"
-#include "polyarm/program/parser.hpp"
+#include "polyarm/language/parser.hpp"
 #include "polyarm/setup/breakpoints.hpp"
 
 namespace polyarm::cell {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <set>
 
+#include "polyarm/base/text.hpp"
+#include "polyarm/plugins/plugins.hpp"
 #include "polyarm/base/approvals.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/secrets.hpp"
-#include "polyarm/base/text.hpp"
-#include "polyarm/plugins/plugins.hpp"
 
 namespace polyarm::cell {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/description/scene.hpp"
 #include "polyarm/ros_files/controllers_file.hpp"
 #include "polyarm/setup/cell_file.hpp"

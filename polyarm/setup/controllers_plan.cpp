@@ -12,10 +12,10 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/controllers/joint_state_broadcaster.hpp"
-#include "polyarm/controllers/types.hpp"
-#include "polyarm/description/packages.hpp"
-#include "polyarm/description/xacro.hpp"
+#include "polyarm/broadcasters/joint_state_broadcaster.hpp"
+#include "polyarm/plugins/types.hpp"
+#include "polyarm/xacro/packages.hpp"
+#include "polyarm/xacro/xacro.hpp"
 
 namespace polyarm::cell {
 

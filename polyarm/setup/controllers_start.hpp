@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "polyarm/control/control_loop.hpp"
-#include "polyarm/controllers/diff_drive_controller.hpp"
-#include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/joint_control/joint_trajectory_controller.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/setup/controllers_plan.hpp"
 #include "polyarm/setup/observer.hpp"
 #include "polyarm/setup/robots.hpp"
+#include "polyarm/wheels/diff_drive_controller.hpp"
 
 namespace polyarm::cell {
 

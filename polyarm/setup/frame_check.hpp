@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "polyarm/data/data_set.hpp"
-#include "polyarm/program/ast.hpp"
+#include "polyarm/language/ast.hpp"
 #include "polyarm/setup/robots.hpp"
 
 namespace polyarm::cell {

@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/description/packages.hpp"
 #include "polyarm/ros_files/launch_file.hpp"
 #include "polyarm/setup/cell_file.hpp"
+#include "polyarm/xacro/packages.hpp"
 
 namespace polyarm::cell {
 

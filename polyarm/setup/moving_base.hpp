@@ -5,9 +5,9 @@
 
 #include "polyarm/base/pose.hpp"
 #include "polyarm/control/control_loop.hpp"
-#include "polyarm/controllers/diff_drive_controller.hpp"
 #include "polyarm/hardware/interface_table.hpp"
 #include "polyarm/setup/robots.hpp"
+#include "polyarm/wheels/diff_drive_controller.hpp"
 
 namespace polyarm::cell {
 

@@ -2,8 +2,8 @@
 /// Moves that go by so much from where the robot is.
 #include <span>
 
-#include "polyarm/program/host.hpp"
 #include "polyarm/setup/robots.hpp"
+#include "polyarm/vm/host.hpp"
 
 namespace polyarm::cell {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/controllers/controller.hpp"
-#include "polyarm/description/catalogue.hpp"
 #include "polyarm/description/scene.hpp"
 #include "polyarm/hardware/hardware.hpp"
 #include "polyarm/moves/robot_motion.hpp"

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/control/supervisor.hpp"
 #include "polyarm/controllers/controller.hpp"
 #include "polyarm/description/robot_model.hpp"
 #include "polyarm/moves/workspace.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::cell {
 

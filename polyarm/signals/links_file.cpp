@@ -6,9 +6,9 @@
 #include <tuple>
 
 #include "polyarm/base/bounds.hpp"
+#include "polyarm/base/text.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/secrets.hpp"
-#include "polyarm/base/text.hpp"
 
 namespace polyarm::signals {
 

@@ -35,8 +35,8 @@
 ///         Found: {answer: /camera/look, field: success, direction: in}
 #include <vector>
 
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/signals/link.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::signals {
 

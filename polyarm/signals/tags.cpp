@@ -7,10 +7,10 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/base/yaml.hpp"
-#include "polyarm/base/yaml_repeats.hpp"
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/signals/links_file.hpp"
+#include "polyarm/yaml/yaml.hpp"
+#include "polyarm/yaml/yaml_repeats.hpp"
 
 namespace polyarm::signals {
 

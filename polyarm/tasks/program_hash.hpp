@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "polyarm/program/ast.hpp"
+#include "polyarm/language/ast.hpp"
 
 namespace polyarm::cell {
 

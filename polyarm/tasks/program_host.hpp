@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "polyarm/io/data_files.hpp"
-#include "polyarm/program/host.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/setup/observer.hpp"
 #include "polyarm/tasks/program_moves.hpp"
+#include "polyarm/vm/host.hpp"
 
 namespace polyarm::cell {
 

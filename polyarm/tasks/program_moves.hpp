@@ -11,9 +11,9 @@
 #include "polyarm/data/data_store.hpp"
 #include "polyarm/moves/base_motion.hpp"
 #include "polyarm/moves/robot_motion.hpp"
-#include "polyarm/program/host.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/setup/robots.hpp"
+#include "polyarm/vm/host.hpp"
 
 namespace polyarm::cell {
 

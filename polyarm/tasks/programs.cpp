@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/language/parser.hpp"
 #include "polyarm/program/code.hpp"
-#include "polyarm/program/parser.hpp"
 
 namespace polyarm::cell {
 

@@ -8,8 +8,8 @@
 
 #include "polyarm/data/data_store.hpp"
 #include "polyarm/io/worker.hpp"
-#include "polyarm/program/saved_state.hpp"
 #include "polyarm/tasks/task.hpp"
+#include "polyarm/vm/saved_state.hpp"
 
 namespace polyarm::cell {
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "polyarm/program/interpreter.hpp"
 #include "polyarm/tasks/program_host.hpp"
+#include "polyarm/vm/interpreter.hpp"
 
 namespace polyarm::cell {
 

@@ -9,7 +9,7 @@
 #include "polyarm/base/pose.hpp"
 #include "polyarm/base/quantity.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/base/yaml.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm {
 namespace {

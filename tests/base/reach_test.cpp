@@ -7,9 +7,9 @@
 
 #include <cstdlib>
 
-#include "polyarm/base/approvals.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/approvals.hpp"
 #include "polyarm/base/secrets.hpp"
 #include "polyarm/base/sha256.hpp"
 #include "tests/support/folder.hpp"

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "drivers/mujoco/component.hpp"
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
 #include "tests/drivers/rig.hpp"
 #include "tests/ik/answers.hpp"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/controllers/types.hpp"
+#include "polyarm/plugins/types.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {

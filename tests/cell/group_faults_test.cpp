@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "polyarm/controllers/types.hpp"
+#include "polyarm/plugins/types.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "polyarm/base/file.hpp"
-#include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/joint_control/joint_trajectory_controller.hpp"
 #include "polyarm/protocol/session.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "tests/cell/requests_cell.hpp"

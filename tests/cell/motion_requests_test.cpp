@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/joint_control/joint_trajectory_controller.hpp"
 #include "polyarm/paths/joint_path.hpp"
 #include "polyarm/timing/timing.hpp"
 #include "tests/cell/requests_cell.hpp"

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <memory>
 
-#include "polyarm/base/approvals.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/cell/known_cells.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/setup/cell_reach.hpp"
+#include "polyarm/base/approvals.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm::cell {

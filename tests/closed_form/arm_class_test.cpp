@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "tests/closed_form/sample_families.hpp"
 
 namespace polyarm::kinematics {

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/description/catalogue.hpp"
-#include "polyarm/ik/inverse_kinematics.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/closed_form/planar_form.hpp"
+#include "polyarm/ik/inverse_kinematics.hpp"
 #include "tests/closed_form/sample_families.hpp"
 #include "tests/kinematics/sample_states.hpp"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/closed_form/curve_dips.hpp"
-#include "polyarm/description/catalogue.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
 #include "polyarm/kinematics/random.hpp"
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "polyarm/broadcasters/joint_state_broadcaster.hpp"
 #include "polyarm/control/control_loop.hpp"
-#include "polyarm/controllers/forward_command_controller.hpp"
-#include "polyarm/controllers/joint_state_broadcaster.hpp"
-#include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/joint_control/forward_command_controller.hpp"
+#include "polyarm/joint_control/joint_trajectory_controller.hpp"
 #include "polyarm/paths/joint_path.hpp"
 #include "polyarm/timing/timing.hpp"
 #include "polyarm/trajectory/joint_move.hpp"

@@ -5,9 +5,9 @@
 #include <functional>
 #include <map>
 
+#include "polyarm/joint_control/asked_limits.hpp"
 #include "tests/controllers/made_controller.hpp"
 #include "tests/controllers/trajectory_rig.hpp"
-#include "polyarm/controllers/asked_limits.hpp"
 
 namespace polyarm::controllers {
 namespace {

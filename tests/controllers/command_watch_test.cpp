@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "polyarm/controllers/types.hpp"
+#include "polyarm/plugins/types.hpp"
 #include "tests/controllers/joint_rig.hpp"
 #include "tests/support/realtime_guard.hpp"
 

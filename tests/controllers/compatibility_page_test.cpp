@@ -7,7 +7,7 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/controllers/types.hpp"
+#include "polyarm/plugins/types.hpp"
 
 namespace polyarm::controllers::compatibility_page_test {
 namespace {

@@ -1,5 +1,5 @@
 #pragma once
-#include "polyarm/controllers/diff_drive_controller.hpp"
+#include "polyarm/wheels/diff_drive_controller.hpp"
 #include "tests/controllers/rig.hpp"
 
 namespace polyarm::controllers {

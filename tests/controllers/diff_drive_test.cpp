@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "polyarm/controllers/types.hpp"
+#include "polyarm/plugins/types.hpp"
 #include "tests/controllers/diff_drive_rig.hpp"
 #include "tests/support/realtime_guard.hpp"
 

@@ -1,10 +1,10 @@
-#include "polyarm/controllers/gpio_command_controller.hpp"
+#include "polyarm/broadcasters/gpio_command_controller.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "polyarm/controllers/types.hpp"
+#include "polyarm/plugins/types.hpp"
 #include "tests/controllers/rig.hpp"
 #include "tests/support/realtime_guard.hpp"
 

@@ -1,4 +1,4 @@
-#include "polyarm/controllers/joint_limiters.hpp"
+#include "polyarm/joint_control/joint_limiters.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/controllers/types.hpp"
+#include "polyarm/plugins/types.hpp"
 #include "tests/controllers/joint_rig.hpp"
 
 namespace polyarm::controllers {

@@ -1,4 +1,4 @@
-#include "polyarm/controllers/odometry.hpp"
+#include "polyarm/wheels/odometry.hpp"
 
 #include <gtest/gtest.h>
 

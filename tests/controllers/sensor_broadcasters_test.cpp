@@ -5,14 +5,14 @@
 #include <random>
 #include <set>
 
+#include "polyarm/broadcasters/force_torque_sensor_broadcaster.hpp"
+#include "polyarm/broadcasters/gps_sensor_broadcaster.hpp"
+#include "polyarm/broadcasters/imu_sensor_broadcaster.hpp"
+#include "polyarm/broadcasters/pose_broadcaster.hpp"
+#include "polyarm/broadcasters/sensor_interfaces.hpp"
+#include "polyarm/broadcasters/state_interfaces_broadcaster.hpp"
 #include "polyarm/controllers/filters.hpp"
-#include "polyarm/controllers/force_torque_sensor_broadcaster.hpp"
-#include "polyarm/controllers/gps_sensor_broadcaster.hpp"
-#include "polyarm/controllers/imu_sensor_broadcaster.hpp"
-#include "polyarm/controllers/pose_broadcaster.hpp"
-#include "polyarm/controllers/sensor_interfaces.hpp"
-#include "polyarm/controllers/state_interfaces_broadcaster.hpp"
-#include "polyarm/controllers/types.hpp"
+#include "polyarm/plugins/types.hpp"
 #include "tests/controllers/rig.hpp"
 #include "tests/support/realtime_guard.hpp"
 

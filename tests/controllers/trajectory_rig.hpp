@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/controllers/joint_trajectory_controller.hpp"
+#include "polyarm/joint_control/joint_trajectory_controller.hpp"
 
 namespace polyarm::controllers {
 

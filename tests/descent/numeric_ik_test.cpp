@@ -8,11 +8,11 @@
 #include <filesystem>
 #include <string>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/descent/descent_lanes.hpp"
-#include "polyarm/kinematics/singularity.hpp"
 #include "polyarm/descent/numeric_core.hpp"
 #include "polyarm/kinematics/random.hpp"
+#include "polyarm/kinematics/singularity.hpp"
 #include "tests/ik/missed_once.hpp"
 #include "tests/kinematics/sample_robots.hpp"
 #include "tests/kinematics/sample_states.hpp"

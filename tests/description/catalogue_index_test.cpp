@@ -1,4 +1,4 @@
-#include "polyarm/description/catalogue_index.hpp"
+#include "polyarm/catalogue/catalogue_index.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "polyarm/description/catalogue_query.hpp"
+#include "polyarm/catalogue/catalogue_query.hpp"
 
 #include <gtest/gtest.h>
 

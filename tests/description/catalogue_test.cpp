@@ -1,4 +1,4 @@
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -11,8 +11,8 @@
 #include <set>
 
 #include "polyarm/base/file.hpp"
-#include "polyarm/description/packages.hpp"
 #include "polyarm/description/urdf.hpp"
+#include "polyarm/xacro/packages.hpp"
 #include "tests/description/support.hpp"
 #include "tests/support/folder.hpp"
 

@@ -1,4 +1,4 @@
-#include "polyarm/description/kinematic_table.hpp"
+#include "polyarm/catalogue/kinematic_table.hpp"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 #include <random>
 
 #include "polyarm/base/file.hpp"
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "tests/description/support.hpp"
 #include "tests/support/folder.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "polyarm/base/yaml.hpp"
+#include "polyarm/yaml/yaml.hpp"
 #include "tests/support/folder.hpp"
 
 namespace polyarm::description {

@@ -8,7 +8,7 @@
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "tests/description/support.hpp"
 

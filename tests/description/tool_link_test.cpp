@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/description/srdf.hpp"
 #include "polyarm/description/urdf.hpp"
 

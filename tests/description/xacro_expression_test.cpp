@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/description/xacro_value.hpp"
+#include "polyarm/xacro/xacro_value.hpp"
 
 namespace polyarm::description::xacro_expression_test {
 namespace {

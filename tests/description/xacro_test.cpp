@@ -1,4 +1,4 @@
-#include "polyarm/description/xacro.hpp"
+#include "polyarm/xacro/xacro.hpp"
 
 #include <gtest/gtest.h>
 #include <tinyxml2.h>

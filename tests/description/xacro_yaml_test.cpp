@@ -1,4 +1,4 @@
-#include "polyarm/description/xacro_yaml.hpp"
+#include "polyarm/xacro/xacro_yaml.hpp"
 
 #include <gtest/gtest.h>
 

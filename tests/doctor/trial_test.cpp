@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/base/yaml.hpp"
+#include "polyarm/yaml/yaml.hpp"
 
 namespace polyarm::doctor {
 namespace {

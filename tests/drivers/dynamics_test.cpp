@@ -14,7 +14,7 @@
 #include <memory>
 #include <string>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "tests/kinematics/sample_trees.hpp"
 
 namespace polyarm::kinematics::dynamics_test {

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "drivers/mujoco/component.hpp"
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "tests/drivers/rig.hpp"
 #include "tests/support/realtime_guard.hpp"
 

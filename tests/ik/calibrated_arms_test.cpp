@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "tests/ik/asking.hpp"
 #include "tests/kinematics/sample_robots.hpp"
 #include "tests/kinematics/unseen_arms.hpp"

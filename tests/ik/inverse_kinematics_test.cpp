@@ -9,9 +9,9 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/closed_form/arm_class.hpp"
 #include "polyarm/descent/numeric_ik.hpp"
-#include "polyarm/description/catalogue.hpp"
 #include "polyarm/kinematics/singularity.hpp"
 #include "tests/closed_form/sample_families.hpp"
 #include "tests/ik/answers.hpp"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/closed_form/closed_form.hpp"
-#include "polyarm/description/catalogue.hpp"
 #include "tests/closed_form/sample_families.hpp"
 #include "tests/ik/asking.hpp"
 #include "tests/ik/missed_once.hpp"

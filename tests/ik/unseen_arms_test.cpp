@@ -6,8 +6,8 @@
 
 #include <map>
 
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/descent/numeric_ik.hpp"
-#include "polyarm/description/catalogue.hpp"
 #include "tests/ik/asking.hpp"
 
 namespace polyarm::ik {

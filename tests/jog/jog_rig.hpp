@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/jog/jog_generator.hpp"
 
 namespace polyarm::test {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "tests/kinematics/sample_states.hpp"
 #include "tests/kinematics/sample_trees.hpp"
 #include "tests/support/realtime_guard.hpp"

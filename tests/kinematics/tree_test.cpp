@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "tests/kinematics/sample_robots.hpp"
 #include "tests/kinematics/sample_trees.hpp"

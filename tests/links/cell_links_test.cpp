@@ -6,7 +6,7 @@
 #include "drivers/mock/mock.hpp"
 #include "links/modbus/port.hpp"
 #include "polyarm/base/file.hpp"
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "tests/links/running_link.hpp"
 #include "tests/support/open_cell.hpp"

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/signals/links_file.hpp"
+#include "polyarm/yaml/yaml.hpp"
 #include "tests/links/peers.hpp"
 
 namespace polyarm::test {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/kinematics/singularity.hpp"
 #include "polyarm/moves/move_plan.hpp"
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/kinematics/singularity.hpp"
 #include "polyarm/moves/arm_derivatives.hpp"
 #include "tests/ik/answers.hpp"

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/moves/cartesian_joints.hpp"
 #include "polyarm/timing/path_override.hpp"
 #include "polyarm/timing/timing.hpp"

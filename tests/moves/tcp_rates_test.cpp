@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/moves/cartesian_joints.hpp"
 #include "polyarm/paths/joint_path.hpp"
 #include "tests/kinematics/sample_robots.hpp"

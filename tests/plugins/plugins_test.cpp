@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "polyarm/base/approvals.hpp"
-#include "polyarm/base/reach.hpp"
 #include "polyarm/cell/check.hpp"
-#include "polyarm/controllers/types.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/hardware/hardware.hpp"
+#include "polyarm/plugins/types.hpp"
 #include "polyarm/protocol/type.hpp"
 #include "polyarm/ros_files/hardware_names.hpp"
+#include "polyarm/base/approvals.hpp"
+#include "polyarm/base/reach.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm {

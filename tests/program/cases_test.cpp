@@ -18,11 +18,11 @@
 #include "given.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/language/functions.hpp"
+#include "polyarm/language/lexer.hpp"
+#include "polyarm/language/parser.hpp"
+#include "polyarm/language/words.hpp"
 #include "polyarm/program/checker.hpp"
-#include "polyarm/program/functions.hpp"
-#include "polyarm/program/lexer.hpp"
-#include "polyarm/program/parser.hpp"
-#include "polyarm/program/words.hpp"
 
 namespace polyarm::program {
 namespace {

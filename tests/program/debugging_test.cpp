@@ -3,7 +3,7 @@
 
 #include "fake_host.hpp"
 #include "parsed.hpp"
-#include "polyarm/program/parser.hpp"
+#include "polyarm/language/parser.hpp"
 
 namespace polyarm::program {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "polyarm/data/data_store.hpp"
 #include "polyarm/data/file_lookup.hpp"
-#include "polyarm/program/interpreter.hpp"
+#include "polyarm/vm/interpreter.hpp"
 
 namespace polyarm::program {
 

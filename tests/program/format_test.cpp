@@ -1,12 +1,12 @@
-#include "polyarm/program/format.hpp"
+#include "polyarm/language/format.hpp"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "polyarm/base/file.hpp"
-#include "polyarm/program/lexer.hpp"
-#include "polyarm/program/parser.hpp"
+#include "polyarm/language/lexer.hpp"
+#include "polyarm/language/parser.hpp"
 
 namespace polyarm::program {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "fake_host.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/program/lexer.hpp"
+#include "polyarm/language/lexer.hpp"
 
 namespace polyarm::program {
 

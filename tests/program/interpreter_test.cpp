@@ -1,10 +1,10 @@
-#include "polyarm/program/interpreter.hpp"
+#include "polyarm/vm/interpreter.hpp"
 
 #include <gtest/gtest.h>
 
 #include "fake_host.hpp"
 #include "parsed.hpp"
-#include "polyarm/program/parser.hpp"
+#include "polyarm/language/parser.hpp"
 
 namespace polyarm::program {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "polyarm/language/parser.hpp"
 #include "polyarm/program/checker.hpp"
-#include "polyarm/program/parser.hpp"
 
 namespace polyarm::program {
 namespace {

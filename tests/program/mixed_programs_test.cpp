@@ -16,9 +16,9 @@
 #include "fake_host.hpp"
 #include "given.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/language/lexer.hpp"
+#include "polyarm/language/parser.hpp"
 #include "polyarm/program/checker.hpp"
-#include "polyarm/program/lexer.hpp"
-#include "polyarm/program/parser.hpp"
 
 namespace polyarm::program {
 namespace {

@@ -2,7 +2,7 @@
 #include <string>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/program/parser.hpp"
+#include "polyarm/language/parser.hpp"
 
 namespace polyarm::program {
 

@@ -1,4 +1,4 @@
-#include "polyarm/program/parser.hpp"
+#include "polyarm/language/parser.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 
 #include "fake_host.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/language/format.hpp"
 #include "polyarm/program/checker.hpp"
-#include "polyarm/program/format.hpp"
 
 namespace polyarm::program {
 namespace {

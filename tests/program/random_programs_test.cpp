@@ -11,7 +11,7 @@
 
 #include "fake_host.hpp"
 #include "parsed.hpp"
-#include "polyarm/program/parser.hpp"
+#include "polyarm/language/parser.hpp"
 #include "tree_evaluator.hpp"
 
 namespace polyarm::program {

@@ -6,8 +6,8 @@
 
 #include "fake_host.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/language/parser.hpp"
 #include "polyarm/program/checker.hpp"
-#include "polyarm/program/parser.hpp"
 
 namespace polyarm::program {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/program/large_work.hpp"
-#include "polyarm/program/parser.hpp"
+#include "polyarm/language/parser.hpp"
+#include "polyarm/vm/large_work.hpp"
 #include "tests/program/fake_host.hpp"
 
 namespace polyarm::program {

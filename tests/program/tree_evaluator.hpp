@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/program/ast.hpp"
-#include "polyarm/program/functions.hpp"
-#include "polyarm/program/operators.hpp"
+#include "polyarm/language/ast.hpp"
+#include "polyarm/language/functions.hpp"
+#include "polyarm/language/operators.hpp"
 
 namespace polyarm::program {
 

@@ -10,9 +10,9 @@
 #include <sstream>
 #include <string>
 
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/description/srdf.hpp"
 #include "polyarm/description/urdf.hpp"
+#include "polyarm/yaml/yaml.hpp"
 #include "tests/support/command.hpp"
 
 namespace polyarm {

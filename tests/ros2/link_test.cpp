@@ -8,9 +8,9 @@
 
 #include "links/ros2/field.hpp"
 #include "links/ros2/port.hpp"
-#include "polyarm/base/yaml.hpp"
 #include "polyarm/ros2/wire.hpp"
 #include "polyarm/signals/links_file.hpp"
+#include "polyarm/yaml/yaml.hpp"
 #include "tests/ros2/client.hpp"
 #ifdef POLYARM_CYCLONE
 #include "tests/ros2/raw_cyclone.hpp"

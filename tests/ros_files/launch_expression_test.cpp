@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/ros_files/launch_substitution.hpp"
+#include "polyarm/launch/launch_substitution.hpp"
 #include "tests/ros_files/launch_pieces.hpp"
 #include "tests/support/damaged.hpp"
 

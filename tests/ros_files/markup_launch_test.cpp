@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "polyarm/ros_files/python_launch.hpp"
+#include "polyarm/launch/python_launch.hpp"
 #include "tests/description/support.hpp"
 #include "tests/support/folder.hpp"
 

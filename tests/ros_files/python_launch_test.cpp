@@ -1,8 +1,8 @@
-#include "polyarm/ros_files/python_launch.hpp"
+#include "polyarm/launch/python_launch.hpp"
 
 #include <gtest/gtest.h>
 
-#include "polyarm/ros_files/python_text.hpp"
+#include "polyarm/launch/python_text.hpp"
 #include "tests/description/support.hpp"
 #include "tests/support/folder.hpp"
 

@@ -1,5 +1,5 @@
 /// The catalogue as the command shows it: finding, adding, drawing.
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>

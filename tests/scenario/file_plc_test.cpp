@@ -9,7 +9,7 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
-#include "polyarm/base/yaml.hpp"
+#include "polyarm/yaml/yaml.hpp"
 #include "tests/support/command.hpp"
 
 namespace polyarm {

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "polyarm/base/file.hpp"
-#include "polyarm/base/yaml.hpp"
+#include "polyarm/yaml/yaml.hpp"
 #include "tests/sensors/far_sides.hpp"
 #include "tests/support/command.hpp"
 

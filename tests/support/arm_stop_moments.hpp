@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/moves/cartesian_joints.hpp"
 #include "polyarm/paths/cartesian_path.hpp"

@@ -16,7 +16,7 @@
 
 #include "drivers/mock/mock.hpp"
 #include "polyarm/base/file.hpp"
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/inside/requests.hpp"
 #include "tests/support/folder.hpp"

@@ -1,0 +1,357 @@
+#include "polyarm/language/expression_parser.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/language/lexer.hpp"
+#include "polyarm/language/parser.hpp"
+
+namespace polyarm::program {
+
+namespace {
+struct BinarySpelling {
+  std::string_view text;
+  Operator op;
+  int level;
+};
+
+// From the lowest to the highest precedence; `not` lies between `and` and the comparisons.
+constexpr int kOr = 0, kAnd = 1, kNot = 2, kCompare = 3, kSum = 4, kProduct = 5, kSign = 6;
+constexpr std::array kBinary = {
+    BinarySpelling{"or", Operator::logical_or, kOr},
+    BinarySpelling{"and", Operator::logical_and, kAnd},
+    BinarySpelling{"==", Operator::equal, kCompare},
+    BinarySpelling{"!=", Operator::unequal, kCompare},
+    BinarySpelling{"<", Operator::less, kCompare},
+    BinarySpelling{"<=", Operator::less_equal, kCompare},
+    BinarySpelling{">", Operator::greater, kCompare},
+    BinarySpelling{">=", Operator::greater_equal, kCompare},
+    BinarySpelling{"+", Operator::add, kSum},
+    BinarySpelling{"-", Operator::subtract, kSum},
+    BinarySpelling{"*", Operator::multiply, kProduct},
+    BinarySpelling{"/", Operator::divide, kProduct},
+    BinarySpelling{"mod", Operator::modulo, kProduct},
+};
+
+/// Most tokens after a value are no operators, and each is checked at every level.
+bool may_be_operator(const Token& token) {
+  constexpr std::size_t kLongestSign = 2, kLongestWord = 3;
+  if (token.kind == TokenKind::symbol)
+    return token.text.size() <= kLongestSign &&
+           std::string_view("=!<>+-*/").find(token.text.front()) != std::string_view::npos;
+  return token.kind == TokenKind::name && token.text.size() <= kLongestWord;
+}
+
+const BinarySpelling* binary_at(const Token& token) {
+  if (!may_be_operator(token)) return nullptr;
+  for (const BinarySpelling& spelling : kBinary)
+    if (equal_ignoring_case(token.text, spelling.text)) return &spelling;
+  return nullptr;
+}
+
+const BinarySpelling* binary_at(const Token& token, int level) {
+  const BinarySpelling* spelling = binary_at(token);
+  return spelling && spelling->level == level ? spelling : nullptr;
+}
+
+ExpressionPtr node(Expression::Kind kind, Place place) {
+  auto out = std::make_unique<Expression>();
+  out->kind = kind;
+  out->place = place;
+  return out;
+}
+
+void adopt(Expression& parent, ExpressionPtr part) {
+  parent.depth = std::max(parent.depth, part->depth + 1);
+  if (parent.depth > kDeepestExpression)
+    throw SyntaxError{"too-deep", parent.place,
+                      "this expression is nested deeper than " + std::to_string(kDeepestExpression) +
+                          " operators and brackets",
+                      "split it with `let`"};
+  parent.parts.push_back(std::move(part));
+}
+
+ExpressionPtr literal(Value value, Place place) {
+  auto out = node(Expression::Kind::literal, place);
+  out->value = std::move(value);
+  return out;
+}
+
+char unescaped(char c, Place place) {
+  if (c == 'n') return '\n';
+  if (c == 't') return '\t';
+  if (c == '"' || c == '\\' || c == '{' || c == '}') return c;
+  throw SyntaxError{"bad-escape", place, std::string("'\\") + c + "' is no escape in a text",
+                    "there are \\\" \\\\ \\n \\t \\{ \\}"};
+}
+
+/// Counts nested brackets and signs, to bound the parser's recursion.
+class Nesting {
+ public:
+  Nesting(int& depth, Place place) : depth_{depth} {
+    if (++depth_ > kDeepestExpression) {
+      --depth_;
+      throw SyntaxError{
+          "too-deep", place,
+          "this expression is nested deeper than " + std::to_string(kDeepestExpression) + " brackets",
+          "split it with `let`"};
+    }
+  }
+  Nesting(const Nesting&) = delete;
+  ~Nesting() { --depth_; }
+
+ private:
+  int& depth_;
+};
+}  // namespace
+
+std::string shown(const Token& token) {
+  if (token.kind == TokenKind::end) return "the end of the line";
+  constexpr std::size_t kMost = 40;
+  const std::string text = token.kind == TokenKind::text ? '"' + token.text + '"' : token.text;
+  return "'" + text.substr(0, kMost) + (text.size() > kMost ? "…'" : "'");
+}
+
+void refuse_bad(const Token& token) {
+  if (token.kind == TokenKind::bad) throw SyntaxError{"bad-text", token.place, token.text, ""};
+}
+
+bool is_reserved(std::string_view word) {
+  static constexpr std::array<std::string_view, 6> kReserved = {"and", "or", "not", "mod", "true", "false"};
+  return std::any_of(kReserved.begin(), kReserved.end(),
+                     [&](std::string_view reserved) { return equal_ignoring_case(word, reserved); });
+}
+
+bool TokenCursor::is_symbol(std::string_view symbol, std::size_t ahead) const {
+  const Token& token = peek(ahead);
+  return token.kind == TokenKind::symbol && token.text.front() == symbol.front() && token.text == symbol;
+}
+
+bool TokenCursor::is_word(std::string_view word, std::size_t ahead) const {
+  const Token& token = peek(ahead);
+  return token.kind == TokenKind::name && token.text.size() == word.size() &&
+         equal_ignoring_case(token.text, word);
+}
+
+bool TokenCursor::take_symbol(std::string_view symbol) {
+  if (!is_symbol(symbol)) return false;
+  take();
+  return true;
+}
+
+bool TokenCursor::take_word(std::string_view word) {
+  if (!is_word(word)) return false;
+  take();
+  return true;
+}
+
+void TokenCursor::expect_end(const std::string& statement) const {
+  if (at_end()) return;
+  refuse_bad(peek());
+  if (is_symbol("="))
+    throw SyntaxError{"unexpected", peek().place, "'=' compares nothing here", "write == to compare"};
+  if (peek().kind == TokenKind::name && (peek().text == "then" || peek().text == "do"))
+    throw SyntaxError{"unexpected", peek().place, "'" + peek().text + "' is not written here",
+                      "the block begins on the next line"};
+  if (peek().kind == TokenKind::name && at_ > 0 && tokens_[at_ - 1].kind == TokenKind::number &&
+      tokens_[at_ - 1].dimension == Dimension::none && find_unit(peek().text))
+    throw SyntaxError{"unexpected", peek().place,
+                      "a blank separates the unit '" + peek().text + "' from its number",
+                      "write the unit right behind it, such as 5mm"};
+  throw SyntaxError{"unexpected", peek().place, shown(peek()) + " is not expected here, after " + statement,
+                    "one statement stands on a line; a name with blanks goes in `back-quotes`"};
+}
+
+ExpressionPtr TokenCursor::expression() {
+  return binary(kOr);
+}
+
+ExpressionPtr TokenCursor::binary(int level) {
+  if (level == kNot) return unary(level);
+  if (level == kSign) return unary(level);
+  ExpressionPtr left = binary(level + 1);
+  bool compared = false;
+  while (const BinarySpelling* spelling = binary_at(peek(), level)) {
+    const Token& sign = take();
+    if (level == kCompare && compared)
+      throw SyntaxError{"chained", sign.place, "comparisons cannot be chained",
+                        "join two of them with `and`"};
+    compared = true;
+    auto out = node(Expression::Kind::binary, sign.place);
+    out->op = spelling->op;
+    adopt(*out, std::move(left));
+    adopt(*out, binary(level + 1));
+    left = std::move(out);
+  }
+  return left;
+}
+
+ExpressionPtr TokenCursor::unary(int level) {
+  const bool found = level == kNot ? is_word("not") : is_symbol("-");
+  if (!found) return level == kNot ? binary(kCompare) : power();
+  const Token& sign = take();
+  const Nesting nested(nesting_, sign.place);
+  auto out = node(Expression::Kind::unary, sign.place);
+  out->op = level == kNot ? Operator::logical_not : Operator::negate;
+  adopt(*out, unary(level));
+  return out;
+}
+
+ExpressionPtr TokenCursor::power() {
+  ExpressionPtr base = postfix();
+  if (!is_symbol("^")) return base;
+  const Token& sign = take();
+  const Nesting nested(nesting_, sign.place);
+  auto out = node(Expression::Kind::binary, sign.place);
+  out->op = Operator::power;
+  adopt(*out, std::move(base));
+  adopt(*out, is_symbol("-") ? unary(kSign) : power());
+  return out;
+}
+
+ExpressionPtr TokenCursor::postfix() {
+  ExpressionPtr out = primary();
+  while (is_symbol("[") || is_field()) {
+    if (is_symbol(".")) {
+      auto field = node(Expression::Kind::field, take().place);
+      field->name = take().text;
+      adopt(*field, std::move(out));
+      out = std::move(field);
+      continue;
+    }
+    const Token& open = take();
+    const Nesting nested(nesting_, open.place);
+    auto index = node(Expression::Kind::index, open.place);
+    adopt(*index, std::move(out));
+    adopt(*index, expression());
+    if (!take_symbol("]"))
+      throw SyntaxError{"unclosed", open.place, "this '[' is not closed before " + shown(peek()), "add ']'"};
+    out = std::move(index);
+  }
+  return out;
+}
+
+bool TokenCursor::is_field() const {
+  return is_symbol(".") && (peek(1).kind == TokenKind::name || peek(1).kind == TokenKind::quoted);
+}
+
+std::vector<ExpressionPtr> TokenCursor::list_until(std::string_view close, const Token& open,
+                                                   std::vector<std::string>* names) {
+  const Nesting nested(nesting_, open.place);
+  std::vector<ExpressionPtr> out;
+  while (!is_symbol(close)) {
+    const bool named =
+        names && (peek().kind == TokenKind::name || peek().kind == TokenKind::quoted) && is_symbol("=", 1);
+    if (names) names->push_back(named ? peek().text : "");
+    if (named) take(), take();
+    out.push_back(expression());
+    if (take_symbol(",") || is_symbol(close)) continue;
+    refuse_bad(peek());
+    throw SyntaxError{"unclosed", open.place,
+                      "this " + shown(open) + " is not closed before " + shown(peek()),
+                      "add '" + std::string(close) + "'"};
+  }
+  take();
+  return out;
+}
+
+ExpressionPtr TokenCursor::primary() {
+  const Token& token = peek();
+  refuse_bad(token);
+  if (token.kind == TokenKind::number) {
+    take();
+    return literal(data::Number{token.number, token.dimension}, token.place);
+  }
+  if (token.kind == TokenKind::text) return text_parts(take());
+  if (token.kind == TokenKind::name || token.kind == TokenKind::quoted) return name_or_call();
+  if (is_symbol("(")) {
+    auto inside = (take(), list_until(")", token));
+    if (inside.size() == 1) return std::move(inside.front());
+    throw SyntaxError{"bad-brackets", token.place, "one value was expected between these brackets", ""};
+  }
+  if (is_symbol("[")) {
+    auto out = node(Expression::Kind::list, token.place);
+    take();
+    for (ExpressionPtr& part : list_until("]", token)) adopt(*out, std::move(part));
+    return out;
+  }
+  if (is_symbol("{")) return record(take());
+  throw SyntaxError{"no-value", token.place, "a value was expected, here is " + shown(token),
+                    is_symbol("=") ? "write == to compare" : ""};
+}
+
+ExpressionPtr TokenCursor::record(const Token& open) {
+  auto out = node(Expression::Kind::record, open.place);
+  for (ExpressionPtr& part : list_until("}", open, &out->names)) adopt(*out, std::move(part));
+  for (std::size_t i = 0; i < out->names.size(); ++i) {
+    const auto before = out->names.begin() + static_cast<std::ptrdiff_t>(i);
+    const std::string& name = out->names[i];
+    if (name.empty())
+      throw SyntaxError{"no-name", out->parts[i]->place, "every value of a record has a name",
+                        "write { name = value, … }"};
+    if (std::find(out->names.begin(), before, name) != before)
+      throw SyntaxError{"twice", out->parts[i]->place, "this record has two values called '" + name + "'",
+                        ""};
+  }
+  return out;
+}
+
+ExpressionPtr TokenCursor::name_or_call() {
+  const Token& token = take();
+  const bool bare = token.kind == TokenKind::name;
+  if (bare && equal_ignoring_case(token.text, "true")) return literal(true, token.place);
+  if (bare && equal_ignoring_case(token.text, "false")) return literal(false, token.place);
+  if (bare && is_reserved(token.text))
+    throw SyntaxError{"no-value", token.place, "a value was expected, here is " + shown(token), ""};
+  auto out = node(Expression::Kind::name, token.place);
+  out->name = token.text;
+  if (bare && is_symbol("(")) {
+    const Token& open = take();
+    out->kind = Expression::Kind::call;
+    out->name = token.text;
+    for (ExpressionPtr& part : list_until(")", open, &out->names)) adopt(*out, std::move(part));
+    return out;
+  }
+  while (is_field()) {
+    take();
+    out->name += "." + take().text;
+  }
+  return out;
+}
+
+/// A text with {expressions} becomes its pieces, joined.
+ExpressionPtr TokenCursor::text_parts(const Token& token) {
+  auto out = node(Expression::Kind::joined, token.place);
+  std::string piece;
+  const auto finish_piece = [&] {
+    if (!piece.empty()) adopt(*out, literal(std::exchange(piece, {}), token.place));
+  };
+  for (std::size_t i = 0; i < token.text.size(); ++i) {
+    const char c = token.text[i];
+    if (c == '\\' && i + 1 < token.text.size()) {
+      piece += unescaped(token.text[++i], token.place);
+    } else if (c == '{') {
+      const auto close = token.text.find('}', i);
+      if (close == std::string::npos)
+        throw SyntaxError{"unclosed", token.place, "a '{' in this text is never closed",
+                          "write \\{ for the sign"};
+      finish_piece();
+      const auto inner = read_tokens(std::string_view(token.text).substr(i + 1, close - i - 1),
+                                     {token.place.line, token.place.column + static_cast<int>(i) + 2});
+      const Nesting nested(nesting_, token.place);
+      TokenCursor cursor(inner, nesting_);
+      adopt(*out, cursor.expression());
+      cursor.expect_end("the value in braces");
+      i = close;
+    } else {
+      piece += c;
+    }
+  }
+  if (out->parts.empty()) return literal(std::move(piece), token.place);
+  finish_piece();
+  return out;
+}
+
+}  // namespace polyarm::program

@@ -1,0 +1,138 @@
+#include <map>
+
+#include "polyarm/language/functions.hpp"
+#include "polyarm/language/words.hpp"
+
+namespace polyarm::program {
+
+namespace {
+/// An example program for every function.
+const std::map<std::string_view, std::string_view>& function_examples() {
+  static const std::map<std::string_view, std::string_view> examples = {
+      {"length", "log(length([1, 2, 3]), length(\"abc\"))    # expect: 3 3"},
+      {"abs", "log(abs(-20mm))                          # expect: 0.02m"},
+      {"min", "log(min(3mm, 1mm, 2mm))                  # expect: 0.001m"},
+      {"max", "log(max(1, 3, 2))                        # expect: 3"},
+      {"round", "log(round(2.6))                          # expect: 3"},
+      {"floor", "log(floor(2.6))                          # expect: 2"},
+      {"ceil", "log(ceil(2.2))                           # expect: 3"},
+      {"sqrt", "log(sqrt(16))                            # expect: 4"},
+      {"sin", "log(round(sin(90deg)))                   # expect: 1"},
+      {"cos", "log(cos(0deg))                           # expect: 1"},
+      {"tan", "log(tan(0deg))                           # expect: 0"},
+      {"asin", "log(asin(0))                             # expect: 0rad"},
+      {"acos", "log(acos(1))                             # expect: 0rad"},
+      {"atan", "log(atan(0))                             # expect: 0rad"},
+      {"atan2", "log(atan2(0mm, 1mm))                     # expect: 0rad"},
+      {"pose", "log(pose(100mm, z = 50mm).z)             # expect: 0.05m"},
+      {"quat", "log(quat(0, 0, 0, 1, x = 5mm).x)         # expect: 0.005m"},
+      {"joints", "movej joints(0deg, -90deg, 0deg)         # expect move: joint joints(0rad, …) exact"},
+      {"offset", "log(offset(pose(1m), x = 500mm).x)       # expect: 1.5m"},
+      {"tool_offset", "log(tool_offset(pose(z = 1m), z = 500mm).z) # expect: 1.5m"},
+      {"inverse", "log((inverse(pose(10mm)) * pose(10mm)).x) # expect: 0m"},
+      {"distance", "log(distance(pose(1m), pose(3m)))        # expect: 2m"},
+      {"interpolate", "log(interpolate(pose(0mm), pose(10mm), 50%).x) # expect: 0.005m"},
+      {"pallet",
+       "let slots = pallet(pose(), pose(x = 200mm), pose(y = 100mm), rows = 2, cols = 3)\n"
+       "log(length(slots), slots[2].x)           # expect: 6 0.1m"},
+      {"here",
+       "# given P: point 0.4 0 0.3\nmovel P\nlog(here().z)                            # expect: 0.3m"},
+      {"ask",
+       "# answer 4\n# answer\nlet count = ask(\"How many?\", 1)\nlet name = ask(\"Who are you?\")\n"
+       "log(count + 1)                           # expect: 5"},
+      {"fault",
+       "# given HasPart: False\ntest \"suction fails\"\n  fault(\"arm/tool/vacuum\", false)\n"
+       "  expect not HasPart\n  log(\"seen\")                            # expect: seen\nend"},
+      {"heal", "test \"suction comes back\"\n  heal(\"arm/tool/vacuum\")\nend"},
+      {"person", "test \"goes on\"\n  person(\"hold\")\n  person(\"resume\")\nend"},
+      {"part", "test \"the part has been moved\"\n  expect part(\"part1\").z == 0m\nend"},
+  };
+  return examples;
+}
+
+void add_program(std::string& out, std::string_view example) {
+  out += "\n```\n" + std::string(example) + "\n```\n\n";
+}
+
+void add_words(std::string& out, std::string_view title, WordRole role, bool in_tests) {
+  out += "## " + std::string(title) + "\n\n";
+  for (const Word& word : words()) {
+    if (word.role != role || word.in_tests != in_tests) continue;
+    out += "**" + std::string(word.name) + "** — `" + std::string(word.form) + "`  \n" +
+           std::string(word.meaning) + "\n";
+    if (!word.example.empty()) {
+      add_program(out, word.example);
+    } else {
+      out += "An example stands at **" + std::string(word.shown_by) + "**.\n\n";
+    }
+  }
+}
+
+void add_closers(std::string& out) {
+  out += "## Ends of blocks\n\nEvery block ends with `end`; who likes writes what ends: ";
+  bool first = true;
+  for (const Word& word : words()) {
+    if (word.role != WordRole::closer || word.name == "end") continue;
+    out += (first ? "`" : ", `") + std::string(word.name) + "`";
+    first = false;
+  }
+  out += ".\n\n";
+}
+
+void add_functions(std::string& out, std::string_view title, bool in_tests) {
+  out += "## " + std::string(title) + "\n\n";
+  for (const Function& function : functions()) {
+    if (function.in_tests != in_tests) continue;
+    out += "**" + std::string(function.name) + "** — `" + std::string(function.signature) + "`  \n" +
+           std::string(function.meaning) + "\n";
+    const auto example = function_examples().find(function.name);
+    if (example != function_examples().end()) add_program(out, example->second);
+  }
+}
+
+constexpr std::string_view kGrammar = R"(## Grammar
+
+```text
+program   = { statement }
+block     = { statement } ( end | end + the word that opened it )
+statement = ( load | import ) NAME | include TEXT | log EXPR | CALL
+          | let NAME = EXPR | set NAME { .NAME | [EXPR] } = EXPR | set NAME LITERAL
+          | ( moveto | movej | movel | drive | turn ) EXPR { clause } | movec EXPR , EXPR { clause }
+          | ( speedj | speedl ) EXPR { clause } | use clause { , clause }
+          | wait time EXPR | wait [var] EXPR [timeout EXPR [else block]] | wait (user | input) [TEXT]
+          | while EXPR block | for NAME [, NAME] in EXPR [.. EXPR] block
+          | if EXPR { statement } { elif EXPR { statement } } [ else { statement } ] end
+          | func NAME ( [ NAME [= EXPR] { , … } ] ) block | return [EXPR] | break | continue | stop | hold [EXPR]
+          | try { statement } on error [NAME] block | raise [EXPR] | retry [EXPR]
+          | task NAME block | together block | when EXPR block | on stop block
+          | meet NAME [timeout EXPR [else block]] | lock NAME [timeout EXPR] block
+          | test TEXT block | run [TEXT] | expect EXPR [timeout EXPR]
+clause    = [,] ( robot | tool | frame | payload | near | speed | accel | blend | duration ) EXPR | exact | smooth
+          | until EXPR [else block] | at ( start [+ EXPR] | end [- EXPR] ) set NAME = EXPR
+EXPR      = or < and < not < ( == != < <= > >= ) < ( + - ) < ( * / mod ) < unary - < ^ < .NAME (…) […]
+primary   = NUMBER[UNIT] | TEXT | true | false | NAME | ( EXPR ) | [ EXPR, … ] | { NAME = EXPR, … }
+```
+
+)";
+}  // namespace
+
+std::string language_reference() {
+  std::string out =
+      "# Reference of the language\n\nWritten by `polyarm language page` from the lists that the parser "
+      "itself "
+      "uses; every program on this page\nruns in the tests, with what its lines say they do. "
+      "[The language](language.md) explains it in order.\n\n";
+  out += kGrammar;
+  add_words(out, "Statements", WordRole::statement, false);
+  add_words(out, "Branches", WordRole::branch, false);
+  add_closers(out);
+  add_words(out, "Clauses of moves", WordRole::clause, false);
+  add_words(out, "Reserved words", WordRole::reserved, false);
+  add_functions(out, "Functions", false);
+  add_words(out, "Statements of tests", WordRole::statement, true);
+  add_functions(out, "Functions of tests", true);
+  while (out.ends_with("\n\n")) out.pop_back();
+  return out;
+}
+
+}  // namespace polyarm::program

@@ -1,0 +1,195 @@
+/// The command lines that stand for a launch file of ROS 2.
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/launch/python_launch.hpp"
+#include "polyarm/xacro/packages.hpp"
+
+namespace polyarm::ros_files {
+
+namespace launch_lines {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostLines = 5;
+constexpr int kMostFiles = 5000;
+
+std::string quoted(const std::string& word) {
+  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+    return std::isalnum(c) ||
+           std::string_view("/._-:=+,@%").find(static_cast<char>(c)) != std::string_view::npos;
+  });
+  if (plain) return word;
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+bool is_there(const fs::path& file) {
+  std::error_code error;
+  return fs::is_regular_file(file, error);
+}
+
+/// "" where it cannot be read.
+std::string text_of(const fs::path& file) {
+  std::string out;
+  Problems ignored;
+  if (is_there(file)) collect(ignored, [&] { out = read_file(file, 1 << 20); });
+  return out;
+}
+
+/// A node of Gazebo gets the topics of its bridge as a YAML file, too.
+bool has_controllers(const std::string& text) {
+  return text.find("ros__parameters") != std::string::npos;
+}
+
+/// The arguments that a file in xacro needs: those without a default.
+bool has_default(const std::string& text, const std::string& name) {
+  for (std::size_t at = text.find("<xacro:arg"); at != std::string::npos;
+       at = text.find("<xacro:arg", at + 1)) {
+    const std::string element = text.substr(at, std::min<std::size_t>(text.find('>', at), at + 400) - at);
+    if (element.find("\"" + name + "\"") != std::string::npos)
+      return element.find("default") != std::string::npos;
+  }
+  return false;
+}
+
+/// What a folder holds that a launch file could have named.
+struct Found {
+  std::vector<fs::path> descriptions, controllers;
+};
+
+Found look_into(const fs::path& package) {
+  Found out;
+  std::error_code error;
+  int seen = 0;
+  auto at = fs::recursive_directory_iterator(package, fs::directory_options::skip_permission_denied, error);
+  for (; !error && at != fs::recursive_directory_iterator() && ++seen < kMostFiles; at.increment(error)) {
+    const fs::path& file = at->path();
+    if (at->is_directory(error) && (at.depth() > 4 || file.filename().string().starts_with('.')))
+      at.disable_recursion_pending();
+    const std::string extension = file.extension().string();
+    if (extension == ".urdf" || extension == ".xacro")
+      out.descriptions.push_back(file);
+    else if ((extension == ".yaml" || extension == ".yml") && has_controllers(text_of(file)) &&
+             text_of(file).find("controller_manager") != std::string::npos)
+      out.controllers.push_back(file);
+  }
+  const auto rank = [](const fs::path& file) {  // .urdf.xacro are meant to be named, parts seldom are
+    const std::string name = file.filename().string();
+    return std::pair(name.ends_with(".urdf.xacro") ? 0 : name.ends_with(".urdf") ? 1 : 2, file.string());
+  };
+  std::sort(out.descriptions.begin(), out.descriptions.end(),
+            [&](const fs::path& a, const fs::path& b) { return rank(a) < rank(b); });
+  std::erase_if(out.descriptions, [](const fs::path& file) {
+    return text_of(file).find("<robot") == std::string::npos ||
+           !description::files_that_include(file).empty();
+  });
+  std::sort(out.controllers.begin(), out.controllers.end());
+  return out;
+}
+
+}  // namespace
+}  // namespace launch_lines
+
+namespace {
+
+/// Does a parameter file have $(var NAME)?
+bool is_variable(const std::vector<PythonLaunchFile>& files, const std::string& name) {
+  return std::any_of(files.begin(), files.end(), [&](const PythonLaunchFile& file) {
+    return launch_lines::text_of(file.file).find("$(var " + name + ")") != std::string::npos;
+  });
+}
+
+std::string text_of_all(const std::vector<PythonLaunchFile>& files) {
+  std::string out;
+  for (const PythonLaunchFile& file : files) out += launch_lines::text_of(file.file);
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> PythonLaunch::variables() const {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (const PythonLaunchArgument& argument : arguments)
+    if (argument.known && is_variable(parameters, argument.name))
+      out.emplace_back(argument.name, argument.value);
+  return out;
+}
+
+std::vector<PythonLaunchNeed> PythonLaunch::needed() const {
+  std::vector<PythonLaunchNeed> out;
+  if (descriptions.empty()) return out;
+  const std::string text = launch_lines::text_of(descriptions.front().file);
+  for (const PythonLaunchNeed& need : descriptions.front().unknown)
+    if (!need.argument.empty() || !launch_lines::has_default(text, need.name)) out.push_back(need);
+  for (const PythonLaunchArgument& argument : arguments)
+    if (!argument.known && is_variable(parameters, argument.name))
+      out.push_back({argument.name, argument.name});
+  return out;
+}
+
+std::string PythonLaunch::why_no_activate() const {
+  if (spawned.empty() && spawned_known) return "";
+  if (!spawned_known) return "which controllers are started is not known in full";
+  const std::string all = text_of_all(parameters);
+  for (const std::string& name : spawned)
+    if (all.find(name + ":") == std::string::npos)
+      return "'" + name + "' is started, but no controllers file that is here has it";
+  return "";
+}
+
+std::string PythonLaunch::line(const std::string& verb) const {
+  using launch_lines::quoted;
+  if (descriptions.empty()) return "";
+  const PythonLaunchDescription& description = descriptions.front();
+  std::string out = "polyarm " + verb + " --description " + quoted(description.file.string());
+  for (const PythonLaunchFile& file : parameters) {
+    const std::string text = launch_lines::text_of(file.file);
+    if (launch_lines::is_there(file.file) && !launch_lines::has_controllers(text)) continue;
+    out += " --controllers " + quoted(file.file.string());
+  }
+  if (verb == "run" && why_no_activate().empty())
+    for (const std::string& name : std::set<std::string>(spawned.begin(), spawned.end()))
+      out += " --activate " + quoted(name);
+  std::set<std::string> said;
+  for (const auto& [name, value] : description.arguments)
+    if (said.insert(name).second) out += " " + quoted(name + ":=" + value);
+  for (const auto& [name, value] : variables())
+    if (said.insert(name).second) out += " " + quoted(name + ":=" + value);
+  for (const PythonLaunchNeed& need : needed())
+    if (said.insert(need.name).second) out += " " + quoted(need.name) + ":=VALUE";
+  return out;
+}
+
+std::vector<std::string> lines_of_package(const std::filesystem::path& launch, const std::string& verb) {
+  using namespace launch_lines;
+  std::error_code error;
+  fs::path package = fs::weakly_canonical(launch, error).parent_path();
+  for (int up = 0; up < 4 && !is_there(package / "package.xml"); ++up) package = package.parent_path();
+  if (!is_there(package / "package.xml")) return {};
+  std::vector<fs::path> folders{package};
+  for (const auto& entry : fs::directory_iterator(package.parent_path(), error))
+    if (folders.size() < 20 && entry.path() != package && is_there(entry.path() / "package.xml"))
+      folders.push_back(entry.path());
+  std::sort(folders.begin() + 1, folders.end());
+  std::vector<std::string> out;
+  std::string controllers;
+  for (const fs::path& folder : folders) {
+    const Found found = look_into(folder);
+    if (controllers.empty() && !found.controllers.empty())
+      controllers = " --controllers " + quoted(found.controllers.front().string());
+    for (const fs::path& description : found.descriptions)
+      if (out.size() < kMostLines)
+        out.push_back("polyarm " + verb + " --description " + quoted(description.string()));
+    if (folder == package && !out.empty()) break;
+  }
+  for (std::string& line : out) line += controllers;
+  return out;
+}
+
+}  // namespace polyarm::ros_files

@@ -1,0 +1,35 @@
+#include "polyarm/vm/host.hpp"
+
+namespace polyarm::program {
+
+namespace {
+[[noreturn]] void refuse_at(const Location& where, const std::string& what) {
+  throw Error(Problem{"not-yet", where, what, {}});
+}
+}  // namespace
+
+void Host::end_move(Handle, const Location& where) {
+  refuse_at(where, "this cell cannot end a move on its way");
+}
+
+Travel Host::travel(Handle) const {
+  refuse_at({}, "this cell does not tell how far a move has come");
+}
+
+data::Value Host::here(const std::string&, const std::string&, const std::string&) const {
+  refuse_at({}, "this cell does not tell where its robot is");
+}
+
+void Host::run_program(const std::string&, const Location& where) {
+  refuse_at(where, "this is no test of a cell: no program can be run here");
+}
+
+data::Value Host::call(std::string_view function, std::span<const data::Value>, const Location& where) {
+  refuse_at(where, std::string(function) + "() is there in the tests of a cell");
+}
+
+void Host::hold(const std::string&, const Location& where) {
+  refuse_at(where, "this cell cannot be held by a program");
+}
+
+}  // namespace polyarm::program

@@ -1,0 +1,80 @@
+#pragma once
+/// The state of one task. Private to the interpreter's files.
+#include <deque>
+
+#include "polyarm/vm/interpreter.hpp"
+#include "polyarm/vm/large_work.hpp"
+
+namespace polyarm::program {
+
+/// The item at a step's index.
+template <typename Items>
+auto& at(Items& items, int index) {
+  return items[static_cast<std::size_t>(index)];
+}
+
+/// Deeper nesting of function calls is an error.
+inline constexpr std::size_t kDeepestCalls = 200;
+/// Registers of all calls of a task, allocated once.
+inline constexpr std::size_t kMostRegisters = 20000;
+/// The cost of a raised and caught error.
+inline constexpr int kStatementsOfAnError = 60;
+/// The number of statements that a task may begin before the next task runs.
+inline constexpr int kTurn = 20;
+
+struct Interpreter::Task {
+  std::uint64_t id = 0, parent = 0;
+  std::string name;
+  bool shown = true;   ///< shown as a task; false for a part of `together` and for a `when`
+  bool apart = false;  ///< a `when` or `on stop`: without motion or waiting
+  TaskState state = TaskState::running;
+  std::size_t pc = 0;
+  Place line;  ///< of the last executed step, in which it may wait
+  std::vector<Slot>
+      stack;  ///< registers of all calls; after the last base there is enough room for any function
+  std::vector<CallFrame> frames = std::vector<CallFrame>(1);
+  std::vector<MoveDefaults> uses;
+  Move::Step step;  ///< for its moves
+  std::vector<std::string> locks;
+  std::vector<Handler> handlers;
+
+  Waiting waiting;
+  std::vector<Handle> handles;      ///< of the requests it waits for
+  std::vector<std::string> robots;  ///< with possibly queued motion of this task
+  struct Asked {
+    Handle handle = 0;
+    Place line;
+    std::uint64_t passes = 0;  ///< completed when it was requested
+  };
+  std::deque<Asked> moves;              ///< that may not have arrived, in program order
+  std::optional<Nanoseconds> deadline;  ///< of the present wait
+  std::uint64_t seen_version = 0;
+  Nanoseconds seen_at = 0;
+  bool met = false, was_true = false;
+  std::unique_ptr<Work> work;  ///< of its step, in pieces
+  std::uint64_t passes = 0;
+  std::optional<std::uint64_t> ended_cycles;  ///< the number of finished cycles when it was stopped
+  std::optional<Problem> problem;
+  std::optional<Place> ended_in;  ///< the line in which it was stopped
+
+  bool over() const { return state != TaskState::running && state != TaskState::waiting; }
+  CallFrame& frame() { return frames.back(); }
+  Slot& local(int slot) { return stack[frame().base + static_cast<std::size_t>(slot)]; }
+};
+
+/// A value to set when a move has progressed far enough.
+struct Interpreter::Watch {
+  std::uint64_t task = 0;
+  Handle handle = 0;
+  const Clause* clause = nullptr;
+  std::optional<data::Number> offset;
+  Value value;
+  Location where;
+};
+
+/// A stop, fault or person ended what a task waited for; no handler catches it.
+struct Ended {
+  Problem problem;
+};
+
+}  // namespace polyarm::program
