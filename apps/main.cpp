@@ -131,6 +131,8 @@ int main(int argc, char** argv) {
       return apps::kUsage;
     } catch (const Error& e) {
       complain(std::string(e.what()) + "\n");
+    } catch (const std::filesystem::filesystem_error&) {
+      complain(std::string(error_thrown().what()) + "\n");
     } catch (const std::system_error& e) {
       if (e.code() == std::errc::broken_pipe || e.code() == std::errc::io_error) return apps::kFailed;
       complain("polyarm " + wanted + ": unexpected: " + e.what() + "\n");

@@ -325,7 +325,8 @@ class OneRun {
         fmt::print("nothing was begun\n");
         return {kStopped, true, {}, false};
       }
-    } catch (const Error& e) {  // nothing has moved
+    } catch (const std::exception&) {  // nothing has moved
+      const Error e = error_thrown();
       const bool nothing_real = e.problems().front().code == kNothingReal;
       Ended out = not_built(cell ? e.problems() : all_problems(a_, e));
       if (nothing_real) out.code = kUsage;

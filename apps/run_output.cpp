@@ -8,8 +8,9 @@
 
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/printer.hpp"
-#include "polyarm/protocol/type.hpp"
 #include "polyarm/base/secrets.hpp"
+#include "polyarm/protocol/type.hpp"
+#include "polyarm/setup/tag_rate.hpp"
 
 namespace polyarm::apps {
 
@@ -45,7 +46,11 @@ class TextOutput : public Output {
   }
   void on_tag(Nanoseconds time, const std::string& name, const std::string& value,
               const std::string& who) override {
-    if (!quiet_)
+    if (quiet_) return;
+    const cell::TagRate::Verdict verdict = tags_.look(time, name);
+    if (verdict.left_out > 0)
+      line(fmt::format("{:8.3f}      │      {}: {} more changes", seconds(time), name, verdict.left_out));
+    if (verdict.shown)
       line(fmt::format("{:8.3f}      │      {} = {}  ({})", seconds(time), name, shortened(value), who));
   }
   void on_log(Nanoseconds time, const std::string& task, const std::string& text) override {
@@ -78,6 +83,7 @@ class TextOutput : public Output {
   const char* cleared() { return std::exchange(status_, false) ? "\r\033[K" : ""; }
   void line(const std::string& text) { printer_.put(cleared() + printable(text) + "\n"); }
   bool quiet_, typed_, terminal_, status_ = false;
+  cell::TagRate tags_;
   Printer printer_;
 };
 
@@ -102,7 +108,10 @@ class JsonOutput : public Output {
   }
   void on_tag(Nanoseconds t, const std::string& name, const std::string& value,
               const std::string& who) override {
-    put({{"event", "tag"}, {"time_s", seconds(t)}, {"name", name}, {"value", value}, {"by", who}});
+    const cell::TagRate::Verdict verdict = tags_.look(t, name);
+    if (verdict.left_out > 0)
+      put({{"event", "tag_left_out"}, {"time_s", seconds(t)}, {"name", name}, {"count", verdict.left_out}});
+    if (verdict.shown) put({{"event", "tag"}, {"time_s", seconds(t)}, {"name", name}, {"value", value}, {"by", who}});
   }
   void on_log(Nanoseconds t, const std::string& task, const std::string& text) override {
     put({{"event", "log"}, {"time_s", seconds(t)}, {"task", task}, {"text", text}});
@@ -149,6 +158,7 @@ class JsonOutput : public Output {
   }
   void put(const json& object) { printer_.put(line(object)); }
   Printer printer_;
+  cell::TagRate tags_;
   Nanoseconds last_ = -1'000'000'000;
 };
 

@@ -8,6 +8,7 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/there.hpp"
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/inside/inside.hpp"
 #include "polyarm/inside/test_task.hpp"
@@ -30,7 +31,7 @@ std::optional<fs::path> cell_above(const fs::path& file) {
 }
 
 std::vector<fs::path> scripts_at(const fs::path& path) {
-  if (!fs::is_directory(path)) return {path};
+  if (!is_folder(path)) return {path};
   std::vector<fs::path> out;
   for (auto at = fs::recursive_directory_iterator(path); at != fs::recursive_directory_iterator(); ++at) {
     const std::string name = at->path().filename().string();
@@ -61,7 +62,7 @@ class LogListener : public Observer {
 }  // namespace
 
 std::vector<ProgramTest> find_tests(const fs::path& path, Problems& problems) {
-  if (!fs::exists(path)) throw Error("no-file", "there is no '" + path.string() + "'");
+  if (!is_there(path)) throw Error("no-file", "there is no '" + path.string() + "'");
   std::vector<ProgramTest> out;
   for (const fs::path& file : scripts_at(path)) {
     const std::string text = read_file(file);

@@ -55,6 +55,16 @@ class Requests::Work {
       if (each.from == from && !id.is_null() && each.id == id) each.over = true;
   }
 
+  void refuse(const void* from, const Error& why) {
+    std::vector<Open> ended;
+    for (Open& each : open_)
+      if (each.from == from && !each.over) {
+        each.over = true;
+        if (!each.answered) ended.push_back(each);
+      }
+    for (Open& each : ended) send(each, {{}, why, false});
+  }
+
   /// All of few; of many as many as there is time for, and the others in the ticks that follow.
   void tick() {
     const Nanoseconds until = realtime::monotonic_now() + kTickTime;
@@ -87,7 +97,7 @@ class Requests::Work {
     std::size_t bytes = 0;
     AnyPoll poll;
     std::optional<Error> refused;  // reported when it is its turn
-    bool urgent = false, begun = false, answered = false, over = false;
+    bool urgent = false, patient = false, begun = false, answered = false, over = false;
   };
   /// That many are looked at in each tick, however long that takes; more for that long.
   static constexpr std::size_t kAlways = 32;
@@ -102,6 +112,7 @@ class Requests::Work {
     guarded(open, [&] {
       read(open);
       open.urgent = open.request->facts().urgent;
+      open.patient = open.request->facts().patient;
       require_room(open);
     });
     if (open.refused) {
@@ -161,7 +172,9 @@ class Requests::Work {
   }
 
   /// One of the same asker has to be answered before the next begins.
-  static bool waits(const Open& open) { return open.from && !open.answered && !open.over; }
+  static bool waits(const Open& open) {
+    return open.from && !open.answered && !open.over && !(open.begun && open.patient);
+  }
   bool must_wait(const void* from) const {
     return from && std::any_of(open_.begin(), open_.end(),
                                [&](const Open& each) { return each.from == from && waits(each); });
@@ -219,6 +232,9 @@ Requests::Requests(CellInside& cell, const std::vector<Handler>& handlers)
 Requests::~Requests() = default;
 void Requests::ask(Request request, OnReply on_reply, const void* from, std::size_t bytes) {
   work_->ask(std::move(request), std::move(on_reply), from, bytes);
+}
+void Requests::refuse(const void* from, const Error& why) {
+  work_->refuse(from, why);
 }
 void Requests::handle(const std::string& line, OnLine on_line, const void* from) {
   work_->handle(line.size(), std::move(on_line), from, [&] { return protocol::parse_request(line); });

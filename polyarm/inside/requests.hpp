@@ -35,6 +35,8 @@ class Requests {
   void handle(const protocol::Any& fields, std::size_t bytes, OnLine on_line, const void* from = nullptr);
   /// What this asker has open under this id (not null) ends without a further reply.
   void end(const void* from, const protocol::Any& id);
+  /// What this asker has open ends: what was not answered yet is refused for this reason.
+  void refuse(const void* from, const Error& why);
   /// Once each tick: goes on with what takes time.
   void tick();
   std::size_t open() const;

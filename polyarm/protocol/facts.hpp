@@ -30,6 +30,7 @@ struct Facts {
   const char* text;                  ///< one sentence for help and the reference
   bool moves = false;                ///< it may make something move, or stop
   bool urgent = false;               ///< it begins though earlier requests of the same asker are not answered
+  bool patient = false;              ///< it may wait for a person: later requests of the same asker begin meanwhile
   const char* watch_with = nullptr;  ///< with this flag (`dry`) it only reads: role `watch`
   const char* watch_without = nullptr;  ///< without this argument it only reads: role `watch`
   /// The pendant's port answers it, and not the cell. Such requests ignore arguments that they do not know.

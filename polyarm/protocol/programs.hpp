@@ -101,7 +101,8 @@ struct ProgramPause {
       .text =
           "pause before the next statement; queued motion goes on; answered when the program has paused, or "
           "`at_once`",
-      .moves = true};
+      .moves = true,
+      .patient = true};
   bool at_once = false;
   using Answer = ProgramStatus;
   POLYARM_MEMBERS(ProgramPause, at_once)
@@ -128,7 +129,8 @@ struct ProgramStep {
                                     "one statement of the paused task: `into` functions, `over` them "
                                     "(default) or `out` of this one; answered "
                                     "when the program has paused again, or `at_once`",
-                                .moves = true};
+                                .moves = true,
+                                .patient = true};
   std::optional<StepHow> how;
   bool at_once = false;
   using Answer = ProgramStatus;

@@ -6,12 +6,31 @@
 
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 #include <system_error>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/reach.hpp"
 
 namespace polyarm::recording {
+
+namespace {
+
+/// An earlier recording makes room; its other names (hard links) keep it. Throws Error("not-a-recording").
+void remove_recording(const std::filesystem::path& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (fd < 0 && errno == ENOENT) return;
+  constexpr std::string_view kMagic = "\x89MCAP0\r\n";  // https://mcap.dev/spec, "Magic"
+  char begin[8] = {};
+  const ssize_t n = fd < 0 ? -1 : ::read(fd, begin, sizeof begin);
+  if (fd >= 0) ::close(fd);
+  if (n != 0 && (n < 0 || std::string_view(begin, static_cast<std::size_t>(n)) != kMagic))
+    throw Error("not-a-recording", path.string() + " exists and is not a recording: it is not overwritten",
+                "name another file, or remove this one");
+  ::unlink(path.c_str());
+}
+
+}  // namespace
 
 FileSink::FileSink(const std::filesystem::path& path) : path_(path) {
   if (reach().confined()) reach().check(path, Reach::Use::write);
@@ -21,7 +40,8 @@ FileSink::FileSink(const std::filesystem::path& path) : path_(path) {
     throw Error("not-a-file", path.string() + " is not an ordinary file, and cannot be recorded into",
                 "name another file");
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), ignored);
-  fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0600);
+  remove_recording(path);
+  fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NONBLOCK, 0600);
   if (fd_ < 0)
     throw Error("unwritable", "the recording " + path.string() + " cannot be made: " + std::strerror(errno),
                 "name a file in a folder that you may write to");

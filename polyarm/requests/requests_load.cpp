@@ -55,8 +55,9 @@ struct Loading {
   void read() {
     fs::path path = data::find_file(name, folder);
     if (path.extension() != ".script") {
+      std::error_code unknown;
       const std::string set = path.stem().string();
-      if (!fs::equivalent(path.parent_path().empty() ? "." : path.parent_path(), folder))
+      if (!fs::equivalent(path.parent_path().empty() ? "." : path.parent_path(), folder, unknown))
         throw Error("elsewhere", path.string() + " is not in the folder of the cell",
                     "copy it and what it names to " + fs::weakly_canonical(folder).string());
       files.renew(set, {});

@@ -68,6 +68,8 @@ class Sessions::Work {
 
   void detach() {
     if (!cell_) return;
+    const Error gone("no-cell", "the cell was closed or started anew before it answered", "ask again");
+    for (const auto& [number, seat] : seats_) cell_->requests().refuse(seat.client.get(), gone);
     cell_ = nullptr;
     jogs_.reset();
     frames_.reset();

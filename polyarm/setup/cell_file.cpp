@@ -7,6 +7,7 @@
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/there.hpp"
 #include "polyarm/setup/cell_reach.hpp"
 #include "polyarm/setup/door_kinds.hpp"
 #include "polyarm/yaml/yaml.hpp"
@@ -240,9 +241,8 @@ void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
   }
   if (!overrides.program.empty()) {
     const std::filesystem::path given = overrides.program;
-    const bool beside = !given.is_absolute() && std::filesystem::exists(cell.folder / given);
-    cell.program = beside || !std::filesystem::exists(given) ? overrides.program
-                                                             : std::filesystem::absolute(given).string();
+    const bool beside = !given.is_absolute() && is_there(cell.folder / given);
+    cell.program = beside || !is_there(given) ? overrides.program : std::filesystem::absolute(given).string();
     cell.program_where = {"--program"};
     if (!beside) cell.grant->allow_reading(resolved(cell.folder / cell.program).parent_path());
   }
@@ -304,10 +304,11 @@ std::optional<RecordOptions> read_record(const Yaml& yaml, const std::filesystem
 
 CellFile read_cell_file(const std::filesystem::path& given, const Overrides& overrides) {
   CellFile cell;
-  cell.path = std::filesystem::is_directory(given) ? given / "cell.yaml" : given;
+  cell.path = is_folder(given) ? given / "cell.yaml" : given;
   cell.folder = cell.path.parent_path().empty() ? "." : cell.path.parent_path();
-  cell.name = std::filesystem::weakly_canonical(cell.folder).filename().string();
-  if (std::filesystem::is_directory(given) && !std::filesystem::exists(cell.path))
+  std::error_code unknown;
+  cell.name = std::filesystem::weakly_canonical(cell.folder, unknown).filename().string();
+  if (is_folder(given) && !is_there(cell.path))
     throw Error(Problem{"no-cell",
                         {given.string()},
                         "there is no cell.yaml in this folder",

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/base/there.hpp"
 #include "polyarm/description/tools.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
@@ -241,7 +242,7 @@ description::RobotModel read_model(const CellFile& file, const RobotEntry& entry
                                    Problems& found) {
   if (!entry.text.empty()) return description::read_urdf(entry.text, entry.model, found, {description::packages_near(file.folder / "cell.yaml")});
   const auto beside = file.folder / entry.model;
-  if (std::filesystem::is_regular_file(beside))
+  if (is_file(beside))
     return description::load_robot(beside.string(), catalogue, found, entry.arguments);
   if (const auto known = read.find(entry.model); known != read.end()) return known->second;
   if (!catalogue.find(entry.model))

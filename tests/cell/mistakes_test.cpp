@@ -4,6 +4,7 @@
 #include <string>
 
 #include "polyarm/cell/check.hpp"
+#include "polyarm/cell/program_tests.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
@@ -57,6 +58,25 @@ TEST_F(Mistakes, AFileThatIsNotThereIsNamedWhereTheCellNamesIt) {
       << checked();
   cell("", "signals: signals.yaml\n");
   EXPECT_EQ(both().find("cell.yaml:4 there is no file 'signals.yaml' (looked in /"), 0u) << checked();
+}
+
+TEST_F(Mistakes, ANameThatTheSystemCannotLookUpIsAnErrorAsAnyWrongName) {
+  const std::string longest(5000, 'x');
+  cell("", "program: " + longest + "\n");
+  EXPECT_NE(checked().find("cell.yaml"), std::string::npos);
+  EXPECT_THROW(test::LockStepCell(read_cell_file(folder.path())), Error);
+  cell();
+  for (const std::string& name : {longest, std::string(300, 'x'), std::string(3000, 'a') + "/b"}) {
+    Overrides overrides;
+    overrides.program = name;
+    EXPECT_THROW(test::LockStepCell(read_cell_file(folder.path(), overrides)), Error);
+    overrides = {};
+    overrides.robot = name;
+    EXPECT_THROW(test::LockStepCell(read_cell_file(folder.path(), overrides)), Error);
+    EXPECT_THROW(read_cell_file(name), Error);
+    Problems problems;
+    EXPECT_THROW(find_tests(name, problems), Error);
+  }
 }
 
 TEST_F(Mistakes, ATabInYamlIsCalledATab) {

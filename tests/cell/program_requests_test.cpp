@@ -460,5 +460,35 @@ TEST_F(MoveRequest, ComesAfterAJogOnceTheRobotIsBack) {
   EXPECT_NEAR(joint("joint_1"), 0, 1e-9);
 }
 
+TEST_F(ProgramRequests, APauseThatWaitsForAPersonHoldsBackNoLaterRequestOfItsAsker) {
+  folder.write("asks.script", "wait user \"is the door shut\"\nlog \"done\"\n");
+  ASSERT_TRUE(load("asks.script")["ok"].get<bool>());
+  ASSERT_TRUE(ask("program.start")["ok"].get<bool>());
+  until("waiting");
+  const int asker = 0;
+  const auto paused = cell->give(R"({"request": "program.pause"})", &asker);
+  const auto answered = cell->give(R"({"request": "program.answer", "text": ""})", &asker);
+  cell->run(0.1);
+  ASSERT_EQ(answered->size(), 1u);
+  EXPECT_EQ(error_of(answered->front()), "none") << answered->front();
+  EXPECT_EQ(paused->size(), 1u) << "the answer ends the wait, and the pause comes before the next line";
+  EXPECT_EQ(word(), "paused");
+}
+
+TEST_F(ProgramRequests, WhatIsOpenWhenTheCellOfAnAskerGoesIsRefused) {
+  folder.write("asks.script", "wait user \"is the door shut\"\n");
+  ASSERT_TRUE(load("asks.script")["ok"].get<bool>());
+  ASSERT_TRUE(ask("program.start")["ok"].get<bool>());
+  until("waiting");
+  const int asker = 0, other = 0;
+  const auto own = cell->give(R"({"request": "program.pause", "id": 7})", &asker);
+  const auto others = cell->give(R"({"request": "program.pause"})", &other);
+  cell->cell().requests().refuse(&asker, Error("no-cell", "the cell was closed"));
+  ASSERT_EQ(own->size(), 1u);
+  EXPECT_EQ(error_of(own->front()), "no-cell");
+  EXPECT_EQ(own->front()["id"], 7);
+  EXPECT_TRUE(others->empty());
+}
+
 }  // namespace
 }  // namespace polyarm
