@@ -3,7 +3,7 @@ find_path(POLYARM_BEAST boost/beast/websocket.hpp)
 if(NOT POLYARM_BEAST)
   message(FATAL_ERROR "Boost.Beast is missing: install libboost-dev, or run tools/setup")
 endif()
-polyarm_room(server USES base realtime kinematics controllers protocol cell recording meshes)
+polyarm_room(server USES base realtime kinematics controllers protocol cell recording meshes shapes)
 find_package(OpenSSL REQUIRED)  # libssl-dev
 find_package(ZLIB REQUIRED)  # zlib1g-dev
 target_link_libraries(polyarm_server PRIVATE OpenSSL::SSL OpenSSL::Crypto ZLIB::ZLIB)
