@@ -1,5 +1,5 @@
 #pragma once
-/// Pictures of robots, drawn from their capsules: no GPU, no browser, a few kilobytes.
+/// Pictures of robots: no GPU, no browser, about ten kilobytes.
 #include <span>
 #include <string>
 
@@ -7,10 +7,9 @@
 
 namespace polyarm::apps {
 
-/// The robot in joint state `q` as SVG: seen from its front and right, from above, without perspective, on a
-/// floor with a grid and a scale bar. Hidden surfaces by drawing what is behind first. Links without capsules
-/// are drawn as the capsule nearest to their shape; robots without any shape as derived from the chain. The
-/// same robot gives the same text. Throws Error as kinematics::Chain.
+/// The robot in joint state `q` as SVG that holds a PNG: seen from its front and right, from above, with a soft
+/// shadow. Robots without a look of their own are drawn by shapes::robot_shapes; of others the plain shapes
+/// are drawn, not the meshes. Throws Error as kinematics::Chain.
 std::string picture_of(const description::RobotModel& model, std::span<const double> q);
 
 }  // namespace polyarm::apps

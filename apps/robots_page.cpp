@@ -62,9 +62,8 @@ std::string index_page(
     const std::map<std::string, std::vector<std::pair<CatalogueEntry, RobotModel>>>& makers,
     std::size_t robots) {
   std::string out = fmt::format(
-      "# The catalogue\n\n{} robots of {} makers at their home, drawn from their capsules. Written by "
-      "`polyarm robots "
-      "page`; find by figures with `polyarm robots --axes 6 --reach '>=1.2'`.\n\n",
+      "# The catalogue\n\n{} robots of {} makers at their home. Written by `polyarm robots page`; find by "
+      "figures with `polyarm robots --axes 6 --reach '>=1.2'`.\n\n",
       robots, makers.size());
   for (const auto& [folder, list] : makers)
     out += fmt::format("[{}](#{}) ({}) ", list.front().first.maker, folder, list.size());

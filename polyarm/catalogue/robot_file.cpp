@@ -173,8 +173,18 @@ Inertial read_inertial(const Yaml& yaml) {
   return out;
 }
 
+Outline read_outline(const Yaml& yaml, Problems& problems) {
+  yaml.check_keys({"from", "to"}, problems);
+  const Outline out{place(yaml.required("from")), place(yaml.required("to"))};
+  const Vec3 size = out.upper - out.lower;
+  if (!(std::min({size.x, size.y, size.z}) >= 0))
+    throw Error(Problem{"bad-value", yaml.where(), "the box ends before it begins",
+                        "write the smaller of each pair of coordinates in 'from'"});
+  return out;
+}
+
 Link read_link(const Yaml& yaml, Problems& problems) {
-  yaml.check_keys({"name", "mass", "com", "inertia", "capsule"}, problems);
+  yaml.check_keys({"name", "mass", "com", "inertia", "capsule", "box"}, problems);
   Link out;
   out.name = yaml.required("name").text();
   if (yaml.has("mass")) out.inertial = read_inertial(yaml);
@@ -185,6 +195,7 @@ Link read_link(const Yaml& yaml, Problems& problems) {
                                              *optional_positive(capsule["radius"], Dimension::length)));
     out.visuals = out.collisions;
   }
+  if (yaml.has("box")) out.outline = read_outline(yaml["box"], problems);
   return out;
 }
 
@@ -296,7 +307,7 @@ RobotModel read_robot_file(const fs::path& path) {
                         {}});
   yaml.check_keys(
       {"polyarm", "maker", "model", "payload", "reach", "source", "licence", "notes", "joints", "links",
-       "named_states", "allowed_collisions", "controller_axes", "kinematics", "base", "flange"},
+       "named_states", "allowed_collisions", "controller_axes", "kinematics", "base", "flange", "look"},
       problems);
   RobotModel model;
   model.name = path.stem().string();
@@ -311,6 +322,8 @@ RobotModel read_robot_file(const fs::path& path) {
   attempt([&] { read_provenance(yaml, model); });
   for (const Yaml& link : yaml["links"].items())
     attempt([&] { model.links.push_back(read_link(link, problems)); });
+  for (const std::string& key : yaml["look"].keys())
+    attempt([&] { model.look[key] = yaml["look"][key].text(); });
   const bool is_table = yaml.has("kinematics");
   if (is_table) attempt([&] { joints = read_table_joints(yaml, model, problems); });
   for (const Yaml& joint : is_table ? std::vector<Yaml>{} : yaml["joints"].items())

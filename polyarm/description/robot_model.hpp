@@ -46,6 +46,11 @@ struct Contact {
   std::optional<bool> self_collide;  ///< collides with other links of its own robot
 };
 
+/// An axis-aligned box in a link's frame, m.
+struct Outline {
+  Vec3 lower, upper;
+};
+
 struct Link {
   std::string name;
   std::optional<Inertial> inertial;
@@ -53,6 +58,8 @@ struct Link {
   std::vector<Shape> collisions;
   int parent_joint = -1;  ///< index into RobotModel::joints; -1 for the root
   Contact contact;
+  /// The bounds of the link's real shape, measured from a public description. Pictures are built from it.
+  std::optional<Outline> outline;
 };
 
 enum class JointType { fixed, revolute, continuous, prismatic, planar, floating };
@@ -213,6 +220,8 @@ struct RobotModel {
   std::vector<ControllerAxis> controller_axes;
   /// Pairs of links (indices, smaller first) that are excluded from collision checks.
   std::vector<std::array<int, 2>> allowed_collisions;
+  /// How the robot differs from the look of its maker's family: "style" and colours, see shapes/style.hpp.
+  std::map<std::string, std::string> look;
 
   int find_link(std::string_view link) const;    ///< -1 if there is none
   int find_joint(std::string_view joint) const;  ///< -1 if there is none

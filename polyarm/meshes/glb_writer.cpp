@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -12,18 +13,52 @@ namespace polyarm::meshes {
 namespace {
 
 using Json = nlohmann::json;
-enum ComponentType { kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126 };
+enum ComponentType { kByte = 5120, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126 };
 enum Target { kArrayBuffer = 34962, kElementArrayBuffer = 34963 };
+
+/// The box around a mesh in steps of 12 bits, which compress well: position = center + step * number.
+struct Grid {
+  static constexpr float kMost = 2047;
+  std::array<float, 3> center{};
+  float step = 1;
+
+  explicit Grid(const Mesh& mesh) {
+    std::array<float, 3> low, high;
+    low.fill(std::numeric_limits<float>::max());
+    high.fill(std::numeric_limits<float>::lowest());
+    for (const MeshPart& part : mesh)
+      for (const auto& p : part.positions)
+        for (std::size_t k = 0; k < 3; ++k) {
+          low[k] = std::min(low[k], p[k]);
+          high[k] = std::max(high[k], p[k]);
+        }
+    float longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      center[k] = (low[k] + high[k]) / 2;
+      longest = std::max(longest, high[k] - low[k]);
+    }
+    if (longest > 0) step = longest / 2 / kMost;
+  }
+  std::int16_t number(float value, std::size_t k) const {
+    return static_cast<std::int16_t>(std::lround(std::clamp((value - center[k]) / step, -kMost, kMost)));
+  }
+};
 
 class Glb {
  public:
+  explicit Glb(Precision precision) : compact_(precision == Precision::compact) {}
+
   void add(const GlbNode& node) {
     Json primitives = Json::array();
+    const Grid grid(node.mesh);
     for (const MeshPart& part : node.mesh)
-      if (!part.triangles.empty()) primitives.push_back(primitive(part));
+      if (!part.triangles.empty()) primitives.push_back(compact_ ? compact(part, grid) : primitive(part));
     if (primitives.empty()) return;
     meshes_.push_back({{"primitives", primitives}});
     nodes_.push_back({{"name", node.name}, {"mesh", meshes_.size() - 1}});
+    if (!compact_) return;
+    nodes_.back()["translation"] = grid.center;
+    nodes_.back()["scale"] = {grid.step, grid.step, grid.step};
   }
 
   std::string bytes() {
@@ -39,6 +74,8 @@ class Glb {
              {"bufferViews", views_},
              {"buffers", Json::array({{{"byteLength", data_.size()}}})}};
     if (nodes_.empty()) all = {{"asset", all["asset"]}};
+    if (compact_ && !nodes_.empty())
+      all["extensionsUsed"] = all["extensionsRequired"] = {"KHR_mesh_quantization"};
     std::string text = all.dump(-1, ' ', false, Json::error_handler_t::replace);
     text.resize((text.size() + 3) / 4 * 4, ' ');
     std::string out;
@@ -58,6 +95,36 @@ class Glb {
  private:
   static void number(std::string& out, std::size_t value) {
     for (int i = 0; i < 4; ++i) out += static_cast<char>(value >> (8 * i));
+  }
+
+  /// Each corner takes eight bytes for its position and four for its normal; the last of them are padding.
+  Json compact(const MeshPart& part, const Grid& grid) {
+    std::vector<std::int16_t> positions;
+    std::vector<std::int8_t> normals;
+    std::array<std::int16_t, 3> low, high;
+    low.fill(std::numeric_limits<std::int16_t>::max());
+    high.fill(std::numeric_limits<std::int16_t>::min());
+    for (std::size_t i = 0; i < part.positions.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        positions.push_back(grid.number(part.positions[i][k], k));
+        low[k] = std::min(low[k], positions.back());
+        high[k] = std::max(high[k], positions.back());
+        normals.push_back(
+            static_cast<std::int8_t>(std::lround(127 * std::clamp(part.normals[i][k], -1.f, 1.f))));
+      }
+      positions.push_back(0);
+      normals.push_back(0);
+    }
+    const std::size_t at = accessor(positions.data(), part.positions.size(), 8, kShort, "VEC3");
+    views_.back()["byteStride"] = 8;
+    accessors_[at]["min"] = low;
+    accessors_[at]["max"] = high;
+    const std::size_t normal = accessor(normals.data(), part.normals.size(), 4, kByte, "VEC3");
+    views_.back()["byteStride"] = 4;
+    accessors_[normal]["normalized"] = true;
+    return {{"attributes", {{"POSITION", at}, {"NORMAL", normal}}},
+            {"indices", indices(part)},
+            {"material", material(part)}};
   }
 
   Json primitive(const MeshPart& part) {
@@ -95,33 +162,38 @@ class Glb {
     return accessors_.size() - 1;
   }
 
-  /// Colours in files are sRGB; glTF needs linear ones.
+  /// One material per colour and finish. Colours in files are sRGB; glTF needs linear ones.
   std::size_t material(const MeshPart& part) {
-    const auto at = by_color_.find(part.color);
-    if (at != by_color_.end()) return at->second;
+    const std::array<float, 6> key{part.color[0], part.color[1],  part.color[2],
+                                   part.color[3], part.roughness, part.metallic};
+    const auto at = by_look_.find(key);
+    if (at != by_look_.end()) return at->second;
     std::array<float, 4> linear = part.color;
     for (std::size_t k = 0; k < 3; ++k) {
       const float c = std::clamp(part.color[k], 0.f, 1.f);
       linear[k] = c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
     }
     Json out{{"pbrMetallicRoughness",
-              {{"baseColorFactor", linear}, {"metallicFactor", 0.1}, {"roughnessFactor", 0.6}}},
+              {{"baseColorFactor", linear},
+               {"metallicFactor", part.metallic},
+               {"roughnessFactor", part.roughness}}},
              {"doubleSided", true}};
     if (linear[3] < 1) out["alphaMode"] = "BLEND";
     materials_.push_back(std::move(out));
-    return by_color_[part.color] = materials_.size() - 1;
+    return by_look_[key] = materials_.size() - 1;
   }
 
+  const bool compact_;
   Json nodes_ = Json::array(), meshes_ = Json::array(), materials_ = Json::array(),
        accessors_ = Json::array(), views_ = Json::array();
-  std::map<std::array<float, 4>, std::size_t> by_color_;
+  std::map<std::array<float, 6>, std::size_t> by_look_;  // colour, roughness, metallic
   std::string data_;
 };
 
 }  // namespace
 
-std::string write_glb(const std::vector<GlbNode>& nodes) {
-  Glb out;
+std::string write_glb(const std::vector<GlbNode>& nodes, Precision precision) {
+  Glb out(precision);
   for (const GlbNode& node : nodes) out.add(node);
   return out.bytes();
 }

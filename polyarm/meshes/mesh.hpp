@@ -18,6 +18,7 @@ struct MeshPart {
   std::vector<std::uint32_t> triangles;       ///< three indices each
   std::array<float, 4> color{0.8f, 0.8f, 0.8f, 1};
   bool colored = false;  ///< true if the file gives a colour
+  float roughness = 0.6f, metallic = 0.1f;  ///< finish, 0 to 1, as in glTF
 };
 using Mesh = std::vector<MeshPart>;
 

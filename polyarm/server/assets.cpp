@@ -45,6 +45,24 @@ std::string unzipped(std::string_view gzip) {
   return out;
 }
 
+std::string zipped(std::string_view bytes) {
+  constexpr int kGzip = 16 + MAX_WBITS, kMemory = 9;
+  z_stream stream{};
+  const auto failed = [] { return Error("bad-gzip", "bytes cannot be compressed"); };
+  if (::deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzip, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw failed();
+  std::string out(::deflateBound(&stream, static_cast<uLong>(bytes.size())), '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  const int result = ::deflate(&stream, Z_FINISH);
+  out.resize(out.size() - stream.avail_out);
+  ::deflateEnd(&stream);
+  if (result != Z_STREAM_END) throw failed();
+  return out;
+}
+
 const char* media_type(std::string_view path) {
   constexpr std::pair<std::string_view, const char*> kTypes[] = {
       {".html", "text/html; charset=utf-8"},

@@ -18,6 +18,8 @@ const std::map<std::string, Asset>& embedded_help();
 std::map<std::string, Asset> page_in(const std::string& folder);
 /// What gzip has compressed, as it was. Throws Error("bad-gzip") for what is none, or more than 64 MiB.
 std::string unzipped(std::string_view gzip);
+/// Compresses with gzip. Throws Error("bad-gzip") when memory runs out.
+std::string zipped(std::string_view bytes);
 /// What a browser is told a file is, by its ending.
 const char* media_type(std::string_view path);
 

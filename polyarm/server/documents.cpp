@@ -10,6 +10,7 @@
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/meshes/robot_meshes.hpp"
 #include "polyarm/protocol/reference.hpp"
+#include "polyarm/shapes/robot_shapes.hpp"
 
 namespace polyarm::server {
 
@@ -68,8 +69,9 @@ const std::vector<Shape>& drawn(const description::Link& link) {
   return drawable(link.visuals) || link.collisions.empty() ? link.visuals : link.collisions;
 }
 
+/// Where the GLB of a robot is: of its own meshes, or of shapes that are made for it.
 std::string address_of(const description::RobotModel& model) {
-  const std::string hash = meshes::mesh_hash(model);
+  const std::string hash = shapes::has_no_look(model) ? shapes::shapes_hash(model) : meshes::mesh_hash(model);
   return hash.empty() ? hash : "/api/mesh/" + hash + ".glb";
 }
 
@@ -88,6 +90,11 @@ std::string mesh_address(const Shape& mesh) {
   return mesh.mesh_path.empty() ? std::string() : address_of(model_of(mesh));
 }
 
+Json node_json(const description::Link& link, const std::string& address, const Color& color) {
+  return {
+      {"shape", "mesh"}, {"mesh", address}, {"node", link.name}, {"origin", pose_json({})}, {"color", color}};
+}
+
 /// A link that looks like a mesh is a node of its robot's GLB, beside its other shapes.
 Json link_visuals_json(const description::Link& link, const std::string& address, const Color& color) {
   if (!meshes::has_mesh(link)) return shapes_json(drawn(link), color);
@@ -95,11 +102,23 @@ Json link_visuals_json(const description::Link& link, const std::string& address
   for (const Shape& shape : link.visuals)
     if (shape.kind != ShapeKind::mesh) others.push_back(shape);
   Json out = shapes_json(others, color);
-  out.push_back({{"shape", "mesh"},
-                 {"mesh", address},
-                 {"node", link.name},
-                 {"origin", pose_json({})},
-                 {"color", color}});
+  out.push_back(node_json(link, address, color));
+  return out;
+}
+
+/// What each link of a robot is drawn from.
+std::vector<Json> visuals_json(const description::RobotModel& model) {
+  const std::string address = address_of(model);
+  const auto color = [&](std::size_t i) { return static_cast<int>(i) == model.root ? kBase : kLinks[i % 2]; };
+  std::vector<Json> out(model.links.size(), Json::array());
+  if (shapes::has_no_look(model)) {
+    for (const int link : shapes::links_with_shapes(model)) {
+      const auto i = static_cast<std::size_t>(link);
+      out[i].push_back(node_json(model.links[i], address, color(i)));
+    }
+    return out;
+  }
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = link_visuals_json(model.links[i], address, color(i));
   return out;
 }
 
@@ -238,12 +257,9 @@ Json cell_json(cell::CellView& cell) {
 Json model_json(const cell::CellRobot& robot) {
   const description::RobotModel& model = robot.model;
   Json links = Json::array(), joints = Json::array();
-  const std::string address = address_of(model);
+  const std::vector<Json> visuals = visuals_json(model);
   for (std::size_t i = 0; i < model.links.size(); ++i)
-    links.push_back(
-        {{"name", model.links[i].name},
-         {"visuals", link_visuals_json(model.links[i], address,
-                                       static_cast<int>(i) == model.root ? kBase : kLinks[i % 2])}});
+    links.push_back({{"name", model.links[i].name}, {"visuals", visuals[i]}});
   for (const description::Joint& joint : model.joints) joints.push_back(joint_json(model, joint));
   const std::string tip = model.links[static_cast<std::size_t>(model.tool_link())].name;
   Json tcp = pose_json(robot.tool.tcp);

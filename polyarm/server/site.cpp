@@ -10,6 +10,7 @@
 #include "polyarm/server/project_zip.hpp"
 #include "polyarm/server/sessions.hpp"
 #include "polyarm/server/viewers.hpp"
+#include "polyarm/shapes/robot_shapes.hpp"
 
 namespace polyarm::server {
 
@@ -155,17 +156,21 @@ void PageSite::handle(HttpRequest request, Reply reply) {
   if (const auto found = shown->by_path.find(request.path); found != shown->by_path.end())
     return reply(document(found->second));
   if (request.path == "/api/cell") return reply(plain(503, "no cell is running now"));
-  if (!later(request.path, reply)) reply(plain(404, "there is no such file"));
+  if (!later(request, reply)) reply(plain(404, "there is no such file"));
 }
 
 /// What takes longer than the port's thread has; false where it is nothing of that.
-bool PageSite::later(const std::string& path, const Reply& reply) {
+bool PageSite::later(const HttpRequest& request, const Reply& reply) {
+  const std::string& path = request.path;
   std::function<HttpReply()> job;
   if (options_.catalogue && path == kCatalogue) job = [this] { return catalogue(); };
   if (options_.catalogue && options_.picture && path.starts_with("/api/catalogue/") && path.ends_with(".svg"))
     job = [this, path] { return picture(path); };
   if (const auto shown = documents(); shown->meshes.contains(path))
-    job = [this, shown, path] { return meshes(*shown, path); };
+    job = [this, shown, path, gzip = request.gzip] {
+      return shapes::has_no_look(shown->meshes.at(path)) ? made_shapes(*shown, path, gzip)
+                                                         : meshes(*shown, path);
+    };
   if (!job) return false;
   post(std::move(job), reply);
   return true;
@@ -216,6 +221,16 @@ void PageSite::project(HttpRequest request, const Reply& reply) {
         return document(text_of(dump({{"folder", into.string()}})));
       },
       reply);
+}
+
+/// Shapes that are made for a robot, compressed; kept as long as the cell is shown.
+HttpReply PageSite::made_shapes(const Documents& shown, const std::string& path, bool gzip) {
+  Text& kept = shown.made[path];
+  if (!kept) kept = text_of(zipped(shapes::robot_glb(shown.meshes.at(path))));
+  HttpReply out = document(gzip ? kept : text_of(unzipped(*kept)), "model/gltf-binary");
+  out.gzip = gzip;
+  out.headers = {{"Cache-Control", "private, max-age=31536000, immutable"}, {"Vary", "Accept-Encoding"}};
+  return out;
 }
 
 HttpReply PageSite::meshes(const Documents& shown, const std::string& path) {

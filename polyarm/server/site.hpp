@@ -49,18 +49,22 @@ class PageSite : public Site {
     std::map<std::string, description::RobotModel> meshes;
     std::filesystem::path mesh_cache;
     std::filesystem::path folder;  ///< of the cell
-    /// Meshes of which not all could be read, by address: they are told of once. The worker's.
+    /// Meshes of which not all could be read, by address, so that each problem is reported once. Used by the
+    /// worker only.
     mutable std::map<std::string, Text> patched;
+    /// Shapes made for robots, by address, compressed. Used by the worker only.
+    mutable std::map<std::string, Text> made;
   };
   std::shared_ptr<const Documents> documents() const;
   HttpReply page(const HttpRequest& request) const;
   Text plain_of(const std::string& path, const Asset& asset) const;
-  bool later(const std::string& path, const Reply& reply);
+  bool later(const HttpRequest& request, const Reply& reply);
   void post(std::function<HttpReply()> job, const Reply& reply);
   void project(HttpRequest request, const Reply& reply);
   HttpReply catalogue();
   HttpReply picture(const std::string& path);
   HttpReply meshes(const Documents& shown, const std::string& path);
+  HttpReply made_shapes(const Documents& shown, const std::string& path, bool gzip);
 
   const PendantOptions& options_;
   Sessions& sessions_;

@@ -515,6 +515,8 @@ INSTANTIATE_TEST_SUITE_P(
             "six numbers, here are 3"},
         Bad{"FlatCapsule", "{name: tool0}",
             "{name: tool0, capsule: {from: [0, 0, 0], to: [0, 0, 1], radius: 0}}", 10, "above zero"},
+        Bad{"TurnedBox", "{name: tool0}", "{name: tool0, box: {from: [0, 0, 0.1], to: [0, 0, 0]}}", 10,
+            "ends before it begins"},
         Bad{"HomeBeyondLimit", "{lift: 0.02}", "{lift: 51mm}", 12, "beyond the joint's limits"},
         Bad{"ShownJointUnknown", "named_states:",
             "controller_axes:\n  source: a\n  display: {lfit: {sign: -1}}\nnamed_states:", 13,

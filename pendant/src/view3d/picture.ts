@@ -38,6 +38,12 @@ function stands(object: THREE.Object3D, { p, q }: Pose): boolean {
   return position.x === p[0] && position.y === p[1] && position.z === p[2] && quaternion.equals(new THREE.Quaternion(...q));
 }
 
+/** About how wide a robot's foot is, m. */
+function footOf(model: RobotModel): number {
+  const way = model.joints.reduce((sum, joint) => sum + Math.hypot(...joint.origin.p), 0);
+  return Math.min(0.5, Math.max(0.05, 0.06 * way + 0.02));
+}
+
 export class CellPicture {
   readonly stage: Stage;
   private readonly robots = new Map<string, RobotFigure>();
@@ -56,8 +62,9 @@ export class CellPicture {
   private readonly ghostLook = new THREE.MeshStandardMaterial({
     color: 0x3d8bff,
     transparent: true,
-    opacity: 0.3,
-    depthWrite: false,
+    opacity: 0.34,
+    // Only its front is seen, not the housings within.
+    depthWrite: true,
     roughness: 0.6,
     // Behind what stands at the same place, so that both do not flicker.
     polygonOffset: true,
@@ -97,7 +104,9 @@ export class CellPicture {
       figure.tcp.add(axes(0.06));
       this.robots.set(info.name, figure);
       const group = new THREE.Group();
-      group.add(figure.root);
+      const spot = new THREE.Group().add(this.stage.floor.addSpot(new THREE.Vector3(0, 0, 0.0008), footOf(model)));
+      place(spot, info.base);
+      group.add(figure.root, spot);
       this.grounds.set(info.name, { group, base: info.base });
       this.stage.scene.add(group);
       const trail = new Trail();

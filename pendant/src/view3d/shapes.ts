@@ -1,9 +1,12 @@
 /** Shapes of the wire as three's objects. Metres, z up. */
 import * as THREE from 'three';
+import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeometry.js';
 import type { Pose, Visual } from '../wire/types';
 import { meshNode, readFiles } from './meshes';
 
 const kPlain: [number, number, number, number] = [0.74, 0.77, 0.81, 1];
+/** Of the edges of boxes, m. */
+const kRounding = 0.003;
 const materials = new Map<string, THREE.MeshStandardMaterial>();
 
 export function material(color: readonly number[] = kPlain): THREE.MeshStandardMaterial {
@@ -13,8 +16,8 @@ export function material(color: readonly number[] = kPlain): THREE.MeshStandardM
     const alpha = color[3] ?? 1;
     out = new THREE.MeshStandardMaterial({
       color: new THREE.Color().setRGB(color[0] ?? 0.7, color[1] ?? 0.7, color[2] ?? 0.7, THREE.SRGBColorSpace),
-      roughness: 0.55,
-      metalness: 0.08,
+      roughness: 0.5,
+      metalness: 0,
       transparent: alpha < 0.99,
       opacity: alpha,
       depthWrite: alpha > 0.5,
@@ -35,7 +38,7 @@ function geometry(visual: Visual): THREE.BufferGeometry | null {
   switch (visual.shape) {
     case 'box': {
       const [x, y, z] = visual.size ?? [0.01, 0.01, 0.01];
-      return new THREE.BoxGeometry(x, y, z);
+      return new RoundedBoxGeometry(x, y, z, 2, Math.min(kRounding, 0.2 * Math.min(x, y, z)));
     }
     case 'sphere':
       return new THREE.SphereGeometry(radius, 28, 18);
@@ -58,7 +61,7 @@ export function shape(visual: Visual, ready: () => void, edges = false): THREE.O
     const mesh = new THREE.Mesh(form, material(visual.color));
     mesh.castShadow = mesh.receiveShadow = true;
     group.add(mesh);
-    if (edges && visual.shape === 'box') group.add(outline(form));
+    if (edges && visual.shape === 'box') group.add(outline(new THREE.BoxGeometry(...(visual.size ?? [0.01, 0.01, 0.01]))));
   } else if (visual.shape === 'mesh' && visual.mesh) {
     if (visual.scale) group.scale.fromArray(visual.scale);
     void meshNode(visual.mesh, visual.node).then((node) => {
@@ -99,9 +102,11 @@ export function disposeAll(scene: THREE.Object3D): void {
   lineMaterial.dispose();
 }
 
-const lineMaterial = new THREE.LineBasicMaterial({ color: 0x000000, transparent: true, opacity: 0.28 });
+const lineMaterial = new THREE.LineBasicMaterial({ color: 0x000000, transparent: true, opacity: 0.16 });
 function outline(form: THREE.BufferGeometry): THREE.LineSegments {
-  return new THREE.LineSegments(new THREE.EdgesGeometry(form), lineMaterial);
+  const out = new THREE.LineSegments(new THREE.EdgesGeometry(form), lineMaterial);
+  form.dispose();
+  return out;
 }
 
 /** Three short axes in red, green, blue: x, y, z. */

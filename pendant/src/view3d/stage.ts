@@ -1,6 +1,7 @@
 /** Renderer, camera, light and floor. Draws only when something has changed, and more plainly where the machine is slow. */
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { Floor, lightOfRoom } from './surroundings';
 
 export type ViewName = 'free' | 'front' | 'side' | 'top';
 
@@ -29,11 +30,13 @@ export class Stage {
   readonly renderer: THREE.WebGLRenderer;
   /** A person has turned or moved the view. */
   touched = false;
-  private readonly sun = new THREE.DirectionalLight(0xffffff, 2.1);
-  private readonly sky = new THREE.HemisphereLight(0xffffff, 0x8a94a0, 1.7);
+  readonly floor = new Floor();
+  private readonly sun = new THREE.DirectionalLight(0xffffff, 1.5);
+  /** Where the processor draws, one light from above stands in for the room's. */
+  private readonly sky = new THREE.HemisphereLight(0xffffff, 0x8a94a0, 0);
+  private room: THREE.Texture | null = null;
   private looked: { view: ViewName; box: THREE.Box3 } | null = null;
-  private grid: THREE.GridHelper | null = null;
-  private floorHeight = 0;
+  private dark = true;
   private dirty = true;
   private running = true;
   private spent = 0;
@@ -51,6 +54,9 @@ export class Stage {
     if (plain) this.renderer.setPixelRatio(1);
     this.renderer.shadowMap.enabled = !plain;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
+    this.renderer.toneMapping = THREE.NeutralToneMapping;
+    if (!plain) this.room = lightOfRoom(this.renderer);
+    this.scene.environment = this.room;
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = false;
@@ -61,7 +67,8 @@ export class Stage {
     this.sun.castShadow = !plain;
     this.sun.shadow.mapSize.set(1024, 1024);
     this.sun.shadow.normalBias = 0.02;
-    this.scene.add(this.sky, this.sun, this.sun.target);
+    this.sun.shadow.radius = 4;
+    this.scene.add(this.sky, this.sun, this.sun.target, this.floor.group);
     this.watcher = new ResizeObserver(() => this.resize());
     this.watcher.observe(canvas.parentElement ?? canvas);
     this.resize();
@@ -101,8 +108,15 @@ export class Stage {
   private plainer(): void {
     if (this.renderer.getPixelRatio() > 1) this.renderer.setPixelRatio(1);
     else if (this.sun.castShadow) this.sun.castShadow = false;
+    else if (this.room) this.leaveRoom();
     else if (this.renderer.getPixelRatio() > 0.7) this.renderer.setPixelRatio(0.7);
     this.resize();
+  }
+
+  private leaveRoom(): void {
+    this.room?.dispose();
+    this.scene.environment = this.room = null;
+    this.lightUp(this.dark);
   }
 
   private resize(): void {
@@ -116,19 +130,17 @@ export class Stage {
   }
 
   setFloor(height: number, dark: boolean): void {
-    this.floorHeight = height;
-    if (this.grid) {
-      this.scene.remove(this.grid);
-      this.grid.dispose();
-    }
-    const [strong, weak] = dark ? [0x44566a, 0x26313d] : [0x9aa7b5, 0xc9d1da];
-    this.grid = new THREE.GridHelper(6, 30, strong, weak);
-    this.grid.rotation.x = Math.PI / 2;
-    this.grid.position.z = this.floorHeight - 0.0015;
-    this.scene.add(this.grid);
-    this.sky.groundColor.set(dark ? 0x39434e : 0x98a2ac);
-    this.sky.intensity = dark ? 1.5 : 1.9;
+    this.floor.set(height, dark, this.sun.castShadow);
+    this.scene.environmentIntensity = dark ? 0.62 : 0.8;
+    this.lightUp(dark);
     this.redraw();
+  }
+
+  private lightUp(dark: boolean): void {
+    this.dark = dark;
+    this.sky.groundColor.set(dark ? 0x4a5560 : 0x98a2ac);
+    this.sky.intensity = this.room ? 0 : dark ? 2.4 : 2.9;
+    this.sun.intensity = this.room ? (dark ? 1.3 : 1.5) : dark ? 2.2 : 2.3;
   }
 
   /** Looks at `box` from a side, so that all of it is seen. */
@@ -194,7 +206,8 @@ export class Stage {
     this.running = false;
     this.watcher.disconnect();
     this.controls.dispose();
-    this.grid?.dispose();
+    this.floor.end();
+    this.room?.dispose();
     this.sun.dispose();
     this.renderer.dispose();
     // Else the context stays until its canvas is collected, and a browser has few of them.
