@@ -466,8 +466,8 @@ TEST_F(ProgramRequests, APauseThatWaitsForAPersonHoldsBackNoLaterRequestOfItsAsk
   ASSERT_TRUE(ask("program.start")["ok"].get<bool>());
   until("waiting");
   const int asker = 0;
-  const auto paused = cell->give(R"({"request": "program.pause"})", &asker);
-  const auto answered = cell->give(R"({"request": "program.answer", "text": ""})", &asker);
+  const auto paused = cell->give(std::string(R"({"request": "program.pause"})"), &asker);
+  const auto answered = cell->give(std::string(R"({"request": "program.answer", "text": ""})"), &asker);
   cell->run(0.1);
   ASSERT_EQ(answered->size(), 1u);
   EXPECT_EQ(error_of(answered->front()), "none") << answered->front();
@@ -481,8 +481,8 @@ TEST_F(ProgramRequests, WhatIsOpenWhenTheCellOfAnAskerGoesIsRefused) {
   ASSERT_TRUE(ask("program.start")["ok"].get<bool>());
   until("waiting");
   const int asker = 0, other = 0;
-  const auto own = cell->give(R"({"request": "program.pause", "id": 7})", &asker);
-  const auto others = cell->give(R"({"request": "program.pause"})", &other);
+  const auto own = cell->give(std::string(R"({"request": "program.pause", "id": 7})"), &asker);
+  const auto others = cell->give(std::string(R"({"request": "program.pause"})"), &other);
   cell->cell().requests().refuse(&asker, Error("no-cell", "the cell was closed"));
   ASSERT_EQ(own->size(), 1u);
   EXPECT_EQ(error_of(own->front()), "no-cell");
