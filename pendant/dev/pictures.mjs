@@ -8,12 +8,13 @@ const docs = fileURLToPath(new URL('../../docs/', import.meta.url));
 const browser = await chromium.launch({ executablePath: '/usr/bin/chromium', args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'] });
 const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: 'dark', locale: 'en-GB' });
 const page = await context.newPage();
+page.setDefaultTimeout(150_000);  // a busy machine
 const blank = await context.newPage();
 await page.bringToFront();
 
 async function picture(name) {
   await page.waitForTimeout(800);
-  const png = (await page.screenshot()).toString('base64');
+  const png = (await page.screenshot({ timeout: 150_000 })).toString('base64');
   const webp = await blank.evaluate(async (data) => {
     const image = new Image();
     image.src = `data:image/png;base64,${data}`;
@@ -27,7 +28,7 @@ async function picture(name) {
 
 await page.goto(process.argv[2]);
 await page.getByRole('button', { name: /^In control/ }).waitFor();
-await page.getByText(/moveto PrePlace/).first().waitFor({ timeout: 60_000 });
+await page.getByText(/moveto PrePlace/).first().waitFor({ timeout: 150_000 });
 await picture('pendant_run');
 await page.getByRole('button', { name: 'End program' }).click();
 await page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
@@ -58,7 +59,7 @@ await picture('pendant_points');
 await page.getByRole('link', { name: 'Program' }).click();
 await page.getByText('Text', { exact: true }).click();
 await page.getByRole('button', { name: 'Dry run' }).click();
-await page.getByText(/^Dry run: /).first().waitFor({ timeout: 60_000 });
+await page.getByText(/^Dry run: /).first().waitFor({ timeout: 150_000 });
 await page.waitForTimeout(1500);
 await picture('pendant_program');
 await browser.close();
