@@ -207,6 +207,7 @@ CallbackReturn UrComponent::on_configure() {
   const double cell = 1 / seconds(period_);
   if (paced_ && std::abs(cell - link_->rate()) > 0.01 * link_->rate()) {
     link_->fail(Cause::wrong_rate, static_cast<int>(std::lround(link_->rate())));
+    link_->close();
     return CallbackReturn::failure;
   }
   return CallbackReturn::success;

@@ -47,7 +47,9 @@ class UrComponent : public hardware::Component {
   std::string summary() const override;
 
   /// Why it failed last; none after configuring. Any thread.
-  Cause cause() const noexcept { return link_ ? link_->cause() : Cause::none; }
+  Cause cause() const noexcept {
+    return !link_ ? Cause::none : link_->cause() != Cause::none ? link_->cause() : link_->refused();
+  }
 
  protected:
   LinkSettings& settings() noexcept { return settings_; }

@@ -60,7 +60,8 @@ void Link::note(Cause cause, int detail, const std::string& text) {
 }
 
 std::string Link::reason() const {
-  const std::uint64_t word = fault_.load(std::memory_order_acquire);
+  const std::uint64_t fault = fault_.load(std::memory_order_acquire);
+  const std::uint64_t word = fault != 0 ? fault : refused_.load(std::memory_order_acquire);
   const std::lock_guard lock(mutex_);
   return sentence(static_cast<Cause>(word & 0xFF), static_cast<std::int32_t>(word >> 8), where(), text_);
 }
@@ -82,7 +83,7 @@ void Link::wait() {
   pollfd polled[5] = {{wake_.number(), POLLIN, 0}, {rtde_.number(), POLLIN, 0}};
   nfds_t count = 2;
   for (const Descriptor* one : {&primary_, &listener_, &stream_})
-    if (*one) polled[count++] = {one->number(), POLLIN, 0};
+    if (*one && !(one == &primary_ && primary_lost_)) polled[count++] = {one->number(), POLLIN, 0};
   const timespec time{0, static_cast<long>(kLook)};
   if (!rtde_) polled[1].fd = -1;
   ::ppoll(polled, count, &time, nullptr);
@@ -94,7 +95,7 @@ void Link::run() {
     calm(wake_.number());
     const Nanoseconds now = realtime::monotonic_now();
     if (rtde_) take_rtde(now);
-    if (primary_) take_primary();
+    if (!primary_lost_) take_primary();
     accept_stream();
     if (stream_) take_stream();
     take_commands(now);
@@ -140,6 +141,7 @@ void Link::take_package(Bytes payload, Nanoseconds now) {
     const std::lock_guard lock(mutex_);
     if (current_.count > 0 && elapsed > 1.5 * period && elapsed < kMostGap)
       current_.lost += static_cast<std::uint64_t>(std::lround(elapsed / period)) - 1;
+    const double state = current_[kRuntimeState];
     std::size_t at = 0;
     for (const Field field : fields_)
       for (std::size_t i = place_of(field); i < place_of(static_cast<Field>(field + 1)); ++i)
@@ -149,7 +151,7 @@ void Link::take_package(Bytes payload, Nanoseconds now) {
     const bool untaken = commanded_ && current_[kSequence] != sent_sequence_;
     unread_ = untaken && current_[kSequence] == taken_sequence_ ? unread_ + 1 : 0;
     taken_sequence_ = current_[kSequence];
-    if (current_.count == 1) changed_.notify_all();
+    if (current_.count == 1 || current_[kRuntimeState] != state) changed_.notify_all();
   }
   samples_.write(current_);
   pacer_.cycle();
@@ -164,7 +166,7 @@ void Link::take_primary() {
     if (got.got == wire::Got::nothing) break;
     const bool whole = got.got == wire::Got::bytes && messages_.feed(Bytes(bytes).first(got.count), events);
     if (!whole) {  // the robot moves without it; only the words are missing
-      primary_ = Descriptor();
+      primary_lost_ = true;
       break;
     }
   }
@@ -185,7 +187,8 @@ void Link::accept_stream() {
   Descriptor socket = wire::accept_tcp(listener_.number());
   if (!socket) return;
   const std::lock_guard lock(mutex_);
-  if (phase_ != Phase::starting) return;  // nobody is expected: closed at once
+  const bool ours = wire::peer_address(socket.number()) == controller_;
+  if (phase_ != Phase::starting || !ours) return;  // nobody is expected, or a stranger: closed at once
   stream_ = std::move(socket);
   phase_ = Phase::streaming;
   played_ = commanded_ = ending_ = false;
@@ -286,7 +289,7 @@ void Link::judge_program(Nanoseconds now) {
   played_ = played_ || state == playing;
   if (played_ && (state == paused || state == pausing)) return note(Cause::program_paused);
   if (played_ && script == static_cast<int>(ScriptState::timed_out)) return note(Cause::commands_late);
-  if (played_ && script == static_cast<int>(ScriptState::jumped)) return note(Cause::jump);
+  if (played_ && script == static_cast<int>(ScriptState::jumped)) return note(Cause::jump, -1);
   if (played_ && (state == stopped || state == stopping)) return note(Cause::program_stopped);
   if (unread_ > rate_ * settings_.watchdog_ms / 1000 + kPatience) return note(Cause::not_reading);
   if (closed_ != 0 && now - closed_ > kGrace) return note(Cause::reverse_closed);

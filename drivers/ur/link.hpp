@@ -105,6 +105,10 @@ class Link {
   std::int32_t command(Mode mode, const std::array<double, 6>& values) noexcept;
   void outputs(const Outputs& outputs) noexcept;
   Cause cause() const noexcept { return static_cast<Cause>(fault_.load(std::memory_order_acquire) & 0xFF); }
+  /// Why open() or start() was refused last; the link may be well.
+  Cause refused() const noexcept {
+    return static_cast<Cause>(refused_.load(std::memory_order_acquire) & 0xFF);
+  }
   /// The driver itself found a cause: the robot is stopped.
   void fail(Cause cause, int detail) noexcept;
 
@@ -133,6 +137,7 @@ class Link {
   bool set_up_inputs();
   bool ask_for_inputs();
   bool check_remote();
+  bool check_robot();
   std::string ask_dashboard(const std::string& line);
 
   // the thread
@@ -159,7 +164,7 @@ class Link {
   Descriptor rtde_, primary_, listener_, stream_, wake_, cycle_;
   int protocol_ = 2;
   double rate_ = 500;
-  std::string version_;
+  std::string version_, controller_;  // controller_: its address
   FrameStream frames_;
   PrimaryStream messages_;
   Recipe recipe_, inputs_;
@@ -169,8 +174,8 @@ class Link {
   realtime::Latest<Sample> samples_;
   realtime::Latest<Command> commands_;
   realtime::Latest<Outputs> outputs_;
-  std::atomic<std::uint64_t> fault_{0};  // cause, detail
-  std::int32_t sequence_ = 0;            // the control thread's
+  std::atomic<std::uint64_t> fault_{0}, refused_{0};  // cause, detail
+  std::int32_t sequence_ = 0;                         // the control thread's
 
   mutable std::mutex mutex_;  // the words below, and the phase; never the control thread's
   std::condition_variable changed_;
@@ -183,6 +188,7 @@ class Link {
   // the thread's
   Sample current_;
   wire::Pacer pacer_;
+  bool primary_lost_ = false;
   bool played_ = false;
   bool commanded_ = false;
   bool ending_ = false;

@@ -67,7 +67,10 @@ Link::Link(LinkSettings settings)
       pacer_(0) {}
 
 bool Link::refuse(Cause cause, int detail, const std::string& text) {
-  note(cause, detail, text);
+  const std::lock_guard lock(mutex_);
+  text_ = text;
+  refused_ =
+      static_cast<std::uint64_t>(cause) | static_cast<std::uint64_t>(static_cast<std::uint32_t>(detail)) << 8;
   return false;
 }
 
@@ -161,9 +164,8 @@ bool Link::set_up_inputs() {
   if (!settings_.io) return inputs_ = {}, true;
   for (int attempt = 0; attempt < 10; ++attempt) {
     if (ask_for_inputs()) return true;
-    if (cause() != Cause::second_client) return false;
+    if (refused() != Cause::second_client) return false;
     wire::wait_readable(rtde_.number(), 50'000'000);
-    if (attempt < 9) fault_ = 0;
   }
   return false;
 }
@@ -220,10 +222,11 @@ bool Link::check_remote() {
 
 bool Link::open() {
   close();
-  fault_ = 0;
+  fault_ = refused_ = 0;
   frames_.reset();
   messages_.reset();
   current_ = {};
+  primary_lost_ = false;
   current_.values.fill(std::numeric_limits<double>::quiet_NaN());
   samples_.reset(current_);
   commands_.fetch();
@@ -238,7 +241,9 @@ bool Link::open() {
   bool fine = connect(settings_.rtde_port, rtde_) && negotiate() && set_up_outputs() && set_up_inputs() &&
               connect(settings_.primary_port, primary_);
   if (fine) {
-    listener_ = wire::listen_tcp("0.0.0.0", settings_.own_port, why);
+    const std::string own = settings_.own_address.empty() ? wire::local_address(rtde_.number()) : "0.0.0.0";
+    listener_ = wire::listen_tcp(own, settings_.own_port, why);
+    controller_ = wire::peer_address(rtde_.number());
     if (!listener_) fine = refuse(Cause::unreachable, 0, why);
   }
   if (fine) {
@@ -260,7 +265,7 @@ bool Link::open() {
   const bool heard = current_.count > 0 && fault_ == 0;
   lock.unlock();
   if (heard) return true;
-  if (fault_ == 0) note(Cause::rtde_silent);
+  if (fault_ == 0) refuse(Cause::rtde_silent);
   close();
   return false;
 }
@@ -275,20 +280,31 @@ void Link::close() {
   drop();
 }
 
-bool Link::start() {
-  if (!thread_.joinable()) return refuse(Cause::rtde_closed);
+/// Neither a stop nor another program may be in the way. A program of ours that is just ending is waited for.
+bool Link::check_robot() {
   std::unique_lock lock(mutex_);
-  const Obstacle obstacle =
-      obstacle_of(static_cast<int>(current_[kRobotMode]), static_cast<int>(current_[kSafetyMode]));
+  const auto value = [this](Field field) { return static_cast<int>(current_[field]); };
+  changed_.wait_for(lock, std::chrono::nanoseconds(settings_.start_timeout), [&] {
+    return value(kRuntimeState) == stopped || value(kRuntimeState) == paused || fault_ != 0;
+  });
+  const Obstacle obstacle = obstacle_of(value(kRobotMode), value(kSafetyMode));
+  const int state = value(kRuntimeState);
   lock.unlock();
   if (fault_ != 0) return false;
   if (obstacle.cause != Cause::none) return refuse(obstacle.cause, obstacle.detail);
+  return state == stopped ? true : refuse(Cause::other_program, state);
+}
+
+bool Link::start() {
+  if (!thread_.joinable()) return refuse(Cause::rtde_closed);
+  refused_ = 0;
+  if (!check_robot()) return false;
   if (!check_remote()) return false;
   ScriptSettings script = settings_.script;
   script.host =
       settings_.own_address.empty() ? wire::local_address(primary_.number()) : settings_.own_address;
   script.port = wire::local_port(listener_.number());
-  lock.lock();
+  std::unique_lock lock(mutex_);
   exception_.clear();
   refusal_.clear();
   stop_wanted_ = false;

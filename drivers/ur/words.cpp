@@ -35,7 +35,8 @@ const char* name(Cause cause) {
       "second-client",  "not-remote",     "robot-mode",      "protective-stop", "safeguard-stop",
       "emergency-stop", "safety-fault",   "program-stopped", "program-paused",  "script-error",
       "no-answer-back", "reverse-closed", "commands-late",   "loop-silent",     "jump",
-      "rtde-silent",    "rtde-closed",    "bad-data",        "not-reading",     "wrong-rate"};
+      "rtde-silent",    "rtde-closed",    "bad-data",        "not-reading",     "other-program",
+      "wrong-rate"};
   return kNames[static_cast<std::size_t>(cause)];
 }
 
@@ -133,10 +134,14 @@ std::string sentence(Cause cause, int detail, const std::string& where, const st
       return "the control loop gave no command in time, and the driver stopped the robot at " + where +
              "; see `polyarm health` for the reason, then recover here";
     case Cause::jump:
-      return "the first or next command for joint " + std::to_string(detail + 1) + " of the robot at " +
-             where +
-             " is too far away for one cycle; it was not sent, and the robot was stopped: check controllers "
-             "and limits";
+      return "a command for " + (detail < 0 ? "a joint" : "joint " + std::to_string(detail + 1)) +
+             " of the robot at " + where +
+             " is too far away for one cycle; it was not carried out, and the robot was stopped: check "
+             "controllers and "
+             "limits";
+    case Cause::other_program:
+      return where + (detail == paused ? " has a paused program" : " runs another program") +
+             ": stop it at the pendant, then activate again";
     case Cause::rtde_silent:
       return where +
              " sends nothing any more: check cable, switch and power of the controller; the robot's program "

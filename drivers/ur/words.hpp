@@ -60,8 +60,9 @@ enum class Cause : std::uint8_t {
   rtde_silent,
   rtde_closed,
   bad_data,
-  not_reading,  ///< the robot's program does not read its commands
-  wrong_rate,   ///< detail: Hz of the controller
+  not_reading,    ///< the robot's program does not read its commands
+  other_program,  ///< another program runs on the controller; detail: RuntimeState
+  wrong_rate,     ///< detail: Hz of the controller
 };
 const char* name(Cause cause);
 

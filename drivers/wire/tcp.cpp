@@ -50,6 +50,11 @@ sockaddr_in name_of(int socket) {
   return own;
 }
 
+std::string text_of(const sockaddr_in& address) {
+  char text[INET_ADDRSTRLEN] = {};
+  return ::inet_ntop(AF_INET, &address.sin_addr, text, sizeof text) ? text : "";
+}
+
 }  // namespace
 
 Descriptor connect_tcp(const std::string& host, int port, Nanoseconds timeout, std::string& why) {
@@ -118,9 +123,14 @@ int local_port(int socket) {
 }
 
 std::string local_address(int socket) {
-  const sockaddr_in own = name_of(socket);
-  char text[INET_ADDRSTRLEN] = {};
-  return ::inet_ntop(AF_INET, &own.sin_addr, text, sizeof text) ? text : "";
+  return text_of(name_of(socket));
+}
+
+std::string peer_address(int socket) {
+  sockaddr_in other{};
+  socklen_t size = sizeof other;
+  if (::getpeername(socket, reinterpret_cast<sockaddr*>(&other), &size) != 0) return {};
+  return text_of(other);
 }
 
 Received receive(int socket, std::span<std::uint8_t> into) noexcept {

@@ -21,6 +21,8 @@ Descriptor listen_tcp(const std::string& address, int port, std::string& why);
 Descriptor accept_tcp(int listener);
 /// The port that a socket is bound to; 0 on failure.
 int local_port(int socket);
+/// The address of the other end; empty on failure.
+std::string peer_address(int socket);
 /// The address of this machine from which the socket speaks: what its peer can connect back to.
 std::string local_address(int socket);
 

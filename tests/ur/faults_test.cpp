@@ -201,7 +201,7 @@ TEST(UrFaults, TheRobotsProgramStopsTheRobotWhenCommandsEnd) {
 }
 
 TEST(UrFaults, ALoopThatFallsSilentIsStoppedByTheDriver) {
-  UrRig rig(Parameters{{"watchdog_ms", "20"}});
+  UrRig rig(Parameters{{"watchdog_ms", "1000"}});  // the controller's clock stands still
   ASSERT_TRUE(rig.start()) << rig.component.reason();
   for (int i = 0; i < 3 && rig.component.cause() == Cause::none; ++i) rig.cycle_once();
   while (rig.component.cause() == Cause::none) std::this_thread::yield();  // it takes what it takes
@@ -219,9 +219,42 @@ TEST(UrFaults, SilenceOfTheControllerIsNamed) {
   EXPECT_NE(rig.component.reason().find("check cable"), std::string::npos);
 }
 
-TEST(UrFaults, AConnectionThatNobodyExpectsIsClosed) {
+TEST(UrFaults, ARefusedActivationLeavesTheComponentReading) {
   UrRig rig;
+  ASSERT_TRUE(rig.configure()) << rig.component.reason();
+  rig.far().order("local");
+  EXPECT_FALSE(rig.activate());
+  EXPECT_EQ(rig.read(), ReturnType::ok) << "it is inactive, not broken";
+  rig.far().order("remote");
+  EXPECT_TRUE(rig.activate()) << rig.component.reason();
+  EXPECT_EQ(rig.component.cause(), Cause::none);
+}
+
+TEST(UrFaults, AnotherProgramIsNotReplaced) {
+  UrRig rig(Parameters{{"start_timeout", "0.2"}});
+  ASSERT_TRUE(rig.configure()) << rig.component.reason();
+  rig.far().with([](ur::Machine& machine) { return machine.program(ur::Machine::Program::playing), 0; });
+  while (rig.state("controller/program_state") != ur::playing) rig.read();
+  EXPECT_FALSE(rig.activate());
+  EXPECT_EQ(rig.component.cause(), Cause::other_program) << rig.component.reason();
+  EXPECT_NE(rig.component.reason().find("runs another program"), std::string::npos);
+  EXPECT_FALSE(rig.far().program_runs());
+}
+
+TEST(UrFaults, AConnectionThatNobodyExpectsIsClosed) {
+  std::string why;
+  int port = 0;  // a free one, for the driver to listen at
+  {
+    const Descriptor free = wire::listen_tcp("127.0.0.1", 0, why);
+    port = wire::local_port(free.number());
+  }
+  UrRig rig(Parameters{{"own_port", std::to_string(port)}});
   ASSERT_TRUE(rig.start()) << rig.component.reason();
+  const Descriptor stranger = wire::connect_tcp("127.0.0.1", port, 5'000'000'000, why);
+  ASSERT_TRUE(stranger) << why;
+  ASSERT_TRUE(wire::wait_readable(stranger.number(), 10'000'000'000));
+  std::array<std::uint8_t, 64> bytes;
+  EXPECT_EQ(wire::receive(stranger.number(), bytes).got, wire::Got::closed);
   ASSERT_TRUE(rig.runs(20, [](int) {}));
   EXPECT_EQ(rig.component.cause(), Cause::none);
 }
