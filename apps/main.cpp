@@ -54,6 +54,7 @@ const std::vector<Verb>& verbs() {
       {"setup", "set up the servos of an arm: ids, ranges, zero", run_setup},
       {"doctor", "what of this machine is in the way of a cell, and how to mend it", run_doctor},
       {"drivers", "list the drivers, or try one on its device and write a report", run_drivers},
+      {"far-side", "simulate the controller of a robot down to its bytes, with faults to order", run_far_side},
       {"completion", "print shell completion (bash, zsh, fish)", run_completion},
       {"version", "print the version", run_version},
   };

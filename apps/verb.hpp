@@ -60,6 +60,7 @@ int run_param(int argc, char** argv);
 int run_setup(int argc, char** argv);
 int run_doctor(int argc, char** argv);
 int run_drivers(int argc, char** argv);
+int run_far_side(int argc, char** argv);
 int run_completion(int argc, char** argv);
 int run_version(int argc, char** argv);
 

@@ -1,0 +1,3 @@
+#include "drivers/ur/fake.hpp"
+
+POLYARM_DRIVER(polyarm::ur::FakeUr)

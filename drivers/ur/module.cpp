@@ -1,0 +1,3 @@
+#include "drivers/ur/component.hpp"
+
+POLYARM_DRIVER(polyarm::ur::UrComponent)
