@@ -9,7 +9,7 @@
 
 #include "drivers/ur/fake.hpp"
 #include "polyarm/base/error.hpp"
-#include "polyarm/description/catalogue.hpp"
+#include "polyarm/catalogue/catalogue.hpp"
 
 namespace polyarm::test {
 
