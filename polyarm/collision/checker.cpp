@@ -105,7 +105,7 @@ bool Checker::usable(std::span<const double> q) const noexcept {
 }
 
 float Checker::value(std::size_t variable, double q) const noexcept {
-  if (!wraps_[variable]) return static_cast<float>(q);
+  if (!wraps_[variable] || std::abs(q) <= 2 * std::numbers::pi) return static_cast<float>(q);
   return static_cast<float>(std::remainder(q, 2 * std::numbers::pi));
 }
 

@@ -116,8 +116,10 @@ class Probe {
   EdgeAnswer edge(std::span<const double> from, std::span<const double> to,
                   const EdgeOptions& options = {}) noexcept;
 
-  /// True if every state that differs from `q` by at most `size[j]` in joint j is proven free.
-  bool proven_around(std::span<const double> q, std::span<const double> size, bool exact = false) noexcept;
+  /// `states`, one after the other, and for each a size of joint changes: true if every state that differs
+  /// from one of them by at most its size in each joint is proven free.
+  bool proven_around(std::span<const double> states, std::span<const double> sizes,
+                     bool use_exact = false) noexcept;
 
  private:
   struct Interval {

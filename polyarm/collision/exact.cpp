@@ -11,6 +11,8 @@ namespace polyarm::collision {
 
 namespace {
 
+constexpr double kBoundRounding = 1e-9;  // m
+
 using Poses = std::array<Pose, kMostSteps>;
 
 Pose pose_of(const Poses& poses, const LinkBody& link) {
@@ -37,6 +39,13 @@ Separation apart(const ConvexBody& body, const Pose& pose, const Obstacle& obsta
 
 /// A lower bound of the distance of anything in `ball` from the obstacle.
 double bound(const Ball& ball, const Pose& pose, const Obstacle& obstacle) {
+  if (!obstacle.is_half_space && obstacle.kind == description::ShapeKind::box) {
+    const Vec3 local = inverse(obstacle.pose) * (pose * ball.center);
+    const Vec3 beyond{std::max(std::abs(local.x) - obstacle.half.x, 0.0),
+                      std::max(std::abs(local.y) - obstacle.half.y, 0.0),
+                      std::max(std::abs(local.z) - obstacle.half.z, 0.0)};
+    return norm(beyond) - ball.radius - kBoundRounding;
+  }
   return apart({{ball.center}, ball.radius, 0, {0, 0, 1}}, pose, obstacle).lower;
 }
 

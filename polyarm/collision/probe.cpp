@@ -42,7 +42,8 @@ void Probe::fill_state(std::size_t lane, std::span<const double> q) noexcept {
 
 bool Probe::touches(std::span<const double> q) noexcept {
   if (!checker_.usable(q)) return true;
-  for (std::size_t lane = 0; lane < width_; ++lane) fill_state(lane, q);
+  float* row = floats(states_at_);
+  for (std::size_t j = 0; j < q.size(); ++j, row += width_) std::fill_n(row, width_, checker_.value(j, q[j]));
   return checker_.kernels()
              .check(checker_.data().model, {floats(states_at_), nullptr, 1, true}, aligned_)
              .touching != 0;
@@ -155,17 +156,30 @@ EdgeAnswer Probe::edge(std::span<const double> from, std::span<const double> to,
   }
 }
 
-bool Probe::proven_around(std::span<const double> q, std::span<const double> size, bool use_exact) noexcept {
-  if (!checker_.usable(q)) return false;
-  checker_.motion(size, rows_);
-  for (std::size_t lane = 0; lane < width_; ++lane) fill_state(lane, q);
+bool Probe::proven_around(std::span<const double> states, std::span<const double> sizes,
+                          bool use_exact) noexcept {
+  const std::size_t n = checker_.variables(), all = n > 0 ? states.size() / n : 0;
   float* margins = floats(margins_at_);
-  for (std::size_t r = 0; r < rows_.size(); ++r)
-    for (std::size_t i = 0; i < width_; ++i)
-      margins[r * width_ + i] = static_cast<float>(rows_[r] * (1 + kMarginRounding));
-  const CheckJob job{floats(states_at_), margins, 1, !use_exact};
-  if (!checker_.kernels().check(checker_.data().model, job, aligned_).near) return true;
-  return use_exact && exact(q, rows_) == ExactVerdict::free;
+  for (std::size_t first = 0; first < all; first += width_) {
+    const std::size_t count = std::min(width_, all - first);
+    for (std::size_t lane = 0; lane < width_; ++lane) {
+      const std::size_t from = (first + std::min(lane, count - 1)) * n;
+      if (!checker_.usable(states.subspan(from, n))) return false;
+      fill_state(lane, states.subspan(from, n));
+      checker_.motion(sizes.subspan(from, n), rows_);
+      for (std::size_t r = 0; r < rows_.size(); ++r)
+        margins[r * width_ + lane] = static_cast<float>(rows_[r] * (1 + kMarginRounding));
+    }
+    const CheckJob job{floats(states_at_), margins, first_lanes(count), !use_exact};
+    const std::uint32_t near = checker_.kernels().check(checker_.data().model, job, aligned_).near;
+    if (near && !use_exact) return false;
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      if (!((near >> lane) & 1)) continue;
+      checker_.motion(sizes.subspan((first + lane) * n, n), rows_);
+      if (exact(states.subspan((first + lane) * n, n), rows_) != ExactVerdict::free) return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace polyarm::collision
