@@ -97,7 +97,10 @@ int explain_launch_file(const std::string& verb, const std::string& path,
   if (!read.descriptions.empty() && read.parameters.empty())
     read.parameters = controllers_of(read.descriptions.front());
   print_taken(read, path);
-  if (!read.descriptions.empty() && fs::is_regular_file(read.descriptions.front().file, error)) {
+  const auto missing = [&](const auto& found) { return !fs::is_regular_file(found.file, error); };
+  std::erase_if(read.descriptions, missing);
+  std::erase_if(read.parameters, missing);
+  if (!read.descriptions.empty()) {
     if (read.descriptions.size() > 1)
       fmt::print(stderr, "it has several descriptions; the first is used below\n");
     print_needs(read, verb);

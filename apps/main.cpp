@@ -15,6 +15,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
+#include "polyarm/hulls/robot_bodies.hpp"
 #include "polyarm/setup/door_kinds.hpp"
 
 namespace polyarm::apps {
@@ -107,6 +108,10 @@ int main(int argc, char** argv) {
                        {"domain", "range", "peers", "namespace", "distribution", "cmd_vel"},
                        "install Fast DDS (tools/setup does) and build again, or run without --ros2"});
   apps::guard_terminal();
+  hulls::listen_to_making([](std::size_t meshes) {
+    complain(fmt::format("making bodies of {} mesh{} for the detection of contacts, kept for next time\n",
+                         meshes, meshes == 1 ? "" : "es"));
+  });
   try {
     apps::take_reach_options(argc, argv);
   } catch (const Error& e) {

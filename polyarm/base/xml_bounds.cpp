@@ -15,6 +15,7 @@ std::size_t behind_tag(std::string_view text, std::size_t at, std::size_t& attri
   };
   if (text.substr(at).starts_with("<!--")) return behind("-->");
   if (text.substr(at).starts_with("<![CDATA[")) return behind("]]>");
+  if (text.substr(at).starts_with("<?")) return behind("?>");
   for (++at; at < text.size() && text[at] != '>'; ++at) {
     if (text[at] != '"' && text[at] != '\'') continue;
     ++attributes;
@@ -42,6 +43,22 @@ void check_xml_bounds(std::string_view text, const std::string& file, std::size_
                   "put what they say into elements"});
     at = text.find('<', next);
   }
+}
+
+std::string without_instructions(std::string_view text) {
+  std::string out(text);
+  if (text.find("<?") == std::string_view::npos) return out;
+  for (std::size_t at = text.find('<'); at != std::string_view::npos;) {
+    std::size_t ignored = 0;
+    const std::size_t next = behind_tag(text, at, ignored);
+    const std::string_view tag = text.substr(at, next - at);
+    const bool declaration = tag.starts_with("<?xml") && tag.find_first_of(" \t\r\n?", 5) == 5;
+    if (tag.starts_with("<?") && tag.ends_with("?>") && !declaration)
+      std::replace_if(
+          out.begin() + at, out.begin() + next, [](char c) { return c != '\n'; }, ' ');
+    at = text.find('<', next);
+  }
+  return out;
 }
 
 }  // namespace polyarm

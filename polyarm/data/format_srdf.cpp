@@ -10,7 +10,8 @@ namespace polyarm::data {
 void read_srdf(std::string_view text, const std::string& file, DataSet& out, Problems& problems) {
   check_xml_bounds(text, file);
   tinyxml2::XMLDocument document;
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS || !document.RootElement())
+  const std::string plain = without_instructions(text);
+  if (document.Parse(plain.data(), plain.size()) != tinyxml2::XML_SUCCESS || !document.RootElement())
     return problems.error("bad-xml", {file, document.ErrorLineNum()}, "this is no SRDF: it is no XML");
   for (auto* state = document.RootElement()->FirstChildElement("group_state"); state;
        state = state->NextSiblingElement("group_state")) {

@@ -35,6 +35,10 @@ class HardwareCheck {
             "'" + hardware.name + "' has two of <" + component.kind + " name=\"" + component.name + "\">",
             "put their interfaces into one");
     }
+    for (ComponentInfo& component : hardware.components) {
+      once(component, component.state_interfaces, "state", states_);
+      once(component, component.command_interfaces, "command", commands_);
+    }
     shape(hardware);
     for (const TransmissionInfo& t : hardware.transmissions) transmission(hardware, t);
   }
@@ -48,6 +52,26 @@ class HardwareCheck {
   }
 
  private:
+  using Owners = std::map<std::string, std::string>;
+
+  /// A <sensor> and a <gpio> of one name, or two blocks, may name the same interface: the first counts.
+  void once(const ComponentInfo& component, std::vector<InterfaceInfo>& interfaces, const std::string& kind,
+            Owners& owners) {
+    std::erase_if(interfaces, [&](const InterfaceInfo& interface) {
+      if (component.name.empty() || interface.name.empty()) return false;
+      const std::string name = component.name + "/" + interface.name;
+      const std::string owner =
+          "the <" + component.kind + "> of line " + std::to_string(component.where.line);
+      const auto [first, is_new] = owners.emplace(name, owner);
+      if (is_new) return false;
+      warnings_.warning("duplicate-name", interface.where,
+                        "the " + kind + " interface '" + name + "' of this <" + component.kind +
+                            "> exists already in " + first->second + "; the first counts",
+                        "remove one of them, or rename the <" + component.kind + ">");
+      return true;
+    });
+  }
+
   /// Ensures that every block has a unique name.
   void name(HardwareInfo& hardware) {
     const std::string given = hardware.name;
@@ -148,6 +172,7 @@ class HardwareCheck {
   Suggestions suggest_;
   std::map<std::string, int> next_name_;  ///< by the name that several have: the number of the next
   std::set<std::string> blocks_;
+  Owners states_, commands_;  ///< "joint/position", and the element that has it
 };
 
 }  // namespace

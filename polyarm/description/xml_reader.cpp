@@ -28,7 +28,8 @@ std::string tags(const std::vector<std::string>& names) {
 
 void XmlReader::parse(tinyxml2::XMLDocument& document, std::string_view text, const std::string& file) {
   check_xml_bounds(text, file);
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
+  const std::string plain = without_instructions(text);
+  if (document.Parse(plain.data(), plain.size()) != tinyxml2::XML_SUCCESS)
     throw Error(Problem{"xml-syntax",
                         {file, document.ErrorLineNum()},
                         "not valid XML: " + std::string(document.ErrorName()),

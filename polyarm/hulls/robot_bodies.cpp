@@ -152,18 +152,19 @@ bool take(const fs::path& path, Body& out) {
   return true;
 }
 
-Body body_of(const Shape& shape, const fs::path& cache) {
-  if (cache.empty()) return computed(shape);
+bool take_cached(const Shape& shape, const fs::path& cache, Body& out) {
+  if (cache.empty()) return false;
   const fs::path path = place_in(cache, shape);
-  Body out;
-  {
-    const AsUser as_user;
-    if (take(path, out)) {
-      out.report.mesh = shape.mesh_path;
-      return out;
-    }
-  }
-  out = computed(shape);
+  const AsUser as_user;
+  if (!take(path, out)) return false;
+  out.report.mesh = shape.mesh_path;
+  return true;
+}
+
+Body made(const Shape& shape, const fs::path& cache) {
+  Body out = computed(shape);
+  if (cache.empty()) return out;
+  const fs::path path = place_in(cache, shape);
   const AsUser as_user;
   if (const std::string text = to_text(out); text.size() <= kLargestCached)
     store_in_cache(path, text, kMostCached, 0600);
@@ -178,7 +179,13 @@ struct Job {
   std::vector<Shape*> shapes;
   Body body;
   Problems problems;
+  bool done = false;  ///< the cache had it, or it failed
 };
+
+std::function<void(std::size_t)>& listener_to_making() {
+  static std::function<void(std::size_t)> listener;
+  return listener;
+}
 
 std::vector<Job> jobs_of(const std::vector<Shape*>& shapes) {
   std::map<std::string, Job> by_mesh;
@@ -207,15 +214,19 @@ void warn_of_missing(std::vector<Job>& jobs, std::vector<Problem>& warnings) {
       {"no-mesh", {}, what, "give the folder of their package in POLYARM_PACKAGES", Severity::warning});
 }
 
-void run(std::vector<Job>& jobs, const fs::path& cache) {
+/// Calls `step` for each job, side by side on the processors that there are.
+template <typename Step>
+void for_each(std::vector<Job>& jobs, Step step) {
   std::atomic<std::size_t> next{0};
   const bool as_user = AsUser::active();
   const auto work = [&] {
     std::optional<AsUser> user;
     if (as_user) user.emplace();
     for (std::size_t i = next++; i < jobs.size(); i = next++) try {
-        collect(jobs[i].problems, [&] { jobs[i].body = body_of(*jobs[i].shapes.front(), cache); });
+        collect(jobs[i].problems, [&] { step(jobs[i]); });
+        if (jobs[i].problems.has_errors()) jobs[i].done = true;
       } catch (const std::exception& e) {
+        jobs[i].done = true;
         jobs[i].problems.error("bad-mesh", {},
                                "no body for the mesh " + jobs[i].shapes.front()->mesh + ": " + e.what(),
                                "export it again with fewer triangles");
@@ -228,11 +239,25 @@ void run(std::vector<Job>& jobs, const fs::path& cache) {
   work();
 }
 
+void run(std::vector<Job>& jobs, const fs::path& cache) {
+  for_each(jobs, [&](Job& job) { job.done = take_cached(*job.shapes.front(), cache, job.body); });
+  const auto left = std::count_if(jobs.begin(), jobs.end(), [](const Job& job) { return !job.done; });
+  if (left == 0) return;
+  if (listener_to_making()) listener_to_making()(static_cast<std::size_t>(left));
+  for_each(jobs, [&](Job& job) {
+    if (!job.done) job.body = made(*job.shapes.front(), cache);
+  });
+}
+
 }  // namespace
 
 fs::path bodies_cache() {
   const fs::path folder = cache_folder();
   return folder.empty() ? folder : folder / "bodies";
+}
+
+void listen_to_making(std::function<void(std::size_t meshes)> listener) {
+  listener_to_making() = std::move(listener);
 }
 
 BodiesMade make_bodies(const std::vector<Shape*>& shapes, const fs::path& cache) {

@@ -1,6 +1,8 @@
 #pragma once
 /// Gives the collision meshes of robots and scenes a body: convex pieces that contain the mesh.
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,10 @@ struct BodiesMade {
 
 /// Where this user's bodies are kept; empty without a home.
 std::filesystem::path bodies_cache();
+
+/// `listener` is called before bodies are computed, which may take minutes, with the number of their meshes;
+/// not for bodies that the cache has. One for the process; set it before the first make_bodies.
+void listen_to_making(std::function<void(std::size_t meshes)> listener);
 
 /// Fills `pieces` of each collision mesh of the robot. Meshes of the same file and scale are computed once,
 /// side by side on the processors that there are. `cache`: a folder of the user that keeps results by the

@@ -58,6 +58,40 @@ bool has_default(const std::string& text, const std::string& name) {
   return false;
 }
 
+/// Removes what lies between `begin` and `end`, these included; nested pairs count as one.
+void cut_out(std::string& text, std::string_view begin, std::string_view end) {
+  std::string out;
+  int depth = 0;
+  std::size_t from = 0;
+  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at + 1)) {
+    const std::string_view rest = std::string_view(text).substr(at);
+    if (rest.starts_with(begin) && depth++ == 0) out += text.substr(from, at - from);
+    if (depth > 0 && rest.starts_with(end) && --depth == 0) from = at + end.size();
+  }
+  if (depth == 0) out += text.substr(from);
+  text = std::move(out);
+}
+
+/// True for a file that defines macros and neither has a link of its own nor calls a macro: a part of robots.
+bool only_defines_macros(std::string text) {
+  if (text.find("<xacro:macro") == std::string::npos) return false;
+  for (std::size_t at; (at = text.find("<!--")) != std::string::npos;)
+    text.erase(at, std::min(text.size(), text.find("-->", at) + 3) - at);
+  cut_out(text, "<xacro:macro", "</xacro:macro>");
+  if (text.find("<link") != std::string::npos) return false;
+  static const std::set<std::string> kNoCalls = {"include", "arg", "property", "if", "unless"};
+  constexpr std::string_view kCall = "<xacro:";
+  for (std::size_t at = text.find(kCall); at != std::string::npos; at = text.find(kCall, at + 1)) {
+    const std::size_t begin = at + kCall.size();
+    if (!kNoCalls.contains(text.substr(begin, text.find_first_of(" \t\r\n/>", begin) - begin))) return false;
+  }
+  return true;
+}
+
+bool is_semantic(const fs::path& file) {
+  return file.filename().string().find(".srdf") != std::string::npos;
+}
+
 /// What a folder holds that a launch file could have named.
 struct Found {
   std::vector<fs::path> descriptions, controllers;
@@ -86,7 +120,8 @@ Found look_into(const fs::path& package) {
   std::sort(out.descriptions.begin(), out.descriptions.end(),
             [&](const fs::path& a, const fs::path& b) { return rank(a) < rank(b); });
   std::erase_if(out.descriptions, [](const fs::path& file) {
-    return text_of(file).find("<robot") == std::string::npos ||
+    const std::string text = text_of(file);
+    return is_semantic(file) || text.find("<robot") == std::string::npos || only_defines_macros(text) ||
            !description::files_that_include(file).empty();
   });
   std::sort(out.controllers.begin(), out.controllers.end());

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/xacro/xacro_value.hpp"
 
 namespace polyarm::ros_files {
 
@@ -52,334 +53,63 @@ std::string package_folder(const std::string& package, const Substitution& with)
 
 // --- $(eval …) ---
 
-/// A value of the expression: text, or a number that may be whole or a truth value.
-struct Value {
-  enum class Kind { text, boolean, whole, real } kind = Kind::text;
-  double number = 0;
-  std::string text;
-  bool is_number() const { return kind != Kind::text; }
-};
+using description::XacroList;
+using description::XacroNames;
+using description::XacroValue;
 
-Value of_text(std::string text) {
-  return {Value::Kind::text, 0, std::move(text)};
-}
-Value of_truth(bool value) {
-  return {Value::Kind::boolean, value ? 1.0 : 0.0, {}};
-}
-Value of_number(double value, bool whole) {
-  if (!std::isfinite(value)) refuse("the result of an expression is not a finite number");
-  return {whole ? Value::Kind::whole : Value::Kind::real, value, {}};
-}
 bool is_whole_text(std::string_view text) {
   return !text.empty() && text.find_first_not_of("+-0123456789") == std::string_view::npos;
 }
-/// What an arg is to Python: a truth value, a number, or text.
-Value guessed(const std::string& text) {
-  const std::string plain = lower(text);
-  if (plain == "true" || plain == "false") return of_truth(plain == "true");
-  if (const auto number = parse_number(text)) return of_number(*number, is_whole_text(text));
-  return of_text(text);
-}
-bool truth(const Value& value) {
-  return value.is_number() ? value.number != 0 : !value.text.empty();
-}
-std::string printed(const Value& value) {
-  if (value.kind == Value::Kind::text) return value.text;
-  if (value.kind == Value::Kind::boolean) return value.number != 0 ? "True" : "False";
-  const std::string text = format_number(value.number);
-  const bool plain = text.find_first_of(".e") == std::string::npos;
-  return value.kind == Value::Kind::real && plain ? text + ".0" : text;
+
+/// The value of an arg in Python: a bool, a number, or text.
+XacroValue guessed(const std::string& text) {
+  const std::string plain = lower(trim(text));
+  if (plain == "true" || plain == "false") return plain == "true";
+  const auto number = parse_number(text);
+  if (!number) return text;
+  if (!is_whole_text(trim(text)) || std::fabs(*number) > 9e15) return *number;
+  return static_cast<std::int64_t>(*number);
 }
 
-class Expression {
- public:
-  Expression(std::string_view text, const Substitution& with) : text_(text), with_(with) {}
+/// The functions that roslaunch adds to Python's.
+bool launch_function(const std::string& name, const XacroList& given, const Substitution& with,
+                     XacroValue& out) {
+  if (name == "dirname" && given.empty()) return out = with.folder.string(), true;
+  static const std::vector<std::string> kOfOne = {"arg", "find", "env", "anon"};
+  const bool of_one = std::find(kOfOne.begin(), kOfOne.end(), name) != kOfOne.end();
+  if (of_one ? given.size() != 1 : name != "optenv" || given.empty() || given.size() > 2) return false;
+  const std::string first = str_of(given.front());
+  if (name == "arg") out = guessed(arg_value(first, with));
+  if (name == "find") out = package_folder(first, with);
+  if (name == "env") out = variable(first, {});
+  if (name == "anon") out = first + "_anonymous";
+  if (name == "optenv") out = variable(first, given.size() > 1 ? str_of(given[1]) : "");
+  return true;
+}
 
-  std::string evaluate() {
-    const Value value = choice();
-    skip_blanks();
-    if (at_ != text_.size()) refuse_here("is not understood");
-    return printed(value);
-  }
+/// An arg by its name, as a variable of the expression. Other names may be functions, modules and constants.
+bool named_arg(const std::string& name, const Substitution& with, XacroValue& out) {
+  const auto found = with.args.find(name);
+  if (found != with.args.end()) return out = guessed(found->second), true;
+  if (name != "true" && name != "false") return false;
+  return out = name == "true", true;
+}
 
- private:
-  struct Deeper {
-    explicit Deeper(int& depth) : depth_(depth) {
-      if (++depth_ > kDeepest) refuse("an expression is nested more than 32 deep");
-    }
-    ~Deeper() { --depth_; }
-    int& depth_;
-  };
-
-  [[noreturn]] void refuse_here(const std::string& how) const {
-    const std::string rest(text_.substr(at_, 20));
-    refuse(rest.empty() ? "the expression '" + std::string(text_) + "' ends too early"
-                        : "'" + rest + "' " + how + " in the expression '" + std::string(text_) + "'",
-           "numbers, texts, args, comparisons, and, or, not, if-else are understood");
-  }
-
-  void skip_blanks() {
-    while (at_ < text_.size() && std::string_view(" \t\r\n").find(text_[at_]) != std::string_view::npos)
-      ++at_;
-  }
-  static bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-  static bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-  bool sign(std::string_view wanted) {
-    skip_blanks();
-    if (text_.substr(at_, wanted.size()) != wanted) return false;
-    at_ += wanted.size();
-    return true;
-  }
-  bool word(std::string_view wanted) {
-    skip_blanks();
-    const std::size_t end = at_ + wanted.size();
-    if (text_.substr(at_, wanted.size()) != wanted) return false;
-    if (end < text_.size() && (is_letter(text_[end]) || is_digit(text_[end]))) return false;
-    at_ = end;
-    return true;
-  }
-
-  Value choice() {
-    const Deeper deeper(depth_);
-    Value value = either();
-    if (!word("if")) return value;
-    const bool chosen = truth(either());
-    if (!word("else")) refuse_here("stands where 'else' is expected");
-    Value otherwise = choice();
-    return chosen ? value : otherwise;
-  }
-  Value either() {
-    Value left = both();
-    while (word("or")) {
-      Value right = both();
-      if (!truth(left)) left = std::move(right);
-    }
-    return left;
-  }
-  Value both() {
-    Value left = negation();
-    while (word("and")) {
-      Value right = negation();
-      if (truth(left)) left = std::move(right);
-    }
-    return left;
-  }
-  Value negation() {
-    const Deeper deeper(depth_);
-    if (word("not")) return of_truth(!truth(negation()));
-    return comparison();
-  }
-
-  Value comparison() {
-    Value left = sum();
-    for (const char* wanted : {"==", "!=", "<=", ">=", "<", ">"})
-      if (sign(wanted)) return of_truth(compare(left, wanted, sum()));
-    const bool not_in = word("not");
-    if (!word("in")) {
-      if (not_in) refuse_here("stands where 'in' is expected");
-      return left;
-    }
-    const Value whole = sum();
-    if (left.is_number() || whole.is_number()) refuse("'in' compares texts");
-    return of_truth((whole.text.find(left.text) != std::string::npos) != not_in);
-  }
-
-  static bool compare(const Value& a, std::string_view sign, const Value& b) {
-    if (a.is_number() != b.is_number()) {
-      if (sign == "==") return false;
-      if (sign == "!=") return true;
-      refuse("a number and a text are compared by '" + std::string(sign) + "'");
-    }
-    const int order = a.is_number() ? (a.number > b.number) - (a.number < b.number) : a.text.compare(b.text);
-    if (sign == "==") return order == 0;
-    if (sign == "!=") return order != 0;
-    if (sign == "<=") return order <= 0;
-    if (sign == ">=") return order >= 0;
-    return sign == "<" ? order < 0 : order > 0;
-  }
-
-  Value sum() {
-    Value left = product();
-    for (;;) {
-      if (sign("+")) {
-        const Value right = product();
-        if (!left.is_number() && !right.is_number())
-          left.text = limited(left.text + right.text);
-        else
-          left = calculate(left, '+', right);
-      } else if (sign("-")) {
-        left = calculate(left, '-', product());
-      } else {
-        return left;
-      }
-    }
-  }
-
-  Value product() {
-    Value left = signed_value();
-    for (;;) {
-      if (sign("**"))
-        left = calculate(left, '^', signed_value());
-      else if (sign("*"))
-        left = calculate(left, '*', signed_value());
-      else if (sign("//"))
-        left = calculate(left, 'd', signed_value());
-      else if (sign("/"))
-        left = calculate(left, '/', signed_value());
-      else if (sign("%"))
-        left = calculate(left, '%', signed_value());
-      else
-        return left;
-    }
-  }
-
-  static Value calculate(const Value& a, char operation, const Value& b) {
-    if (!a.is_number() || !b.is_number())
-      refuse("a calculation needs numbers on both sides", "float(…) makes one");
-    const bool whole = a.kind != Value::Kind::real && b.kind != Value::Kind::real;
-    const double x = a.number, y = b.number;
-    if (std::string_view("/%d").find(operation) != std::string_view::npos && y == 0)
-      refuse("an expression divides by zero");
-    switch (operation) {
-      case '+':
-        return of_number(x + y, whole);
-      case '-':
-        return of_number(x - y, whole);
-      case '*':
-        return of_number(x * y, whole);
-      case '^':
-        return of_number(std::pow(x, y), whole && y >= 0);
-      case 'd':
-        return of_number(std::floor(x / y), whole);
-      case '%':
-        return of_number(x - y * std::floor(x / y), whole);
-      default:
-        return of_number(x / y, false);
-    }
-  }
-
-  Value signed_value() {
-    const Deeper deeper(depth_);
-    if (sign("-")) {
-      const Value value = signed_value();
-      if (!value.is_number()) refuse("a minus stands before a text");
-      return of_number(-value.number, value.kind != Value::Kind::real);
-    }
-    if (sign("+")) return signed_value();
-    return single();
-  }
-
-  Value single() {
-    skip_blanks();
-    if (at_ >= text_.size()) refuse_here("");
-    if (sign("(")) {
-      Value value = choice();
-      if (!sign(")")) refuse_here("stands where ')' is expected");
-      return value;
-    }
-    const char c = text_[at_];
-    if (c == '\'' || c == '"') return quoted(c);
-    if (is_digit(c) || c == '.') return number();
-    if (is_letter(c)) return named();
-    refuse_here("is not understood");
-  }
-
-  Value quoted(char quote) {
-    const std::size_t end = text_.find(quote, at_ + 1);
-    if (end == std::string_view::npos) refuse_here("is a text that does not end");
-    const std::string inside(text_.substr(at_ + 1, end - at_ - 1));
-    at_ = end + 1;
-    return of_text(inside);
-  }
-
-  Value number() {
-    std::size_t end = at_;
-    while (end < text_.size() &&
-           (is_digit(text_[end]) || text_[end] == '.' || lower(text_.substr(end, 1)) == "e" ||
-            ((text_[end] == '-' || text_[end] == '+') && lower(text_.substr(end - 1, 1)) == "e")))
-      ++end;
-    const std::string_view written = text_.substr(at_, end - at_);
-    const auto value = parse_number(written);
-    if (!value) refuse_here("is no number");
-    at_ = end;
-    return of_number(*value, is_whole_text(written));
-  }
-
-  Value named() {
-    std::size_t end = at_;
-    while (end < text_.size() && (is_letter(text_[end]) || is_digit(text_[end]))) ++end;
-    const std::string name(text_.substr(at_, end - at_));
-    if (name.find("__") != std::string::npos) refuse_here("has two underscores, which is not allowed");
-    at_ = end;
-    if (sign("(")) return call(name);
-    if (name == "True" || name == "true") return of_truth(true);
-    if (name == "False" || name == "false") return of_truth(false);
-    if (name == "None") return of_text("");
-    if (name == "pi" && !with_.args.contains("pi")) return of_number(M_PI, false);
-    return guessed(arg_value(name, with_));
-  }
-
-  Value call(const std::string& name) {
-    std::vector<Value> given;
-    while (!sign(")")) {
-      if (!given.empty() && !sign(",")) refuse_here("stands where ',' or ')' is expected");
-      given.push_back(choice());
-    }
-    if (given.size() == 1 || name == "optenv" || name == "min" || name == "max") {
-      if (const auto text = ros_function(name, given)) return *text;
-      if (const auto value = python_function(name, given)) return *value;
-    }
-    if (given.empty() && name == "dirname") return of_text(with_.folder.string());
-    refuse(
-        "the function '" + name + "' with " + std::to_string(given.size()) + " values is not known here",
-        "known are arg, find, env, optenv, dirname, anon, int, float, str, bool, len, abs, min, max, round");
-  }
-
-  std::optional<Value> ros_function(const std::string& name, const std::vector<Value>& given) const {
-    if (given.empty()) return std::nullopt;
-    const std::string first = printed(given.front());
-    if (name == "arg") return guessed(arg_value(first, with_));
-    if (name == "find") return of_text(package_folder(first, with_));
-    if (name == "env") return of_text(variable(first, {}));
-    if (name == "optenv") return of_text(variable(first, given.size() > 1 ? printed(given[1]) : ""));
-    if (name == "anon") return of_text(first + "_anonymous");
-    return std::nullopt;
-  }
-
-  static std::optional<Value> python_function(const std::string& name, const std::vector<Value>& given) {
-    if (given.empty()) return std::nullopt;
-    const Value& first = given.front();
-    if (name == "str") return of_text(printed(first));
-    if (name == "bool") return of_truth(truth(first));
-    if (name == "len" && !first.is_number()) return of_number(static_cast<double>(first.text.size()), true);
-    if (name == "min" || name == "max") return extreme(given, name == "max");
-    const Value value = first.is_number() ? first : guessed(first.text);
-    if (!value.is_number()) return std::nullopt;
-    if (name == "int") return of_number(std::trunc(value.number), true);
-    if (name == "float") return of_number(value.number, false);
-    if (name == "abs") return of_number(std::fabs(value.number), value.kind != Value::Kind::real);
-    if (name == "round") return of_number(std::nearbyint(value.number), true);
-    return std::nullopt;
-  }
-
-  static Value extreme(const std::vector<Value>& given, bool largest) {
-    Value out = given.front();
-    for (const Value& value : given)
-      if (compare(value, largest ? ">" : "<", out)) out = value;
-    return out;
-  }
-
-  static std::string limited(std::string text) {
-    if (text.size() > kLongest) refuse("an expression gives a text of more than 65536 characters");
-    return text;
-  }
-
-  std::string_view text_;
-  const Substitution& with_;
-  std::size_t at_ = 0;
-  int depth_ = 0;
-};
+std::string evaluated(std::string_view expression, const Substitution& with) {
+  if (expression.find("__") != std::string_view::npos)
+    refuse("two underscores stand in the expression '" + std::string(expression.substr(0, 60)) +
+           "', which is not allowed");
+  const XacroNames names{
+      [&](const std::string& name, XacroValue& out) { return named_arg(name, with, out); },
+      [&](const std::string& name, const XacroList& given, XacroValue& out) {
+        return launch_function(name, given, with, out);
+      },
+      [](const description::XacroScope*, const std::string&, XacroValue&) { return false; }};
+  const XacroValue value = description::evaluate_expression(expression, names);
+  if (const double* number = std::get_if<double>(&value.data); number && !std::isfinite(*number))
+    refuse("the result of an expression is not a finite number");
+  return std::holds_alternative<std::monostate>(value.data) ? "" : str_of(value);
+}
 
 // --- $(…) ---
 
@@ -434,7 +164,19 @@ std::string replaced(std::string_view text, const Substitution& with, int depth)
 }  // namespace
 
 std::string evaluate_launch_expression(std::string_view expression, const Substitution& with) {
-  return Expression(expression, with).evaluate();
+  try {
+    const std::string out = evaluated(expression, with);
+    if (out.size() > kLongest) refuse("an expression gives a text of more than 65536 characters");
+    return out;
+  } catch (const Error& error) {
+    const Problem& problem = error.problems().front();
+    if (problem.code != "bad-expression") throw;
+    constexpr std::string_view kBegin = "the name '", kEnd = "' is not defined";
+    if (problem.what.starts_with(kBegin) && problem.what.ends_with(kEnd))
+      arg_value(problem.what.substr(kBegin.size(), problem.what.size() - kBegin.size() - kEnd.size()), with);
+    refuse("the expression '" + std::string(trim(expression).substr(0, 200)) + "': " + problem.what,
+           "expressions are those of Python; args stand in them by name or as arg('NAME')");
+  }
 }
 
 std::string substitute(std::string_view text, const Substitution& with) {
@@ -458,6 +200,14 @@ bool launch_condition(const std::string& text) {
   refuse("'" + text.substr(0, 60) + "' is neither true nor false", "write true, false, 1 or 0");
 }
 
+namespace {
+/// Within '…' a backslash is itself; within "…" it escapes only a quote and a backslash.
+bool is_escape(std::string_view text, std::size_t at, char quote) {
+  if (quote == '\'' || at + 1 == text.size()) return false;
+  return quote == 0 || text[at + 1] == quote || text[at + 1] == '\\';
+}
+}  // namespace
+
 std::vector<std::string> shell_words(std::string_view text) {
   std::vector<std::string> out;
   bool open = false;
@@ -475,7 +225,7 @@ std::vector<std::string> shell_words(std::string_view text) {
       quote = c;
     else if (c == quote)
       quote = 0;
-    else if (c == '\\' && quote != '\'' && at + 1 < text.size())
+    else if (c == '\\' && is_escape(text, at, quote))
       out.back() += text[++at];
     else
       out.back() += c;

@@ -29,15 +29,15 @@ std::string substitute(std::string_view text, const Substitution& with);
 /// Throws Error("no-package") where `text` still holds a $(find NAME) that was kept.
 void refuse_missing_package(std::string_view text);
 
-/// The Python expression of `$(eval …)`: arithmetic, comparison, and/or/not, `a if c else b`, strings, arg(),
-/// find(), env(), optenv(), dirname(), anon(), int(), float(), str(), bool(), len(), abs(), min(), max(),
-/// round(), and args by their names. Nothing in it can run code. Throws Error without a place.
+/// The Python expression of `$(eval …)`, by the evaluator of xacro's `${…}`, with arg(), find(), env(),
+/// optenv(), dirname(), anon(), and args by their names. Nothing in it can run code. Throws Error without a
+/// place.
 std::string evaluate_launch_expression(std::string_view expression, const Substitution& with);
 
 /// The value of `if` and `unless`: true, false, 1 or 0. Throws Error without a place.
 bool launch_condition(const std::string& text);
 
-/// Words as a shell splits them, with '…', "…" and \ .
+/// Words as Python's shlex splits them, with '…', "…" and \ .
 std::vector<std::string> shell_words(std::string_view text);
 
 }  // namespace polyarm::ros_files

@@ -298,7 +298,8 @@ bool is_yaml(const std::filesystem::path& path) {
 Element read_xml(std::string_view text, const std::string& name) {
   check_xml_bounds(text, name);
   tinyxml2::XMLDocument xml;
-  const auto error = xml.Parse(text.data(), text.size());
+  const std::string plain = without_instructions(text);
+  const auto error = xml.Parse(plain.data(), plain.size());
   const auto* root = xml.RootElement();
   if (error != tinyxml2::XML_SUCCESS || !root || std::string_view(root->Name()) != "launch")
     throw Error(Problem{"not-launch",

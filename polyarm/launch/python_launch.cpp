@@ -10,6 +10,7 @@
 #include "polyarm/launch/python_calls.hpp"
 #include "polyarm/launch/python_reader.hpp"
 #include "polyarm/launch/python_spawners.hpp"
+#include "polyarm/xacro/packages.hpp"
 
 namespace polyarm::ros_files {
 
@@ -33,18 +34,24 @@ std::string without_quotes(std::string value) {
   return value;
 }
 
+/// Shared by the first launch file and those that it includes.
+struct Together {
+  int included = 0;                       ///< launch files read so far
+  std::set<fs::path> packages;            ///< folders that $(find-pkg-share …) and its like gave
+  std::map<fs::path, fs::path> searched;  ///< in these: a missing file, and the one that stands for it
+};
+
 class LaunchReader : private PythonReader, private LaunchActions {
  public:
-  /// `included`: launch files that have been read on the way, of the one that began.
   LaunchReader(std::string_view text, const fs::path& path, const std::map<std::string, std::string>& given,
-               const PackageSearch& find, int depth, int& included)
+               const PackageSearch& find, int depth, Together& together)
       : PythonReader(path.extension() == ".py" ? text : std::string_view(), path.string()),
         text_{text},
         path_{path},
         given_{given},
         find_{find},
         depth_{depth},
-        included_{included} {}
+        together_{together} {}
 
   PythonLaunch read() {
     PythonReader::read([this](bool last) {
@@ -113,12 +120,23 @@ class LaunchReader : private PythonReader, private LaunchActions {
     if (function == "EnvironmentVariable" || whole == "os.getenv" || whole == "os.environ.get")
       return environment(a);
     if (function == "IfCondition" || function == "UnlessCondition") return condition(function[0] == 'U', a);
+    if (function == "PythonExpression") return expression(a);
     if (function == "dict") return map_of(a);
     if (function.ends_with("LaunchDescriptionSource")) return own_argument(a, "location");
     if (function == "IncludeLaunchDescription") include(a, where);
     if (function == "MoveItConfigsBuilder") return builder(a, where);
     if (function == "Node" || is_process(function)) node(function, a, where);
     return function_of_file(a, where);
+  }
+
+  /// PythonExpression(["'", LaunchConfiguration("sim"), "' == 'true'"])
+  static Value expression(const Arguments& a) {
+    const Value* written = a.first_or("expression");
+    const std::string text = written ? flat(*written) : std::string(1, kUnknown);
+    Value out = Value::gap();
+    Problems ignored;
+    if (!has_gap(text)) collect(ignored, [&] { out = Value::of(evaluate_launch_expression(text, {})); });
+    return out;
   }
 
   // --- paths and packages ---
@@ -142,11 +160,37 @@ class LaunchReader : private PythonReader, private LaunchActions {
   }
 
   Value package(const std::string& name) {
-    const fs::path folder = has_gap(name) ? fs::path{} : find_(name);
+    const fs::path folder = has_gap(name) ? fs::path{} : found_package(name);
     if (!folder.empty()) return Value::of(folder.string());
     if (has_gap(name)) return Value::gap();
     missing_.insert(name);
     return Value::gap_of(kInPackage + name);
+  }
+
+  fs::path found_package(const std::string& name) {
+    const fs::path folder = find_(name);
+    if (!folder.empty()) together_.packages.insert(folder.lexically_normal());
+    return folder;
+  }
+
+  /// A file that is deeper in the sources of its package than in the installation: the one below the package
+  /// whose path ends with the requested name. Without one, `named` itself.
+  fs::path located(const fs::path& named) const {
+    if (named.empty() || has_gap(named.string()) || is_there(named)) return named;
+    const fs::path plain = named.lexically_normal();
+    const auto known = together_.searched.find(plain);
+    if (known != together_.searched.end()) return known->second;
+    if (together_.searched.size() >= kMostFound) return named;
+    return together_.searched[plain] = searched(plain);
+  }
+
+  fs::path searched(const fs::path& named) const {
+    for (const fs::path& package : together_.packages) {
+      const fs::path inside = named.lexically_relative(package);
+      if (inside.empty() || *inside.begin() == ".." || *inside.begin() == ".") continue;
+      if (const fs::path found = description::find_inside(package, inside); !found.empty()) return found;
+    }
+    return named;
   }
 
   // --- launch arguments ---
@@ -185,17 +229,17 @@ class LaunchReader : private PythonReader, private LaunchActions {
     const std::string named = flat(own_argument(a, "launch_description_source"));
     if (has_gap(named) || named.empty())
       return not_taken(where, unknown_file("launch file that is included", named));
-    const fs::path file = named;
+    const fs::path file = located(named);
     if (!is_there(file))
       return not_taken(where, "the launch file '" + named + "' that is included is not there");
-    if (depth_ >= kDeepestInclude || ++included_ > kMostIncluded)
+    if (depth_ >= kDeepestInclude || ++together_.included > kMostIncluded)
       return not_taken(where, "'" + named + "' is included, too many or too deep");
     std::string text;
     Problems problems;
     collect(problems, [&] { text = read_file(file, 1 << 20); });
     PythonLaunch inside;
     collect(problems,
-            [&] { inside = LaunchReader(text, file, values_for(a), find_, depth_ + 1, included_).read(); });
+            [&] { inside = LaunchReader(text, file, values_for(a), find_, depth_ + 1, together_).read(); });
     if (problems.has_errors()) return not_taken(where, problems.list().front().text());
     take_over(std::move(inside), unsure() || condition_of(a) != "true", where);
   }
@@ -244,7 +288,7 @@ class LaunchReader : private PythonReader, private LaunchActions {
   /// Command(["xacro ", FILE, " ", "name:=", VALUE, …]) or Command(["cat ", FILE])
   Value command(const Arguments& a, const Location& where) {
     const std::string text = a.values.empty() ? "" : flat(a.values.front());
-    std::vector<std::string> words = split_words(text);
+    const std::vector<std::string> words = shell_words(text);
     const std::string program = words.empty() ? "" : fs::path(words.front()).filename().string();
     if (program != "xacro" && program != "cat") {
       if (has_gap(text)) not_taken(where, "a Command is computed");
@@ -285,8 +329,8 @@ class LaunchReader : private PythonReader, private LaunchActions {
     if (a.values.size() != 2 || !a.named.empty()) return {};
     const std::string name = flat(a.values[0]), inside = flat(a.values[1]);
     if (has_gap(name + inside) || !is_description(inside) || name.find('/') != std::string::npos) return {};
-    const fs::path folder = find_(name);
-    if (!folder.empty() && is_there(folder / inside)) keep({folder / inside, {}, {}, where});
+    const fs::path folder = found_package(name), file = located(folder / inside);
+    if (!folder.empty() && is_there(file)) keep({file, {}, {}, where});
     return {};
   }
 
@@ -301,13 +345,19 @@ class LaunchReader : private PythonReader, private LaunchActions {
                    : "comes from the argument '" + gap + "', which has no default that is written down"));
       if (!has_gap(name)) to.unknown.push_back({name, gap.starts_with(kInPackage) ? "" : gap});
     } else {
-      to.arguments.emplace_back(name, without_quotes(value));
+      to.arguments.emplace_back(name, located_text(without_quotes(value)));
     }
+  }
+
+  /// A value that may name a file of a package, such as `controllers_file:=…`.
+  std::string located_text(const std::string& value) const {
+    return value.starts_with('/') ? located(value).string() : value;
   }
 
   void keep(PythonLaunchDescription found) {
     if (has_gap(found.file.string()) || found.file.empty())
       return not_taken(found.where, unknown_file("description", found.file.string()));
+    found.file = located(found.file);
     const std::string name = found.file.filename().string();
     if (name.find(".sdf") != std::string::npos || name.find(".world") != std::string::npos ||
         name.find(".srdf") != std::string::npos)
@@ -334,7 +384,7 @@ class LaunchReader : private PythonReader, private LaunchActions {
     out.kind = Value::Kind::builder;
     out.text = folder.text;
     for (const char* extension : {".urdf.xacro", ".urdf"})
-      if (const fs::path file = fs::path(folder.text) / "config" / (flat(*robot) + extension);
+      if (const fs::path file = located(fs::path(folder.text) / "config" / (flat(*robot) + extension));
           is_there(file)) {
         out.entries.emplace_back("file", Value::of(file.string()));
         break;
@@ -360,7 +410,7 @@ class LaunchReader : private PythonReader, private LaunchActions {
         add_argument(found, key, flat(value));
     }
     if (!found.file.empty()) keep(std::move(found));
-    const fs::path controllers = fs::path(builder.text) / "config" / "ros2_controllers.yaml";
+    const fs::path controllers = located(fs::path(builder.text) / "config" / "ros2_controllers.yaml");
     if (is_there(controllers)) moveit_controllers_ = {{controllers, {path_.string()}}};
     return {};
   }
@@ -422,7 +472,8 @@ class LaunchReader : private PythonReader, private LaunchActions {
     }
   }
 
-  void keep_parameters(const fs::path& file, const Location& where) {
+  void keep_parameters(const fs::path& named, const Location& where) {
+    const fs::path file = located(named);
     const bool again = std::any_of(out_.parameters.begin(), out_.parameters.end(),
                                    [&](const auto& other) { return other.file == file; });
     if (!again && out_.parameters.size() < kMostFound) out_.parameters.push_back({file, where});
@@ -474,7 +525,7 @@ class LaunchReader : private PythonReader, private LaunchActions {
   const std::map<std::string, std::string> given_;
   const PackageSearch& find_;
   const int depth_;
-  int& included_;
+  Together& together_;
   bool last_ = false, spawned_known_ = true;
   std::map<std::string, Declared> declared_;
   std::vector<std::string> order_;
@@ -488,8 +539,8 @@ class LaunchReader : private PythonReader, private LaunchActions {
 
 PythonLaunch read_python_launch(std::string_view text, const std::filesystem::path& path,
                                 const std::map<std::string, std::string>& args, const PackageSearch& find) {
-  int included = 0;
-  return python::LaunchReader(text, path, args, find, 0, included).read();
+  python::Together together;
+  return python::LaunchReader(text, path, args, find, 0, together).read();
 }
 
 bool is_ros2_launch(std::string_view text, const std::filesystem::path& path) {

@@ -63,7 +63,8 @@ class ColladaReader {
     check_xml_bounds(text, name, kLargestFile);
     if (static_cast<std::size_t>(std::count(text.begin(), text.end(), '<')) > kMostElements)
       refuse("it has more than a million elements");
-    if (document_.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
+    const std::string plain = without_instructions(text);
+    if (document_.Parse(plain.data(), plain.size()) != tinyxml2::XML_SUCCESS)
       refuse("line " + std::to_string(document_.ErrorLineNum()) + " is no XML");
     root_ = document_.FirstChildElement("COLLADA");
     if (!root_) refuse("its root is not <COLLADA>");

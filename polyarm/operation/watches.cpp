@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "polyarm/base/text.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/tasks/wait_hints.hpp"
 
@@ -104,6 +105,18 @@ void Watches::add_component(std::size_t component, Facts& facts) const {
     facts.push_back({"reason", own});
 }
 
+namespace {
+/// ": measured 2, its limits are -1 to 1": of the joint that a command belongs to.
+std::string range_left(const CellRobots& robots, const std::string& command, double measured) {
+  for (const auto& robot : robots)
+    for (const controllers::JointFacts& joint : robot->joints)
+      if (command.starts_with(joint.name + "/"))
+        return ": measured " + format_number(measured) + ", its limits are " + format_number(joint.lower) +
+               " to " + format_number(joint.upper);
+  return {};
+}
+}  // namespace
+
 /// " (arm: the bus is silent)": what caused the fault, as far as it is known; also added to `facts`.
 std::string Watches::blame(Facts& facts) const {
   using Cause = control::StopCause;
@@ -122,7 +135,7 @@ std::string Watches::blame(Facts& facts) const {
     const std::string& name =
         cell_.machine.table().command_names()[static_cast<std::size_t>(snapshot.event.interface)];
     facts.push_back({"interface", name});
-    return " (" + name + ")";
+    return " (" + name + range_left(cell_.setup.robots, name, snapshot.event.value) + ")";
   }
   if (cause == Cause::controller && snapshot.event.controller >= 0) {
     const std::string name = cell_.machine.controllers().name_of(snapshot.event.controller);

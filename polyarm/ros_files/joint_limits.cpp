@@ -19,10 +19,34 @@ void narrow(double& limit, const std::optional<double>& low, const std::optional
     if (side && std::isfinite(*side) && *side != 0) limit = std::min(limit, std::abs(*side));
 }
 
-void by_interface(const description::InterfaceInfo& interface, JointFacts& facts) {
+std::string range(double lower, double upper) {
+  const auto side = [](double value) {
+    return std::isfinite(value) ? format_number(value) : std::string("no limit");
+  };
+  return side(lower) + " to " + side(upper);
+}
+
+/// Leaves a range that would become empty as it was.
+void positions_by_interface(const description::InterfaceInfo& interface, JointFacts& facts,
+                            Problems& problems) {
+  const double lowest = interface.min.value_or(facts.lower), highest = interface.max.value_or(facts.upper);
+  const double lower = std::max(facts.lower, lowest), upper = std::min(facts.upper, highest);
+  if (lower > upper) {
+    problems.error(
+        "bad-limit", interface.where,
+        "no position of '" + facts.name + "' is left: the command interface 'position' allows " +
+            range(lowest, highest) + ", the joint " + range(facts.lower, facts.upper),
+        "correct min and max here, or the joint's <limit>; <limits enable=\"false\"/> passes min and "
+        "max over");
+    return;
+  }
+  facts.lower = lower;
+  facts.upper = upper;
+}
+
+void by_interface(const description::InterfaceInfo& interface, JointFacts& facts, Problems& problems) {
   if (interface.name == "position") {
-    if (interface.min) facts.lower = std::max(facts.lower, *interface.min);
-    if (interface.max) facts.upper = std::min(facts.upper, *interface.max);
+    positions_by_interface(interface, facts, problems);
   } else if (interface.name == "velocity") {
     narrow(facts.velocity, interface.min, interface.max);
   } else if (interface.name == "effort") {
@@ -70,13 +94,7 @@ class JointReader {
   void read() {
     yaml_.check_keys(kKeys, problems_);
     if (has("has_position_limits", {"min_position", "max_position"})) {
-      if (const auto low = number("min_position")) facts_.lower = std::max(facts_.lower, *low);
-      if (const auto high = number("max_position")) facts_.upper = std::min(facts_.upper, *high);
-      if (facts_.lower > facts_.upper)
-        problems_.error("bad-limit", yaml_.where(),
-                        "no position of '" + facts_.name + "' is left: its limits are " +
-                            format_number(facts_.lower) + " and " + format_number(facts_.upper),
-                        "compare them with those of the description");
+      positions(number("min_position").value_or(facts_.lower), number("max_position").value_or(facts_.upper));
     }
     if (positive("has_velocity_limits", "max_velocity", facts_.velocity)) facts_.states_velocity = true;
     if (positive("has_acceleration_limits", "max_acceleration", facts_.acceleration,
@@ -89,6 +107,19 @@ class JointReader {
   }
 
  private:
+  /// Leaves a range that would become empty as it was.
+  void positions(double lowest, double highest) {
+    const double lower = std::max(facts_.lower, lowest), upper = std::min(facts_.upper, highest);
+    if (lower > upper)
+      return problems_.error("bad-limit", yaml_.where(),
+                             "no position of '" + facts_.name + "' is left: this file allows " +
+                                 range(lowest, highest) + ", the description " +
+                                 range(facts_.lower, facts_.upper),
+                             "compare them");
+    facts_.lower = lower;
+    facts_.upper = upper;
+  }
+
   std::optional<double> number(const char* key) {
     std::optional<double> out;
     collect(problems_, [&] {
@@ -151,12 +182,13 @@ class JointReader {
 
 }  // namespace
 
-void narrow_by_hardware(const description::RobotModel& model, const std::string& joint, JointFacts& facts) {
+void narrow_by_hardware(const description::RobotModel& model, const std::string& joint, JointFacts& facts,
+                        Problems& problems) {
   for (const description::HardwareInfo& hardware : model.hardware)
     for (const description::ComponentInfo& component : hardware.components)
       if (component.kind == "joint" && component.name == joint)
         for (const description::InterfaceInfo& interface : component.command_interfaces)
-          if (component.limits_enabled && interface.limits_enabled) by_interface(interface, facts);
+          if (component.limits_enabled && interface.limits_enabled) by_interface(interface, facts, problems);
 }
 
 void narrow_by_file(const JointLimitsSource& source, std::vector<JointFacts*>& joints, Problems& problems) {

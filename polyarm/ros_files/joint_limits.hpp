@@ -9,9 +9,10 @@
 
 namespace polyarm::ros_files {
 
-/// Narrows the limits of a joint by what the model's <ros2_control> blocks say of it.
+/// Narrows the limits of a joint by the min and max of its command interfaces in <ros2_control>. Ranges that
+/// leave no position are an error with the line of the interface.
 void narrow_by_hardware(const description::RobotModel& model, const std::string& joint,
-                        controllers::JointFacts& facts);
+                        controllers::JointFacts& facts, Problems& problems);
 
 /// Narrows (and where `has_*_limits` says false, leaves alone) the limits of the joints by a `joint_limits:`
 /// map. Joints are named with or without their robot. What is wrong becomes a problem with its place.

@@ -72,7 +72,8 @@ class LaunchReader {
     const std::string text = read_file(frame.path, bounds::kXmlBytes);
     check_xml_bounds(text, frame.path.string());
     tinyxml2::XMLDocument xml;
-    const auto error = xml.Parse(text.data(), text.size());
+    const std::string plain = without_instructions(text);
+    const auto error = xml.Parse(plain.data(), plain.size());
     const std::string name = frame.path.string();
     if (error != tinyxml2::XML_SUCCESS)
       throw Error(Problem{

@@ -167,7 +167,7 @@ void read_joints(CellRobot& robot, const std::vector<ros_files::JointLimitsSourc
   for (const int index : robot.model.actuated) {
     const description::Joint& joint = robot.model.joints[static_cast<std::size_t>(index)];
     robot.joints.push_back(facts_of(robot.entry.name, joint));
-    ros_files::narrow_by_hardware(robot.model, joint.name, robot.joints.back());
+    ros_files::narrow_by_hardware(robot.model, joint.name, robot.joints.back(), problems);
   }
   for (controllers::JointFacts& facts : robot.joints) joints.push_back(&facts);
   for (const ros_files::JointLimitsSource& source : files)

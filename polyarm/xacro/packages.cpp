@@ -11,6 +11,7 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/reach.hpp"
+#include "polyarm/base/xml_bounds.hpp"
 
 namespace polyarm::description {
 
@@ -37,7 +38,8 @@ std::string declared_name(const fs::path& folder) {
     collect(ignored, [&] { text = read_file(file, kLargestManifest); });
   }
   tinyxml2::XMLDocument document;
-  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) return folder.filename().string();
+  const std::string plain = without_instructions(text);
+  if (document.Parse(plain.data(), plain.size()) != tinyxml2::XML_SUCCESS) return folder.filename().string();
   const auto* package = document.FirstChildElement("package");
   const auto* name = package ? package->FirstChildElement("name") : nullptr;
   return name && name->GetText() ? std::string(trim(name->GetText())) : folder.filename().string();

@@ -93,7 +93,8 @@ class Expander : private XacroTexts {
     if (report_) report_->files.push_back(file);
     pay(text.size() / 2);
     check_xml_bounds(text, file.string());
-    if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
+    const std::string plain = without_instructions(text);
+    if (document.Parse(plain.data(), plain.size()) != tinyxml2::XML_SUCCESS)
       throw Error(Problem{"xml-syntax",
                           {file.string(), document.ErrorLineNum()},
                           "not valid XML: " + std::string(document.ErrorName()),

@@ -1,5 +1,6 @@
 #pragma once
-/// Values of xacro expressions: the Python types that descriptions use. Private to this room.
+/// Values of expressions in xacro and launch files: the Python types that they use. For this room and
+/// `ros_files`.
 #include <cstdint>
 #include <functional>
 #include <memory>

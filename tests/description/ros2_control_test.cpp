@@ -110,5 +110,46 @@ TEST(Ros2Control, WhatIsWrongIsRefusedByName) {
             "bad-value");
 }
 
+/// The interfaces with their components, in order: "j/position".
+std::vector<std::string> names(const RobotModel& model, std::vector<InterfaceInfo> ComponentInfo::*list) {
+  std::vector<std::string> out;
+  for (const HardwareInfo& hardware : model.hardware)
+    for (const ComponentInfo& component : hardware.components)
+      for (const InterfaceInfo& interface : component.*list)
+        out.push_back(component.name + "/" + interface.name);
+  return out;
+}
+
+TEST(Ros2Control, AnInterfaceOfTwoElementsOfOneNameCountsOnceWithAWarning) {
+  Problems warnings;
+  const RobotModel model =
+      read_urdf(robot("<ros2_control name='h' type='system'><hardware><plugin>p</plugin></hardware>\n"
+                      "<sensor name='pad'><state_interface name='x'/><state_interface name='y'/></sensor>\n"
+                      "<gpio name='pad'><command_interface name='x'/>\n<state_interface name='x'/>"
+                      "<state_interface name='z'/></gpio></ros2_control>"),
+                "r.urdf", warnings);
+  EXPECT_EQ(names(model, &ComponentInfo::state_interfaces),
+            (std::vector<std::string>{"pad/x", "pad/y", "pad/z"}));
+  EXPECT_EQ(names(model, &ComponentInfo::command_interfaces), (std::vector<std::string>{"pad/x"}));
+  ASSERT_EQ(warnings.list().size(), 1u);
+  const Problem& warning = warnings.list()[0];
+  EXPECT_EQ(warning.where.line, 5);
+  EXPECT_EQ(warning.what,
+            "the state interface 'pad/x' of this <gpio> exists already in the <sensor> of line 3; the first "
+            "counts");
+}
+
+TEST(Ros2Control, AnInterfaceOfTwoBlocksCountsOnceWithAWarning) {
+  Problems warnings;
+  const std::string block =
+      "<ros2_control name='NAME' type='system'><hardware><plugin>p</plugin></hardware>\n"
+      "<joint name='j'><command_interface name='position'/><state_interface "
+      "name='position'/></joint></ros2_control>";
+  const RobotModel model = read_urdf(robot(block + block), "r.urdf", warnings);
+  EXPECT_EQ(names(model, &ComponentInfo::state_interfaces), (std::vector<std::string>{"j/position"}));
+  EXPECT_EQ(names(model, &ComponentInfo::command_interfaces), (std::vector<std::string>{"j/position"}));
+  EXPECT_EQ(warnings.list().size(), 3u) << "and the name of the second block";
+}
+
 }  // namespace
 }  // namespace polyarm::description::ros2_control_test

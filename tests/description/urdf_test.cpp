@@ -72,6 +72,14 @@ bool warned(const Problems& warnings, const std::string& code) {
   return false;
 }
 
+TEST(Urdf, ProcessingInstructionsAreValidAnywhere) {
+  EXPECT_EQ(
+      read("<?xml version=\"1.0\"?>\n<!-- a -->\n<?xml-model href=\"x\"?>\n<robot name=\"r\"><?foo it's?>"
+           "<link name=\"a\"/></robot><?end?>")
+          .links.size(),
+      1u);
+}
+
 TEST(Urdf, ReadsLinksJointsLimitsMassesAndShapes) {
   const RobotModel model = read(kGood);
   EXPECT_EQ(model.name, "sample");

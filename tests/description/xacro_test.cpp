@@ -8,6 +8,8 @@
 #include <fstream>
 #include <random>
 
+#include "polyarm/xacro/packages.hpp"
+
 namespace polyarm::description::xacro_test {
 namespace {
 
@@ -130,6 +132,23 @@ TEST(XacroBombs, ARobotOfThousandsOfElementsIsNone) {
   for (int i = 0; i < 4000; ++i)
     calls += "<xacro:l n='" + std::to_string(i) + "'><origin xyz='0 ${1 + 2} 0' rpy='0 0 ${pi/2}'/></xacro:l>";
   EXPECT_EQ(complaint(link + calls), "none");
+}
+
+TEST(Xacro, ProcessingInstructionsAreValidAnywhere) {
+  expect("<?python it's math ?><b/><!-- <?not ?> --><?another?>", "<b/><!-- <?not ?> -->");
+  expect("<b><![CDATA[<?kept ?>]]></b>", "<b><![CDATA[<?kept ?>]]></b>");
+  Problems warnings;
+  const std::string text = "<?xml version=\"1.0\"?>\n<!-- a licence -->\n<?xml-model href=\"x.rnc\"\n?>\n" +
+                           wrapped("<b c='${}'/>");
+  try {
+    expand_xacro_text(text, "robot.xacro", {}, warnings);
+    FAIL() << "the empty expression is refused";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.problems().front().where.line, 5) << "lines stay";
+  }
+  const Files files;
+  files.add("deep/package.xml", "<package><?xml-model href='a'?><name>named</name></package>");
+  EXPECT_EQ(packages_near(files.add("a.xacro", "<robot/>"))("named"), files.folder / "deep");
 }
 
 TEST(Xacro, PropertiesAreEvaluatedWhenTheyAreAskedFor) {

@@ -98,6 +98,19 @@ TEST_F(RobotBodies, AreKeptUnderTheContentOfTheMesh) {
   EXPECT_FALSE(make_bodies(moved, cache).reports.at(0).cached);
 }
 
+TEST_F(RobotBodies, AreAnnouncedBeforeTheyAreComputedAndNotWhenTheyAreKept) {
+  std::vector<std::size_t> announced;
+  listen_to_making([&](std::size_t meshes) { announced.push_back(meshes); });
+  RobotModel first = robot_of({mesh_at(mesh, 0.1), mesh_at(mesh, 0.2), mesh_at(mesh, 0.1)}), again = first;
+  RobotModel more = robot_of({mesh_at(mesh, 0.1), mesh_at(mesh, 0.3)}), boxes = robot_of({Shape{}});
+  make_bodies(first, cache);
+  make_bodies(again, cache);
+  make_bodies(more, cache);
+  make_bodies(boxes, cache);
+  listen_to_making({});
+  EXPECT_EQ(announced, (std::vector<std::size_t>{2, 1}));
+}
+
 TEST_F(RobotBodies, AreComputedAgainWhereTheCacheIsBroken) {
   RobotModel model = robot_of({mesh_at(mesh, 0.1)});
   make_bodies(model, cache);

@@ -97,12 +97,40 @@ TEST(HardwareLimits, MinAndMaxOfInterfacesNarrowTheDescription) {
   model.hardware.push_back({"h", "system"});
   model.hardware[0].components.push_back({"joint_1", "joint", {position, velocity, acceleration}});
   controllers::JointFacts facts = joint("joint_1");
-  narrow_by_hardware(model, "joint_1", facts);
+  Problems problems;
+  narrow_by_hardware(model, "joint_1", facts, problems);
+  EXPECT_TRUE(problems.list().empty());
   EXPECT_EQ(facts.lower, -3);
   EXPECT_EQ(facts.upper, 1);
   EXPECT_EQ(facts.velocity, 1.5) << "the smaller of both sides";
   EXPECT_EQ(facts.acceleration, 5);
   EXPECT_EQ(facts.deceleration, 5) << "one that is missing is like the other";
+}
+
+TEST(HardwareLimits, ARangeBesideThatOfTheJointIsRefusedWithBothAndTheLine) {
+  description::RobotModel model;
+  description::InterfaceInfo position{"position"};
+  position.min = 3.25;
+  position.max = 4;
+  position.where = {"arm.urdf", 12};
+  model.hardware.push_back({"h", "system"});
+  model.hardware[0].components.push_back({"joint_1", "joint", {position}});
+  controllers::JointFacts facts = joint("joint_1");
+  Problems problems;
+  narrow_by_hardware(model, "joint_1", facts, problems);
+  ASSERT_EQ(problems.list().size(), 1u);
+  EXPECT_EQ(problems.list()[0].code, "bad-limit");
+  EXPECT_EQ(problems.list()[0].where.line, 12);
+  EXPECT_NE(problems.list()[0].what.find("allows 3.25 to 4, the joint -3 to 3"), std::string::npos)
+      << problems.list()[0].what;
+  EXPECT_LE(facts.lower, facts.upper) << "what works with the limits goes on";
+}
+
+TEST(JointLimitsFile, ARangeBesideThatOfTheJointIsRefusedWithBoth) {
+  std::vector joints{joint("JointA")};
+  const std::string told = read("joint_limits:\n  JointA: {min_position: 4, max_position: 5}\n", joints);
+  EXPECT_NE(told.find("allows 4 to 5, the description -3 to 3"), std::string::npos) << told;
+  EXPECT_LE(joints[0].lower, joints[0].upper);
 }
 
 }  // namespace

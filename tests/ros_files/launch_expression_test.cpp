@@ -61,23 +61,50 @@ TEST(LaunchExpression, GivesWhatPythonGives) {
       {"true", "True"},
       {"None", ""},
       {"bool('')", "False"},
+      {"2*3**2", "18"},
+      {"2**3**2", "512"},
+      {"-2**2", "-4"},
+      {"2**-1", "0.5"},
+      {"name not in ['ompl', 'chomp', 'ur3']", "False"},
+      {"arg('name') not in ['ompl', 'chomp']", "True"},
+      {"name in ('ur3', 'ur5')", "True"},
+      {"name in ()", "False"},
+      {"n in [1, 2, 3]", "True"},
+      {"1 < n < 3", "False"},
+      {"3 >= n > 2 != 1", "True"},
+      {"[1]", "[1]"},
+      {"'a' * 3", "aaa"},
+      {"name.upper()", "UR3"},
+      {"name[0:2]", "ur"},
+      {"unknown if False else 1", "1"},
   };
   for (const auto& [expression, result] : cases) EXPECT_EQ(evaluated(expression), result) << expression;
 }
 
 TEST(LaunchExpression, RefusesTheRestInOneSentence) {
   for (const char* expression :
-       {"", "1 +", "(1", "1 2", "'a", "unknown", "1 if 2", "a.b", "[1]", "f(", "1 < 'a'", "'a' * 3",
-        "2 ** 5000", "-'a'", "1 not 2", "exec('x')", "a__b", "1 % 0", "@"})
+       {"",          "1 +",  "(1",      "1 2",       "'a",        "unknown",  "1 if 2",
+        "a.b",       "[1",   "f(",      "1 < 'a'",   "'a' * 'b'", "1 in 'a'", "'a' * 100000",
+        "2 ** 5000", "-'a'", "1 not 2", "exec('x')", "a__b",      "1 % 0",    "@"})
     EXPECT_TRUE(evaluated(expression).starts_with("! ")) << expression << " gives " << evaluated(expression);
   EXPECT_TRUE(evaluated(std::string(100000, '(')).starts_with("! "));
   EXPECT_TRUE(evaluated(std::string(100000, '-') + "1").starts_with("! "));
+}
+
+TEST(LaunchExpression, AnUnknownArgIsNamedWithTheLikelyOne) {
+  EXPECT_TRUE(
+      evaluated("nam == 'ur3'").find("no arg 'nam' is declared before this line; did you mean 'name'?") !=
+      std::string::npos)
+      << evaluated("nam == 'ur3'");
 }
 
 TEST(ShellWords, FollowQuotes) {
   EXPECT_EQ(shell_words("a 'b c' d\"e f\" g\\ h ''"),
             (std::vector<std::string>{"a", "b c", "de f", "g h", ""}));
   EXPECT_TRUE(shell_words("  \n").empty());
+  EXPECT_EQ(shell_words(R"("a\"b" "c\\d" "e\f" 'g\h')"),
+            (std::vector<std::string>{"a\"b", "c\\d", "e\\f", "g\\h"}))
+      << "within quotes a backslash escapes only quotes and itself";
 }
 
 TEST(DamagedLaunchExpressions, EndInAResultOrASentence) {

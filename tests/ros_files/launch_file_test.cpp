@@ -93,6 +93,22 @@ class LaunchFile : public testing::Test {
   Workspace space;
 };
 
+// As MoveIt writes it into every move_group.launch.
+TEST_F(LaunchFile, AConditionMayAskWhetherANameIsInAList) {
+  const std::string begin =
+      "<launch><arg name='p' default='ompl'/><include file='none.launch' if=\"$(eval arg('p') ";
+  EXPECT_EQ(all(read(begin + "not in ['ompl', 'chomp'])\"/></launch>").problems), "");
+  EXPECT_EQ(all(read(begin + "in ('a', 'b') or p == 'c')\"/></launch>").problems), "");
+  EXPECT_EQ(only(begin + "in ['ompl', 'chomp'])\"/></launch>").code, "no-file");
+}
+
+TEST_F(LaunchFile, ProcessingInstructionsAreValidAnywhere) {
+  EXPECT_EQ(
+      all(read("<?xml version='1.0'?><!-- a --><?xml-model href='x'?><launch><?python it's?></launch><?z?>")
+              .problems),
+      "");
+}
+
 // The names and values are those of the page "ros_control" that prints them one by one.
 TEST_F(LaunchFile, MyRobotBecomesACell) {
   space.write("my_robot/config/controllers.yaml", R"(MyRobot:
@@ -357,10 +373,10 @@ TEST_F(LaunchFile, AWrongLineIsToldWithItsPlaceAndWhatToWrite) {
                  "$(optenv POLYARM_NEVER_SET"},
            Wrong{"<param name='x' value='$(arg sim'/>", "bad-substitution", "no closing ')'"},
            Wrong{"<param name='x' value='$(fnd a)'/>", "bad-substitution", "did you mean 'find'?"},
-           Wrong{"<param name='x' value='$(eval 1 / 0)'/>", "bad-substitution", "divides by zero"},
+           Wrong{"<param name='x' value='$(eval 1 / 0)'/>", "bad-substitution", "division by zero"},
            Wrong{"<param name='x' value='$(eval __import__(\"os\"))'/>", "bad-substitution",
                  "two underscores"},
-           Wrong{"<param name='x' value='$(eval open(\"a\"))'/>", "bad-substitution", "the function 'open'"},
+           Wrong{"<param name='x' value='$(eval open(\"a\"))'/>", "bad-substitution", "no function 'open'"},
            Wrong{"<param name='x'/>", "missing-attribute", "has no value"},
            Wrong{"<param value='1'/>", "missing-attribute", "write name="},
            Wrong{"<group if='maybe'/>", "bad-substitution", "write true, false, 1 or 0"},

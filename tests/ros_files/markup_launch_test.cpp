@@ -79,6 +79,13 @@ TEST(MarkupLaunch, XmlAndYamlSayWhatPythonSays) {
   EXPECT_EQ(ws.read("arm.launch.xml", kXml).descriptions.at(0).where.line, 6);
 }
 
+TEST(MarkupLaunch, ProcessingInstructionsAreValidAnywhere) {
+  const Workspace ws;
+  std::string text = kXml;
+  text.insert(text.find('>', text.find("<launch")) + 1, "<?python it's math ?>");
+  EXPECT_EQ(ws.read("arm.launch.xml", text).line(), ws.read("arm.launch.xml", kXml).line());
+}
+
 TEST(MarkupLaunch, APackageThatIsNotFoundIsSaidAndGivesNoPathFromTheRoot) {
   const Workspace ws;
   const PythonLaunch launch = ws.read(

@@ -429,9 +429,50 @@ TEST(PythonLaunch, OfALaunchFileWithoutADescriptionItsPackageIsLookedThrough) {
   EXPECT_TRUE(lines_of_package("/nowhere/launch.py", "run").empty());
 }
 
+TEST(PythonLaunch, FilesThatAreNoRobotAreNotOffered) {
+  const test::Folder folder;
+  folder.write("ws/arm/package.xml", "<package><name>arm</name></package>");
+  const auto launch = folder.write("ws/arm/launch/joy.launch.py", "");
+  folder.write("ws/arm/config/arm.srdf.xacro", "<robot name=\"a\"><group name=\"g\"/></robot>");
+  folder.write("ws/arm/urdf/wheel.urdf.xacro",
+               "<robot><xacro:include filename=\"x.xacro\"/><xacro:property name=\"r\" value=\"1\"/>"
+               "<xacro:macro name=\"wheel\" params=\"p\"><link name=\"${p}\"/><xacro:macro name=\"inner\">"
+               "</xacro:macro><xacro:rim/></xacro:macro> <!-- <link/> <xacro:wheel/> --></robot>");
+  EXPECT_TRUE(lines_of_package(launch, "run").empty());
+  folder.write("ws/arm/urdf/called.urdf.xacro",
+               "<robot><xacro:macro name=\"arm\"><link name=\"a\"/></xacro:macro><xacro:arm/></robot>");
+  folder.write("ws/arm/urdf/linked.urdf.xacro",
+               "<robot><xacro:macro name=\"arm\"></xacro:macro><link name=\"a\"/></robot>");
+  folder.write("ws/arm/urdf/whole.urdf.xacro", "<robot><xacro:include filename=\"parts.xacro\"/></robot>");
+  EXPECT_EQ(lines_of_package(launch, "run").size(), 3u);
+}
+
 TEST(PythonLaunch, OddWordsAreQuotedInTheLine) {
   const PythonLaunch launch = read("d = Command(['xacro /ws/arm.xacro a:=\"$(rm -rf)\"'])\n");
-  EXPECT_NE(launch.line().find("'a:=\"$(rm'"), std::string::npos) << launch.line();
+  EXPECT_NE(launch.line().find("'a:=$(rm -rf)'"), std::string::npos) << launch.line();
+}
+
+TEST(PythonLaunch, QuotedArgumentsOfACommandKeepTheirBlanks) {
+  const PythonLaunch launch = read(
+      "d = Command(['xacro ', '/ws/a.urdf.xacro', ' left_xyz:=\"', LaunchConfiguration('xyz'), '\"', "
+      "\" right_rpy:='0 0 1.57'\", ' prefix:=\"\" sim:=true'])\n",
+      {{"xyz", "0 0.5 1"}});
+  EXPECT_EQ(launch.descriptions.at(0).arguments,
+            (Pairs{{"left_xyz", "0 0.5 1"}, {"right_rpy", "0 0 1.57"}, {"prefix", ""}, {"sim", "true"}}));
+}
+
+TEST(PythonLaunch, AnExpressionThatIsWrittenDownIsEvaluated) {
+  const std::string text =
+      "sim = LaunchConfiguration('sim', default='true')\n"
+      "Node(package='controller_manager', executable='spawner', arguments=['a'], "
+      "condition=IfCondition(PythonExpression(['\"', sim, '\" not in [\"false\", \"no\"]'])))\n";
+  EXPECT_EQ(read(text).spawned, (std::vector<std::string>{"a"}));
+  EXPECT_TRUE(read(text).spawned_known);
+  EXPECT_TRUE(read(text, {{"sim", "no"}}).spawned.empty());
+  EXPECT_FALSE(
+      read("x = IfCondition(PythonExpression([LaunchConfiguration('y'), ' == 1']))\n"
+           "Node(package='controller_manager', executable='spawner', arguments=['a'], condition=x)\n")
+          .spawned_known);
 }
 
 TEST(PythonText, IsCutIntoWords) {
