@@ -1,7 +1,8 @@
 /// What does a collision check cost, and how long does planning take?
 ///
-/// collision_bench [checks] [edges] [plans] [missed]: all without words. Prints, for a Panda and a UR5e of
-/// the catalogue in three worlds (tests/planning/worlds.hpp):
+/// collision_bench [checks] [edges] [plans] [missed]: all without words. QUERIES=40 in the environment: so
+/// many queries of each world (100). Prints, for a Panda and a UR5e of the catalogue in three worlds
+/// (tests/planning/worlds.hpp):
 ///   checks  processor time per random state, in batches and one by one, for each instruction set; FCL beside
 ///   it edges   a free edge of 32 states, sampled and proven plans   a way between random free states whose
 ///   straight line is blocked; p50, p90, p99, max in us; then corners
