@@ -5,11 +5,13 @@
 #include <memory>
 
 #include "apps/options.hpp"
+#include "apps/plan_around.hpp"
 #include "apps/plan_motion.hpp"
 #include "apps/plan_moves.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/file_lookup.hpp"
+#include "polyarm/description/scene_file.hpp"
 #include "polyarm/language/parser.hpp"
 #include "polyarm/moves/cartesian_joints.hpp"
 #include "polyarm/moves/tcp_rates.hpp"
@@ -33,6 +35,10 @@ struct Request {
   std::string svg, csv;
   std::vector<std::string> exports;
   double rate = 0, tolerance = 1e-6;
+  bool around = false;
+  std::string scene, clearance;
+  unsigned seed = 1;
+  double seconds = 5;
 
   void add_to(CommandLine& app);
   /// Gives back to the moves what the command line took for more of --from.
@@ -73,6 +79,12 @@ void Request::add_to(CommandLine& app) {
   app.add_option("--rate", rate, "Hz of --csv and --export; without it an export has the fewest points")
       ->positive();
   app.add_option("--tolerance", tolerance, "how near an export without --rate is, rad or m")->positive();
+  app.add_flag("--around", around, "movej goes around the robot itself, the scene and its floor");
+  app.add_option("--scene", scene, "scene file: what the robot must not touch; without it that of the cell")
+      ->existing_file();
+  app.add_option("--clearance", clearance, "distance to keep from the scene: 10mm");
+  app.add_option("--seed", seed, "of the search of --around; the same seed gives the same way");
+  app.add_option("--time", seconds, "of --around, s for each move (5)")->positive();
   app.add_flag("--ros1", ros1, "exports have secs and nsecs");
   app.add_flag("--json", as_json, "one JSON object");
 }
@@ -333,6 +345,72 @@ PlannedMotion from_moves(const Request& request, const Setting& setting, Problem
   return out;
 }
 
+// --- around obstacles -----------------------------------------------------------------------------------
+
+bool looks_around(const Request& request) {
+  return request.around || !request.scene.empty();
+}
+
+Surroundings surroundings_of(const Request& request, const Setting& setting, Problems& problems) {
+  description::Scene scene;
+  scene.floor = false;
+  if (!request.scene.empty()) {
+    scene = description::read_scene(request.scene, problems);
+  } else if (!setting.file.scene.empty()) {
+    scene = description::read_scene(
+        data::find_file(setting.file.scene, setting.file.folder, setting.file.scene_where).string(),
+        problems);
+  }
+  double clearance = 0;
+  if (!request.clearance.empty()) {
+    const auto given = parse_quantity(request.clearance, Dimension::length);
+    if (!given || *given < 0)
+      throw Error("bad-value", "--clearance is '" + request.clearance + "', which is no distance",
+                  "write 10mm");
+    clearance = *given;
+  }
+  if (setting.robots.size() > 1)
+    problems.warning("other-robots", {}, "the other robots of the cell are not obstacles of this plan");
+  return Surroundings(setting.facts(), setting.robot->tool, std::move(scene), clearance, problems);
+}
+
+PlannedMotion from_moves_around(const Request& request, const Setting& setting, Surroundings& surroundings) {
+  const kinematics::Chain& chain = setting.chain();
+  const std::vector<double> start = start_of(request, setting);
+  const NamedPlaces places{setting.facts(), setting.sets};
+  const std::vector<moves::Move> moves = parse_moves(request.words, places, start, request.pace);
+  const PaceValue speed = parse_speed(request.pace.speed, "--speed");
+  const PaceValue acceleration = parse_acceleration(request.pace.acceleration, "--acceleration");
+  const std::vector<MotionLimits> limits = limits_of(setting, speed, acceleration);
+  PlannedMotion out;
+  out.title = fmt::format("{}, {} move{} around obstacles", setting.robot->model.name, moves.size(),
+                          moves.size() == 1 ? "" : "s");
+  describe_joints(out, chain, limits);
+  if (speed.tcp > 0) out.tcp_speed_limit = speed.tcp;
+  for (Surroundings::Way& way :
+       surroundings.around(setting.facts(), start, moves, request.seed, request.seconds))
+    for (auto& section : way.path.sections) {
+      plan_section(out, setting, std::move(section), limits, speed.tcp, acceleration.tcp);
+      out.sections.back().name = way.name;
+    }
+  finish(out, chain);
+  return out;
+}
+
+PlannedMotion planned(const Request& request, const Setting& setting, Problems& problems) {
+  const bool file = is_trajectory_file(request.words[0]);
+  if (!looks_around(request))
+    return file ? from_file(request, setting, problems) : from_moves(request, setting, problems);
+  if (file && request.around)
+    throw Error("bad-value", "--around plans moves, not a trajectory file", "name moves: movej Pick");
+  Surroundings surroundings = surroundings_of(request, setting, problems);
+  PlannedMotion out = request.around ? from_moves_around(request, setting, surroundings)
+                      : file         ? from_file(request, setting, problems)
+                                     : from_moves(request, setting, problems);
+  surroundings.measure(out);
+  return out;
+}
+
 // --- what comes out -------------------------------------------------------------------------------------
 
 controllers::TrajectoryMessage message_of(const PlannedMotion& motion, const Request& request) {
@@ -386,7 +464,8 @@ int run_plan(int argc, char** argv) {
            "polyarm plan --robot universal_robots/ur5e trajectory.yaml --blend 20mm --export faster.yaml",
            "polyarm plan --robot universal_robots/ur5e movej 'joints(0,-90deg,90deg,-90deg,-90deg,0)' "
            "movel 'by(0,0,-200mm)' movel 'by(200mm,0,0)' --blend 20mm --speed 250mm/s",
-           "polyarm plan examples/pick_and_place movel Pick movel Place --blend 20mm"}) +
+           "polyarm plan examples/pick_and_place movel Pick movel Place --blend 20mm",
+           "polyarm plan universal_robots/ur5e movej 'pose(0.4,0.3,0.3)' --around --scene scene.yaml"}) +
       "\nExit codes: 0 planned and within limits, 1 not, 2 wrong command line\n");
   if (const auto code = app.parse(argc, argv)) return *code;
   request.part();
@@ -399,9 +478,7 @@ int run_plan(int argc, char** argv) {
     require_words();
     Setting setting = settle(request, problems);
     require_words();
-    const bool file = is_trajectory_file(request.words[0]);
-    PlannedMotion motion =
-        file ? from_file(request, setting, problems) : from_moves(request, setting, problems);
+    PlannedMotion motion = planned(request, setting, problems);
     motion.problems.insert(motion.problems.begin(), problems.list().begin(), problems.list().end());
     return show(motion, request);
   } catch (const Error& e) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,14 @@ inline constexpr std::array<const char*, 4> kQuantities = {"position", "velocity
 /// "rad/s²" or "m".
 std::string unit_of(const PlanJoint& joint, std::size_t quantity);
 
+/// Where a motion is nearest to an obstacle, or overlaps it most.
+struct PlanClearance {
+  double distance = std::numeric_limits<double>::infinity();  ///< m; negative: how deep
+  std::string first, second;
+  double time = 0;  ///< s
+  Vec3 point;       ///< in the world, on `second`
+};
+
 struct PlannedMotion {
   std::string title;
   std::vector<PlanJoint> joints;
@@ -60,6 +69,7 @@ struct PlannedMotion {
   double duration = 0;
   double tcp_speed_limit = std::numeric_limits<double>::infinity();
   std::vector<Problem> problems;
+  std::optional<PlanClearance> clearance;  ///< where the surroundings are known
   std::function<void(double t, PlanState&)> at;
   /// When the motion is passed on: the sections' paths in time, one behind the other; none where times were
   /// given.

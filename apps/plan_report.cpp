@@ -84,7 +84,11 @@ std::string report_of(const PlannedMotion& motion) {
   }
   out += fmt::format("TCP: up to {:.4g} m/s", tcp);
   if (std::isfinite(motion.tcp_speed_limit)) out += fmt::format(" of {:.4g}", motion.tcp_speed_limit);
-  return out + "\n";
+  out += "\n";
+  if (const auto& c = motion.clearance; c && c->distance > 0)
+    out += fmt::format("clearance: at least {:.1f} mm, between {} and {} at {:.3f} s\n", 1000 * c->distance,
+                       c->first, c->second, c->time);
+  return out;
 }
 
 std::string json_of(const PlannedMotion& motion) {
@@ -115,12 +119,18 @@ std::string json_of(const PlannedMotion& motion) {
                         {"text", p.what},
                         {"advice", p.advice},
                         {"severity", p.severity == Severity::error ? "error" : "warning"}});
-  const json out = {{"result", motion.has_errors() ? "failed" : "ok"},
-                    {"duration", motion.duration},
-                    {"sections", sections},
-                    {"joints", joints},
-                    {"tcp_speed", tcp},
-                    {"problems", problems}};
+  json out = {{"result", motion.has_errors() ? "failed" : "ok"},
+              {"duration", motion.duration},
+              {"sections", sections},
+              {"joints", joints},
+              {"tcp_speed", tcp},
+              {"problems", problems}};
+  if (const auto& c = motion.clearance)
+    out["clearance"] = {{"distance", c->distance},
+                        {"first", c->first},
+                        {"second", c->second},
+                        {"time", c->time},
+                        {"point", {c->point.x, c->point.y, c->point.z}}};
   return out.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
