@@ -6,6 +6,7 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/program/operators.hpp"
+#include "polyarm/program/percent.hpp"
 #include "polyarm/program/statement_parser.hpp"
 #include "polyarm/program/task.hpp"
 
@@ -35,7 +36,7 @@ Number quantity(const Value& value, const Clause& clause, std::initializer_list<
         clause.value->place, "'" + word + "' has to be more than nothing, here is " + value.text(), {}};
   if (n->dimension == Dimension::none && n->value > 1)
     throw Refused{clause.value->place,
-                  "'" + word + "' as a share of what the robot can is at most 100%, here is " + value.text(),
+                  "'" + word + "' as a share of what the robot can is at most 100%, here is " + percent(n->value),
                   std::string("with a unit write such as ") + such_as};
   return *n;
 }
