@@ -250,6 +250,7 @@ test('a contact is told with its pair and depth, and leads back step by step', a
     tell({ ...told, contacts: { ...told.contacts, touching: false, list: told.contacts.list.map((each) => ({ ...each, now: false })) }, can: {} });
     await button('Resume', strip).waitFor();
     await button('Step back', strip).waitFor();
+    await strip.getByText('Cancel the motion first: Resume repeats it, into the same contact.').waitFor();
     tell({ contacts: { checked: false, stop: null, touching: false, unchecked: [], list: [] } });
     await strip.waitFor({ state: 'detached' });
     await other.getByText(/^Contacts are not detected in this cell/).waitFor();

@@ -208,3 +208,61 @@ describe('telling', () => {
     expect(last().sent).toEqual([{ request: 'jog.beat', jog: 1 }]);
   });
 });
+
+describe('a cell that falls silent without closing its socket', () => {
+  const frame = () => last().say(new ArrayBuffer(4));
+  function watch() {
+    connect();
+    for (let i = 0; i < 30; ++i) {
+      vi.advanceTimersByTime(33);
+      frame();
+    }
+  }
+
+  it('is lost after about 1.5 s without a frame', () => {
+    watch();
+    vi.advanceTimersByTime(1_400);
+    expect(states.at(-1)).toBe('open');
+    vi.advanceTimersByTime(700);
+    expect(states.at(-1)).toBe('lost');
+  });
+
+  it('gets no request but a stop', async () => {
+    watch();
+    vi.advanceTimersByTime(3_000);
+    const before = last().sent.length;
+    await expect(connection.request('resume')).rejects.toThrow(RequestError);
+    expect(connection.tell('jog')).toBe(false);
+    expect(last().sent.length).toBe(before);
+    expect(connection.tell('control.stop')).toBe(true);
+  });
+
+  it('is connected anew with its next frame', () => {
+    watch();
+    vi.advanceTimersByTime(3_000);
+    frame();
+    expect(sockets.length).toBe(2);
+    last().accept();
+    expect(states.at(-1)).toBe('open');
+    expect(last().sent.every((each) => each.request !== 'resume')).toBe(true);
+  });
+
+  it('is judged after the timer of this page has run twice', () => {
+    watch();
+    const now = performance.now();
+    vi.setSystemTime(Date.now());
+    const clock = vi.spyOn(performance, 'now').mockReturnValue(now + 60_000); // the page was busy or hidden
+    vi.advanceTimersByTime(200);
+    expect(states.at(-1)).toBe('open');
+    frame();
+    vi.advanceTimersByTime(1_000);
+    expect(states.at(-1)).toBe('open');
+    clock.mockRestore();
+  });
+
+  it('is not lost while it has sent no frames', () => {
+    connect();
+    vi.advanceTimersByTime(60_000);
+    expect(states).toEqual(['connecting', 'open']);
+  });
+});

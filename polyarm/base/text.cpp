@@ -117,7 +117,8 @@ std::optional<std::string> nearest_name(std::string_view wrong, std::span<const 
   std::size_t cells = 0;
   const std::string* best = nullptr;
   if (wrong.size() > kLongest) return std::nullopt;
-  std::size_t best_distance = std::max<std::size_t>(1, wrong.size() / 3) + 1;
+  // A name of one letter has nothing in common with another one.
+  std::size_t best_distance = wrong.size() < 2 ? 1 : std::max<std::size_t>(1, wrong.size() / 3) + 1;
   for (const std::string& candidate : candidates.first(std::min(candidates.size(), kMostLookedAt))) {
     for (const std::string_view name : {std::string_view(candidate), comparable(candidate, wrong)}) {
       if (cells > kMostCells) break;

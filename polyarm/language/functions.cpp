@@ -139,7 +139,8 @@ Value interpolate(Values a, Names) {
 int count_of(const Value& value, const char* what) {
   const double n = of(value);
   if (n != std::floor(n) || n < 1 || n > static_cast<double>(kMostListItems))
-    refuse(std::string("pallet() needs a whole number of ") + what + ", here is " + value.text());
+    refuse(std::string("pallet() needs a whole number of ") + what + " from 1 to " +
+           std::to_string(kMostListItems) + ", here is " + value.text());
   return static_cast<int>(n);
 }
 

@@ -209,9 +209,12 @@ class Parser {
     const std::string by = file_ == 0 ? program_.file : included().file;
     const std::filesystem::path path = (std::filesystem::path(by).parent_path() / s.name).lexically_normal();
     const auto same = [&](const Program::Included& other) { return other.file == path.string(); };
-    if (path == std::filesystem::path(program_.file).lexically_normal() ||
-        std::any_of(program_.included.begin(), program_.included.end(), same))
-      return;
+    if (path == std::filesystem::path(by).lexically_normal())
+      return error("not-included", s.name_place, "'" + s.name + "' includes itself", "leave this line out");
+    if (path == std::filesystem::path(program_.file).lexically_normal())
+      return error("not-included", s.name_place, "'" + s.name + "' is the program that includes this file",
+                   "put shared functions into a file of their own");
+    if (std::any_of(program_.included.begin(), program_.included.end(), same)) return;
     if (program_.included.size() >= kMostFiles)
       return error("too-many", s.name_place, "a program includes at most 50 files");
     std::string text;

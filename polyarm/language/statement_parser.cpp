@@ -285,12 +285,6 @@ void parse_parameter(TokenCursor& cursor, Statement& out) {
 void parse_function(const Line& line, TokenCursor& cursor, Statement& out) {
   out.kind = Kind::function;
   parse_name(line, cursor, out);
-  const std::string lowered = lower(out.name);
-  const auto& words = statement_words();
-  if (std::find(words.begin(), words.end(), lowered) != words.end())
-    throw SyntaxError{"bad-name", out.name_place,
-                      "a function cannot be called '" + out.name + "': a statement begins with that word",
-                      ""};
   if (!cursor.take_symbol("("))
     throw SyntaxError{"no-brackets", cursor.peek().place,
                       "'(' was expected after '" + out.name + "', here is " + shown(cursor.peek()),
@@ -303,6 +297,13 @@ void parse_function(const Line& line, TokenCursor& cursor, Statement& out) {
                       "',' or ')' was expected here, is " + shown(cursor.peek()), "add ')'"};
   }
   cursor.expect_end("the parameters");
+  // At the end: what uses the function and its parameters is not wrong.
+  const std::string lowered = lower(out.name);
+  const auto& words = statement_words();
+  if (std::find(words.begin(), words.end(), lowered) != words.end())
+    throw SyntaxError{"bad-name", out.name_place,
+                      "a function cannot be called '" + out.name + "': a statement begins with that word",
+                      ""};
 }
 
 /// True if one of the enclosing blocks, up to a `together`, satisfies `fits`.

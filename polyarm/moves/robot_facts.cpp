@@ -39,7 +39,8 @@ void check_joints(const RobotFacts& robot, std::span<const double> joints, const
                 fmt::format("{} puts {} at {}, its limits are {:.4f} to {:.4f}", what, robot.model->joint_names()[j],
                             std::abs(joints[j]) < 1e6 ? fmt::format("{:.4f}", joints[j]) : fmt::format("{:g}", joints[j]),
                             lower, upper),
-                std::abs(joints[j]) > 7 ? "this looks like degrees; joint values are radians"
+                what.starts_with("speedj")   ? "give a lower speed or a shorter duration"
+                : std::abs(joints[j]) > 7 ? "this looks like degrees; joint values are radians"
                                         : "choose a value inside");
   }
 }

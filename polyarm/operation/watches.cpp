@@ -214,10 +214,10 @@ Problem problem_of_busy(const Task& task) {
 }
 }  // namespace
 
-/// It goes round without end, or waits for something that no clock brings.
+/// It goes round without end, or each of its tasks waits for something that no clock brings.
 bool Watches::is_stuck(const Task* task) const {
   return !task || task->ended() || is_busy_for(task, cell_.machine.now(), kEndlessPatience) ||
-         (task->status().waiting.kind == program::WaitKind::condition && !task->status().waiting.until);
+         task->interpreter().waits_for_others();
 }
 
 /// Nothing moves, and no clock, link or file can change what the programs wait for.
@@ -266,8 +266,8 @@ void Watches::watch_for_deadlock() {
 void Watches::fail_for_deadlock() {
   const Task& program = *cell_.programs.program();
   const std::string hint = hint_of_wait();
-  std::string waiting = program.sentence();
-  if (const Task* const plc = cell_.programs.plc(); plc && !plc->ended()) waiting += "; " + plc->sentence();
+  std::string waiting = program.sentences();
+  if (const Task* const plc = cell_.programs.plc(); plc && !plc->ended()) waiting += "; " + plc->sentences();
   const bool busy = program.busy_since().has_value();
   const std::string advice =
       busy ? "end the loop, or let it wait for what it needs" : "check who is to set these tags";

@@ -10,6 +10,7 @@
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/language/statement_parser.hpp"
 #include "polyarm/program/code.hpp"
+#include "polyarm/program/percent.hpp"
 #include "polyarm/program/scope.hpp"
 
 namespace polyarm::program {
@@ -54,6 +55,15 @@ bool takes_time(const Statement& s) {
 }
 
 namespace {
+/// True if a line of `block` changes the variable.
+bool sets_name(const Block& block, const std::string& name) {
+  bool out = false;
+  for_each_statement(block, [&](const Statement& s) {
+    out = out || (s.kind == Statement::Kind::set && (s.name == name || s.name.starts_with(name + ".")));
+  });
+  return out;
+}
+
 using Statements = Statement::Kind;
 
 class Checker {
@@ -214,7 +224,10 @@ class Checker {
         block(s.body);
         const std::size_t outer = scope_.variables.size();
         scope_.declare(s.name, s.name_place, {Kind::record, {}});
+        const bool kept = !s.name.empty() && !sets_name(s.handler, s.name);
+        if (kept) scope_.errors.insert(s.name);
         block(s.handler);
+        scope_.errors.erase(s.name);
         scope_.forget(outer);
         return;
       }
@@ -453,7 +466,7 @@ class Checker {
         clause.value->kind == Expression::Kind::literal ? clause.value->value.as_number() : nullptr;
     if (value && value->dimension == Dimension::none && value->value > 1)
       error("bad-value", clause.value->place,
-            word + " as a share of what the robot can is at most 100%, here is " + clause.value->value.text(),
+            word + " as a share of what the robot can is at most 100%, here is " + percent(value->value),
             std::string("with a unit write such as ") + such_as);
   }
 

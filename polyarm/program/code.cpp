@@ -246,7 +246,7 @@ void Compiler::count_meetings() {
   for (const Statement* task : tasks_) {
     std::set<std::string> names, seen;
     meetings_in(task->body, names, seen);
-    for (const std::string& name : names) ++code_.meetings[name];
+    for (const std::string& name : names) code_.meetings[name].push_back(task->name);
   }
 }
 

@@ -193,7 +193,7 @@ struct Code {
   std::vector<std::vector<int>> entries;
   std::vector<Problem> problems;
   std::vector<FunctionCode> functions, tasks, whens, tests;
-  std::map<std::string, int> meetings;  ///< number of tasks at each
+  std::map<std::string, std::vector<std::string>> meetings;  ///< the tasks that come to each
   std::vector<std::string> globals;
   std::vector<VariableName> variables;
   std::vector<StartingPoint> starts;

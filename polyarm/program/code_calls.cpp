@@ -79,7 +79,7 @@ void CodeWriter::call_ask(const Expression& e, const Bound& bound, Operand to) {
     push(*e.parts[static_cast<std::size_t>(bound.argument_of[1])]);
   }
   const Operand question = push(*e.parts[static_cast<std::size_t>(bound.argument_of[0])]);
-  add(Op::ask_value, e.place, {.b = question});
+  add(Op::ask_value, e.place, {.a = like, .b = question});
   add(Op::answered, e.place, {.a = like, .d = begin});
   move_to(to, like, e.place);
 }

@@ -175,7 +175,14 @@ Type Scope::type_of_name(const std::string& name, Place place) {
   if (const Type* found = local(name)) return *found;
   if (const std::string variable = variable_in(name); !variable.empty()) {
     Type type = *local(variable);
-    for (const std::string& part : split_fields(std::string_view(name).substr(variable.size() + 1), '.'))
+    static const std::vector<std::string> kOfErrors = {"kind", "text", "line", "robot"};
+    const std::vector<std::string> parts =
+        split_fields(std::string_view(name).substr(variable.size() + 1), '.');
+    if (errors.contains(variable) && std::find(kOfErrors.begin(), kOfErrors.end(), parts.front()) == kOfErrors.end())
+      error("unknown-name", place,
+            "there is no '" + parts.front() + "' in this record" + did_you_mean(parts.front(), kOfErrors),
+            "it has " + join(kOfErrors, ", "));
+    for (const std::string& part : parts)
       type = type_of_field(type, part, place);
     return type;
   }
@@ -315,7 +322,10 @@ Type Scope::infer_call(const Expression& e) {
             "a line is printed with `log(…)`");
       return kUnknown;
     }
-    std::vector<std::string> all = function_names();
+    std::vector<std::string> all;
+    const bool has_tests = !tests(program_).empty();
+    for (const std::string& name : function_names())
+      if (has_tests || !find_function(name)->in_tests) all.push_back(name);
     for (const Statement* each : functions) all.push_back(each->name);
     error("unknown-function", e.place, "there is no function '" + e.name + "'" + did_you_mean(e.name, all),
           "functions are " + join(all, ", "));

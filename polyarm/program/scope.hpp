@@ -55,6 +55,7 @@ class Scope {
   /// "in line 3", with the file where that is another one than the file of `seen_from`.
   std::string in_line(Place place, Place seen_from) const;
   std::map<std::string, Type> names;  ///< data, points, tags
+  std::set<std::string> errors;       ///< variables of the `on error` around, whose fields are known
   std::set<std::string> made;         ///< names that lines such as `set NAME True` will create
   std::map<std::string, Place> used;
   std::vector<Variable> variables;  ///< the innermost last

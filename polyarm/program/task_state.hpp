@@ -39,6 +39,7 @@ struct Waiting {
   std::vector<std::string> names;  ///< for a condition: the data and tags that it reads
   std::string
       text;  ///< for a move the point, for a load the file, for a user the question, for a meeting its name
+  std::string note = {};  ///< for a question: the answer of Enter, and why the latest answer was refused
 };
 
 /// A variable, or a temporary value of an expression. If it is not set, its value is False.

@@ -11,6 +11,7 @@
 
 #include "polyarm/language/operators.hpp"
 #include "polyarm/program/code.hpp"
+#include "polyarm/program/percent.hpp"
 #include "polyarm/program/scope.hpp"
 
 namespace polyarm::program {
@@ -280,7 +281,7 @@ class ValueCheck {
     const bool share = clause.kind == Kinds::speed || clause.kind == Kinds::accel;
     if (share && n->dimension == Dimension::none && n->value > 1)
       report(clause.value->place, "bad-value",
-             word + " as a share of what the robot can is at most 100%, here is " + value.text(),
+             word + " as a share of what the robot can is at most 100%, here is " + percent(n->value),
              clause.kind == Kinds::speed ? "with a unit write such as 500mm/s, 30deg/s or 50%"
                                          : "with a unit write such as 2m/s2, 200deg/s2 or 50%");
   }

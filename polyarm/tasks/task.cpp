@@ -69,20 +69,21 @@ bool Task::ended() const {
   return status_.state != TaskState::running && status_.state != TaskState::waiting;
 }
 
-std::string Task::sentence() const {
-  std::string out = fmt::format("{}: {}", status_.where.text(), status_.source);
-  switch (status_.waiting.kind) {
+namespace {
+std::string sentence_of(const program::TaskStatus& status) {
+  std::string out = fmt::format("{}: {}", status.where.text(), status.source);
+  switch (status.waiting.kind) {
     case program::WaitKind::condition:
-      out += ", waits for " + join(status_.waiting.names, ", ");
+      out += ", waits for " + join(status.waiting.names, ", ");
       break;
     case program::WaitKind::move:
-      out += ", moves to " + status_.waiting.text;
+      out += ", moves to " + status.waiting.text;
       break;
     case program::WaitKind::user:
       out += ", waits for a person";
       break;
     case program::WaitKind::load:
-      out += ", loads " + status_.waiting.text;
+      out += ", loads " + status.waiting.text;
       break;
     case program::WaitKind::time:
       out += ", waits for time to pass";
@@ -92,11 +93,11 @@ std::string Task::sentence() const {
       out += ", moves";
       break;
     case program::WaitKind::until:
-      out += ", moves until " + join(status_.waiting.names, ", ");
+      out += ", moves until " + join(status.waiting.names, ", ");
       break;
     case program::WaitKind::meet:
     case program::WaitKind::lock:
-      out += ", waits for another task at " + status_.waiting.text;
+      out += ", waits for another task at " + status.waiting.text;
       break;
     case program::WaitKind::together:
       out += ", waits for what it does together";
@@ -106,6 +107,19 @@ std::string Task::sentence() const {
       break;
   }
   return out;
+}
+}  // namespace
+
+std::string Task::sentence() const {
+  return sentence_of(status_);
+}
+
+std::string Task::sentences() const {
+  std::vector<std::string> out;
+  for (const program::TaskStatus& task : interpreter_.status())
+    if (task.state == program::TaskState::running || task.state == program::TaskState::waiting)
+      out.push_back(sentence_of(task));
+  return out.empty() ? sentence() : join(out, "; ");
 }
 
 }  // namespace polyarm::cell

@@ -45,6 +45,8 @@ class Task {
   std::optional<Nanoseconds> busy_since() const { return busy_since_; }
   /// "PAPscript.script:12: wait GripperActive, waits for GripperActive"
   std::string sentence() const;
+  /// The same of each of its tasks that has not ended.
+  std::string sentences() const;
 
  private:
   void look();

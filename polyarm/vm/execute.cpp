@@ -458,7 +458,8 @@ bool Interpreter::take_answer(Task& task, const Step& step) {
     slot(task, step.a).fill(std::move(*given));
     return true;
   }
-  host_.log("the answer is " + described(like) + ", such as " + like.text(), program_.at(source(step).line));
+  task.refused = "the answer is " + described(like) + ", such as " + like.text();
+  host_.log(task.refused, program_.at(source(step).line));
   task.pc = static_cast<std::size_t>(step.d);
   return false;
 }

@@ -65,6 +65,16 @@ void Interpreter::execute_flow(Task& task, const Step& step) {
   ++task.pc;
 }
 
+/// Where the text of this line begins: an error that is passed on has kept no column.
+Location Interpreter::first_of_line(const std::string& file, double line) const {
+  const std::vector<std::string>* const lines = lines_of(file);
+  if (!(line >= 1) || !lines || line > static_cast<double>(lines->size()))
+    return {file, line >= 1 && line < 1e9 ? static_cast<int>(line) : 0, 0};
+  const std::string& text = lines->at(static_cast<std::size_t>(line) - 1);
+  const std::size_t first = text.find_first_not_of(" \t");
+  return {file, static_cast<int>(line), first == std::string::npos ? 0 : static_cast<int>(first) + 1};
+}
+
 void Interpreter::raise_step(Task& task, const Step& step) {
   const Value error = step.op == Op::raise ? take_value(task, step.b, step) : slot(task, step.b).value;
   const data::Record* record = error.as_record();
@@ -75,7 +85,7 @@ void Interpreter::raise_step(Task& task, const Step& step) {
   if (const Value* text = part("text")) problem.what = text->text();
   const Value* line = part("line");
   if (line && line->as_number())
-    problem.where = {problem.where.file, static_cast<int>(line->as_number()->value), 0};
+    problem.where = first_of_line(problem.where.file, line->as_number()->value);
   throw Error(std::move(problem));
 }
 
@@ -163,8 +173,8 @@ void Interpreter::retry(Task& task, const Step& step) {
   const double tried = count.as_number()->value;
   if (tried >= n->value) {
     const data::Record error = *task.local(step.a + 1).value.as_record();
-    const Location where{program_.at(source(step).line).file,
-                         static_cast<int>(error.find("line")->as_number()->value), 0};
+    const Location where =
+        first_of_line(program_.at(source(step).line).file, error.find("line")->as_number()->value);
     throw Error(Problem{error.find("kind")->text(), where, error.find("text")->text(), {}});
   }
   count = tried + 1;

@@ -177,6 +177,7 @@ StepResult Interpreter::step(int budget) {
   }
   remove_children();
   if (!outcome_) finish_when_all_have();
+  if (!outcome_ && !paused_) fail_for_deadlock();
   if (outcome_) step_clean_up(budget);
   return {state(), given - budget};
 }

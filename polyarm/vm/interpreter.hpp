@@ -116,6 +116,9 @@ class Interpreter {
   std::vector<Location> calls(const std::string& task) const;
   /// The move defaults of that task at its present place.
   MoveDefaults uses(const std::string& task) const;
+  /// True if every task that has not ended waits, without a timeout, for data or for other tasks: no clock and
+  /// no motion lets any of them continue.
+  bool waits_for_others() const;
   /// The place in overview(), for frequent calls.
   Place position() const;
   /// The cycles in overview(), for frequent calls.
@@ -177,6 +180,11 @@ class Interpreter {
   bool poll_meeting(Task& task);
   bool poll_lock(Task& task);
   bool poll_together(Task& task);
+  // Tasks that wait for each other: deadlock.cpp
+  void fail_for_deadlock();
+  std::vector<const Task*> tasks_in_deadlock() const;
+  bool goes_on(const Task& task, const std::vector<const Task*>& stuck) const;
+  std::string why_stuck(const Task& task) const;
   bool deadline_passed(const Task& task) const;
   void time_out(Task& task);
   void wait_for(Task& task, WaitKind kind, std::string text = {});
@@ -226,6 +234,7 @@ class Interpreter {
   void leave(Task& task, const Depths& to, int names);
   void end_pass(Task& task, const Step& step);
   void raise_step(Task& task, const Step& step);
+  Location first_of_line(const std::string& file, double line) const;
   void retry(Task& task, const Step& step);
   void finish(Task& task);
   void execute_world(Task& task, const Step& step);

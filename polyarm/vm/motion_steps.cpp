@@ -8,6 +8,7 @@
 #include "polyarm/language/operators.hpp"
 #include "polyarm/language/statement_parser.hpp"
 #include "polyarm/vm/task.hpp"
+#include "polyarm/program/percent.hpp"
 
 namespace polyarm::program {
 
@@ -35,7 +36,7 @@ Number quantity(const Value& value, const Clause& clause, std::initializer_list<
         clause.value->place, "'" + word + "' has to be more than nothing, here is " + value.text(), {}};
   if (n->dimension == Dimension::none && n->value > 1)
     throw Refused{clause.value->place,
-                  "'" + word + "' as a share of what the robot can is at most 100%, here is " + value.text(),
+                  "'" + word + "' as a share of what the robot can is at most 100%, here is " + percent(n->value),
                   std::string("with a unit write such as ") + such_as};
   return *n;
 }

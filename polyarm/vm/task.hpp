@@ -50,6 +50,7 @@ struct Interpreter::Task {
   std::optional<Nanoseconds> deadline;  ///< of the present wait
   std::uint64_t seen_version = 0;
   Nanoseconds seen_at = 0;
+  std::string refused;  ///< why the latest answer to its question was refused
   bool met = false, was_true = false;
   std::unique_ptr<Work> work;  ///< of its step, in pieces
   std::uint64_t passes = 0;

@@ -60,6 +60,8 @@ void Interpreter::execute_world(Task& task, const Step& step) {
       if (task.apart) wait_for(task, WaitKind::user);
       if (!arrived(task)) return;
       const std::string reason = step.b != kNone ? told(take_value(task, step.b, step)) : "the program holds";
+      wait_for(task, WaitKind::time);  // in this line, until the cell goes on
+      task.waiting.until = host_.now() + 1;
       ++task.pc;
       charge(kStepsOfAStatement * 100'000);  // nothing else runs in this tick
       return host_.hold(reason, program_.at(source(step).line));
@@ -67,7 +69,12 @@ void Interpreter::execute_world(Task& task, const Step& step) {
     case Op::ask_value: {
       if (!arrived(task)) return;
       const std::string text = told(take_value(task, step.b, step));
+      const Value& like = value_of(task, step.a, step);
+      const bool has_usual = !like.as_text() || !like.as_text()->empty();
       wait_for(task, WaitKind::user, text);
+      task.waiting.note = !task.refused.empty() ? std::exchange(task.refused, {})
+                          : has_usual           ? "Enter alone means " + like.excerpt(60)
+                                                : std::string{};
       task.handles = {host_.start_ask(text, program_.at(source(step).line))};
       break;
     }
@@ -171,12 +178,12 @@ void Interpreter::ask(Task& task, const Step& step) {
 void Interpreter::meet(Task& task, const Step& step) {
   const std::string& name = code_.texts[static_cast<std::size_t>(step.a)];
   const auto parties = code_.meetings.find(name);
-  if (parties == code_.meetings.end() || parties->second < 2)
+  if (parties == code_.meetings.end() || parties->second.size() < 2)
     fail_at(source(step).place, "no-meeting", "no other task comes to '" + name + "'",
             "`meet` stands in two or more tasks");
   auto& come = meetings_[name];
   come.push_back(task.id);
-  if (come.size() < static_cast<std::size_t>(parties->second)) {
+  if (come.size() < parties->second.size()) {
     wait_for(task, WaitKind::meet, name);
     task.waiting.until = task.deadline;
     return;

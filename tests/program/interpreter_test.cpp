@@ -57,6 +57,35 @@ TEST(Interpreter, WaitsForTheTimeItSays) {
   EXPECT_EQ(interpreter.step(100).state, TaskState::finished);
 }
 
+TEST(Interpreter, AnErrorThatIsPassedOnNamesLineAndColumn) {
+  FakeHost host;
+  Interpreter interpreter(parsed("try\n  raise \"a\"\non error e\n  retry 1\nend\n"), host);
+  EXPECT_EQ(interpreter.step(1000).state, TaskState::failed);
+  EXPECT_EQ(interpreter.overview().problem->where.text(), "test.script:2:3");
+}
+
+TEST(Interpreter, IsInTheLineOfAHoldUntilTheCellGoesOn) {
+  FakeHost host;
+  Interpreter interpreter(parsed("hold \"look\"\nlog(1)\n"), host);
+  interpreter.step(100);
+  EXPECT_EQ(interpreter.overview().where.line, 1);
+  EXPECT_TRUE(host.logs.empty());
+  host.time += 2'000'000;
+  EXPECT_EQ(interpreter.step(100).state, TaskState::finished);
+  EXPECT_EQ(host.logs.size(), 1u);
+}
+
+TEST(Interpreter, AQuestionSaysItsDefaultAndWhyAnAnswerWasRefused) {
+  FakeHost host;
+  host.given_answers = {"abc"};
+  Interpreter interpreter(parsed("log(ask(\"How deep?\", 40mm))\n"), host);
+  interpreter.step(100);
+  EXPECT_EQ(interpreter.status().front().waiting.note, "Enter alone means 0.04m");
+  host.time += 20'000'000;
+  interpreter.step(100);
+  EXPECT_EQ(interpreter.status().front().waiting.note, "the answer is a length, such as 0.04m");
+}
+
 TEST(Interpreter, AsksTheUserAndGoesOnWithTheAnswer) {
   FakeHost host;
   host.answers = false;

@@ -50,6 +50,24 @@ TEST(ProgramMistakes, AMissingOrWrongUnitIsShownAsItShouldBe) {
                                                                       << findings(row.line);
 }
 
+TEST(ProgramMistakes, OneMistakeBringsOneError) {
+  EXPECT_EQ(findings("func movej(a)\n  return a\nend\nlog(movej(1))\n"),
+            "1: a function cannot be called 'movej': a statement begins with that word ()\n");
+  const std::string lacking = findings("log(f())\n");
+  EXPECT_EQ(lacking.find("fault"), std::string::npos) << "only tests have it: " << lacking;
+  EXPECT_EQ(findings("log(M)\n").find("did you mean"), std::string::npos) << "one letter is no misspelling";
+  EXPECT_EQ(findings("movel A, speed 150%\n").rfind(
+                "1: 'speed' as a share of what the robot can is at most 100%, here is 150%", 0),
+            0u);
+  EXPECT_EQ(findings("include \"job.script\"\n").rfind("1: 'job.script' includes itself", 0), 0u);
+}
+
+TEST(ProgramMistakes, AnErrorHasFourFields) {
+  const std::string found = findings("try\n  log(1)\non error e\n  log(e.knd, e.text)\nend\n");
+  EXPECT_EQ(found, "4: there is no 'knd' in this record; did you mean 'kind'? (it has kind, text, line, robot)\n");
+  EXPECT_EQ(findings("try\n  log(1)\non error e\n  set e = {code = 1}\n  log(e.code)\nend\n"), "");
+}
+
 TEST(ProgramMistakes, StatementsOfOneTogetherMoveRobotsOfTheirOwn) {
   const std::string twice = " is moved twice in one 'together', here and in line ";
   EXPECT_EQ(findings("together\n  movel A, robot left\n  movel B, robot left\nend\n")

@@ -69,9 +69,16 @@ function contactSince(): boolean {
 function pairs(): string {
   const list = status.value?.contacts.list ?? [];
   const shown = list.some((each) => each.now) ? list.filter((each) => each.now) : list.slice(-1);
-  if (shown.length) return shown.map((each) => t('contact.pair', { a: bodyWords(each.a), b: bodyWords(each.b), mm: number(1000 * each.depth, 1) })).join(' · ');
+  if (shown.length) return shown.map((each) => t('contact.pair', { a: bodyWords(each.a), b: bodyWords(each.b), mm: depthWords(each.depth) })).join(' · ');
   const told = alarms.value.filter((each) => each.code === 'contact').pop();
   return told ? problemWords(told).text : '';
+}
+
+/** In mm; below 0.1 mm with two significant digits. */
+export function depthWords(metres: number): string {
+  const mm = 1000 * metres;
+  if (mm >= 0.1 || mm <= 0) return number(mm, 1);
+  return number(mm, Math.min(6, 1 - Math.floor(Math.log10(mm))));
 }
 
 /** Out of a contact, step by step; each step that can be taken now has its key. */
@@ -82,7 +89,13 @@ function WayBack() {
   const held = now.state === 'held';
   const may = mayMove.value;
   const steps: Key[] = [
-    now.state === 'fault' ? 'contact.recover' : now.motionLeft ? 'contact.cancel' : 'contact.canceled',
+    now.state === 'fault'
+      ? 'contact.recover'
+      : now.motionLeft
+        ? now.contacts.touching
+          ? 'contact.cancel'
+          : 'contact.cancelFirst' // Resume would repeat the motion into the same contact
+        : 'contact.canceled',
     now.contacts.touching ? 'contact.away' : 'contact.clear',
     'contact.resume',
   ];
@@ -103,10 +116,10 @@ function WayBack() {
       </div>
       <div class="row">
         {next === 'recover' && <Button label={t('bar.recover')} icon="undo" tone="warn" disabled={!may || !canBe(nextBlocked)} onClick={() => void recover()} />}
-        {forget !== null && canBe(forget) && <Button label={t('bar.discard')} disabled={!may} onClick={() => void discard()} />}
+        {forget !== null && canBe(forget) && <Button label={t('bar.discard')} tone={now.motionLeft && !now.contacts.touching ? 'primary' : undefined} disabled={!may} onClick={() => void discard()} />}
         {held && canBe(backwards) && <Button label={t('contact.back')} icon="undo" disabled={!may} onClick={() => void back()} />}
         {held && pageId.value !== 'move' && <Button label={t('contact.jog')} icon="move" onClick={() => go('move')} />}
-        {next === 'resume' && canBe(nextBlocked) && !now.contacts.touching && <Button label={t('bar.resume')} icon="run" tone="good" disabled={!may} onClick={() => void resume()} />}
+        {next === 'resume' && canBe(nextBlocked) && !now.contacts.touching && <Button label={t('bar.resume')} icon="run" tone={now.motionLeft ? undefined : 'good'} disabled={!may} onClick={() => void resume()} />}
       </div>
     </section>
   );

@@ -70,7 +70,7 @@ function ControlDialog({ onClose }: { onClose: () => void }) {
         youHold.value ? (
           <Button label={t('control.give')} onClick={() => (onClose(), void releaseControl())} />
         ) : (
-          <Button label={t('control.take')} tone="primary" disabled={wait !== null} onClick={() => void takeControl(false)} />
+          <Button label={t('control.take')} tone="primary" disabled={!connected.value || wait !== null} title={connected.value ? undefined : t('why.offline')} onClick={() => void takeControl(false)} />
         )
       }
     >

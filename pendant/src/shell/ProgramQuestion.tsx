@@ -9,6 +9,8 @@ export function ProgramQuestion() {
   const asked = program.value?.question;
   const [text, setText] = useState('');
   if (typeof asked !== 'string') return null;
+  // The second line is about the answer: the default, or why the latest one was refused.
+  const [question, note] = asked.split('\n');
   const answer = async () => {
     if (await attempt('program.answer', { text })) setText('');
   };
@@ -16,7 +18,8 @@ export function ProgramQuestion() {
     <section class="banner question" role="alert" aria-label={t('question.label')}>
       <Icon name="hand" />
       <div>
-        <strong>{asked || t('question.wait')}</strong>
+        <strong>{question || t('question.wait')}</strong>
+        {note && <p>{note}</p>}
       </div>
       <Field label={t('question.answer')} value={text} disabled={!mayMove.value} onInput={setText} onEnter={() => void answer()} />
       <Button label={t('question.go')} icon="run" tone="good" disabled={!mayMove.value} onClick={() => void answer()} />

@@ -43,7 +43,7 @@ function runningWord(): StateWord {
   if (!now.simulated && !now.armed) return word(t('state.notArmed'), 'warn', 'lock');
   const wanting = now.inactive.length > 0 ? t('state.inactive', {names: now.inactive.join(', ')}) : '';
   const going = goingWord();
-  if (going) return {...going, why: wanting};
+  if (going) return {...going, why: wanting || (now.override === 0 ? t('bar.speedZero') : '')};
   if (wanting) return {...word(t('state.notReady'), 'warn', 'power'), why: wanting};
   return word(t('state.ready'), 'good', 'check');
 }

@@ -346,6 +346,7 @@ export function connect(): void {
       if (frame) takeFrame(frame);
     },
     onState: changeLink,
+    mayBeSilent: () => status.peek()?.state === 'no cell',
   });
   connection.start();
   addEventListener('online', () => connection?.hurry());

@@ -1,5 +1,6 @@
 /**
  * One WebSocket to the cell: requests by id, streams, events, binary frames; comes back by itself when it is lost.
+ * A cell that sends frames and falls silent counts as lost, too, although its socket stays open.
  * Knows nothing of pages or of what the requests mean.
  */
 
@@ -53,6 +54,10 @@ export interface ConnectionOptions {
   longestWait?: number;
   /** ms after which a connection that is not open yet is given up. */
   openWithin?: number;
+  /** ms without any message after which a cell that has sent frames counts as lost. */
+  silence?: number;
+  /** True while the cell has nothing to send. */
+  mayBeSilent?: () => boolean;
 }
 
 interface Open {
@@ -64,6 +69,11 @@ interface Open {
 }
 
 const kOpen = 1;
+/** How often silence is looked at, ms. Messages that a busy page has not taken yet come in between two looks. */
+const kLookEvery = 200;
+const kSilentLooks = 2;
+/** What a person asks for is sent to a silent cell only if it stops a motion. Nothing else is done late. */
+const kAlsoWhenSilent = new Set(['control.stop']);
 /** Close codes with which the server says that this page may not be here: waiting will not help. */
 const kRefused = [4401, 4403, 1008];
 
@@ -74,6 +84,11 @@ export class Connection {
   private wait: number;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private ended = false;
+  private looking: ReturnType<typeof setInterval> | undefined;
+  private heardAt = 0;
+  private watched = false;
+  private silentLooks = 0;
+  private silent = false;
 
   constructor(private readonly options: ConnectionOptions) {
     this.wait = options.firstWait ?? 250;
@@ -87,6 +102,7 @@ export class Connection {
   end(): void {
     this.ended = true;
     clearTimeout(this.timer);
+    clearInterval(this.looking);
     this.socket?.close();
   }
 
@@ -98,7 +114,11 @@ export class Connection {
   }
 
   get isOpen(): boolean {
-    return this.socket?.readyState === kOpen;
+    return this.socket?.readyState === kOpen && !this.silent;
+  }
+
+  private canSend(request: string): boolean {
+    return this.isOpen || (this.socket?.readyState === kOpen && kAlsoWhenSilent.has(request));
   }
 
   /** Asks and answers with the result. `timeout` in ms; 0 waits for ever. */
@@ -134,14 +154,14 @@ export class Connection {
 
   /** Says something that has no answer. False where nobody hears it. */
   tell(request: string, args: Json = {}): boolean {
-    if (!this.isOpen) return false;
+    if (!this.canSend(request)) return false;
     this.socket!.send(JSON.stringify({ request, ...args }));
     return true;
   }
 
   private ask(open: Open, args: Json, timeout: number): number {
     const id = this.next++;
-    if (!this.isOpen) {
+    if (!this.canSend(open.request)) {
       open.reject(lost(open.request));
       return id;
     }
@@ -167,9 +187,17 @@ export class Connection {
     socket.onopen = () => {
       clearTimeout(late);
       this.wait = this.options.firstWait ?? 250;
+      this.hear();
+      clearInterval(this.looking);
+      this.looking = setInterval(() => this.look(), kLookEvery);
       this.options.onState('open');
     };
-    socket.onmessage = (message: { data: unknown }) => this.take(message.data);
+    socket.onmessage = (message: { data: unknown }) => {
+      if (this.socket !== socket) return;
+      if (this.silent) return this.begin();
+      this.hear();
+      this.take(message.data);
+    };
     socket.onerror = () => undefined;
     socket.onclose = (event: { code: number }) => {
       clearTimeout(late);
@@ -177,7 +205,32 @@ export class Connection {
     };
   }
 
-  private lose(code: number): void {
+  private hear(): void {
+    this.heardAt = performance.now();
+    this.silentLooks = 0;
+  }
+
+  /** The timer of a hidden page runs rarely, and that of a busy page late: one look alone proves nothing. */
+  private look(): void {
+    const late = this.watched && performance.now() - this.heardAt >= (this.options.silence ?? 1_500);
+    this.silentLooks = late && this.options.mayBeSilent?.() !== true ? this.silentLooks + 1 : 0;
+    if (this.silentLooks < kSilentLooks || this.silent) return;
+    this.silent = true;
+    this.options.onState('lost');
+  }
+
+  /** The cell is heard again: what was missed is asked for with a connection of its own. */
+  private begin(): void {
+    const old = this.socket;
+    this.forget();
+    old?.close();
+    this.connect();
+  }
+
+  private forget(): void {
+    clearInterval(this.looking);
+    this.silent = this.watched = false;
+    this.silentLooks = 0;
     this.socket = null;
     const open = [...this.open.values()];
     this.open.clear();
@@ -185,6 +238,10 @@ export class Connection {
       clearTimeout(each.timer);
       each.reject(lost(each.request));
     }
+  }
+
+  private lose(code: number): void {
+    this.forget();
     this.options.onState(kRefused.includes(code) ? 'refused' : 'lost');
     if (this.ended) return;
     this.timer = setTimeout(() => this.connect(), this.wait);
@@ -192,7 +249,10 @@ export class Connection {
   }
 
   private take(data: unknown): void {
-    if (data instanceof ArrayBuffer) return this.options.onFrame(data);
+    if (data instanceof ArrayBuffer) {
+      this.watched = true;
+      return this.options.onFrame(data);
+    }
     if (typeof data !== 'string') return;
     let message: Json;
     try {

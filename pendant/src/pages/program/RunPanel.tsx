@@ -87,12 +87,13 @@ function Buttons() {
   }
   return (
     <div key="goes" class="program-buttons">
-      <Button label={t(pausing.value ? 'state.pausing' : 'program.stepOver')} icon="step" big disabled={!canBe(now.step)} onClick={() => void step()} />
-      <Button label={t('program.stepInto')} icon="down" disabled={!canBe(now.stepInto)} onClick={() => void step('into')} />
-      <Button label={t('program.stepOut')} icon="up" disabled={!canBe(now.stepInto)} onClick={() => void step('out')} />
+      <Button label={t(pausing.value ? 'state.pausing' : 'program.stepOver')} icon="step" big disabled={!canBe(now.step)} title={blockedWords(now.step) || undefined} onClick={() => void step()} />
+      <Button label={t('program.stepInto')} icon="down" disabled={!canBe(now.stepInto)} title={blockedWords(now.stepInto) || undefined} onClick={() => void step('into')} />
+      <Button label={t('program.stepOut')} icon="up" disabled={!canBe(now.stepInto)} title={blockedWords(now.stepInto) || undefined} onClick={() => void step('out')} />
       <Button label={t('program.fromLine', { line })} icon="right" disabled={!open || !canBe(now.stepInto)} onClick={() => void runFrom(line)} />
       <BreakpointButton />
       <EndKey />
+      {blockedWords(now.stepInto) && <p class="note">{blockedWords(now.stepInto)}</p>}
     </div>
   );
 }
