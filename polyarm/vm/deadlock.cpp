@@ -2,7 +2,7 @@
 #include <set>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/program/task.hpp"
+#include "polyarm/vm/task.hpp"
 
 namespace polyarm::program {
 
