@@ -8,6 +8,11 @@ namespace polyarm::description {
 
 void GazeboReader::finish(RobotModel& model) {
   for (const Element* e : elements_) apply(*e, model);
+  if (!weightless_.empty())
+    warnings_.warning("gazebo", first_weightless_,
+                      "<gazebo> turns gravity off for " + join(weightless_, ", ") +
+                          "; in physics here it pulls them all the same",
+                      "the effort limits of the joints must hold them");
   if (!passed_over_.empty())
     warnings_.warning("gazebo", first_, "<gazebo>: " + join(passed_over_, ", ") + " passed over",
                       "only mu1, mu2, selfCollide, damping and friction are read");
@@ -67,9 +72,19 @@ bool GazeboReader::link(const Element& e, Link& link) {
     link.contact.mu2 = amount(e);
   else if (tag == "selfCollide" || tag == "self_collide")
     link.contact.self_collide = boolean_inside(e);
+  else if (tag == "gravity" || tag == "turnGravityOff")
+    gravity(e, link, tag == "gravity");
   else
     return false;
   return true;
+}
+
+/// Links without gravity are not simulated.
+void GazeboReader::gravity(const Element& e, const Link& link, bool off_by) {
+  const auto value = boolean_inside(e);
+  if (!value || *value == off_by) return;
+  if (weightless_.empty()) first_weightless_ = at(e);
+  weightless_.push_back(link.name);
 }
 
 bool GazeboReader::joint(const Element& e, Joint& joint) {

@@ -21,6 +21,7 @@ class GazeboReader : private XmlReader {
   static void controllers(const Element& plugin, RobotModel& model);
   bool whole_robot(const Element& e, RobotModel& model);
   bool link(const Element& e, Link& link);
+  void gravity(const Element& e, const Link& link, bool off_by);
   bool joint(const Element& e, Joint& joint);
   std::optional<double> amount(const Element& e);
   void pass_over(const Element& e);
@@ -29,6 +30,8 @@ class GazeboReader : private XmlReader {
   std::vector<std::string> passed_over_;  ///< "<plugin> (line 12)", the first of each tag
   std::vector<std::string> tags_;
   Location first_;
+  std::vector<std::string> weightless_;  ///< links
+  Location first_weightless_;
 };
 
 }  // namespace polyarm::description

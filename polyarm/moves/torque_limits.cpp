@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/description/model_builder.hpp"
+#include "polyarm/moves/holding.hpp"
 
 namespace polyarm::moves {
 
@@ -128,6 +130,33 @@ TorqueLimits::Judgement TorqueLimits::judge(const timing::TimedPath& path) const
       out.slower = std::max(out.slower, 1 / std::sqrt(std::max(left, 1e-4)));
     }
   }
+  return out;
+}
+
+std::vector<Overload> overloads_at(const description::RobotModel& model, const Pose& T_world_base,
+                                   const Payload& payload, const std::vector<double>& q) {
+  std::vector<Overload> out;
+  description::RobotModel heavy = model;
+  for (description::Link& link : heavy.links)
+    if (link.inertial && !description::plausible(*link.inertial)) link.inertial.reset();
+  const auto mimicked = [&](int index) {
+    return std::any_of(model.joints.begin(), model.joints.end(), [&](const description::Joint& joint) {
+      return joint.mimic && joint.mimic->joint == index;
+    });
+  };
+  Problems ignored;
+  collect(ignored, [&] {
+    kinematics::Dynamics dynamics = dynamics_of(carrying(heavy, payload), T_world_base);
+    if (dynamics.tree().positions() != q.size() || dynamics.tree().velocities() != q.size()) return;
+    std::vector<double> tau(q.size());
+    dynamics.gravity(q, tau);
+    for (std::size_t j = 0; j < q.size(); ++j) {
+      const int index = model.actuated[j];
+      const double limit = model.joints[static_cast<std::size_t>(index)].limits.effort.value_or(0);
+      if (has_limit(limit) && std::abs(tau[j]) > limit && !mimicked(index))
+        out.push_back({j, std::abs(tau[j]), limit});
+    }
+  });
   return out;
 }
 

@@ -94,6 +94,18 @@ TEST(Gazebo, ListsWhatIsPassedOverInOneWarning) {
       has(warnings.list()[0].what, "<material> (line 5), <kp> (line 6), <plugin> (line 9) passed over"));
 }
 
+TEST(Gazebo, SaysThatGravityIsNotTurnedOff) {
+  Problems warnings;
+  read(
+      "<gazebo reference=\"arm\"><gravity>false</gravity></gazebo>\n"
+      "<gazebo reference=\"base\"><turnGravityOff>true</turnGravityOff></gazebo>\n",
+      warnings);
+  ASSERT_EQ(warnings.list().size(), 1u);
+  EXPECT_EQ(warnings.list()[0].where.line, 5);
+  EXPECT_TRUE(has(warnings.list()[0].what, "turns gravity off for arm, base; in physics here it pulls them"));
+  read("<gazebo reference=\"arm\"><gravity>1</gravity><turnGravityOff>0</turnGravityOff></gazebo>\n");
+}
+
 TEST(Gazebo, WarnsOfNamesThatAreNotThere) {
   Problems warnings;
   read("<gazebo reference=\"elbw\"><mu1>1</mu1></gazebo>\n", warnings);

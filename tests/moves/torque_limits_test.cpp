@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "polyarm/kinematics/dynamics.hpp"
+#include "polyarm/moves/holding.hpp"
 #include "tests/moves/arm_moves.hpp"
 
 namespace polyarm::moves::torque_limits_test {
@@ -131,6 +132,23 @@ TEST(TorqueLimits, ALimitThatDoesNotHoldTheBareArmSaysNothing) {
   Arm other("universal_robots/ur5e");
   other.facts->torques = std::make_shared<const TorqueLimits>(arm.model, Pose{}, Payload{0.1, {}}, effort);
   EXPECT_NO_THROW(plan_moves(*other.facts, kFrom, std::vector{joint(kTo, "there")}));
+}
+
+TEST(Holding, NamesTheJointsWhoseLimitsDoNotHoldTheArm) {
+  Arm arm("universal_robots/ur5e");
+  const Values stretched{0, 0, 0, 0, 0, 0};
+  EXPECT_TRUE(overloads_at(arm.model, {}, {}, stretched).empty());
+  description::Joint& shoulder = arm.model.joints[static_cast<std::size_t>(arm.model.actuated[1])];
+  shoulder.limits.effort = 5;
+  const std::vector<Overload> found = overloads_at(arm.model, {}, {}, stretched);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].joint, 1u);
+  EXPECT_EQ(found[0].limit, 5);
+  EXPECT_GT(found[0].torque, 30) << "a stretched arm of 20 kg";
+  EXPECT_GT(overloads_at(arm.model, {}, {5, {}}, stretched).at(0).torque, found[0].torque + 30) << "with a load";
+  EXPECT_TRUE(overloads_at(arm.model, {}, {}, {0, -M_PI / 2, 0, -M_PI / 2, 0, 0}).empty()) << "upright";
+  shoulder.limits.effort = 0;
+  EXPECT_TRUE(overloads_at(arm.model, {}, {}, stretched).empty()) << "0 is not stated";
 }
 
 TEST(TorqueLimits, LoadsAddUp) {
