@@ -82,6 +82,7 @@ void tell_motion(const std::string& action, const Json& result) {
     fmt::print("stepped back, {} again\n", shown(result["state"]));
     for (const auto& [joint, way] : result["joints"].items())
       fmt::print("  {} {:+.4f}\n", joint, number_of(way));
+    fmt::print("Resume repeats the motion that led here; discard forgets it first.\n");
   } else {
     fmt::print("asked to {}\n", shown(result["asked"]));
     if (result.contains("inactive")) fmt::print("switched off {}\n", shown(result["inactive"]));

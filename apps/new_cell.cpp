@@ -357,6 +357,12 @@ std::vector<Problem> found_in(const fs::path& folder) {
   return out;
 }
 
+/// The same file in `to` instead of in `from`.
+std::string in_folder(const std::string& file, const fs::path& from, const fs::path& to) {
+  const std::string prefix = from.string() + "/";
+  return file.starts_with(prefix) ? (to / file.substr(prefix.size())).string() : file;
+}
+
 }  // namespace
 
 int write_new_cell(const NewCell& asked) {
@@ -385,7 +391,9 @@ int write_new_cell(const NewCell& asked) {
     if (!can_move(*robot.facts, robot.start, layout, sizes)) continue;
     fs::create_directories(scratch.path() / "try", error);
     write_files(scratch.path() / "try", asked, layout, sizes);
-    const std::vector<Problem> found = found_in(scratch.path() / "try");
+    std::vector<Problem> found = found_in(scratch.path() / "try");
+    for (Problem& problem : found)  // the reader finds them in the folder of the cell
+      problem.where.file = in_folder(problem.where.file, scratch.path() / "try", folder);
     if (!best || found.size() < why.size() || found.empty()) best = layout, why = found;
     if (found.empty() || ++tried >= kMostTried) break;
   }

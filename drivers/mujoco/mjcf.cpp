@@ -65,7 +65,9 @@ class Writer {
         "<mujoco model=\"cell\">\n<compiler angle=\"radian\" boundmass=\"1e-5\" boundinertia=\"1e-8\" "
         "balanceinertia=\"true\"/>\n<option timestep=\"{:.17g}\" gravity=\"{}\" integrator=\"Euler\" "
         "cone=\"elliptic\" "
-        "impratio=\"5\" solver=\"Newton\" iterations=\"30\" tolerance=\"1e-10\" jacobian=\"sparse\"/>\n"
+        "impratio=\"5\" solver=\"Newton\" iterations=\"30\" tolerance=\"1e-10\" jacobian=\"sparse\">"
+        // With one contact point a standing cylinder wobbles on its edge and never comes to rest.
+        "<flag multiccd=\"enable\"/></option>\n"
         "<size njmax=\"{}\" nconmax=\"{}\"/>\n"
         "<default><geom condim=\"4\" friction=\"0.8 0.005 0.0001\" solref=\"0.004 1\" solimp=\"0.95 0.99 "
         "0.0005\"/>"

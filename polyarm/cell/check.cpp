@@ -377,6 +377,7 @@ class Checker {
   void run_whole(CellOptions options) {
     constexpr std::size_t kMostQuestions = 1000;
     options.answers.assign(kMostQuestions, "");  // Enter, as the rehearsal does
+    options.resume_holds = true;
     Listener listener;
     collect(problems_, [&] {
       Cell cell(file_, catalogue_, options, listener);

@@ -1,6 +1,7 @@
 #include "polyarm/cell/rehearsal.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -77,11 +78,29 @@ bool compares(const program::Expression& e) {
          std::any_of(e.parts.begin(), e.parts.end(), [](const auto& part) { return compares(*part); });
 }
 
-/// A loop that counts goes on to its end; one that goes on while a name is true is passed twice.
+/// Nothing in it waits, moves, asks or calls a function that may.
+bool only_calculates(const program::Block& block) {
+  using Kind = program::Statement::Kind;
+  bool out = true;
+  program::for_each_statement(block, [&](const program::Statement& s) {
+    const bool plain = s.kind == Kind::let || s.kind == Kind::set || s.kind == Kind::set_literal ||
+                       s.kind == Kind::branch || s.kind == Kind::while_loop || s.kind == Kind::for_loop ||
+                       s.kind == Kind::break_loop || s.kind == Kind::continue_loop;
+    out = out && plain;
+    program::for_each_expression(s, [&](const program::Expression& e) {
+      program::for_each_call(e, [&](const program::Expression&) { out = false; });
+    });
+  });
+  return out;
+}
+
+/// A loop that counts goes on to its end; one that goes on while a name is true is passed twice. One that only
+/// calculates is followed until it counts as endless.
 std::uint64_t passes_of(const program::Program& program) {
-  for (const program::Statement& s : program.statements)
-    if (s.kind == program::Statement::Kind::while_loop && s.expression && compares(*s.expression))
-      return kCountedPasses;
+  for (const program::Statement& s : program.statements) {
+    if (s.kind != program::Statement::Kind::while_loop || !s.expression || !compares(*s.expression)) continue;
+    return only_calculates(s.body) ? std::numeric_limits<std::uint64_t>::max() : kCountedPasses;
+  }
   return kPasses;
 }
 

@@ -51,6 +51,7 @@ Stage::Stage(CellInside& cell, const program::Program& program, const program::P
 }
 
 Stage::~Stage() {
+  if (moves_) moves_->set_busy({});
   for (auto& [name, value] : before_) cell_.data.store.set(name, std::move(value), "check");
 }
 
@@ -78,11 +79,13 @@ void Stage::set(const std::string& name, data::Value value, const Location& wher
 program::Handle Stage::start_move(const program::Move& move, const Location& where) {
   ++events_;
   if (!moves_) throw Error(Problem{"no-robot", where, "a PLC's script moves no robot", {}});
-  if (move.of_base()) return 1;
   fail_as_supposed(where);
   const Asked asked{where, calls_at(where), move.called, interpreter_->handler()};
   try {
-    queue(moves_->prepare(is_relative(move) ? from_now(move) : move, where), asked);
+    if (move.of_base())
+      moves_->base_of(move, where);
+    else
+      queue(prepare(move, where), asked);
   } catch (const Error& e) {
     tell(e.problems().front(), asked, values_known(asked));
   }
@@ -91,7 +94,7 @@ program::Handle Stage::start_move(const program::Move& move, const Location& whe
 }
 
 program::Progress Stage::poll_move(program::Handle) {
-  arrive();
+  have_arrived();
   if (!pending_) return program::Progress::done();
   return program::Progress::failed(*std::exchange(pending_, std::nullopt));
 }
@@ -132,7 +135,7 @@ void Stage::raise_pending() {
 }
 
 program::Handle Stage::start_arrival(const std::string&) {
-  arrive();
+  have_arrived();
   return 1;
 }
 
@@ -166,7 +169,9 @@ void Stage::tell_failure(const program::TaskStatus& status) {
   if (status.problem && tell_passed_on(*status.problem)) return;
   const std::vector<std::string> own = {"user",    "expect",   "timeout",     "ended",       "discarded",
                                         "refused", "no-robot", "unreachable", "nobody-there"};
-  if (!status.problem || std::find(own.begin(), own.end(), status.problem->code) != own.end()) return;
+  if (!status.problem) return;
+  if (is_raised_in_every_run(*status.problem)) return out_.problems.add(*status.problem);
+  if (std::find(own.begin(), own.end(), status.problem->code) != own.end()) return;
   Problem problem = *status.problem;
   bool known = values_known({status.where, calls_at(status.where), {}});
   if (problem.code == "too-deep") known = known && certainty().conditions_known();
@@ -180,6 +185,16 @@ void Stage::tell_failure(const program::TaskStatus& status) {
                      questions_[supposed_.answer->first].text + "': test it before";
   problem.severity = known ? Severity::error : Severity::warning;
   out_.problems.add(std::move(problem));
+}
+
+/// By a `raise` that nothing which others set leads to. An `expect` looks at what a rehearsal does not have.
+bool Stage::is_raised_in_every_run(const Problem& problem) const {
+  if (problem.code != "user" || supposes() || supposed_.kept || !supposed_.late.empty()) return false;
+  bool expects = false;
+  program::for_each_statement(program_.statements, [&](const program::Statement& s) {
+    expects = expects || s.kind == program::Statement::Kind::expect;
+  });
+  return !expects && questions_.empty() && here_known_ && certainty().conditions_known();
 }
 
 void Stage::tell_endless(const Location& where, int statements) {
@@ -205,8 +220,28 @@ void Stage::arrive() {
   for (Arm& arm : arms_) plan(arm);
 }
 
+void Stage::have_arrived() {
+  arrive();
+  for (Arm& arm : arms_) arm.busy = false;
+}
+
+/// A frame on a robot that has moves to do is an error, as in a run.
+ProgramMoves::Prepared Stage::prepare(const program::Move& move, const Location& where) {
+  const program::Move absolute = is_relative(move) ? from_now(move) : move;
+  moves_->set_busy([this](std::size_t arm) { return arms_[arm].busy; });
+  try {
+    ProgramMoves::Prepared out = moves_->prepare(absolute, where);
+    moves_->set_busy([](std::size_t) { return false; });
+    return out;
+  } catch (const Error&) {
+    moves_->set_busy([](std::size_t) { return false; });
+    throw;
+  }
+}
+
 void Stage::queue(ProgramMoves::Prepared move, const Asked& asked) {
   Arm& arm = arms_[move.arm];
+  arm.busy = true;
   if (arm.with != move.with) plan(arm);
   arm.with = move.with;
   for (moves::Move& one : move.moves) {

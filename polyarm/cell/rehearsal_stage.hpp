@@ -61,7 +61,8 @@ class Stage : public program::Host {
   /// Sets a name to what ends a wait. In the cell others do that, or do not, and later it has any value.
   void help(const std::string& name, const data::Value& value);
   /// The program has failed with the values that there are. Where it reads what others may have changed by
-  /// then, this is a warning; what the program raises itself is meant.
+  /// then, this is a warning; what the program raises
+  /// itself is an error if every run raises it.
   void tell_failure(const program::TaskStatus& status);
   /// The program neither waits nor moves in this line, for so many statements.
   void tell_endless(const Location& where, int statements);
@@ -110,11 +111,15 @@ class Stage : public program::Host {
     std::vector<std::pair<moves::Move, Asked>> waiting;
     std::shared_ptr<const moves::RobotFacts> with;
     bool lost;               ///< nobody knows where it is
+    bool busy = false;       ///< the program has not waited for its latest move to arrive
     std::vector<Went> went;  ///< every move that it has made
   };
 
   program::Move from_now(const program::Move& move);
   void arrive();
+  void have_arrived();
+  ProgramMoves::Prepared prepare(const program::Move& move, const Location& where);
+  bool is_raised_in_every_run(const Problem& problem) const;
   /// An error that an `on error` of the program catches, and its message.
   struct Caught {
     Problem problem;

@@ -432,8 +432,13 @@ class Runner {
       return;
     } else if (held_out_) {
       out.outcome = Outcome::failed;
+      const std::optional<Problem>& why = cell_.machine.held_by();
+      const Task* const program = cell_.programs->program();
       out.problems.push_back(
-          {"held", cell_.programs->program() ? cell_.programs->program()->status().where : Location{},
+          {"held",
+           why && why->where.line > 0 ? why->where
+           : program                  ? program->status().where
+                                      : Location{},
            "the cell is held, and in lock-step nobody is there to resume it",
            "run it without --fast, or with --socket, and polyarm control resume"});
     }

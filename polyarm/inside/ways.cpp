@@ -45,8 +45,8 @@ std::optional<Problem> why_no_resume(const Machine& machine, const Motions& moti
     return Problem{
         "in-contact",
         {},
-        fmt::format("{} still touches {} ({:.2f} mm deep), and the motion that is held goes on from there",
-                    contact->a, contact->b, 1e3 * contact->depth),
+        fmt::format("{} still touches {} ({} deep), and the motion that is held goes on from there",
+                    contact->a, contact->b, depth_text(contact->depth)),
         "polyarm control back leads out along the path; or polyarm control discard forgets the motion, "
         "then jog away slowly and polyarm control resume; --anyway goes on all the same",
         Severity::error,

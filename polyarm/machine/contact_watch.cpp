@@ -19,11 +19,17 @@ const char* name(ContactDuring during) {
   return kNames[static_cast<std::size_t>(during)];
 }
 
+std::string depth_text(double depth_m) {
+  const double mm = 1e3 * depth_m;
+  if (mm >= 0.1) return fmt::format("{:.2f} mm", mm);
+  if (mm < 0.001) return mm > 0 ? "less than 0.001 mm" : "0 mm";
+  return fmt::format("{:.2g} mm", mm);
+}
+
 std::string ContactReport::sentence() const {
-  const double mm = 1e3 * depth;
   if (during == ContactDuring::start)
-    return fmt::format("{} is inside {} where it starts, {:.2f} mm deep", a, b, mm);
-  std::string out = fmt::format("{} touched {} at {:.3f} s, {:.2f} mm deep", a, b, seconds(time), mm);
+    return fmt::format("{} is inside {} where it starts, {} deep", a, b, depth_text(depth));
+  std::string out = fmt::format("{} touched {} at {:.3f} s, {} deep", a, b, seconds(time), depth_text(depth));
   if (during == ContactDuring::jog) out += ", moved by hand";
   if (during == ContactDuring::move) out += ", on the way to a point that somebody asked for";
   return out;

@@ -14,6 +14,9 @@ namespace polyarm::cell {
 enum class ContactDuring { program, jog, move, start, other };
 const char* name(ContactDuring during);
 
+/// "2.10 mm"; below 0.1 mm with two significant digits.
+std::string depth_text(double depth_m);
+
 struct ContactReport {
   std::string a, b;    ///< "arm/forearm", "arm/tool", "fixture table", "part cube", "floor"
   std::string robot;   ///< whose motion it was; empty: nobody knows

@@ -233,6 +233,11 @@ void check_kind(const Yaml& yaml, Problems& problems) {
                    "this is a '" + kind + "' file, a cell/1 was expected");
 }
 
+bool is_robot(const CellFile& cell, const std::string& name) {
+  return std::any_of(cell.robots.begin(), cell.robots.end(),
+                     [&](const RobotEntry& robot) { return robot.name == name; });
+}
+
 void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
   if (overrides.budget > 0) cell.budget = overrides.budget;
   for (RobotEntry& robot : cell.robots) {
@@ -258,7 +263,9 @@ void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
     else
       problems.error("which-robot", {cell.path.string()},
                      "the cell has " + std::to_string(cell.robots.size()) + " robots",
-                     "say which: --robot NAME=MODEL");
+                     is_robot(cell, overrides.robot)
+                         ? "'" + overrides.robot + "' is one of them; --robot NAME=MODEL gives one another model"
+                         : "say which: --robot NAME=MODEL");
     return;
   }
   const std::string name = overrides.robot.substr(0, equals);

@@ -51,6 +51,7 @@ struct CellOptions {
   std::uint64_t cycles = 0;              ///< passes of the program's outermost while; 0: no limit
   std::map<std::string, double> faults;  ///< interface name → value forced upon it
   std::vector<std::string> answers;      ///< to `wait user`, in order
+  bool resume_holds = false;             ///< each `hold` of a program is resumed at once
   std::optional<TestEntry> test;         ///< runs beside the program, which begins when the test says so
   std::vector<FileBreakpoints>
       breakpoints;                     ///< as those of a cell before it were, files by their whole paths

@@ -58,7 +58,8 @@ std::optional<Pose> ProgramMoves::frame_on_robot(const std::string& name) const 
     if (robot.entry.name != name.substr(0, slash)) continue;
     if (part == "base") return robot.entry.base;
     if (!arm.robot.motion || (part != "tcp" && part != "flange" && part != "tool0")) return std::nullopt;
-    if (!arm.robot.motion->idle())
+    const auto index = static_cast<std::size_t>(&arm - arms_.data());
+    if (busy_ ? busy_(index) : !arm.robot.motion->idle())
       throw Error("frame-moves",
                   "the frame '" + name + "' is under way: '" + robot.entry.name + "' has moves to do",
                   "let it arrive first: moveto, or `wait 0s` behind the move");
@@ -235,13 +236,18 @@ ProgramMoves::Prepared ProgramMoves::prepare(const program::Move& move, const Lo
   return {index, std::move(moves), std::move(facts)};
 }
 
-program::Handle ProgramMoves::start_base(const program::Move& move, const Location& where) {
+std::size_t ProgramMoves::base_of(const program::Move& move, const Location& where) const {
   const std::size_t index = robot_of(move.robot, where);
-  moves::BaseMotion* const base = arms_[index].robot.base;
-  if (!base)
+  if (!arms_[index].robot.base)
     throw Error(Problem{"no-base", where,
                         "no diff_drive_controller drives '" + arms_[index].robot.robot->entry.name + "'",
                         "drive and turn move a base with wheels; an arm has movej, movel and their like"});
+  return index;
+}
+
+program::Handle ProgramMoves::start_base(const program::Move& move, const Location& where) {
+  const std::size_t index = base_of(move, where);
+  moves::BaseMotion* const base = arms_[index].robot.base;
   moves::BaseMove out;
   out.turns = move.kind == program::Move::Kind::turn;
   out.amount = move.targets.front().value.as_number()->value;

@@ -51,6 +51,10 @@ class ProgramMoves {
     std::shared_ptr<const moves::RobotFacts> with;
   };
   Prepared prepare(const program::Move& move, const Location& where);
+  /// Of a rehearsal: true for a robot, by its index, that has moves to do. Else its controller knows.
+  void set_busy(std::function<bool(std::size_t)> busy) { busy_ = std::move(busy); }
+  /// The index of the robot whose base a `drive` or `turn` moves. Throws Error if no controller moves it.
+  std::size_t base_of(const program::Move& move, const Location& where) const;
   /// here(), with the robot's joints where `joints_of` says.
   data::Value here_at(const std::string& robot, const std::string& tool, const std::string& frame,
                       const std::function<std::vector<double>(std::size_t arm)>& joints_of) const;
@@ -113,6 +117,7 @@ class ProgramMoves {
 
   std::string task_;
   std::vector<Arm> arms_;
+  std::function<bool(std::size_t)> busy_;
   MotionEntry pace_;
   const data::DataStore& store_;
   std::map<program::Handle, Asked> asked_;

@@ -78,6 +78,7 @@ void Programs::start(program::Program program) {
     return (!set.empty() && data_.files().is_live(set)) || data_.links().source_of(name).has_value();
   };
   context.hold = [this](const std::string& reason, const Location& where) {
+    if (setup_.options.resume_holds) return;
     Problem why{"program-hold",      where, reason, "polyarm control resume", Severity::warning,
                 {{"reason", reason}}};
     observer_.on_problem(machine_.now(), why);

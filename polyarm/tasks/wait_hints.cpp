@@ -83,6 +83,47 @@ NearPart nearest_part(const WaitOwners& cell, const Vec3& tcp) {
   return out;
 }
 
+/// The part that the gripper of this robot holds; empty: none.
+std::string held_by(const WaitOwners& cell, std::size_t robot) {
+  const auto& states = cell.machine.snapshot().world.parts;
+  for (std::size_t i = 0; i < std::min(states.size(), cell.setup.scene.parts.size()); ++i)
+    if (states[i].in_world && states[i].held_by == static_cast<int>(robot))
+      return cell.setup.scene.parts[i].name;
+  return {};
+}
+
+/// A value that `--fault` forces upon what the tag reads.
+std::string hint_of_fault(const WaitOwners& cell, const signals::Tag& tag) {
+  const auto at = cell.setup.options.faults.find(tag.interface);
+  if (at == cell.setup.options.faults.end()) return {};
+  return fmt::format("'{}' is {} because --fault forces {} to {:g}", tag.name,
+                     cell.data.store.find(tag.name)->text(), tag.interface, at->second);
+}
+
+/// Who waits for an outfeed waits for a part that comes to rest there.
+std::string hint_of_outfeed(const WaitOwners& cell, const description::Outfeed& outfeed) {
+  const auto& states = cell.machine.snapshot().world.parts;
+  const auto is_in = [&](const Vec3& p) {
+    return p.x >= outfeed.lower.x && p.x <= outfeed.upper.x && p.y >= outfeed.lower.y &&
+           p.y <= outfeed.upper.y && p.z >= outfeed.lower.z && p.z <= outfeed.upper.z;
+  };
+  for (std::size_t i = 0; i < std::min(states.size(), cell.setup.scene.parts.size()); ++i) {
+    if (!states[i].in_world || !is_in(states[i].pose.position)) continue;
+    const std::string part = cell.setup.scene.parts[i].name + " is in the outfeed '" + outfeed.name + "'";
+    if (states[i].held_by >= 0)
+      return part + " and still held by '" +
+             cell.setup.robots[static_cast<std::size_t>(states[i].held_by)]->entry.name + "'";
+    if (!states[i].asleep)
+      return fmt::format("{} and still moves, at {:.3g} mm/s: it is taken once it has been at rest for 0.5 s",
+                         part, states[i].speed * 1e3);
+    const signals::Tag* take = command_tag(cell, "scene/" + outfeed.name + "/take");
+    return part + " at rest: " +
+           (take ? "set '" + take->name + "' to one more"
+                 : "no tag of signals.yaml has 'command: scene/" + outfeed.name + "/take'");
+  }
+  return {};
+}
+
 /// Why the gripper of this robot holds nothing.
 std::string hint_of_gripper(const WaitOwners& cell, std::size_t robot) {
   constexpr double kGravity = 9.81;
@@ -95,8 +136,15 @@ std::string hint_of_gripper(const WaitOwners& cell, std::size_t robot) {
   if (cell.data.tags().sent(tag->name).value_or(0) < 0.5)
     return what + arm.entry.name + (suction ? "' is off" : "' is open") + ": '" + tag->name + "' is " +
            cell.data.store.find(tag->name)->text();
+  if (const std::string held = held_by(cell, robot); !held.empty())
+    return what + arm.entry.name + "' holds " + held + ", and its sensor does not report it";
   const NearPart near = nearest_part(cell, cell.motions.tcp(robot).position);
-  if (!near.part) return "no part lies in the cell";
+  if (!near.part) {
+    for (std::size_t other = 0; other < cell.setup.robots.size(); ++other)
+      if (const std::string held = held_by(cell, other); !held.empty())
+        return "no part lies in the cell; '" + cell.setup.robots[other]->entry.name + "' holds " + held;
+    return "no part lies in the cell";
+  }
   const double reach = suction ? arm.tool.reach : arm.tool.finger_length;
   if (near.away > reach)
     return fmt::format("the TCP of '{}' is {:.1f} mm away from {}, the nearest part{}", arm.entry.name,
@@ -130,6 +178,10 @@ std::string hint_of_wait(const WaitOwners& cell, std::span<const std::string> na
   for (const signals::Tag& tag : cell.data.signals().tags) {
     if (tag.role != data::TagRole::state || std::find(names.begin(), names.end(), tag.name) == names.end())
       continue;
+    if (std::string hint = hint_of_fault(cell, tag); !hint.empty()) return hint;
+    for (const description::Outfeed& outfeed : cell.setup.scene.outfeeds)
+      if (tag.interface.starts_with("scene/" + outfeed.name + "/"))
+        if (std::string hint = hint_of_outfeed(cell, outfeed); !hint.empty()) return hint;
     for (const description::Feeder& feeder : cell.setup.scene.feeders) {
       const bool at_feeder = tag.interface.starts_with("scene/" + feeder.name + "/");
       if (!at_feeder && !tag.interface.ends_with("/tool/part_present")) continue;

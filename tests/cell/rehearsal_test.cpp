@@ -382,5 +382,46 @@ TEST(Rehearsal, OneRobotIsMovedOnceInTogether) {
   EXPECT_EQ(checked("together\n  " + near + "\n  wait 10ms\nend\n").texts, "");
 }
 
+TEST(Rehearsal, AMoveOfABaseNeedsWheels) {
+  EXPECT_EQ(checked("drive 500mm\n").texts, "E1 no-base no diff_drive_controller drives 'arm'\n");
+}
+
+TEST(Rehearsal, AFrameOnARobotThatHasNotArrivedIsAnError) {
+  const std::string moves = "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\nmovej joints(0, -30deg, 50deg, 0, 60deg, 0)\n";
+  const std::string to = "movel pose(0, 0, -50mm), frame \"arm/tcp\"\n";
+  EXPECT_EQ(checked(moves + to).texts.rfind("E3 frame-moves the frame 'arm/tcp' is under way", 0), 0u)
+      << checked(moves + to).texts;
+  EXPECT_EQ(checked(moves + "wait 0s\n" + to).texts, "");
+}
+
+TEST(Rehearsal, AnErrorThatEveryRunRaisesIsOne) {
+  EXPECT_EQ(checked("try\n  raise \"a\"\non error e\n  retry 3\nend\n").texts, "E2 user a\n");
+  EXPECT_EQ(checked("together\n  log(1)\n  raise \"b\"\nend\n").texts, "E3 user b\n");
+  EXPECT_EQ(checked("if Ready\n  raise \"c\"\nend\n", kTags).texts, "") << "a tag decides";
+  EXPECT_EQ(checked("wait Ready\nraise \"d\"\n", kTags).texts, "") << "it may never become true";
+}
+
+TEST(Rehearsal, ACountThatNeverEndsIsABusyLoop) {
+  const std::string texts = checked("let a = 1\nwhile a > 0\n  set a = a + 1\nend\n").texts;
+  EXPECT_NE(texts.find("busy-loop the program neither waits nor moves here"), std::string::npos) << texts;
+  EXPECT_EQ(checked("let a = 1\nwhile a < 900\n  set a = a + 1\nend\n").texts, "");
+}
+
+TEST(Rehearsal, ADryRunResumesAPlannedHold) {
+  know_the_mock();
+  const test::Folder folder;
+  folder.write("go.script", "hold \"look\"\nlog(1)\n");
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes +
+                                ", hardware: mock}\nprogram: go\n");
+  const CheckResult result = check(folder.path(), {}, description::Catalogue({}), {.dry = true});
+  EXPECT_TRUE(result.problems.empty()) << result.problems.front().text();
+}
+
+TEST(Rehearsal, ADeadlockOfTasksIsFoundInBothRehearsals) {
+  const std::string program = "task a\n  meet x\nend\ntask b\n  meet x\n  meet x\nend\n";
+  const std::string texts = checked(program).texts;
+  EXPECT_EQ(texts.rfind("E6 deadlock tasks wait for each other without end: 'b' waits in line 6", 0), 0u) << texts;
+}
+
 }  // namespace
 }  // namespace polyarm::cell

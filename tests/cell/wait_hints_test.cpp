@@ -86,6 +86,15 @@ TEST_F(Waits, ATimeOutForAGripperSaysWhyItHoldsNothing) {
             std::string::npos);
 }
 
+TEST_F(Waits, ADeadlockIsOneOfAllTasks) {
+  const Problem found = failure("task a\n  meet x\nend\ntask b\n  wait Go\n  meet x\nend\n");
+  EXPECT_EQ(found.code, "deadlock") << "the first task waits for the second, which waits for a tag";
+  EXPECT_NE(found.what.find("waits for Go"), std::string::npos) << found.what;
+  EXPECT_EQ(failure("task a\n  wait Go\nend\ntask b\n  wait 5s\n  set Go = true\nend\n").text(),
+            Problem{}.text())
+      << "the second task sets what the first one waits for";
+}
+
 TEST_F(Waits, AProgramThatGoesRoundWithoutEndEndsTheRun) {
   const std::string text = "let n = 1\nwhile n != 0\n  set n = n * 1\nend\n";
   EXPECT_EQ(failure(text).text(), Problem{}.text()) << "a program may have much to calculate";

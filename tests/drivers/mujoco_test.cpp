@@ -207,6 +207,21 @@ TEST(Mujoco, FreeFallMatchesTheFormula) {
   EXPECT_NEAR(rig.now(), std::sqrt(2 * kHeight / 9.81), 2.001e-3);
 }
 
+TEST(Mujoco, AStandingCylinderComesToRest) {
+  for (const double height : {0.04, 0.06}) {
+    Stage stage = parts_only();
+    description::Part part = cube("can", {0.1, 0.2, height / 2});
+    part.shape = {};
+    part.shape.kind = description::ShapeKind::cylinder;
+    part.shape.radius = 0.02;
+    part.shape.length = height;
+    stage.scene.parts = {part};
+    Rig rig = simulate(stage);
+    rig.run(2);
+    EXPECT_TRUE(rig.part(0).asleep) << height << " m high, moves at " << rig.part(0).speed << " m/s";
+  }
+}
+
 TEST(Mujoco, PartStaysWhereItWasPut) {
   Stage stage = parts_only();
   stage.scene.parts = {cube("cube", {0.1, 0.2, 0.02})};
