@@ -99,7 +99,7 @@ class Checker {
     make_robot_bodies(robots_, problems_);
     make_scene_bodies(robots_, scene_, problems_);
     result_.notes = file_.notes;
-    for (const auto& more : {sentences(unchecked_bodies(robots_, scene_)), placeholder_notes(robots_)})
+    for (const auto& more : {sentences(unchecked_bodies(robots_, scene_)), physics_notes(robots_)})
       result_.notes.insert(result_.notes.end(), more.begin(), more.end());
   }
 

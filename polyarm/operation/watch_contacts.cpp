@@ -14,6 +14,15 @@ constexpr Nanoseconds kFromTheStart = 5'000'000;
 bool belongs(const std::string& name, const std::string& robot) {
   return name.starts_with(robot + "/") || name == "the part held by " + robot;
 }
+
+/// Why one of the robots of a contact fell. Contacts that are allowed are many, and are not looked into.
+std::string falls(const CellSetup& setup, const ContactReport& contact) {
+  if (setup.options.allow_contact) return {};
+  for (const auto& robot : setup.robots)
+    if (belongs(contact.a, robot->entry.name) || belongs(contact.b, robot->entry.name))
+      if (std::string why = why_it_falls(*robot); !why.empty()) return why;
+  return {};
+}
 }  // namespace
 
 /// The robot that moves, of those that touch; a part is its holder's. -1: none.
@@ -62,6 +71,8 @@ Problem Watches::problem_of(const ContactReport& contact) const {
     out.advice = "move the base of the robot, the obstacle, or where it starts (home)";
   else if (contact.during == ContactDuring::jog)
     out.advice = "jog it away slowly, then polyarm control resume";
+  else if (const std::string why = falls(cell_.setup, contact); !why.empty())
+    out.advice = why + "; correct the <limit effort> of the description";
   else if (cell_.programs.waits())
     out.advice =
         "polyarm control back leads out along the path; or polyarm control discard, then jog it away "

@@ -7,6 +7,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/bodies.hpp"
 #include "polyarm/hulls/robot_bodies.hpp"
+#include "polyarm/moves/holding.hpp"
 
 namespace polyarm::cell {
 
@@ -98,13 +99,33 @@ std::vector<std::string> sentences(const std::vector<Problem>& problems) {
   return out;
 }
 
-std::vector<std::string> placeholder_notes(const CellRobots& robots) {
+std::vector<std::string> physics_notes(const CellRobots& robots) {
   std::vector<std::string> out;
-  for (const auto& robot : robots)
-    if (checks_contacts(*robot))
-      for (const std::string& text : description::placeholders(robot->model))
-        out.push_back(robot->entry.name + ": " + text);
+  for (const auto& robot : robots) {
+    if (!checks_contacts(*robot)) continue;
+    for (const std::string& text : description::placeholders(robot->model))
+      out.push_back(robot->entry.name + ": " + text);
+    if (const std::string why = why_it_falls(*robot); !why.empty()) out.push_back(why);
+  }
   return out;
+}
+
+std::string why_it_falls(const CellRobot& robot) {
+  if (!checks_contacts(robot)) return {};
+  const moves::Payload load = moves::joined(
+      {robot.tool.mass, robot.tool.center},
+      {robot.entry.payload.mass, robot.entry.payload.center.value_or(robot.tool.tcp.position)});
+  std::vector<std::string> weak;
+  for (const moves::Overload& over :
+       moves::overloads_at(robot.model, robot.entry.base, load, robot.start)) {
+    const int index = robot.model.actuated[over.joint];
+    const description::Joint& joint = robot.model.joints[static_cast<std::size_t>(index)];
+    const char* unit = joint.type == description::JointType::prismatic ? "N" : "N m";
+    weak.push_back(fmt::format("{} (effort limit {:.4g} {}, gravity takes {:.3g} {})", joint.name, over.limit, unit,
+                               over.torque, unit));
+  }
+  if (weak.empty()) return {};
+  return robot.entry.name + ": it falls in physics, as its efforts do not hold it at the start: " + join(weak, ", ");
 }
 
 }  // namespace polyarm::cell

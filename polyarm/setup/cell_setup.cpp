@@ -28,7 +28,7 @@ ros_files::ControllersFile read_setup(CellSetup& setup, Observer& observer, Prob
   make_robot_bodies(setup.robots, problems);
   make_scene_bodies(setup.robots, setup.scene, problems);
   setup.unchecked_bodies = cell::unchecked_bodies(setup.robots, setup.scene);
-  for (const auto& more : {sentences(setup.unchecked_bodies), placeholder_notes(setup.robots)})
+  for (const auto& more : {sentences(setup.unchecked_bodies), physics_notes(setup.robots)})
     notes.insert(notes.end(), more.begin(), more.end());
   for (const std::string& note : notes) observer.on_note(note);
   problems.throw_if_errors();
