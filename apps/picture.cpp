@@ -22,7 +22,7 @@ using description::ShapeKind;
 using shapes::LinkShape;
 
 constexpr int kSize = 260;   // px, the longer side
-constexpr int kColors = 48;  // keeps a picture below 15 kB
+constexpr int kColorsOfPicture = 48;  // keeps a picture below 15 kB
 
 bool drawable(const std::vector<Shape>& list) {
   return std::any_of(list.begin(), list.end(),
@@ -88,7 +88,7 @@ std::string picture_of(const RobotModel& model, std::span<const double> q) {
   return fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\">"
       "<image width=\"{0}\" height=\"{1}\" href=\"data:image/png;base64,{2}\"/></svg>\n",
-      picture.width, picture.height, base64(shapes::png(picture, kColors)));
+      picture.width, picture.height, base64(shapes::png(picture, kColorsOfPicture)));
 }
 
 }  // namespace polyarm::apps
