@@ -187,14 +187,16 @@ void Stage::tell_failure(const program::TaskStatus& status) {
   out_.problems.add(std::move(problem));
 }
 
-/// By a `raise` that nothing which others set leads to. An `expect` looks at what a rehearsal does not have.
+/// By a `raise` that nothing which others set leads to. An `expect`, and the `else` of an `until`, depend on what a
+/// rehearsal does not have.
 bool Stage::is_raised_in_every_run(const Problem& problem) const {
   if (problem.code != "user" || supposes() || supposed_.kept || !supposed_.late.empty()) return false;
-  bool expects = false;
+  bool measures = false;
   program::for_each_statement(program_.statements, [&](const program::Statement& s) {
-    expects = expects || s.kind == program::Statement::Kind::expect;
+    measures = measures || s.kind == program::Statement::Kind::expect ||
+               std::any_of(s.clauses.begin(), s.clauses.end(), [](const program::Clause& c) { return c.has_else; });
   });
-  return !expects && questions_.empty() && here_known_ && certainty().conditions_known();
+  return !measures && questions_.empty() && here_known_ && certainty().conditions_known();
 }
 
 void Stage::tell_endless(const Location& where, int statements) {
