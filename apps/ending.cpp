@@ -1,6 +1,7 @@
 #include "apps/ending.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <semaphore.h>
 #include <signal.h>
 #include <unistd.h>
@@ -68,7 +69,9 @@ void end_in_time() {
   std::this_thread::sleep_for(kAtOnce);
   if (!simulated) return;
   constexpr std::string_view kText = "polyarm: a simulated cell was ended on SIGTERM before it was done\n";
-  if (::write(STDERR_FILENO, kText.data(), kText.size()) < 0) {  // nobody is there, who needs no telling
+  pollfd room{STDERR_FILENO, POLLOUT, 0};  // a reader who takes nothing would keep this thread
+  if (::poll(&room, 1, 0) == 1 && (room.revents & POLLOUT) != 0 &&
+      ::write(STDERR_FILENO, kText.data(), kText.size()) < 0) {  // nobody is there, who needs no telling
   }
   ::_exit(kStopped);
 }
