@@ -239,7 +239,10 @@ void unzip_into(std::string_view bytes, const fs::path& folder) {
       const std::string text = content(zip.get(), i, name, left);
       left -= text.size();
       refuse_native(name, text);
-      fs::create_directories(file.parent_path());
+      fs::create_directories(file.parent_path(), error);
+      if (error)
+        throw Error("bad-zip", "the zip has '" + name + "', which cannot be made: " + error.message(),
+                    "use short names, and no name for a file and a folder");
       write_file_atomically(file, text);
     }
     if (!fs::exists(coming / "cell.yaml", error))

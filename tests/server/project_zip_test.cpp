@@ -103,6 +103,22 @@ TEST_F(ProjectZipTest, NamesThatLookLikeOthersAreNoneOfAProject) {
   }
 }
 
+TEST_F(ProjectZipTest, ANameThatIsAFileAndAFolderIsNamed) {
+  write_file_atomically(project() / "f.txt", "a file");
+  std::string zip = zip_of(project());
+  const std::string is = "sub/a.script", as = "f.txt/script";
+  for (std::size_t at = zip.find(is); at != std::string::npos; at = zip.find(is, at)) zip.replace(at, as.size(), as);
+  try {
+    unzip_into(zip, folder.path() / "out");
+    FAIL() << "f.txt is both";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.problems().front().code, "bad-zip");
+    EXPECT_NE(std::string(e.what()).find("f.txt"), std::string::npos) << e.what();
+    EXPECT_EQ(std::string(e.what()).find("threw"), std::string::npos) << e.what();
+  }
+  EXPECT_FALSE(fs::exists(folder.path() / "out"));
+}
+
 TEST_F(ProjectZipTest, OnlyWhatZlibUnpacksIsUnpacked) {
   std::string zip = zip_of(project());
   // The central directory and the file itself say bzip2, which another library would unpack.
