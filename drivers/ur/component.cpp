@@ -256,7 +256,8 @@ ReturnType UrComponent::read(const hardware::Cycle&, std::span<double> states) n
   states[at++] = last_command_ > 0 ? last_command_ - sample[kSequence] : 0;
   for (const Field field : {kDigitalIn, kDigitalOut}) {
     const double word = sample[field];
-    const auto bits = std::isfinite(word) ? static_cast<std::uint64_t>(word) : 0;
+    const bool valid = word >= 0 && word < 0x1p64;  // a conversion outside of it is undefined
+    const auto bits = valid ? static_cast<std::uint64_t>(word) : 0;
     for (std::size_t i = 0; i < Outputs::kDigital; ++i) states[at++] = static_cast<double>(bits >> i & 1);
   }
   for (const Field field : kAnalogs) states[at++] = sample[field];
@@ -304,7 +305,7 @@ ReturnType UrComponent::write(const hardware::Cycle&, std::span<const double> co
   if (settings_.io) write_outputs(commands.subspan(both ? 12 : 6));
   std::array<double, 6> values{};
   for (std::size_t j = 0; j < 6; ++j) {
-    if (!std::isfinite(joints[j])) {  // no command for one joint is none for the arm: it holds
+    if (!std::isfinite(joints[j])) {  // without a command for one joint the whole arm holds
       last_command_ = link_->command(Mode::hold, {});
       first_ = true;
       return ReturnType::ok;

@@ -20,7 +20,7 @@ struct FarFaults {
   bool wrong_version = false;  ///< RTDE accepts no protocol version
   bool second_client = false;  ///< somebody else holds all inputs
   bool silent = false;         ///< RTDE sends nothing
-  bool garbage = false;        ///< the next RTDE package is none
+  bool garbage = false;        ///< the next RTDE package is not valid
   int duplicate = 0;           ///< packages that are sent twice
   int reorder = 0;             ///< packages that are sent after the next one
   int late = 0;                ///< packages that are kept back, then sent together

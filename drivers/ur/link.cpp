@@ -296,7 +296,7 @@ void Link::judge_program(Nanoseconds now) {
   if (commanded_ && stream_ && pacer_.silent(now)) return note(Cause::loop_silent);
 }
 
-/// The robot's program stops the robot when it is told so, and when its connection closes.
+/// The robot's program stops the robot at the command `end`, and when its connection closes.
 void Link::end_stream() {
   send_command(Command{0, Mode::end, {}});
   stream_ = Descriptor();

@@ -82,7 +82,7 @@ Table table_of(std::span<const Row> rows) {
   return out;
 }
 
-/// A register such as "input_int_register_24"; null if the name is none.
+/// A register such as "input_int_register_24"; null for another name.
 const FieldType* find_register(std::string_view name, std::string_view side) noexcept {
   struct Family {
     std::string_view name, type;

@@ -17,7 +17,7 @@ Descriptor connect_tcp(const std::string& host, int port, Nanoseconds timeout, s
 /// Listens at an address of this machine ("127.0.0.1", "0.0.0.0"); port 0: any. On failure empty, with the
 /// reason in `why`.
 Descriptor listen_tcp(const std::string& address, int port, std::string& why);
-/// The next connection; empty if there is none.
+/// The next connection that waits to be accepted; empty without one.
 Descriptor accept_tcp(int listener);
 /// The port that a socket is bound to; 0 on failure.
 int local_port(int socket);

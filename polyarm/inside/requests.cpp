@@ -56,13 +56,13 @@ class Requests::Work {
   }
 
   void refuse(const void* from, const Error& why) {
-    std::vector<Open> ended;
-    for (Open& each : open_)
-      if (each.from == from && !each.over) {
-        each.over = true;
-        if (!each.answered) ended.push_back(each);
-      }
-    for (Open& each : ended) send(each, {{}, why, false});
+    std::vector<OnReply> unanswered;  // called at the end: a reply may ask again
+    for (Open& each : open_) {
+      if (each.from != from || each.over) continue;
+      each.over = true;
+      if (!each.answered) unanswered.push_back(std::move(each.on_reply));
+    }
+    for (const OnReply& reply : unanswered) reply({{}, why, false});
   }
 
   /// All of few; of many as many as there is time for, and the others in the ticks that follow.

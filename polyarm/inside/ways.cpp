@@ -28,7 +28,7 @@ Problem still_moving(const Machine& machine) {
           {{"state", control::name(machine.snapshot().state)}}};
 }
 
-/// A stop that is not asked for any more is answered by the loop one cycle later.
+/// The loop reacts to a withdrawn stop one cycle later.
 bool is_moving_state(RunState state) {
   return state == RunState::stopping || state == RunState::backing;
 }

@@ -86,7 +86,7 @@ export class Floor {
     this.group.add(ground);
   }
 
-  /** A soft dark spot under what stands on the floor at `at`, as wide as it is. */
+  /** A soft contact shadow on the floor at `at`, below an object of this radius (m). */
   addSpot(at: THREE.Vector3, radius: number): THREE.Mesh {
     const look = new THREE.MeshBasicMaterial({ map: this.spot, color: 0x000000, transparent: true, depthWrite: false, opacity: 0.5 });
     const out = new THREE.Mesh(new THREE.PlaneGeometry(3.4 * radius, 3.4 * radius), look);
