@@ -26,7 +26,7 @@
 #define POLYARM_FLOATS 8
 namespace polyarm::collision::avx2 {
 constexpr std::size_t kMostLinks = kMostBodies;
-#include "polyarm/collision/float_lanes.inc"
+#include "polyarm/simd/float_lanes.inc"
 // uses the file above
 #include "polyarm/collision/check_kernels.inc"
 }  // namespace polyarm::collision::avx2

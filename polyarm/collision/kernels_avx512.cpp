@@ -27,7 +27,7 @@
 #define POLYARM_FLOATS 16
 namespace polyarm::collision::avx512 {
 constexpr std::size_t kMostLinks = kMostBodies;
-#include "polyarm/collision/float_lanes.inc"
+#include "polyarm/simd/float_lanes.inc"
 // uses the file above
 #include "polyarm/collision/check_kernels.inc"
 }  // namespace polyarm::collision::avx512

@@ -21,7 +21,7 @@
 #define POLYARM_FLOATS 4
 namespace polyarm::collision::portable {
 constexpr std::size_t kMostLinks = kMostBodies;
-#include "polyarm/collision/float_lanes.inc"
+#include "polyarm/simd/float_lanes.inc"
 // uses the file above
 #include "polyarm/collision/check_kernels.inc"
 }  // namespace polyarm::collision::portable
