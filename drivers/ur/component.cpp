@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "polyarm/base/error.hpp"
@@ -16,7 +15,6 @@ using hardware::CallbackReturn;
 using hardware::ReturnType;
 
 namespace {
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFirstStep = 0.01;  // rad, between the measured position and the first command
 
 using hardware::DriverParameter;
@@ -143,9 +141,7 @@ CallbackReturn UrComponent::on_init(const hardware::ComponentContext& context) {
   find_joints(context, p.problems());
   p.problems().throw_if_errors();
   mode_ = positions_ ? Mode::position : Mode::velocity;
-  outputs_.digital.fill(kNone);
-  outputs_.analog.fill(kNone);
-  outputs_.speed_slider = kNone;
+  outputs_ = written_ = Outputs();
   link_ = std::make_unique<Link>(settings_);
   return CallbackReturn::success;
 }
@@ -216,7 +212,6 @@ CallbackReturn UrComponent::on_configure() {
 CallbackReturn UrComponent::on_activate() {
   first_ = true;
   last_command_ = 0;
-  written_ = outputs_;
   if (!link_->start()) return CallbackReturn::failure;
   active_ = true;
   return CallbackReturn::success;
@@ -282,17 +277,9 @@ void UrComponent::write_outputs(std::span<const double> commands) noexcept {
   outputs_.speed_slider = commands[at++];
   for (double& value : outputs_.digital) value = commands[at++];
   for (double& value : outputs_.analog) value = commands[at++];
-  const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
-  Outputs changed = outputs_;  // only what changed: somebody at the pendant may have switched the others
-  bool any = false;
-  const auto keep = [&](double& value, double before) {
-    if (same(value, before)) value = kNone;
-    any = any || std::isfinite(value);
-  };
-  keep(changed.speed_slider, written_.speed_slider);
-  for (std::size_t i = 0; i < Outputs::kDigital; ++i) keep(changed.digital[i], written_.digital[i]);
-  for (std::size_t i = 0; i < Outputs::kAnalog; ++i) keep(changed.analog[i], written_.analog[i]);
-  if (any) link_->outputs(changed);
+  const auto bytes = [](const Outputs& outputs) { return std::as_bytes(std::span(&outputs, 1)); };
+  if (std::ranges::equal(bytes(outputs_), bytes(written_))) return;  // as bytes: NaN is NaN
+  link_->outputs(outputs_);
   written_ = outputs_;
 }
 

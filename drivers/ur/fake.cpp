@@ -100,10 +100,21 @@ hardware::ReturnType FakeUr::read(const hardware::Cycle& cycle, std::span<double
       if (!one.fault.empty() && since_ >= one.at) far_->order(std::exchange(one.fault, ""));
     since_ += seconds(cycle.period);
     // A fault may keep the controller's package back; then a command may wait for the next one.
+    const double before = far_->sent_time();
     far_->step(last_command(), disturbed_ ? kDisturbed : kPatience);
-    disturbed_ = !link()->await(1'000'000'000) || disturbed_;
+    const double sent = far_->sent_time();
+    disturbed_ = disturbed_ || sent == before || !await_package(sent);
   }
   return UrComponent::read(cycle, states);
+}
+
+/// Until the newest package is that of the time `sent`: older ones may still be on their way.
+bool FakeUr::await_package(double sent) noexcept {
+  do {
+    link()->fetch();
+    if (link()->sample()[kTimestamp] >= sent) return true;
+  } while (link()->await(1'000'000'000) && link()->cause() == Cause::none);
+  return false;
 }
 
 std::string FakeUr::summary() const {

@@ -27,6 +27,7 @@ class FakeUr : public UrComponent {
   FarSide& far_side() { return *far_; }
 
  private:
+  bool await_package(double sent) noexcept;
   struct Ordered {
     std::string fault;
     double at = 0;

@@ -179,6 +179,7 @@ void FarRtde::send(Client& client) {
     for (int i = 0; i < times; ++i)
       if (!wire::send_frame(client.socket.number(), package)) client.gone = true;
   }
+  sent_time_ = machine_.time();
   client.kept.clear();
 }
 

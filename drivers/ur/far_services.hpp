@@ -94,6 +94,8 @@ class FarRtde {
   void serve();
   /// Sends what is due in this cycle.
   void send(std::uint64_t cycle);
+  /// The machine's time in the newest package that went out, s.
+  double sent_time() const { return sent_time_; }
 
  private:
   bool take(Client& client, PackageType type, Bytes payload);
@@ -108,6 +110,7 @@ class FarRtde {
   FarFaults& faults_;
   double rate_;
   Service<Client> service_;
+  double sent_time_ = 0;
 };
 
 /// The program that runs on the controller.

@@ -153,8 +153,14 @@ bool FarSide::step(std::int32_t sequence, Nanoseconds patience) {
       return !program_.runs() || faults_.deaf || machine_.program() != Machine::Program::playing ||
              program_.last_sequence() >= sequence;
     });
+  rtde_.serve();  // the outputs that were sent before the command
   cycle();
   return came;
+}
+
+double FarSide::sent_time() {
+  const std::lock_guard lock(mutex_);
+  return rtde_.sent_time();
 }
 
 std::uint64_t FarSide::messages() {

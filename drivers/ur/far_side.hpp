@@ -44,6 +44,8 @@ class FarSide {
   /// One cycle. Waits until the program has the message `sequence` (0: any), at most `patience` ns; false if
   /// it did not come.
   bool step(std::int32_t sequence = 0, Nanoseconds patience = 5'000'000'000);
+  /// The controller's time in the newest RTDE package that went out, s.
+  double sent_time();
   /// Looks at the machine, or changes it, between two cycles.
   template <typename Use>
   auto with(Use use) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "polyarm/realtime/periodic.hpp"
 
@@ -224,7 +225,18 @@ void Link::send_command(const Command& command) {
 }
 
 void Link::send_outputs() {
-  const Outputs& wanted = outputs_.value();
+  Outputs wanted = outputs_.value();
+  const auto only_changed = [](double& now, double& before) {
+    const double last = std::exchange(before, now);
+    if (now == last) now = std::numeric_limits<double>::quiet_NaN();
+    return std::isfinite(now);
+  };
+  bool any = only_changed(wanted.speed_slider, written_.speed_slider);
+  for (std::size_t i = 0; i < Outputs::kDigital; ++i)
+    any = only_changed(wanted.digital[i], written_.digital[i]) || any;
+  for (std::size_t i = 0; i < Outputs::kAnalog; ++i)
+    any = only_changed(wanted.analog[i], written_.analog[i]) || any;
+  if (!any || !rtde_ || inputs_.types.empty()) return;
   std::array<double, 12> values{};
   const auto whole = [](double value) {
     return static_cast<double>(std::lround(std::clamp(value, 0.0, 1.0)));
@@ -254,9 +266,10 @@ void Link::send_outputs() {
 }
 
 void Link::take_commands(Nanoseconds now) {
-  if (outputs_.fetch() && rtde_ && !inputs_.types.empty()) send_outputs();
+  const bool fresh = commands_.fetch();  // first: its outputs were written before it
+  if (outputs_.fetch()) send_outputs();
   if (!stream_ || ending_) return;
-  if (commands_.fetch()) {
+  if (fresh) {
     if (!commanded_) pacer_.cycle();  // the first one replaces what kept the program waiting
     commanded_ = true;
     pacer_.command(now);

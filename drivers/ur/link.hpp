@@ -5,6 +5,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -61,10 +62,14 @@ struct Sample {
 /// Outputs of the controller; NaN leaves one as it is.
 struct Outputs {
   static constexpr std::size_t kDigital = 18, kAnalog = 2;
-  std::array<double, kDigital> digital{};
-  std::array<double, kAnalog> analog{};  ///< share of the range, 0 to 1
-  double speed_slider = 0;
-  bool operator==(const Outputs&) const = default;
+  std::array<double, kDigital> digital;
+  std::array<double, kAnalog> analog;  ///< share of the range, 0 to 1
+  double speed_slider;
+  Outputs() noexcept {
+    digital.fill(std::numeric_limits<double>::quiet_NaN());
+    analog.fill(std::numeric_limits<double>::quiet_NaN());
+    speed_slider = std::numeric_limits<double>::quiet_NaN();
+  }
 };
 
 struct LinkSettings {
@@ -103,6 +108,8 @@ class Link {
   bool await(Nanoseconds timeout) noexcept;
   /// The newest command; returns its sequence number.
   std::int32_t command(Mode mode, const std::array<double, 6>& values) noexcept;
+  /// What the outputs shall be. Only what changed is sent: somebody at the pendant may have switched the
+  /// others. Call it before command(): then the outputs arrive before that command.
   void outputs(const Outputs& outputs) noexcept;
   Cause cause() const noexcept { return static_cast<Cause>(fault_.load(std::memory_order_acquire) & 0xFF); }
   /// Why open() or start() was refused last; the link may be well.
@@ -187,6 +194,7 @@ class Link {
 
   // the thread's
   Sample current_;
+  Outputs written_;  // what was sent of the outputs, or was wanted before
   wire::Pacer pacer_;
   bool primary_lost_ = false;
   bool played_ = false;

@@ -135,6 +135,35 @@ TEST(UrComponent, OutputsAreWrittenWhenTheyChangeAndReadBack) {
   EXPECT_EQ(rig.state("io/digital_out_9"), 1);
 }
 
+TEST(UrComponent, NoChangeOfAnOutputIsLostWhenSeveralCyclesFollowQuickly) {
+  UrRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  for (int round = 0; round < 20; ++round) {
+    const double on = round % 2 == 0;
+    for (int i = 0; i < 18; ++i) {
+      rig.command("io/digital_out_" + std::to_string(i)) = on;
+      ASSERT_EQ(rig.component.write(rig.cycle, rig.commands), ReturnType::ok);
+      rig.far().step();  // nobody waits until the link's thread has run
+    }
+    ASSERT_TRUE(rig.runs(2, [](int) {}));
+    for (int i = 0; i < 18; ++i)
+      ASSERT_EQ(rig.state("io/digital_out_" + std::to_string(i)), on) << round << " " << i;
+  }
+}
+
+TEST(UrComponent, AnOutputIsSwitchedInTheCycleOfItsCommand) {
+  UrRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.runs(5, [](int) {}));
+  for (int round = 0; round < 300; ++round) {
+    rig.command("io/digital_out_3") = round % 2;
+    ASSERT_TRUE(rig.runs(1, [](int) {}));
+    ASSERT_EQ(rig.read(), ReturnType::ok);
+    ASSERT_EQ(rig.state("io/digital_out_3"), round % 2) << round;
+    ASSERT_EQ(rig.component.write(rig.cycle, rig.commands), ReturnType::ok);
+  }
+}
+
 TEST(UrComponent, DeactivatingEndsTheProgramAndTheRobotStands) {
   UrRig rig;
   ASSERT_TRUE(rig.start()) << rig.component.reason();

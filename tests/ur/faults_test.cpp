@@ -267,7 +267,8 @@ TEST(UrFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
                                      "duplicate=3"};
   std::uint32_t seed = 27;
   const auto draw = [&](std::uint32_t n) {
-    return (seed = seed * 1664525u + 1013904223u) >> 8 & 0xFFFFFF, (seed >> 8) % n;
+    seed = seed * 1664525u + 1013904223u;
+    return (seed >> 8) % n;
   };
   UrRig rig;
   int named = 0;
