@@ -1,22 +1,13 @@
 #pragma once
-/// LZ4, as MCAP has its chunks: one frame. Source: the LZ4 block and frame format descriptions 1.6.
+/// LZ4 frames, the compression of MCAP's chunks, by liblz4.
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
 namespace polyarm::recording {
 
-/// Appends a frame with `data` to `out`. The same data give the same bytes on every machine. One thread.
-class Lz4Compressor {
- public:
-  Lz4Compressor();
-  void compress(std::span<const std::byte> data, std::vector<std::byte>& out);
-
- private:
-  void add_block(std::span<const std::byte> data, std::vector<std::byte>& out);
-  std::vector<std::uint32_t> places_;  ///< by hash: where the four bytes were last, + 1
-  std::vector<std::byte> block_;
-};
+/// Appends one frame that holds `data` to `out`. Equal data give equal bytes with the same liblz4. Any thread.
+/// Throws std::runtime_error if memory runs out.
+void add_lz4_frame(std::span<const std::byte> data, std::vector<std::byte>& out);
 
 }  // namespace polyarm::recording

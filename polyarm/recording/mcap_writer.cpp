@@ -1,5 +1,7 @@
 #include "polyarm/recording/mcap_writer.hpp"
 
+#include <zlib.h>
+
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -29,34 +31,11 @@ enum Opcode : std::uint8_t {
 
 constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 
-/// Eight tables: a byte that is followed by 0 to 7 others.
-constexpr auto make_tables() {
-  std::array<std::array<std::uint32_t, 256>, 8> out{};
-  for (std::uint32_t i = 0; i < 256; ++i) {
-    std::uint32_t c = i;
-    for (int k = 0; k < 8; ++k) c = (c & 1) != 0 ? 0xEDB88320u ^ (c >> 1) : c >> 1;
-    out[0][i] = c;
-  }
-  for (std::size_t t = 1; t < 8; ++t)
-    for (std::size_t i = 0; i < 256; ++i) out[t][i] = (out[t - 1][i] >> 8) ^ out[0][out[t - 1][i] & 0xFF];
-  return out;
-}
-constexpr auto kTables = make_tables();
-
 }  // namespace
 
 std::uint32_t crc32(std::span<const std::byte> bytes, std::uint32_t before) {
-  std::uint32_t c = ~before;
-  const auto byte = [&](std::size_t i) { return std::to_integer<std::uint32_t>(bytes[i]); };
-  std::size_t i = 0;
-  for (; i + 8 <= bytes.size(); i += 8) {
-    c ^= byte(i) | byte(i + 1) << 8 | byte(i + 2) << 16 | byte(i + 3) << 24;
-    c = kTables[7][c & 0xFF] ^ kTables[6][(c >> 8) & 0xFF] ^ kTables[5][(c >> 16) & 0xFF] ^
-        kTables[4][c >> 24] ^ kTables[3][byte(i + 4)] ^ kTables[2][byte(i + 5)] ^ kTables[1][byte(i + 6)] ^
-        kTables[0][byte(i + 7)];
-  }
-  for (; i < bytes.size(); ++i) c = (c >> 8) ^ kTables[0][(c ^ byte(i)) & 0xFF];
-  return ~c;
+  return static_cast<std::uint32_t>(
+      ::crc32_z(before, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 void RecordBuffer::texts(const std::map<std::string, std::string>& map) {
@@ -153,7 +132,7 @@ void McapWriter::end_chunk() {
   std::span<const std::byte> records = chunk_.bytes();
   if (options_.compress) {
     compressed_.clear();
-    lz4_.compress(chunk_.bytes(), compressed_);
+    add_lz4_frame(chunk_.bytes(), compressed_);
     records = compressed_;
   }
   chunk.compressed = records.size();

@@ -22,8 +22,7 @@ class ByteSink {
   virtual bool write(std::span<const std::byte> bytes) = 0;
 };
 
-/// The check that MCAP has of chunks and sections: CRC-32 of ISO 3309, as zlib reckons it, going on from
-/// `before`.
+/// CRC-32 (ISO 3309) of chunks and sections. `before`: the result for the bytes before these.
 std::uint32_t crc32(std::span<const std::byte> bytes, std::uint32_t before = 0);
 
 /// Grows a record; numbers little-endian, texts and bytes with their length before them.
@@ -128,7 +127,6 @@ class McapWriter {
 
   ByteSink& sink_;
   McapOptions options_;
-  Lz4Compressor lz4_;
   std::vector<Open> channels_;
   std::vector<std::size_t> schemas_;  ///< by id - 1: a channel that has it
   RecordBuffer chunk_, record_;

@@ -26,9 +26,8 @@ class Text : public ByteSink {
 };
 
 std::string lz4(std::string_view text) {
-  Lz4Compressor compressor;
   std::vector<std::byte> out;
-  compressor.compress(bytes_of(text), out);
+  add_lz4_frame(bytes_of(text), out);
   return {reinterpret_cast<const char*>(out.data()), out.size()};
 }
 
