@@ -9,6 +9,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/meshes/mesh_process.hpp"
 
 namespace polyarm::meshes {
 
@@ -173,9 +174,11 @@ Mesh read_mesh(const fs::path& path) {
     out = read_obj(bytes, name, material_files(path, bytes));
   else if (kind == ".dae")
     out = read_collada(bytes, name);
+  else if (is_imported(kind))
+    out = import_mesh(bytes, kind, name);
   else
-    throw Error("unknown-mesh", "the mesh " + name + " is neither STL, OBJ nor Collada (.dae)",
-                "convert it to one of these");
+    throw Error("unknown-mesh", "the mesh " + name + " has a format that is not read",
+                "convert it to STL, OBJ, Collada (.dae), " + imported_formats());
   for (MeshPart& part : out) tidy(part);
   std::erase_if(out, [](const MeshPart& part) { return part.triangles.empty(); });
   if (out.empty())

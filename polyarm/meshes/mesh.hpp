@@ -26,7 +26,8 @@ using Mesh = std::vector<MeshPart>;
 inline constexpr std::uintmax_t kLargestFile = bounds::kMeshBytes;
 inline constexpr std::size_t kMostTriangles = bounds::kMeshTriangles;
 
-/// Reads STL (binary and ASCII), OBJ (with its MTL), and Collada. Any thread. Throws Error("no-mesh" |
+/// Reads STL (binary and ASCII), OBJ (with its MTL), Collada, and the formats of mesh_process.hpp. Does not turn a
+/// mesh whose format has y up, as RViz does not. Any thread. Throws Error("no-mesh" |
 /// "bad-mesh" | "large-mesh" | "unknown-mesh") that names the file and says what to do.
 Mesh read_mesh(const std::filesystem::path& path);
 

@@ -69,6 +69,16 @@ class Unpacker {
     left_ = left_.subspan(size);
     return out;
   }
+  /// The next bytes; empty if there are fewer.
+  std::span<const std::byte> take(std::size_t count) {
+    if (!good_ || left_.size() < count) {
+      good_ = false;
+      return {};
+    }
+    const auto out = left_.first(count);
+    left_ = left_.subspan(count);
+    return out;
+  }
   std::span<const std::byte> rest() const { return good_ ? left_ : std::span<const std::byte>{}; }
 
  private:
