@@ -10,11 +10,12 @@ namespace {
 
 constexpr unsigned kHashBits = 14;
 constexpr std::size_t kShortestMatch = 4, kFarthest = 65535;
-constexpr std::size_t kLastLiterals = 5, kLastMatch = 12;  // what the format keeps free at a block's end
+constexpr std::size_t kLastLiterals = 5, kLastMatch = 12;  // the format requires these distances to a block's
+                                                           // end
 constexpr std::size_t kLargestBlock = 4u << 20;
 constexpr std::uint8_t kFlags = 0x60, kBlockSize = 0x70;  // version 1, independent blocks of up to 4 MiB
 
-/// xxHash32 with seed 0 of less than 16 bytes, none of them in words: what the frame's header is checked by.
+/// xxHash32 with seed 0 for less than 16 bytes, no 4-byte words: the checksum of the frame's header.
 constexpr std::uint32_t header_hash(std::uint8_t a, std::uint8_t b) {
   constexpr std::uint32_t p1 = 2654435761u, p2 = 2246822519u, p3 = 3266489917u, p5 = 374761393u;
   std::uint32_t h = p5 + 2;
@@ -37,13 +38,13 @@ void put_word(std::vector<std::byte>& out, std::uint32_t value) {
   for (int i = 0; i < 4; ++i) out.push_back(static_cast<std::byte>(value >> (8 * i)));
 }
 
-/// The part of a length that its half of the token had no room for.
+/// The part of a length that does not fit into its half of the token.
 void put_rest(std::vector<std::byte>& out, std::size_t rest) {
   for (; rest >= 255; rest -= 255) out.push_back(std::byte{255});
   out.push_back(static_cast<std::byte>(rest));
 }
 
-/// Literals, then a match where `match` is not 0.
+/// Literals, followed by a match if `match` is not 0.
 void put_sequence(std::vector<std::byte>& out, std::span<const std::byte> literals, std::size_t offset,
                   std::size_t match) {
   const std::size_t extra = match > 0 ? match - kShortestMatch : 0;
@@ -91,8 +92,8 @@ void Lz4Compressor::compress(std::span<const std::byte> data, std::vector<std::b
   put_word(out, 0);
 }
 
-/// Greedy: at each place the last one with the same four bytes is the only one looked at; where nothing
-/// fits for long, the steps grow.
+/// Greedy: for each position, only the last position with the same four bytes is tried. Steps grow while
+/// nothing matches.
 void Lz4Compressor::add_block(std::span<const std::byte> data, std::vector<std::byte>& out) {
   std::fill(places_.begin(), places_.end(), 0);
   const std::byte* const from = data.data();

@@ -1,5 +1,6 @@
 #pragma once
-/// LZ4, as MCAP has its chunks: one frame. Source: the LZ4 block and frame format descriptions 1.6.
+/// LZ4 compression in the form that MCAP uses for chunks: one frame. Source: the LZ4 block and frame format
+/// descriptions 1.6.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -7,7 +8,7 @@
 
 namespace polyarm::recording {
 
-/// Appends a frame with `data` to `out`. The same data give the same bytes on every machine. One thread.
+/// Appends one frame with `data` to `out`. Equal data give equal bytes on every machine. One thread.
 class Lz4Compressor {
  public:
   Lz4Compressor();
@@ -15,7 +16,7 @@ class Lz4Compressor {
 
  private:
   void add_block(std::span<const std::byte> data, std::vector<std::byte>& out);
-  std::vector<std::uint32_t> places_;  ///< by hash: where the four bytes were last, + 1
+  std::vector<std::uint32_t> places_;  ///< by hash: the last position of these four bytes, + 1
   std::vector<std::byte> block_;
 };
 
