@@ -40,7 +40,7 @@
 
 namespace polyarm::signals {
 
-/// The links under `node`; faults go to `problems`. File names are relative to `folder`.
+/// Reads the links under `node`; mistakes go to `problems`. File names are relative to `folder`.
 std::vector<LinkEntry> read_links(const Yaml& node, const std::filesystem::path& folder, Problems& problems);
 /// `{within: [[x, y, z], [x, y, z]]}`
 PoseRange read_range(const Yaml& node);
