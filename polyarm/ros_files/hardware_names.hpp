@@ -1,4 +1,5 @@
 #pragma once
+/// Maps the hardware plugins that descriptions name to drivers of Polyarm.
 #include <string>
 #include <vector>
 
