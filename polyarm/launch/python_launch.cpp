@@ -222,7 +222,7 @@ class LaunchReader : private PythonReader, private LaunchActions {
       declared_[flat(*name)].value = flat(*value);
   }
 
-  // --- launch files that are included ---
+  // --- included launch files ---
 
   void include(const Arguments& a, const Location& where) {
     if (!last_ || condition_of(a) == "false") return;

@@ -28,7 +28,7 @@ struct CellStatus {
   std::vector<std::string> jogged;  ///< robots that are being jogged
   OrNull<ProgramOverview> program, plc;
   OrNull<std::string> failure;
-  std::uint64_t alarms = 0;  ///< number of the newest
+  std::uint64_t alarms = 0;  ///< number of the newest alarm
   std::vector<std::string>
       inactive;  ///< hardware that is not active, and inactive controllers that could move a robot
   std::map<std::string, BasePose> bases;

@@ -107,7 +107,7 @@ class Part {
 
 /// Nodes of the controllers: their topics, actions, parameters and life cycles.
 std::unique_ptr<Part> make_controller_nodes(Bridge& bridge);
-/// /controller_manager.
+/// The node /controller_manager.
 std::unique_ptr<Part> make_manager_node(Bridge& bridge);
 /// /robot_state_publisher (descriptions and frames), and /clock.
 std::unique_ptr<Part> make_robot_node(Bridge& bridge);
@@ -125,7 +125,7 @@ void offer_type_descriptions(Bridge& bridge, const std::string& node);
 /// Offers both of the above, which every node has.
 void offer_standard_services(Bridge& bridge, const std::string& node, ParameterSource source);
 
-/// An action server of a controller's port.
+/// An action server for the action port of a controller.
 struct ActionPort {
   std::string node;        ///< "/arm_controller", or a group of its endpoints
   std::string name;        ///< "/arm_controller/follow_joint_trajectory"

@@ -13,7 +13,7 @@ class Journal : public cell::Observer {
  public:
   static constexpr std::size_t kKept = 500;
 
-  /// `next` outlives this.
+  /// `next` must outlive this.
   explicit Journal(cell::Observer& next) : next_(next) {}
 
   struct Line {

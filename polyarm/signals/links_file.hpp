@@ -24,8 +24,8 @@
 ///       tags:
 ///         PartKind: {topic: vision/kind, type: text, direction: in, stale: 5s}
 ///         pinput: {topic: vision/pose, type: pose, json: true, direction: in}
-///         Count: {topic: cell/count, type: number, json: true, field: count.total, direction: out, retain:
-///         true}
+///         Count: {topic: cell/count, type: number, json: true, field: count.total, direction: out,
+///                 retain: true}
 ///     camera:
 ///       ros2: node                      # joins its graph; domain, range, peers, namespace, distribution
 ///       tags:
