@@ -19,7 +19,7 @@ using signals::LinkTag;
 using signals::LinkValue;
 using Area = LinkTag::Area;
 
-/// Addresses that are read in one request.
+/// A block of addresses that one request reads.
 struct Block {
   Area area{};
   int first = 0, count = 0;
@@ -63,7 +63,7 @@ class Client : public signals::LinkPort {
   }
 
  private:
-  /// What is read together: same table, same group, neighbours or nearly so.
+  /// Groups the tags that one request reads: same table, same group, gaps of at most 8 addresses.
   void plan() {
     constexpr int kGap = 8;
     std::vector<std::size_t> order;
@@ -95,7 +95,7 @@ class Client : public signals::LinkPort {
     throw Error("link-lost", entry_.address() + " " + what + ": " + modbus_strerror(error));
   }
 
-  /// An exception of the far side (no such address) is no loss of the link.
+  /// An exception reply of the far side (such as "no such address") does not end the link.
   static bool is_exception(int error) {
     return error > MODBUS_ENOBASE && error < MODBUS_ENOBASE + MODBUS_EXCEPTION_MAX;
   }
@@ -160,7 +160,7 @@ class Client : public signals::LinkPort {
 
   LinkEntry entry_;
   std::vector<Block> blocks_;
-  std::vector<std::vector<std::uint16_t>> last_;  ///< by tag: what both sides know
+  std::vector<std::vector<std::uint16_t>> last_;  ///< by tag: the registers that both sides know
   modbus_t* context_ = nullptr;
 };
 }  // namespace

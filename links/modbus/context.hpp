@@ -1,4 +1,5 @@
 #pragma once
+/// libmodbus's connection object, shared by the client and the server.
 #include <modbus.h>
 
 #include <string>
@@ -7,7 +8,7 @@
 
 namespace polyarm::modbus {
 
-/// Of the entry's address and unit, not connected yet; whoever asks for it frees it. Throws
+/// Makes libmodbus's context for the entry's address and unit, not connected yet. The caller frees it. Throws
 /// Error("link-lost").
 inline modbus_t* new_context(const signals::LinkEntry& entry) {
   modbus_t* const context = modbus_new_tcp_pi(entry.host.c_str(), std::to_string(entry.port).c_str());

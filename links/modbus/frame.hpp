@@ -1,26 +1,26 @@
 #pragma once
-/// Finds the requests of Modbus TCP in the bytes of a connection, before the library sees them. (Modbus Messaging on
-/// TCP/IP Implementation Guide 1.0b, 3.1.3; Modbus Application Protocol 1.1b3, 6.)
+/// Finds the requests in the bytes of a Modbus TCP connection, before the library sees them. Source: Modbus
+/// Messaging on TCP/IP Implementation Guide 1.0b, 3.1.3; Modbus Application Protocol 1.1b3, 6.
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 namespace polyarm::modbus {
 
-/// The first request in the bytes that have come so far.
+/// The first request in the bytes received so far.
 struct Frame {
   enum class Kind {
-    unfinished,  ///< its end has not come
+    unfinished,  ///< not complete yet
     request,     ///< the library may answer it
-    refused,     ///< it is well formed, and is answered with `exception`
-    broken       ///< no Modbus, or its lengths disagree: where the next request begins is not known
+    refused,     ///< well formed, but must be answered with `exception`
+    broken       ///< not Modbus, or inconsistent lengths; the start of the next request is unknown
   };
   Kind kind = Kind::unfinished;
-  std::size_t length = 0;  ///< bytes, of request and refused
-  int exception = 0;       ///< 1: no such function; 3: no such quantity or value
+  std::size_t length = 0;  ///< bytes, for request and refused
+  int exception = 0;       ///< 1: unknown function; 3: invalid count or value
 };
 
-/// Bytes of a frame at most; before the count of bytes that its head states.
+/// Largest frame, and bytes before the part that its header's length counts.
 inline constexpr std::size_t kMostFrame = 260, kBeforeCount = 6;
 
 namespace frame_detail {
@@ -29,7 +29,7 @@ struct Range {
   bool has(int value) const { return least <= value && value <= most; }
 };
 
-/// What may be asked for with a function. The request itself is `pdu`, the function's byte first.
+/// Checks the function and its counts. `pdu`: the request, beginning with the function code.
 inline Frame::Kind judge(std::span<const std::uint8_t> pdu, int& exception) {
   using Kind = Frame::Kind;
   const auto word = [&](std::size_t at) { return pdu[at] << 8 | pdu[at + 1]; };
@@ -73,7 +73,7 @@ inline Frame first_frame(std::span<const std::uint8_t> bytes) {
   constexpr std::size_t kLeastCounted = 2, kMostCounted = kMostFrame - kBeforeCount;  // unit, function
   constexpr std::size_t kProtocol = 2, kCount = 4, kPdu = 7;
   Frame out;
-  // What is wrong is wrong before the rest has come.
+  // Errors in the header are reported before the rest has arrived.
   for (std::size_t i = kProtocol; i < kCount && i < bytes.size(); ++i)
     if (bytes[i] != 0) out.kind = Frame::Kind::broken;
   if (out.kind == Frame::Kind::broken || bytes.size() < kBeforeCount) return out;

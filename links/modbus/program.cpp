@@ -1,4 +1,4 @@
-/// polyarm_link_modbus: what speaks Modbus TCP for a cell's link.
+/// polyarm_link_modbus: the process that speaks Modbus TCP for a link of a cell.
 #include "links/modbus/port.hpp"
 #include "polyarm/signals/link_process.hpp"
 

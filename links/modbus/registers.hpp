@@ -1,5 +1,5 @@
 #pragma once
-/// Numbers in 16-bit registers: two's complement and IEEE 754, the high word first unless said otherwise.
+/// Numbers in 16-bit registers: two's complement and IEEE 754, high word first by default.
 #include <bit>
 #include <cstdint>
 #include <vector>
@@ -14,7 +14,7 @@ constexpr int words_of(Format format) {
   return format == Format::float64 ? 4 : format == Format::uint16 || format == Format::int16 ? 1 : 2;
 }
 
-/// `words` holds words_of(format) registers.
+/// `words` must hold words_of(format) registers.
 inline double number_from(const std::uint16_t* words, Format format, bool low_word_first) {
   const int count = words_of(format);
   std::uint64_t bits = 0;
@@ -35,7 +35,7 @@ inline double number_from(const std::uint16_t* words, Format format, bool low_wo
   return 0;
 }
 
-/// `number` is within what the format can hold.
+/// `number` must be within the range of the format.
 inline void number_into(double number, std::uint16_t* words, Format format, bool low_word_first) {
   std::uint64_t bits = 0;
   if (format == Format::float64)
@@ -49,7 +49,7 @@ inline void number_into(double number, std::uint16_t* words, Format format, bool
     words[low_word_first ? k : count - 1 - k] = static_cast<std::uint16_t>(bits >> (16 * k));
 }
 
-/// The registers of a tag's value.
+/// The registers for a tag's value.
 inline std::vector<std::uint16_t> words_of_value(const signals::LinkTag& tag, const data::Value& value,
                                                  bool low_word_first) {
   std::vector<double> numbers;
@@ -64,7 +64,7 @@ inline std::vector<std::uint16_t> words_of_value(const signals::LinkTag& tag, co
   return out;
 }
 
-/// The value in a tag's registers; nothing, and why, where it may not be taken.
+/// The value in a tag's registers. Nothing if it is refused, with the reason in `why`.
 inline std::optional<data::Value> value_of_words(const signals::LinkTag& tag, const std::uint16_t* words,
                                                  bool low_word_first, std::string& why) {
   if (tag.type != signals::LinkTag::Type::pose) {

@@ -45,13 +45,13 @@ class Server : public signals::LinkPort {
   void open() override {
     close();
     context_ = new_context(entry_);
-    modbus_set_response_timeout(context_, 0, 1);  // some of its refusals wait for so long
+    modbus_set_response_timeout(context_, 0, 1);  // some of libmodbus's refusals wait for this timeout
     listening_ = modbus_tcp_pi_listen(context_, static_cast<int>(bounds::kModbusClients));
     if (listening_ < 0) {
       const std::string why = modbus_strerror(errno);
       throw Error("link-lost", entry_.address() + " cannot listen: " + why);
     }
-    do_not_wait(listening_);  // a connection may be gone before it is accepted
+    do_not_wait(listening_);  // a connection may be closed before it is accepted
     asked_at_ = -1;
   }
 
@@ -83,11 +83,11 @@ class Server : public signals::LinkPort {
  private:
   struct Client {
     int socket = -1;
-    Nanoseconds heard = 0;         ///< when it connected, or asked last
-    Nanoseconds begun = 0;         ///< when the first byte of an unfinished request came
-    std::uint64_t answered = 0;    ///< requests
-    std::size_t size = 0;          ///< of what has come and is not answered yet
-    bool gone = false;             ///< it is to be closed
+    Nanoseconds heard = 0;         ///< time of the connection or of the last request
+    Nanoseconds begun = 0;         ///< time of the first byte of an unfinished request
+    std::uint64_t answered = 0;    ///< count of requests
+    std::size_t size = 0;          ///< bytes received but not answered yet
+    bool gone = false;             ///< must be closed
     std::array<std::uint8_t, kMostFrame> bytes{};
   };
 
@@ -114,8 +114,8 @@ class Server : public signals::LinkPort {
     last_[write.tag] = words_at(tag);
   }
 
-  /// True if anybody asked anything that could be answered. Nobody is waited for: of each connection what is there
-  /// is read, once, and what makes a whole request is answered.
+  /// Returns true if a request was answered. Never waits for a client: reads once what each connection has
+  /// received, and answers the complete requests.
   bool serve(Nanoseconds now, Nanoseconds patience) {
     close_unfinished(now);
     std::vector<pollfd> waiting{{listening_, POLLIN, 0}};
@@ -134,7 +134,7 @@ class Server : public signals::LinkPort {
     return asked;
   }
 
-  /// When all places are taken, the one that was silent for longest is closed: connections that ask nothing lock
+  /// If all connections are in use, closes the one that was silent for longest, so that idle clients lock
   /// nobody out.
   void accept(Nanoseconds now) {
     int listening = listening_;
@@ -163,7 +163,7 @@ class Server : public signals::LinkPort {
     close_gone();
   }
 
-  /// False if the connection has ended or sends what is no Modbus; what the tables hold stays.
+  /// Returns false if the connection has ended or sends anything but Modbus. The tables keep their values.
   bool hear(Client& client, Nanoseconds now) {
     const ssize_t came =
         ::recv(client.socket, client.bytes.data() + client.size, client.bytes.size() - client.size, MSG_DONTWAIT);
@@ -186,14 +186,14 @@ class Server : public signals::LinkPort {
     return frame.kind != Frame::Kind::broken;
   }
 
-  /// False if the client takes no answer: its buffer is full, or it is gone.
+  /// Returns false if the client does not take the answer: its buffer is full, or it is gone.
   bool answer(int socket, std::span<const std::uint8_t> bytes, const Frame& frame) {
     modbus_set_socket(context_, socket);
     errno = 0;
     const int sent = frame.kind == Frame::Kind::refused
                          ? modbus_reply_exception(context_, bytes.data(), static_cast<unsigned>(frame.exception))
                          : modbus_reply(context_, bytes.data(), static_cast<int>(frame.length), table_);
-    return sent >= 0 || errno >= MODBUS_ENOBASE;  // an exception of ours
+    return sent >= 0 || errno >= MODBUS_ENOBASE;  // an exception reply of ours
   }
 
   void look(std::size_t index, bool asked, LinkNews& news) {
@@ -204,7 +204,7 @@ class Server : public signals::LinkPort {
       if (asked && !ours) news.seen.push_back(index);
       return;
     }
-    if (ours) {  // written by somebody who only may read: it is put right
+    if (ours) {  // a client wrote to an output, which it may only read: the value is restored
       restore(index);
       return;
     }
@@ -229,7 +229,7 @@ class Server : public signals::LinkPort {
   modbus_t* context_ = nullptr;
   int listening_ = -1;
   std::vector<Client> clients_;
-  std::vector<std::vector<std::uint16_t>> last_;  ///< by tag: what both sides know
+  std::vector<std::vector<std::uint16_t>> last_;  ///< by tag: the registers that both sides know
   Nanoseconds asked_at_ = -1;
 };
 }  // namespace

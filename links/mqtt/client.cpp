@@ -19,7 +19,7 @@ using signals::LinkNews;
 using signals::LinkTag;
 using signals::LinkValue;
 
-/// The library is begun once and stays.
+/// Initialises the library, once for the life of the process.
 void begin_library() {
   static const int begun = mosquitto_lib_init();
   (void)begun;
@@ -57,7 +57,7 @@ class Client : public signals::LinkPort {
 
   void close() noexcept override {
     if (!client_) return;
-    if (connected_ == 0) {  // so that the last will is not told
+    if (connected_ == 0) {  // a regular disconnect, so that the broker does not publish the last will
       mosquitto_disconnect(client_);
       mosquitto_loop(client_, 0, 1);
     }
@@ -68,7 +68,7 @@ class Client : public signals::LinkPort {
   void exchange(const std::vector<LinkValue>& writes, Nanoseconds, Nanoseconds patience,
                 LinkNews& news) override {
     for (const LinkValue& write : writes) publish(write);
-    // Whatever has come in is taken in one round; the first look may wait.
+    // Takes everything that has come in, up to a limit. Only the first call may wait.
     check(mosquitto_loop(client_, static_cast<int>(patience / 1'000'000), 1), "is gone");
     for (std::size_t k = 0; k < 100 && came_.size() != looked_ && !is_much(); ++k) {
       looked_ = came_.size();
@@ -81,7 +81,7 @@ class Client : public signals::LinkPort {
   }
 
  private:
-  /// Enough for one round; the rest waits at the broker.
+  /// True if this is enough for one round; the rest waits at the broker.
   bool is_much() const {
     return came_bytes_ > bounds::kLinkRoundBytes || came_.size() > bounds::kLinkRoundValues;
   }
@@ -102,7 +102,7 @@ class Client : public signals::LinkPort {
           "cannot be asked over TLS");
   }
 
-  /// A broker may be reached and yet refuse.
+  /// Waits for the broker's reply to the connection: it may refuse.
   void await_answer() {
     using Clock = std::chrono::steady_clock;
     for (const auto until = Clock::now() + std::chrono::nanoseconds(entry_.timeout);
@@ -131,7 +131,7 @@ class Client : public signals::LinkPort {
   void take(std::size_t index, const std::string& text, LinkNews& news) {
     const LinkTag& tag = entry_.tags[index];
     if (tag.direction == Direction::both && last_[index] == text)
-      return news.seen.push_back(index);  // our own
+      return news.seen.push_back(index);  // our own message
     std::string why;
     auto value = value_of_payload(tag, text, why);
     if (!value) return news.refuse(index, why);
@@ -146,7 +146,7 @@ class Client : public signals::LinkPort {
     Client& client = *static_cast<Client*>(self);
     const auto [first, last] = client.tags_of_.equal_range(message->topic);
     if (first == last) return;
-    // One byte more than is taken, so that it is refused for its length.
+    // One byte more than the limit, so that a longer message is refused.
     const auto length = std::min(static_cast<std::size_t>(std::max(0, message->payloadlen)), kLongestMessage + 1);
     const std::string text(static_cast<const char*>(message->payload), length);
     for (auto each = first; each != last; ++each) {
@@ -157,11 +157,11 @@ class Client : public signals::LinkPort {
 
   LinkEntry entry_;
   mosquitto* client_ = nullptr;
-  int connected_ = -1;  ///< the broker's answer; -1: none yet
+  int connected_ = -1;  ///< the broker's reply code; -1: none yet
   std::vector<std::pair<std::size_t, std::string>> came_;
   std::size_t looked_ = 0, came_bytes_ = 0;
-  std::multimap<std::string, std::size_t> tags_of_;  ///< that come in, by topic
-  std::vector<std::optional<std::string>> last_;  ///< both: what the two sides know
+  std::multimap<std::string, std::size_t> tags_of_;  ///< incoming tags, by topic
+  std::vector<std::optional<std::string>> last_;  ///< direction both: the payload that both sides know
 };
 }  // namespace
 

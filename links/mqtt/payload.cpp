@@ -58,7 +58,7 @@ std::optional<data::Value> value_of_text(const LinkTag& tag, const std::string& 
   return signals::taken_pose(tag, numbers, why);
 }
 
-/// The numbers of a pose in a list, or under their names; all of them, or none.
+/// The numbers of a pose, as a list or by name; nothing if one is missing.
 std::optional<std::vector<double>> numbers_of_pose(const Json& json) {
   std::vector<double> out;
   if (json.is_array()) {

@@ -1,5 +1,5 @@
 #pragma once
-/// What stands in a message: plain text, or JSON.
+/// Converts values of tags to MQTT payloads (plain text or JSON) and back.
 #include <optional>
 #include <string>
 
@@ -7,12 +7,12 @@
 
 namespace polyarm::mqtt {
 
-/// Bytes of a message; a longer one is refused.
+/// Largest payload, bytes; a longer one is refused.
 inline constexpr std::size_t kLongestMessage = 65536;
 
-/// The message that tells `value`.
+/// The payload for `value`.
 std::string payload_of(const signals::LinkTag& tag, const data::Value& value);
-/// The value in a message; nothing, and why, where it may not be taken. A message may be anything.
+/// The value in a payload, which may be any bytes. Nothing if it is refused, with the reason in `why`.
 std::optional<data::Value> value_of_payload(const signals::LinkTag& tag, const std::string& payload,
                                             std::string& why);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// MQTT over libmosquitto: one client of one broker.
+/// MQTT based on libmosquitto: one client of one broker.
 #include <memory>
 
 #include "polyarm/signals/link.hpp"

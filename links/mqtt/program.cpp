@@ -1,4 +1,4 @@
-/// polyarm_link_mqtt: what speaks MQTT for a cell's link.
+/// polyarm_link_mqtt: the process that speaks MQTT for a link of a cell.
 #include "links/mqtt/port.hpp"
 #include "polyarm/signals/link_process.hpp"
 

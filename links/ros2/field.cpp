@@ -17,14 +17,14 @@ using messages::FieldShape;
 using messages::TypeInfo;
 using signals::LinkTag;
 
-/// What nests is looked for by these names where a pose is meant.
+/// For a pose, nested fields with these names are searched.
 constexpr std::array<const char*, 3> kPlaces{"pose", "transform", "point"};
 
 [[noreturn]] void refuse(const std::string& what, const std::string& advice = {}) {
   throw Error("bad-link", what, advice);
 }
 
-/// At the dots that do not stand in brackets.
+/// Splits at dots outside of brackets.
 std::vector<std::string> parts_of(const std::string& path) {
   std::vector<std::string> out;
   std::string part;
@@ -61,7 +61,7 @@ Json xyzw(const Quaternion& q) {
   return {{"x", q.x}, {"y", q.y}, {"z", q.z}, {"w", q.w}};
 }
 
-/// A pose in the shape of a type; null where the type has no place for one.
+/// A pose as JSON of the given type; null if the type has no field for a pose.
 Json place(const TypeInfo& type, const Pose& pose, double scale) {
   if (ends_with(type, "/Pose"))
     return {{"position", xyz(pose.position, scale)}, {"orientation", xyzw(pose.rotation)}};
@@ -84,7 +84,7 @@ bool append(const Json& from, std::initializer_list<const char*> names, std::vec
   return true;
 }
 
-/// x, y, z and a quaternion of whatever has a place; a point's rotation is none.
+/// x, y, z and a quaternion from any message with a pose; a point gets the identity rotation.
 std::optional<std::vector<double>> numbers_of_place(const Json& given) {
   if (!given.is_object()) return std::nullopt;
   for (const auto& [position, rotation] :
@@ -110,7 +110,7 @@ bool is_whole(FieldKind kind) {
   return is_number(kind) && kind != FieldKind::float32 && kind != FieldKind::float64;
 }
 
-/// The numbers that a whole field can hold, as far as a double can tell them.
+/// The range of an integer field, as far as a double can represent it.
 std::pair<double, double> range_of(FieldKind kind) {
   switch (kind) {
     case FieldKind::int8:

@@ -26,7 +26,7 @@ using Role = LinkTag::Role;
 
 constexpr std::size_t kMost = 1000;
 
-/// "std_srvs/Trigger" is "std_srvs/srv/Trigger".
+/// "std_srvs/Trigger" becomes "std_srvs/srv/Trigger".
 std::string service_type(std::string name) {
   const std::size_t slash = name.find('/');
   if (slash != std::string::npos && slash == name.rfind('/')) name.insert(slash, "/srv");
@@ -97,8 +97,9 @@ class Port : public signals::LinkPort {
     for (RemoteNews& each : wire_->take_news())
       news.notes.push_back(std::move(each.what) + (each.good ? "" : " (" + std::move(each.advice) + ")"));
   }
-  /// What is published meanwhile waits for the process to be there again. What was asked has no answer any
-  /// more, and whether it was done is not known: the link is lost, and asks again when it is found.
+  /// True if the process that speaks DDS was lost during a service call. The call gets no reply, and it is
+  /// unknown whether it was carried out, so the link is lost and calls again when it is back. (Published
+  /// values just wait for the process.)
   bool calls_were_lost() {
     const std::uint64_t losses = wire_->participant().statistics().losses;
     if (std::exchange(losses_, losses) == losses) return false;
@@ -143,7 +144,7 @@ class Port : public signals::LinkPort {
     return *found;
   }
 
-  /// What is wrong with a field is told with its place.
+  /// Runs `work`; errors get the location of the tag.
   template <class Work>
   auto at(const LinkTag& tag, Work work) const {
     try {
@@ -216,7 +217,7 @@ class Port : public signals::LinkPort {
       const Field field(type, path);
       field.set(message, constant_of(field, text));
     }
-    messages::from_json(type, message);  // throws where it does not fit
+    messages::from_json(type, message);  // throws if it does not fit the type
   }
 
   void put(const LinkValue& write) {
@@ -254,7 +255,7 @@ class Port : public signals::LinkPort {
     return true;
   }
 
-  /// A list without the element is no news of it: the tag goes stale.
+  /// If the list has no such element, nothing is reported, so the tag becomes stale.
   void take(const Place& place, const Json& message) {
     const Json* given = place.field.find(message);
     if (!given) return;
@@ -270,9 +271,9 @@ class Port : public signals::LinkPort {
   bool take_answer(Call& call, std::span<const std::byte> payload) {
     Json message;
     if (messages::to_json(*call.answer_type, payload, message) != messages::CdrError::none) return false;
-    if (!call.asked) return true;  // taken back meanwhile
+    if (!call.asked) return true;  // the call was withdrawn in the meantime
     for (const Place& place : call.answers) {
-      last_[place.tag].reset();  // an answer is new whatever it says
+      last_[place.tag].reset();  // every reply counts as new, even with equal values
       take(place, message);
     }
     call.wanted = call.asked = false;
@@ -288,8 +289,8 @@ class Port : public signals::LinkPort {
   std::map<std::string, Outgoing> outgoing_;
   std::map<std::string, Incoming> incoming_;
   std::map<std::string, Call> calls_;             ///< by service
-  std::map<std::size_t, Field> fields_;           ///< of what goes out, by tag
-  std::vector<std::optional<data::Value>> last_;  ///< by tag: what both sides know
+  std::map<std::size_t, Field> fields_;           ///< for outgoing tags
+  std::vector<std::optional<data::Value>> last_;  ///< by tag: last known value
   std::optional<Wire> wire_;
   std::uint64_t losses_ = 0;  ///< of the process that speaks DDS
   LinkNews* news_ = nullptr;  ///< during an exchange

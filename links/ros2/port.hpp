@@ -1,12 +1,12 @@
 #pragma once
-/// A node of ROS 2's graph whose topics and services carry the tags of a link.
+/// Connects the tags of a link to topics and services through a ROS 2 node.
 #include <memory>
 
 #include "polyarm/signals/link.hpp"
 
 namespace polyarm::ros2 {
 
-/// Throws Error("bad-link") where a type, a field or a service is none.
+/// Throws Error("bad-link") if a type, a field or a service is unknown.
 std::unique_ptr<signals::LinkPort> make_port(const signals::LinkEntry& entry);
 
 }  // namespace polyarm::ros2

@@ -1,4 +1,4 @@
-/// The command lines that stand for a launch file of ROS 2.
+/// Builds the polyarm command lines that replace a ROS 2 launch file.
 #include <algorithm>
 #include <cctype>
 #include <set>
@@ -34,7 +34,7 @@ bool is_there(const fs::path& file) {
   return fs::is_regular_file(file, error);
 }
 
-/// "" where it cannot be read.
+/// The text of a file; "" if it cannot be read.
 std::string text_of(const fs::path& file) {
   std::string out;
   Problems ignored;
@@ -42,12 +42,12 @@ std::string text_of(const fs::path& file) {
   return out;
 }
 
-/// A node of Gazebo gets the topics of its bridge as a YAML file, too.
+/// True for a file of ROS parameters. A Gazebo node also gets the topics of its bridge as a YAML file.
 bool has_controllers(const std::string& text) {
   return text.find("ros__parameters") != std::string::npos;
 }
 
-/// The arguments that a file in xacro needs: those without a default.
+/// True if the xacro text declares the argument `name` with a default.
 bool has_default(const std::string& text, const std::string& name) {
   for (std::size_t at = text.find("<xacro:arg"); at != std::string::npos;
        at = text.find("<xacro:arg", at + 1)) {
@@ -58,7 +58,7 @@ bool has_default(const std::string& text, const std::string& name) {
   return false;
 }
 
-/// Removes what lies between `begin` and `end`, these included; nested pairs count as one.
+/// Removes everything from `begin` to `end`, including both. Nested pairs are removed with the outer one.
 void cut_out(std::string& text, std::string_view begin, std::string_view end) {
   std::string out;
   int depth = 0;
@@ -72,7 +72,7 @@ void cut_out(std::string& text, std::string_view begin, std::string_view end) {
   text = std::move(out);
 }
 
-/// True for a file that defines macros and neither has a link of its own nor calls a macro: a part of robots.
+/// True for a file that defines macros, but has no link of its own and calls no macro: a part of robots.
 bool only_defines_macros(std::string text) {
   if (text.find("<xacro:macro") == std::string::npos) return false;
   for (std::size_t at; (at = text.find("<!--")) != std::string::npos;)
@@ -92,7 +92,7 @@ bool is_semantic(const fs::path& file) {
   return file.filename().string().find(".srdf") != std::string::npos;
 }
 
-/// What a folder holds that a launch file could have named.
+/// Files in a package that a launch file could have named.
 struct Found {
   std::vector<fs::path> descriptions, controllers;
 };
@@ -113,7 +113,7 @@ Found look_into(const fs::path& package) {
              text_of(file).find("controller_manager") != std::string::npos)
       out.controllers.push_back(file);
   }
-  const auto rank = [](const fs::path& file) {  // .urdf.xacro are meant to be named, parts seldom are
+  const auto rank = [](const fs::path& file) {  // robots (.urdf.xacro) before parts
     const std::string name = file.filename().string();
     return std::pair(name.ends_with(".urdf.xacro") ? 0 : name.ends_with(".urdf") ? 1 : 2, file.string());
   };
@@ -133,7 +133,7 @@ Found look_into(const fs::path& package) {
 
 namespace {
 
-/// Does a parameter file have $(var NAME)?
+/// True if a parameter file contains $(var NAME).
 bool is_variable(const std::vector<PythonLaunchFile>& files, const std::string& name) {
   return std::any_of(files.begin(), files.end(), [&](const PythonLaunchFile& file) {
     return launch_lines::text_of(file.file).find("$(var " + name + ")") != std::string::npos;

@@ -61,7 +61,7 @@ bool is_whole_text(std::string_view text) {
   return !text.empty() && text.find_first_not_of("+-0123456789") == std::string_view::npos;
 }
 
-/// The value of an arg in Python: a bool, a number, or text.
+/// The Python value of an arg: a bool, a number, or text.
 XacroValue guessed(const std::string& text) {
   const std::string plain = lower(trim(text));
   if (plain == "true" || plain == "false") return plain == "true";
@@ -87,7 +87,7 @@ bool launch_function(const std::string& name, const XacroList& given, const Subs
   return true;
 }
 
-/// An arg by its name, as a variable of the expression. Other names may be functions, modules and constants.
+/// An arg by name, as a variable of the expression. Other names may be functions, modules or constants.
 bool named_arg(const std::string& name, const Substitution& with, XacroValue& out) {
   const auto found = with.args.find(name);
   if (found != with.args.end()) return out = guessed(found->second), true;
@@ -201,7 +201,7 @@ bool launch_condition(const std::string& text) {
 }
 
 namespace {
-/// Within '…' a backslash is itself; within "…" it escapes only a quote and a backslash.
+/// Within '…' a backslash is a normal character; within "…" it escapes only a quote and a backslash.
 bool is_escape(std::string_view text, std::size_t at, char quote) {
   if (quote == '\'' || at + 1 == text.size()) return false;
   return quote == 0 || text[at + 1] == quote || text[at + 1] == '\\';

@@ -16,7 +16,7 @@ namespace polyarm::ros_files::python {
 
 namespace {
 
-/// An element of XML, or a map of YAML, which say the same.
+/// An XML element, or the equivalent YAML map.
 struct Element {
   std::string tag;
   std::vector<std::pair<std::string, std::string>> attributes;
@@ -58,7 +58,8 @@ Element element_of(const Yaml& yaml, const std::string& tag, int depth) {
   return out;
 }
 
-/// `param: [{…}, {…}]` are children of this tag; `launch: [{node: {…}}]` are those that the items name.
+/// `param: [{…}, {…}]` are children with this tag; `launch: [{node: {…}}]` are children with the tags in the
+/// items.
 void add_children(const Yaml& yaml, const std::string& tag, Element& to, int depth) {
   static const std::set<std::string> kNamed = {"param",  "remap",          "env", "arg", "let",
                                                "choice", "composable_node"};

@@ -1,6 +1,6 @@
 #pragma once
-/// Launch files of ROS 2 in XML and YAML: their elements are handed on as the actions that Python launch
-/// files name. Private to the room.
+/// Reads ROS 2 launch files in XML and YAML. Each element is passed on as the action that Python launch files
+/// name. Private to the room.
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -10,20 +10,20 @@
 
 namespace polyarm::ros_files::python {
 
-/// Knows what the actions of a launch file mean.
+/// Receives the actions of a launch file.
 class LaunchActions {
  public:
   virtual ~LaunchActions() = default;
-  /// "Node", "DeclareLaunchArgument", "Command" and so on, with Python's names of the arguments.
+  /// "Node", "DeclareLaunchArgument", "Command" and so on, with the Python names of the arguments.
   virtual Value act(const std::string& action, const Arguments& arguments, const Location& where) = 0;
   virtual void not_read(const Location& where, std::string what) = 0;
 };
 
-/// Is this text a launch file of ROS 2, in XML or YAML?
+/// True if the text is a ROS 2 launch file in XML or YAML.
 bool is_markup_launch(std::string_view text, const std::filesystem::path& path);
 
-/// Reads the elements in order. Throws Error where the text is no XML or YAML. At most 50,000 elements that
-/// are nested 32 deep; what lies beyond is not read.
+/// Reads the elements in order. Throws Error if the text is not valid XML or YAML. Reads at most 50,000
+/// elements, nested up to 32 deep, and ignores the rest.
 void read_markup_launch(std::string_view text, const std::filesystem::path& path, LaunchActions& actions);
 
 }  // namespace polyarm::ros_files::python

@@ -35,13 +35,11 @@ Value environment(const Arguments& a) {
   return fallback ? *fallback : Value::gap();
 }
 
-/// "true" or "false"; a gap where it is computed.
 Value condition(bool unless, const Arguments& a) {
   const std::string text = a.values.empty() ? std::string(1, kUnknown) : lower(flat(a.values.front()));
   const bool yes = text == "true" || text == "1", no = text == "false" || text == "0";
   return yes || no ? Value::of(yes != unless ? "true" : "false") : Value::gap();
 }
-/// What the condition of an action is; "true" without one.
 std::string condition_of(const Arguments& a) {
   const Value* condition = a.find("condition");
   return condition ? flat(*condition) : "true";

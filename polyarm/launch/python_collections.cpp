@@ -1,4 +1,4 @@
-/// Lists, tuples, maps and comprehensions of Python.
+/// Reads Python's lists, tuples, maps and comprehensions.
 #include <algorithm>
 #include <utility>
 
@@ -8,7 +8,7 @@ namespace polyarm::ros_files::python {
 
 namespace {
 
-/// Counts an inner value; false where the outer one would become too heavy.
+/// Adds the weight of an inner value. Returns false if the outer one would become too heavy.
 bool add(Value& to, const Value& inner) {
   if (to.weight + inner.weight > kHeaviest) return false;
   to.weight += inner.weight;
@@ -30,7 +30,7 @@ Value PythonReader::sequence(const char* close, int depth) {
     const bool spread = is("*");
     if (spread) ++at_;
     Value item = expression(depth + 1);
-    if (!is(",") && !is(close)) {  // something that is not understood
+    if (!is(",") && !is(close)) {  // something unsupported
       skip_element(depth + 1);
       item = {};
     }
@@ -47,8 +47,7 @@ Value PythonReader::sequence(const char* close, int depth) {
   return out;
 }
 
-/// [ITEM for NAMES in LIST if CONDITION …]: one ITEM for each of LIST; one that is not known where LIST is
-/// not.
+/// [ITEM for NAMES in LIST if CONDITION …]: one ITEM per item of LIST; unknown if LIST is unknown.
 Value PythonReader::comprehension(std::size_t item, std::size_t loop, std::size_t close, int depth) {
   Value out;
   out.kind = Value::Kind::list;
@@ -93,7 +92,7 @@ void PythonReader::comprehension(std::size_t item, std::size_t loop, std::size_t
   }
 }
 
-/// (x) is x, (x,) and (x, y) are lists.
+/// (x) is x; (x,) and (x, y) are lists.
 Value PythonReader::parenthesised(int depth) {
   const std::size_t begin = at_;
   const bool generator = source_->loop[at_] > 0;

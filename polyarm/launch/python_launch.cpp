@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostFound = 200;
-const std::string kInPackage = "package:";  ///< begins the gap that a package leaves that is not found
+const std::string kInPackage = "package:";  ///< begins the gap of a package that is not found
 constexpr int kMostIncluded = 50, kDeepestInclude = 8;
 
 bool is_there(const fs::path& file) {
@@ -34,11 +34,11 @@ std::string without_quotes(std::string value) {
   return value;
 }
 
-/// Shared by the first launch file and those that it includes.
+/// Shared by the first launch file and the files it includes.
 struct Together {
   int included = 0;                       ///< launch files read so far
-  std::set<fs::path> packages;            ///< folders that $(find-pkg-share …) and its like gave
-  std::map<fs::path, fs::path> searched;  ///< in these: a missing file, and the one that stands for it
+  std::set<fs::path> packages;            ///< folders from $(find-pkg-share …) and similar
+  std::map<fs::path, fs::path> searched;  ///< searched in these: a missing file, and the file used instead
 };
 
 class LaunchReader : private PythonReader, private LaunchActions {
@@ -173,8 +173,8 @@ class LaunchReader : private PythonReader, private LaunchActions {
     return folder;
   }
 
-  /// A file that is deeper in the sources of its package than in the installation: the one below the package
-  /// whose path ends with the requested name. Without one, `named` itself.
+  /// Finds a file that is deeper in the package's sources than in its installation: the file below the
+  /// package whose path ends with the requested name. Returns `named` itself if there is none.
   fs::path located(const fs::path& named) const {
     if (named.empty() || has_gap(named.string()) || is_there(named)) return named;
     const fs::path plain = named.lexically_normal();
@@ -222,7 +222,7 @@ class LaunchReader : private PythonReader, private LaunchActions {
       declared_[flat(*name)].value = flat(*value);
   }
 
-  // --- launch files that are included ---
+  // --- included launch files ---
 
   void include(const Arguments& a, const Location& where) {
     if (!last_ || condition_of(a) == "false") return;
@@ -244,7 +244,7 @@ class LaunchReader : private PythonReader, private LaunchActions {
     take_over(std::move(inside), unsure() || condition_of(a) != "true", where);
   }
 
-  /// An included file sees all values of the one that includes it, and those that it is given.
+  /// An included file gets all values of the including file, and the arguments passed to it.
   std::map<std::string, std::string> values_for(const Arguments& a) const {
     std::map<std::string, std::string> out;
     for (const auto& [name, declared] : declared_)
@@ -317,14 +317,14 @@ class LaunchReader : private PythonReader, private LaunchActions {
     return {};
   }
 
-  /// open(FILE), whose text becomes robot_description.
+  /// open(FILE); the text becomes robot_description.
   Value opened(const Value& named, const Location& where) {
     const std::string file = flat(named);
     if (!has_gap(file) && is_description(file)) keep({file, {}, {}, where});
     return {};
   }
 
-  /// load_file('arm_description', 'urdf/arm.urdf'), as many launch files define it for themselves.
+  /// load_file('arm_description', 'urdf/arm.urdf'), which many launch files define themselves.
   Value function_of_file(const Arguments& a, const Location& where) {
     if (a.values.size() != 2 || !a.named.empty()) return {};
     const std::string name = flat(a.values[0]), inside = flat(a.values[1]);
@@ -349,7 +349,7 @@ class LaunchReader : private PythonReader, private LaunchActions {
     }
   }
 
-  /// A value that may name a file of a package, such as `controllers_file:=…`.
+  /// A value that may name a file in a package, such as `controllers_file:=…`.
   std::string located_text(const std::string& value) const {
     return value.starts_with('/') ? located(value).string() : value;
   }
@@ -370,7 +370,8 @@ class LaunchReader : private PythonReader, private LaunchActions {
 
   // --- MoveIt ---
 
-  /// MoveItConfigsBuilder("arm", package_name="arm_moveit_config"): the layout of MoveIt's setup assistant.
+  /// MoveItConfigsBuilder("arm", package_name="arm_moveit_config"): the file layout of MoveIt's setup
+  /// assistant.
   Value builder(const Arguments& a, const Location& where) {
     const Value* robot = a.first_or("robot_name");
     if (!robot || has_gap(flat(*robot))) return {};
@@ -488,7 +489,7 @@ class LaunchReader : private PythonReader, private LaunchActions {
       out_.not_taken.emplace_back(where, std::move(what));
   }
 
-  /// Why `path` is no file; the gap in it says what is not known.
+  /// Why the file of a `what` is not known, from the gap in `path`.
   static std::string unknown_file(const std::string& what, const std::string& path) {
     const std::string gap = argument_of_gap(path), begin = "the file of a " + what;
     if (gap.starts_with(kInPackage))

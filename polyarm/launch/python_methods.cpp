@@ -20,7 +20,7 @@ Value list_of(std::vector<Value> items) {
   return out;
 }
 
-/// Of a list or a map's keys.
+/// The items of a list, or the keys of a map.
 std::optional<std::vector<Value>> items_of(const Value& value) {
   if (value.kind == Value::Kind::list) return value.items;
   if (value.kind != Value::Kind::map) return std::nullopt;

@@ -1,5 +1,5 @@
 #pragma once
-/// What Python's own functions and the methods of its texts give. Private to the room.
+/// Evaluates Python's built-in functions and text methods. Private to the room.
 #include <optional>
 #include <string>
 
@@ -7,17 +7,17 @@
 
 namespace polyarm::ros_files::python {
 
-/// "…%s…" % VALUE or a tuple of them; %d, %i, %f and %% too.
+/// "…%s…" % VALUE or % TUPLE; also %d, %i, %f and %%.
 Value filled_percent(const std::string& text, const Value& with);
 
-/// Where the braces that open at `from` in the text of f"…" end: at '}', or at ':' or the end of the text.
+/// End of the braces that open at `from` in the text of f"…": position of '}' or ':', or the end of the text.
 std::size_t end_of_insertion(const std::string& text, std::size_t from);
 
 /// range, enumerate, zip, list, tuple, sorted, reversed; nothing for other functions.
 std::optional<Value> function_of_python(const std::string& name, const Arguments& arguments);
 
 /// lower, upper, replace, format, join, split, startswith, endswith, joinpath, keys, values; nothing for
-/// others.
+/// other methods.
 std::optional<Value> method_of_text(const Value& value, const std::string& name, const Arguments& arguments);
 
 }  // namespace polyarm::ros_files::python

@@ -1,4 +1,4 @@
-/// Expressions; lists and maps are in python_collections.cpp, statements in python_statements.cpp.
+/// Reads expressions. Lists and maps are in python_collections.cpp, statements in python_statements.cpp.
 #include "polyarm/launch/python_reader.hpp"
 
 #include <algorithm>
@@ -89,8 +89,8 @@ bool PythonReader::may_repeat(const Location& where) {
   return false;
 }
 
-/// To the bracket that closes what is open, or to a comma there, or to the end of the line. What lies between
-/// is read, but nobody knows what it is for.
+/// Skips to the closing bracket, to a comma before it, or to the end of the line. It is not known whether
+/// calls in between happen.
 void PythonReader::skip_element(int depth) {
   const Unsure unsure(unsure_, true);
   const std::size_t begin = at_;
@@ -106,7 +106,7 @@ void PythonReader::skip_element(int depth) {
   }
 }
 
-/// The first such word in this element, outside brackets; 0: there is none.
+/// The first such word in this element, outside brackets; 0: none.
 std::size_t PythonReader::find_word(const char* word) const {
   for (std::size_t i = at_; i < source_->tokens.size(); ++i) {
     const PythonToken& t = source_->tokens[i];
@@ -134,7 +134,7 @@ Value PythonReader::expression(int depth) {
   return disjunction(depth);
 }
 
-/// A if C else B: A and B only where C says so; both, without a value, where C is not known.
+/// A if C else B: reads only A or B if C is known; else reads both, and the value is unknown.
 Value PythonReader::either(std::size_t condition, int depth) {
   const std::size_t begin = at_;
   at_ = condition + 1;
@@ -149,7 +149,7 @@ Value PythonReader::either(std::size_t condition, int depth) {
       first = disjunction(depth + 1);
     }
     at_ = after + (otherwise ? 1 : 0);
-    if (choice == Known::yes) {  // over B, whose calls do not happen
+    if (choice == Known::yes) {  // skips B, whose calls do not happen
       while (at_ < source_->tokens.size() && !is(",") && !is(")") && !is("]") && !is("}") &&
              !(at_ > after && token().first) && !is_word("for"))
         at_ =
@@ -245,7 +245,7 @@ Value PythonReader::operand(int depth) {
   return {};
 }
 
-/// Literals beside each other are one.
+/// Adjacent literals are joined.
 Value PythonReader::strings(int depth) {
   std::string out;
   while (token().kind == PythonToken::Kind::string) {
@@ -257,7 +257,7 @@ Value PythonReader::strings(int depth) {
   return followed(Value::of(out), depth);
 }
 
-/// f"…{expression}…"; a gap for what is computed.
+/// f"…{expression}…"; computed parts become gaps.
 std::string PythonReader::formatted(const std::string& text, int line, int depth) {
   return with_fields(text, [&](std::size_t begin, std::string& out) {
     const std::size_t end = end_of_insertion(text, begin);
@@ -266,7 +266,7 @@ std::string PythonReader::formatted(const std::string& text, int line, int depth
   });
 }
 
-/// What stands between the braces of f"…{…}…".
+/// The value between the braces of f"…{…}…".
 Value PythonReader::inserted(const std::string& text, int line, int depth) {
   if (depth > kDeepest / 2) return Value::gap();
   const auto found = variables_.find(text);
@@ -277,13 +277,13 @@ Value PythonReader::inserted(const std::string& text, int line, int depth) {
   const std::size_t at = std::exchange(at_, 0);
   Value out = expression(depth + 1);
   if (is("!") && is_name(1)) at_ += 2;
-  if (at_ < inner.tokens.size()) out = Value::gap();  // a width, an operator
+  if (at_ < inner.tokens.size()) out = Value::gap();  // a width or an operator follows
   source_ = outer;
   at_ = at;
   return out;
 }
 
-/// What it gives, as if it were called once.
+/// The result, as if it were called once.
 Value PythonReader::lambda(int depth) {
   while (at_ < source_->tokens.size() && !is(":") && !is(")") && !is("]") && !is("}")) ++at_;
   if (!is(":")) return {};
@@ -304,7 +304,7 @@ Value PythonReader::name(int depth) {
     at_ += 2;
   }
   const auto found = variables_.find(first);
-  if (found != variables_.end() && (whole != first || !is("("))) {  // with its methods and attributes
+  if (found != variables_.end() && (whole != first || !is("("))) {  // a variable
     at_ = begin + 1;
     copied_ += found->second.weight;
     return copied_ > kMostCopied ? Value{} : followed(found->second, depth);
@@ -314,7 +314,7 @@ Value PythonReader::name(int depth) {
   return followed(unassigned(whole), depth);
 }
 
-/// The condition= of a call decides whether what stands in its brackets happens.
+/// Reads a call. Its condition= decides whether calls inside its brackets happen.
 Value PythonReader::called(const std::string& whole, const std::string& last, const Location& where,
                            int depth) {
   const std::string condition = condition_ahead(depth + 1);
@@ -335,7 +335,7 @@ Value PythonReader::called(const std::string& whole, const std::string& last, co
   return out.kind == Value::Kind::unknown ? other : out;
 }
 
-/// "true" without one.
+/// The value of condition= in the call; "true" if there is none.
 std::string PythonReader::condition_ahead(int depth) {
   const std::size_t begin = at_, end = std::min(source_->close[at_], source_->tokens.size());
   std::string out = "true";

@@ -1,7 +1,6 @@
 #pragma once
-/// Reads Python source as text: assignments, loops, conditions, functions of the file and expressions become
-/// values where those are written down, and calls are handed to the one who knows what they mean. No Python
-/// is run. Private to the room.
+/// Reads Python source as text. Assignments, loops, conditions, functions of the file and expressions become
+/// values if they are literal. Calls are passed to the derived class. No Python is run. Private to the room.
 #include <map>
 #include <optional>
 #include <set>
@@ -22,8 +21,8 @@ class PythonReader {
   PythonReader(std::string_view text, std::string file);
   virtual ~PythonReader() = default;
 
-  /// Reads the whole source, as often as a value may be used above the line that states it; `again` is called
-  /// before each pass, with whether it is the last one.
+  /// Reads the whole source several times, because a value may be used above the line that assigns it.
+  /// `again` is called before each pass, with true for the last one.
   template <class Again>
   void read(Again again) {
     for (int pass = 0; pass < kPasses; ++pass) {
@@ -35,18 +34,18 @@ class PythonReader {
     }
   }
 
-  /// True within a condition or a loop of which it is not known whether Python goes into it.
+  /// True inside a condition or loop that Python may or may not enter.
   bool unsure() const { return unsure_ > 0; }
 
   /// `whole` is the dotted name ("launch.actions.Node"), `function` its last word.
   virtual Value call(const std::string& whole, const std::string& function, const Arguments& arguments,
                      const Location& where) = 0;
-  /// A method or, with no arguments (null), an attribute of a value.
+  /// A method or, if `arguments` is null, an attribute of a value.
   virtual Value method(Value value, const std::string& name, const Arguments* arguments,
                        const Location& where) = 0;
-  /// A name that no assignment has stated.
+  /// A name without an assignment.
   virtual Value unassigned(const std::string& name) = 0;
-  /// What is left out because it is too much.
+  /// Reports what is ignored because a limit is reached.
   virtual void left_out(const Location& where, std::string what) = 0;
 
  private:
@@ -57,14 +56,14 @@ class PythonReader {
   struct Function {
     std::size_t parameters = 0, body = 0, end = 0;
   };
-  /// Counts what lies within a condition that is not known.
+  /// Counts nested conditions with unknown values.
   struct Unsure {
     Unsure(int& count, bool is) : count_{count}, by_{is ? 1 : 0} { count_ += by_; }
     ~Unsure() { count_ -= by_; }
     int& count_;
     const int by_;
   };
-  /// Gives names their old values back.
+  /// Restores the old values of names.
   struct Bound {
     Bound(std::map<std::string, Value>& variables, const std::vector<std::string>& names);
     ~Bound();
@@ -130,14 +129,14 @@ class PythonReader {
   const PythonSource* source_ = &main_;
   std::size_t at_ = 0;
   std::map<std::string, Value> variables_;
-  std::map<std::string, Function> functions_;  ///< of earlier passes, too: they may be called above
+  std::map<std::string, Function> functions_;  ///< from earlier passes, too: they may be called above
   std::set<std::string> called_;               ///< names of functions that are called somewhere
-  std::vector<Value> results_;                 ///< of the functions that are being read
+  std::vector<Value> results_;                 ///< return values of the functions being read
   std::size_t copied_ = 0, steps_ = 0;
   int unsure_ = 0, calls_ = 0;
 };
 
-/// True, false, or not known.
+/// The truth value of a Python value, or open if unknown.
 enum class Known { no, yes, open };
 Known known(const Value& value);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Python's words with what a reader looks up in them. Private to the room.
+/// Python source as tokens, with indexes for the reader. Private to the room.
 #include <cstddef>
 #include <string_view>
 #include <vector>
@@ -12,12 +12,12 @@ struct PythonSource {
   explicit PythonSource(std::string_view text);
 
   std::vector<PythonToken> tokens;
-  std::vector<std::size_t> close;     ///< of a bracket that opens: the one that closes it, or the end
-  std::vector<std::size_t> loop;      ///< of a bracket that opens: the first `for` in it; 0: there is none
+  std::vector<std::size_t> close;     ///< for an opening bracket: the closing one, or the end
+  std::vector<std::size_t> loop;      ///< for an opening bracket: the first `for` in it; 0: none
   std::vector<std::size_t> line_end;  ///< the first token of the next line
 };
 
-/// A word that is no name.
+/// True for a word that is not a name.
 bool is_keyword(const std::string& word);
 
 }  // namespace polyarm::ros_files::python

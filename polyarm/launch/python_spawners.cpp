@@ -9,7 +9,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-/// A list within the list of arguments, or a text with blanks, is several words.
+/// Adds several words for a nested list, or for a text with blanks.
 void add_words(const Value& value, Words& to, int depth = 0) {
   if (value.kind != Value::Kind::list || depth > kDeepest) {
     const std::string text = flat(value);
@@ -35,7 +35,7 @@ Spawned spawned_by_words(const Words& words) {
     if ((word == "-p" || word == "--param-file") && i + 1 < words.size() && !has_gap(words[i + 1]))
       out.files.push_back(words[i + 1]);
     if (with_value) ++i;
-    if (option || word.find(":=") != std::string::npos) continue;  // topics that are renamed
+    if (option || word.find(":=") != std::string::npos) continue;  // remapped topics
     if (has_gap(word))
       out.known = false;
     else
@@ -48,7 +48,7 @@ Spawned spawned_by_words(const Words& words) {
   return out;
 }
 
-/// What follows `ros2 control VERB`.
+/// The words after `ros2 control VERB`.
 Spawned spawned_by_verb(const std::string& verb, const Words& words) {
   static const std::set<std::string> kWithValue = {
       "-c",      "--controller-manager", "--controller-manager-name", "--include-hidden-nodes", "--spin-time",
@@ -76,7 +76,7 @@ Spawned spawned_by_verb(const std::string& verb, const Words& words) {
     active = names[1] == "active" || names[1] == "start";
     names.resize(1);
   }
-  if (verb == "load_controller" && names.size() > 1) names.resize(1);  // a file of parameters may follow
+  if (verb == "load_controller" && names.size() > 1) names.resize(1);  // a parameter file may follow
   if (verb != "switch_controllers" && !active) return out;
   for (const std::string& name : names)
     if (has_gap(name))

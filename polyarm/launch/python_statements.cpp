@@ -1,4 +1,4 @@
-/// Statements of Python: blocks, assignments, conditions, loops, functions of the file.
+/// Reads Python statements: blocks, assignments, conditions, loops and functions of the file.
 #include <algorithm>
 #include <utility>
 
@@ -56,7 +56,7 @@ bool PythonReader::compound(int depth) {
   return true;
 }
 
-/// Behind the ':' of a compound statement; its own place where there is none.
+/// The token after the ':' of a compound statement; `from` if there is none.
 std::size_t PythonReader::body_begin(std::size_t from) const {
   const auto& tokens = source_->tokens;
   for (std::size_t i = from; i < tokens.size(); ++i) {
@@ -70,7 +70,7 @@ std::size_t PythonReader::body_begin(std::size_t from) const {
   return from;
 }
 
-/// To the first line that is indented no more than the statement.
+/// The first line that is not indented more than the statement.
 std::size_t PythonReader::body_end(std::size_t statement, std::size_t begin) const {
   const auto& tokens = source_->tokens;
   if (begin >= tokens.size()) return tokens.size();
@@ -82,7 +82,7 @@ std::size_t PythonReader::body_end(std::size_t statement, std::size_t begin) con
 
 // --- conditions and loops ---
 
-/// if … elif … else: the branches that are known not to be taken are passed over.
+/// if … elif … else: skips the branches that are known not to be taken.
 void PythonReader::choose(int depth) {
   bool decided = false, open = false;
   const int column = token().column;
@@ -131,7 +131,7 @@ void PythonReader::bind(const std::vector<std::string>& names, const Value& valu
     variables_[names[i]] = fits && copied_ <= kMostCopied ? value.items[i] : Value{};
 }
 
-/// The values that a loop over a list or a map takes; of a map with two names, its pairs.
+/// The items of a list, or the keys of a map; with two names, the pairs of the map.
 std::vector<Value> PythonReader::rounds(const Value& over, std::size_t names) {
   if (over.kind == Value::Kind::list) return over.items;
   std::vector<Value> out;
@@ -199,7 +199,7 @@ void PythonReader::with(int depth) {
 
 // --- functions ---
 
-/// A function that is called somewhere is read where it is called; any other one once, where it stands.
+/// A function that is called somewhere is read at each call; any other is read once, at its definition.
 void PythonReader::define(int depth) {
   const std::size_t begin = body_begin(at_), end = body_end(at_, begin);
   if (begin == at_ || !is_name(1) || !is("(", 2)) {
@@ -220,7 +220,7 @@ void PythonReader::define(int depth) {
 }
 
 namespace {
-/// *args: a list of what no other parameter takes.
+/// *args: a list of the arguments that no other parameter takes.
 Value rest_of(const std::vector<Value>& values, std::size_t position) {
   Value out;
   out.kind = Value::Kind::list;
@@ -232,7 +232,7 @@ Value rest_of(const std::vector<Value>& values, std::size_t position) {
 }
 }  // namespace
 
-/// Values of the parameters of a call; what is left has its default, or none.
+/// Binds the arguments to the parameters; a missing one gets its default, or no value.
 void PythonReader::bind_parameters(const Function& function, const Arguments& arguments, int depth) {
   const std::size_t end = std::min(main_.close[function.parameters], main_.tokens.size());
   std::size_t position = 0;
@@ -266,7 +266,7 @@ void PythonReader::bind_parameters(const Function& function, const Arguments& ar
   }
 }
 
-/// What a function of the file gives for these arguments.
+/// The return value of a function of the file for these arguments.
 Value PythonReader::run(const Function& function, const Arguments& arguments, int depth) {
   if (calls_ >= kDeepestCall || !may_repeat(here())) return {};
   ++calls_;
@@ -361,7 +361,7 @@ bool PythonReader::grown_list() {
   const bool fits = more.kind == Value::Kind::list && list.kind == Value::Kind::list &&
                     list.weight + more.weight <= kHeaviest && unsure_ == 0;
   if (!fits) {
-    list = {};  // it may have more than is known
+    list = {};  // it may have unknown items
   } else {
     list.weight += more.weight;
     for (Value& item : more.items) list.items.push_back(std::move(item));
@@ -388,7 +388,7 @@ bool PythonReader::assignment(std::size_t end) {
       if (!sign(i, ",")) break;
       ++i;
     }
-    if (names.size() == 1 && all.empty() && sign(i, ":"))  // a type
+    if (names.size() == 1 && all.empty() && sign(i, ":"))  // a type annotation
       while (i < end && !sign(i, "=")) ++i;
     if (names.size() == 1 && all.empty() && sign(i, "+=")) {
       at_ = i + 1;

@@ -75,7 +75,7 @@ class Words {
     add(PythonToken::Kind::number, std::string(text_.substr(begin, at_ - begin)), line_);
   }
 
-  /// == and its like are no assignment.
+  /// Keeps == and similar together, so that they are not read as assignments.
   void sign() {
     const bool pair = at_ + 1 < text_.size() && text_[at_ + 1] == '=' &&
                       std::string_view("=!<>+-*/%:").find(text_[at_]) != std::string_view::npos;
@@ -100,7 +100,7 @@ class Words {
         return add(PythonToken::Kind::string, std::move(out), line, prefix.find('f') != std::string::npos);
       }
       if (text_[at_] == '\n') {
-        if (!triple) return;  // it does not end
+        if (!triple) return;  // unterminated
         ++line_;
       }
       if (text_[at_] == '\\' && !raw && at_ + 1 < text_.size()) {
@@ -116,7 +116,7 @@ class Words {
 
   std::string_view text_;
   std::size_t at_ = 0;
-  std::size_t begin_ = 0;  ///< of the line
+  std::size_t begin_ = 0;  ///< begin of the line
   int line_ = 1, column_ = 0, depth_ = 0;
   bool fresh_ = true;
   std::vector<PythonToken> out_;

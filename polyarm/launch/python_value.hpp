@@ -1,5 +1,5 @@
 #pragma once
-/// What an expression of a Python launch file means, as far as that is written down. Private to the room.
+/// The value of an expression in a Python launch file, as far as it is known. Private to the room.
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -12,16 +12,17 @@ namespace polyarm::ros_files::python {
 
 constexpr int kDeepest = 64;
 constexpr std::size_t kLongestText = 4096, kHeaviest = 10'000;
-constexpr char kUnknown = '\x01';  ///< within a text: stands for what is not known
+constexpr char kUnknown = '\x01';  ///< marks an unknown part ("gap") of a text
 
-/// A text may have gaps (kUnknown). A builder is MoveItConfigsBuilder: `text` is the folder of its package,
-/// `entries` are "file" and the mappings of its description.
+/// A text may contain gaps (kUnknown). `builder` is a MoveItConfigsBuilder: `text` is the folder of its
+/// package, `entries` are "file" and the mappings of its description.
 struct Value {
   enum class Kind { unknown, text, list, map, builder } kind = Kind::unknown;
   std::string text;
   std::vector<Value> items;                            ///< of a list
   std::vector<std::pair<std::string, Value>> entries;  ///< of a map
-  std::size_t weight = 1;                              ///< values in it, itself too: a = [a, a] doubles
+  std::size_t weight = 1;                              ///< count of values in it, including itself; limits
+                                                       ///< growth such as a = [a, a]
 
   static Value of(std::string text) {
     Value out;
@@ -30,7 +31,7 @@ struct Value {
     return out;
   }
   static Value gap() { return of(std::string(1, kUnknown)); }
-  /// A gap that an argument of the launch file without a value leaves.
+  /// A gap from an argument of the launch file that has no value.
   static Value gap_of(const std::string& argument) { return of(kUnknown + argument + kUnknown); }
   static Value truth(bool yes) { return of(yes ? "true" : "false"); }
   const Value* find(const std::string& key) const {
@@ -44,15 +45,15 @@ inline bool has_gap(const std::string& text) {
   return text.find(kUnknown) != std::string::npos;
 }
 
-/// The name within a gap that Value::gap_of made; "" without one.
+/// The name in a gap from Value::gap_of; "" if there is none.
 inline std::string argument_of_gap(const std::string& text) {
   const auto begin = text.find(kUnknown);
   const auto end = begin == std::string::npos ? begin : text.find(kUnknown, begin + 1);
   return end == std::string::npos ? std::string() : text.substr(begin + 1, end - begin - 1);
 }
 
-/// A text with its fields filled in, such as "a {b} {{c}}": two equal braces are one. `fill` gets the index of the
-/// brace that begins a field, appends the value to `out`, and returns the index of the brace that ends the field.
+/// Fills in the fields of a text such as "a {b} {{c}}"; two equal braces become one. `fill` gets the index of
+/// the brace that begins a field, appends the value to `out`, and returns the index of the closing brace.
 template <typename Fill>
 std::string with_fields(const std::string& text, Fill fill) {
   std::string out;
@@ -68,7 +69,7 @@ std::string with_fields(const std::string& text, Fill fill) {
   return out;
 }
 
-/// One text of a text or a list of texts, with `joint` between them.
+/// A text, or a list of texts joined with `joint`, as one text.
 inline std::string flat(const Value& value, const std::string& joint = "", int depth = 0) {
   if (value.kind == Value::Kind::text) return value.text;
   if (value.kind != Value::Kind::list || depth > kDeepest) return std::string(1, kUnknown);
@@ -78,14 +79,14 @@ inline std::string flat(const Value& value, const std::string& joint = "", int d
   return out.size() > kLongestText ? std::string(1, kUnknown) : out;
 }
 
-/// a / b / c as PathJoinSubstitution and os.path.join have it: an absolute part begins anew.
+/// a / b / c as in PathJoinSubstitution and os.path.join: an absolute part restarts the path.
 inline std::string joined_path(const std::vector<std::string>& parts) {
   std::filesystem::path out;
   for (const std::string& part : parts) out /= std::filesystem::path(part);
   return out.string();
 }
 
-/// Of a call.
+/// The arguments of a call.
 struct Arguments {
   std::vector<Value> values;
   std::vector<std::pair<std::string, Value>> named;

@@ -54,7 +54,7 @@ SharedMemory::~SharedMemory() {
   ::munmap(bytes_.data(), bytes_.size());
 }
 
-/// At the start of the memory; zeros are its initial state.
+/// At the start of the memory. All zeros is its initial state.
 struct Channel::Shared {
   RingState to_child, to_parent;
   std::atomic<std::uint64_t> beats, pulses, dropped_by_child, dropped_by_parent;
@@ -112,7 +112,7 @@ bool Channel::push(std::span<const std::byte> message, std::size_t& sent) {
       more = !last;
     } else if (result == RingResult::none) {
       if (std::exchange(asked, true)) break;
-      state.full.store(1);  // tries once more, because there may be room by now
+      state.full.store(1);  // the writer tries once more, because there may be room by now
       std::atomic_thread_fence(std::memory_order_seq_cst);
     }
   }

@@ -22,7 +22,7 @@ class SharedMemory {
  public:
   /// New memory, zeros. Throws Error("no-process").
   explicit SharedMemory(std::size_t size);
-  /// Memory that another process made; throws if it has another size.
+  /// Maps memory that another process made. Throws if its size differs.
   SharedMemory(Descriptor descriptor, std::size_t size);
   ~SharedMemory();
   SharedMemory(const SharedMemory&) = delete;
@@ -39,10 +39,11 @@ class SharedMemory {
 struct ChannelLimits {
   std::size_t most_message =
       bounds::kSampleBytes + 64 * 1024;               ///< bytes; larger ones are not sent, and break it
-  std::size_t most_waiting = bounds::kExchangeBytes;  ///< bytes of droppable messages that wait for room
-  std::size_t most_messages = 10'000;                 ///< number of droppable messages that wait
-  std::size_t most_ever = std::size_t{64} << 20;      ///< bytes of all waiting messages; beyond this the
-                                                      ///< channel breaks
+  std::size_t most_waiting = bounds::kExchangeBytes;  ///< limit for droppable messages that wait for room,
+                                                      ///< bytes
+  std::size_t most_messages = 10'000;                 ///< limit for droppable messages that wait, count
+  std::size_t most_ever = std::size_t{64} << 20;      ///< limit for all waiting messages, bytes; beyond it
+                                                      ///< the channel breaks
 };
 
 /// The descriptors of the child's end.
@@ -52,7 +53,7 @@ class Channel {
  public:
   /// The parent's end of a new channel. Throws Error("no-process").
   explicit Channel(ChannelLimits limits = {});
-  /// Descriptors; the channel closes them at the end.
+  /// Descriptor numbers. The channel closes them in its destructor.
   struct Inherited {
     int memory = kMemoryOfChild, own_bell = kBellOfChild, other_bell = kBellOfParent;
   };
@@ -62,27 +63,27 @@ class Channel {
   /// The descriptors to pass to the child, from kMemoryOfChild on.
   std::array<int, 3> of_child() const;
 
-  /// Any thread; never waits. False if it is not sent: too large, too much is waiting, or the channel is
-  /// broken. `must`: not droppable; only the limit of all waiting messages applies.
+  /// Any thread; never waits. Returns false if the message is not sent: it is too large, too much is waiting,
+  /// or the channel is broken. `must`: not droppable; only the limit for all waiting messages applies.
   bool send(std::span<const std::byte> message, bool must);
   enum class Received { message, nothing, broken };
-  /// One thread: the next message. Also sends waiting messages.
+  /// One thread: receives the next message. Also sends waiting messages.
   Received receive(std::vector<std::byte>& message);
-  /// Same thread, before it sleeps on bell(): false if there is already something to receive.
+  /// Same thread. Call it before a sleep on bell(). Returns false if there is already something to receive.
   bool may_sleep();
-  /// Call it after the sleep.
+  /// Same thread. Call it after the sleep.
   void woken();
   int bell() const { return own_bell_.number(); }
-  /// Sleeps at most `most_ms`, unless there is something to do.
+  /// Sleeps at most `most_ms`; returns at once if there is something to do.
   void wait(int most_ms);
 
   bool broken() const;
-  /// Number of messages that the other side dropped, as it reports.
+  /// Count of messages that the other side dropped, as it reports.
   std::uint64_t dropped_there() const;
-  /// Heartbeat count of the main loop of the child, as seen by the parent.
+  /// Heartbeat count of the child's main loop; for the parent.
   std::uint64_t beats() const;
   void beat();
-  /// Heartbeat count of the pulse thread of the child (pulse.hpp), as seen by the parent.
+  /// Heartbeat count of the child's pulse thread (pulse.hpp); for the parent.
   std::uint64_t pulses() const;
   void pulse();
 
@@ -95,7 +96,7 @@ class Channel {
   Shared& shared() const;
   std::span<std::byte> ring_bytes(int index) const;
   void ring_other() const;
-  /// False if there is not enough room; `sent` is the number of bytes pushed so far.
+  /// Pushes as much as fits. Returns false if there is not enough room; `sent`: bytes pushed so far.
   bool push(std::span<const std::byte> message, std::size_t& sent);
   void flush();
 

@@ -27,7 +27,7 @@ namespace polyarm::process {
 namespace {
 namespace fs = std::filesystem;
 
-/// Moves descriptors away from the numbers that the child expects.
+/// Descriptors are first copied to numbers from 64 up, away from those that the child expects.
 constexpr int kOutOfTheWay = 64, kFirstHanded = 3;
 constexpr std::size_t kMostWords = 1000, kMostTold = 300;
 
@@ -141,7 +141,7 @@ void Child::start(const std::string& program, std::vector<std::string> words, st
     process_ = 0;
     refuse(error);
   }
-  // Without it (kernels before 5.3) the end is detected when ended() is called.
+  // Without it (kernels before 5.3), only ended() detects the end.
   end_ = Descriptor(static_cast<int>(::syscall(SYS_pidfd_open, process_, 0)));
 }
 

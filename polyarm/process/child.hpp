@@ -1,6 +1,6 @@
 #pragma once
-/// Runs a program of Polyarm in a child process with separate memory: starts it, monitors it and reports
-/// how it ended.
+/// Runs a program of Polyarm in a child process with separate memory: starts it, monitors it and reports how
+/// it ended.
 #include <sys/types.h>
 
 #include <chrono>
@@ -22,7 +22,7 @@ std::string program_folders();
 
 /// How a process ended.
 struct Ending {
-  int code = 0, signal = 0;  ///< signal 0: it exited by itself with the code
+  int code = 0, signal = 0;  ///< signal 0: it exited with the code
   std::string last_words;    ///< the last line of its error output, printable
   /// "was ended by SIGABRT (…: Assertion … failed)"
   std::string text() const;
@@ -36,19 +36,19 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// Starts the program with the descriptors `handed` as 3 and on, the null device as 0 and 1, its own
-  /// process group (Ctrl-C does not reach it), and default signals. Throws Error("no-process").
+  /// Starts the program. It gets the descriptors `handed` as 3 and up, the null device as 0 and 1, its own
+  /// process group (so Ctrl-C does not reach it), and default signals. Throws Error("no-process").
   void start(const std::string& program, std::vector<std::string> words, std::span<const int> handed);
   bool running() const { return process_ > 0; }
   pid_t process() const { return process_; }
-  /// Descriptors to poll for its end and for its error output; -1 if there is none.
+  /// Descriptors to poll for its end and for its error output; -1 if none.
   int end() const { return end_.number(); }
   int errors() const { return errors_.number(); }
-  /// Reads its error output so far; never waits.
+  /// Reads its error output so far. Never waits.
   void listen();
-  /// Empty while it runs; never waits.
+  /// How it ended; empty while it runs. Never waits.
   std::optional<Ending> ended();
-  /// Waits at most `patience` for its end, then kills it.
+  /// Waits at most `patience` until it ends, then kills it.
   Ending finish(std::chrono::milliseconds patience);
   void kill();
 
@@ -59,12 +59,13 @@ class Child {
 };
 
 struct ChildRules {
-  int handed = 0;                                  ///< number of inherited descriptors from 3 on
-  pid_t parent = 0;                                ///< the starting process
-  std::size_t most_memory = std::size_t{1} << 30;  ///< bytes of data; beyond this it is killed
+  int handed = 0;                                  ///< count of inherited descriptors, from 3 up
+  pid_t parent = 0;                                ///< process id of the starting process
+  std::size_t most_memory = std::size_t{1} << 30;  ///< limit for its data, bytes; beyond it the process is
+                                                   ///< killed
 };
-/// Call it first in the child's main: the child ends with its parent, gains no rights, keeps no other
-/// descriptors, writes no core file and has a memory limit. False if the parent has already ended.
+/// Call it first in the child's main(). The child then ends with its parent, gains no rights, keeps no other
+/// descriptors, writes no core file and has a memory limit. Returns false if the parent has already ended.
 bool become_child(const ChildRules& rules);
 
 }  // namespace polyarm::process

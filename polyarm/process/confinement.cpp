@@ -86,7 +86,7 @@ class Filter {
     add(BPF_RET | BPF_K, error == 0 ? SECCOMP_RET_ALLOW : SECCOMP_RET_ERRNO | static_cast<std::uint32_t>(error));
   }
   void die() { add(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS); }
-  /// Skips `steps` instructions unless it is equal.
+  /// Skips `steps` instructions unless the loaded word is equal.
   void unless_equal(std::uint32_t value, std::uint8_t steps) { jump(BPF_JEQ, value, 0, steps); }
   void if_equal(std::uint32_t value, std::uint8_t steps) { jump(BPF_JEQ, value, steps, 0); }
   void if_any_bit(std::uint32_t bits, std::uint8_t steps) { jump(BPF_JSET, bits, steps, 0); }

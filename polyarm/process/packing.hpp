@@ -1,6 +1,6 @@
 #pragma once
-/// Packs numbers, texts and bytes in sequence, for messages between two processes of one machine. A reader
-/// trusts nothing: missing data reads as empty, and `good()` is false afterwards.
+/// Packs numbers, texts and bytes in sequence, for messages between two processes on one machine. The reader
+/// trusts nothing: missing data is read as zeros or empty, and `good()` is false afterwards.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace polyarm::process {
 
 class Packer {
  public:
-  /// Writes into `room` from its beginning and reuses its memory.
+  /// Writes to `room` from its beginning and reuses its memory.
   explicit Packer(std::vector<std::byte>& room) : out_{room} { out_.clear(); }
 
   template <class T>
@@ -58,7 +58,7 @@ class Unpacker {
     bytes(value.data(), N);
     return value;
   }
-  /// Empty if it is longer than `most`.
+  /// Fails and returns an empty text if it is longer than `most`.
   std::string text(std::size_t most) {
     const auto size = number<std::uint32_t>();
     if (!good_ || size > most || size > left_.size()) {

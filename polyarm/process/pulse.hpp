@@ -1,7 +1,7 @@
 #pragma once
-/// Signs of life of a child process, which show that its threads still run: a process that is stopped (SIGSTOP),
-/// or that waits in the kernel for ever, has no end that its parent could notice. They say nothing of what the
-/// process does; for that, each question that a parent asks has a time limit of its own.
+/// Heartbeats of a child process, which show that its threads still run. A process that is stopped (SIGSTOP)
+/// or blocked in the kernel does not end, so its parent could not notice. Heartbeats say nothing about the
+/// process's work; each request of a parent has its own timeout.
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -12,16 +12,16 @@
 
 namespace polyarm::process {
 
-/// How often a child gives a sign, and how often its parent looks for one.
+/// Interval of the heartbeats, and of the parent's checks.
 inline constexpr std::chrono::milliseconds kPulse{100};
-/// Without a sign for so long, a child counts as hung.
+/// A child without a heartbeat for this long counts as hung.
 inline constexpr std::chrono::milliseconds kLongestSilence{1000};
 
-/// The child's side: a thread that gives the signs. It is made after the process has confined itself, so that the
-/// thread has the same bounds.
+/// The child's side: a thread that sends the heartbeats. Create it after the process has confined itself, so
+/// that the confinement applies to the thread.
 class Pulse {
  public:
-  /// `channel` outlives it.
+  /// `channel` must outlive this.
   explicit Pulse(Channel& channel);
   ~Pulse();
   Pulse(const Pulse&) = delete;
@@ -36,15 +36,15 @@ class Pulse {
   std::thread thread_;
 };
 
-/// The parent's side; one thread. A child that has given no sign yet is not judged. Time in which the parent itself
-/// did not look does not count, so a machine that was suspended ends no child.
+/// The parent's side; one thread. A child that has not sent a heartbeat yet is not judged. Time in which the
+/// parent did not check does not count, so a machine that was suspended does not end its children.
 class PulseWatch {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// True if the child has given no sign for `limit`. Called at least every kPulse while it is to be watched.
+  /// True if there was no heartbeat for `limit`. Call it at least every kPulse while the child is watched.
   bool silent(const Channel& channel, Clock::time_point now, std::chrono::nanoseconds limit);
-  /// Begins to count anew, after a time in which nobody looked.
+  /// Restarts the count, after a time without checks.
   void restart(Clock::time_point now);
 
  private:

@@ -6,8 +6,8 @@
 namespace polyarm::process {
 
 namespace {
-/// Precedes each payload: its length, and whether it is the last of its message. Frames are aligned to 8
-/// bytes.
+/// The header of each frame: length of the payload, and whether the frame is the last of its message. Frames
+/// are aligned to 8 bytes.
 struct FrameHead {
   std::uint32_t length = 0, last = 0;
 };
@@ -50,7 +50,7 @@ RingResult RingReader::take(std::vector<std::byte>& message, std::size_t most, b
   FrameHead head;
   copy(read_, &head, sizeof head);
   const std::size_t length = head.length;
-  // All frames of a message except the last one are full, so a message needs few of them.
+  // Every frame of a message but the last must be full, so a message needs few frames.
   if (length > kMostInFrame || (head.last == 0 && length != kMostInFrame) || head.last > 1 ||
       whole_frame(length) > there || message.size() > most || length > most - message.size())
     return RingResult::broken;

@@ -1,7 +1,7 @@
 #pragma once
-/// A queue of frames in memory that two processes share: one writes, one reads, neither waits. Neither side
-/// trusts data that the other can change: it keeps its own position, checks the other's against the size, and
-/// copies a frame before it reads it.
+/// A queue of frames in memory shared by two processes: one writes, one reads, neither waits. Neither side
+/// trusts data that the other can change: it keeps its own position, checks the other's position against the
+/// size, and copies a frame before reading it.
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace polyarm::process {
 
-/// At the start of the shared memory, before the bytes.
+/// Located at the start of the shared memory, before the frames.
 struct RingState {
   alignas(64) std::atomic<std::uint64_t> written{0};  ///< total bytes
   alignas(64) std::atomic<std::uint64_t> read{0};     ///< total bytes
@@ -29,9 +29,9 @@ inline constexpr std::size_t kMostInFrame = 64 * 1024;
 
 class RingWriter {
  public:
-  /// `bytes`: a power of two, more than a frame.
+  /// The size of `bytes` must be a power of two and larger than a frame.
   RingWriter(RingState& state, std::span<std::byte> bytes) : state_{state}, bytes_{bytes} {}
-  /// `last`: the message ends with it.
+  /// `last`: this frame ends its message.
   RingResult put(std::span<const std::byte> payload, bool last);
 
  private:
@@ -44,9 +44,9 @@ class RingWriter {
 class RingReader {
  public:
   RingReader(RingState& state, std::span<const std::byte> bytes) : state_{state}, bytes_{bytes} {}
-  /// Appends the payload of the next frame to `message`, which then has at most `most` bytes.
+  /// Appends the payload of the next frame to `message`, which may grow to at most `most` bytes.
   RingResult take(std::vector<std::byte>& message, std::size_t most, bool& last);
-  /// True if there is a frame or the other side's state is invalid.
+  /// True if there is a frame, or the other side's state is invalid.
   bool something() const { return state_.written.load(std::memory_order_acquire) != read_; }
   bool half_empty() const {
     return state_.written.load(std::memory_order_relaxed) - read_ <= bytes_.size() / 2;

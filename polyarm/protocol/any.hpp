@@ -1,5 +1,5 @@
 #pragma once
-/// A value of free form: a ROS message, the value of a tag, the `id` of a request.
+/// A JSON value without a fixed type: a ROS message, the value of a tag, the `id` of a request.
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace polyarm::protocol {
 
-/// One JSON value. Immutable; copies share it. Any thread.
+/// One JSON value. Immutable; copies share the data. Any thread.
 class Any {
  public:
   Any() = default;  ///< null
@@ -19,16 +19,16 @@ class Any {
   Any(const char* text);
   Any(std::string text);
   Any(nlohmann::json value);
-  /// Nothing where the text is no JSON.
+  /// Nothing if the text is not JSON.
   static std::optional<Any> parse(const std::string& text);
 
   bool is_null() const { return !value_; }
   std::optional<bool> flag() const;
   std::optional<double> number() const;
   std::optional<std::string> text() const;
-  /// As JSON without line ends; bytes that are no UTF-8 become U+FFFD, NaN and infinity become null.
+  /// As JSON on one line. Bytes that are not UTF-8 become U+FFFD; NaN and infinity become null.
   std::string dump() const;
-  /// For those who read its inside.
+  /// For code that reads the content.
   const nlohmann::json& json() const;
   bool operator==(const Any& other) const;
 

@@ -1,20 +1,20 @@
 #pragma once
-/// Requests about controllers: control.list, control.switch, control.load …
+/// Requests about controllers: list, switch, load, configure and unload them.
 #include "polyarm/protocol/facts.hpp"
 
 namespace polyarm::protocol {
 
-/// A type of messages that a controller takes.
+/// An input of a controller, and the message types that it accepts.
 struct ControllerInput {
   std::string name;
-  std::vector<std::string> types;  ///< of ROS
+  std::vector<std::string> types;  ///< ROS types
   POLYARM_MEMBERS(ControllerInput, name, types)
 };
 
 struct ListedController {
   std::string name, type, state;
   bool chained = false, async = false, stale = false;
-  double rate = 0;  ///< updates a second
+  double rate = 0;  ///< updates per second
   std::uint64_t updates = 0, missed = 0;
   std::vector<std::string> claimed, commands, states, references, exported_states, fallback;
   std::vector<ControllerInput> inputs;
@@ -58,7 +58,8 @@ struct ControlChains {
   POLYARM_MEMBERS(ControlChains)
 };
 
-/// As controller_manager_msgs/SwitchController has them; `best-effort` and `force_auto` are ROS's spellings.
+/// The values of controller_manager_msgs/SwitchController. `best-effort` and `force_auto` are ROS's
+/// spellings.
 enum class Strictness { strict, best_effort, best_effort_ros, automatic, force, force_ros };
 template <>
 struct Words<Strictness> {
@@ -67,7 +68,7 @@ struct Words<Strictness> {
                                            "auto",   "force",       "force_auto"};
 };
 
-/// What a switch of controllers does, or why it does nothing.
+/// What a controller switch does, or why it does nothing.
 struct SwitchOutcome {
   bool ok = false;
   std::string reason, advice;
@@ -155,7 +156,7 @@ struct ControlState {
   struct Answer {
     static constexpr const char* kOf = "ControlState";
     std::string name, state;
-    Merged<SwitchOutcome> outcome;  ///< where controllers were switched
+    Merged<SwitchOutcome> outcome;  ///< present if controllers were switched
     POLYARM_MEMBERS(Answer, name, state, outcome)
   };
   POLYARM_MEMBERS(ControlState, name, state)

@@ -1,5 +1,6 @@
 #pragma once
-/// From C++ types to their descriptions. Private to the room: only its .cpp files make descriptions.
+/// Makes the type descriptions (type.hpp) of C++ types. Private to the room: only its .cpp files include
+/// this.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,7 +27,7 @@ using Json = nlohmann::json;
 template <class T>
 const Type& description();
 
-/// A type that has no struct in it.
+/// A type that contains no struct.
 class LeafType : public Type {
  public:
   void collect(std::vector<const Type*>&) const override {}
@@ -52,7 +53,7 @@ class FlagType : public LeafType {
 template <class T>
 class NumberType : public LeafType {
  public:
-  /// What is no whole number, or beyond T, is no value of T.
+  /// Returns false for a fraction, if T is an integer, and for a value beyond the range of T.
   bool read(const Json& from, void* to) const override {
     if (!from.is_number()) return false;
     const double value = from.get<double>();
@@ -92,7 +93,7 @@ class MessageType : public AnyType {
   std::string word() const override { return "message"; }
 };
 
-/// Words of an enumeration.
+/// The words of an enumeration.
 class WordsType : public LeafType {
  public:
   WordsType(const char* noun, std::vector<std::string> words) : noun_(noun), words_(std::move(words)) {}
@@ -101,7 +102,7 @@ class WordsType : public LeafType {
   std::string typescript() const override;
 
  protected:
-  /// Throws Error("bad-argument") that lists the words.
+  /// Throws Error("bad-argument") that lists the valid words.
   std::size_t index_of(const std::string& text) const;
   const std::string& at(std::size_t index) const { return words_[index]; }
 
@@ -124,7 +125,7 @@ class EnumType : public WordsType {
   }
 };
 
-/// What wraps another type: optional, list, map.
+/// A type that wraps another type: optional, list, map.
 class WrapperType : public Type {
  public:
   explicit WrapperType(const Type& inner) : inner_(inner) {}
@@ -199,7 +200,7 @@ class ListType : public WrapperType {
   }
 };
 
-/// std::vector<bool> has no addresses of its items.
+/// std::vector<bool>: its items have no addresses.
 class FlagsType : public LeafType {
  public:
   bool read(const Json& from, void* to) const override;
@@ -230,7 +231,7 @@ class MapType : public WrapperType {
   std::string typescript() const override { return "Record<string, " + inner_.typescript() + ">"; }
 };
 
-/// A vector in space or a quaternion: its numbers in a list.
+/// A 3-vector or a quaternion as a list of numbers.
 template <class T, std::size_t kCount>
 class NumbersType : public LeafType {
  public:
@@ -243,7 +244,7 @@ class NumbersType : public LeafType {
   }
 };
 
-/// One of several structs.
+/// One of two structs.
 template <class First, class Second>
 class EitherType : public Type {
  public:
@@ -316,7 +317,7 @@ struct IsVariant<std::variant<A, B>> : std::true_type {
   using Type = EitherType<A, B>;
 };
 
-/// The answer of a request is called after it; another struct after itself.
+/// The answer of a request is named after the request; any other struct after itself.
 template <class S>
 std::string struct_name() {
   if constexpr (requires { S::kOf; }) return std::string(S::kOf) + S::kStruct;
@@ -393,7 +394,7 @@ const RequestType& request_type() {
 
 #define POLYARM_DEFINE_REQUEST(family, name) template const RequestType& request_type<name>();
 #define POLYARM_REQUEST_ADDRESS(family, name) &request_type<name>(),
-/// In one .cpp file: these requests of a family, in the order of the reference.
+/// Defines the requests of a family, in the order of the reference. Use it in one .cpp file.
 #define POLYARM_REQUESTS(family, ...)                                \
   POLYARM_EACH(POLYARM_DEFINE_REQUEST, family, __VA_ARGS__)          \
   const std::vector<const RequestType*>& family() {                  \

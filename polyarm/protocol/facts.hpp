@@ -1,5 +1,5 @@
 #pragma once
-/// What is known of a request before anybody asks it: its name, what it does, who may ask it.
+/// The fixed facts of a request: its name, what it does, and which role may send it.
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -8,9 +8,9 @@
 
 namespace polyarm::protocol {
 
-/// Each may do what those before it may. All but `watch` also need control, which one screen has at a time.
+/// Each role includes those before it. All but `watch` also need control, which one client has at a time.
 enum class Role : std::uint8_t {
-  watch,      ///< read, and bring to rest: hold and stop
+  watch,      ///< read, and stop motion: hold and stop
   operate,    ///< move, start and answer programs, set tags, record
   program,    ///< change programs, points and files
   administer  ///< controllers, hardware, parameters, other cells
@@ -28,12 +28,14 @@ struct Facts {
   const char* name;  ///< "control.switch"
   Role role;
   const char* text;                  ///< one sentence for help and the reference
-  bool moves = false;                ///< it may make something move, or stop
-  bool urgent = false;               ///< it begins though earlier requests of the same asker are not answered
-  bool patient = false;              ///< it may wait for a person: later requests of the same asker begin meanwhile
-  const char* watch_with = nullptr;  ///< with this flag (`dry`) it only reads: role `watch`
-  const char* watch_without = nullptr;  ///< without this argument it only reads: role `watch`
-  /// The pendant's port answers it, and not the cell. Such requests ignore arguments that they do not know.
+  bool moves = false;                ///< it may start or stop motion
+  bool urgent = false;               ///< it starts even if earlier requests of the same client are not
+                                     ///< answered yet
+  bool patient = false;              ///< it may wait for a person; later requests of the same client can
+                                     ///< start meanwhile
+  const char* watch_with = nullptr;  ///< with this flag (`dry`) it only reads, and needs the role `watch`
+  const char* watch_without = nullptr;  ///< without this argument it only reads, and needs the role `watch`
+  /// True: the pendant's port answers it, not the cell. Such requests ignore unknown arguments.
   bool session = false;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The list of all requests, by families. Private to the room.
+/// The list of all requests, by family. Private to the room.
 #include <vector>
 
 #include "polyarm/protocol/request.hpp"
@@ -15,7 +15,7 @@ inline constexpr Family* kFamilies[] = {help_requests,    controller_requests, m
                                         jog_requests,     program_requests,    point_requests,
                                         project_requests, session_requests};
 
-/// What the pendant's port reports beside answers, as far as it has structs.
+/// The events of the pendant's port that have structs.
 const std::vector<const Type*>& event_types();
 
 }  // namespace polyarm::protocol

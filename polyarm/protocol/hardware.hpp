@@ -1,11 +1,11 @@
 #pragma once
-/// Requests about hardware components, arming, interfaces, the loop and its limits.
+/// Requests about hardware components, arming, interfaces, the control loop and its limits.
 #include "polyarm/protocol/facts.hpp"
 #include "polyarm/protocol/motion.hpp"
 
 namespace polyarm::protocol {
 
-/// A joint of real hardware before it is armed, rad or m; null: unknown.
+/// A joint of real hardware before arming, rad or m; null: unknown.
 struct ExpectedJoint {
   std::string joint;
   OrNull<double> measured, expected;
@@ -26,7 +26,7 @@ struct ControlArm {
     static constexpr const char* kOf = "ControlArm";
     bool armed = false;
     std::optional<std::vector<ExpectedJoint>> joints;
-    std::optional<std::vector<std::string>> started;  ///< controllers
+    std::optional<std::vector<std::string>> started;  ///< names of controllers
     POLYARM_MEMBERS(Answer, armed, joints, started)
   };
   POLYARM_MEMBERS(ControlArm, confirmed)
@@ -39,8 +39,8 @@ struct ClaimedCommand {
 
 struct ListedHardware {
   std::string name, type, plugin, group, state;
-  std::string being;  ///< "being configured" while a callback runs: "configured"
-  double rate = 0;    ///< reads and writes a second
+  std::string being;  ///< while a callback runs, the state that it leads to: "configured"
+  double rate = 0;    ///< reads and writes per second
   bool async = false;
   std::uint64_t missed = 0;
   std::vector<std::string> states;
@@ -70,7 +70,7 @@ struct HardwareState {
   struct Answer {
     static constexpr const char* kOf = "HardwareState";
     std::string name, state;
-    std::vector<std::string> stopped;  ///< controllers
+    std::vector<std::string> stopped;  ///< names of controllers
     std::optional<std::vector<std::string>> with;
     POLYARM_MEMBERS(Answer, name, state, stopped, with)
   };
@@ -88,7 +88,7 @@ struct HardwareRecover {
   struct Answer {
     static constexpr const char* kOf = "HardwareRecover";
     std::string name, state;
-    std::vector<std::string> fallen;  ///< controllers
+    std::vector<std::string> fallen;  ///< names of controllers
     std::string next;
     POLYARM_MEMBERS(Answer, name, state, fallen, next)
   };
@@ -139,7 +139,7 @@ struct InterfacesList {
 };
 
 struct Bucket {
-  std::int64_t to_ns = 0;  ///< no sample of it was longer
+  std::int64_t to_ns = 0;  ///< upper end of the bucket
   std::uint64_t count = 0;
   POLYARM_MEMBERS(Bucket, to_ns, count)
 };
@@ -153,7 +153,7 @@ struct Distribution {
   POLYARM_MEMBERS(Distribution, p50_ns, p99_ns, max_ns, buckets)
 };
 
-/// A component or controller that runs in the loop.
+/// A component or controller that runs in the control loop.
 struct LoopPart {
   std::optional<std::string> component, controller;
   double rate_hz = 0;
@@ -161,7 +161,7 @@ struct LoopPart {
   Times cost, period;
   POLYARM_MEMBERS(LoopPart, component, controller, rate_hz, turns, cost, period)
 };
-/// One that has a thread of its own.
+/// A component or controller that has its own thread.
 struct PartThread {
   std::optional<std::string> component, controller;
   double rate_hz = 0;
@@ -202,7 +202,7 @@ struct LoopHealth {
 struct ClampedCommand {
   std::string interface, claimed_by, limit;
   std::uint64_t count = 0;
-  OrNull<double> asked, given;  ///< the last time
+  OrNull<double> asked, given;  ///< of the last clamp
   double time_s = 0;
   POLYARM_MEMBERS(ClampedCommand, interface, claimed_by, limit, count, asked, given, time_s)
 };

@@ -1,5 +1,5 @@
 #pragma once
-/// Requests about motion by hand, streamed targets, the limits profile, and moves to points.
+/// Requests about jogging, streamed targets, the limits profile, and moves to points.
 #include <array>
 
 #include "polyarm/base/pose.hpp"
@@ -7,19 +7,19 @@
 
 namespace polyarm::protocol {
 
-/// Where a robot is and what holds its jog back; rad, m and m/s, in the world.
+/// The pose of a robot, and what limits its jog; rad, m and m/s, world frame.
 struct JogFacts {
   std::string robot, model, tool;
-  std::vector<std::string> names;  ///< of joints, in the robot's order
+  std::vector<std::string> names;  ///< names of joints, in the robot's order
   std::vector<bool> slides;
   std::map<std::string, double> joints;
-  std::map<std::string, OrNull<std::array<double, 2>>> limits;  ///< null: it turns without end
+  std::map<std::string, OrNull<std::array<double, 2>>> limits;  ///< null: the joint is continuous
   Vec3 position, rpy;                                           ///< of the TCP
   Quaternion orientation;
   double speed = 0;
   bool moving = false;
   std::string held_back, reason;
-  std::string which;  ///< the joint or the zone of the workspace that holds it back; empty: neither does
+  std::string which;  ///< the joint or the workspace zone that limits it; empty: neither
   std::string profile, control;
   POLYARM_MEMBERS(JogFacts, robot, model, tool, names, slides, joints, limits, position, rpy, orientation,
                   speed, moving, held_back, reason, which, profile, control)
@@ -27,7 +27,7 @@ struct JogFacts {
 
 struct JogAnswer : JogFacts {
   std::optional<std::uint32_t> session;
-  std::optional<bool> done;  ///< of a step: it has gone the whole way
+  std::optional<bool> done;  ///< of a step: the full amount was moved
   POLYARM_MORE_MEMBERS(JogAnswer, JogFacts, session, done)
 };
 
@@ -89,7 +89,7 @@ struct LimitsProfile {
   struct Answer {
     static constexpr const char* kOf = "LimitsProfile";
     std::string profile;
-    double joint_speed = 1;    ///< share of each joint's greatest
+    double joint_speed = 1;    ///< fraction of each joint's maximum
     OrNull<double> tcp_speed;  ///< m/s; null: no limit
     POLYARM_MEMBERS(Answer, profile, joint_speed, tcp_speed)
   };

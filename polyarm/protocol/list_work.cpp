@@ -1,4 +1,4 @@
-/// The list of requests: jog, programs, points, projects, and those of a session.
+/// The list of requests: jog, programs, points, projects, and the session.
 #include "polyarm/protocol/describe.hpp"
 #include "polyarm/protocol/families.hpp"
 #include "polyarm/protocol/jog.hpp"

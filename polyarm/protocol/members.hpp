@@ -1,6 +1,6 @@
 #pragma once
-/// How a struct of the protocol says what its members are. The name of a member is its key in JSON; a
-/// trailing underscore, for names that C++ keeps for itself, is left out of the key.
+/// How a struct of the protocol lists its members. The name of a member is its key in JSON. A trailing
+/// underscore, used where the key is a C++ keyword, is not part of the key.
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,13 +10,13 @@
 
 namespace polyarm::protocol {
 
-// What a member's type says:
-//   std::optional<T>  may be left out, and is left out of an answer where it is empty
-//   bool              may be left out of a request: then it is false
-//   OrNull<T>         null where it is empty
+// The type of a member decides how its key is used:
+//   std::optional<T>  may be omitted from a request; omitted from an answer if empty
+//   bool              may be omitted from a request, and is then false
+//   OrNull<T>         null if empty
 //   Names             one text, or a list of texts
-//   Merged<T>         the members of T stand among those of this struct; all are left out where it is empty
-// Everything else is needed.
+//   Merged<T>         the members of T appear among those of this struct; omitted if empty
+// A key of any other type is required.
 
 template <class T>
 struct OrNull : std::optional<T> {
@@ -33,13 +33,13 @@ struct Names : std::vector<std::string> {
   Names(std::vector<std::string> names) : std::vector<std::string>(std::move(names)) {}
 };
 
-/// A message of ROS: a map, or a text in YAML or JSON.
+/// A ROS message: a map, or a text in YAML or JSON.
 struct Message : Any {
   using Any::Any;
 };
 
-/// The words of an enumeration, in the order of its values from 0 on: one list for reading, writing and docs.
-/// Specialised by each enumeration: `kNoun` ("step") and `kWords` (an array of const char*).
+/// The words of an enumeration, in the order of its values from 0, for reading, writing and docs. Each
+/// enumeration specialises it with `kNoun` ("step") and `kWords` (an array of const char*).
 template <class E>
 struct Words;
 
@@ -56,14 +56,14 @@ struct Words;
 #define POLYARM_EACH_AGAIN() POLYARM_EACH_STEP
 
 #define POLYARM_MEMBER(self, name) visit(#name, &self::name);
-/// The members of a struct, in the order of the reference: POLYARM_MEMBERS(Struct, first, second).
+/// Lists the members of a struct, in the order of the reference: POLYARM_MEMBERS(Struct, first, second).
 #define POLYARM_MEMBERS(self, ...)                       \
   static constexpr const char* kStruct = #self;          \
   template <class Visitor>                               \
   static void members([[maybe_unused]] Visitor& visit) { \
     POLYARM_EACH(POLYARM_MEMBER, self, __VA_ARGS__)      \
   }
-/// The same of a struct that has all the members of `base` first.
+/// The same for a struct that derives from `base`, whose members come first.
 #define POLYARM_MORE_MEMBERS(self, base, ...)       \
   static constexpr const char* kStruct = #self;     \
   template <class Visitor>                          \

@@ -1,5 +1,5 @@
 #pragma once
-/// Requests about parameters of controllers, messages to them, and what comes out of them.
+/// Requests about controllers' parameters, messages to controllers, and their outputs.
 #include <variant>
 
 #include "polyarm/protocol/facts.hpp"
@@ -58,17 +58,17 @@ struct SendMessage {
   bool goal = false;
   struct Answer {
     static constexpr const char* kOf = "SendMessage";
-    std::optional<std::string> to;  ///< of a message that is no goal
+    std::optional<std::string> to;  ///< of a message that is not a goal
     std::optional<std::uint64_t> goal;
     std::optional<std::string> status;  ///< accepted, succeeded, aborted, canceled
     std::optional<int> error_code;
     std::optional<std::string> error;
-    std::optional<std::string> joint;  ///< that is off its goal
+    std::optional<std::string> joint;  ///< the joint that is off its goal
     std::optional<double> off_by, tolerance;
     std::optional<std::string> note;
     std::optional<double> position, effort;  ///< of a gripper
     std::optional<bool> stalled, reached_goal;
-    std::optional<Any> feedback;  ///< a message of ROS
+    std::optional<Any> feedback;  ///< a ROS message
     POLYARM_MEMBERS(Answer, to, goal, status, error_code, error, joint, off_by, tolerance, note, position,
                     effort, stalled, reached_goal, feedback)
   };
@@ -101,7 +101,7 @@ struct QueryTrajectory {
   POLYARM_MEMBERS(QueryTrajectory, name, at)
 };
 
-/// Why no message comes.
+/// The reason why no message comes.
 struct NoMessage {
   std::string waiting, state, what, advice;
   POLYARM_MEMBERS(NoMessage, waiting, state, what, advice)

@@ -1,12 +1,12 @@
 #pragma once
-/// Requests that stop the motion of a cell and let it go on, and what touches what.
+/// Requests that stop the motion of a cell and resume it; and the contacts.
 #include "polyarm/base/pose.hpp"
 #include "polyarm/protocol/facts.hpp"
 #include "polyarm/protocol/problem.hpp"
 
 namespace polyarm::protocol {
 
-/// The answer of a request that only starts something: its own verb.
+/// The answer of a request that only starts something: its verb.
 struct Asked {
   std::string asked;
   POLYARM_MEMBERS(Asked, asked)
@@ -64,7 +64,7 @@ struct ControlBack {
   struct Answer {
     static constexpr const char* kOf = "ControlBack";
     std::string asked = "back", state;
-    std::map<std::string, double> joints;  ///< how far each has gone, rad or m
+    std::map<std::string, double> joints;  ///< how far each joint has moved, rad or m
     POLYARM_MEMBERS(Answer, asked, state, joints)
   };
   POLYARM_MEMBERS(ControlBack, time, distance)
@@ -96,14 +96,14 @@ struct ControlDiscard {
   struct Answer {
     static constexpr const char* kOf = "ControlDiscard";
     std::string asked = "discard";
-    bool discarded = false;  ///< something was left
+    bool discarded = false;  ///< true if a motion was left
     std::string next;
     POLYARM_MEMBERS(Answer, asked, discarded, next)
   };
   POLYARM_MEMBERS(ControlDiscard)
 };
 
-/// Two bodies that touched. Lengths in m, in the world.
+/// A contact of two bodies. m, world frame.
 struct Touch {
   std::string a, b, robot;
   double at_s = 0, depth = 0;
@@ -113,7 +113,7 @@ struct Touch {
   POLYARM_MEMBERS(Touch, a, b, robot, at_s, depth, position, now, doing, where, text)
 };
 
-/// Bodies whose contacts nothing detects, for pages in other languages.
+/// A body whose contacts nothing detects; code and facts let pages translate the sentence.
 struct UncheckedBody {
   std::string code;
   FactValues facts;
@@ -121,11 +121,11 @@ struct UncheckedBody {
 };
 
 struct ContactState {
-  bool checked = false;  ///< something in this cell detects contacts
-  OrNull<int> stop;      ///< the category of the stop that a contact leads to
+  bool checked = false;  ///< true if contacts are detected in this cell
+  OrNull<int> stop;      ///< the category of the stop after a contact
   bool touching = false;
-  std::vector<std::string> unchecked;        ///< bodies whose contacts nothing detects, a sentence each
-  std::vector<UncheckedBody> unchecked_why;  ///< what these sentences contain, in the same order
+  std::vector<std::string> unchecked;        ///< bodies whose contacts nothing detects, one sentence each
+  std::vector<UncheckedBody> unchecked_why;  ///< codes and facts of these sentences, in the same order
   std::vector<Touch> list;                   ///< newest last
   POLYARM_MEMBERS(ContactState, checked, stop, touching, unchecked, unchecked_why, list)
 };
@@ -149,7 +149,7 @@ struct ControlRecover {
   POLYARM_MEMBERS(ControlRecover)
 };
 
-/// A stop that has ended.
+/// A finished stop.
 struct StopFacts {
   double at_s = 0, time_s = 0;
   int category = 2;
@@ -159,7 +159,7 @@ struct StopFacts {
   POLYARM_MEMBERS(StopFacts, at_s, time_s, category, cause, cause_code, tcp_m, joints)
 };
 
-/// By request about stopped motion, why it cannot be done now: null if it can.
+/// For each request about stopped motion, the reason why it is not possible now; null: possible.
 struct PossibleNow {
   OrNull<ProblemFacts> resume, discard, back, recover, program;
   std::map<std::string, OrNull<ProblemFacts>> jog;  ///< by robot

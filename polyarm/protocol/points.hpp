@@ -1,5 +1,5 @@
 #pragma once
-/// Requests about points and variables of the cell's data, frames and tools, and the way to a point.
+/// Requests about points and variables of the cell's data, about frames and tools, and path previews.
 #include "polyarm/base/pose.hpp"
 #include "polyarm/protocol/facts.hpp"
 #include "polyarm/protocol/jog.hpp"
@@ -7,7 +7,7 @@
 
 namespace polyarm::protocol {
 
-/// m, x y z w, rad.
+/// m; quaternion x y z w; rad.
 struct PoseFacts {
   Vec3 p;
   Quaternion q;
@@ -32,7 +32,7 @@ struct PointFacts {
   std::string name;
   ValueKind kind = ValueKind::boolean;
   std::string file, text, literal;
-  Any value;  ///< a flag, number or text; null: a place or list
+  Any value;  ///< a flag, number or text; null for a pose or list
   std::string unit;
   OrNull<PoseFacts> pose, world;
   OrNull<std::map<std::string, double>> joints;  ///< rad or m
@@ -42,7 +42,7 @@ struct PointFacts {
                   group)
 };
 
-/// The same after a change; `undo` says what points.undo would take back.
+/// The same after a change. `undo`: what points.undo would revert.
 struct ChangedPoint : PointFacts {
   std::string undo;
   POLYARM_MORE_MEMBERS(ChangedPoint, PointFacts, undo)
@@ -185,7 +185,7 @@ struct PointsDelete {
   POLYARM_MEMBERS(PointsDelete, name)
 };
 
-/// What somebody else has written into a data file, by name.
+/// Changes that someone else has written into a data file, by name.
 struct OutsideFile {
   std::string file;
   std::vector<std::string> changed, added, removed;
@@ -260,7 +260,7 @@ struct PointsFrame {
   bool dry = false;
   struct Answer {
     static constexpr const char* kOf = "PointsFrame";
-    Merged<ChangedPoint> point;  ///< unless `dry`
+    Merged<ChangedPoint> point;  ///< missing with `dry`
     std::string name;
     PoseFacts pose;
     std::string frame;
@@ -286,7 +286,7 @@ struct PointsTool {
   bool dry = false;
   struct Answer {
     static constexpr const char* kOf = "PointsTool";
-    Merged<ChangedPoint> point;  ///< unless `dry`
+    Merged<ChangedPoint> point;  ///< missing with `dry`
     std::string name;
     Vec3 tcp, tip;
     std::vector<double> residuals;  ///< m

@@ -9,7 +9,7 @@
 namespace polyarm::protocol {
 
 namespace {
-/// A problem may quote what was wrong, however long that is.
+/// A problem may quote a wrong value of any length.
 std::string clipped(const std::string& text) {
   if (text.size() <= bounds::kErrorTextBytes) return text;
   const std::string_view cut = std::string_view(text).substr(0, bounds::kErrorTextBytes);

@@ -1,5 +1,5 @@
 #pragma once
-/// A problem as answers and events have it. Any thread.
+/// Problems and facts as they appear in answers and events. Any thread.
 #include <map>
 #include <optional>
 #include <string>
@@ -10,18 +10,18 @@
 
 namespace polyarm::protocol {
 
-/// What a sentence contains, by name: a text or a number.
+/// The variable parts of a sentence, by name: texts and numbers.
 using FactValues = std::map<std::string, std::variant<std::string, double>>;
 
 struct ProblemFacts {
   std::string code, what, advice, where;
-  std::optional<FactValues> facts;  ///< what `what` contains
+  std::optional<FactValues> facts;  ///< the variable parts of `what`
   POLYARM_MEMBERS(ProblemFacts, code, what, advice, where, facts)
 };
 
-/// Texts are clipped to bounds::kErrorTextBytes; numbers that are not finite are left out.
+/// Texts are cut to bounds::kErrorTextBytes; NaN and infinite numbers are left out.
 FactValues fact_values(const polyarm::Facts& facts);
-/// Without `facts` if the problem has none; texts are clipped as above.
+/// Without `facts` if the problem has none. Texts are cut as above.
 ProblemFacts problem_facts(const Problem& problem);
 
 }  // namespace polyarm::protocol

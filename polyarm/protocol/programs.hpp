@@ -1,6 +1,5 @@
 #pragma once
-/// Requests about the program of a cell: where it is, running, stepping and loading it, and what happens
-/// meanwhile.
+/// Requests about the program of a cell: its state; run, step and load it; and events.
 #include "polyarm/protocol/facts.hpp"
 #include "polyarm/protocol/motion.hpp"
 #include "polyarm/protocol/problem.hpp"
@@ -29,7 +28,7 @@ struct TaskFacts {
   std::string name, state;
   FileLine where;
   std::string source, waits_for;
-  std::vector<std::string> names;  ///< that its condition reads
+  std::vector<std::string> names;  ///< names that its condition reads
   std::string text;                ///< of its condition or question
   std::uint64_t passes = 0;
   bool paused = false;
@@ -41,22 +40,22 @@ struct TaskFacts {
                   variables, robot, tool, frame, problem)
 };
 
-/// Where a program is, in short.
+/// A short status of a program.
 struct ProgramOverview {
   std::string state;       ///< none, ready, running, waiting, finished, stopped or failed
-  std::string file, name;  ///< the script as it was read, and by its path in the cell's folder
-  std::string hash;        ///< of a program that is ready: what was shown is what starts
+  std::string file, name;  ///< path of the script that was read, and its path within the cell's folder
+  std::string hash;        ///< of a program that is ready; lets a client start exactly what it has shown
   bool paused = false, ended = false;
   FileLine where;
-  std::string source, sentence;  ///< the statement there, and what the program does or waits for
+  std::string source, sentence;  ///< the statement at `where`, and what the program does or waits for
   std::uint64_t passes = 0;      ///< of its outermost loop
-  OrNull<double> last_pass_s;    ///< how long the newest whole one took, s of cell time
+  OrNull<double> last_pass_s;    ///< duration of the last complete pass, s of cell time
   OrNull<ProblemFacts> problem;
   POLYARM_MEMBERS(ProgramOverview, state, file, name, hash, paused, ended, where, source, sentence, passes,
                   last_pass_s, problem)
 };
 
-/// Where the program of a cell is.
+/// The full status of the cell's program.
 struct ProgramStatus : ProgramOverview {
   std::string control, cause, holder, folder;
   std::vector<std::string> robots, held;
@@ -254,7 +253,7 @@ struct ProgramAnswer {
   POLYARM_MEMBERS(ProgramAnswer, text)
 };
 
-/// Something that has happened; which members there are depends on `event`.
+/// An event; `event` decides which members are present.
 struct Event {
   std::uint64_t number = 0;  ///< counts up from 1
   std::string event;         ///< note, line, tag, log, state, stop, question or problem

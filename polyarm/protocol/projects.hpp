@@ -11,7 +11,7 @@ namespace polyarm::protocol {
 struct ListedFile {
   std::string name, kind;
   std::uint64_t bytes = 0;
-  double modified_s = 0;  ///< since 1970
+  double modified_s = 0;  ///< Unix time
   std::string hash;
   bool running = false, draft = false;
   POLYARM_MEMBERS(ListedFile, name, kind, bytes, modified_s, hash, running, draft)
@@ -29,10 +29,10 @@ struct FilesList {
   POLYARM_MEMBERS(FilesList)
 };
 
-/// An edit of a file that was not saved.
+/// An unsaved edit of a file.
 struct FileDraft {
-  std::string text, base, by;  ///< `base`: the hash of the file that it was begun on
-  double saved_s = 0;          ///< since 1970
+  std::string text, base, by;  ///< `base`: hash of the file on which the edit is based
+  double saved_s = 0;          ///< Unix time
   POLYARM_MEMBERS(FileDraft, text, base, by, saved_s)
 };
 
@@ -240,7 +240,7 @@ struct CellRestart {
   POLYARM_MEMBERS(CellRestart, robot, hardware, program, cell)
 };
 
-/// The way of the TCP while a program is rehearsed.
+/// The path of the TCP in a rehearsal of a program.
 struct RehearsedWay {
   std::string robot;
   int line = 0;
@@ -252,7 +252,7 @@ struct RehearsedContacts {
   bool checked = false;
   std::vector<std::string> unchecked;
   double seconds = 0;
-  bool whole = false;  ///< physics played the program to its end
+  bool whole = false;  ///< true if the physics run reached the program's end
   POLYARM_MEMBERS(RehearsedContacts, checked, unchecked, seconds, whole)
 };
 
@@ -293,7 +293,7 @@ struct CellCheck {
   POLYARM_MEMBERS(CellCheck)
 };
 
-/// Something beyond the cell's folder that its files name.
+/// Something outside the cell's folder that its files refer to.
 struct WantedThing {
   std::string kind, what, why, sha256;
   bool allowed = false;
@@ -400,7 +400,7 @@ struct CellConnect {
     std::vector<RealHardware> hardware;
     bool possible = false;
     std::string why, advice;
-    OrNull<ProblemFacts> problem;  ///< the same as one problem; null: it is possible
+    OrNull<ProblemFacts> problem;  ///< the reason as a problem; null: possible
     std::optional<std::string> asked;
     POLYARM_MEMBERS(Answer, real, hardware, possible, why, advice, problem, asked)
   };

@@ -22,7 +22,7 @@ Help::Answer help_rows() {
 
 namespace {
 
-/// A bar would end the cell of a table.
+/// A bar would end the table cell, so it is escaped.
 std::string in_table(std::string text) {
   for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
   return text;
@@ -61,7 +61,8 @@ std::string role_reference() {
 
 namespace {
 
-/// "  name?: string;" for each member; those of a merged struct are optional, and give way to its own.
+/// Writes "  name?: string;" for each member. Members of a merged struct are optional; a member of the struct
+/// itself replaces one with the same name.
 void add_members(const Type& type, const Type& whole, bool request, std::string& out) {
   const auto is_own = [&](const std::string& name) {
     return std::any_of(whole.members().begin(), whole.members().end(),

@@ -1,5 +1,5 @@
 #pragma once
-/// The list of requests for people and other languages.
+/// Makes the reference of requests: for `help`, for the docs and for TypeScript.
 #include <string>
 
 #include "polyarm/protocol/projects.hpp"
@@ -8,11 +8,11 @@ namespace polyarm::protocol {
 
 /// The answer of `help`: the requests of a cell.
 Help::Answer help_rows();
-/// The same as Markdown: the table of docs/control.md.
+/// The same as a Markdown table, for docs/control.md.
 std::string request_reference();
-/// The requests by the role that they need, as Markdown: the table of docs/pendant.md.
+/// The requests by required role as Markdown, for docs/pendant.md.
 std::string role_reference();
-/// Arguments and answers of all requests as TypeScript: pendant/src/wire/requests.ts.
+/// Arguments and answers of all requests as TypeScript, for pendant/src/wire/requests.ts.
 std::string request_typescript();
 
 }  // namespace polyarm::protocol

@@ -1,6 +1,6 @@
 #pragma once
-/// Requests and answers as values: typed for who makes them, of one type for who carries them. Text exists at
-/// sockets alone (wire.hpp).
+/// Requests and answers as values. Their creators use typed structs; code that forwards them uses one common
+/// type. Text exists at sockets only (wire.hpp).
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,26 +13,26 @@
 
 namespace polyarm::protocol {
 
-/// A request of the protocol's list. Immutable; any thread.
+/// The type of a request in the protocol's list. Immutable; any thread.
 struct RequestType {
   const Facts* facts = nullptr;
   std::string struct_name;  ///< "ControlSwitch"
   const Type* arguments = nullptr;
   const Type* answer = nullptr;
-  std::shared_ptr<void> (*make)() = nullptr;  ///< a request with the arguments' initial values
+  std::shared_ptr<void> (*make)() = nullptr;  ///< makes a request with default arguments
 };
 
-/// Of a struct of the protocol's list.
+/// R: the struct of a request.
 template <class R>
 const RequestType& request_type();
 
-/// Every request, in the order of the reference: those of a cell first, then those of a session at the
-/// pendant's port.
+/// All requests in the order of the reference: first those of a cell, then those that the pendant's port
+/// answers.
 const std::vector<const RequestType*>& request_types();
-/// Null where there is none of that name.
+/// Null if the name is unknown.
 const RequestType* find_request(const std::string& name);
 
-/// Any request. Copies share its arguments.
+/// A request of any type. Copies share its arguments.
 class Request {
  public:
   template <class R>
@@ -41,9 +41,9 @@ class Request {
       : type_(&type), value_(std::move(value)) {}
   const RequestType& type() const { return *type_; }
   const Facts& facts() const { return *type_->facts; }
-  /// As a JSON object.
+  /// The arguments as a JSON object.
   Any arguments() const;
-  /// R is the request's own struct.
+  /// R must be the struct of this request.
   template <class R>
   const R& as() const {
     return *static_cast<const R*>(value_.get());
@@ -54,14 +54,14 @@ class Request {
   std::shared_ptr<const void> value_;
 };
 
-/// Any answer.
+/// An answer of any type.
 class Answer {
  public:
   template <class R>
   static Answer of(typename R::Answer answer) {
     return {request_type<R>(), std::make_shared<const typename R::Answer>(std::move(answer))};
   }
-  /// R is the struct of the request that was answered.
+  /// R must be the struct of the request that was answered.
   template <class R>
   const typename R::Answer& as() const {
     return *static_cast<const typename R::Answer*>(value_.get());
@@ -75,7 +75,7 @@ class Answer {
   std::shared_ptr<const void> value_;
 };
 
-/// What comes back: an answer, which may be followed by more, or why there is none.
+/// An answer (with `more`, others will follow), or the reason for a refusal.
 struct Reply {
   std::optional<Answer> answer;
   std::optional<Error> refusal;

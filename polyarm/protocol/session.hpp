@@ -1,5 +1,5 @@
 #pragma once
-/// Requests that the pendant's port answers itself: who is connected, who has control, keys that are held.
+/// Requests that the pendant's port answers itself: about clients, control, and held jog keys.
 #include <variant>
 
 #include "polyarm/protocol/facts.hpp"
@@ -98,7 +98,7 @@ struct SessionTake {
     static constexpr const char* kOf = "SessionTake";
     bool you_hold = false;
     OrNull<ClientName> holder;
-    double seconds = 0;  ///< until the holder has lost it
+    double seconds = 0;  ///< until the holder loses control
     POLYARM_MEMBERS(Answer, you_hold, holder, seconds)
   };
   POLYARM_MEMBERS(SessionTake, force)
@@ -128,9 +128,10 @@ struct SessionAnswer {
 };
 
 struct JogBegun {
-  std::uint64_t jog = 0;  ///< its number, for beats
+  std::uint64_t jog = 0;  ///< number of the motion, for beats
   std::uint32_t session = 0;
-  double beat_s = 0, silence_s = 0;  ///< beats come that often; the robot stops after that long without one
+  double beat_s = 0, silence_s = 0;  ///< interval of the heartbeats, and the time without one after which the
+                                     ///< robot stops
   POLYARM_MEMBERS(JogBegun, jog, session, beat_s, silence_s)
 };
 

@@ -1,10 +1,10 @@
 #pragma once
-/// Requests about tags, their forcing, and links.
+/// Requests about tags, about forcing them, and about links.
 #include "polyarm/protocol/facts.hpp"
 
 namespace polyarm::protocol {
 
-/// What an output becomes when the program stops, the cell holds, a link is lost.
+/// The value of an output when the program stops, the cell holds, or a link is lost.
 struct TagRules {
   std::optional<Any> on_stop, on_hold, on_link_loss;
   POLYARM_MEMBERS(TagRules, on_stop, on_hold, on_link_loss)
@@ -12,12 +12,12 @@ struct TagRules {
 
 struct TagState {
   std::string name, type, unit;
-  Any value;  ///< a flag, a number or a text
+  Any value;  ///< a flag, number or text
   std::string text, direction, source, quality;
   bool forced = false, tag = false;
   OrNull<double> changed_s;
   std::string changed_by;
-  OrNull<double> output;  ///< what was sent last
+  OrNull<double> output;  ///< last value sent
   TagRules rules;
   POLYARM_MEMBERS(TagState, name, type, unit, value, text, direction, source, quality, forced, tag, changed_s,
                   changed_by, output, rules)

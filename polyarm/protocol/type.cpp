@@ -135,7 +135,7 @@ bool StructType::read(const Json& from, void* to) const {
 }
 
 void StructType::write(const void* from, Json& to) const {
-  if (!to.is_object()) to = Json::object();  // merged members come to those that are there
+  if (!to.is_object()) to = Json::object();  // merged members are added to the existing object
   for (const Member& member : members_) {
     const void* const value = static_cast<const char*>(from) + member.offset;
     if (member.type->is_absent(value)) continue;

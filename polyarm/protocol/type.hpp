@@ -1,6 +1,6 @@
 #pragma once
-/// A description of a C++ type of the protocol: how its values are read and written, and what they are
-/// called.
+/// Describes a C++ type of the protocol: how its values are read from and written to JSON, and its names in
+/// the reference and in TypeScript.
 #include <cstddef>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -17,42 +17,43 @@ class Type;
 
 /// A member of a struct.
 struct Member {
-  std::string name;  ///< its key in JSON
+  std::string name;  ///< key in JSON
   bool needed = false, merged = false;
   std::size_t offset = 0;  ///< within the struct, bytes
   const Type* type = nullptr;
 };
 
-/// Immutable; any thread. Values are passed by their address, which must be of the described type.
+/// Immutable; any thread. Values are passed by address, which must point to the described type.
 class Type {
  public:
   virtual ~Type() = default;
-  /// False where JSON has a value of another kind there; then `to` is not to be used. Throws Error where more
-  /// can be said.
+  /// Returns false if the JSON value has another type; `to` must not be used then. Throws Error if a more
+  /// specific reason is known.
   virtual bool read(const nlohmann::json& from, void* to) const = 0;
   virtual void write(const void* from, nlohmann::json& to) const = 0;
-  /// The key of such a member is left out.
+  /// True if this value's key is omitted.
   virtual bool is_absent(const void* /*value*/) const { return false; }
-  /// The key of such a member may be left out.
+  /// True if the key of such a member may be omitted.
   virtual bool is_optional() const { return false; }
-  /// One word for an argument of this type: "text", "number", "flag", "names", "map", "message", "any".
+  /// One word for an argument of this type: "text", "number", "flag", "names", "list", "map", "message",
+  /// "any".
   virtual std::string word() const = 0;
-  /// With everything that is in it: "[{name: text, rate: number}]".
+  /// The type with its content: "[{name: text, rate: number}]".
   virtual std::string shape() const = 0;
-  /// In TypeScript; structs by the name of their interface.
+  /// The type in TypeScript; structs by the name of their interface.
   virtual std::string typescript() const = 0;
-  /// The structs in it, itself included.
+  /// Adds all structs in the type, including itself.
   virtual void collect(std::vector<const Type*>& structs) const = 0;
-  /// Of a struct: its name and members.
+  /// Name and members of a struct; empty for other types.
   virtual std::string name() const { return {}; }
   virtual const std::vector<Member>& members() const;
 };
 
-/// Defined in the room for each type of the protocol that another room writes by itself.
+/// Defined in the room for the types that other rooms convert themselves.
 template <class T>
 const Type& type_of();
 
-/// The value that JSON says; nothing where it says none of this type.
+/// The value in the JSON; nothing if it has another type.
 template <class T>
 std::optional<T> value_of(const Any& any);
 bool read_value(const Type& type, const Any& any, void* to);

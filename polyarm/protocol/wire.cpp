@@ -66,12 +66,13 @@ void require_known(const RequestType& type, const Json& fields) {
                   known.empty() ? "it takes none" : "it takes " + join(known, ", "));
 }
 
-/// Texts of any form: what a file or a program says. A value of free form ("any", "message") is its owner's to judge.
+/// Arguments with free content, such as files and programs. The receiver checks values of type "any" and
+/// "message".
 bool is_content(const std::string& key) {
   return key == "text";
 }
 
-/// Names become names of files, lines of files and lines on terminals.
+/// Refuses control characters: names become file names, lines in files and lines on terminals.
 void require_plain(const std::string& text, const std::string& of) {
   if (printable_line(text) == text) return;
   throw Error("bad-argument", of + " has control characters: '" + shortened(printable_line(text)) + "'",

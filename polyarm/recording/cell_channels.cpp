@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::json;
 namespace ros = messages;
-constexpr Nanoseconds kStep = 1000;  // how long before a step the value before it is said once more
+constexpr Nanoseconds kStep = 1000;  // the old value is sent again this long before a step, ns
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 constexpr const char* kLoopSchema = R"({"type":"object","title":"polyarm.Loop","properties":{
@@ -37,7 +37,7 @@ constexpr const char* kLoopSchema = R"({"type":"object","title":"polyarm.Loop","
 constexpr const char* kLineSchema = R"({"type":"object","title":"polyarm.ProgramLine","properties":{
 "task":{"type":"string"},"file":{"type":"string"},"line":{"type":"integer"},"source":{"type":"string"}}})";
 
-/// A name that ROS allows in a topic: letters, digits and underscores, none of the latter at its beginning.
+/// A name that is valid in a ROS topic: letters, digits and underscores, not beginning with a digit.
 std::string topic_part(const std::string& name) {
   std::string out;
   for (const char c : name) out += std::isalnum(static_cast<unsigned char>(c)) ? c : c == '/' ? '/' : '_';
@@ -134,7 +134,7 @@ void CellChannels::add_commands() {
   if (effort) commands_.effort.resize(commands_of_.size());
 }
 
-/// Interfaces by what they belong to: "arm/elbow_joint" has "position" and "velocity".
+/// Groups interfaces by owner: "arm/elbow_joint" has "position" and "velocity".
 void CellChannels::add_interfaces() {
   interfaces_ = add<ros::control_msgs::msg::DynamicJointState>("/dynamic_joint_states",
                                                                "every state interface, tools and boards too");
@@ -158,7 +158,7 @@ void CellChannels::add_interfaces() {
   }
 }
 
-/// A channel for each tag: every tool plots the `data` of a std_msgs value, however the tag is called.
+/// One channel per tag: every tool can plot the `data` of a std_msgs value, whatever the tag's name.
 void CellChannels::add_tags() {
   std::set<std::string> topics;
   for (const signals::Tag& tag : cell_.signals().tags) {
@@ -237,7 +237,7 @@ void CellChannels::tell_loop(const control::TappedCycle& cycle, std::int64_t tim
                               control::name(cycle.state), none ? "" : control::name(cycle.cause),
                               cycle.standing, cycle.index, cycle.late);
   const auto left = [&] { return text.size() - static_cast<std::size_t>(end.out - text.data()); };
-  if (!cell_.lock_step())  // in lock-step they would differ from run to run
+  if (!cell_.lock_step())  // left out in lock-step, where they would differ from run to run
     end = fmt::format_to_n(end.out, left(), R"(,"latency_us":{:.1f},"cost_us":{:.1f})",
                            1e-3 * static_cast<double>(cycle.woke), 1e-3 * static_cast<double>(cycle.cost));
   end = fmt::format_to_n(end.out, left(), "}}");
@@ -280,7 +280,7 @@ void CellChannels::tell_tags(Nanoseconds time, bool all, const Tell& tell) {
 }
 
 namespace {
-/// Less is the shaking of physics.
+/// Smaller changes are noise of the physics engine.
 bool same_place(const Pose& a, const Pose& b) {
   constexpr double kLength = 1e-5, kAngle = 1e-4;
   return norm(a.position - b.position) < kLength && angle_between(a.rotation, b.rotation) < kAngle;

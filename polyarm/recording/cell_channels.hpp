@@ -1,5 +1,5 @@
 #pragma once
-/// What a cell says of itself, as channels of messages: for a file and for whoever watches live.
+/// The state of a cell as channels of messages, for recordings and for live viewers.
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -17,45 +17,48 @@
 
 namespace polyarm::recording {
 
-/// A message of a channel, at `time` ns of ROS; the payload is the caller's alone while it is told.
+/// Receives a message of a channel, at `time` (ROS time, ns). The payload is valid only during the call.
 using Tell = std::function<void(std::size_t channel, std::int64_t time, std::span<const std::byte> payload)>;
 
-/// How what happened is called in /rosout (rcl_interfaces/Log).
+/// Severity levels of /rosout (rcl_interfaces/Log).
 enum class LogLevel : std::uint8_t { debug = 10, info = 20, warn = 30, error = 40, fatal = 50 };
 
-/// The channels of one cell. Made on the cell thread; then `sample` may be called by one other thread, the
-/// rest by the cell thread, as each uses what the other leaves alone. The cell must outlive it.
+/// The channels of one cell. Create it on the cell thread. Then one other thread may call `tell_latched`,
+/// `tell_sample` and `tell_interfaces`, while the cell thread calls the rest: the two groups share no data.
+/// The cell must outlive it.
 ///
-/// Times given are of the cell; those of messages are `offset` later.
+/// Times passed in are cell times; times in messages are `offset` later.
 class CellChannels {
  public:
   explicit CellChannels(cell::CellView& cell, std::int64_t offset);
 
   /// ROS time − cell time, ns.
   std::int64_t offset() const { return offset_; }
-  /// By number.
+  /// The channel's number is its index.
   const std::vector<Channel>& list() const { return list_; }
 
-  /// Descriptions and the frames that never move.
+  /// Sends the descriptions and the fixed frames.
   void tell_latched(Nanoseconds time, const Tell& tell) const;
-  /// What a cycle was: joints, what they were commanded, frames, tool centre points, the loop.
+  /// Sends the data of one cycle: measured joints, commands, frames, tool centre points and loop state.
   void tell_sample(const control::TappedCycle& cycle, std::span<const double> states,
                    std::span<const double> commands, const Tell& tell);
-  /// Every interface that is measured.
+  /// Sends all state interfaces.
   void tell_interfaces(Nanoseconds time, std::span<const double> states, const Tell& tell);
-  /// Tags that have changed since the last time, a step as two messages; all of them where `all`.
+  /// Sends tags that changed since the last call; with `all`, every tag. A change is sent as two messages, so
+  /// that plots show a step.
   void tell_tags(Nanoseconds time, bool all, const Tell& tell);
-  /// Where parts are that have moved since the last time, as frames part/NAME in the world; all of them where
-  /// `all`. A part that is not in the world has none. At most 50 times a second.
+  /// Sends parts that moved since the last call as frames part/NAME in the world; with `all`, every part that
+  /// is in the world. At most 50 times per second.
   void tell_parts(Nanoseconds time, bool all, const Tell& tell);
-  /// Where bases are that drive, in the world by way of their odometry's frames; at most 50 times a second.
+  /// Sends the poses of mobile bases in the world, through their odometry frames. At most 50 times per
+  /// second.
   void tell_bases(Nanoseconds time, const Tell& tell);
   void tell_log(Nanoseconds time, LogLevel level, const std::string& who, const std::string& text,
                 const Location& where, const Tell& tell);
-  /// A task has come to a line.
+  /// A task has reached a line.
   void tell_line(Nanoseconds time, const std::string& task, const Location& where, const std::string& source,
                  const Tell& tell);
-  /// Loop and components, for tools that show diagnostics.
+  /// Sends diagnostics of the control loop.
   void tell_health(Nanoseconds time, const Tell& tell);
 
  private:
@@ -92,10 +95,10 @@ class CellChannels {
   messages::geometry_msgs::msg::PoseStamped tcp_;
   struct TcpFrame {
     std::string name = "world";
-    Pose pose;  ///< in the world, where it stands or as if it did
+    Pose pose;  ///< of that frame in the world; fixed
   };
-  std::vector<TcpFrame> tcp_frames_;          ///< by robot: what its tool centre point is told in
-  std::vector<std::vector<int>> tcp_states_;  ///< by robot: its joints' positions
+  std::vector<TcpFrame> tcp_frames_;          ///< by robot: the reference frame of its tool centre point
+  std::vector<std::vector<int>> tcp_states_;  ///< by robot: the position states of its joints
   messages::control_msgs::msg::DynamicJointState dynamic_;
   std::vector<std::vector<std::size_t>> dynamic_states_;
   std::vector<Tag> tags_;
@@ -107,7 +110,7 @@ class CellChannels {
   std::vector<std::byte> sample_room_, event_room_;
 };
 
-/// Those channels as a table in Markdown, for docs/recording.md; a tag stands for all of its kind.
+/// These channels as a Markdown table, for docs/recording.md. Of the tags, one row per message type.
 std::string channel_reference(const std::vector<Channel>& channels);
 
 }  // namespace polyarm::recording

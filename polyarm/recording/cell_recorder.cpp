@@ -29,10 +29,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr Nanoseconds kChunk = 1'000'000'000;     // the longest that messages wait for the file
-constexpr Nanoseconds kInterfaces = 10'000'000;   // between two of /dynamic_joint_states at least
-constexpr std::size_t kMostEvents = 8u << 20;     // bytes that wait for the thread
-constexpr std::size_t kMostRowBytes = 64u << 20;  // of cycles that wait for it
+constexpr Nanoseconds kChunk = 1'000'000'000;     // longest time that a message waits for the file, ns
+constexpr Nanoseconds kInterfaces = 10'000'000;   // shortest time between two messages of
+                                                  // /dynamic_joint_states, ns
+constexpr std::size_t kMostEvents = 8u << 20;     // bytes queued for the thread
+constexpr std::size_t kMostRowBytes = 64u << 20;  // bytes of cycles queued for the thread
 constexpr auto kNap = std::chrono::milliseconds(50);
 
 std::int64_t system_time() {
@@ -41,7 +42,7 @@ std::int64_t system_time() {
       .count();
 }
 
-/// One file, from its beginning to its end. What the cell thread calls never waits for the disk.
+/// One recording file. Functions called by the cell thread never wait for the disk.
 class Session {
  public:
   Session(cell::CellView& cell, const fs::path& path, double rate, const std::string& version)
@@ -79,13 +80,13 @@ class Session {
     close();
     may_end();
     if (thread_.joinable()) thread_.join();
-    // A control thread that hangs may write to it when it comes back.
+    // A control thread that hangs may still write to the tap later, so the tap is leaked.
     if (!untapped_ || !untapped_->done()) static_cast<void>(tap_.release());
   }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Where the cell thread puts messages that are ready.
+  /// Queues messages of the cell thread.
   Tell events() {
     return [this](std::size_t channel, std::int64_t time, std::span<const std::byte> payload) {
       const std::lock_guard lock(mutex_);
@@ -109,12 +110,12 @@ class Session {
     if (lock_step_) pass();
   }
 
-  /// Nothing more is taken; what is there goes into the file. Again and again until it is closed: the control
-  /// thread has to let go of it first. At once in lock-step.
+  /// Stops taking messages and writes those that are queued. Call it again until closed() is true: the
+  /// control thread must release the tap first. In lock-step it closes at once.
   void close() {
     closes_ = true;
     if (closed()) return;
-    Problems busy;  // tried again in the next tick
+    Problems busy;  // if it fails, the next tick tries again
     if (!untapped_) collect(busy, [this] { untapped_ = cell_.tap(nullptr); });
     if (lock_step_) {
       pass();
@@ -138,7 +139,7 @@ class Session {
     out.problem = problem_;
     return out;
   }
-  /// Once.
+  /// Returned once.
   std::optional<std::string> take_problem() {
     const std::lock_guard lock(mutex_);
     if (problem_.empty() || std::exchange(told_, true)) return std::nullopt;
@@ -171,7 +172,7 @@ class Session {
     end();
   }
 
-  /// What a reader has to know before the first message.
+  /// The metadata, attachments and latched messages, which a reader needs before other messages.
   void write_head() {
     writer_.metadata("polyarm", facts_);
     const auto time = static_cast<std::uint64_t>(lock_step_ ? begin_ : system_time());
@@ -182,7 +183,7 @@ class Session {
         if (is_secret(each.path, text)) continue;
         text = without_secrets(text);
       } catch (const Error&) {
-        continue;  // gone meanwhile
+        continue;  // the file has been deleted in the meantime
       }
       writer_.attachment(each.name, media_type_of(each.name), time, text);
     }
@@ -193,7 +194,7 @@ class Session {
     look_for_problem();
   }
 
-  /// Everything that has come so far, in the order of its time.
+  /// Writes everything received so far, ordered by time.
   void pass() {
     std::deque<Event> events;
     {
@@ -255,7 +256,7 @@ class Session {
     closed_.store(true, std::memory_order_release);
   }
 
-  static constexpr Nanoseconds kMargin = 200'000'000;  // the thread naps and writes meanwhile
+  static constexpr Nanoseconds kMargin = 200'000'000;  // the thread also needs time to sleep and to write
 
   cell::CellView& cell_;
   const bool lock_step_;
@@ -266,7 +267,7 @@ class Session {
   std::shared_ptr<realtime::Job> untapped_;
   bool closes_ = false;
 
-  // The thread's, or the tick's in lock-step.
+  // Used by the recording thread; in lock-step by the tick.
   FileSink sink_;
   McapWriter writer_;
   CellChannels channels_;
@@ -327,7 +328,7 @@ class CellRecorder : public cell::Recorder, private cell::Observer {
   }
 
  private:
-  /// `NAME-20261122-001500.mcap`; in lock-step, where there is no clock, `NAME.mcap`, `NAME-2.mcap`.
+  /// `NAME-20261122-001500.mcap`; in lock-step, which has no clock, `NAME.mcap`, `NAME-2.mcap`.
   fs::path new_file() const {
     const fs::path folder = cell_.file().folder / ".state" / "recordings";
     std::string name = cell_.file().name;

@@ -1,5 +1,5 @@
 #pragma once
-/// A named stream of messages of one kind, as MCAP and Foxglove describe it.
+/// A named stream of messages of one type, as MCAP and Foxglove define it.
 #include <string>
 
 namespace polyarm::recording {
@@ -10,8 +10,8 @@ struct Channel {
   std::string schema_name;      ///< "sensor_msgs/msg/JointState"
   std::string schema_encoding;  ///< "ros2msg" or "jsonschema"
   std::string schema;
-  std::string about;     ///< one sentence, for the page of channels
-  bool latched = false;  ///< who comes later is told the last message, too
+  std::string about;     ///< one sentence for the documentation
+  bool latched = false;  ///< a client that connects later also gets the last message
 };
 
 }  // namespace polyarm::recording

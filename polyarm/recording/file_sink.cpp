@@ -16,7 +16,7 @@ namespace polyarm::recording {
 
 namespace {
 
-/// An earlier recording makes room; its other names (hard links) keep it. Throws Error("not-a-recording").
+/// Removes an earlier recording; its hard links stay. Throws Error("not-a-recording").
 void remove_recording(const std::filesystem::path& path) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd < 0 && errno == ENOENT) return;

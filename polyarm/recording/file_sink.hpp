@@ -7,21 +7,21 @@
 
 namespace polyarm::recording {
 
-/// Written at once, without a buffer of this process: what has been written is there after a kill. A write
-/// that fails takes back what of it was written, so that the file ends with a whole record. One thread at a
-/// time.
+/// Writes without a buffer in this process, so data that was written survives a kill. A failed write is
+/// rolled back, so the file always ends with a whole record. One thread at a time.
 class FileSink : public ByteSink {
  public:
-  /// Makes the file and its folders anew. Throws Error("unwritable").
+  /// Creates the file and its folders; an earlier recording with this name is replaced. Throws
+  /// Error("unwritable" | "not-a-file" | "not-a-recording").
   explicit FileSink(const std::filesystem::path& path);
   ~FileSink() override;
   FileSink(const FileSink&) = delete;
   FileSink& operator=(const FileSink&) = delete;
 
   bool write(std::span<const std::byte> bytes) override;
-  /// To the disk itself.
+  /// Waits until the data is on the disk.
   void flush();
-  /// Why the last write failed.
+  /// The reason why the last write failed.
   const std::string& problem() const { return problem_; }
 
  private:

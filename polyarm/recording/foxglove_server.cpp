@@ -25,7 +25,7 @@ std::string dump(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// Whole numbers of 32 bits; anything else in the list is left out.
+/// A 32-bit unsigned integer; nothing for any other value.
 std::optional<std::uint32_t> number(const Json& json) {
   if (!json.is_number_unsigned() || json.get<std::uint64_t>() > UINT32_MAX) return std::nullopt;
   return static_cast<std::uint32_t>(json.get<std::uint64_t>());
@@ -37,7 +37,7 @@ const Json& list_of(const Json& message, const char* key) {
   return found != message.end() && found->is_array() ? *found : nothing;
 }
 
-/// Each once: a value can be long, and is told once however often it is asked for.
+/// Each name once, so that a long value is sent once even if it is requested several times.
 std::vector<std::string> names_of(const Json& message, const char* key) {
   std::set<std::string> out;
   for (const Json& each : list_of(message, key))
@@ -144,7 +144,7 @@ void FoxgloveServer::set_parameters(std::map<std::string, Json> parameters) {
   const std::lock_guard lock(mutex_);
   parameters_ = std::move(parameters);
   for (FoxgloveClient* client : clients_) {
-    if (client->waiting_bytes_ >= FoxgloveClient::kMostWaiting) continue;  // it does not read
+    if (client->waiting_bytes_ >= FoxgloveClient::kMostWaiting) continue;  // the client does not read
     if (client->watches_all_) client->put(parameter_values({}));
     if (!client->watches_all_ && !client->watched_.empty())
       client->put(parameter_values({client->watched_.begin(), client->watched_.end()}));
@@ -369,7 +369,7 @@ void FoxgloveClient::fetch_asset(const Json& message) {
 }
 
 void FoxgloveClient::send_asset(std::uint32_t request, const Asset& given) {
-  if (waiting_bytes_ >= kMostWaiting) return;  // it does not read
+  if (waiting_bytes_ >= kMostWaiting) return;  // the client does not read
   const std::size_t bytes = given.data ? given.data->size() : 0;
   const bool room = server_.asset_bytes_ + bytes <= bounds::kAssetBytes;
   const Asset none{std::nullopt, "too much waits for those who watch: ask again"};

@@ -1,10 +1,10 @@
 #pragma once
-/// The protocol by which Foxglove, Lichtblick and PlotJuggler watch something live, without its transport:
-/// what clients send comes in as messages, what they are sent goes out as messages. Source: Foxglove's
+/// The WebSocket protocol with which Foxglove, Lichtblick and PlotJuggler watch live data, without its
+/// transport: the caller passes messages in and sends the messages that come out. Source: Foxglove's
 /// WebSocket protocol, subprotocols `foxglove.sdk.v1` and `foxglove.websocket.v1`, which are the same on the
 /// wire.
 ///
-/// Clients only watch: they publish nothing, call nothing and set nothing.
+/// Clients are read-only: they cannot publish, call services or set parameters.
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -25,49 +25,50 @@
 
 namespace polyarm::recording {
 
-/// Which of the protocol's names the server answers with, of those that a client offers in
-/// Sec-WebSocket-Protocol ("a, b"); empty where it offers none that is known.
+/// Chooses the subprotocol from those that a client offers in Sec-WebSocket-Protocol ("a, b"); empty if none
+/// is known.
 std::string foxglove_subprotocol(std::string_view offered);
 
 struct FoxgloveOptions {
-  std::string name = "polyarm", version, session;  ///< session: another one with each start
-  bool own_time = false;                           ///< the time of messages is not that of the clock
+  std::string name = "polyarm", version, session;  ///< session: a different text for each start
+  bool own_time = false;                           ///< true: messages carry simulated time, not system time
   std::size_t most_clients = 32;
 };
 
-/// A file that a description names, or why there is none.
+/// A file named in a description, or the reason why it cannot be read.
 struct Asset {
   std::optional<std::string> data;
   std::string problem;
 };
-/// Gives the asset of a URI to `reply`, once, from any thread.
+/// Gets the asset of a URI and passes it to `reply`, once, from any thread.
 using AssetSource = std::function<void(const std::string& uri, std::function<void(Asset)> reply)>;
 
 class FoxgloveClient;
 
-/// Any thread; what is given out is shared between clients.
+/// Any thread. Messages are shared between clients.
 class FoxgloveServer {
  public:
   explicit FoxgloveServer(FoxgloveOptions options) : options_(std::move(options)) {}
 
-  /// Makes these the channels, with numbers that no channel had before; those there were are taken back.
+  /// Replaces the channels. The new ones get ids that no channel had before; the old ones are unadvertised.
   void set_channels(const std::vector<Channel>& channels);
-  /// A message of one of them, by its place in the list; `time` in ns. True where somebody wants it.
+  /// Publishes a message of the channel with this index; `time` in ns. True if a client has subscribed to it.
   bool publish(std::size_t channel, std::int64_t time, std::span<const std::byte> payload);
-  /// Does anybody watch the channel?
+  /// True if a client has subscribed to the channel.
   bool wanted(std::size_t channel) const;
-  /// Whether the time of messages is another than that of the clock; for who comes from now on.
+  /// Sets whether messages carry simulated time; applies to clients that connect later.
   void set_own_time(bool own);
-  /// Tells everybody what time it is, where it is another.
+  /// Sends the time to all clients, if it is simulated.
   void tell_time(std::int64_t time);
-  /// What clients read and nobody sets. Those who asked for news are told.
+  /// Sets the parameters, which clients can only read. Subscribers are notified.
   void set_parameters(std::map<std::string, nlohmann::json> parameters);
-  /// Who knows the files; null: nobody.
+  /// Sets the source of assets; null: none.
   void set_assets(AssetSource source);
-  /// Called, from any thread, when a client has been given something outside of its own calls and publish().
+  /// `wake` is called, from any thread, when a client has something to send outside its own calls and
+  /// publish().
   void set_wake(std::function<void()> wake);
 
-  /// Somebody new; null where there are too many. It tells the server when it is destroyed.
+  /// Adds a client; null if there are too many. Its destructor removes it from the server.
   std::shared_ptr<FoxgloveClient> connect();
   std::size_t clients() const;
 
@@ -78,31 +79,32 @@ class FoxgloveServer {
   struct Advertised {
     Channel channel;
     std::uint32_t id = 0;
-    Body last;  ///< time and payload, of one that is latched
+    Body last;  ///< latched channels: time and payload of the last message
   };
   Json advertisement() const;
   Json parameter_values(const std::vector<std::string>& names) const;
   void leave(FoxgloveClient* client);
 
   FoxgloveOptions options_;
-  mutable std::mutex mutex_;  ///< of everything below, and of what clients have to do with it
+  mutable std::mutex mutex_;  ///< protects the members below and the clients' members
   std::vector<Advertised> channels_;
   std::uint32_t next_id_ = 1;
   std::map<std::string, nlohmann::json> parameters_;
   AssetSource assets_;
   std::function<void()> wake_;
   std::set<FoxgloveClient*> clients_;
-  std::size_t asset_bytes_ = 0;  ///< that wait for all of them
+  std::size_t asset_bytes_ = 0;  ///< bytes of assets queued for all clients
 };
 
-/// One who watches. What waits for it is bounded: where it reads too little, a newer message of a channel
-/// takes the place of one that waits, and then it gets fewer. The thread of its connection; gone() any.
+/// One viewer. Its queue is bounded: when it reads too little, a newer message replaces a queued one of the
+/// same channel, so it gets fewer. All members belong to the thread of its connection.
 class FoxgloveClient : public std::enable_shared_from_this<FoxgloveClient> {
  public:
   static constexpr std::size_t kMostSubscriptions = 1000;
-  /// Bytes waiting from which on the newest wins, and from which on nothing but lists of channels is taken.
+  /// Queued bytes above which newer messages replace queued ones, and above which only channel lists are
+  /// queued.
   static constexpr std::size_t kComfortable = 256 << 10, kMostWaiting = 8 << 20;
-  /// Assets that are being read for it.
+  /// Limit of assets that are being read for the client.
   static constexpr int kMostAssets = 16;
 
   ~FoxgloveClient();
@@ -115,19 +117,19 @@ class FoxgloveClient : public std::enable_shared_from_this<FoxgloveClient> {
     std::shared_ptr<const std::string> body;
     bool binary = false;
   };
-  /// What to send next.
+  /// The next message to send; nothing if there is none.
   std::optional<Out> next();
-  /// Messages of channels that it did not get because it read too little.
+  /// Count of messages that the client missed because it read too little.
   std::uint64_t left_out() const;
 
  private:
   friend class FoxgloveServer;
   using Json = nlohmann::json;
-  static constexpr std::int64_t kNone = -1;  ///< what belongs to no subscription, and has to arrive
+  static constexpr std::int64_t kNone = -1;  ///< belongs to no subscription, and is never dropped
   struct Waiting {
-    std::int64_t subscription = kNone;  ///< as the client calls it
+    std::int64_t subscription = kNone;  ///< the client's id of the subscription
     Out out;
-    std::size_t asset = 0;  ///< bytes of an asset in it
+    std::size_t asset = 0;  ///< bytes of an asset in this message
   };
   explicit FoxgloveClient(FoxgloveServer& server) : server_(server) {}
   void dispatch(const Json& message);
@@ -137,14 +139,14 @@ class FoxgloveClient : public std::enable_shared_from_this<FoxgloveClient> {
   void watch_parameters(const Json& message, bool on);
   void fetch_asset(const Json& message);
   void send_asset(std::uint32_t request, const Asset& asset);
-  // The server's mutex is held in these.
+  // The caller holds the server's mutex.
   void put(const Json& message);
   void put(std::int64_t subscription, std::string body);
   void put_status(int level, const std::string& text);
   void put_message(std::uint32_t subscription, std::string_view time_and_payload);
 
   FoxgloveServer& server_;
-  std::map<std::uint32_t, std::uint32_t> subscriptions_;  ///< by channel's id
+  std::map<std::uint32_t, std::uint32_t> subscriptions_;  ///< by channel id: the subscription id
   std::set<std::string> watched_;
   bool watches_all_ = false;
   int assets_ = 0;

@@ -25,7 +25,7 @@ std::int64_t system_time() {
       .count();
 }
 
-/// Files of descriptions, by what these call them; nothing else is given out.
+/// Mesh files by the URI in the descriptions; clients can read no other files.
 class Meshes {
  public:
   explicit Meshes(const cell::CellView& cell) {

@@ -1,5 +1,5 @@
 #pragma once
-/// What a running cell tells those who watch it by Foxglove's protocol.
+/// Publishes a running cell to viewers that use Foxglove's protocol.
 #include <memory>
 
 #include "polyarm/recording/foxglove_server.hpp"
@@ -10,14 +10,14 @@ class CellView;
 
 namespace polyarm::recording {
 
-/// Gives the channels of a cell to a server's clients: what changes all the time 50 times a second, and only
-/// where somebody watches it; tags, lines and log as they come. Meshes of the descriptions can be fetched.
-/// Cell thread; the server outlives it, and it goes before the cell does.
+/// Publishes the channels of a cell to a server's clients. Joint states, frames and interfaces are sent 50
+/// times per second; tags, lines and log when they change. Meshes of the descriptions can be fetched. Cell
+/// thread. The server must outlive this; the cell must outlive it, too.
 class LiveView {
  public:
   LiveView(cell::CellView& cell, FoxgloveServer& server);
   ~LiveView();
-  /// Each tick. True where a client has been given something.
+  /// Call each tick. True if a client has something to send.
   bool serve();
 
  private:

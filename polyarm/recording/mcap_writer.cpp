@@ -216,7 +216,7 @@ void McapWriter::finish() {
   finished_ = true;
 }
 
-/// Everything between the end of the data and the last magic; a group of each kind, and where it begins.
+/// Writes the summary section (records grouped by kind), the summary offsets and the footer.
 void McapWriter::put_summary(RecordBuffer& out) const {
   std::vector<std::array<std::uint64_t, 3>> groups;
   const auto group = [&](std::uint8_t opcode, auto fill) {
@@ -259,7 +259,7 @@ void McapWriter::put_summary(RecordBuffer& out) const {
       out.u64(a);
       out.u64(l);
     });
-  // The check covers the footer up to itself, so it is put together here.
+  // The CRC covers the footer up to the CRC itself, so the footer is built here.
   out.u8(kFooter);
   out.u64(20);
   out.u64(at_);

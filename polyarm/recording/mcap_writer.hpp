@@ -1,5 +1,5 @@
 #pragma once
-/// MCAP version 0: messages of many channels in one file, in chunks with an index. Source: the format's
+/// Writes MCAP version 0 files: messages of many channels, in chunks with an index. Source: the format's
 /// public specification (mcap.dev/spec).
 #include <cstddef>
 #include <cstdint>
@@ -14,18 +14,19 @@
 
 namespace polyarm::recording {
 
-/// Where the bytes of a file go, in order.
+/// Receives the bytes of a file, in order.
 class ByteSink {
  public:
   virtual ~ByteSink() = default;
-  /// Whole records; false when they could not be written, after which nothing more comes.
+  /// Writes whole records. Returns false if they could not be written; nothing is written after that.
   virtual bool write(std::span<const std::byte> bytes) = 0;
 };
 
-/// CRC-32 (ISO 3309) of chunks and sections. `before`: the result for the bytes before these.
+/// The checksum of MCAP chunks and sections: CRC-32 of ISO 3309, as in zlib. `before`: the checksum of the
+/// preceding bytes.
 std::uint32_t crc32(std::span<const std::byte> bytes, std::uint32_t before = 0);
 
-/// Grows a record; numbers little-endian, texts and bytes with their length before them.
+/// Builds records. Numbers are little-endian; texts and bytes follow their length.
 class RecordBuffer {
  public:
   void number(std::uint64_t value, int bytes) {
@@ -41,7 +42,7 @@ class RecordBuffer {
     raw(std::as_bytes(std::span(text.data(), text.size())));
   }
   void texts(const std::map<std::string, std::string>& map);
-  /// A record with what `fill` puts into it.
+  /// Appends a record; `fill` writes its content.
   template <class Fill>
   void record(std::uint8_t opcode, Fill fill) {
     u8(opcode);
@@ -50,7 +51,7 @@ class RecordBuffer {
     fill();
     patch(at, bytes_.size() - at - 8, 8);
   }
-  /// The same behind a length of 32 bits.
+  /// The same with a 32-bit length and no opcode.
   template <class Fill>
   void sized(Fill fill) {
     const std::size_t at = bytes_.size();
@@ -73,38 +74,38 @@ class RecordBuffer {
 
 struct McapOptions {
   std::string profile = "ros2", library = "polyarm";
-  std::size_t chunk_bytes = 1 << 20;  ///< a chunk ends when its records, not compressed, are so many
-  bool compress = true;               ///< chunks with LZ4
+  std::size_t chunk_bytes = 1 << 20;  ///< a chunk ends when its uncompressed records reach this size
+  bool compress = true;               ///< compress chunks with LZ4
 };
 
-/// One file from its first byte to its last. Nothing but what it is given goes into it: the same calls give
-/// the same bytes. One thread at a time. After a write that failed, what is given is dropped.
+/// Writes one file from first to last byte. It adds no data of its own: equal calls give equal bytes. One
+/// thread at a time. After a failed write, all further data is dropped.
 class McapWriter {
  public:
   McapWriter(ByteSink& sink, McapOptions options);
 
-  /// From 0 on, in order; written where it is first used.
+  /// Returns the channel's number, counted from 0. Its record is written with its first message.
   std::size_t add_channel(const Channel& channel);
-  /// `time` in ns; the sequence of a channel's messages counts from 1.
+  /// `time` in ns. The sequence of a channel's messages counts from 1.
   void message(std::size_t channel, std::uint64_t time, std::span<const std::byte> payload);
-  /// Ends the chunk, whose messages are in the sink when this returns.
+  /// Ends the chunk; all its messages are in the sink when this returns.
   void end_chunk();
   void attachment(const std::string& name, const std::string& media_type, std::uint64_t time,
                   std::string_view data);
   void metadata(const std::string& name, const std::map<std::string, std::string>& values);
-  /// The last chunk, and what tells readers where everything is.
+  /// Writes the last chunk and the summary with the indexes.
   void finish();
 
   bool failed() const { return failed_; }
   std::uint64_t messages() const { return messages_; }
   std::uint64_t bytes() const { return at_; }
-  /// Of the messages that are not in the sink yet.
+  /// True if all messages are in the sink.
   bool chunk_is_empty() const { return chunk_.size() == 0; }
 
  private:
   struct ChunkIndex {
     std::uint64_t first, last, at, length, index_length, compressed, uncompressed;
-    std::map<std::uint16_t, std::uint64_t> indexes;  ///< by channel: where its message index begins
+    std::map<std::uint16_t, std::uint64_t> indexes;  ///< by channel: file position of its message index
   };
   struct Open {
     Channel channel;
@@ -128,7 +129,7 @@ class McapWriter {
   ByteSink& sink_;
   McapOptions options_;
   std::vector<Open> channels_;
-  std::vector<std::size_t> schemas_;  ///< by id - 1: a channel that has it
+  std::vector<std::size_t> schemas_;  ///< by id - 1: a channel that uses the schema
   RecordBuffer chunk_, record_;
   std::vector<std::byte> compressed_;
   std::uint64_t chunk_first_ = 0, chunk_last_ = 0, first_ = 0, last_ = 0, messages_ = 0, at_ = 0;

@@ -48,7 +48,7 @@ std::string frame_of(const cell::CellRobot& robot, int link, bool several) {
 }
 
 namespace {
-/// The robot that it stands on; null: none.
+/// The robot on which it is mounted; null: none.
 const cell::CellRobot* carrier_of(const cell::CellRobots& robots, const cell::CellRobot& robot) {
   for (const auto& each : robots)
     if (each->entry.name == robot.entry.on) return each.get();

@@ -1,4 +1,4 @@
-/// An action of ROS 2 around a goal of the cell: three services, feedback and status.
+/// Maps a ROS 2 action to a goal of the cell: three services, feedback and status.
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -17,29 +17,30 @@ namespace {
 using messages::action_msgs::msg::GoalStatus;
 using Cancel = messages::action_msgs::srv::CancelGoal::Response;
 
-/// Results are kept for those who ask later; ROS 2 keeps them for ten seconds, here it is longer.
+/// Results of ended goals are kept this long (ns) for clients that request them later. ROS 2 keeps them for
+/// ten seconds.
 constexpr Nanoseconds kKept = 60'000'000'000;
 constexpr std::size_t kMostKept = 100;
-/// A client takes a goal's status only when it has the answer that the goal is accepted, which may come later
-/// than the status (the first reply to a reader of Cyclone waits); without it `ros2 action send_goal` would
-/// not cancel when it is interrupted.
+/// The status is published again after this time, ns. A client uses a goal's status only after it has
+/// received the accepting reply, which may arrive after the status (the first reply to a Cyclone reader is
+/// delayed). Without the repetition, `ros2 action send_goal` would not cancel when it is interrupted.
 constexpr Nanoseconds kStatusAgain = 300'000'000;
 constexpr Nanoseconds kTellAgain = 5'000'000'000;
-/// Of control_msgs/FollowJointTrajectory.
+/// Value of error_code in control_msgs/FollowJointTrajectory.
 constexpr int kInvalidGoal = -1;
 
 struct Goal {
   Json id;  ///< {"uuid": […]}
   Json stamp;
   int status = GoalStatus::STATUS_UNKNOWN;
-  std::uint64_t number = 0;  ///< the cell's name of it, once it is accepted
+  std::uint64_t number = 0;  ///< the cell's number of the goal, once it is accepted
   Json result = Json::object();
-  std::vector<Reply> waiting;  ///< for the result
+  std::vector<Reply> waiting;  ///< clients that wait for the result
   Nanoseconds ended = 0;
   bool over() const { return status >= GoalStatus::STATUS_SUCCEEDED; }
 };
 
-/// What a message between means in the action's own words.
+/// Converts a feedback message of the cell into that of the action type.
 Json feedback_of(const std::string& type, Json sample) {
   if (!type.ends_with("FollowJointTrajectory")) return sample;
   Json out{{"header", sample["header"]}, {"joint_names", sample["joint_names"]}};
@@ -51,7 +52,7 @@ Json feedback_of(const std::string& type, Json sample) {
 
 using GoalAnswer = protocol::SendMessage::Answer;
 
-/// `ended`: what the cell answered last.
+/// `ended`: the last answer of the cell.
 Json result_of(const std::string& type, const GoalAnswer& ended, const std::string& why = {}) {
   if (type.ends_with("FollowJointTrajectory")) {
     std::string text = ended.error.value_or("");
@@ -72,7 +73,7 @@ Json result_of(const std::string& type, const GoalAnswer& ended, const std::stri
   return out;
 }
 
-/// Outlives the server where the cell still has something to answer.
+/// May outlive the ActionServer while the cell still has replies to send.
 class Server : public std::enable_shared_from_this<Server> {
  public:
   Server(Bridge& bridge, ActionPort port) : bridge_{bridge}, port_{std::move(port)} {}
@@ -136,7 +137,7 @@ class Server : public std::enable_shared_from_this<Server> {
       if (message.contains(list) && message[list].empty()) message.erase(list);
     if (message.contains("multi_dof_trajectory") && message["multi_dof_trajectory"]["points"].empty())
       message.erase("multi_dof_trajectory");
-    // ROS 2 has no other way to leave out a tolerance of time.
+    // In ROS 2, a goal time tolerance of 0 means that none is given.
     if (message.contains("goal_time_tolerance") && nanoseconds_of(message["goal_time_tolerance"]) == 0)
       message.erase("goal_time_tolerance");
     const auto self = shared_from_this();
@@ -172,7 +173,7 @@ class Server : public std::enable_shared_from_this<Server> {
     if (status == "canceled") end(goal, GoalStatus::STATUS_CANCELED, result_of(port_.type, answer));
   }
 
-  /// What the code alone does not say.
+  /// The reason, where the error code does not give it.
   std::string why_aborted(const Goal& goal, const GoalAnswer& answer) const {
     if (answer.error_code != kInvalidGoal) return "";
     for (const control::ListedController& c : bridge_.cell().controllers().list())
@@ -182,7 +183,8 @@ class Server : public std::enable_shared_from_this<Server> {
     return asking_ > 0 || newer ? "another goal took its place" : "the motion was given up at the cell";
   }
 
-  /// ROS's answer has no place for the reason: it is reported at the cell, the same one not again at once.
+  /// The ROS reply has no field for the reason, so it is logged in the cell. The same reason is not logged
+  /// again soon.
   void report_refusal(const std::string& why) {
     const Nanoseconds now = bridge_.cell().now();
     if (why == refusal_ && now - refused_ < kTellAgain) return;
@@ -216,8 +218,8 @@ class Server : public std::enable_shared_from_this<Server> {
     goal->waiting.push_back(std::move(reply));
   }
 
-  /// All goals where neither id nor time is given, those up to a time, and the one with the id. An id alone
-  /// must be one of a goal under way; to find none in the other cases is no fault.
+  /// Selects all goals if neither id nor time is given, the goals up to a time, and the goal with the id. An
+  /// unknown id without a time is an error; in the other cases it is no error if no goal matches.
   void cancel_goal(Json request, Reply reply) {
     const Json info = std::move(request["goal_info"]);
     const bool any_id = std::all_of(info["goal_id"]["uuid"].begin(), info["goal_id"]["uuid"].end(),
@@ -263,7 +265,8 @@ class Server : public std::enable_shared_from_this<Server> {
   std::chrono::steady_clock::time_point told_feedback_;
   Wire::Id feedback_ = 0, status_ = 0;
   std::deque<GoalPointer> goals_;
-  std::optional<Nanoseconds> accepted_;  ///< the last goal, while its status is to be told again
+  std::optional<Nanoseconds> accepted_;  ///< time of the last accepted goal, until its status has been sent
+                                         ///< again
   int asking_ = 0;                       ///< goals that the cell has not answered yet
   std::string refusal_;
   Nanoseconds refused_ = 0;

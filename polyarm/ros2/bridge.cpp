@@ -63,7 +63,7 @@ std::size_t weight_of(const Json& value) {
   return out;
 }
 
-/// About the memory that a request takes: a message from a peer may be long.
+/// Approximate memory of a request: a message from a peer may be long.
 std::size_t weight_of(const protocol::Request& request) {
   if (&request.facts() != &protocol::SendMessage::kFacts) return 0;
   return weight_of(request.as<protocol::SendMessage>().message.json());
@@ -137,15 +137,15 @@ void offer_standard_services(Bridge& bridge, const std::string& node, ParameterS
   offer_type_descriptions(bridge, node);
 }
 
-/// The newest cycle is seen up to a period after it began, so the least of many differences is the true one.
-/// Cycles that are skipped are whole periods that the cell's clock stands still.
+/// The newest cycle is seen up to one period after it began, so the smallest of many differences is the true
+/// offset. A skipped cycle adds a whole period, in which the cell's clock stands still.
 void Bridge::look_at_clock() {
   tells_ = is_due(told_streams_);
   if (cell_.lock_step()) return;
   const auto since = std::chrono::system_clock::now().time_since_epoch();
   const std::int64_t now = std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();
   const std::int64_t period = cell_.period(), seen = now - cell_.snapshot().cycle.time;
-  if (std::abs(seen - offset_) > kSecond) {  // the first look, or somebody set the clock
+  if (std::abs(seen - offset_) > kSecond) {  // first call, or the system clock was set
     least_ = least_before_ = recent_ = seen;
     looks_ = 0;
     window_ends_ = now + kWindow;
@@ -186,7 +186,7 @@ void Bridge::to_ros(Json& message) const {
 }
 
 namespace {
-/// The cell reads messages as text: what says nothing in a trajectory is not written first.
+/// Removes empty lists from a trajectory: the cell expects missing keys instead.
 void leave_out_empty(Json& trajectory) {
   for (Json& point : trajectory["points"]) {
     for (const char* list : {"positions", "velocities", "accelerations", "effort"})
@@ -201,11 +201,11 @@ void Bridge::to_cell(Json& message) const {
   if (!message.contains("header") || !message["header"].contains("stamp")) return;
   Json& stamp = message["header"]["stamp"];
   const std::int64_t given = nanoseconds_of(stamp);
-  // What lies before the start of the cell is old, not "now": it keeps the smallest stamp there is.
+  // A stamp before the start of the cell is old and does not mean "now": it becomes the smallest stamp.
   if (given != 0)
     stamp = stamp_of(std::max<std::int64_t>(given - offset_, 1));
   else
-    message.erase("header");  // "now"; the cell looks at nothing else in it
+    message.erase("header");  // 0 means "now"; the cell uses nothing else of the header
 }
 
 }  // namespace polyarm::ros2

@@ -1,4 +1,4 @@
-/// /polyarm: what a person does with the cell as a whole, and how it and the wire are.
+/// The node /polyarm: control of the whole cell, its log and its diagnostics.
 #include <utility>
 
 #include "polyarm/messages/json.hpp"
@@ -20,7 +20,7 @@ std::string text_of(const Json& value) {
                            : value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// A reply of the cell as std_srvs/Trigger says it.
+/// A reply of the cell as a std_srvs/Trigger response.
 Json triggered(const protocol::Reply& reply) {
   return {{"success", reply.answer.has_value()}, {"message", reply.refusal ? refusal_of(reply) : ""}};
 }
@@ -31,7 +31,7 @@ class CellNode : public Part {
     diagnostics_ = bridge.wire().publisher(
         node_, "/diagnostics", messages::type_info<messages::diagnostic_msgs::msg::DiagnosticArray>());
     log_ = bridge.wire().publisher(node_, "/rosout", messages::type_info<Log>(), {true, true, 1000});
-    // Nothing moves that a person has not asked for: these do what the verbs of the same names do.
+    // These do the same as the commands of the same names; nothing moves without such a request.
     offer("stop", protocol::ControlStop{});
     offer("hold", protocol::ControlHold{});
     offer("resume", protocol::ControlResume{});
@@ -58,7 +58,7 @@ class CellNode : public Part {
   }
 
  private:
-  /// What is reported at the cell is reported on /rosout as well.
+  /// Publishes the cell's reports on /rosout.
   void tell_events() {
     for (const protocol::Event& event : bridge_.cell().events().events())
       if (event.number > last_event_) tell_event(event);
@@ -75,7 +75,7 @@ class CellNode : public Part {
     else if (kind == "log")
       name += "." + text(event.task);
     else if (kind != "note" && kind != "stop" && kind != "question")
-      return;  // lines and tags come too often
+      return;  // lines and tags are too frequent
     const bool problem = kind == "problem";
     const bool error = problem ? event.severity == protocol::FindingSeverity::error : kind == "state" && event.state == "fault";
     const bool warning = problem || (kind == "state" && event.state != "running");
@@ -99,7 +99,7 @@ class CellNode : public Part {
     bridge_.ask(request, [reply](const protocol::Reply& replied) { reply(triggered(replied)); });
   }
 
-  /// Goes on where it is paused, and begins anew where it has ended.
+  /// Resumes a paused program; starts it again if it has ended.
   void start_program(const Reply& reply) {
     bridge_.ask(protocol::ProgramState{}, [this, reply](const protocol::Reply& replied) {
       if (replied.refusal) return reply(triggered(replied));
@@ -131,7 +131,8 @@ class CellNode : public Part {
                   state, std::move(values));
   }
 
-  /// Samples since the start; more of those that were refused or dropped since the last time is a warning.
+  /// Counts of samples since the start. A warning if more were refused, dropped or not sent since the last
+  /// call.
   Json of_wire() {
     const WireStatistics now = bridge_.wire().statistics();
     const std::uint64_t bad = now.refused + now.dropped + now.unsent;

@@ -1,4 +1,4 @@
-/// One node for each controller, as ROS 2 has them: topics, actions, parameters, life cycle.
+/// One ROS 2 node per controller: topics, actions, parameters, life cycle.
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -20,9 +20,9 @@ namespace {
 using controllers::Output;
 using hardware::LifecycleState;
 
-/// How often it is looked which controllers there are, and who listens.
+/// How often the list of controllers and their subscribers are checked, ns.
 constexpr Nanoseconds kLookForControllers = 50'000'000;
-/// The same reason is not told again sooner.
+/// The same reason is not reported again within this time, ns.
 constexpr Nanoseconds kTellAgain = 5'000'000'000;
 
 std::string declared(cell::CellView& cell, const std::string& controller, const char* key) {
@@ -31,7 +31,7 @@ std::string declared(cell::CellView& cell, const std::string& controller, const 
   return found ? found->value : "";
 }
 
-/// A sample in the shape of its ROS message where the cell's own differs.
+/// Converts a sample to the shape of its ROS message where the cell's own shape differs.
 Json in_ros_shape(const std::string& type, Json message) {
   if (type == "control_msgs/JointTrajectoryControllerState") {
     if (message["output"].is_array()) message["output"] = Json{{"positions", message["output"]}};
@@ -42,8 +42,8 @@ Json in_ros_shape(const std::string& type, Json message) {
   return message;
 }
 
-/// What a controller puts out on one topic. Of joint states, those of one `robot` alone, without its name,
-/// where one is given.
+/// One output topic of a controller. For joint states, `robot` limits it to the joints of that robot, named
+/// without the robot's name.
 class OutputTopic {
  public:
   OutputTopic(Bridge& bridge, const std::string& node, const std::string& topic, const Output& output,
@@ -55,7 +55,8 @@ class OutputTopic {
       publisher_ = bridge.wire().publisher(node, topic, *info_, {true, false, transform ? 100u : 10u});
   }
 
-  /// Who comes to listen is told nothing of what was before: it may be old, or never have been filled.
+  /// Checks for subscribers. A new subscriber gets only samples from now on: older ones may be outdated or
+  /// never filled.
   void look() {
     const bool before = std::exchange(wanted_, info_ && bridge_.wire().wanted(publisher_));
     if (wanted_ && !before) seen_ = std::max(seen_, bridge_.cell().now());
@@ -74,13 +75,13 @@ class OutputTopic {
   std::vector<std::byte> any(const Output& output) const {
     Json message = Json::parse(ros_files::message_json(output));
     bridge_.to_ros(message);
-    // Interfaces of the only robot are named as its files name them.
+    // With a single robot, interface names are those of its own files.
     if (type_ == "control_msgs/DynamicJointState")
       for (Json& name : message["joint_names"]) name = bridge_.interface_name(name.get<std::string>());
     return messages::from_json(*info_, in_ros_shape(type_, std::move(message)));
   }
 
-  /// Three fields for each joint, without the way through JSON: this one is asked for at the loop's rate.
+  /// Three values per joint, converted without JSON, because this topic runs at the rate of the loop.
   std::vector<std::byte> joint_states(const Output& output) {
     const auto& values = output.value().values;
     if (states_.name.empty()) find_joints(output);
@@ -115,10 +116,10 @@ class OutputTopic {
   bool wanted_ = false;
   Nanoseconds seen_ = -1;
   messages::sensor_msgs::msg::JointState states_;
-  std::vector<std::size_t> places_;  ///< of its joints' positions among the values
+  std::vector<std::size_t> places_;  ///< indices of its joints' positions among the values
 };
 
-/// The node of one controller. What it puts out and takes is there while it is configured.
+/// The ROS node of one controller. Its topics and services exist while the controller is configured.
 class ControllerNode {
  public:
   ControllerNode(Bridge& bridge, const std::string& controller)
@@ -166,7 +167,7 @@ class ControllerNode {
       const std::string& name = output->name();
       const bool global = name == "tf" || (!local && name.ends_with("joint_states"));
       outputs_.emplace_back(bridge_, ports_, global ? bridge_.name(name) : node_ + "/" + name, *output);
-      // MoveIt and RViz know one robot by the names of its own description.
+      // MoveIt and RViz know a robot by the joint names of its own description.
       if (output->type() == "sensor_msgs/JointState" && bridge_.cell().robots().size() > 1)
         for (const auto& robot : bridge_.cell().robots())
           outputs_.emplace_back(bridge_, ports_, bridge_.name(robot->entry.name + "/joint_states"), *output,
@@ -201,7 +202,7 @@ class ControllerNode {
                                      }));
   }
 
-  /// Where its trajectory will be at a time; time 0 is now.
+  /// Returns the trajectory's state at a given time; time 0 means now.
   void offer_query() {
     bridge_.service(
         ports_, node_ + "/query_state", "control_msgs/srv/QueryTrajectoryState",
@@ -222,12 +223,12 @@ class ControllerNode {
         });
   }
 
-  /// The last message that was ignored, and when that was reported.
+  /// The last ignored message, and when it was reported.
   struct Ignored {
     std::string why;
     Nanoseconds at = 0;
   };
-  /// A topic has no answer: it is reported at the cell, the same reason not again at once.
+  /// A topic has no reply, so a refusal is logged in the cell. The same reason is not logged again soon.
   static void tell_ignored(Bridge& bridge, Ignored& told, const std::string& topic, const protocol::Reply& reply) {
     if (!reply.refusal || reply.refusal->problems().front().code == "not-active") return;
     const std::string why = refusal_of(reply);
@@ -237,7 +238,8 @@ class ControllerNode {
     bridge.cell().tell("ROS 2: a message on " + topic + " is ignored: " + why);
   }
 
-  /// A message goes the way of every other door's; what an inactive controller is sent is dropped, as in ROS.
+  /// Sends a message to the cell as every door does. Messages to an inactive controller are dropped, as in
+  /// ROS.
   void listen(const std::string& group, const std::string& topic, const std::string& port,
               const std::string& type) {
     const bool command = type.find("Twist") != std::string::npos;
@@ -286,7 +288,7 @@ class ControllerNode {
     return out;
   }
 
-  /// The text that a parameter's value is kept as, as its type has it.
+  /// The JSON value of a parameter, converted from its text by its type.
   static Json value_of(const protocol::Parameter& parameter) {
     const std::string &type = parameter.type, &text = parameter.value;
     try {
@@ -303,8 +305,8 @@ class ControllerNode {
 
   Bridge& bridge_;
   const std::string controller_, node_;
-  const std::shared_ptr<Ignored> told_ = std::make_shared<Ignored>();  ///< answers may outlive the node
-  const std::string ports_;  ///< the group of the node's endpoints that come and go with its configuration
+  const std::shared_ptr<Ignored> told_ = std::make_shared<Ignored>();  ///< replies may outlive the node
+  const std::string ports_;  ///< group of the endpoints that exist only while the controller is configured
   LifeCycle life_;
   std::vector<OutputTopic> outputs_;
   std::vector<std::unique_ptr<TypedTopic>> inputs_;
@@ -328,7 +330,7 @@ class ControllerNodes : public Part {
     std::unique_ptr<ControllerNode> node;
   };
 
-  /// The only controller that takes a twist answers to /cmd_vel, too.
+  /// The controller that takes twists also listens on /cmd_vel if it is the only one.
   static std::string only_base(cell::CellView& cell, const std::vector<control::ListedController>& all) {
     std::vector<std::string> bases;
     for (const control::ListedController& c : all)
@@ -354,7 +356,7 @@ class ControllerNodes : public Part {
     const controllers::Controller* controller = bridge_.cell().controllers().find(c.name);
     const bool configured = c.state != LifecycleState::unconfigured;
     if (known.controller != controller) {
-      known.node.reset();  // its endpoints go before their names are used again
+      known.node.reset();  // its endpoints must go before their names are used again
       known = {controller, false, false, std::make_unique<ControllerNode>(bridge_, c.name)};
     }
     if (known.configured == configured && known.only_base == only_base) return;

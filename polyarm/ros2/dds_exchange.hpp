@@ -1,7 +1,7 @@
 #pragma once
-/// What the cell's process and polyarm_ros2_dds tell each other: a number, and what follows it, packed. The
-/// cell's side looks at every length that it is told: whoever sends a packet that Fast DDS does not bear may
-/// have taken the other side over.
+/// The messages between the cell's process and polyarm_ros2_dds: one number for the kind, then its packed
+/// fields. The cell's side checks every length that it receives, because a packet that exploits a bug in Fast
+/// DDS may have taken control of the other side.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -16,31 +16,31 @@ namespace polyarm::ros2 {
 
 inline constexpr const char* kDdsProgram = "polyarm_ros2_dds";
 
-/// To the process that speaks DDS.
+/// Orders to polyarm_ros2_dds.
 enum class DdsOrder : std::uint8_t {
-  open,        ///< options; first, once
+  open,        ///< options; first order, once
   add_writer,  ///< id, topic, type, QoS, user data, addressed
   add_reader,  ///< id, topic, type, QoS, user data
   remove,      ///< id
-  write,       ///< id, whether it has Related, Related, payload
+  write,       ///< id, whether Related follows, Related, payload
   end
 };
-/// From it.
+/// Messages from polyarm_ros2_dds.
 enum class DdsNews : std::uint8_t {
   ready,      ///< prefix
-  refused,    ///< what, advice: it cannot open, and ends
+  refused,    ///< what, advice; it cannot open DDS, and ends
   made,       ///< id, guid
   not_made,   ///< id, what
-  matched,    ///< id, guid, whether it matches
-  known,      ///< guid, user data, topic and type where it is a writer
+  matched,    ///< id, guid, whether they match now
+  known,      ///< guid, user data; topic and type if it is a writer
   unknown,    ///< guid
   forgotten,  ///< guid
   sample,     ///< id, writer, sequence, Related, payload
-  too_large,  ///< a sample that was
-  unsent      ///< id; what was written last could not be
+  too_large,  ///< a received sample was too large
+  unsent      ///< id; the last sample could not be written
 };
 
-/// Of names, types and what is said of endpoints; the rest is cut off or refused.
+/// Limits for names, user data and peers; more is cut off or refused.
 inline constexpr std::size_t kMostName = 1024, kMostUserData = 8192, kMostPeers = 64;
 
 inline void pack(process::Packer& out, const ParticipantOptions& options) {

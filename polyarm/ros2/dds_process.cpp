@@ -1,6 +1,6 @@
-/// polyarm_ros2_dds: the only program that parses what comes over DDS's sockets. A cell starts it, tells it
-/// which endpoints there are, and gets payloads as they came; when a packet ends it, the cell goes on and
-/// starts it again. `polyarm_ros2_dds PARENT`, with the three descriptors of a process::Channel.
+/// polyarm_ros2_dds: the only program that parses DDS packets. A cell starts it, sends it the list of
+/// endpoints, and receives payloads unchanged. If a packet crashes it, the cell continues and starts it
+/// again. Usage: `polyarm_ros2_dds PARENT`, with the three descriptors of a process::Channel.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -26,15 +26,15 @@ using process::Packer;
 using process::Unpacker;
 
 constexpr int kBeat_ms = 250;
-/// What is not taken for so long that nothing more can wait ends the process: the cell starts it anew, and
-/// knows again what there is.
+/// Exit code when the cell stops reading and the channel is full. The cell then starts this process again and
+/// learns the current state.
 constexpr int kBehind = 3;
 
 class DdsProcess : public ParticipantObserver {
  public:
   explicit DdsProcess(Channel& channel) : channel_{channel} {}
 
-  /// The exit code.
+  /// Returns the exit code.
   int run() {
     std::vector<std::byte> order;
     for (;;) {
@@ -68,7 +68,7 @@ class DdsProcess : public ParticipantObserver {
     }
   }
 
-  /// Others are told that it leaves.
+  /// Leaves the network; other participants are notified.
   int end() {
     participant_.reset();
     return 0;
@@ -116,7 +116,7 @@ class DdsProcess : public ParticipantObserver {
       tell([&](Packer& out) { out.number(number_of(DdsNews::unsent)).number(std::uint64_t{id}); });
   }
 
-  // On threads of Fast DDS.
+  // Called on threads of Fast DDS.
   void take(std::size_t id, const Sample& sample) {
     if (sample.payload.size() > bounds::kSampleBytes)
       return tell([](Packer& out) { out.number(number_of(DdsNews::too_large)); });

@@ -1,6 +1,6 @@
 #pragma once
-/// What the cell's process and the one that speaks DDS call the same: endpoints, samples, and how a domain is
-/// joined. Nothing here is of Fast DDS.
+/// Types shared by the cell's process and polyarm_ros2_dds: endpoints, samples, and options to join a domain.
+/// Does not use Fast DDS.
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -12,61 +12,63 @@
 
 namespace polyarm::ros2 {
 
-/// Of an endpoint on the wire: prefix of the participant (12 bytes) and entity (4).
+/// Guid of an endpoint: prefix of the participant (12 bytes) and entity id (4).
 using Guid = std::array<std::uint8_t, 16>;
 inline constexpr Guid kNoGuid{};
 std::string text_of(const Guid& guid);
 
-/// Whose implementation an endpoint is, by the first bytes of its guid (RTPS vendor ids).
+/// The DDS implementation of an endpoint, from the first bytes of its guid (RTPS vendor ids).
 enum class Vendor { fast_dds, cyclone, other };
 Vendor vendor_of(const Guid& guid);
 
 struct Qos {
   bool reliable = true;
   bool transient_local = false;
-  std::size_t depth = 10;  ///< samples kept
-  /// transient_local: its owner writes it again after the process that speaks DDS was started anew; else the
-  /// samples kept are.
+  std::size_t depth = 10;  ///< samples to keep
+  /// For transient_local: true if the owner writes its sample again after polyarm_ros2_dds was restarted. If
+  /// false, the kept samples are written again.
   bool renewed_by_owner = false;
 };
 
 struct ParticipantOptions {
   std::uint32_t domain = 0;
-  bool loopback = true;   ///< no socket is bound to, and nothing sent from, another interface
-  bool discovery = true;  ///< false: nobody is told of us, and we hear of nobody
-  /// Addresses or names of machines that are told of us beside those that multicast reaches.
+  bool loopback = true;   ///< binds to and sends from the loopback interface only
+  bool discovery = true;  ///< false: no discovery in either direction
+  /// Addresses or host names of machines to announce to, in addition to multicast.
   std::vector<std::string> peers;
   std::string user_data = "enclave=/;";
 };
 
-/// One sample, and what its writer says of it.
+/// One received sample.
 struct Sample {
-  std::span<const std::byte> payload;  ///< with its encapsulation; valid during the call
+  std::span<const std::byte> payload;  ///< includes the encapsulation header; valid during the call
   Guid writer;
   std::int64_t sequence = 0;
-  /// Of a request: the reader that waits for the reply, where it says so. Of a reply: who asked, and what.
+  /// Of a request: the reader that waits for the reply, if stated. Of a reply: the guid and sequence number
+  /// of the request.
   Guid related = kNoGuid;
   std::int64_t related_sequence = 0;
 };
-/// Called on threads of the participant; must not block.
+/// Called on threads of the participant. Must not block.
 using OnSample = std::function<void(const Sample&)>;
 
-/// What a reply belongs to.
+/// The request to which a reply belongs.
 struct Related {
   Guid guid;
   std::int64_t sequence = 0;
 };
 
-/// What a writer of somebody else writes, as DDS calls it ("rt/cmd_vel"); empty: it is a reader.
+/// Topic and type of another participant's writer, with their DDS names ("rt/cmd_vel"). Empty: it is a
+/// reader.
 struct Offer {
   std::string topic, type;
 };
 
-/// An endpoint of somebody else that matches one of ours.
+/// An endpoint of another participant that matches one of ours.
 struct Remote {
   Guid guid;
   std::string user_data;
-  std::chrono::steady_clock::time_point since;  ///< it has matched
+  std::chrono::steady_clock::time_point since;  ///< when it matched
 };
 
 }  // namespace polyarm::ros2

@@ -8,7 +8,7 @@
 namespace polyarm::ros2 {
 
 namespace {
-/// ROS 2 says less than 200 bytes of an endpoint.
+/// ROS 2 uses less than 200 bytes of user data per endpoint.
 constexpr std::size_t kUserDataKept = 512;
 }  // namespace
 

@@ -1,6 +1,6 @@
 #pragma once
-/// What the cell's process knows of the one that speaks DDS: its own endpoints, and those of others that it
-/// has been told of. Everything has a bound, whatever the other process says.
+/// The cell's view of DDS: its own endpoints, and other endpoints that polyarm_ros2_dds has reported.
+/// Everything is bounded, whatever that process sends.
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -26,15 +26,15 @@ class DdsView {
     Qos qos;
     std::string user_data;
     bool addressed = false;
-    std::shared_ptr<OnSample> on_sample;  ///< null: a writer
+    std::shared_ptr<OnSample> on_sample;  ///< null: it is a writer
     Guid guid = kNoGuid;
-    bool answered = false;      ///< it was made, or could not be
-    std::int64_t sequence = 0;  ///< of what was written last, as the other process counts
+    bool answered = false;      ///< the other process has made it, or could not
+    std::int64_t sequence = 0;  ///< of the last sample written, as counted by the other process
     std::map<Guid, Clock::time_point> matched;
-    /// What a process that is started anew writes first, the oldest first.
+    /// Latched samples, oldest first, that are written again to a restarted process.
     std::deque<std::vector<std::byte>> kept;
 
-    /// Keeps it if it is latched.
+    /// Keeps the payload if the endpoint is latched. Returns true if kept.
     bool keep(std::span<const std::byte> payload);
     std::size_t kept_bytes = 0;
   };
@@ -43,10 +43,10 @@ class DdsView {
   bool remove(Id id);
   Endpoint* find(Id id);
   std::map<Id, Endpoint>& endpoints() { return endpoints_; }
-  /// The other process is gone, and what it knew.
+  /// Clears all that came from the other process, which has ended.
   void forget();
   void set_prefix(const Guid& prefix);
-  /// False where what it says is no message.
+  /// Handles a message. Returns false if it is malformed.
   bool take(DdsNews news, process::Unpacker& in);
 
   Guid prefix() const { return prefix_; }
@@ -55,9 +55,9 @@ class DdsView {
   std::vector<Remote> matched(Id id) const;
   std::string user_data(const Guid& endpoint) const;
   std::size_t known() const { return remotes_.size(); }
-  /// Somebody else has a writer of this topic and type, as DDS calls them, whether it matches or not.
+  /// True if another participant has a writer of this topic and type (DDS names), matched or not.
   bool is_offered(const std::string& topic, const std::string& type) const;
-  /// All endpoints have been answered.
+  /// True if the other process has answered for all endpoints.
   bool settled() const { return unanswered_ == 0 && prefix_ != kNoGuid; }
   std::uint64_t identities() const { return identities_; }
 

@@ -14,9 +14,9 @@ using Bytes = std::span<const std::uint8_t>;
 constexpr std::size_t kMessageHeader = 20, kSubmessageHeader = 4, kGuid = 16;
 constexpr std::uint8_t kData = 0x15;
 constexpr std::uint8_t kLittleEndian = 0x01, kInlineQos = 0x02, kKeyOnly = 0x08;
-/// Of a DATA submessage after its header: extra flags, octets to inline QoS, reader, writer, sequence number.
+/// DATA submessage after its header: extra flags, octets to inline QoS, reader, writer, sequence number.
 constexpr std::size_t kToInlineQos = 4, kWriter = 8, kDataFields = 20;
-/// The entities that announce participants, writers and readers.
+/// The writers that announce participants, writers and readers.
 constexpr std::array<std::array<std::uint8_t, 4>, 3> kDiscoveryWriters{
     {{0, 1, 0, 0xc2}, {0, 0, 3, 0xc2}, {0, 0, 4, 0xc2}}};
 constexpr unsigned kSentinel = 0x01, kParticipantGuid = 0x50, kEndpointGuid = 0x5a;
@@ -26,7 +26,7 @@ unsigned number(Bytes at, bool little) {
   return little ? at[0] | at[1] << 8u : at[0] << 8u | at[1];
 }
 
-/// The bytes of the parameters up to the sentinel and with it; nullopt where there is none.
+/// Length of the parameters including the sentinel; nullopt if there is no sentinel.
 std::optional<std::size_t> length_of_parameters(Bytes list, bool little) {
   for (std::size_t at = 0; at + 4 <= list.size();) {
     const unsigned id = number(list.subspan(at), little);
@@ -37,7 +37,7 @@ std::optional<std::size_t> length_of_parameters(Bytes list, bool little) {
   return {};
 }
 
-/// The GUID of a key that is a parameter list with its encapsulation before it.
+/// The GUID in a key that is a parameter list (after its encapsulation header).
 std::optional<Bytes> guid_of(Bytes key) {
   if (key.size() < 4) return {};
   const unsigned encapsulation = number(key, false);
@@ -53,7 +53,7 @@ std::optional<Bytes> guid_of(Bytes key) {
   return {};
 }
 
-/// Where the key of discovery begins in the body of a DATA submessage that has one longer than 16 bytes.
+/// Start of the discovery key in the body of a DATA submessage, if the key is longer than 16 bytes.
 std::optional<std::size_t> long_key(Bytes body, std::uint8_t flags) {
   if ((flags & kKeyOnly) == 0 || body.size() < kDataFields) return {};
   const auto of_discovery = [&](const auto& writer) {
@@ -75,7 +75,7 @@ std::optional<std::size_t> long_key(Bytes body, std::uint8_t flags) {
 
 bool with_plain_keys(std::span<const std::uint8_t> message, std::vector<std::uint8_t>& out) {
   bool changed = false;
-  std::size_t copied = 0;  // of the message, into `out`
+  std::size_t copied = 0;  // bytes of the message already copied to `out`
   for (std::size_t at = kMessageHeader; at + kSubmessageHeader <= message.size();) {
     const std::uint8_t kind = message[at], flags = message[at + 1];
     const bool little = (flags & kLittleEndian) != 0;

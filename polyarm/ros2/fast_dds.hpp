@@ -1,5 +1,5 @@
 #pragma once
-/// Fast DDS at its RTPS layer, 2.9 to 3: what the two generations call otherwise has one name here. Only
+/// Fast DDS 2.9 to 3 at its RTPS layer, with one name for what the two major versions name differently. Only
 /// participant.cpp includes this.
 #if __has_include(<fastdds/rtps/RTPSDomain.hpp>)
 #define POLYARM_FAST_DDS_3 1
@@ -65,14 +65,14 @@ namespace rtps_qos = eprosima::fastrtps;
 inline constexpr auto kNoDiscovery = rtps::DiscoveryProtocol_t::NONE;
 #endif
 
-/// Told of the endpoints of others, and of participants that are gone with theirs.
+/// Reports endpoints of other participants, and participants that have left.
 class DiscoveryListener : public rtps::RTPSParticipantListener {
  protected:
-  /// `topic`, `type`: of what a writer writes; empty of a reader.
+  /// `topic`, `type`: set for writers, empty for readers.
   virtual void know(const rtps::GUID_t& endpoint, bool there, std::string user_data, std::string topic,
                     std::string type) = 0;
   virtual void forget(const rtps::GUID_t& participant) = 0;
-  /// A participant is new: our endpoints are told to it when this returns.
+  /// A new participant was found. Our endpoints are announced to it after this returns.
   virtual void meet(rtps::RTPSParticipant& own, const rtps::GUID_t& participant) = 0;
 
  private:
@@ -120,7 +120,7 @@ class DiscoveryListener : public rtps::RTPSParticipantListener {
 #endif
 };
 
-/// Of one writer or reader.
+/// Listener of one writer or reader.
 class EndpointListener : public rtps::WriterListener, public rtps::ReaderListener {
  protected:
   virtual void match(const rtps::MatchingInfo& info) = 0;
@@ -150,7 +150,7 @@ class EndpointListener : public rtps::WriterListener, public rtps::ReaderListene
 #endif
 };
 
-/// Null where there is no memory.
+/// Null if there is no memory.
 inline rtps::CacheChange_t* new_change(rtps::RTPSWriter& writer, rtps::WriterHistory& history,
                                        std::uint32_t size) {
 #ifdef POLYARM_FAST_DDS_3
@@ -181,7 +181,7 @@ inline void set_heartbeat_period(rtps::WriterAttributes& attributes, std::uint32
 #endif
 }
 
-/// Tells others of a writer (with WriterQos) or a reader (with ReaderQos).
+/// Announces a writer (with WriterQos) or a reader (with ReaderQos) to other participants.
 template <class Endpoint, class EndpointQos>
 bool announce(rtps::RTPSParticipant& participant, Endpoint* endpoint, const std::string& topic,
               const std::string& type, std::size_t depth, const EndpointQos& offered) {

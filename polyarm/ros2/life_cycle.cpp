@@ -29,7 +29,7 @@ constexpr std::array<State, 11> kStates{{{StateId::PRIMARY_STATE_UNKNOWN, "unkno
                                          {StateId::TRANSITION_STATE_DEACTIVATING, "deactivating"},
                                          {StateId::TRANSITION_STATE_ERRORPROCESSING, "errorprocessing"}}};
 
-/// A person asks for what leads from a primary state; what leads on from between follows by itself.
+/// A client requests a transition from a primary state; the transitions after it follow automatically.
 struct Transition {
   int id;
   const char* label;
@@ -38,7 +38,7 @@ struct Transition {
 };
 constexpr const char *kSuccess = "transition_success", *kFailure = "transition_failure",
                      *kError = "transition_error";
-/// Shutting a controller down for good is not offered: `cleanup` and `unload_controller` take it away.
+/// Shutdown of a controller is not offered; use `cleanup` and `unload_controller`.
 constexpr std::array<Transition, 16> kTransitions{
     {{Id::TRANSITION_CONFIGURE, "configure", "unconfigured", "configuring"},
      {Id::TRANSITION_ON_CONFIGURE_SUCCESS, kSuccess, "configuring", "inactive"},
@@ -57,7 +57,7 @@ constexpr std::array<Transition, 16> kTransitions{
      {Id::TRANSITION_ON_DEACTIVATE_FAILURE, kFailure, "deactivating", "active"},
      {Id::TRANSITION_ON_DEACTIVATE_ERROR, kError, "deactivating", "errorprocessing"}}};
 
-/// The one that follows when a transition succeeds; null after one that leads to a primary state.
+/// The success transition after a requested one; null if there is none.
 const Transition* success_after(const Transition& asked) {
   for (const Transition& t : kTransitions)
     if (t.label == kSuccess && std::string_view(t.from) == asked.to) return &t;
@@ -70,7 +70,7 @@ std::string state_of(cell::CellView& cell, const std::string& controller) {
   return "unknown";
 }
 
-/// By label, and where there is none by id, of those that may be asked for.
+/// A transition that can be requested, found by label or, if the label is empty, by id.
 const Transition* transition_of(const Json& asked) {
   const int id = asked.value("id", 0);
   const std::string label = asked.value("label", std::string());
@@ -85,7 +85,7 @@ Json transition_json(const Transition& t) {
           {"goal_state", state_json(t.to)}};
 }
 
-/// Those that lead from a state, or all.
+/// The transitions from a state, or all.
 Json transitions(const std::string& from = {}) {
   Json out = Json::array();
   for (const Transition& t : kTransitions)

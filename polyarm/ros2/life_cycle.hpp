@@ -1,5 +1,5 @@
 #pragma once
-/// States and transitions of life cycles as lifecycle_msgs numbers them.
+/// Life cycles of controllers for ROS 2: states and transitions with the numbers of lifecycle_msgs.
 #include <string>
 
 #include "polyarm/hardware/component.hpp"
@@ -7,16 +7,16 @@
 
 namespace polyarm::ros2 {
 
-/// {id, label} of lifecycle_msgs/State.
+/// {id, label} of a lifecycle_msgs/State.
 Json state_json(const std::string& label);
-/// The state that a lifecycle_msgs/State names, by its id or, where that is 0, by its label; "" where none.
+/// The label of a lifecycle_msgs/State, from its id or, if that is 0, its label; "" if unknown.
 std::string state_label(const Json& state);
 
-/// The five services and `transition_event` of a controller, as nodes with a life cycle have them.
+/// The five services and `transition_event` of a controller, as lifecycle nodes have them.
 class LifeCycle {
  public:
   LifeCycle(Bridge& bridge, std::string node, std::string controller);
-  /// What it is in now: a change is told.
+  /// Updates the current state; publishes an event if it changed.
   void look(const std::string& state);
 
  private:

@@ -1,8 +1,8 @@
 #pragma once
-/// UDP on 127.0.0.1 alone that reaches every participant of this machine. Fast DDS's own transport, once it is
-/// restricted to loopback, drops participants that announce an address of another interface of this machine
-/// (as ROS 2's middleware on Fast DDS does, in each range), although they hear on loopback, too: here such an
-/// address becomes 127.0.0.1. Only participant.cpp includes this.
+/// UDP on 127.0.0.1 that reaches every participant on this machine. Fast DDS's own transport, when restricted
+/// to loopback, drops participants that announce an address of another interface of this machine. ROS 2's
+/// middleware on Fast DDS announces such addresses in every discovery range, although it also listens on
+/// loopback. Here such an address is replaced by 127.0.0.1. Only participant.cpp includes this.
 #include "polyarm/ros2/plain_keys_transport.hpp"
 
 namespace polyarm::ros2 {
@@ -25,7 +25,7 @@ class LoopbackTransport : public PlainKeysTransport {
 #endif
 
  private:
-  /// Where a locator of this machine is reached.
+  /// The locator under which a locator of this machine is reached.
   rtps::Locator_t reached(const rtps::Locator_t& locator) const {
     rtps::Locator_t out = locator;
     if (low_level_transport_->IsLocatorSupported(locator) && !rtps::IPLocator::isMulticast(locator) &&

@@ -1,4 +1,4 @@
-/// /controller_manager, as the tools of ros2_control know it.
+/// The node /controller_manager, as the tools of ros2_control expect it.
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -18,7 +18,7 @@ namespace {
 
 using hardware::LifecycleState;
 
-/// How often it is looked whether a state has changed.
+/// How often changes of state are checked, ns.
 constexpr Nanoseconds kLookForChanges = 20'000'000;
 const std::string kTypes = "controller_manager_msgs/srv/";
 
@@ -56,8 +56,8 @@ class ManagerNode : public Part {
   }
 
  private:
-  /// A service that asks the cell one thing and gives its answer in ROS's words. `response` takes the answer, or null
-  /// where the cell has refused.
+  /// Offers a service that maps to one request of the cell. `response` converts the answer; it gets null if
+  /// the cell refused.
   template <class R>
   void offer(const char* name, const char* type, std::function<R(const Json& asked)> request,
              std::function<Json(const typename R::Answer* answer)> response) {
@@ -69,7 +69,7 @@ class ManagerNode : public Part {
                       });
                     });
   }
-  /// Of a request without arguments.
+  /// The same for a request without arguments.
   template <class R>
   void offer(const char* name, const char* type, std::function<Json(const typename R::Answer* answer)> response) {
     offer<R>(name, type, [](const Json&) { return R{}; }, std::move(response));
@@ -187,10 +187,10 @@ class ManagerNode : public Part {
         [this](const Json& asked, const Reply& reply) { reload(asked["force_kill"].get<bool>(), reply); });
   }
 
-  /// ROS's answers have no place for the reason: it is reported at the cell.
+  /// ROS responses have no field for the reason, so it is logged in the cell.
   void tell(const std::string& what, const std::string& why) { bridge_.cell().tell("ROS 2: " + what + ": " + why); }
 
-  /// `load` of the cell configures at once; a controller that ROS 2 has loaded is not configured yet.
+  /// The cell's `load` also configures; a controller loaded from ROS 2 must stay unconfigured.
   void load(const std::string& name, const Reply& reply) {
     protocol::ControlLoad request;
     try {
@@ -210,8 +210,8 @@ class ManagerNode : public Part {
     });
   }
 
-  /// No active controller is unloaded unless that is forced; then all controllers are. Libraries of plugins stay
-  /// loaded: controllers that are loaded afterwards are made from them.
+  /// Unloads all controllers. If some are active, `force` is needed. Plugin libraries stay loaded; new
+  /// controllers are made from them.
   void reload(bool force, const Reply& reply) {
     protocol::Names active;
     const auto names = std::make_shared<std::vector<std::string>>();
@@ -240,8 +240,9 @@ class ManagerNode : public Part {
     });
   }
 
-  /// What is configured already stays so. A cell starts its controllers by itself, and launch files of users
-  /// start them once more: a spawner configures and then activates, and both succeed where that is done.
+  /// Leaves an active controller as it is. A cell starts its controllers by itself, and launch files start
+  /// them again: a spawner configures and then activates, and both must succeed if the controller is already
+  /// active.
   void configure(const std::string& name, const Reply& reply) {
     if (is_active(name)) return reply({{"ok", true}});
     bridge_.ask(protocol::ControlState{name, "inactive"}, [this, name, reply](const protocol::Reply& configured) {
@@ -257,7 +258,7 @@ class ManagerNode : public Part {
     });
   }
 
-  /// Humble has an older name for each list beside the one that is used.
+  /// Humble has an older name for each list in addition to the current one.
   static Json either(const Json& asked, const char* name, const char* older) {
     return asked[name].empty() && asked.contains(older) ? asked[older] : asked[name];
   }
@@ -271,7 +272,7 @@ class ManagerNode : public Part {
     using Request = messages::controller_manager_msgs::srv::SwitchController::Request;
     const Json off = either(asked, "deactivate_controllers", "stop_controllers");
     Json on = either(asked, "activate_controllers", "start_controllers");
-    if (off.empty())  // with a restart (both lists) an active one is meant to begin anew
+    if (off.empty())  // with both lists (a restart), an active controller must start again
       on.erase(std::remove_if(on.begin(), on.end(),
                               [this](const Json& name) { return is_active(name.get<std::string>()); }),
                on.end());
@@ -290,7 +291,7 @@ class ManagerNode : public Part {
                 [this, on, reply](const protocol::Reply& replied) { reply(switched(on, replied)); });
   }
 
-  /// With best effort, a controller that was left out has not been switched: that is no success.
+  /// With best effort, a controller that was left out is not switched; then `ok` is false.
   Json switched(const Json& on, const protocol::Reply& reply) const {
     if (reply.refusal) return {{"ok", false}, {"message", refusal_of(reply)}};
     const protocol::SwitchOutcome& outcome = reply.answer->as<protocol::ControlSwitch>();
@@ -304,9 +305,9 @@ class ManagerNode : public Part {
     return {{"ok", all}, {"message", left_out.empty() ? "the controllers are switched" : left_out}};
   }
 
-  /// Of a request that states none: as the controllers' file says, else as the distribution has it.
+  /// Strictness of a request that states none: that of the controllers file, else the distribution's default.
   std::optional<protocol::Strictness> unsaid_strictness() const {
-    if (!bridge_.cell().manager().strictness.empty()) return std::nullopt;  // the cell takes the file's
+    if (!bridge_.cell().manager().strictness.empty()) return std::nullopt;  // the cell uses the file's
     const bool strict = bridge_.wire().distribution() == messages::Distribution::kilted;
     return strict ? protocol::Strictness::strict : protocol::Strictness::best_effort;
   }
@@ -319,7 +320,7 @@ class ManagerNode : public Part {
     return out;
   }
 
-  /// What a file says of the node of that name, later keys over earlier ones.
+  /// Adds what a file sets for the node of that name; later keys override earlier ones.
   void add_parameters(const std::string& file, const std::string& name, Json& into) const {
     const Yaml yaml = Yaml::load(file);
     const std::string whole = bridge_.name(name);
@@ -330,9 +331,9 @@ class ManagerNode : public Part {
     }
   }
 
-  /// What a spawner has set of the controller before it loads it: its type, which may stand in its files,
-  /// too, and the files, of which later ones have the last word. Where no type is known the cell looks for
-  /// the controller in the last file, or in its own.
+  /// Builds the load request from what a spawner has set for the controller: its type, which may also be in
+  /// its files, and the parameter files (later files override earlier ones). If no type is known, the cell
+  /// looks for the controller in the last file, or in its own file.
   protocol::ControlLoad to_load(const std::string& name) const {
     const auto spawned = [&](const char* key) {
       const auto at = spawned_.find(name + key);
@@ -356,7 +357,7 @@ class ManagerNode : public Part {
     return out;
   }
 
-  /// A spawner gives lists as they are, or as one text: "['/a.yaml', '/b.yaml']" or "/a.yaml".
+  /// A spawner sends lists as lists, or as one text: "['/a.yaml', '/b.yaml']" or "/a.yaml".
   static Json texts_of(const Json& value) {
     if (value.is_array()) return value;
     const std::string text = value.get<std::string>();
@@ -364,7 +365,8 @@ class ManagerNode : public Part {
     return Json(Yaml::parse(text, "params_file").texts());
   }
 
-  /// "" where a spawner may set this before it loads a controller.
+  /// Stores a parameter that a spawner sets before it loads a controller. Returns "" or the reason for a
+  /// refusal.
   std::string spawn(const std::string& key, const Json& value) {
     const std::size_t dot = key.rfind('.');
     const std::string last = dot == std::string::npos ? "" : key.substr(dot);
@@ -419,7 +421,7 @@ class ManagerNode : public Part {
   Wire::Id activity_ = 0;
   Nanoseconds looked_ = -1;
   Json told_;
-  /// `NAME.type`, `NAME.params_file` and the like, as a spawner sets them: a text, or a list of texts.
+  /// `NAME.type`, `NAME.params_file` and similar, as set by a spawner: a text, or a list of texts.
   std::map<std::string, Json> spawned_;
 };
 

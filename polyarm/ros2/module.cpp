@@ -1,4 +1,4 @@
-/// The door to ROS 2: what `ros2:` in a cell and --ros2 open.
+/// The ROS 2 door, which `ros2:` in a cell or --ros2 opens.
 #include <array>
 
 #include "polyarm/ros2/cell_door.hpp"
@@ -9,7 +9,7 @@ namespace polyarm::ros2 {
 
 namespace {
 
-/// Messages that are taken at once.
+/// Limit of messages handled in one call.
 constexpr std::size_t kMost = 32;
 
 class Ros2Door : public cell::Door {
@@ -37,7 +37,7 @@ class Ros2Door : public cell::Door {
 
   void set_bell(const std::shared_ptr<realtime::Bell>& bell) override { bridge_.wire().set_bell(bell); }
 
-  /// The process that speaks DDS is gone or back; the cell goes on.
+  /// Reports when the process that speaks DDS was lost or is back. The cell keeps running.
   void tell_news() {
     for (RemoteNews& news : bridge_.wire().take_news()) {
       if (news.good)
@@ -48,7 +48,7 @@ class Ros2Door : public cell::Door {
     }
   }
 
-  /// False where nothing has come in.
+  /// Handles one message. Returns false if there was none.
   bool one() {
     bool more = true;
     bridge_.guarded([&] { more = bridge_.wire().take(1) > 0; });

@@ -38,7 +38,7 @@ ParticipantOptions participant_options(const Options& options) {
                 "look at `ros2: {domain: …}` and ROS_DOMAIN_ID");
   std::string range = lower(option(options, "range", "ROS_AUTOMATIC_DISCOVERY_RANGE"));
   std::string peers = option(options, "peers", "ROS_STATIC_PEERS");
-  // What older programs are told with goes before what the environment says otherwise.
+  // The older variable takes precedence over other environment variables.
   if (!options.contains("range") && environment("ROS_LOCALHOST_ONLY") == "1")
     range = "localhost", peers.clear();
   if (!range.empty() && range != "localhost" && range != "subnet" && range != "system_default" &&
@@ -67,7 +67,7 @@ messages::Distribution distribution_of(const Options& options) {
   if (name == "humble") return messages::Distribution::humble;
   for (const char* newer : {"kilted", "lyrical", "rolling"})
     if (name == newer) return messages::Distribution::kilted;
-  // What the environment says is meant for other programs, too, and is not refused.
+  // The environment variable is also meant for other programs, so an unknown name is not an error.
   if (name == "jazzy" || !options.contains("distribution")) return messages::Distribution::jazzy;
   throw Error("bad-value", "the distribution '" + name + "' is not known",
               "humble, jazzy, kilted or rolling");

@@ -1,7 +1,7 @@
 #pragma once
-/// How the graph of ROS 2 is joined, by what a cell's files say, and what the environment says where they do
-/// not. Keys: domain (ROS_DOMAIN_ID), range (ROS_AUTOMATIC_DISCOVERY_RANGE), peers (ROS_STATIC_PEERS),
-/// distribution (ROS_DISTRO), namespace, cmd_vel.
+/// Options to join the ROS 2 graph: from the cell's files, else from the environment. Keys: domain
+/// (ROS_DOMAIN_ID), range (ROS_AUTOMATIC_DISCOVERY_RANGE), peers (ROS_STATIC_PEERS), distribution
+/// (ROS_DISTRO), namespace, cmd_vel.
 #include <map>
 #include <string>
 
@@ -12,13 +12,13 @@ namespace polyarm::ros2 {
 
 using Options = std::map<std::string, std::string>;
 
-/// "" where nothing is said.
+/// "" if not set.
 std::string option_of(const Options& options, const std::string& key);
-/// Throw Error("bad-value").
+/// These throw Error("bad-value").
 ParticipantOptions participant_options(const Options& options);
 messages::Distribution distribution_of(const Options& options);
 
-/// What `cmd_vel` says: the types of twists that are offered before anybody publishes one. Throws
+/// The value of `cmd_vel`: the twist types that are offered before the topic has a publisher. Throws
 /// Error("bad-value").
 std::vector<std::string> twists_of(const Options& options);
 

@@ -1,4 +1,4 @@
-/// The services of rcl_interfaces that every node has for its parameters.
+/// The rcl_interfaces services for parameters, which every node has.
 #include <algorithm>
 #include <cstddef>
 #include <memory>
@@ -40,7 +40,7 @@ const char* field_of(int type) {
   return type > 0 && type < 10 ? names[type] : nullptr;
 }
 
-/// An entry says its type where its value does not: an empty list.
+/// An entry states its type if the value does not show it (an empty list).
 int type_of_entry(const Json& entry) {
   if (entry.is_null()) return Type::PARAMETER_NOT_SET;
   const Json& value = entry["value"];
@@ -68,8 +68,7 @@ Json result(const std::string& refusal) {
   return {{"successful", refusal.empty()}, {"reason", refusal}};
 }
 
-/// Names that begin with one of the prefixes, and have at most `depth` parts after it; 0: as many as they
-/// like.
+/// True if the name begins with one of the prefixes and has at most `depth` parts after it; 0: no limit.
 bool wanted(const std::string& name, const Json& prefixes, std::uint64_t depth) {
   const auto deep = [&](std::size_t from) {
     const auto dots = std::count(name.begin() + static_cast<std::ptrdiff_t>(from), name.end(), '.');
@@ -83,7 +82,7 @@ bool wanted(const std::string& name, const Json& prefixes, std::uint64_t depth) 
   return false;
 }
 
-/// Where a service is asked about names: `each` for every one, with its entry or null.
+/// Calls `each` for every name, with its entry or null, and collects the results.
 template <class Each>
 Json for_names(const Json& all, const Json& names, Each each) {
   Json out = Json::array();
@@ -94,7 +93,7 @@ Json for_names(const Json& all, const Json& names, Each each) {
   return out;
 }
 
-/// The six services of one node, and what it tells of changes.
+/// The six parameter services of one node, and its change events.
 class Parameters : public std::enable_shared_from_this<Parameters> {
  public:
   Parameters(Bridge& bridge, std::string node, ParameterSource source)
@@ -124,7 +123,7 @@ class Parameters : public std::enable_shared_from_this<Parameters> {
 
   bool simulated() const { return bridge_.cell().lock_step(); }
 
-  /// A node whose clock is the system's says so.
+  /// The list of parameters, with `use_sim_time` added.
   void listed(std::function<void(const Json& all)> got) {
     source_.list([self = shared_from_this(), got = std::move(got)](Json all) {
       all[kSimTime] = {
@@ -146,7 +145,7 @@ class Parameters : public std::enable_shared_from_this<Parameters> {
     });
   }
 
-  /// `field` of the answer: what `each` makes of every name's entry.
+  /// Replies with `field`: the results of `each` for all names.
   void answer(const Json& request, Reply reply, const char* field,
               Json (*each)(const std::string& name, const Json& entry)) {
     listed([names = request["names"], reply = std::move(reply), field, each](const Json& all) {
@@ -181,7 +180,7 @@ class Parameters : public std::enable_shared_from_this<Parameters> {
     });
   }
 
-  /// Each by itself, as ROS 2 has it: one that is refused does not keep back the others.
+  /// Sets each parameter separately, as in ROS 2: a refused one does not affect the others.
   void set_each(const Json& request, Reply reply) {
     const std::size_t count = request["parameters"].size();
     const auto results = std::make_shared<Json>(Json::array());
@@ -215,7 +214,7 @@ class Parameters : public std::enable_shared_from_this<Parameters> {
     });
   }
 
-  /// What was not there before is new.
+  /// Publishes the change. Parameters that did not exist in `before` are new.
   void tell_change(const Json& values, const Json& before) {
     listed([self = shared_from_this(), values, before](const Json& now) {
       Json event{{"stamp", self->bridge_.ros_stamp(self->bridge_.cell().now())},

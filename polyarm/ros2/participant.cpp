@@ -36,15 +36,15 @@ std::vector<rtps::octet> octets_of(const std::string& text) {
   return {text.begin(), text.end()};
 }
 
-/// So long who hears of this participant for the first time has to note it.
+/// Time that a new participant needs to register this one.
 constexpr auto kIntroduction = std::chrono::milliseconds(20);
 
 [[noreturn]] void refuse(const std::string& what, const std::string& advice = {}) {
   throw Error("no-dds", what, advice);
 }
 
-/// Of replies each reader of Fast DDS gets those that name it. Cyclone's readers get all: they know their own
-/// by a header, and lose the first sample where one before it was left out.
+/// Sends each reader of Fast DDS only the replies addressed to it. Cyclone's readers get all replies: they
+/// recognise their own by a header, and would lose the first sample after a gap.
 class OnlyItsOwn : public eprosima::fastdds::rtps::IReaderDataFilter {
  public:
   bool is_relevant(const rtps::CacheChange_t& change, const rtps::GUID_t& reader) const override {
@@ -53,15 +53,14 @@ class OnlyItsOwn : public eprosima::fastdds::rtps::IReaderDataFilter {
   }
 };
 
-/// What came over the wire stands in one place, what came from within this process in the other.
+/// The identity is in one field if the sample came over the wire, in the other if it came from this process.
 Related related_of(const rtps::WriteParams& params) {
   const auto& within = params.related_sample_identity();
   const auto& identity = within.writer_guid() != rtps::c_Guid_Unknown ? within : params.sample_identity();
   return {guid_of(identity.writer_guid()), static_cast<std::int64_t>(identity.sequence_number().to64long())};
 }
 
-/// Where a peer is, which may be told by its name. `localhost` is this machine whatever its files say (RFC
-/// 6761).
+/// Locator of a peer, given by address or host name. `localhost` is always this machine (RFC 6761).
 rtps::Locator_t locator_of(const std::string& told) {
   rtps::Locator_t out;
   const std::string peer = told == "localhost" ? "127.0.0.1" : told;
@@ -87,7 +86,7 @@ rtps::RTPSParticipantAttributes attributes_of(const ParticipantOptions& options)
     out.userTransports.push_back(std::make_shared<AboveUdp<PlainKeysTransport>>(udp));
   auto& discovery = out.builtin.discovery_config;
   if (!options.discovery) discovery.discoveryProtocol = kNoDiscovery;
-  // A process that dies without a word is forgotten by others after 50 announcements that did not come.
+  // Other participants forget a process that was killed after 50 missed announcements.
   discovery.leaseDuration = {5, 0};
   discovery.leaseDuration_announcementperiod = {0, 100'000'000};
   out.builtin.avoid_builtin_multicast = options.loopback;
@@ -252,7 +251,8 @@ class Participant::Work : public DiscoveryListener {
     std::size_t depth = 10;
     std::mutex writing;
     OnSample on_sample;
-    std::map<Guid, std::chrono::steady_clock::time_point> matched;  ///< since then; under the work's mutex
+    std::map<Guid, std::chrono::steady_clock::time_point> matched;  ///< with the time since when; protected
+                                                                    ///< by mutex_
   };
 
   static std::int64_t added(Endpoint& endpoint, rtps::CacheChange_t* change, rtps::WriteParams& params) {
@@ -274,7 +274,7 @@ class Participant::Work : public DiscoveryListener {
     out.initialReservedCaches = 8;
     return out;
   }
-  /// WriterQos or ReaderQos, whose kinds of reliability and durability have the same names.
+  /// WriterQos or ReaderQos; both use the same names for reliability and durability.
   template <class Stated>
   static Stated stated(const Qos& wanted, const std::string& user_data) {
     Stated out;
@@ -328,15 +328,15 @@ class Participant::Work : public DiscoveryListener {
     remotes_[endpoint] = std::move(user_data);
   }
 
-  /// Cyclone takes no notice of what comes from a participant that it has not heard of yet, and would be told
-  /// of our endpoints a second later: it hears of us first. On the thread of the discovery.
+  /// Cyclone ignores messages from a participant that it has not discovered yet, and would learn of our
+  /// endpoints one second later. So this participant announces itself first. Runs on the discovery thread.
   void meet(rtps::RTPSParticipant& own, const rtps::GUID_t& participant) override {
     if (vendor_of(guid_of(participant)) != Vendor::cyclone) return;
     own.announceRTPSParticipantState();
     std::this_thread::sleep_for(kIntroduction);
   }
 
-  /// Of one that has left, or has not been heard of for too long, the endpoints are not told one by one.
+  /// A participant has left or timed out. Its endpoints are not reported one by one.
   void forget(const rtps::GUID_t& participant) override {
     const Guid gone = guid_of(participant);
     const std::lock_guard lock(mutex_);
@@ -353,7 +353,7 @@ class Participant::Work : public DiscoveryListener {
   mutable std::mutex mutex_;
   std::map<Id, std::unique_ptr<Endpoint>> endpoints_;
   Id last_id_ = 0;
-  std::map<Guid, std::string> remotes_;  ///< user data
+  std::map<Guid, std::string> remotes_;  ///< user data by endpoint
 };
 
 Participant::Participant(const ParticipantOptions& options, ParticipantObserver* observer)

@@ -1,8 +1,7 @@
 #pragma once
-/// A participant on the DDS wire that carries payloads which are written and read elsewhere: Fast DDS at its
-/// RTPS layer, where a reply can be addressed to one reader. Nothing of ROS is known here but where its
-/// middlewares differ in how services are told apart. No cell's process has one: it lives in
-/// polyarm_ros2_dds, and RemoteParticipant stands for it.
+/// A DDS participant that sends and receives serialized payloads. It uses Fast DDS at the RTPS layer, where a
+/// reply can be addressed to one reader. The only ROS knowledge here is how the middlewares tell services
+/// apart. It lives in the process polyarm_ros2_dds only; the cell's process uses RemoteParticipant instead.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -15,49 +14,49 @@
 
 namespace polyarm::ros2 {
 
-/// Told what a participant sees of others. On its threads; must not block.
+/// Receives events about other participants. Called on the participant's threads. Must not block.
 class ParticipantObserver {
  public:
   virtual ~ParticipantObserver() = default;
-  /// An endpoint of ours matches one of others, or does no longer.
+  /// An endpoint of ours now matches another one, or no longer does.
   virtual void on_match(std::size_t id, const Guid& other, bool matches) = 0;
   virtual void on_known(const Guid& endpoint, const std::string& user_data, const Offer& offer) = 0;
   virtual void on_unknown(const Guid& endpoint) = 0;
-  /// All endpoints whose guids have its prefix are unknown.
+  /// All endpoints with this participant's prefix are gone.
   virtual void on_forgotten(const Guid& participant) = 0;
 };
 
-/// Functions may be called from any thread but those of OnSample.
+/// Functions may be called from any thread except inside an OnSample callback.
 class Participant {
  public:
   using Id = std::size_t;
 
-  /// Throws Error("no-dds") where the network cannot be had.
+  /// Throws Error("no-dds") if the network cannot be used.
   explicit Participant(const ParticipantOptions& options, ParticipantObserver* observer = nullptr);
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
-  /// Throw Error("no-dds"). `addressed`: samples carry Related, and readers of Fast DDS get only their own.
-  /// `id`: what it is called, which no other endpoint is; 0: any.
+  /// Both throw Error("no-dds"). `addressed`: samples carry Related, and readers of Fast DDS get only their
+  /// own. `id`: a unique id for the endpoint; 0: any.
   Id add_writer(const std::string& topic, const std::string& type, const Qos& qos,
                 const std::string& user_data, bool addressed = false, Id id = 0);
   Id add_reader(const std::string& topic, const std::string& type, const Qos& qos,
                 const std::string& user_data, OnSample on_sample, Id id = 0);
-  /// Ends the endpoint; no OnSample of it is under way any more when this returns.
+  /// Ends the endpoint. No OnSample call of it is running when this returns.
   void remove(Id id);
 
-  /// Its sequence number, from 1; 0 where the sample could not be taken (too large, no memory).
+  /// Returns the sequence number, from 1; 0 if the sample could not be taken (too large, no memory).
   std::int64_t write(Id writer, std::span<const std::byte> payload,
                      const std::optional<Related>& related = {});
 
   Guid guid(Id id) const;
   Guid prefix() const;
-  /// Endpoints of others that match this one now.
+  /// Endpoints of other participants that match this one now.
   std::vector<Remote> matched(Id id) const;
-  /// What the writer of a sample says of itself, "" where it is not known.
+  /// User data of a writer; "" if unknown.
   std::string user_data_of_writer(const Guid& writer) const;
-  /// How many endpoints of others are known, whether they match or not.
+  /// Count of known endpoints of other participants, matched or not.
   std::size_t known() const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-/// UDP whose received messages pass with_plain_keys() on their way to Fast DDS. Only participant.cpp includes
-/// this.
+/// UDP transport that passes received messages through with_plain_keys() before Fast DDS gets them. Only
+/// participant.cpp includes this.
 #include <chrono>
 #include <memory>
 #include <utility>
@@ -43,7 +43,7 @@ class PlainKeysTransport : public transport::ChainingTransport {
     return below->send(data, size, begin, end, until);
   }
 #endif
-  /// On the thread that reads one of the sockets.
+  /// Called on the thread that reads a socket.
   void receive(transport::TransportReceiverInterface* next, const rtps::octet* data, std::uint32_t size,
                const rtps::Locator_t& local, const rtps::Locator_t& remote) override {
     thread_local std::vector<std::uint8_t> plain;
@@ -54,7 +54,7 @@ class PlainKeysTransport : public transport::ChainingTransport {
   }
 };
 
-/// Makes a transport of class T above `udp`.
+/// Descriptor that makes a transport of class T above `udp`.
 template <class T>
 struct AboveUdp : transport::ChainingTransportDescriptor {
   explicit AboveUdp(std::shared_ptr<transport::TransportDescriptorInterface> udp)

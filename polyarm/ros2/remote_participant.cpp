@@ -31,9 +31,9 @@ using process::Packer;
 using process::Unpacker;
 using Clock = std::chrono::steady_clock;
 
-/// Messages that are taken before the process is looked at again, and how often it is looked at, ms.
+/// Messages handled before the process itself is checked, and the interval of these checks, ms.
 constexpr int kAtOnce = 1000, kLook_ms = 100;
-/// Until it has left the network when it is asked to end.
+/// Time that the process gets to leave the network.
 constexpr auto kLeaving = std::chrono::seconds(2);
 constexpr auto kBetweenNews = std::chrono::minutes(1);
 constexpr std::size_t kMostNews = 32;
@@ -134,7 +134,7 @@ class RemoteParticipant::Work {
     if (thread_.joinable()) thread_.join();
   }
 
-  // Under the mutex.
+  // The caller holds mutex_.
 
   template <class Fill>
   bool order(Fill fill, bool must) {
@@ -173,7 +173,7 @@ class RemoteParticipant::Work {
     if (news_.size() < kMostNews) news_.push_back(std::move(news));
   }
 
-  // On the thread.
+  // Runs on the thread.
 
   void run() {
     start();
@@ -183,7 +183,7 @@ class RemoteParticipant::Work {
         if (!is_over() && Clock::now() >= next_start_) start();
         continue;
       }
-      bool look = true;  // at the process itself: when it says something there, or nothing at all
+      bool look = true;  // check the process itself: it wrote something there, or nothing happened
       if (channel_->may_sleep()) look = sleep(std::chrono::milliseconds(kLook_ms));
       channel_->woken();
       const bool broken = !hear();
@@ -213,8 +213,8 @@ class RemoteParticipant::Work {
     return over_;
   }
 
-  /// Until there is something from the process, or from the one who owns this. False where nothing but a
-  /// message has come.
+  /// Sleeps until the process or the owner signals something, at most for `most`. Returns false if only a
+  /// message came.
   bool sleep(Clock::duration most) const {
     std::array<pollfd, 4> fds{{{bell_.number(), POLLIN, 0},
                                {child_.running() ? channel_->bell() : -1, POLLIN, 0},
@@ -251,7 +251,7 @@ class RemoteParticipant::Work {
     lose("could not be started");
   }
 
-  /// The domain, all endpoints, and what is latched.
+  /// Sends the domain, all endpoints and the latched samples.
   void begin_again() {
     order(
         [&](Packer& out) {
@@ -271,7 +271,7 @@ class RemoteParticipant::Work {
     return Clock::now() - sign_ < remote_.patience;
   }
 
-  /// False where what it says cannot be.
+  /// Handles waiting messages. Returns false if one is malformed.
   bool hear() {
     for (int i = 0; i < kAtOnce; ++i) {
       const auto received = channel_->receive(heard_);
@@ -302,7 +302,7 @@ class RemoteParticipant::Work {
     return view_.take(news, in);
   }
 
-  /// Under the mutex.
+  /// The caller holds mutex_.
   bool opened(Unpacker& in) {
     view_.set_prefix(in.array<16>());
     if (!in.good()) return false;
@@ -335,7 +335,7 @@ class RemoteParticipant::Work {
     return true;
   }
 
-  /// The process is gone; `how` it went.
+  /// The process has ended; `how` says in which way.
   void lose(const std::string& how) {
     const std::lock_guard lock(mutex_);
     const auto now = Clock::now();
@@ -381,25 +381,25 @@ class RemoteParticipant::Work {
   const ParticipantOptions options_;
   RemoteOptions remote_;
 
-  // Of the thread.
+  // Used by the thread only.
   process::Child child_;
   process::PulseWatch pulse_;
   std::vector<std::byte> heard_;
   Clock::time_point started_, sign_, looked_, next_start_;
   std::chrono::milliseconds pause_;
   std::uint64_t beats_ = 0;
-  RemoteNews refused_;  ///< what the process has said before it ended
+  RemoteNews refused_;  ///< what the process reported before it ended
 
   Descriptor bell_;
   std::mutex telling_;  ///< held while OnSample is called
   mutable std::mutex mutex_;
   std::condition_variable opened_;
-  std::unique_ptr<Channel> channel_;  ///< changed by the thread alone
+  std::unique_ptr<Channel> channel_;  ///< changed by the thread only
   DdsView view_;
   std::vector<std::byte> order_;
   RemoteStatistics statistics_;
   std::vector<RemoteNews> news_;
-  std::optional<RemoteNews> first_;  ///< how the first start went; no words: well
+  std::optional<RemoteNews> first_;  ///< outcome of the first start; no text: success
   std::optional<Clock::time_point> missing_since_, told_;
   std::uint64_t untold_ = 0;
   int process_ = 0;

@@ -1,7 +1,7 @@
 #pragma once
-/// A Participant in a process of its own, polyarm_ros2_dds: what parses packets of strangers shares no memory
-/// with what moves a robot. When that process ends, for whatever reason, it is started again after a pause
-/// with the same endpoints; latched samples are written again, others that were under way are lost.
+/// A Participant in a separate process, polyarm_ros2_dds: code that parses packets from the network shares no
+/// memory with code that moves a robot. When that process ends for any reason, it is started again after a
+/// pause with the same endpoints. Latched samples are written again; other samples in transit are lost.
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -17,36 +17,37 @@
 namespace polyarm::ros2 {
 
 struct RemoteOptions {
-  std::string program;             ///< empty: polyarm_ros2_dds where modules lie
-  std::vector<std::string> words;  ///< before the process id of the parent
-  /// Before the process is started again: doubled each time, and short again once it has lived for `fine`.
+  std::string program;             ///< empty: polyarm_ros2_dds in the folder of modules
+  std::vector<std::string> words;  ///< arguments before the parent's process id
+  /// Pause before a restart. It doubles each time, and is short again once the process has run for `fine`.
   std::chrono::milliseconds first_pause{100}, longest_pause{5000}, fine{30'000};
-  /// Its main loop has not come round for so long (it hands over samples one at a time, and each may take the
-  /// library a while): it is ended, and started again.
+  /// If the process's main loop makes no progress for this long, it is killed and started again. (It hands
+  /// over samples one at a time, and each may take the library a while.)
   std::chrono::milliseconds patience{10'000};
-  /// None of its threads has run for so long (process/pulse.hpp): the same.
+  /// The same if none of its threads has run for this long (process/pulse.hpp).
   std::chrono::milliseconds silence{process::kLongestSilence};
 };
 
 struct RemoteStatistics {
-  std::uint64_t too_large = 0;  ///< samples that came
-  std::uint64_t dropped = 0;    ///< samples that came faster than they were taken
+  std::uint64_t too_large = 0;  ///< received samples that were too large
+  std::uint64_t dropped = 0;    ///< received samples that came faster than they were taken
   std::uint64_t unsent = 0;     ///< samples that could not be written
   std::uint64_t losses = 0;     ///< how often the process has ended
 };
 
-/// For a person: the process was lost, it is back, an endpoint could not be made.
+/// Reports for the user: the process was lost, it is back, or an endpoint could not be made.
 struct RemoteNews {
   bool good = false;
   std::string what, advice;
 };
 
-/// As Participant, with its calls from any thread but those of OnSample; none waits for the other process.
+/// The interface of Participant. Call from any thread except inside an OnSample callback; no call waits for
+/// the other process.
 class RemoteParticipant {
  public:
   using Id = std::size_t;
 
-  /// Returns when it speaks DDS. Throws Error("no-dds").
+  /// Returns when the process speaks DDS. Throws Error("no-dds").
   explicit RemoteParticipant(const ParticipantOptions& options, RemoteOptions remote = {});
   ~RemoteParticipant();
   RemoteParticipant(const RemoteParticipant&) = delete;
@@ -56,34 +57,35 @@ class RemoteParticipant {
                 const std::string& user_data, bool addressed = false);
   Id add_reader(const std::string& topic, const std::string& type, const Qos& qos,
                 const std::string& user_data, OnSample on_sample);
-  /// Ends the endpoint; no OnSample of it is under way any more when this returns.
+  /// Ends the endpoint. No OnSample call of it is running when this returns.
   void remove(Id id);
 
-  /// Its sequence number with the process that there is now, from 1; 0 where it cannot be handed over: there
-  /// is no process just now (latched samples are kept), it is too large, or too much waits.
+  /// Returns the sequence number within the current process, from 1. Returns 0 if the sample cannot be handed
+  /// over: there is no process now (latched samples are kept), it is too large, or the channel is full.
   std::int64_t write(Id writer, std::span<const std::byte> payload,
                      const std::optional<Related>& related = {});
 
-  /// kNoGuid until the other process has told.
+  /// kNoGuid until the other process has reported it.
   Guid guid(Id id) const;
   Guid prefix() const;
   std::vector<Remote> matched(Id id) const;
   bool is_matched(Id id) const;
   std::string user_data_of_writer(const Guid& writer) const;
   std::size_t known() const;
-  /// Somebody else has a writer of this topic and type ("rt/cmd_vel", "std_msgs::msg::dds_::Int32_").
+  /// True if another participant has a writer of this topic and type ("rt/cmd_vel",
+  /// "std_msgs::msg::dds_::Int32_").
   bool is_offered(const std::string& topic, const std::string& type) const;
 
-  /// Whether all endpoints have their guids, or could not be made.
+  /// True if every endpoint has its guid, or could not be made.
   bool settled() const;
-  /// Counts up when guids of endpoints have changed.
+  /// Increases whenever guids of endpoints change.
   std::uint64_t identities() const;
   RemoteStatistics statistics() const;
-  /// Each once; a process that is lost again and again is told of once a minute.
+  /// Returns each report once. A process that is lost repeatedly is reported once a minute.
   std::vector<RemoteNews> take_news();
-  /// How long there has been no process; zero where there is one.
+  /// How long there has been no process; zero if it runs.
   std::chrono::nanoseconds missing_for() const;
-  /// Its process id; 0 where there is none.
+  /// Process id; 0 if there is no process.
   int process() const;
 
  private:

@@ -1,4 +1,4 @@
-/// /robot_state_publisher: descriptions and frames; and /clock.
+/// The node /robot_state_publisher (descriptions and frames), and /clock.
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -17,8 +17,8 @@ namespace {
 
 constexpr Nanoseconds kFrames = 20'000'000;
 
-/// Which robots' root links have their place in the frame of an odometry, which their controller tells. Where
-/// that frame is, is the matter of who localizes.
+/// By robot: true if its root link has its pose in an odometry frame, which its controller publishes. The
+/// pose of that frame itself is left to a localization node.
 std::vector<bool> drives(const cell::CellView& cell) {
   std::vector<bool> out;
   for (std::size_t i = 0; i < cell.robots().size(); ++i) {
@@ -61,7 +61,7 @@ class RobotNode : public Part {
   }
 
  private:
-  /// /robot_description, or one under each robot's name.
+  /// Publishes /robot_description, or one under each robot's name.
   void tell_descriptions() {
     const auto& robots = bridge_.cell().robots();
     for (const auto& robot : robots) {

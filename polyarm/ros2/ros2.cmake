@@ -1,5 +1,5 @@
-# ROS 2's graph: a module of its own, since Fast DDS is not what every cell needs. Not built where it is not installed.
-# Fast DDS is called fastdds from its third generation on (Debian 13), and fastrtps before (Debian 12, Ubuntu 24.04).
+# The ROS 2 door is a separate module, because not every cell needs Fast DDS. It is built only if Fast DDS is installed:
+# the package fastdds from version 3 (Debian 13), fastrtps before (Debian 12, Ubuntu 24.04).
 find_package(fastcdr QUIET)
 find_package(fastdds QUIET)
 set(fast_dds fastdds)
@@ -11,7 +11,7 @@ if(NOT fastdds_FOUND AND NOT fastrtps_FOUND)
   message(STATUS "Fast DDS not found (apt install libfastrtps-dev or libfastdds-dev): the ROS 2 module is not built")
   return()
 endif()
-# Fast DDS is in a program of its own; what runs in the cell's process reaches it through shared memory.
+# Only a separate program links Fast DDS; the cell's process uses it through shared memory.
 add_library(polyarm_ros2_types STATIC ros2/dds_types.cpp ros2/disposal_keys.cpp)
 target_include_directories(polyarm_ros2_types PUBLIC ${PROJECT_SOURCE_DIR})
 add_library(polyarm_ros2_participant STATIC ros2/participant.cpp)
@@ -29,7 +29,7 @@ add_library(polyarm_door_ros2 MODULE ros2/module.cpp ros2/bridge.cpp ros2/contro
   ros2/robot_node.cpp ros2/cell_node.cpp ros2/action_server.cpp ros2/parameters.cpp ros2/type_descriptions.cpp
   ros2/life_cycle.cpp ros2/typed_topic.cpp recording/state_messages.cpp)
 set_target_properties(polyarm_door_ros2 PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/drivers)
-# What it uses of the cell it finds in the command that loads it.
+# The command that loads it exports the symbols of the cell.
 target_include_directories(polyarm_door_ros2 PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
 target_link_libraries(polyarm_door_ros2 PRIVATE polyarm_ros2_wire fmt::fmt nlohmann_json::nlohmann_json)
 polyarm_together(polyarm_door_ros2 ros2 "${POLYARM_ROOMS_TOGETHER}")

@@ -1,4 +1,4 @@
-/// The service by which a node tells what its message types look like (REP 2016).
+/// The service with which a node describes its message types (REP 2016).
 #include <map>
 #include <utility>
 
@@ -12,10 +12,10 @@ using messages::FieldInfo;
 using messages::FieldKind;
 using messages::TypeInfo;
 
-/// A struct without fields has this one, which the wire sees and nobody else.
+/// A struct without fields has this one on the wire.
 const char* const kNothing = "structure_needs_at_least_one_member";
 
-/// The number of a field's type: an array is 48 above a single one, a bounded sequence 96, an open one 144.
+/// Type id of a field: +48 for an array, +96 for a bounded sequence, +144 for an unbounded one.
 int type_id(const FieldInfo& field) {
   constexpr int kBoundedText = 21;
   return (field.text_capacity > 0 ? kBoundedText : static_cast<int>(field.kind)) +

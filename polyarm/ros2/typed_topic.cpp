@@ -6,7 +6,8 @@
 namespace polyarm::ros2 {
 
 namespace {
-/// How long a type stays after its last publisher has left, so that its last messages are still taken.
+/// How long a type stays offered after its last publisher has left, so that its last messages are still
+/// received.
 constexpr auto kStays = std::chrono::milliseconds(250);
 }  // namespace
 

@@ -1,6 +1,6 @@
 #pragma once
-/// A topic that is heard in one of several types. Tools of ROS 2 refuse a topic that has two types on the
-/// graph, so those are offered that others publish; where nobody does, those that are offered at once.
+/// A topic that can be received in one of several types. Tools of ROS 2 refuse a topic with two types on the
+/// graph. So only the types that others publish are offered; without publishers, the default types.
 #include <chrono>
 #include <functional>
 #include <string>
@@ -12,17 +12,18 @@ namespace polyarm::ros2 {
 
 class TypedTopic {
  public:
-  /// Listens to the topic in this type; the endpoint belongs to the group.
+  /// Subscribes to the topic with this type; the endpoint belongs to the group.
   using Listen = std::function<void(const std::string& group, const std::string& type)>;
 
-  /// `types`: that there are; `at_once`: some of them; `group`: of each type's endpoint, before its name.
+  /// `types`: all types; `at_once`: those offered while there is no publisher; `group`: prefix of the group
+  /// name of each type's endpoint.
   TypedTopic(Bridge& bridge, const std::string& group, std::string topic,
              const std::vector<std::string>& types, const std::vector<std::string>& at_once, Listen listen);
   ~TypedTopic();
   TypedTopic(const TypedTopic&) = delete;
   TypedTopic& operator=(const TypedTopic&) = delete;
 
-  /// Offers what others publish by now.
+  /// Updates the offered types to those that others publish now.
   void look();
 
  private:
@@ -30,7 +31,7 @@ class TypedTopic {
   struct Type {
     std::string name, group;
     bool at_once = false, open = false;
-    Clock::time_point wanted;  ///< the last time
+    Clock::time_point wanted;  ///< when it was last wanted
   };
   void offer(Type& type, bool wanted);
 

@@ -22,25 +22,25 @@ namespace polyarm::ros2 {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-/// Of topics, before answers are looked at again.
+/// Topic messages written before replies are checked again.
 constexpr std::size_t kAtOnce = 64;
-/// So long a reply waits for its reader. The middlewares of ROS 2 wait 0.1 s, and their server stands still
-/// meanwhile; here nobody waits for it, and who asked before it was known here is answered, too: a client of
-/// Fast DDS tells of its endpoints again after 3 s.
+/// How long a reply waits for its reader. The middlewares of ROS 2 wait 0.1 s and block their server. Here
+/// nothing blocks, so a client also gets its reply if it called before it was discovered: a client of Fast
+/// DDS announces its endpoints again after 3 s.
 constexpr auto kPatience = std::chrono::seconds(10);
-/// A server that is matched here may not have matched us yet. Fast DDS asks for what it missed; a reader of
-/// another middleware takes it for old, and a first call would be lost. They tell each other of endpoints
-/// again each second.
+/// A server that is matched here may not have matched this client yet. Fast DDS requests samples that it
+/// missed. A reader of another middleware treats such a sample as old, so the first call would be lost.
+/// Endpoints are announced again each second.
 constexpr auto kMutual = std::chrono::milliseconds(1200);
-/// A reader of Cyclone that has heard no heartbeat of a writer yet takes all that the first one counts for
-/// old: a reply that comes before it would be lost. It asks for one as soon as it knows the writer, which who
-/// asks does; so long its first reply waits.
+/// The first reply to a reader of Cyclone is delayed by this time. The first heartbeat of a writer counts the
+/// samples before it, and such a reader treats these as old: a reply before that heartbeat would be lost. It
+/// requests a heartbeat as soon as it knows the writer, and a client does know it.
 constexpr auto kFirstReply = std::chrono::milliseconds(100);
 constexpr std::size_t kMostAnswered = 4096;
-/// Cyclone DDS puts who asked, and the how manieth time, before the fields of requests and replies.
+/// Cyclone DDS puts client id and call number before the fields of requests and replies.
 constexpr std::size_t kCycloneHeader = 16, kEncapsulation = 4;
 
-/// The value of `key=value;` in user data, "" without.
+/// The value of `key=value;` in user data; "" if missing.
 std::string entry_of(const std::string& user_data, const std::string& key) {
   const std::size_t at = user_data.find(key + "=");
   if (at == std::string::npos) return "";
@@ -48,11 +48,11 @@ std::string entry_of(const std::string& user_data, const std::string& key) {
   return user_data.substr(begin, user_data.find(';', begin) - begin);
 }
 
-/// Who asked: what a reply needs to find back.
+/// The client that called: what is needed to address the reply.
 struct Asker {
   Vendor vendor = Vendor::other;
   Related related;        ///< Fast DDS and others: the reader that waits, or the writer that asked
-  std::string client_id;  ///< Cyclone: what its request writer and reply reader have in common
+  std::string client_id;  ///< Cyclone: an id that its request writer and reply reader share
   std::array<std::byte, kCycloneHeader> header{};
   Clock::time_point asked = Clock::now();
 };
@@ -144,7 +144,7 @@ class Wire::Work {
     if (!ready(client)) return false;
     Caller& caller = *callers_.at(client).first;
     const auto servers = participant_.matched(client);
-    if (servers.empty()) return false;  // gone meanwhile
+    if (servers.empty()) return false;  // it has left in the meantime
     caller.cyclone = vendor_of(servers.front().guid) == Vendor::cyclone;
     caller.writer = participant_.guid(client);
     caller.reader = participant_.guid(callers_.at(client).second);
@@ -219,7 +219,7 @@ class Wire::Work {
  private:
   struct Endpoint {
     bool reader;
-    std::function<void()> silence;  ///< what has come in already is not told any more
+    std::function<void()> silence;  ///< stops callbacks for messages that are already queued
   };
   struct Node {
     std::map<Id, Endpoint> endpoints;
@@ -231,14 +231,14 @@ class Wire::Work {
     Clock::time_point until;
   };
 
-  /// Of a client of ours: whom it awaits an answer from, and which. The cell's thread's.
+  /// State of a client of ours: the call that waits for a reply. Cell thread.
   struct Caller {
-    Guid me = kNoGuid;  ///< what its writer and reader have in common
+    Guid me = kNoGuid;  ///< id that its writer and reader share
     Guid writer = kNoGuid, reader = kNoGuid;
     OnMessage on_reply;
     bool cyclone = false;
     std::int64_t awaited = 0;  ///< Fast DDS: sequence number of the request
-    std::int64_t number = 0;   ///< Cyclone: the how manieth call
+    std::int64_t number = 0;   ///< Cyclone: number of the call
     std::array<std::byte, kCycloneHeader> header() const {
       std::array<std::byte, kCycloneHeader> out;
       std::memcpy(out.data(), me.data() + 8, 8);
@@ -255,12 +255,12 @@ class Wire::Work {
     return *found;
   }
 
-  /// Humble knows of no hashes.
+  /// Humble does not use type hashes.
   std::string type_hash(const messages::TypeInfo& type) const {
     return distribution_ == messages::Distribution::humble ? "" : std::string("typehash=") + type.hash + ";";
   }
 
-  /// Shaped like a guid, and of nobody else.
+  /// A unique value in the form of a guid.
   Guid unique() {
     Guid out = participant_.prefix();
     const auto number = static_cast<std::uint32_t>(++uniques_);
@@ -274,7 +274,7 @@ class Wire::Work {
     return id;
   }
 
-  /// `work` is false where what came is no message of its type.
+  /// `work` returns false if the message is not of its type.
   void enqueue(std::function<bool()> work) {
     {
       const std::lock_guard lock(mutex_);
@@ -288,7 +288,7 @@ class Wire::Work {
     rope.pull();
   }
 
-  /// On a thread of the participant.
+  /// Runs on a thread of the participant.
   void take_request(const Sample& sample, Id replies, const std::shared_ptr<OnRequest>& on_request) {
     Asker asker;
     asker.vendor = vendor_of(sample.writer);
@@ -310,7 +310,7 @@ class Wire::Work {
     });
   }
 
-  /// On a thread of the participant. Others' replies come here, too.
+  /// Runs on a thread of the participant. Replies to other clients arrive here, too.
   void take_reply(const Sample& sample, const std::shared_ptr<Caller>& caller) {
     const bool cyclone = vendor_of(sample.writer) == Vendor::cyclone;
     if (sample.payload.size() < kEncapsulation + (cyclone ? kCycloneHeader : 0)) return refuse(true);
@@ -330,14 +330,14 @@ class Wire::Work {
     });
   }
 
-  /// `unseen`: it has not been counted as received yet.
+  /// `unseen`: the message has not been counted as received yet.
   void refuse(bool unseen) {
     const std::lock_guard lock(mutex_);
     statistics_.received += unseen ? 1 : 0;
     ++statistics_.refused;
   }
 
-  /// At once where the reader is there, which spares a reply the way through the sending thread.
+  /// Writes the reply at once if its reader is matched; else queues it for the sending thread.
   void answer(Outgoing out) {
     if (!write(out)) send(to_answer_, std::move(out));
   }
@@ -386,7 +386,8 @@ class Wire::Work {
     }
   }
 
-  /// False where it must wait for its reader. On the sending thread, and of a reply on the one that gives it.
+  /// Returns false if it must wait for its reader. Runs on the sending thread; for a reply, also on the
+  /// thread that answers.
   bool write(Outgoing& out) {
     std::optional<Related> related;
     if (out.to) {
@@ -405,7 +406,7 @@ class Wire::Work {
     return true;
   }
 
-  /// Whether a reader of Cyclone has been answered before, or has had the time to hear of its writer.
+  /// True if this Cyclone reader got a reply before, or has had time to hear of the writer.
   bool hears(const Guid& reader, Clock::time_point asked) {
     const std::lock_guard lock(mutex_);
     if (answered_.contains(reader)) return true;
@@ -415,7 +416,7 @@ class Wire::Work {
     return true;
   }
 
-  /// The reader that waits for a reply to this asker, if it is matched already.
+  /// The matched reader that waits for the reply to this client; nothing if it is not matched yet.
   std::optional<Guid> reader_of(const Asker& asker, Id replies) const {
     for (const Remote& remote : participant_.matched(replies)) {
       if (asker.vendor == Vendor::cyclone) {
@@ -426,13 +427,13 @@ class Wire::Work {
       } else if (remote.guid == asker.related.guid ||
                  (std::equal(remote.guid.begin(), remote.guid.begin() + 12, asker.related.guid.begin()) &&
                   asker.related.guid[15] != 0x04 && asker.related.guid[15] != 0x07)) {
-        return remote.guid;  // the reader itself, or one beside the writer that asked
+        return remote.guid;  // the reader itself, or one of the same participant if a writer asked
       }
     }
     return std::nullopt;
   }
 
-  /// The whole of what our nodes have, after every change.
+  /// Publishes all endpoints of our nodes; called after every change.
   void tell_graph() {
     struct Ends {
       nlohmann::json readers = nlohmann::json::array(), writers = nlohmann::json::array();
@@ -458,7 +459,7 @@ class Wire::Work {
                                                              {"node_entities_info_seq", std::move(nodes)}}));
   }
 
-  /// Humble has 24 bytes, of which the last are zero.
+  /// Humble uses 24 bytes; the last are zero.
   nlohmann::json gid(const Guid& guid) const {
     std::vector<std::uint8_t> bytes(guid.begin(), guid.end());
     bytes.resize(distribution_ == messages::Distribution::humble ? 24 : 16);
@@ -472,15 +473,16 @@ class Wire::Work {
   bool graph_changed_ = true;
   std::uint64_t told_identities_ = 0;
   std::uint64_t uniques_ = 0;
-  std::map<Id, std::pair<std::shared_ptr<Caller>, Id>> callers_;  ///< and readers, by request writers
+  std::map<Id, std::pair<std::shared_ptr<Caller>, Id>> callers_;  ///< by request writer: caller and its reply
+                                                                  ///< reader
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   mutable std::condition_variable arrived_;
   std::deque<std::function<bool()>> waiting_;
-  /// Whoever asked is answered however much is told on topics, as it is by a cell in lock-step.
+  /// Replies have their own queue, so a flood of topic messages (as in lock-step) does not delay them.
   std::deque<Outgoing> to_answer_, to_tell_;
-  std::set<Guid> answered_;  ///< readers of Cyclone
+  std::set<Guid> answered_;  ///< readers of Cyclone that got a reply
   WireStatistics statistics_;
   bool over_ = false;
   std::thread thread_;

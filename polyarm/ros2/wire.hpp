@@ -1,12 +1,12 @@
 #pragma once
-/// Topics and services as ROS 2 names them, and the graph that tells its tools which node has which.
+/// ROS 2 topics and services over DDS, and the graph information for ROS 2 tools.
 ///
-/// DDS itself is spoken by a process of its own (RemoteParticipant); what it has under way is lost with it,
-/// and nodes, topics and services are there again as soon as it is.
+/// DDS runs in a separate process (RemoteParticipant). If it ends, messages in transit are lost; nodes,
+/// topics and services are back as soon as it is restarted.
 ///
-/// What comes in waits until `take` is called: callbacks run on that thread alone. What goes out is written
-/// by a thread of this class, except a reply whose reader is there already: that is handed over at once. Any
-/// other reply waits up to ten seconds until its reader is matched.
+/// Received messages wait until `take` is called, and callbacks run on that thread only. A thread of this
+/// class writes outgoing messages, except a reply whose reader is already matched: that is written at once.
+/// Any other reply waits up to ten seconds for its reader.
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +24,7 @@ namespace polyarm::ros2 {
 
 struct WireStatistics {
   std::uint64_t received = 0;  ///< samples of all topics, requests and replies
-  std::uint64_t refused = 0;   ///< of these: too large, too short for their header, or no message of the type
+  std::uint64_t refused = 0;   ///< of these: too large, too short for their header, or not of the type
   std::uint64_t dropped = 0;   ///< of these: came faster than they were taken
   std::uint64_t sent = 0, unsent = 0;
 };
@@ -32,60 +32,64 @@ struct WireStatistics {
 class Wire {
  public:
   using Id = std::size_t;
-  /// False where the payload is no message of the type.
+  /// Returns false if the payload is not a message of the type.
   using OnMessage = std::function<bool(std::span<const std::byte> payload)>;
-  /// A request, and how it is answered later: once, from the thread that calls take().
+  /// A request, and the function that answers it: call it once, from the thread that calls take(). It may be
+  /// later.
   struct Request {
     std::vector<std::byte> payload;
     std::function<void(std::vector<std::byte> reply)> answer;
   };
-  /// False as above; then nobody is answered.
+  /// Returns false as above; then no reply is sent.
   using OnRequest = std::function<bool(Request request)>;
 
-  /// What types and the graph look like is of the distribution.
+  /// The distribution decides the form of types and graph.
   explicit Wire(const ParticipantOptions& options,
                 messages::Distribution distribution = messages::Distribution::jazzy);
   ~Wire();
 
-  /// `node`: whole name ("/controller_manager"), or a group of its endpoints ("/arm_controller@ports"), which
-  /// can be ended by itself and which the graph does not tell apart; `topic`: whole name ("/joint_states").
-  /// Of a service `type` is its name without the part ("std_srvs/srv/Trigger"). Throw Error("no-dds") and
-  /// Error("unknown-type").
+  /// `node`: full name ("/controller_manager"), or a group of its endpoints ("/arm_controller@ports") that
+  /// can be removed separately; the graph shows a group as its node. `topic`: full name ("/joint_states").
+  /// For a service, `type` is its name without request or response ("std_srvs/srv/Trigger"). Throw
+  /// Error("no-dds") and Error("unknown-type").
   Id publisher(const std::string& node, const std::string& topic, const messages::TypeInfo& type,
                const Qos& qos = {});
-  /// Not told of what this wire itself publishes.
+  /// Does not receive what this wire itself publishes.
   Id subscription(const std::string& node, const std::string& topic, const messages::TypeInfo& type,
                   const Qos& qos, OnMessage on_message);
   Id service(const std::string& node, const std::string& name, const std::string& type, OnRequest on_request);
-  /// Asks a service of others, whatever their middleware; `on_reply` is told of the answer to the latest
-  /// call.
+  /// A client for services of other nodes, whatever their middleware. `on_reply` receives the reply to the
+  /// latest call only.
   Id client(const std::string& node, const std::string& name, const std::string& type, OnMessage on_reply);
-  /// Is there a service to ask? Of Cyclone and others, once it has had time to know of this client.
+  /// True if there is a server to call. A server of Cyclone or others counts only after it had time to
+  /// discover this client.
   bool ready(Id client) const;
-  /// From the thread that calls take(). False where there is none to ask.
+  /// Call it from the thread that calls take(). Returns false if there is no server.
   bool call(Id client, std::vector<std::byte> request);
 
-  /// In the form of the distribution; null where there is none.
+  /// The type in the form of the distribution; null if unknown.
   const messages::TypeInfo* find_type(const std::string& name) const;
-  /// Ends the node, or a group of it, with all it has.
+  /// Removes the node, or a group of it, with all its endpoints.
   void remove_node(const std::string& name);
 
   /// Any thread that also calls take().
   void publish(Id publisher, std::vector<std::byte> payload);
-  /// Does anybody listen to it?
+  /// True if there is a subscriber.
   bool wanted(Id publisher) const;
-  /// Does anybody else publish this type on the topic ("/cmd_vel"), whether this wire hears it or not?
+  /// True if another participant publishes this type on the topic ("/cmd_vel"), whether or not this wire
+  /// subscribes to it.
   bool offered(const std::string& topic, const messages::TypeInfo& type) const;
-  /// Runs the callbacks of at most `most` messages that have come in, and tells the graph what has changed.
+  /// Runs the callbacks of at most `most` waiting messages, and publishes changes of the graph. Returns their
+  /// count.
   std::size_t take(std::size_t most);
-  /// Until something waits to be taken, at most so long.
+  /// Waits until a message can be taken, at most for `patience`.
   void wait(std::chrono::nanoseconds patience) const;
 
-  /// Rung when something has come in; null: none is.
+  /// Rung when a message has come in; null: none.
   void set_bell(const std::shared_ptr<realtime::Bell>& bell);
 
   WireStatistics statistics() const;
-  /// What others that use the wire must be told of: see RemoteNews.
+  /// Reports for the user: see RemoteNews.
   std::vector<RemoteNews> take_news();
   const RemoteParticipant& participant() const;
   messages::Distribution distribution() const;

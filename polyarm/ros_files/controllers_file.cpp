@@ -40,14 +40,15 @@ struct ManagerName {
   bool operator==(const ManagerName&) const = default;
 };
 
-/// The parameters that several blocks give a node, and which of them name it and not just every node.
+/// The parameters of a node from several blocks. `own`: keys from blocks that name the node, not only from
+/// wildcard blocks.
 struct Gathered {
   Parameters parameters;
   std::set<std::string> own;
   bool has_block = false;
 };
 
-/// Each is compared with each, so there is an end to them.
+/// Adds an entry. The count is limited, because each entry is compared with each other one.
 void add_bounded(std::vector<ControllerEntry>& list, ControllerEntry entry) {
   if (list.size() >= bounds::kFileControllers)
     throw Error(Problem{"too-many",
@@ -57,7 +58,7 @@ void add_bounded(std::vector<ControllerEntry>& list, ControllerEntry entry) {
   list.push_back(std::move(entry));
 }
 
-/// Joins the blocks of ROS 2 files: managers, their controllers, and who gets which parameters.
+/// Combines the blocks of ROS 2 files: finds the managers, their controllers, and the parameters of each.
 class Ros2Reader {
  public:
   Ros2Reader(ParameterSet& set, const ParameterSubstitution* substitution, ControllersFile& out,
@@ -80,7 +81,7 @@ class Ros2Reader {
  private:
   std::vector<ManagerName> managers() const {
     std::vector<ManagerName> named, other;
-    std::vector<Path> typed;  // namespaces of controllers whose own blocks state a type
+    std::vector<Path> typed;  // namespaces of controllers whose own blocks give a type
     bool everywhere = false;
     const auto add = [](std::vector<ManagerName>& list, ManagerName manager) {
       if (std::find(list.begin(), list.end(), manager) == list.end()) list.push_back(std::move(manager));
@@ -111,7 +112,7 @@ class Ros2Reader {
     return declares_controllers(node) || (is_wild(node.path.back()) && node.parameters.has("update_rate"));
   }
 
-  /// For a manager of any namespace: the namespaces in which controllers are named.
+  /// For a manager whose namespace is a wildcard: the namespaces in which controllers are named.
   std::vector<ManagerName> where_controllers_are() const {
     std::set<std::string> names;
     for (const NodeParameters& node : set_.nodes) {
@@ -190,8 +191,8 @@ class Ros2Reader {
     out_.update_rate = out_.manager.update_rate > 0 ? out_.manager.update_rate : read.update_rate;
   }
 
-  /// What is wrong with one controller concerns no other: its errors become warnings that begin with
-  /// `consequence`. False where there were any.
+  /// Runs `step`. A mistake in one controller does not affect the others, so its errors become warnings that
+  /// begin with `consequence`. Returns false if there were any.
   template <typename Step>
   bool alone(const std::string& consequence, Step step) {
     Problems own;
@@ -206,7 +207,7 @@ class Ros2Reader {
     return !own.has_errors();
   }
 
-  /// Who is a controller: who has a type, or something that only controllers have.
+  /// The names of controllers: nodes with a type, or with keys that only controllers have.
   std::set<std::string> controller_names(const ManagerName& manager, const Gathered& gathered) const {
     std::set<std::string> out, blocks;
     for (const NodeParameters& node : set_.nodes) {
@@ -236,7 +237,7 @@ class Ros2Reader {
     Path whole = manager.ns;
     whole.push_back(name);
     Gathered own = gather(whole, set_.nodes, &used_);
-    if (!taken_.insert(whole).second) return;  // by another manager of this namespace
+    if (!taken_.insert(whole).second) return;  // taken by another manager of this namespace
     drop_foreign(own, names);
     ControllerEntry entry;
     entry.name = name;
@@ -263,7 +264,7 @@ class Ros2Reader {
     add_bounded(out_.controllers, std::move(entry));
   }
 
-  /// From blocks for every node, what is meant for the manager or for other controllers.
+  /// Removes keys from wildcard blocks that are meant for the manager or for other controllers.
   static void drop_foreign(Gathered& own, const std::set<std::string>& names) {
     std::erase_if(own.parameters.entries, [&](const auto& item) {
       if (own.own.contains(item.first) || item.first == "update_rate") return false;
@@ -297,7 +298,7 @@ class Ros2Reader {
     return own.parameters.entries.empty() ? Location{} : own.parameters.entries.begin()->second.where;
   }
 
-  /// Parameters of a controller that stand in the manager's block, where no controller looks.
+  /// Warns about parameters of a controller in the manager's block, where no controller looks for them.
   void check_declaration(const std::string& name, const Gathered& from) {
     for (const std::string& key : from.own) {
       if (!key.starts_with(name + ".")) continue;
@@ -340,7 +341,7 @@ class Ros2Reader {
     for (JointLimitsSource& limits : extra.joint_limits) set_.joint_limits.push_back(std::move(limits));
   }
 
-  /// `-p name:=value` among the arguments of the controller's node.
+  /// Reads `-p name:=value` from the arguments of the controller's node.
   static void take_arguments(const ControllerEntry& entry, const Parameters::Entry* written,
                              Parameters& out) {
     const std::vector<std::string>& args = entry.node_options_args;
@@ -351,7 +352,7 @@ class Ros2Reader {
     }
   }
 
-  /// Blocks that name a controller in a namespace where it is not: they are taken where that is unambiguous.
+  /// Uses blocks that name a controller in another namespace, if only one controller matches.
   void lend_other_namespaces() {
     for (std::size_t i = 0; i < set_.nodes.size(); ++i) {
       const NodeParameters& node = set_.nodes[i];
@@ -472,14 +473,14 @@ class Ros2Reader {
   ParameterSet& set_;
   const ParameterSubstitution* substitution_;
   ControllersFile& out_;
-  Problems* problems_;  ///< of the whole file, or of the one controller that is being read
+  Problems* problems_;  ///< those of the whole file, or of the controller that is being read
   std::vector<bool> used_;
-  std::set<std::size_t> lonely_;  ///< controllers for which no block has been found
+  std::set<std::size_t> lonely_;  ///< controllers without a block
   std::set<Path> taken_;          ///< controllers that have been read
   std::size_t gathered_ = 0;
 };
 
-/// Finds controllers, gains and rates on the parameter server of ROS 1.
+/// Finds controllers, gains and rates in the parameters of ROS 1.
 class Ros1Reader {
  public:
   Ros1Reader(const ParameterTree& tree, ControllersFile& out, Problems& problems)
@@ -497,7 +498,7 @@ class Ros1Reader {
     }
     if (is_controller(node, name)) return controller(node, path);
     if (node.value) leaf(node, path);
-    if (node.value && node.value->list) return;  // maps in it are no names of their own
+    if (node.value && node.value->list) return;  // maps in a list are not names
     for (const auto& [child, inner] : node.children) {
       Path next = path;
       next.push_back(child);
@@ -569,7 +570,7 @@ class Ros1Reader {
   Problems& problems_;
 };
 
-/// The order of the sources, and within them that of the lines.
+/// Sorts by source, then by line.
 auto by_place(const std::vector<ParameterSource>& sources) {
   return [&sources](const auto& a, const auto& b) {
     const auto rank = [&](const Location& where) {

@@ -1,23 +1,24 @@
 #pragma once
+/// Maps the hardware plugins that descriptions name to drivers of Polyarm.
 #include <string>
 #include <vector>
 
 namespace polyarm::ros_files {
 
-/// What stands in for a hardware plugin that a description names.
+/// Chooses the driver for a hardware plugin that a description names.
 struct HardwareChoice {
   std::string driver;  ///< "mock", "mujoco", …
-  std::string flag;    ///< parameter that makes the driver behave like the plugin; empty: none
-  std::string note;    ///< one sentence when something was replaced, else empty
-  std::string real;    ///< the driver of the robot itself, where there is one beside what plays it
+  std::string flag;    ///< driver parameter that makes it behave like the plugin; empty: none
+  std::string note;    ///< one sentence if the plugin was replaced, else empty
+  std::string real;    ///< driver of the real robot, if the chosen driver only simulates it
 };
 
-/// The driver for a plugin name of a description: the table of the names that ROS users have, a driver of
-/// that very name, else physics where it is installed and mock where it is not. Empty names mean no plugin
-/// was declared.
+/// The driver for a plugin name: a driver of the same name; else that of the alias table of names that ROS
+/// users have (mock if that driver is not installed); else physics if installed, and mock if not. An empty
+/// name means that no plugin was declared.
 HardwareChoice choose_hardware(const std::string& plugin, const std::string& component);
 
-/// A row of the alias table, for the reference page.
+/// A row of the alias table, also shown in the reference.
 struct HardwareAlias {
   const char* plugin;
   const char* driver;

@@ -13,7 +13,7 @@ namespace {
 
 using controllers::JointFacts;
 
-/// A symmetric limit from a range: the smaller of both sides.
+/// Narrows a symmetric limit by a range: uses the smaller side.
 void narrow(double& limit, const std::optional<double>& low, const std::optional<double>& high) {
   for (const auto& side : {low, high})
     if (side && std::isfinite(*side) && *side != 0) limit = std::min(limit, std::abs(*side));
@@ -26,7 +26,7 @@ std::string range(double lower, double upper) {
   return side(lower) + " to " + side(upper);
 }
 
-/// Leaves a range that would become empty as it was.
+/// Keeps the old range if the new one would be empty.
 void positions_by_interface(const description::InterfaceInfo& interface, JointFacts& facts,
                             Problems& problems) {
   const double lowest = interface.min.value_or(facts.lower), highest = interface.max.value_or(facts.upper);
@@ -85,7 +85,7 @@ const std::vector<std::string> kKeys = {"has_position_limits",
                                         "soft_upper_limit",
                                         "angle_wraparound"};
 
-/// One joint's map.
+/// Reads the map of one joint.
 class JointReader {
  public:
   JointReader(const Yaml& yaml, JointFacts& facts, Problems& problems)
@@ -107,7 +107,7 @@ class JointReader {
   }
 
  private:
-  /// Leaves a range that would become empty as it was.
+  /// Keeps the old range if the new one would be empty.
   void positions(double lowest, double highest) {
     const double lower = std::max(facts_.lower, lowest), upper = std::min(facts_.upper, highest);
     if (lower > upper)
@@ -128,7 +128,7 @@ class JointReader {
     return out;
   }
 
-  /// Whether the group counts: what its flag says; without the flag, whether its values are there.
+  /// True if this group of limits applies: as its flag says; without a flag, if one of its keys is present.
   bool has(const char* flag, std::initializer_list<const char*> keys) {
     bool out = false;
     if (yaml_.has(flag))

@@ -1,6 +1,6 @@
 #pragma once
-/// The limits of joints from all the places where users of ROS write them: the description's <limit>, the min
-/// and max of its <ros2_control>, and joint_limits.yaml. The tighter one holds.
+/// Joint limits from all places where ROS users write them: <limit> in the description, min and max in its
+/// <ros2_control>, and joint_limits.yaml. The tightest limit applies.
 #include <vector>
 
 #include "polyarm/controllers/controller.hpp"
@@ -9,13 +9,13 @@
 
 namespace polyarm::ros_files {
 
-/// Narrows the limits of a joint by the min and max of its command interfaces in <ros2_control>. Ranges that
-/// leave no position are an error with the line of the interface.
+/// Narrows the limits of a joint by min and max of its command interfaces in <ros2_control>. If no position
+/// is left, reports an error with the line of the interface.
 void narrow_by_hardware(const description::RobotModel& model, const std::string& joint,
                         controllers::JointFacts& facts, Problems& problems);
 
-/// Narrows (and where `has_*_limits` says false, leaves alone) the limits of the joints by a `joint_limits:`
-/// map. Joints are named with or without their robot. What is wrong becomes a problem with its place.
+/// Narrows the limits of the joints by a `joint_limits:` map. A limit whose `has_*_limits` is false is not
+/// changed. Joint names may include the robot's name. Mistakes are reported with their location.
 void narrow_by_file(const JointLimitsSource& source, std::vector<controllers::JointFacts*>& joints,
                     Problems& problems);
 

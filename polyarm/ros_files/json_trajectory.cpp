@@ -14,10 +14,10 @@ namespace {
 using nlohmann::json;
 using trajectory::TrajectoryPoint;
 
-constexpr std::size_t kShort = 16;  // points that are read as text, so that messages about them name a place
+constexpr std::size_t kShort = 16;  // fewer points are read as text, so that errors have a location
 constexpr int kDeepest = 4;         // {goal: {trajectory: {points}}}
 
-/// The list of points within a message; null where there is none.
+/// The list of points in a message; null if there is none.
 const json* points_of(const json& message, int depth = 0) {
   if (!message.is_object() || depth > kDeepest) return nullptr;
   if (const auto points = message.find("points"); points != message.end())
@@ -67,7 +67,7 @@ bool read_point(const json& from, TrajectoryPoint& out) {
   return timed;
 }
 
-/// The message with no points in it.
+/// The message with empty lists of points.
 json without_points(const json& from, int depth = 0) {
   if (!from.is_object() || depth > kDeepest) return from;
   json out = json::object();

@@ -1,5 +1,5 @@
 #pragma once
-/// Long trajectories that come as JSON: their points are taken as they are, without the way through text.
+/// Reads long trajectories in JSON quickly: their points are converted directly, without YAML text.
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace polyarm::ros_files {
 
-/// A trajectory, or a goal around one, of the given message types. Nothing where the message is short, is
-/// another one, or has points that are not plain: read_message() reads these, and says what is wrong. Throws
-/// Error as read_message() does for what stands beside the points.
+/// Reads a trajectory, or a goal with one, of the given message types. Returns nothing if the trajectory is
+/// short, the message is of another kind, or points contain anything but plain numbers: use read_message()
+/// then, which also reports mistakes. Throws Error as read_message() does for mistakes outside the points.
 std::optional<controllers::Input> read_json_trajectory(const nlohmann::json& message, const std::string& name,
                                                        const std::vector<std::string>& types);
 

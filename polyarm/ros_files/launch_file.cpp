@@ -44,14 +44,14 @@ const char* reason(tinyxml2::XMLError error) {
   }
 }
 
-/// What holds inside an element: the namespace, and the args that are known there.
+/// The scope of an element: namespace and known args.
 struct Scope {
   std::string ns = "/";
   Args args;
-  std::set<std::string> declared;  ///< in this very scope
+  std::set<std::string> declared;  ///< in this scope, not in an outer one
 };
 
-/// A file that is being read, and from where it was included.
+/// A file that is being read, and the place of its <include>.
 struct Frame {
   std::filesystem::path path;
   Args passed;
@@ -65,7 +65,7 @@ class LaunchReader {
   LaunchReader(const PackageSearch& find, LaunchedCell& out, Problems& problems)
       : find_(find), out_(out), problems_(problems) {}
 
-  /// Throws Error without chain when the file cannot be read.
+  /// Throws Error, without the chain of includes, if the file cannot be read.
   void file(Frame frame, const std::string& ns) {
     if (++files_ > kMostFiles)
       throw Error("too-many-includes", "more than 500 launch files are included", "look for an endless loop");
@@ -117,13 +117,13 @@ class LaunchReader {
   void not_applicable(const XMLElement& element, std::string what) {
     out_.not_applicable.push_back({at(element), std::move(what)});
   }
-  /// Once an <arg> has no value, what goes wrong with other elements may come from that, and is not told.
+  /// True if an <arg> has no value. Errors of other elements may follow from that, so they are not reported.
   bool follows_from_args(const XMLElement& element) {
     const bool arg = std::string_view(element.Name()) == "arg";
     args_broken_ |= arg;
     return args_broken_ && !arg;
   }
-  /// Tells what was thrown: with the place of the element, or its own where it has one.
+  /// Reports a thrown error, at its own location or else at the element.
   void tell(const XMLElement& element, const Error& thrown) {
     if (follows_from_args(element)) return;
     for (const Problem& problem : thrown.problems())
@@ -135,7 +135,7 @@ class LaunchReader {
 
   static bool has(const XMLElement& element, const char* name) { return element.Attribute(name) != nullptr; }
 
-  /// A package that is not here is told only where something is read from it.
+  /// A missing package is reported only if a file of it is read.
   Substitution substitution(const Scope& scope) const {
     const std::filesystem::path folder = std::filesystem::absolute(frames_.back().path).parent_path();
     return {scope.args, folder, find_, false, true};
@@ -261,7 +261,7 @@ class LaunchReader {
     try {
       out.value = given && !out.fixed ? passed->second : own_value(element, name, scope);
     } catch (const Error&) {
-      scope.args[name] = "";  // so that its uses are not told as well
+      scope.args[name] = "";  // avoids further errors where the arg is used
       throw;
     }
     out.required = !out.fixed && !has(element, "default");
@@ -317,7 +317,7 @@ class LaunchReader {
     }
   }
 
-  /// A package that is not here is passed over with a warning; a file that is missing in it is an error.
+  /// Skips a package that is missing, with a warning. A missing file in an existing package is an error.
   bool find_included(const XMLElement& element, const Scope& scope, std::filesystem::path& path) {
     try {
       path = existing(required(element, "file", scope));
@@ -404,7 +404,7 @@ class LaunchReader {
     list.push_back(std::move(out));
   }
 
-  /// `xacro FILE NAME:=VALUE …` and `cat FILE`; nothing else is run.
+  /// Accepts `xacro FILE NAME:=VALUE …` and `cat FILE`. No command is executed.
   void command(const XMLElement& element, const Scope& scope, LaunchedDescription& out) const {
     Substitution with = substitution(scope);
     with.in_command = true;
@@ -456,8 +456,8 @@ class LaunchReader {
     if (replace) source.text = substitute(read_file(source.file), substitution(scope));
   }
 
-  /// The line where an element's text begins; the XML reader has that of its first character that is no
-  /// blank.
+  /// The line where an element's text begins. The XML reader gives only the line of the first character that
+  /// is not blank.
   static int first_line(const XMLElement& element, std::string_view text) {
     const tinyxml2::XMLNode* node = element.FirstChild();
     while (node && !node->ToText()) node = node->NextSibling();
@@ -468,7 +468,7 @@ class LaunchReader {
     return std::max(1, node->GetLineNum() - static_cast<int>(lines));
   }
 
-  /// The lines of the text are those of the launch file, so that every complaint finds them.
+  /// Empty lines are put before the text, so that its line numbers are those of the launch file.
   void rosparam_text(const XMLElement& element, const Scope& scope, bool replace, ParameterSource& source) {
     const char* written = element.GetText();
     if (!written || trim(written).empty())
@@ -532,7 +532,7 @@ class LaunchReader {
     out_.spawned.push_back({last, join_name(path), stopped, at(element)});
   }
 
-  /// `controller_manager spawn A B`, and `load`, which leaves them inactive.
+  /// `controller_manager spawn A B`, and `load`, which leaves controllers inactive.
   void script(const XMLElement& element, const std::string& args, const std::string& ns) {
     const std::vector<std::string> words = shell_words(args);
     const std::string verb = words.empty() ? "" : words.front();

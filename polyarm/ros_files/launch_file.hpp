@@ -1,6 +1,7 @@
 #pragma once
-/// What a launch file of ROS 1 says that a cell has: description, parameters, controllers to start. The rest
-/// is listed by line as not applicable. docs/ros-controllers-files.md says what is followed.
+/// Reads a ROS 1 launch file for what a cell needs: description, parameters, and controllers to start.
+/// Everything else is listed by line as not applicable. docs/ros-controllers-files.md lists what is
+/// supported.
 #include <filesystem>
 #include <map>
 #include <string>
@@ -14,21 +15,21 @@
 
 namespace polyarm::ros_files {
 
-/// An <arg> of the launch file that was named, for a list of what can be set.
+/// An <arg> of the top-level launch file, to list what can be set.
 struct LaunchArg {
   std::string name, doc;
-  std::string value;      ///< as it stands after all
-  bool fixed = false;     ///< it has a value= and cannot be set from outside
-  bool required = false;  ///< it has no default
+  std::string value;      ///< final value
+  bool fixed = false;     ///< has a value= and cannot be set from outside
+  bool required = false;  ///< has no default
   Location where;
 };
 
 /// A robot_description, or robot_description_semantic (SRDF).
 struct LaunchedDescription {
-  std::string parameter;       ///< its whole name: "/MyRobot/robot_description"
-  std::filesystem::path file;  ///< URDF, SRDF or xacro; empty where the text stands in the launch file
-  bool xacro = false;          ///< `file` is expanded with `arguments`
-  std::vector<std::pair<std::string, std::string>> arguments;  ///< NAME:=VALUE, in their order
+  std::string parameter;       ///< full name: "/MyRobot/robot_description"
+  std::filesystem::path file;  ///< URDF, SRDF or xacro; empty if the text is in the launch file
+  bool xacro = false;          ///< expand `file` with `arguments`
+  std::vector<std::pair<std::string, std::string>> arguments;  ///< NAME:=VALUE, in order
   std::string text;
   Location where;
 };
@@ -36,12 +37,12 @@ struct LaunchedDescription {
 /// A controller that a spawner starts.
 struct SpawnedController {
   std::string name, ns;  ///< "JointA_EffortController", "/MyRobot"
-  bool stopped = false;  ///< loaded, and left inactive
+  bool stopped = false;  ///< loaded, but left inactive
   Location where;
   std::string full_name() const { return ns == "/" ? "/" + name : ns + "/" + name; }
 };
 
-/// An element that means nothing to a cell, in one sentence.
+/// An element without meaning for a cell, with one sentence about it.
 struct NotApplicable {
   Location where;
   std::string what;  ///< "'rviz' (rviz/rviz) is a ROS node"
@@ -49,22 +50,24 @@ struct NotApplicable {
 
 struct LaunchedCell {
   std::vector<LaunchArg> args;
-  std::vector<LaunchedDescription> descriptions;  ///< in their order; usually one
+  std::vector<LaunchedDescription> descriptions;  ///< in order; usually one
   std::vector<LaunchedDescription> semantics;     ///< SRDF
-  std::vector<ParameterSource> parameters;        ///< YAML and single values, later over earlier
+  std::vector<ParameterSource> parameters;        ///< YAML and single values; later ones override earlier
+                                                  ///< ones
   std::vector<SpawnedController> spawned;
   std::vector<NotApplicable> not_applicable;
 };
 
-/// Reads a launch file and what it includes. `args` are its NAME:=VALUE; `find` tells where ROS packages are.
-/// What is wrong becomes a problem with file, line and the chain of includes; throws Error when the file
-/// itself cannot be read, is no launch file, or is one of ROS 2.
+/// Reads a launch file and the files it includes. `args` are NAME:=VALUE; `find` locates ROS packages.
+/// Mistakes become problems with file, line and the chain of includes. Throws Error if the file itself cannot
+/// be read, is not a launch file, or is one of ROS 2.
 LaunchedCell read_launch_file(const std::filesystem::path& path,
                               const std::map<std::string, std::string>& args, const PackageSearch& find,
                               Problems& problems);
 
-/// The controllers of a launched cell: with its parameters, each marked as spawned, stopped or neither. A
-/// spawner that names a controller without a type is an error at its line. Throws as read_controllers does.
+/// The controllers of a launched cell with its parameters; each one is marked as spawned, stopped or neither.
+/// A spawner that names a controller without a type is an error at its line. Throws as the other
+/// read_controllers() does.
 ControllersFile read_controllers(const LaunchedCell& cell, Problems& problems);
 
 }  // namespace polyarm::ros_files

@@ -36,7 +36,7 @@ const Field kFields[] = {
     {"lock_memory", &M::lock_memory},
 };
 
-/// A switch that stands where it stands here.
+/// A boolean parameter whose value is fixed here.
 struct Settled {
   const char* key;
   bool here;
@@ -136,7 +136,7 @@ void unknown(const std::string& key, const Location& where, Problems& problems) 
 }  // namespace
 
 bool ParameterReader::single(const std::string& key, const Entry& entry, const char* wanted) {
-  if (entry.values.empty() && !entry.list) return false;  // told where it was read
+  if (entry.values.empty() && !entry.list) return false;  // already reported by the file reader
   if (!entry.list && entry.values.size() == 1) return true;
   problems_.error("bad-value", entry.where, "'" + key + "' is a list of values here",
                   std::string("write ") + wanted);

@@ -1,5 +1,5 @@
 #pragma once
-/// The parameters of a controller manager, by the names and with the defaults of ROS 2.
+/// The parameters of a controller manager, with the names and defaults of ROS 2.
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace polyarm::ros_files {
 
-/// A key that is understood and changes nothing here, with the reason.
+/// A known key without effect here, and the reason.
 struct UnusedKey {
   std::string key;
   Location where;
@@ -20,31 +20,32 @@ struct UnusedKey {
 
 struct ManagerParameters {
   std::string ns;          ///< "/" or "/left"
-  double update_rate = 0;  ///< Hz, a whole number; 0: not stated (ROS takes 100)
+  double update_rate = 0;  ///< Hz, a whole number; 0: not given (ROS uses 100)
   bool enforce_command_limits = true;
-  std::vector<std::string> unconfigured;  ///< components that stay so at the start
-  std::vector<std::string> inactive;      ///< components that are configured and not activated at the start
+  std::vector<std::string> unconfigured;  ///< components that stay unconfigured at the start
+  std::vector<std::string> inactive;      ///< components that are configured but not activated at the start
   std::string
-      strictness;  ///< of a switch that states none: best_effort, strict, auto, force_auto; empty: not stated
+      strictness;  ///< of a switch request that gives none: best_effort, strict, auto, force_auto; empty: not
+                   ///< given
   bool overruns_print_warnings = true;
-  double thread_priority = 0;  ///< 1 to 99; 0: not stated (ROS takes 50 where the kernel is of real time)
+  double thread_priority = 0;  ///< 1 to 99; 0: not given (ROS uses 50 on a real-time kernel)
   std::vector<double> cpu_affinity;  ///< cores; empty: any
-  std::optional<bool> lock_memory;   ///< stated, or not
+  std::optional<bool> lock_memory;   ///< empty: not given
 };
 
-/// Reads the keys of the manager itself, those of its controllers (`NAME.type` …) aside: `is_controller` says
-/// whether NAME is one. A wrong type is an error; what is asked for and never done here is a warning that
-/// says what is done; a key that nobody knows is a warning with the nearest known one if `is_own` says that
-/// it was written for the manager and not for every node.
+/// Reads the manager's own keys. Keys of its controllers (`NAME.type` …) are skipped; `is_controller` is true
+/// for NAME if it is one. A wrong type is an error. A request for behaviour that Polyarm does not have is a
+/// warning that says what it does instead. An unknown key is a warning with the nearest known key, if
+/// `is_own` is true: then it was written for the manager, not for every node.
 ManagerParameters read_manager(const controllers::Parameters& parameters,
                                const std::function<bool(const std::string& name)>& is_controller,
                                const std::function<bool(const std::string& key)>& is_own,
                                std::vector<UnusedKey>& unused, Problems& problems);
 
-/// Is `key` one of the manager's own?
+/// True if `key` is one of the manager's own.
 bool is_manager_key(std::string_view key);
 
-/// Values as parameter files write them, each wrong one an error with its place and what to write.
+/// Reads values of parameter files. A wrong value is an error with its location and what to write instead.
 class ParameterReader {
  public:
   explicit ParameterReader(Problems& problems) : problems_(problems) {}

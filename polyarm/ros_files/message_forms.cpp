@@ -67,7 +67,8 @@ std::vector<controllers::JointTolerance> tolerances_of(const Yaml& yaml) {
 
 Input goal_of(const Yaml& given) {
   const Yaml yaml = given.has("goal") ? given["goal"] : given;
-  if (yaml.has("joint_names")) return trajectory_of(yaml);  // the bare trajectory will do
+  if (yaml.has("joint_names")) return trajectory_of(yaml);  // a trajectory without a goal around it is
+                                                            // accepted
   check_keys(yaml, {"trajectory", "path_tolerance", "goal_tolerance", "goal_time_tolerance",
                     "component_path_tolerance", "component_goal_tolerance", "multi_dof_trajectory"});
   controllers::TrajectoryMessage out = trajectory_of(yaml.required("trajectory"));
@@ -103,7 +104,7 @@ Input numbers_of(const Yaml& yaml) {
   return controllers::Numbers{yaml[key].numbers()};
 }
 
-/// Where the robot is: {x, y, yaw}.
+/// The pose of a mobile robot: {x, y, yaw}.
 Input place_of(const Yaml& yaml) {
   if (!yaml.is_map()) refuse(yaml, "this is no place", "write {x: 0, y: 0, yaw: 0}");
   check_keys(yaml, {"x", "y", "yaw"});
@@ -154,7 +155,7 @@ Input dofs_of(const Yaml& yaml) {
   return out;
 }
 
-/// DynamicJointState or MultiDOFCommand, or simply a map of name to value.
+/// DynamicJointState or MultiDOFCommand, or a plain map of name to value.
 Input named_of(const Yaml& yaml) {
   require_map(yaml, "message of named values", "{joint_1/position: 0.1}");
   if (yaml.has("interface_values") || yaml.has("joint_names") || yaml.has("interface_groups"))
@@ -216,8 +217,8 @@ nlohmann::json number(double value) {
   return value;
 }
 
-/// "pose.position.x": value → {"pose": {"position": {"x": value}}}; "covariance[3]" → an array, zero where
-/// nothing is said.
+/// "pose.position.x": value → {"pose": {"position": {"x": value}}}; "covariance[3]" → an array, filled with
+/// zeros.
 void put(nlohmann::json& out, const std::string& field, double value) {
   nlohmann::json* at = &out;
   for (const std::string& word : split_words(field, ".")) {
@@ -234,7 +235,7 @@ void put(nlohmann::json& out, const std::string& field, double value) {
 using Fields = std::vector<std::string>;
 using Values = std::vector<double>;
 
-/// Three fields for each joint.
+/// Three fields per joint.
 void joint_states(nlohmann::json& out, const Fields& fields, const Values& values) {
   for (const char* key : {"name", "position", "velocity", "effort"}) out[key] = nlohmann::json::array();
   for (std::size_t i = 0; i + 2 < fields.size(); i += 3) {
@@ -244,7 +245,7 @@ void joint_states(nlohmann::json& out, const Fields& fields, const Values& value
   }
 }
 
-/// "joint/interface": values of one joint beside each other.
+/// "joint/interface" fields, grouped by joint.
 void dynamic_joint_states(nlohmann::json& out, const Fields& fields, const Values& values) {
   nlohmann::json names = nlohmann::json::array(), groups = nlohmann::json::array();
   for (std::size_t i = 0; i < fields.size(); ++i) {
@@ -269,8 +270,8 @@ void named_values(nlohmann::json& out, const Fields& fields, const Values& value
   for (const double value : values) out["values"].push_back(number(value));
 }
 
-/// "<joint>.reference.position" … and "time_from_start", as JointTrajectoryControllerState has them: one list
-/// for each quantity. What is commanded is `output`, a number for each joint.
+/// "<joint>.reference.position" … and "time_from_start", in the shape of JointTrajectoryControllerState: one
+/// list per quantity. `output` holds the commands, one number per joint.
 void trajectory_state(nlohmann::json& out, const Fields& fields, const Values& values) {
   const std::vector<std::pair<std::string, std::vector<const char*>>> lists = {
       {".reference.position", {"reference", "positions"}},

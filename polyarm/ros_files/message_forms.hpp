@@ -1,5 +1,5 @@
 #pragma once
-/// Messages as users of ROS write them, in YAML or JSON, and as they are shown to them.
+/// Converts ROS messages from YAML or JSON, and output samples to JSON.
 #include <string>
 #include <vector>
 
@@ -8,13 +8,12 @@
 
 namespace polyarm::ros_files {
 
-/// Reads a message of one of `types` ("trajectory_msgs/JointTrajectory", "geometry_msgs/Twist", …); which of
-/// them it is follows from its keys. `name` is told in complaints. Throws Error with the place of what is
-/// wrong.
+/// Reads a message of one of `types` ("trajectory_msgs/JointTrajectory", "geometry_msgs/Twist", …); its keys
+/// decide which. `name` is used in error messages. Throws Error with the location of the mistake.
 controllers::Input read_message(const std::string& text, const std::string& name,
                                 const std::vector<std::string>& types);
 
-/// The newest sample as one JSON object in the shape of its ROS message; no number becomes null.
+/// The newest sample as a JSON object in the shape of its ROS message; NaN and infinity become null.
 std::string message_json(const controllers::Output& output);
 
 /// The types that read_message understands.

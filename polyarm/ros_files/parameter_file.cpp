@@ -30,7 +30,7 @@ Path operator+(Path path, const Path& more) {
   return path;
 }
 
-/// `deg(90)` and `rad(0.5)` of ROS 1 files are radians.
+/// Converts `deg(90)` and `rad(0.5)` of ROS 1 files to radians.
 std::string in_radians(const std::string& text) {
   const bool degrees = text.starts_with("deg(");
   if ((!degrees && !text.starts_with("rad(")) || !text.ends_with(")")) return text;
@@ -39,7 +39,7 @@ std::string in_radians(const std::string& text) {
   return format_number(degrees ? *number * std::numbers::pi / 180 : *number);
 }
 
-/// Reads one document. Counts what it visits, so that aliases of aliases end with a sentence.
+/// Reads one document. Counts what it visits, so that aliases of aliases are refused.
 class Reader {
  public:
   Reader(const ParameterSource& source, ParameterSet& set, Problems& problems)
@@ -69,7 +69,7 @@ class Reader {
                           "aliases of aliases do this too"});
   }
 
-  /// The pairs of a map with those that `<<` merges before its own; a key that stands twice is told.
+  /// The pairs of a map, after those that `<<` merges into it. A duplicate key is reported.
   std::vector<Yaml::Entry> pairs(const Yaml& map, std::size_t depth) {
     std::vector<Yaml::Entry> merged, own;
     std::map<std::string, Location> seen;
@@ -94,7 +94,7 @@ class Reader {
         "'" + entry.key + "' stands twice, here and in line " + std::to_string(first.line);
     if (entry.value.is_map() && ros2_)
       problems_.warning("duplicate-name", entry.where, what, "both are read; put their lines together");
-    else if (entry.value.is_map())  // ROS 1 forgets the first
+    else if (entry.value.is_map())  // ROS 1 drops the first
       problems_.error("duplicate-name", entry.where, what,
                       "put its lines together, or give one another name");
     else
@@ -110,7 +110,7 @@ class Reader {
     return false;
   }
 
-  /// A file without any `ros__parameters` that is of ROS 2 all the same.
+  /// True for a file without any `ros__parameters` that nevertheless looks like ROS 2.
   static bool lacks_ros2(const Yaml& document) {
     for (const Yaml::Entry& entry : document.entries()) {
       const Path path = split_name(entry.key);
@@ -143,7 +143,7 @@ class Reader {
     if (stray && !path.empty()) set_.nodes.push_back(std::move(*stray));
   }
 
-  /// A node's block that nowhere says `ros__parameters`: told once, and read as though it did.
+  /// A node's block without `ros__parameters`: reported once, and read as if it had one.
   void without_parameters(const Yaml& node, const Path& path, const Path& keys) {
     const std::vector<std::string> names = node.keys();
     const auto told =
@@ -204,7 +204,7 @@ class Reader {
     }
   }
 
-  /// The maps of a list lose the list: their names stand directly below its own, as in ROS 2.
+  /// Maps in a list: their names are put directly below the list's name, as in ROS 2.
   void value(const std::string& name, const Yaml::Entry& entry, const Path& keys, const Path& path,
              Parameters& out) {
     Parameters::Entry read = leaf(entry, true);
@@ -218,7 +218,7 @@ class Reader {
     if (!maps || !read.values.empty()) out.entries[name] = std::move(read);
   }
 
-  /// The value of a scalar or list; of a list's items the scalars.
+  /// The value of a scalar or list; of a list, only the scalar items.
   Parameters::Entry leaf(const Yaml::Entry& entry, bool ros2) {
     Parameters::Entry out{{}, entry.where, entry.value.is_list()};
     if (!entry.value.defined())
@@ -278,7 +278,7 @@ class Reader {
     return *at;
   }
 
-  /// A list of maps keeps their names as its values, and their members below those names.
+  /// A list of maps: the names of the maps become its values, and their members are put below those names.
   void put(ParameterTree& root, const Path& path, const Yaml::Entry& entry, const Path& keys) {
     ParameterTree& at = place(root, path, entry.where);
     at.value = leaf(entry, false);
@@ -302,7 +302,7 @@ class Reader {
   std::set<int> told_twice_, told_lists_;
 };
 
-/// Says what a tab does, where one is the likely cause of what the YAML reader says.
+/// If a tab is the likely cause of a YAML error, returns an error that explains it.
 Error explained(const Error& error, const std::string& text, const std::string& file) {
   int line = 0;
   for (std::size_t at = 0; at < text.size();) {

@@ -9,11 +9,10 @@
 namespace polyarm::ros_files {
 
 namespace {
-constexpr int kMostInLine = 1000;          ///< replacements; a line that makes more is wrong
-constexpr std::size_t kLongest = 1 << 20;  ///< bytes of a line with everything replaced
+constexpr int kMostInLine = 1000;          ///< limit of replacements in one line
+constexpr std::size_t kLongest = 1 << 20;  ///< limit for a line after replacement, bytes
 
-/// Where a comment begins in a line of YAML, as far as a line by itself tells: # behind a blank, outside of
-/// quotes.
+/// Start of a comment in a line of YAML: # after a blank, outside of quotes. Looks at this line only.
 std::size_t comment_of(std::string_view line) {
   char quote = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {
@@ -36,7 +35,7 @@ class Line {
   std::string replaced() {
     const std::size_t end = comment_of(whole_);
     std::string text(whole_.substr(0, end));
-    std::size_t from = 0;  // what stands before has been looked at
+    std::size_t from = 0;  // text before this is done
     for (int count = 0;; ++count) {
       const std::size_t close = text.find(')', from);
       if (close == std::string::npos) break;

@@ -28,7 +28,7 @@ namespace {
 /// The four lists of a point with their names in messages.
 struct Field {
   const char* name;
-  const char* other;  // as FollowJointTrajectory's variants have it
+  const char* other;  // name in variants of FollowJointTrajectory
   std::vector<double> TrajectoryPoint::*values;
 };
 constexpr std::array<Field, 4> kFields = {
@@ -41,7 +41,7 @@ std::string joint_name(const std::vector<std::string>& joints, std::size_t j) {
   return j < joints.size() ? joints[j] : "value " + std::to_string(j + 1);
 }
 
-/// The values of one list of point `index`; complaints name point and joint.
+/// The values of one list of point `index`; errors name point and joint.
 std::vector<double> values_of(const Yaml& yaml, const char* field, std::size_t index,
                               const std::vector<std::string>& joints) {
   std::vector<double> out;
@@ -99,7 +99,7 @@ TrajectoryMessage trajectory_of(const Yaml& yaml) {
 
 namespace {
 
-/// What stands around the trajectory in a goal or a RobotTrajectory.
+/// The trajectory inside a goal or a RobotTrajectory.
 Yaml inside(Yaml yaml) {
   for (const char* key : {"goal", "trajectory", "joint_trajectory"})
     if (yaml.has(key)) yaml = yaml[key];
@@ -170,7 +170,7 @@ std::string last_word(const std::string& name) {
   return name.substr(name.rfind('/') + 1);
 }
 
-/// Which of the robot's joints `name` means: the same name, or the only one that is the other's ending.
+/// The robot's joint with this name; or else the only one where one name ends with "_" and the other name.
 std::optional<std::size_t> joint_of(const std::string& name, const std::vector<std::string>& names) {
   std::optional<std::size_t> found;
   for (std::size_t j = 0; j < names.size(); ++j)
@@ -227,7 +227,7 @@ void order_joints(JointTrajectoryFile& file, const std::vector<std::string>& nam
 
 namespace {
 
-/// Where complaints about "point 3" stand in the file.
+/// Adds the file location to errors about "point 3", and throws them.
 [[noreturn]] void say_where(const Error& e, const JointTrajectoryFile& file) {
   std::vector<Problem> problems = e.problems();
   for (Problem& p : problems) {
@@ -248,7 +248,7 @@ trajectory::Trajectory as_timed(const JointTrajectoryFile& file, const std::vect
   try {
     TrajectoryPoint from;
     from.positions = start;
-    // The degree of the first piece is that of the first point, not what this start would leave of it.
+    // The first point decides the degree of the first segment, so the start gets the same quantities.
     if (!file.message.points.empty()) {
       const TrajectoryPoint& first = file.message.points.front();
       if (!first.velocities.empty()) from.velocities.assign(start.size(), 0.0);
@@ -277,7 +277,7 @@ std::vector<paths::JointWaypoint> as_waypoints(const JointTrajectoryFile& file, 
 
 namespace {
 
-/// From spans of the timed path's values to points.
+/// Builds points by sampling a timed path.
 class PointMaker {
  public:
   PointMaker(const timing::TimedPath& timed, const std::vector<std::string>& joints) : timed_(timed) {
@@ -337,7 +337,7 @@ void append(TrajectoryMessage& message, const TrajectoryMessage& next) {
 
 namespace {
 
-/// The shortest text with a point, which YAML 1.1 needs to see a number: 1e-08 is a word there.
+/// The shortest text with a decimal point: without it, YAML 1.1 reads 1e-08 as a text.
 std::string number_text(double value) {
   std::string out = fmt::format("{}", value);
   const auto e = out.find('e');
@@ -371,7 +371,7 @@ std::pair<std::int64_t, std::int64_t> split(Nanoseconds time) {
   return {time / 1'000'000'000, time % 1'000'000'000};
 }
 
-/// Both formats: JSON is YAML with every word in quotes and everything in brackets.
+/// Writes both formats: JSON is YAML with quoted words and with brackets.
 class Writer {
  public:
   Writer(bool json, TimeWords words) : json_(json), words_(kWords[std::size_t(words)]) {}

@@ -12,7 +12,7 @@
 namespace polyarm::server {
 
 std::map<std::string, Asset> page_in(const std::string& folder) {
-  static std::deque<std::string> kept;  // views stay good for as long as the process lives
+  static std::deque<std::string> kept;  // never freed: the assets are views into these texts
   std::map<std::string, Asset> out;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
@@ -38,7 +38,7 @@ std::string unzipped(std::string_view gzip) {
     stream.avail_out = kPart;
     result = ::inflate(&stream, Z_NO_FLUSH);
     out.resize(out.size() - stream.avail_out);
-    if (stream.avail_out > 0 && result == Z_OK) break;  // it ends too early
+    if (stream.avail_out > 0 && result == Z_OK) break;  // the input ends too early
   }
   ::inflateEnd(&stream);
   if (result != Z_STREAM_END) throw Error("bad-gzip", "a file cannot be decompressed");

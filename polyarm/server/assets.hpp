@@ -1,5 +1,5 @@
 #pragma once
-/// The page's files, which are compiled into the command.
+/// Files of the pendant's page and help, compiled into the command. Also compresses and decompresses gzip.
 #include <map>
 #include <string>
 #include <string_view>
@@ -8,19 +8,20 @@ namespace polyarm::server {
 
 struct Asset {
   std::string_view data;
-  bool gzip = false;  ///< it is stored compressed
+  bool gzip = false;  ///< stored compressed
 };
-/// By path ("/index.html", "/assets/index-4f3a.js"). Empty where the command was built without a page.
+/// Keys are paths ("/index.html", "/assets/index-4f3a.js"). Empty if the command was built without a page.
 const std::map<std::string, Asset>& embedded_page();
-/// The documentation as a site, by path ("/help/index.html"). Empty where the command was built without a page.
+/// The documentation as a site; keys are paths ("/help/index.html"). Empty if the command was built without a
+/// page.
 const std::map<std::string, Asset>& embedded_help();
-/// The page from a folder, read once; for who works on the page. Throws Error("no-file").
+/// Reads the page from a folder, once; for people who develop the page. Throws Error("no-file").
 std::map<std::string, Asset> page_in(const std::string& folder);
-/// What gzip has compressed, as it was. Throws Error("bad-gzip") for what is none, or more than 64 MiB.
+/// Decompresses gzip data. Throws Error("bad-gzip") if the input is not gzip, or unpacks to more than 64 MiB.
 std::string unzipped(std::string_view gzip);
 /// Compresses with gzip. Throws Error("bad-gzip") when memory runs out.
 std::string zipped(std::string_view bytes);
-/// What a browser is told a file is, by its ending.
+/// The media type (Content-Type) of a file, by its extension.
 const char* media_type(std::string_view path);
 
 }  // namespace polyarm::server

@@ -9,14 +9,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Beside its text a line that waits takes this much.
+/// Cost of a queued line in addition to its text.
 constexpr std::size_t kLineCost = 64;
-/// Who keeps less than this unread is let be, however much all do together.
+/// A client with fewer unread bytes than this is not disconnected when all clients together have too many.
 constexpr std::size_t kModest = 1 << 20;
 
 }  // namespace
 
-/// Short ones alone, so that the thread that reads for all is not kept.
+/// Parses short lines only: this thread reads for all clients.
 std::optional<Client::Urgent> Client::urgent_of(const std::string& line) {
   if (line.size() > bounds::kUrgentBytes) return std::nullopt;
   const auto named = [&](const char* name) { return line.find(name) != std::string::npos; };
@@ -42,7 +42,7 @@ bool Client::take(std::string line, double now) {
                                     bytes_allowed_ + passed * bounds::kClientBytesASecond);
   refilled_ = now;
   const auto urgent = urgent_of(line);
-  // A stop is taken however much came before it.
+  // A stop is accepted even when the rate limit is used up.
   if (urgent && urgent->stops) allowance_ = std::max(allowance_, 1.0);
   bytes_allowed_ -= static_cast<double>(line.size());
   if (allowance_ < 1 || bytes_allowed_ < 0) return false;
@@ -65,7 +65,8 @@ bool Client::take(std::string line, double now) {
   return true;
 }
 
-/// One that waits already is not kept twice; of too many heartbeats the newest count.
+/// An equal line that is already queued is not queued again. When the queue is full, the oldest heartbeat is
+/// dropped.
 bool Client::take_urgent(std::string line, Urgent urgent) {
   const std::lock_guard lock(mutex_);
   if (urgent.stops) before_stop_ = in_.size();

@@ -1,6 +1,6 @@
 #pragma once
-/// One WebSocket as both sides see it: what came in, what is to go out. Bounded both ways; the latest state
-/// takes the place of one that was not sent yet.
+/// Both queues of one WebSocket: requests that came in, answers and events that go out. Both are bounded; a
+/// newer state frame replaces one that was not sent yet.
 #include <atomic>
 #include <cstdint>
 #include <deque>
@@ -19,29 +19,28 @@ namespace polyarm::server {
 
 using Text = std::shared_ptr<const std::string>;
 
-/// Events of these kinds tell all there is (or all that has changed): where one waits to be sent, a newer one
-/// takes its place.
+/// An event of any kind but `answer` and `log` replaces an unsent event of the same kind.
 enum class Kind : std::uint8_t { answer, status, tags, parts, program, plan, points, layout, log };
 
-/// What all clients keep together.
+/// Totals over all clients.
 struct Waiting {
   std::atomic<std::size_t> in{0}, out{0};  ///< bytes
 };
 
 class Client {
  public:
-  /// What waits for the cell, and may wait to be sent.
+  /// Limits of the queues: incoming requests, and outgoing messages.
   static constexpr std::size_t kMostIn = bounds::kClientInBytes, kMostUrgent = bounds::kUrgentLines,
                                kMostOut = bounds::kClientOutMessages, kMostOutBytes = bounds::kClientOutBytes;
-  /// Lines a second, and in a burst; who sends more is sent away.
+  /// Rate limit for incoming lines: per second, and in a burst. A client that exceeds it is disconnected.
   static constexpr double kLinesASecond = bounds::kClientLinesASecond, kBurst = bounds::kClientBurst;
 
   struct Side {
-    std::string address;                ///< of the other side
-    bool local = true;                  ///< it is on this machine
-    protocol::Role role = protocol::Role::administer;  ///< of the token that it has shown
+    std::string address;                ///< of the client
+    bool local = true;                  ///< true if the client is on this machine
+    protocol::Role role = protocol::Role::administer;  ///< of the token that the client sent
   };
-  /// `rope`: pulled when a line has come in; may be null, as may `all`.
+  /// `rope` is pulled when a line comes in. `rope` and `all` may be null.
   Client(std::uint64_t its_number, Side side, std::shared_ptr<realtime::BellRope> rope = nullptr,
          std::shared_ptr<Waiting> all = nullptr)
       : number(its_number),
@@ -55,34 +54,35 @@ class Client {
   Client& operator=(const Client&) = delete;
 
   const std::uint64_t number;  ///< counts up from 1
-  const std::string from;      ///< address of the other side
-  const bool local;            ///< it is on this machine
+  const std::string from;      ///< address of the client
+  const bool local;            ///< true if the client is on this machine
   const protocol::Role role;       ///< what its token allows
 
   // --- I/O thread
-  /// Keeps the line, or refuses it where too much waits; false: it comes too fast. Everything is read at once,
-  /// so that no stop waits behind what was sent before it. `now`: s, of any steady clock.
+  /// Queues the line; answers `busy` if the queue is full. Returns false if lines come too fast. All input is
+  /// read at once, so a stop never waits behind earlier messages. `now`: s, of any steady clock.
   bool take(std::string line, double now);
   struct Out {
     Text body;
     bool binary = false;
   };
-  /// What to send next.
+  /// The next message to send; nothing if there is none.
   std::optional<Out> next();
 
   // --- cell thread
-  /// Stops, holds and heartbeats, which nothing else keeps waiting.
+  /// Stops, holds and heartbeats; no other request delays them.
   std::vector<std::string> urgent();
   struct Line {
     std::string text;
-    bool before_stop = false;  ///< a stop or hold came after it, and has overtaken it
-    bool before_end = false;   ///< so has the end of all jogs
+    bool before_stop = false;  ///< a stop or hold came after this line and was taken first
+    bool before_end = false;   ///< the same for the end of all jogs
   };
-  /// The next of all others.
+  /// The next line that is not urgent.
   std::optional<Line> line();
-  /// False when it is gone, or reads so little that it has to go.
+  /// Queues the answer. Returns false if the client has left, or is disconnected because it reads too little.
   bool answer(std::string line);
-  /// True where one of this kind waits to be sent: then what has changed since then is not enough.
+  /// True if an event of this kind is still unsent; it would be replaced, so send the full state, not the
+  /// changes.
   bool waits(Kind kind) const;
   void put(Kind kind, Text text);
   void put_state(Text frame);
@@ -90,7 +90,7 @@ class Client {
   // --- any thread
   bool gone() const { return gone_.load(std::memory_order_acquire); }
   void leave() { gone_.store(true, std::memory_order_release); }
-  /// Set by whoever gave it something, taken by the thread that sends.
+  /// Set by the thread that queues a message, cleared by the thread that sends.
   bool take_wake() { return wake_.exchange(false, std::memory_order_acq_rel); }
   std::uint64_t frames_left_out() const { return frames_left_out_.load(std::memory_order_relaxed); }
   std::uint64_t events_left_out() const { return events_left_out_.load(std::memory_order_relaxed); }
@@ -109,7 +109,7 @@ class Client {
   mutable std::mutex mutex_;
   std::deque<std::string> urgent_, in_;
   std::size_t in_bytes_ = 0;
-  std::size_t before_stop_ = 0, before_end_ = 0;  // of in_, from its front
+  std::size_t before_stop_ = 0, before_end_ = 0;  // counts of lines at the front of in_
   std::deque<std::pair<Kind, Text>> out_;
   std::size_t out_bytes_ = 0;
   Text frame_;
@@ -122,7 +122,7 @@ class Client {
     out_bytes_ -= bytes;
     all_->out -= bytes;
   }
-  /// Has it to go, or to miss events, since nobody reads what it is sent?
+  /// True if too much is unsent: with `share` 1 the client is disconnected, with 2 it misses events.
   bool too_much(std::size_t share) const;
   std::atomic<bool> gone_{false}, wake_{false};
   std::atomic<std::uint64_t> frames_left_out_{0}, events_left_out_{0};

@@ -1,5 +1,5 @@
 #pragma once
-/// Who of those that are connected may move the cell: one at a time, who is asked before another takes over.
+/// Decides which client may move the cell. One client has control; another asks it before it takes over.
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -7,34 +7,35 @@
 
 namespace polyarm::server {
 
-/// What is to be told to one of them.
+/// An event for one client, or for all.
 struct ControlNews {
   enum class What { asked, given, refused, taken, lost, free };
-  std::uint64_t to = 0;  ///< client; 0: all
+  std::uint64_t to = 0;  ///< client; 0: all clients
   What what = What::asked;
-  std::uint64_t other = 0;  ///< who asks, or has it now
+  std::uint64_t other = 0;  ///< the client that asks, or that has control now
 };
 
-/// Pure: time comes from outside, s. Clients are numbers from 1.
+/// Does no I/O: the caller passes the time (s). Client numbers begin at 1.
 class Control {
  public:
-  /// Who is asked and does not answer for so long has lost it.
+  /// If the holder does not answer a request for control within this time (s), it loses control.
   static constexpr double kPatience = 10;
 
   std::uint64_t holder() const { return holder_; }
-  /// Who waits for the holder's answer; 0: nobody.
+  /// The client that waits for the holder's answer; 0: none.
   std::uint64_t asker() const { return asker_; }
   bool holds(std::uint64_t client) const { return client != 0 && client == holder_; }
-  /// s until the holder has lost it.
+  /// Time until the holder loses control, s; 0 if no client asks.
   double left(double now) const;
 
-  enum class Taken { yes, asked, others };  ///< others: somebody else asks already
-  /// `at_once`: the holder is told and not asked.
+  enum class Taken { yes, asked, others };  ///< others: another client is already asking
+  /// `at_once`: takes control without asking; the holder is only informed.
   Taken take(std::uint64_t client, bool at_once, double now);
   bool release(std::uint64_t client);
-  /// The holder's answer to who asks; false: it is not asked.
+  /// The holder's answer to the client that asks. Returns false if this client is not the holder, or no
+  /// client asks.
   bool answer(std::uint64_t client, bool give);
-  /// It is not connected any more.
+  /// The client has disconnected.
   void gone(std::uint64_t client);
   void tick(double now);
   std::vector<ControlNews> take_news() { return std::exchange(news_, {}); }

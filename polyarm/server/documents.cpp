@@ -37,7 +37,7 @@ Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }
 
-/// Colours tell parts apart by their kind.
+/// Parts of one kind have one colour.
 Color kind_color(std::size_t kind) {
   constexpr std::array<Color, 6> kColors{{{0.80, 0.24, 0.20, 1},
                                           {0.20, 0.45, 0.75, 1},
@@ -64,18 +64,18 @@ bool drawable(const std::vector<Shape>& shapes) {
   return !shapes.empty();
 }
 
-/// What a link is drawn from: what it looks like, or what it collides with.
+/// The shapes to draw for a link: its visuals, or its collision shapes if it has none that can be drawn.
 const std::vector<Shape>& drawn(const description::Link& link) {
   return drawable(link.visuals) || link.collisions.empty() ? link.visuals : link.collisions;
 }
 
-/// Where the GLB of a robot is: of its own meshes, or of shapes that are made for it.
+/// Address of a robot's GLB, which holds its own meshes, or shapes that were generated for it.
 std::string address_of(const description::RobotModel& model) {
   const std::string hash = shapes::has_no_look(model) ? shapes::shapes_hash(model) : meshes::mesh_hash(model);
   return hash.empty() ? hash : "/api/mesh/" + hash + ".glb";
 }
 
-/// A mesh that stands alone, as its file has it.
+/// A single mesh as a robot with one link, in the mesh's own frame and unscaled.
 description::RobotModel model_of(const Shape& mesh) {
   description::RobotModel out;
   out.links.resize(1);
@@ -95,7 +95,7 @@ Json node_json(const description::Link& link, const std::string& address, const 
       {"shape", "mesh"}, {"mesh", address}, {"node", link.name}, {"origin", pose_json({})}, {"color", color}};
 }
 
-/// A link that looks like a mesh is a node of its robot's GLB, beside its other shapes.
+/// A link with a mesh is a node of its robot's GLB; its other shapes are added.
 Json link_visuals_json(const description::Link& link, const std::string& address, const Color& color) {
   if (!meshes::has_mesh(link)) return shapes_json(drawn(link), color);
   std::vector<Shape> others;
@@ -106,7 +106,7 @@ Json link_visuals_json(const description::Link& link, const std::string& address
   return out;
 }
 
-/// What each link of a robot is drawn from.
+/// The visuals of each link of a robot.
 std::vector<Json> visuals_json(const description::RobotModel& model) {
   const std::string address = address_of(model);
   const auto color = [&](std::size_t i) { return static_cast<int>(i) == model.root ? kBase : kLinks[i % 2]; };

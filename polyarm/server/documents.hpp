@@ -1,5 +1,5 @@
 #pragma once
-/// What of a cell never changes while it runs, as the JSON that a page draws it from.
+/// The parts of a cell that never change while it runs, as the JSON from which the page draws the cell.
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -25,8 +25,8 @@ Json scene_json(const cell::CellView& cell);
 /// /api/requests
 Json requests_json();
 
-/// What is made into the GLBs that models and scene name, by the address they have there
-/// ("/api/mesh/<hash>.glb"): robots, and robots of one link for meshes that stand alone.
+/// The models behind the GLB files that the models and the scene refer to. The key is the address
+/// ("/api/mesh/<hash>.glb"); the value is a robot, or a robot with one link for a single mesh.
 std::map<std::string, description::RobotModel> meshes_of(const cell::CellView& cell);
 
 std::string dump(const Json& json);

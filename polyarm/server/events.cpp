@@ -19,7 +19,7 @@ Json place_json(const Location& where) {
   return {{"file", where.file}, {"line", where.line}, {"column", where.column}};
 }
 
-/// To 0.1 mm and about 0.1 deg, so that a base that stands does not change.
+/// Rounded to 0.1 mm and about 0.1 deg, so noise of a base at rest is not reported as a change.
 protocol::BasePose rounded(const Pose& pose) {
   const auto to = [](double value, double steps) { return std::round(value * steps) / steps + 0.0; };
   const Vec3& p = pose.position;
@@ -31,8 +31,8 @@ bool same_place(const hardware::PartState& a, const hardware::PartState& b) {
   return a.pose == b.pose && a.in_world == b.in_world && a.held_by == b.held_by;
 }
 
-/// A robot that moves are made for and whose joints nobody commands: the controller that would. Empty:
-/// somebody does.
+/// If the robot can be moved but no active controller commands its joints: the inactive controller that
+/// could. Else empty.
 std::string idle_mover(cell::CellView& cell, std::size_t robot) {
   if (!cell.motion(robot)) return {};
   const auto& joints = cell.robots()[robot]->joints;
@@ -170,7 +170,7 @@ Text PartEvents::full() {
 
 namespace {
 
-/// Where the path goes, rounded to 0.1 mm.
+/// Samples of the TCP along the path, rounded to 0.1 mm.
 Json path_of(const moves::RobotMotion::UnderWay& way) {
   constexpr double kEvery = 0.02;
   constexpr int kLeast = 20, kMost = 200;

@@ -1,5 +1,5 @@
 #pragma once
-/// What changes in a cell, told as JSON events. Cell thread.
+/// Changes in a cell as JSON events. Cell thread.
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,19 +14,19 @@
 
 namespace polyarm::server {
 
-/// State in words, modes, program, alarms; without who has control.
+/// States, modes, program and alarms; not which client has control.
 protocol::CellStatus status_of(cell::CellView& cell, const Journal& journal);
 
-/// Tags and variables that are no places.
+/// Tags and variables, except those that are places.
 class TagEvents {
  public:
   explicit TagEvents(cell::CellView& cell) : cell_(cell) {}
-  /// What has changed since the last call; null: nothing. `look`: at all of them, since forces and links
-  /// change without a value that does.
+  /// The values that changed since the last call; null: none. `look`: compare all of them, because forcing a
+  /// tag or a link's quality does not change the version of the values.
   Text changes(bool look);
-  /// All of them.
+  /// All values.
   Text full();
-  /// Has a point come, gone or changed, or a group? changes() sees it.
+  /// True if a point or a group was added, removed or changed; changes() detects it.
   bool places_changed() const { return places_; }
   void take_places_changed() { places_ = false; }
 
@@ -39,7 +39,7 @@ class TagEvents {
   bool places_ = false;
 };
 
-/// Where parts are: {"event": "parts", "parts": [{name, p, q, in_world, held_by}], "full"}.
+/// Poses of parts: {"event": "parts", "parts": [{name, p, q, in_world, taken, held_by}], "full"}.
 class PartEvents {
  public:
   explicit PartEvents(cell::CellView& cell) : cell_(cell) {}
@@ -52,21 +52,21 @@ class PartEvents {
   std::vector<hardware::PartState> told_;
 };
 
-/// The ways that robots are on: {"event": "plan", "plans": {ROBOT: {path: [[x, y, z]], target: {joints}}}},
-/// places of the TCP in the world; a robot that no planned move moves is not among them. The target is where
-/// the move under way ends, of all that the path is made of.
+/// Planned paths of robots: {"event": "plan", "plans": {ROBOT: {path: [[x, y, z]], target: {joints}}}}. The
+/// path is the TCP in world coordinates (m). The target is the end of the current move, which may be one of
+/// several along the path. Robots without a planned move are left out.
 class PlanEvents {
  public:
   explicit PlanEvents(cell::CellView& cell) : cell_(cell) {}
-  /// Null: nothing has changed since the last call.
+  /// Null: no change since the last call.
   Text changes();
-  /// All there is; null: nobody moves.
+  /// All paths; null: no robot moves.
   Text full();
 
  private:
   struct Way {
     std::uint64_t goal = 0;
-    std::size_t move = 0;  ///< that is under way, of the path's
+    std::size_t move = 0;  ///< index of the current move in the path
     nlohmann::json told;
   };
   void look(std::size_t robot, Way& way) const;
@@ -76,20 +76,20 @@ class PlanEvents {
   std::vector<Way> ways_;  ///< by robot
 };
 
-/// Where the program stands: {"event": "program", …} with what the request `program.watch` answers.
+/// State of the program: {"event": "program", …} with what the request `program.watch` answers.
 class ProgramEvents {
  public:
   explicit ProgramEvents(cell::CellView& cell) : cell_(cell) {}
-  /// What is new at `now`, s; null: nothing. Has the cell tell it once there is a program; where that is
-  /// refused, again a second later.
+  /// The latest state at `now` (s); null: unchanged. Subscribes to `program.watch` when there is a program;
+  /// if the request is refused, tries again after one second.
   Text changes(double now);
-  /// What was told last; null: nothing yet.
+  /// The last state that was sent; null: none yet.
   Text full() const { return told_->text; }
 
  private:
   void watch();
 
-  /// What the answers come to, as long as it lives.
+  /// The last answer. The subscription ends when this is destroyed.
   struct Told {
     Text text;
     bool fresh = false, on = false;
@@ -99,9 +99,9 @@ class ProgramEvents {
   std::shared_ptr<Told> told_ = std::make_shared<Told>();
 };
 
-/// Lines after number `after`, {"event": "log"}; null: none.
+/// Log lines after number `after`, as {"event": "log"}; null if there are none.
 Text log_event(const Journal& journal, std::uint64_t after);
-/// {"event": "alarm", number, time, code, what, where: {file, line, column}, why, advice, severity}
+/// {"event": "alarm", number, time, code, what, where: {file, line, column}, advice, facts, severity}
 Text alarm_event(const Journal::Alarm& alarm);
 
 }  // namespace polyarm::server

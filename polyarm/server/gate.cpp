@@ -37,7 +37,7 @@ bool is_number(std::string_view text, std::size_t most) {
          std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// Four numbers up to 255 with points between them.
+/// Four numbers up to 255, separated by dots.
 bool is_ipv4(std::string_view text) {
   int parts = 0;
   for (;; ++parts) {
@@ -50,7 +50,7 @@ bool is_ipv4(std::string_view text) {
   return parts == 3;
 }
 
-/// The name of a Host header without its port; empty where it is malformed.
+/// The name in a Host header without its port; empty if it is malformed.
 std::string name_of(std::string_view host) {
   std::string_view name = host, rest;
   if (host.starts_with('[')) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Who is let in: decided from the heads of HTTP requests alone, by pure functions.
+/// Access control: decides from the head of an HTTP request whether to serve it. Pure functions.
 #include <string>
 #include <string_view>
 #include <utility>
@@ -9,48 +9,49 @@
 
 namespace polyarm::server {
 
-/// What the gate looks at. Texts as they came; empty: the header was not there.
+/// The parts of the head that are checked, as received. Empty: the header is missing.
 struct Head {
   std::string method, target;
   std::string host, origin, cookie, authorization, fetch_site;
-  bool secure = false;  ///< it came through TLS
+  bool secure = false;  ///< received through TLS
 };
 
 struct GateRules {
-  std::string token;               ///< it allows everything
+  std::string token;               ///< allows everything
   std::vector<std::pair<std::string, protocol::Role>> lesser;  ///< tokens that allow less
-  std::string cookie;              ///< name of the cookie that carries it
-  bool loopback = true;            ///< only names of this machine itself are served
-  std::vector<std::string> names;  ///< of this machine, lower case, served where not only loopback is
+  std::string cookie;              ///< name of the cookie that carries the token
+  bool loopback = true;            ///< only names of the loopback interface are accepted
+  std::vector<std::string> names;  ///< names of this machine, lower case; accepted if `loopback` is false
 };
 
-/// The path of a target, with %XX decoded; empty where it is none: it does not begin with '/', has a NUL, a
-/// backslash, a broken %XX or a step `..`.
+/// The path of a target, with %XX decoded. Empty if it is invalid: it does not begin with '/', or contains a
+/// NUL, a backslash, a broken %XX or a step `..`.
 std::string path_of(std::string_view target);
-/// The value of `name` in the target's query, decoded; empty where there is none.
+/// The value of `name` in the target's query, decoded; empty if it is missing.
 std::string query_value(std::string_view target, std::string_view name);
-/// The value of a cookie; empty where there is none.
+/// The value of a cookie; empty if it is missing.
 std::string cookie_value(std::string_view cookies, std::string_view name);
 
-/// Does the Host header name this machine by an address or a name of its own? A page elsewhere whose name was
-/// made to point here (DNS rebinding) does not.
+/// True if the Host header names this machine, by an address or one of its own names. This keeps out a page
+/// elsewhere whose name was made to resolve to this machine (DNS rebinding).
 bool host_allowed(std::string_view host, const GateRules& rules);
 
-/// How a request shows the token.
+/// How a request carries the token.
 enum class Shown { nothing, wrong, cookie, query, bearer };
 Shown shown_token(const Head& head, const GateRules& rules);
-/// What the token that it shows allows; watch where it shows none that is right.
+/// The role that the request's token allows; `watch` if the token is missing or wrong.
 protocol::Role shown_role(const Head& head, const GateRules& rules);
 
-/// May it read what only a holder of the token sees? `changes`: it is no GET, or opens a WebSocket: then its
-/// Origin has to be the Host, or absent together with a token that is not the cookie.
+/// Decides about a request that needs the token. `changes`: the method is not GET, or the request opens a
+/// WebSocket; then its Origin must equal the Host, or be missing while the token is sent by other means than
+/// the cookie.
 struct Verdict {
-  int status = 200;  ///< 401, 403 or 421 where it is refused
+  int status = 200;  ///< 401, 403 or 421 if refused
   const char* why = "";
 };
 Verdict judge(const Head& head, const GateRules& rules, bool changes);
-/// May it watch, who can move nothing? A page of another tool, wherever it comes from, may where it shows the
-/// token itself; with a cookie alone it is judged as every other.
+/// Decides whether the request may open a read-only viewer. A page of another tool may, from any origin, if
+/// it sends the token itself; with the cookie alone, judge() applies.
 Verdict judge_viewer(const Head& head, const GateRules& rules);
 
 }  // namespace polyarm::server

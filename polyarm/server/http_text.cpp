@@ -38,7 +38,7 @@ const char* reason(int status) {
   }
 }
 
-/// The weight that the parameters of a coding give it; 1 where they say none.
+/// The weight in the parameters of a coding; 1 if there is none.
 double weight_of(std::string_view parameters) {
   const auto at = parameters.find("q=");
   return at == std::string_view::npos ? 1 : std::atof(std::string(parameters.substr(at + 2)).c_str());

@@ -1,5 +1,5 @@
 #pragma once
-/// HTTP as text: heads of answers, and what a header says. Pure.
+/// HTTP as text: heads of replies, and the Accept-Encoding header. Pure.
 #include <string>
 #include <string_view>
 
@@ -7,10 +7,10 @@
 
 namespace polyarm::server {
 
-/// The head of an answer with the empty line behind it.
+/// The head of a reply, including the empty line at its end.
 std::string head_of(const HttpReply& reply, bool keep_alive);
 
-/// Does an Accept-Encoding header allow gzip? Where it is not there, or says q=0, it does not.
+/// True if an Accept-Encoding header allows gzip; false if it is empty or says q=0.
 bool accepts_gzip(std::string_view accept_encoding);
 
 }  // namespace polyarm::server

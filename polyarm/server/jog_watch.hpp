@@ -1,5 +1,5 @@
 #pragma once
-/// Keys that are held in a browser: the clients and messages of the pendant's port for the held motions of a
+/// Jog keys held in a browser: connects clients and messages of the pendant's port to the held motions of a
 /// cell.
 #include <cstdint>
 #include <functional>
@@ -11,27 +11,28 @@
 
 namespace polyarm::server {
 
-/// Cell thread. A motion belongs to the client that began it.
+/// Cell thread. Each motion belongs to the client that started it.
 class JogWatch {
  public:
-  /// Sends client `to` an event, or the reply to the request that began it, as a line.
+  /// Sends a line to client `to`: an event, or the reply to the request that started the motion.
   using Send = std::function<void(std::uint64_t to, const std::string& line)>;
 
   JogWatch(cell::HeldMotions& motions, Send send) : motions_(motions), send_(std::move(send)) {}
 
-  /// Answered {jog: number} once it moves, or with why not. Throws Error for what makes no sense.
+  /// Starts a motion. The reply {jog: number} follows when it moves, or a refusal with the reason. Throws
+  /// Error for an invalid request.
   void begin(std::uint64_t client, const protocol::Any& id, const protocol::JogBegin& request);
-  /// The same towards a place.
+  /// The same, towards a target.
   void go_to(std::uint64_t client, const protocol::Any& id, const protocol::JogGoto& request);
-  /// A heartbeat; of one that is over it does nothing.
+  /// A heartbeat. Ignored if the motion has ended or belongs to another client.
   void beat(std::uint64_t client, std::uint64_t jog);
   /// `why`: "released", "lost", "control", "gone".
   void end(std::uint64_t client, std::uint64_t jog, const char* why);
-  /// All of the client's.
+  /// Ends all motions of the client.
   void end_all(std::uint64_t client, const char* why);
-  /// Reports what has become of them.
+  /// Sends replies and events to the clients.
   void tick();
-  /// The same motion by an amount, as the cell's request.
+  /// The equivalent motion by a fixed amount, as a request of the cell.
   protocol::JogMotion step(const protocol::JogStep& request) const { return motions_.step(request); }
 
  private:
@@ -47,7 +48,7 @@ class JogWatch {
   std::vector<Jog> jogs_;
 };
 
-/// The way of a jog.goto, only planned.
+/// The motion of a `jog.goto` as a request that only plans it.
 protocol::PlanPreview way_of(const protocol::JogGoto& request);
 
 }  // namespace polyarm::server

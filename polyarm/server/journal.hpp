@@ -1,5 +1,5 @@
 #pragma once
-/// What a person is told about a cell: lines, and alarms with what to do. Kept for those who come later.
+/// Log lines and alarms of a cell, kept for clients that connect later.
 #include <cstdint>
 #include <deque>
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace polyarm::server {
 
-/// Passes everything on. Cell thread.
+/// Forwards everything to the next observer. Cell thread.
 class Journal : public cell::Observer {
  public:
   static constexpr std::size_t kKept = 500;
 
-  /// `next` outlives this.
+  /// `next` must outlive this.
   explicit Journal(cell::Observer& next) : next_(next) {}
 
   struct Line {
@@ -21,7 +21,7 @@ class Journal : public cell::Observer {
     double time = 0;             ///< cell time, s
     const char* level = "info";  ///< info, warning, error, log (a program's own), question
     std::string text;
-    /// For pages in other languages; without a code there is only `text`.
+    /// Code and facts let pages translate the line; without a code there is only `text`.
     std::string code = {};
     Facts facts = {};
   };
@@ -34,7 +34,7 @@ class Journal : public cell::Observer {
   const std::deque<Alarm>& alarms() const { return alarms_; }
   std::uint64_t last_line() const { return last_line_; }
   std::uint64_t last_alarm() const { return last_alarm_; }
-  /// Cell time, for what comes without.
+  /// Cell time for events that carry no time.
   void set_now(Nanoseconds now) { now_ = seconds(now); }
 
   void on_note(const std::string& text) override;

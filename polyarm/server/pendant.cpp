@@ -18,7 +18,7 @@ namespace polyarm::server {
 
 namespace {
 
-/// Names under which other machines may know this one, lower case.
+/// Host names of this machine, lower case.
 std::vector<std::string> own_names() {
   std::array<char, 256> name{};
   if (::gethostname(name.data(), name.size() - 1) != 0) return {};
@@ -26,7 +26,7 @@ std::vector<std::string> own_names() {
   return {own, own + ".local"};
 }
 
-/// An address of this machine that others reach; empty where there is none.
+/// An address of this machine that other machines can reach; empty if there is none.
 std::string outside_address() {
   ifaddrs* all = nullptr;
   if (::getifaddrs(&all) != 0) return {};
@@ -96,7 +96,7 @@ class Pendant::Work {
     site_.show_nothing();
     port_->wake();
   }
-  /// Through TLS alone where other machines are served so; on this one in clear.
+  /// Other machines get https if there is a certificate; this machine gets http.
   std::string link(const std::string& host, bool outside, protocol::Role role) const {
     return (outside && !options_.certificate.empty() ? "https://" : "http://") + host + ":" +
            std::to_string(port_->number()) + "/?token=" + token_for(options_.token, role);

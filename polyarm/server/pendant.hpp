@@ -1,5 +1,5 @@
 #pragma once
-/// The pendant's server: page, API and WebSockets of one cell after another on one port.
+/// The pendant's server: serves page, API and WebSockets on one port, for one cell after another.
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -13,45 +13,46 @@
 namespace polyarm::server {
 
 struct PendantOptions {
-  std::uint16_t port = 8765;                          ///< 0: any that is free
-  std::optional<std::string> listen;                  ///< an address beyond loopback; "" is all of them
-  std::string certificate, key;                       ///< PEM, for other machines; empty: all in clear
-  std::string fingerprint;                            ///< of that certificate, for a person
-  std::string token;                                  ///< that everybody has to show
-  std::string page_folder;                            ///< the page from there instead of the command's own
-  std::string version;                                ///< of the command, for who asks
+  std::uint16_t port = 8765;                          ///< 0: any free port
+  std::optional<std::string> listen;                  ///< address to listen on beyond loopback; "" means all
+  std::string certificate, key;                       ///< PEM, for other machines; empty: no TLS
+  std::string fingerprint;                            ///< of that certificate, shown to the user
+  std::string token;                                  ///< every client must send it
+  std::string page_folder;                            ///< folder of the page; empty: the built-in page
+  std::string version;                                ///< version of the command, reported to clients
   const description::Catalogue* catalogue = nullptr;  ///< outlives this
-  /// A picture of a robot as SVG; any thread.
+  /// Makes an SVG picture of a robot; called on any thread.
   std::function<std::string(const description::RobotModel&)> picture;
 };
 
-/// Made before a cell and outlives it; between two cells requests are refused with `no-cell`. An I/O thread
-/// carries, another one draws and reads what takes long; everything below is the cell thread's.
+/// Created before the cell, and outlives it. Between two cells, requests are refused with `no-cell`. An I/O
+/// thread serves the sockets; a worker thread draws pictures and reads large files. All members below belong
+/// to the cell thread.
 class Pendant : public cell::Door {
  public:
-  /// Listens from now on. Throws Error("no-port").
+  /// Starts to listen. Throws Error("no-port").
   Pendant(PendantOptions options, cell::Observer& next);
   ~Pendant() override;
 
-  /// What a cell is to be made with, so that pages see what a person is told.
+  /// Build the cell with this observer, so that pages show the same reports as the console.
   cell::Observer& observer();
-  /// This cell is served from now on, until detach() or another; it outlives that.
+  /// Serves this cell until detach() or the next attach(). The cell must outlive that.
   void attach(cell::CellView& cell);
   void detach();
-  /// Each tick, or now and then without a cell.
+  /// Call each tick; without a cell, from time to time.
   void serve() override;
   void set_bell(const std::shared_ptr<realtime::Bell>& bell) override;
   void take() override;
   std::string address() const override { return link(); }
 
-  /// What somebody wants to be run, asked for while there is no cell; once.
+  /// The restart that a client asked for while there was no cell; returned once.
   std::optional<cell::RestartWish> take_wish();
 
-  /// With the token, for a browser of this machine.
+  /// The link with the token, for a browser on this machine.
   std::string link() const;
-  /// The same for other machines; empty where only loopback is served.
+  /// The same for other machines; empty if only loopback is served.
   std::string outside_link() const;
-  /// The link, for other machines where they are served, of those who may do no more than that.
+  /// A link that allows no more than `role`; for other machines if they are served.
   std::string link_for(protocol::Role role) const;
   std::string fingerprint() const;
   std::uint16_t port() const;

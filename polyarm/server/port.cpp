@@ -41,10 +41,10 @@ namespace {
 
 constexpr std::size_t kMostAnnounced = 64 << 20, kMostHead = bounds::kHeadBytes, kMostMessage = bounds::kRequestBytes,
                       kBuffer = 64 << 10;
-/// So much the system may keep of what a WebSocket was sent: more would be old by the time it is read.
+/// Send buffer of a WebSocket in the system: more data would be old by the time it is read.
 constexpr int kSendBuffer = 128 << 10;
 constexpr double kFarewell_s = 0.5;
-/// After there was no descriptor for who came, nobody is accepted for so long; after too many, for so long.
+/// Pauses in accepting: after the process ran out of descriptors, and after too many connections came.
 constexpr double kShortage_s = 0.1, kCrowd_s = 0.02;
 
 std::chrono::nanoseconds duration(double seconds) {
@@ -84,17 +84,17 @@ class Port::Work {
   PortOptions options;
 
  private:
-  // Connections; these outlive the context, whose end ends sockets.
-  std::size_t known_ = 0;  // that have shown a token
+  // Connections. They outlive the context, whose destructor destroys sockets.
+  std::size_t known_ = 0;  // count of connections that have shown a token
   std::size_t uploads_ = 0;
-  std::list<Http*> strangers_;  // that have not, oldest first
+  std::list<Http*> strangers_;  // connections that have not, oldest first
   std::set<Socket*> sockets_;
 
  public:
   net::io_context context{1};
   std::atomic<std::uint64_t> connections{0}, refused{0}, requests{0}, timed_out{0};
 
-  /// False: too many have shown a token already.
+  /// Counts a connection that has shown a token. Returns false if there are too many.
   bool know(Http* connection) {
     if (known_ >= options.most_connections) return false;
     strangers_.remove(connection);
@@ -109,7 +109,7 @@ class Port::Work {
     return true;
   }
   void end_upload() { --uploads_; }
-  /// Null: this port speaks no TLS.
+  /// Null: this port has no TLS.
   net::ssl::context* tls() { return tls_.get(); }
   void add(Socket* socket) { sockets_.insert(socket); }
   void remove(Socket* socket) { sockets_.erase(socket); }
@@ -174,7 +174,7 @@ class Port::Work {
 
 namespace {
 
-/// A page or program that asks and tells.
+/// The stream of a client that sends requests and gets answers and events.
 class ClientStream : public Stream {
  public:
   explicit ClientStream(std::shared_ptr<Client> client) : client_(std::move(client)) {}
@@ -192,7 +192,7 @@ class ClientStream : public Stream {
 
 }  // namespace
 
-/// A WebSocket and what is behind it.
+/// A WebSocket and the stream that it carries.
 class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
  public:
   Socket(Work& work, Wire wire, std::shared_ptr<Stream> client)
@@ -205,7 +205,7 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
     work_.known_left();
   }
 
-  /// `protocol`: the subprotocol that is spoken; empty: none.
+  /// `protocol`: the chosen subprotocol; empty: none.
   void accept(const http::request<http::string_body>& request, const std::string& protocol) {
     Failure ignored;
     if (!protocol.empty())
@@ -245,7 +245,7 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
         });
   }
 
-  /// Also where it is not open yet: then as soon as it is.
+  /// If the handshake is not finished, the WebSocket is closed after it.
   void go_away() {
     goes_away_ = true;
     close(ws::close_code::going_away, "the cell has ended");
@@ -284,7 +284,7 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
   bool open_ = false, closing_ = false, writing_ = false, goes_away_ = false;
 };
 
-/// A connection that asks for files, until it becomes a WebSocket.
+/// An HTTP connection, until it becomes a WebSocket.
 class Port::Work::Http : public std::enable_shared_from_this<Http> {
  public:
   Http(Work& work, tcp::socket socket) : work_(work), wire_(std::move(socket)), buffer_(kBuffer) {
@@ -303,7 +303,7 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
   }
   const std::string& address() const { return address_; }
 
-  /// In clear on this machine, or where the port speaks no TLS; else through TLS.
+  /// Without TLS if the port has none; else the first bytes decide, and only this machine may go without TLS.
   void begin() {
     if (!work_.tls()) return read();
     set_timeout(work_.options.head_s);
@@ -319,7 +319,7 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
   void read() {
     parser_.emplace();
     parser_->header_limit(kMostHead);
-    parser_->body_limit(kMostAnnounced);  // of the head; how much of it is read is decided by what is asked
+    parser_->body_limit(kMostAnnounced);  // for the head; the path decides how much of the body is read
     set_timeout(first_ ? work_.options.head_s : work_.options.idle_s);
     first_ = false;
     http::async_read_header(
@@ -327,7 +327,7 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
         [self = this->shared_from_this()](Failure failed, std::size_t) { self->on_head(failed); });
   }
 
-  /// Another needs its place.
+  /// Closes this connection to make room for another.
   void give_way() { wire_.next_layer().close(); }
 
  private:
@@ -462,7 +462,7 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
     if (!stream) return refuse(503, "too many are watching already");
     wire_.next_layer().expires_never();
     wire_.give_back(beast::buffers_to_string(buffer_.data()));  // frames that came with the head
-    handed_on_ = true;  // with its place among those that are known: nobody else comes this far
+    handed_on_ = true;  // it stays counted as known: only known connections come this far
     const auto socket = std::make_shared<Socket>(work_, std::move(wire_), std::move(stream));
     socket->accept(parser_->get(), protocol_);
   }
@@ -474,7 +474,7 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
   Head head_;
   std::string path_, protocol_;
   std::string address_;
-  bool local_ = false, in_clear_ = false;  ///< in clear, where that is not served
+  bool local_ = false, in_clear_ = false;  ///< in_clear_: came without TLS where TLS is required
   bool first_ = true, keep_alive_ = false, handed_on_ = false, known_ = false, uploads_ = false;
 };
 
@@ -498,7 +498,8 @@ void Port::Work::accept() {
   });
 }
 
-/// A handshake costs a millisecond of the thread that reads everybody's stops: newcomers wait for their turn.
+/// A handshake takes a millisecond of the thread that reads all stops: the rate of new connections is
+/// limited.
 bool Port::Work::may_accept() {
   const double now = steady_now(), passed = accepted_at_ > 0 ? now - accepted_at_ : 0;
   accepted_at_ = now;
@@ -506,7 +507,7 @@ bool Port::Work::may_accept() {
   return may_come_ >= 0;
 }
 
-/// Nobody is accepted for a moment: there was no descriptor, or too many came.
+/// Pauses accepting: there was no descriptor, or too many connections came.
 void Port::Work::rest_from_accepting(double seconds) {
   rest_ = std::make_unique<net::steady_timer>(context, duration(seconds));
   rest_->async_wait([this](Failure) {
@@ -514,7 +515,7 @@ void Port::Work::rest_from_accepting(double seconds) {
   });
 }
 
-/// Who has shown no token gives way to who comes: the oldest of the address that has most of them.
+/// Evicts a connection without a token: the oldest of the address that has the most of them.
 void Port::Work::make_room_for_strangers() {
   if (strangers_.size() < options.most_strangers) return;
   std::map<std::string, std::size_t> counts;

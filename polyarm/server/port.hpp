@@ -1,5 +1,5 @@
 #pragma once
-/// The one port: HTTP and WebSockets on a thread of its own, which carries and owns nothing of a cell.
+/// The one TCP port: serves HTTP and WebSockets on its own I/O thread. It knows nothing of a cell.
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -17,10 +17,10 @@ namespace polyarm::server {
 struct HttpRequest {
   std::string method, target, path;  ///< path: decoded, without the query
   std::string body, if_none_match;
-  bool gzip = false;  ///< the other side takes it
+  bool gzip = false;  ///< the client accepts gzip
   Shown token = Shown::nothing;
   protocol::Role role = protocol::Role::watch;
-  bool secure = false;  ///< it came through TLS
+  bool secure = false;  ///< received through TLS
 };
 
 struct HttpReply {
@@ -32,44 +32,44 @@ struct HttpReply {
 };
 HttpReply plain(int status, const std::string& text);
 
-/// What is behind the port.
+/// What the port serves: answers requests and opens streams.
 class Site {
  public:
   virtual ~Site() = default;
-  /// May everybody see it, who has no token? The page itself and its files.
+  /// True if this needs no token: the page itself and its files.
   virtual bool is_open(const std::string& method, const std::string& path) const = 0;
-  /// Most bytes that a body may have there; 0: none.
+  /// Largest body that is accepted there, bytes; 0: no body.
   virtual std::size_t most_body(const std::string& method, const std::string& path) const = 0;
-  /// I/O thread; `reply` is called once, from any thread.
+  /// I/O thread. `reply` must be called once, from any thread.
   virtual void handle(HttpRequest request, std::function<void(HttpReply)> reply) = 0;
-  /// I/O thread: a WebSocket was opened by somebody who may; null: there are too many.
+  /// I/O thread. Called when an authorised client opens a WebSocket; null: too many are connected.
   virtual std::shared_ptr<Client> welcome(Client::Side side) = 0;
-  /// I/O thread: the subprotocol by which tools of others watch, of those that a WebSocket offers in one
-  /// text; empty: none of them.
+  /// I/O thread. `offered`: the list of subprotocols that a WebSocket offers. Returns the one for viewers
+  /// (tools of others); empty: none is known.
   virtual std::string viewer_protocol(const std::string& offered) const { return {}; }
-  /// I/O thread: one of these was opened by somebody who may; null: there are too many.
+  /// I/O thread. Called when an authorised viewer opens a WebSocket; null: too many are connected.
   virtual std::shared_ptr<Stream> welcome_viewer() { return nullptr; }
 };
 
 struct PortOptions {
   std::string address = "127.0.0.1";
-  std::uint16_t port = 0;  ///< 0: any that is free
-  GateRules rules;         ///< an empty cookie name is made from the port
-  std::string certificate, key;  ///< PEM: other machines are served through TLS alone; empty: all in clear
-  bool local_in_clear = true;    ///< this machine itself is served in clear, too
-  std::size_t most_connections = bounds::kConnections;  ///< that have shown a token
-  std::size_t most_strangers = bounds::kStrangers;      ///< that have not
-  double head_s = bounds::kHead_ms / 1000.0, body_s = 60, idle_s = 20, send_s = 30;  ///< how long the other side may take
+  std::uint16_t port = 0;  ///< 0: any free port
+  GateRules rules;         ///< if the cookie name is empty, it is made from the port number
+  std::string certificate, key;  ///< PEM; other machines must use TLS. Empty: no TLS
+  bool local_in_clear = true;    ///< this machine may also connect without TLS
+  std::size_t most_connections = bounds::kConnections;  ///< connections that have shown a token
+  std::size_t most_strangers = bounds::kStrangers;      ///< connections that have not
+  double head_s = bounds::kHead_ms / 1000.0, body_s = 60, idle_s = 20, send_s = 30;  ///< timeouts
 };
 
 class Port {
  public:
-  /// Listens. Throws Error("no-port") with what is wrong; `site` outlives it.
+  /// Starts to listen. Throws Error("no-port") with the reason. `site` must outlive this.
   Port(PortOptions options, Site& site);
-  /// Says goodbye to every WebSocket, and waits a moment for it to be read.
+  /// Closes every WebSocket, and waits a short time until the clients have read that.
   ~Port();
   std::uint16_t number() const;
-  /// Any thread: clients have been given something to send, or have room for more.
+  /// Any thread. Call when clients have messages to send, or room for more.
   void wake();
   struct Counts {
     std::uint64_t connections = 0, refused = 0, requests = 0, timed_out = 0;

@@ -90,7 +90,7 @@ std::vector<fs::path> files_of(const fs::path& folder) {
   return out;
 }
 
-/// The place of an entry in the folder, which no name leads out of.
+/// Path of an entry inside the folder. Throws if the name is hidden or leads out of it.
 fs::path place_of(const std::string& name) {
   const fs::path path(name);
   const auto refuse = [&] {
@@ -106,7 +106,7 @@ fs::path place_of(const std::string& name) {
   return path;
 }
 
-/// Native code comes onto a machine by who works at it, never in a project.
+/// A project must not bring native code onto a machine; a person installs that.
 void refuse_native(const std::string& name, std::string_view text) {
   const std::string file = lower(fs::path(name).filename().string());
   const bool named = file.ends_with(".so") || file.find(".so.") != std::string::npos ||
@@ -125,20 +125,21 @@ Error too_many_files() {
   return Error("bad-zip", "the zip has too many files", std::to_string(kMostZippedFiles) + " at most");
 }
 
-/// Before the list of files is taken into memory, by what its end says: a zip of 64 MB may list a million.
+/// Checks the count in the zip's end record before libzip loads the list of files: a zip of 64 MB may list a
+/// million.
 void require_few(std::string_view bytes) {
   constexpr std::size_t kEnd = 22, kLongestNote = 65535, kLarge = 20;
   const std::size_t from = bytes.size() - std::min(bytes.size(), kEnd + kLongestNote);
   for (std::size_t at = bytes.find("PK\5\6", from); at != std::string_view::npos && at + kEnd <= bytes.size();
        at = bytes.find("PK\5\6", at + 1)) {
     const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(bytes[at + i]); };
-    const bool large = at >= kLarge && bytes.substr(at - kLarge, 4) == "PK\6\7";  // counted in 64 bits
+    const bool large = at >= kLarge && bytes.substr(at - kLarge, 4) == "PK\6\7";  // its counts have 64 bits
     if (large || byte(10) + 256u * byte(11) > kMostZippedFiles)
       throw too_many_files();
   }
 }
 
-/// Links, devices and pipes are none of a project, and what is locked cannot be read.
+/// Refuses links, devices, pipes and encrypted files.
 void require_plain(zip_t* zip, zip_uint64_t index, const std::string& name) {
   constexpr zip_uint32_t kKind = 0170000, kFile = 0100000;
   zip_uint8_t system = 0;
@@ -151,7 +152,7 @@ void require_plain(zip_t* zip, zip_uint64_t index, const std::string& name) {
     throw Error("bad-zip", "'" + name + "' of the zip is no ordinary file", "pack files and folders alone");
   if ((stat.valid & ZIP_STAT_ENCRYPTION_METHOD) && stat.encryption_method != ZIP_EM_NONE)
     throw Error("bad-zip", "'" + name + "' of the zip is encrypted", "pack the project without a password");
-  // What other libraries would unpack is left to them: zlib's format is what every program writes.
+  // Only Deflate, which every zip program writes, is accepted: libzip would use other libraries for the rest.
   if (!(stat.valid & ZIP_STAT_COMP_METHOD) ||
       (stat.comp_method != ZIP_CM_STORE && stat.comp_method != ZIP_CM_DEFLATE))
     throw Error("bad-zip", "'" + name + "' of the zip is packed in another way than zip programs do by default",
@@ -183,7 +184,7 @@ bool can_zip() {
 std::string zip_of(const fs::path& folder) {
   Source target = buffer(nullptr, 0);
   Zip zip = open(target.get(), ZIP_TRUNCATE);
-  zip_source_keep(target.get());  // the zip has taken the first hold
+  zip_source_keep(target.get());  // a second reference, because the zip has taken the first
   std::vector<std::string> contents;
   const std::vector<fs::path> files = files_of(folder);
   contents.reserve(files.size());
@@ -218,7 +219,7 @@ void unzip_into(std::string_view bytes, const fs::path& folder) {
   require_few(bytes);
   Source source = buffer(bytes.data(), bytes.size());
   const Zip zip = open(source.get(), ZIP_RDONLY);
-  (void)source.release();  // the zip's
+  (void)source.release();  // owned by the zip now
   const zip_int64_t count = zip_get_num_entries(zip.get(), 0);
   if (count < 0 || static_cast<std::size_t>(count) > kMostZippedFiles)
     throw too_many_files();

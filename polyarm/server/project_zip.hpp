@@ -1,5 +1,5 @@
 #pragma once
-/// A project as one zip, and back.
+/// Packs a project into a zip file, and unpacks one.
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -9,18 +9,18 @@
 
 namespace polyarm::server {
 
-/// More is neither packed nor unpacked.
+/// Limits for packing and unpacking.
 inline constexpr std::size_t kMostZipped = bounds::kZipBytes, kMostUnzipped = bounds::kUnzippedBytes,
                              kMostZippedFiles = bounds::kZipFiles;
 
-/// Was the command built with libzip?
+/// True if the command was built with libzip.
 bool can_zip();
-/// All regular files of the folder but hidden ones (.state, .git), links and secrets (base/secrets.hpp). Throws Error("no-zip"
-/// | "too-large").
+/// Packs all regular files of the folder except hidden files (.state, .git), links and secrets
+/// (base/secrets.hpp). Throws Error("no-zip" | "too-large" | "bad-zip").
 std::string zip_of(const std::filesystem::path& folder);
-/// Unpacks into a folder that must not be there yet: whole or not at all. Throws Error("bad-zip") for what is
-/// no zip, a name that leads out of the folder or is hidden, or too much of it; Error("native-code") for
-/// libraries and programs; Error("exists").
+/// Unpacks into a new folder, completely or not at all. Throws Error("bad-zip") if the data is not a zip, is
+/// too large, or has a name that is hidden or leads out of the folder; Error("native-code") for libraries and
+/// programs; Error("exists") if the folder exists.
 void unzip_into(std::string_view zip, const std::filesystem::path& folder);
 
 }  // namespace polyarm::server

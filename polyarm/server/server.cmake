@@ -1,4 +1,4 @@
-# The pendant's server. Boost.Beast and Asio are headers alone; only port.cpp sees them.
+# The pendant's server. Boost.Beast and Asio are header-only; only port.cpp includes them.
 find_path(POLYARM_BEAST boost/beast/websocket.hpp)
 if(NOT POLYARM_BEAST)
   message(FATAL_ERROR "Boost.Beast is missing: install libboost-dev, or run tools/setup")
@@ -14,10 +14,10 @@ if(POLYARM_ZIP AND POLYARM_ZIP_LIBRARY)  # back up and restore a project
   set_source_files_properties(server/project_zip.cpp PROPERTIES COMPILE_DEFINITIONS POLYARM_ZIP)
   target_link_libraries(polyarm_server PRIVATE ${POLYARM_ZIP_LIBRARY})
 endif()
-set_source_files_properties(server/port.cpp PROPERTIES COMPILE_OPTIONS "-O1")  # it waits for sockets
+set_source_files_properties(server/port.cpp PROPERTIES COMPILE_OPTIONS "-O1")  # it mostly waits for sockets
 
-# The page is built by npm from pendant/ when something there has changed, and compiled into the library. Without npm, or
-# a Node.js older than 18, or a network at the first time, the server says so in its place.
+# npm builds the page from pendant/ when a file there has changed; it is compiled into the library. Without npm, Node.js 18
+# or newer, or a network for the first build, the server shows a note instead of the page.
 set(page ${PROJECT_SOURCE_DIR}/pendant)
 set(built ${CMAKE_BINARY_DIR}/pendant)
 set(steps ${PROJECT_SOURCE_DIR}/cmake/embed_page.cmake)

@@ -25,13 +25,13 @@ namespace {
 constexpr double kStatusEvery = 0.1, kTagsEvery = 0.1, kLookEvery = 1, kPartsEvery = 1.0 / 30,
                  kPlansEvery = 0.05, kLogEvery = 0.1, kPointsEvery = 0.2;
 
-/// One that is connected, as the cell thread knows it.
+/// A connected client, as the cell thread sees it.
 struct Seat {
   std::shared_ptr<Client> client;
   std::string name;
-  bool listens = false, greeted = false;  ///< it is told events; it has been told all there was
+  bool listens = false, greeted = false;  ///< listens: wants events; greeted: has received the full state
   double rate = 0, due = 0;
-  double reserved_until = 0;  ///< it has one of the seats for control, and takes it until then; 0: none
+  double reserved_until = 0;  ///< it uses a seat reserved for control until this time; 0: no such seat
 };
 
 using protocol::Any;
@@ -43,7 +43,7 @@ class Sessions::Work {
  public:
   Work(cell::Observer& next, std::string version) : journal(next), version_(std::move(version)) {}
 
-  /// Beyond the seats for everybody there are some for those who come to take control.
+  /// Clients that may take control have some seats beyond the limit for all.
   std::shared_ptr<Client> welcome(Client::Side side) {
     const std::lock_guard lock(mutex_);
     const bool may_take = side.role != protocol::Role::watch;
@@ -147,7 +147,7 @@ class Sessions::Work {
     }
   }
 
-  /// A seat for control is left again by who neither takes control nor asks for it.
+  /// Disconnects a client that uses a reserved seat but neither has control nor asks for it.
   void keep_seats_for_control(Seat& seat) {
     const std::uint64_t number = seat.client->number;
     if (seat.reserved_until == 0) return;
@@ -159,8 +159,8 @@ class Sessions::Work {
 
   // --- requests
 
-  /// Stops, holds and heartbeats of all first, whatever else has come in; then a line of each in turn, for as
-  /// many and as long as one tick has room for.
+  /// Takes the stops, holds and heartbeats of all clients first. Then takes one line from each client in
+  /// turn, up to the tick's limits of lines and time.
   void take_lines() {
     now_ = seconds(realtime::monotonic_now());
     if (cell_) journal.set_now(cell_->now());
@@ -169,7 +169,7 @@ class Sessions::Work {
     const Nanoseconds begun = realtime::monotonic_now();
     if (begun - budget_since_ >= kBudgetEvery) renew_budget(begun);
     Nanoseconds taken = 0;
-    bool first = true;  // one is taken in any case, so that nobody waits for a clock alone
+    bool first = true;  // one line is always taken, even if the time is used up
     for (std::size_t empty = 0;
          empty < seats_.size() && lines_left_ > 0 && (first || taken < time_left_);) {
       Seat& seat = next_seat();
@@ -184,7 +184,7 @@ class Sessions::Work {
     time_left_ -= taken;
   }
 
-  /// What a tick, and the looks between it and the next, may take.
+  /// The budget of one tick and of the calls until the next.
   void renew_budget(Nanoseconds now) {
     budget_since_ = now;
     lines_left_ = bounds::kLinesATick;
@@ -196,7 +196,7 @@ class Sessions::Work {
       for (std::string& line : seat.client->urgent()) take(seat, {std::move(line), false, false});
   }
 
-  /// The one after the one whose line was taken last.
+  /// The client after the one whose line was taken last.
   Seat& next_seat() {
     auto next = seats_.upper_bound(served_);
     if (next == seats_.end()) next = seats_.begin();
@@ -238,7 +238,7 @@ class Sessions::Work {
     }
   }
 
-  /// A request that only reads needs no control; any other needs it, and a link that allows it.
+  /// Reading needs no control. Any other request needs control, and a link whose role allows it.
   void require_may(const Seat& seat, const protocol::RequestType& type, const Any& fields) const {
     const std::string name = type.facts->name;
     const bool takes = type.facts == &protocol::SessionTake::kFacts;
@@ -251,7 +251,7 @@ class Sessions::Work {
     if (needed != Role::watch && !takes) require_control(seat, name);
   }
 
-  /// A request that was sent before a stop, and is read after it, must not move what has been stopped.
+  /// Refuses a request that was sent before a stop but is read after it, so it cannot move what was stopped.
   static void require_not_overtaken(const Client::Line& line, const protocol::RequestType& type, const Any& fields) {
     const bool jogs = type.facts == &protocol::JogBegin::kFacts || type.facts == &protocol::JogGoto::kFacts;
     if (!line.before_stop && !(line.before_end && jogs)) return;
@@ -277,7 +277,8 @@ class Sessions::Work {
     seat.client->answer(protocol::result_line(protocol::Answer::of<R>(std::move(result)).any(), id));
   }
 
-  /// To the cell's requests. Who did it is what the port knows, and not what the client says.
+  /// Passes the request on to the cell. `by` is set to the client's name here, so that a client cannot claim
+  /// another's.
   void pass_on(Seat& seat, const Any& id, const protocol::RequestType* type, const Any& fields, std::size_t bytes) {
     if (!cell_ && type) return without_cell(seat, id, protocol::read_request(*type, fields));
     require_cell();
@@ -292,7 +293,7 @@ class Sessions::Work {
         [client = seat.client](const std::string& text) { return client->answer(text); }, seat.client.get());
   }
 
-  /// The few requests of a cell that make sense while there is none: it has failed, or could not be built.
+  /// The few requests that work without a cell, when it has failed or could not be built.
   void without_cell(Seat& seat, const Any& id, const protocol::Request& request) {
     const protocol::Facts* const facts = &request.facts();
     if (facts == &protocol::CellsList::kFacts) return answer<protocol::CellsList>(seat, id, cell::known_cells({}));
@@ -314,7 +315,7 @@ class Sessions::Work {
     answer<protocol::CellRestart>(seat, id, {"restart"});
   }
 
-  /// To the cell, with this client's id.
+  /// Passes a request on to the cell, with this client's id.
   void hand_over(Seat& seat, const Any& id, protocol::Request request) {
     cell_->requests().ask(
         std::move(request),
@@ -326,7 +327,7 @@ class Sessions::Work {
 
   // --- requests of a session
 
-  /// One function for each; a request that is answered later returns nothing.
+  /// One function per request. Requests that are answered later return nothing.
   void take_own(Seat& seat, const Any& id, const protocol::Request& request) {
     using namespace protocol;
     const protocol::Facts* const facts = &request.facts();
@@ -346,13 +347,13 @@ class Sessions::Work {
     if (facts == &CellReset::kFacts) return answer<CellReset>(seat, id, change_cell(request.as<CellReset>()));
   }
 
-  /// A request of this client that goes on ends, as if the client had gone.
+  /// Ends one running request of this client, as if the client had disconnected.
   protocol::Nothing end_request(Seat& seat, const protocol::SessionEnd& request) {
     if (cell_) cell_->requests().end(seat.client.get(), request.of.value_or(Any{}));
     return {};
   }
 
-  /// The cell's own request by the names of the page's menus.
+  /// The cell's restart request with the names that the page's menus use.
   template <class Change>
   protocol::Asked change_cell(const Change& request) {
     cell::RestartWish asked;
@@ -368,7 +369,7 @@ class Sessions::Work {
     return {"restart"};
   }
 
-  /// While no cell runs.
+  /// Used while no cell runs.
   void begin_anew(cell::RestartWish asked) {
     cell::require_within_reach(asked, {});
     wish = std::move(asked);
@@ -437,13 +438,13 @@ class Sessions::Work {
     return {control_.holds(seat.client->number), who(control_.holder())};
   }
 
-  /// Answered once it moves.
+  /// The answer follows when the robot moves.
   void jog_begin(Seat& seat, const Any& id, const protocol::JogBegin& request) {
     require_cell();
     jogs_->begin(seat.client->number, id, request);
   }
 
-  /// With `dry` the way is only planned; else the robot goes it as long as heartbeats come.
+  /// With `dry` the path is only planned; else the robot moves along it while heartbeats come.
   void jog_goto(Seat& seat, const Any& id, const protocol::JogGoto& request) {
     require_cell();
     if (request.dry)
@@ -467,7 +468,7 @@ class Sessions::Work {
     return {};
   }
 
-  /// Answered by the cell's request.
+  /// The cell answers.
   void jog_step(Seat& seat, const Any& id, const protocol::JogStep& request) {
     require_cell();
     hand_over(seat, id, jogs_->step(request));
@@ -566,7 +567,7 @@ class Sessions::Work {
     broadcast(Kind::program, program_->changes(now_));
   }
 
-  /// All there is, to who has just come.
+  /// Sends the full state to a client that has just connected.
   void greet(Seat& seat) {
     const auto put = [&](Kind kind, const Text& text) {
       if (text) seat.client->put(kind, text);
@@ -587,7 +588,8 @@ class Sessions::Work {
     Text frame;
     for (auto& [number, seat] : seats_) {
       if (seat.rate <= 0 || !seat.greeted || now_ < seat.due) continue;
-      // Of one rate all are told in the same tick: one frame is made, and the I/O thread woken once.
+      // All clients of one rate are due in the same tick: one frame is made, and the I/O thread is woken
+      // once.
       seat.due = (std::floor(now_ * seat.rate) + 1) / seat.rate;
       if (!frame) frame = frames_->frame();
       seat.client->put_state(frame);
@@ -597,16 +599,16 @@ class Sessions::Work {
 
   std::string version_;
   const std::shared_ptr<Waiting> waiting_ = std::make_shared<Waiting>();
-  std::mutex mutex_;  // of the next three, which the I/O thread changes, too
-  std::vector<std::pair<std::shared_ptr<Client>, bool>> arrived_;  // has it a seat for control?
+  std::mutex mutex_;  // protects the next three, which the I/O thread also changes
+  std::vector<std::pair<std::shared_ptr<Client>, bool>> arrived_;  // true: on a seat reserved for control
   std::uint64_t last_client_ = 0;
   std::size_t connected_ = 0;
 
   cell::CellView* cell_ = nullptr;
   double now_ = 0;
   std::map<std::uint64_t, Seat> seats_;
-  static constexpr Nanoseconds kBudgetEvery = 2'000'000;  // a tick
-  std::size_t lines_left_ = 0;                            // of the budget
+  static constexpr Nanoseconds kBudgetEvery = 2'000'000;  // one tick
+  std::size_t lines_left_ = 0;                            // left in the budget
   Nanoseconds time_left_ = 0, budget_since_ = 0;
   std::uint64_t served_ = 0;  // the client whose line was taken last
   Control control_;

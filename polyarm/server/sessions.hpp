@@ -1,5 +1,5 @@
 #pragma once
-/// Those who are connected: what they ask, who of them may move the cell, and what they are told.
+/// The connected clients: takes their requests, decides who has control, and sends them events.
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -14,22 +14,22 @@
 
 namespace polyarm::server {
 
-/// Everything but welcome() is the cell thread's.
+/// All members but welcome() belong to the cell thread.
 class Sessions {
  public:
-  static constexpr double kFastest = 60;  ///< frames a second
+  static constexpr double kFastest = 60;  ///< frames per second
 
   Sessions(cell::Observer& next, std::string version);
   ~Sessions();
-  /// I/O thread; null: there are too many.
+  /// I/O thread. Null: too many clients are connected.
   std::shared_ptr<Client> welcome(Client::Side side);
 
   Journal& journal();
   void attach(cell::CellView& cell);
   void detach();
-  /// True when somebody has been given something to send.
+  /// Call each tick. Returns true if a client has something to send.
   bool serve();
-  /// Between ticks: the same of what has come in alone.
+  /// Between ticks: only takes the requests that have come in.
   bool take();
   void set_bell(const std::shared_ptr<realtime::Bell>& bell);
   std::optional<cell::RestartWish> take_wish();

@@ -17,7 +17,7 @@ namespace polyarm::server {
 namespace {
 
 constexpr std::string_view kCatalogue = "/api/catalogue", kProject = "/api/project.zip";
-/// What takes long is drawn one after the other; more than so much does not wait.
+/// Slow jobs run one after another. If more than this wait, further ones are refused.
 constexpr int kMostWaiting = bounds::kSlowJobs;
 
 constexpr const char* kNoPage =
@@ -105,7 +105,7 @@ std::vector<Problem> PageSite::take_problems() {
   return std::exchange(problems_, {});
 }
 
-/// For who takes no gzip: decompressed once. I/O thread.
+/// The uncompressed file, for clients that do not accept gzip; cached. I/O thread.
 Text PageSite::plain_of(const std::string& path, const Asset& asset) const {
   Text& kept = plain_[path];
   if (!kept) kept = text_of(unzipped(asset.data));
@@ -159,7 +159,7 @@ void PageSite::handle(HttpRequest request, Reply reply) {
   if (!later(request, reply)) reply(plain(404, "there is no such file"));
 }
 
-/// What takes longer than the port's thread has; false where it is nothing of that.
+/// Hands slow requests to the worker. Returns false if the path is not one of these.
 bool PageSite::later(const HttpRequest& request, const Reply& reply) {
   const std::string& path = request.path;
   std::function<HttpReply()> job;
@@ -193,7 +193,7 @@ void PageSite::post(std::function<HttpReply()> job, const Reply& reply) {
   });
 }
 
-/// Backs the cell's folder up, or unpacks one beside it.
+/// GET: sends a backup of the cell's folder. PUT: unpacks a project beside that folder.
 void PageSite::project(HttpRequest request, const Reply& reply) {
   const protocol::Role needed = request.method == "GET" ? protocol::Role::program : protocol::Role::administer;
   if (request.role < needed)
@@ -223,7 +223,7 @@ void PageSite::project(HttpRequest request, const Reply& reply) {
       reply);
 }
 
-/// Shapes that are made for a robot, compressed; kept as long as the cell is shown.
+/// The generated shapes of a robot; kept compressed while the cell is shown.
 HttpReply PageSite::made_shapes(const Documents& shown, const std::string& path, bool gzip) {
   Text& kept = shown.made[path];
   if (!kept) kept = text_of(zipped(shapes::robot_glb(shown.meshes.at(path))));

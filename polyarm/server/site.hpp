@@ -1,5 +1,5 @@
 #pragma once
-/// What HTTP serves: the page, and what a page asks for beside requests.
+/// The HTTP side of the pendant: the page, and the files and JSON documents of its API.
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -22,11 +22,11 @@ class Viewers;
 
 class PageSite : public Site {
  public:
-  /// All outlive this.
+  /// The arguments must outlive this.
   PageSite(const PendantOptions& options, Sessions& sessions, Viewers& viewers);
   ~PageSite() override;
   void set_port(std::uint16_t port) { port_ = port; }
-  /// Nothing more is answered from other threads than the port's.
+  /// After this, no other thread than the port's answers requests.
   void stop();
 
   /// Cell thread.
@@ -39,7 +39,7 @@ class PageSite : public Site {
   std::shared_ptr<Client> welcome(Client::Side side) override;
   std::string viewer_protocol(const std::string& offered) const override;
   std::shared_ptr<Stream> welcome_viewer() override;
-  /// What went wrong on the way to a document, once; cell thread.
+  /// Problems while making documents, each returned once. Cell thread.
   std::vector<Problem> take_problems();
 
  private:
@@ -49,10 +49,10 @@ class PageSite : public Site {
     std::map<std::string, description::RobotModel> meshes;
     std::filesystem::path mesh_cache;
     std::filesystem::path folder;  ///< of the cell
-    /// Meshes of which not all could be read, by address, so that each problem is reported once. Used by the
-    /// worker only.
+    /// Meshes that could not be read completely, by address, so that each problem is reported once. Used by
+    /// the worker only.
     mutable std::map<std::string, Text> patched;
-    /// Shapes made for robots, by address, compressed. Used by the worker only.
+    /// Generated shapes of robots, by address, compressed. Used by the worker only.
     mutable std::map<std::string, Text> made;
   };
   std::shared_ptr<const Documents> documents() const;
@@ -71,11 +71,11 @@ class PageSite : public Site {
   Viewers& viewers_;
   std::uint16_t port_ = 0;
   std::map<std::string, Asset> page_;
-  mutable std::map<std::string, Text> plain_;  // of what is stored compressed; the I/O thread's
+  mutable std::map<std::string, Text> plain_;  // decompressed copies of compressed files; I/O thread
   mutable std::mutex mutex_;
   std::shared_ptr<const Documents> documents_;
   std::vector<Problem> problems_;
-  // the worker's
+  // used by the worker only
   Text catalogue_;
   std::map<std::string, Text> pictures_;
   std::unique_ptr<cell::Worker> worker_;

@@ -23,7 +23,7 @@ std::string ending(const std::string& name) {
   return name.substr(name.rfind('/') + 1);
 }
 
-/// What interfaces of these names measure; of joints that slide other units.
+/// Unit of an interface with this name; it differs for prismatic joints (`slides`).
 std::string unit_of(const std::string& interface, bool slides) {
   if (interface == "position") return slides ? "m" : "rad";
   if (interface == "velocity") return slides ? "m/s" : "rad/s";

@@ -1,5 +1,5 @@
 #pragma once
-/// What is behind a WebSocket, whatever it speaks.
+/// The interface between a WebSocket and its protocol.
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,11 +8,12 @@
 
 namespace polyarm::server {
 
-/// The I/O thread's, but for gone(), which is any thread's.
+/// All members belong to the I/O thread, except gone(): any thread.
 class Stream {
  public:
   virtual ~Stream() = default;
-  /// A message has come in; `now`: s, of any steady clock. Why the connection has to end; null: it goes on.
+  /// Takes a message; `now`: s, of any steady clock. Returns the reason if the connection must end, else
+  /// null.
   virtual const char* take(std::string message, bool binary, double now) = 0;
   virtual std::optional<Client::Out> next() = 0;
   virtual bool gone() const = 0;

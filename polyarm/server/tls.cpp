@@ -62,7 +62,8 @@ std::string fingerprint_of(X509* certificate) {
   return out;
 }
 
-/// What is wrong with them, or the certificate; `expires`: it has to last a month.
+/// What is wrong with the pair; empty: nothing. `expires`: it must be valid for another month. Sets the
+/// fingerprint.
 std::string judge(Certificate& both, bool expires) {
   const auto refuse_password = [](char*, int, int, void*) { return 0; };
   const Held<X509> first(::PEM_read_bio_X509(reader(both.chain).get(), nullptr, nullptr, nullptr));
@@ -77,7 +78,7 @@ std::string judge(Certificate& both, bool expires) {
   return {};
 }
 
-/// A file's text; nothing where it cannot be read or, with `own`, anybody else could.
+/// The text of a file. Nothing if it cannot be read or, with `own`, if another user could read it.
 std::optional<std::string> text_in(const fs::path& file, bool own) {
   const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | (own ? O_NOFOLLOW : 0));
   if (fd < 0) return std::nullopt;

@@ -1,5 +1,5 @@
 #pragma once
-/// The certificate by which other machines know this one.
+/// The TLS certificate that identifies this machine to others: read from files, or generated.
 #include <filesystem>
 #include <string>
 
@@ -10,13 +10,13 @@ struct Certificate {
   std::string fingerprint;  ///< SHA-256 of the first certificate: "3A:F1:…"
 };
 
-/// A certificate with its key from files. Throws Error("no-certificate") where they cannot be read, are no PEM or
-/// do not belong together.
+/// Reads a certificate and its key. Throws Error("no-certificate") if a file cannot be read or is not PEM, or
+/// if the two do not belong together.
 Certificate read_certificate(const std::filesystem::path& chain, const std::filesystem::path& key);
 
-/// The certificate of this user, which `folder` keeps readable for this user alone; made anew (ECDSA P-256, signed
-/// by itself) where there is none, somebody else could have read its key, or it ends within a month. Throws
-/// Error("no-certificate").
+/// The certificate of this user, stored in `folder` and readable only by this user. A new one (ECDSA P-256,
+/// self-signed) is made if there is none, if another user could have read the key, or if it expires within a
+/// month. Throws Error("no-certificate").
 Certificate kept_certificate(const std::filesystem::path& folder, const std::string& host_name);
 
 }  // namespace polyarm::server

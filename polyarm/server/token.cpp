@@ -37,7 +37,7 @@ std::string base64url(const std::array<std::uint8_t, kBytes>& bytes) {
   return out;
 }
 
-/// What stands in a file that is this user's alone; else nothing.
+/// The content of a file that only this user can read; else empty.
 std::string read_private(const std::filesystem::path& file) {
   const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
   if (fd < 0) return {};

@@ -1,5 +1,5 @@
 #pragma once
-/// The secret that a browser or program has to show before it is served.
+/// The secret token that a browser or program must send before it is served.
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -11,15 +11,15 @@ namespace polyarm::server {
 /// 256 random bits from the system as 43 characters of base64url. Throws Error("no-random").
 std::string make_token();
 
-/// Takes the same time whatever the texts have in common; their lengths are no secret.
+/// Compares in constant time for texts of equal length; the lengths are not secret.
 bool same_token(std::string_view a, std::string_view b) noexcept;
 
-/// The token of a link that allows no more than `role`, made from the one that allows everything, which cannot be
-/// found from it.
+/// The token of a link that allows no more than `role`. It is derived from the full token, which cannot be
+/// computed from it.
 std::string token_for(const std::string& token, protocol::Role role);
 
-/// The token that `file` keeps, readable for this user alone, so that a page that is open outlives a restart;
-/// made anew where there is none or somebody else could have read it. Throws Error("no-token").
+/// The token in `file`, readable only by this user; it survives a restart, so an open page stays connected. A
+/// new one is made if there is none or another user could have read it. Throws Error("no-token").
 std::string kept_token(const std::filesystem::path& file);
 
 }  // namespace polyarm::server

@@ -23,7 +23,8 @@ class ViewerStream : public Stream {
     bytes_ = std::min<double>(bounds::kViewerBurstBytes, bytes_ + passed * bounds::kViewerBytesASecond);
     bytes_ -= static_cast<double>(message.size());
     seen_ = now;
-    // Messages are parsed on the thread that reads everybody's stops.
+    // This thread also reads everybody's stops, so long or frequent messages are refused before they are
+    // parsed.
     if (message.size() > bounds::kViewerRequestBytes) return "the message is too long";
     if (--allowance_ < 0 || bytes_ < 0) return "too many messages a second";
     if (binary)

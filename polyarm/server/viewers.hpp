@@ -1,5 +1,5 @@
 #pragma once
-/// Tools of others that watch a cell on the pendant's port: Foxglove, Lichtblick, PlotJuggler.
+/// Read-only viewers on the pendant's port: Foxglove, Lichtblick, PlotJuggler.
 #include <functional>
 #include <memory>
 #include <string>
@@ -9,18 +9,18 @@
 
 namespace polyarm::server {
 
-/// They move nothing and take no control. Everything but welcome() is the cell thread's.
+/// Viewers move nothing and take no control. All members but welcome() belong to the cell thread.
 class Viewers {
  public:
   explicit Viewers(const std::string& version);
   ~Viewers();
-  /// I/O thread; null: there are too many.
+  /// I/O thread. Null: too many are connected.
   std::shared_ptr<Stream> welcome();
-  /// Called, from any thread, when one of them has been given something between two calls of serve().
+  /// `wake` is called, from any thread, when a viewer has something to send between two calls of serve().
   void set_wake(std::function<void()> wake);
   void attach(cell::CellView& cell);
   void detach();
-  /// True when somebody has been given something to send.
+  /// Call each tick. Returns true if a viewer has something to send.
   bool serve();
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-/// A connection, in clear or through TLS, as Asio's and Beast's operations take it. I/O thread. Only port.cpp
-/// includes this.
+/// A connection, with or without TLS, as a stream for Asio and Beast. I/O thread. Only port.cpp includes
+/// this.
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/ssl/context.hpp>
@@ -27,14 +27,14 @@ class Wire {
   const Tcp& next_layer() const { return *tcp_; }
   executor_type get_executor() { return tcp_->get_executor(); }
 
-  /// From now on what is read and written goes through TLS; the handshake is still to come.
+  /// Reads and writes go through TLS from now on; the caller must still do the handshake.
   Tls& begin_tls(boost::asio::ssl::context& context) {
     tls_ = std::make_unique<Tls>(*tcp_, context);
     return *tls_;
   }
   Tls* tls() { return tls_.get(); }
 
-  /// What was read from it already, further than it was understood: it is read again, before what is still to come.
+  /// Returns bytes that were read but not used; the next reads deliver them first.
   void give_back(std::string bytes) { given_back_ = std::move(bytes); }
 
   template <typename Buffers, typename Handler>
@@ -64,7 +64,7 @@ class Wire {
   std::string given_back_;
 };
 
-/// The end of a WebSocket, as Beast asks for it.
+/// Beast calls these to close a WebSocket's connection.
 template <typename Handler>
 void async_teardown(boost::beast::role_type role, Wire& wire, Handler&& handler) {
   using boost::beast::websocket::async_teardown;

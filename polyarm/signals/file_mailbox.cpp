@@ -30,7 +30,7 @@ namespace polyarm::signals {
 namespace {
 namespace fs = std::filesystem;
 
-/// Distinguishes two states of a file without reading it.
+/// Identifies a state of a file without reading its content.
 struct Identity {
   dev_t device = 0;
   ino_t inode = 0;
@@ -57,13 +57,14 @@ std::optional<std::string> read_through(int fd) {
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return std::nullopt;
     out.append(buffer, static_cast<std::size_t>(n));
-    if (n < static_cast<ssize_t>(sizeof buffer)) return out;  // read in one piece: it cannot mix two versions
+    if (n < static_cast<ssize_t>(sizeof buffer)) return out;  // read in one piece, so it cannot mix two
+                                                              // versions
     at += n;
   }
 }
 
-/// Copies `size` bytes of a mapping that another process may truncate at any time. The kernel does the copy;
-/// if the file is too short, the copy ends instead of the process.
+/// Copies `size` bytes of a mapping that another process may truncate at any time. The kernel copies; if the
+/// file is too short, the copy ends early instead of killing this process.
 std::string copied(const char* mapping, std::size_t size) {
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC | O_NONBLOCK) != 0) return {};
@@ -79,8 +80,8 @@ std::string copied(const char* mapping, std::size_t size) {
   return content;
 }
 
-/// The content of a file. It is mapped: unlike a read, this causes no event, so every read event belongs to
-/// another process.
+/// The content of a file, read through a mapping. Unlike a read, this causes no event, so every read event
+/// belongs to another process.
 std::optional<std::string> content_of(int fd) {
   const auto found = identity_of(fd);
   if (!found) return std::nullopt;
@@ -111,7 +112,7 @@ struct Displaced {
   int looks_left = 0;
 };
 
-/// Number of consecutive checks, 20 ms each, that are skipped while others hold the lock; after it the holder
+/// Checks (20 ms each) that are skipped in a row while another process holds the lock. After that the holder
 /// counts as stuck. A disk with many writers may block one for a second.
 constexpr int kMostLeftOut = 150;
 /// Number of checks of a displaced file.
@@ -119,11 +120,11 @@ constexpr int kLooksAtDisplaced = 500;
 /// After this many checks the file is read even if nothing indicates a change.
 constexpr int kLooksUntilRead = 50;
 constexpr std::size_t kMostDisplaced = 64;
-/// A writer that never stops must not prevent our writes.
+/// Limit for postponed writes: a writer that never stops must not prevent ours.
 constexpr int kMostPostponed = 4;
 /// Number of names tried for a temporary file.
 constexpr int kTakenNames = 1000;
-/// A file changed so recently may change again within the same tick of its time stamp.
+/// A file that changed this recently may change again without a new time stamp, ns.
 constexpr std::int64_t kStampResolution = 50'000'000;
 }  // namespace
 
@@ -197,7 +198,7 @@ class FileMailbox::Io {
   std::uint64_t look_from_now() const { return locked(looks_started_) + 1; }
   std::uint64_t looks() const { return locked(looks_ended_); }
 
-  /// One round: posts, displaced files, the file, and a write if it is out of date.
+  /// One round: takes posts, checks displaced files and the file, and writes the file if it is out of date.
   void look() {
     const bool ours = turn_.take();
     if (!ours && ++left_out_ < kMostLeftOut) return;
@@ -296,7 +297,7 @@ class FileMailbox::Io {
     settle(found);
   }
 
-  /// Reads without opening if it is the file that we hold open, because opening causes an event.
+  /// Reads the file through the open descriptor if it is the same file, because opening causes an event.
   std::optional<std::string> read_path(const Identity& found) {
     const auto held = standing_ ? identity_of(standing_.number()) : std::nullopt;
     const bool same = held && held->inode == found.inode && held->device == found.device;
@@ -377,7 +378,7 @@ class FileMailbox::Io {
     if (displaced_.size() > kMostDisplaced) displaced_.erase(displaced_.begin());
   }
 
-  /// There may be many of them: an unchanged one costs one system call.
+  /// There may be many displaced files; an unchanged one costs one system call.
   void look_at(Displaced& old) {
     const auto now = identity_of(old.file.number());
     if (now && old.settled && *now == old.seen && old.looks_left % kLooksUntilRead != 0) return;
@@ -446,8 +447,8 @@ class FileMailbox::Io {
     return (path.parent_path() / name).string();
   }
 
-  /// The new file, open for reading. It is closed for writing before it gets its name, because closing causes
-  /// an event.
+  /// Writes the new file and opens it for reading. It is closed for writing before it gets its name, because
+  /// closing causes an event.
   Descriptor written_file(const std::string& temporary, const std::string& text) const {
     struct stat old {};
     const mode_t mode = ::stat(path_.c_str(), &old) == 0 ? old.st_mode & 07777 : 0644;
@@ -469,7 +470,7 @@ class FileMailbox::Io {
     return Descriptor{};
   }
 
-  /// Puts the new file in the place of the old one; standing_ then is the old file.
+  /// Exchanges the new file with the old one. Then standing_ is the old file.
   bool exchange(const std::string& temporary) {
     if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, path_.c_str(), RENAME_EXCHANGE) == 0) {
       struct stat displaced {};
@@ -481,7 +482,7 @@ class FileMailbox::Io {
       ::unlink(temporary.c_str());
       return true;
     }
-    return ::rename(temporary.c_str(), path_.c_str()) == 0;  // a file system without exchange, or no file
+    return ::rename(temporary.c_str(), path_.c_str()) == 0;  // a file system without exchange, or no old file
   }
 
   Problem unwritable() const {
@@ -494,30 +495,30 @@ class FileMailbox::Io {
   const MailboxOptions options_;
   const std::string path_;
 
-  // I/O thread, or the caller of step().
-  data::ImportFile image_;  ///< the present values as text, with the comments and order of the file
+  // Used by the I/O thread, or by the caller of step().
+  data::ImportFile image_;  ///< the present values as text, with the file's comments and order
   MailboxMerge merge_;
   FileWatch watch_;
   FolderTurn turn_;
-  int left_out_ = 0;        ///< consecutive skipped checks
-  bool in_turn_ = false;    ///< for this check
-  std::string known_text_;  ///< the file's content as far as we know
+  int left_out_ = 0;        ///< checks skipped in a row
+  bool in_turn_ = false;    ///< true if this check holds the lock
+  std::string known_text_;  ///< the file's content as far as known
   std::set<std::string> names_in_file_;
   Identity known_;
   Descriptor standing_;  ///< the open file, to read it again
   bool opened_displaced_ = false;
   std::uint64_t file_version_ = 0;
   std::vector<Displaced> displaced_;
-  std::string last_seen_;  ///< of a file that may be incomplete
+  std::string last_seen_;  ///< content of a file that may be incomplete
   Identity last_found_;
   int same_looks_ = 0;
-  bool held_ = false;  ///< the file looks incomplete: no writing now
+  bool held_ = false;  ///< the file looks incomplete; do not write now
   bool needs_write_ = false;
   bool complained_ = false;
   int postponed_ = 0;
   unsigned temporaries_ = 0;
 
-  // Both threads, under the mutex.
+  // Both threads; protected by the mutex.
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::vector<std::pair<std::string, data::Value>> posts_;

@@ -46,36 +46,35 @@ struct MailboxOptions {
   Nanoseconds period = 10'000'000;  ///< between two checks of the file, wall time
   std::size_t versions_kept = 64;
   int looks_until_settled =
-      100;  ///< checks in a row that find an incomplete file unchanged; then it is used as it is
+      100;  ///< consecutive checks that find an incomplete file unchanged, before it is used as it is
 };
 
 class FileMailbox {
  public:
-  /// `start` is the file as loaded; a rewrite since then is merged like any other.
+  /// `start`: the file as loaded. A rewrite since then is merged like any other.
   explicit FileMailbox(const data::ImportFile& start, MailboxOptions options = {});
-  /// Writes what was posted, then ends.
+  /// Writes what was posted, then stops.
   ~FileMailbox();
   FileMailbox(const FileMailbox&) = delete;
   FileMailbox& operator=(const FileMailbox&) = delete;
 
   const std::string& path() const;
-  /// Cell thread. Throws Error("cannot-keep") immediately for a value that the file cannot hold.
+  /// Cell thread. Throws Error("cannot-keep") at once for a value that the file cannot hold.
   void post(const std::string& name, const data::Value& value);
-  /// The same for several values; the other side sees them together. If one cannot be kept, the others are
-  /// posted.
+  /// The same for several values, which the other side sees together. If one cannot be kept, the others are
+  /// still posted.
   void post(std::span<const std::pair<std::string, data::Value>> values);
-  /// Cell thread. Sets the group of a name in the file. A group is no value: it is not merged, and an outside
-  /// rewrite that had not seen it may drop it.
+  /// Cell thread. Sets the group of a name in the file. A group is not a value: it is not merged, and an
+  /// outside rewrite that had not seen it may drop it.
   void post_group(const std::string& name, const std::string& group);
-  /// Cell thread. The events since the last call. Leaves out an outside change of a name that was posted
-  /// after the merge, because the runtime's value is newer.
+  /// Cell thread. The events since the last call. An outside change of a name that was posted after the merge
+  /// is left out, because the runtime's value is newer.
   std::vector<MailboxEvent> take_events();
 
-  /// The number of posts, and the number of those that are in the file.
+  /// Count of posts, and count of those that are in the file.
   std::uint64_t posted() const;
   std::uint64_t written() const;
-  /// A full check of the file that starts after this call has number look_from_now() or more; `load` waits
-  /// until looks() reaches it.
+  /// Number of the next full check of the file. `load` waits until looks() reaches it.
   std::uint64_t look_from_now() const;
   std::uint64_t looks() const;
 

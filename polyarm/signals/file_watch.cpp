@@ -78,11 +78,11 @@ void FileWatch::take_open(std::optional<Label> label) {
   accessed_ = false;
 }
 
-/// Events of the file that we have just displaced.
+/// Handles events of the file that we have just displaced.
 void FileWatch::take_late(std::uint32_t mask) {
   if ((mask & IN_OPEN) && !std::exchange(own_late_open_, false)) take_open(displaced_);
   if ((mask & IN_ACCESS) && in_doubt_ && opened_ && !accessed_) {
-    last_read_ = std::nullopt;  // of the displaced file, or of the new one as well
+    last_read_ = std::nullopt;  // it may have been the displaced file or the new one
     accessed_ = true;
     in_doubt_ = false;
   }
@@ -100,7 +100,7 @@ void FileWatch::take_rewrite(bool replaced) {
   rewritten_ = true;
   standing_ = next_label_++;
   if (rewrites_.size() < kMostRewrites) rewrites_.push_back({standing_, last_read_});
-  last_read_ = standing_;  // its writer knows it
+  last_read_ = standing_;  // its writer knows its content
 }
 
 void FileWatch::collect() {

@@ -1,5 +1,5 @@
 #pragma once
-/// Tracks who opens and rewrites one file, from the file events of the system (inotify).
+/// Finds out which version of a file a rewrite is based on, from the system's file events (inotify).
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -8,12 +8,11 @@
 
 namespace polyarm::signals {
 
-/// Tracks readers and writers of a file, to find the version that a rewrite is based on: the version that any
-/// process read last before it. One thread. Without file events (other systems, network drives) it reports
-/// nothing.
+/// Tracks readers and writers of a file. A rewrite is based on the version that any process read last before
+/// it. One thread. Without file events (other systems, network drives) it reports nothing.
 class FileWatch {
  public:
-  /// The file at `path` holds `version`.
+  /// `version`: the version in the file at `path`.
   FileWatch(const std::filesystem::path& path, std::uint64_t version);
   ~FileWatch();
   FileWatch(const FileWatch&) = delete;
@@ -26,15 +25,15 @@ class FileWatch {
   /// The label of the file's present content, by the events so far.
   Label standing() const { return standing_; }
   /// Processes the events directly after we have replaced the file by `version`. Returns the label of the
-  /// displaced version; its file is now called `displaced_name`, and events of a process that was just
-  /// opening it carry that name. `own_open`: we opened it ourselves under that name.
+  /// displaced version. That file is now called `displaced_name`; events of a process that was just opening
+  /// it carry that name. `own_open`: we opened it ourselves under that name.
   Label collect_replaced(std::uint64_t version, const std::string& displaced_name, bool own_open);
-  /// Announces that the next open event is our own. Our own readings cause no events.
+  /// Announces that the next open event is our own. Our own reads cause no events.
   void expect_own_open(bool opens) { own_open_ = opens; }
 
-  /// The version that the rewrites up to `label` are based on, if known; this call clears it.
+  /// The version on which the rewrites up to `label` are based, if known. The call clears it.
   std::optional<std::uint64_t> take_base(Label label);
-  /// The content written up to `label` is now known as `version`.
+  /// Records that the content up to `label` is `version`.
   void resolve(Label label, std::uint64_t version);
   /// True if a process rewrote the file since the last call.
   bool take_rewritten();
@@ -50,12 +49,12 @@ class FileWatch {
   void take_open(std::optional<Label> label);
   void take_rewrite(bool replaced);
   void lose_track();
-  /// Calls `each` for every event, with a flag for events of the displaced file.
+  /// Calls `each` for every event, with true for events of the displaced file.
   template <class Each>
   void drain(Each each);
 
   std::string name_;
-  std::string displaced_name_;  ///< of the file displaced last
+  std::string displaced_name_;  ///< of the last displaced file
   Label displaced_ = 0;
   int fd_ = -1;
   Label standing_;

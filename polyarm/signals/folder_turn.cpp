@@ -17,7 +17,7 @@ FolderTurn::FolderTurn(const std::filesystem::path& folder)
     : folder_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {}
 
 bool FolderTurn::take() {
-  constexpr int kTries = 200, kBetween = 100;  // the interval in microseconds
+  constexpr int kTries = 200, kBetween = 100;  // interval in microseconds
   for (int i = 0; folder_ && i < kTries; ++i) {
     if (::flock(folder_.number(), LOCK_EX | LOCK_NB) == 0) return true;
     if (errno != EWOULDBLOCK && errno != EINTR) return true;

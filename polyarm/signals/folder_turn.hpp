@@ -1,6 +1,6 @@
 #pragma once
-/// Lets several Polyarm processes take turns in rewriting files of one folder, and marks files that were
-/// written in such a turn.
+/// Lets several Polyarm processes take turns in rewriting files of a folder, and marks files that were
+/// written during such a turn.
 #include <filesystem>
 #include <string>
 
@@ -8,12 +8,13 @@
 
 namespace polyarm::signals {
 
-/// The lock on a folder that every process holds while it changes data there; without effect on file systems
+/// A lock on a folder that every process holds while it changes data there. It has no effect on file systems
 /// without locks. One thread.
 class FolderTurn {
  public:
   explicit FolderTurn(const std::filesystem::path& folder);
-  /// False if others hold it for longer than 20 ms; the caller then proceeds without it.
+  /// Takes the lock. Returns false if others hold it for longer than 20 ms; the caller then continues without
+  /// it.
   bool take();
   void give_back();
 
@@ -21,9 +22,9 @@ class FolderTurn {
   Descriptor folder_;
 };
 
-/// Marks a file that was written in the writer's turn: its writer had merged the former content. The mark, an
-/// extended attribute, holds the hash of the text, so it becomes invalid with the next rewrite by others.
-/// Some file systems do not store marks.
+/// Marks a file that was written during a turn: its writer had merged the former content. The mark is an
+/// extended attribute with the hash of the text, so it becomes invalid when others rewrite the file. Some
+/// file systems do not store marks.
 void mark_as_merged(int file, const std::string& text);
 bool is_merged(int file, const std::string& text);
 

@@ -138,7 +138,7 @@ std::unique_ptr<LinkPort> load_link_port(const LinkEntry& entry,
     if (std::filesystem::is_regular_file(folder / program, ignored))
       return std::make_unique<RemotePort>(entry, (folder / program).string());
     if (!std::filesystem::exists(folder / file, ignored)) continue;
-    void* const library = ::dlopen((folder / file).c_str(), RTLD_NOW | RTLD_LOCAL);  // stays open
+    void* const library = ::dlopen((folder / file).c_str(), RTLD_NOW | RTLD_LOCAL);  // stays loaded
     if (!library)
       throw Error(Problem{"no-link-module", {(folder / file).string()}, ::dlerror(), "build Polyarm again"});
     const auto make = reinterpret_cast<MakeLinkPort>(::dlsym(library, "polyarm_link_1"));

@@ -22,14 +22,14 @@
 
 namespace polyarm::signals {
 
-/// Seen from the cell. both: a change on either side is sent to the other.
+/// Direction as seen from the cell. both: a change on either side is sent to the other.
 enum class Direction { in, out, both };
 const char* name(Direction direction);
 
-/// The permitted positions of a pose from outside; an unstated bound is wide.
+/// Permitted positions of a pose from outside. The default bounds are wide.
 struct PoseRange {
   std::array<double, 3> lower{-100, -100, -100}, upper{100, 100, 100};  ///< m, in the pose's frame
-  /// The reason why the pose is not allowed (not finite, no rotation, outside), or empty.
+  /// The reason if the pose is not allowed (not finite, invalid rotation, outside); else empty.
   std::optional<std::string> refuses(const Pose& pose) const;
 };
 
@@ -44,10 +44,10 @@ struct LinkTag {
   Direction direction = Direction::in;
   Type type = Type::boolean;
   double scale = 1, offset = 0;                ///< cell's number = scale · far side's number + offset
-  std::optional<std::array<double, 2>> range;  ///< of the cell's number; values outside are refused
+  std::optional<std::array<double, 2>> range;  ///< of the cell's number; other values are refused
   PoseRange within;
-  double angle_scale = 1;   ///< pose: rad per unit of angle of the far side; `scale` applies to lengths
-  bool cell_first = false;  ///< both: the cell's value wins at the first connection, not the far side's
+  double angle_scale = 1;   ///< pose: rad per unit of angle on the far side; `scale` applies to lengths
+  bool cell_first = false;  ///< both: at the first connection the cell's value wins, not the far side's
 
   // Modbus
   Area area = Area::coil;
@@ -61,11 +61,11 @@ struct LinkTag {
   std::string field;  ///< of a JSON object, with dots; empty: the whole message
   bool retain = false;
   int qos = 1;
-  Nanoseconds stale = 0;  ///< age at which it becomes stale; 0: never
+  Nanoseconds stale = 0;  ///< age at which the value becomes stale; 0: never
 
   // ROS 2; `topic` is the name of a topic or service, `field` a field of the message, `retain`: latched
-  /// For a service: the tag that starts the call (true) and is reset by the answer (false), a field of the
-  /// request, or a field of the answer.
+  /// For a service: the tag that starts the call (true) and is reset by the reply (false), a field of the
+  /// request, or a field of the reply.
   enum class Role { topic, call, request, answer };
   Role role = Role::topic;
   std::string message;  ///< "geometry_msgs/PoseStamped", "std_srvs/srv/Trigger"
@@ -73,11 +73,11 @@ struct LinkTag {
   std::map<std::string, std::string> constants;  ///< fixed fields of outgoing messages
 
   Location where;
-  /// Number of registers (pose: six or seven numbers).
+  /// Count of registers (a pose has six numbers).
   int registers() const;
 };
 
-/// Number of values of a pose: x, y, z, roll, pitch, yaw.
+/// Count of numbers in a pose: x, y, z, roll, pitch, yaw.
 constexpr int kPoseNumbers = 6;
 
 /// The entry of one link in signals.yaml.
@@ -123,38 +123,38 @@ struct LinkValue {
 struct LinkNews {
   std::vector<LinkValue> values;                             ///< new values, or all after connecting
   std::vector<std::size_t> seen;                             ///< tags that were received, changed or not
-  std::vector<std::pair<std::size_t, std::string>> refused;  ///< refused values, and why
-  std::vector<std::string> notes;  ///< for the user: events of the port itself that it survives
+  std::vector<std::pair<std::size_t, std::string>> refused;  ///< refused values with the reason
+  std::vector<std::string> notes;  ///< for the user: events of the port that did not end the connection
   bool alive = true;               ///< the far side is active (server: it had a recent request)
   void refuse(std::size_t tag, std::string why) { refused.emplace_back(tag, std::move(why)); }
 };
 
-/// Speaks one protocol with one far side. One thread calls it, except give_up().
+/// Speaks one protocol with one far side. One thread calls it; give_up() may be called from any thread.
 class LinkPort {
  public:
   virtual ~LinkPort() = default;
   /// Connects (a server: listens). Throws Error with the reason.
   virtual void open() = 0;
   virtual void close() noexcept = 0;
-  /// Sends `writes` and receives due or pending values; waits for news for at most `patience`. `now` is the
-  /// time of the caller's clock. Throws Error when the connection is lost; then none of `writes` counts as
-  /// sent.
+  /// Sends `writes` and receives values that are due or pending; waits for news for at most `patience`.
+  /// `now`: time of the caller's clock. Throws Error if the connection is lost; then none of `writes` counts
+  /// as sent.
   virtual void exchange(const std::vector<LinkValue>& writes, Nanoseconds now, Nanoseconds patience,
                         LinkNews& news) = 0;
   /// True if exchange() itself waits for incoming data.
   virtual bool waits() const { return false; }
-  /// Before the first open(): the values that both sides knew before the port was created again. A server
-  /// offers them.
+  /// Call it before the first open(), with the values that both sides knew before the port was created again.
+  /// A server offers these values.
   virtual void remember(const std::vector<LinkValue>&) {}
-  /// Any thread: the caller no longer waits. A call that waits for the far side may end with an Error.
+  /// Any thread. The caller no longer waits; a call that waits for the far side may end with an Error.
   virtual void give_up() noexcept {}
 };
 
-/// Makes a port: for `polyarm_link_KIND`, a program (link_process.hpp), or for a module of that name, which
-/// exports it as `extern "C" LinkPort* polyarm_link_1(const LinkEntry&)`.
+/// Makes a port. Used by `polyarm_link_KIND`, a program (link_process.hpp), or by a module of that name,
+/// which exports it as `extern "C" LinkPort* polyarm_link_1(const LinkEntry&)`.
 using MakeLinkPort = LinkPort* (*)(const LinkEntry&);
-/// Looks for `polyarm_link_KIND` in the folders: first a program, then a module (.so), which must not parse
-/// untrusted input. Throws Error("no-link-module") that says what to install.
+/// Looks for `polyarm_link_KIND` in the folders: first a program, then a module (.so). A module must not
+/// parse untrusted input. Throws Error("no-link-module") that says what to install.
 std::unique_ptr<LinkPort> load_link_port(const LinkEntry& entry,
                                          const std::vector<std::filesystem::path>& folders);
 
@@ -162,7 +162,7 @@ struct LinkEvent {
   enum class Kind { value, refused, lost, found, note } kind = Kind::value;
   std::size_t tag = 0;
   data::Value value;
-  std::string text;  ///< refused, lost: the reason; note: the event
+  std::string text;  ///< refused, lost: the reason; note: the text
 };
 
 /// The state of a link at one moment.
@@ -177,27 +177,29 @@ struct LinkState {
 
 struct LinkOptions {
   bool thread = true;                                                    ///< false: step() does the work
-  Nanoseconds first_pause = 100'000'000, longest_pause = 5'000'000'000;  ///< before reconnecting
+  Nanoseconds first_pause = 100'000'000, longest_pause = 5'000'000'000;  ///< before a reconnection, ns
 };
 
-/// Runs a port, from the first take_events() on. post, take_events, state: cell thread.
+/// Runs a port, from the first call of take_events(). Call post(), take_events() and state() on the cell
+/// thread.
 class Link {
  public:
   Link(LinkEntry entry, std::unique_ptr<LinkPort> port, LinkOptions options = {});
-  /// Sends what was posted, within the link's timeout, then closes. Cancels a pending connection attempt.
+  /// Sends what was posted, within the link's timeout, then closes. A pending connection attempt is
+  /// cancelled.
   ~Link();
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
   const LinkEntry& entry() const;
-  /// Sets the value for the far side. Only the latest value of a tag is sent; after a loss it is sent again.
+  /// Sets the value for the far side. Only a tag's latest value is sent; after a loss it is sent again.
   void post(std::size_t tag, const data::Value& value);
-  /// The events since the last call. Leaves out a value of a tag that was posted after the value was read.
+  /// The events since the last call. A value of a tag that was posted after that value was read is left out.
   std::vector<LinkEvent> take_events();
   LinkState state() const;
   /// True if everything posted has been sent.
   bool idle() const;
-  /// One round on the calling thread at time `now`, if there is no thread.
+  /// Runs one round on the calling thread at time `now`; for links without a thread.
   void step(Nanoseconds now);
 
  private:
@@ -205,8 +207,8 @@ class Link {
   std::unique_ptr<Io> io_;
 };
 
-/// Converts a value from a port to the cell's value: scales it and checks that it is finite, in range and of
-/// the right kind. Empty, with the reason in `why`, if it is refused.
+/// Converts a port's value to the cell's value: scales it, and checks that it is finite and in range, and has
+/// the right type. Empty if it is refused, with the reason in `why`.
 std::optional<data::Value> taken_number(const LinkTag& tag, double raw, std::string& why);
 std::optional<data::Value> taken_pose(const LinkTag& tag, const std::vector<double>& raw, std::string& why);
 /// The inverse: the value for the far side.

@@ -1,7 +1,7 @@
 #pragma once
-/// The protocol between a cell and the process of a link (`polyarm_link_KIND`). The cell sends an order, the
-/// process answers, one at a time. The process parses untrusted input, so the cell checks every length, index
-/// and value of an answer.
+/// The protocol between a cell and the process of a link (`polyarm_link_KIND`). The cell sends an order and
+/// the process answers, one at a time. The process parses untrusted input, so the cell checks every length,
+/// index and value in an answer.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -12,28 +12,28 @@
 
 namespace polyarm::signals {
 
-/// The program for a kind of link, in the folders of modules: "polyarm_link_modbus".
+/// File name of the program for a kind of link: "polyarm_link_modbus". It is in the modules folders.
 inline std::string link_program(const std::string& kind) {
   return "polyarm_link_" + kind;
 }
 
-/// From the cell to the process.
+/// Orders of the cell.
 enum class LinkOrder : std::uint8_t {
-  begin,     ///< entry, known values; first and only once
+  begin,     ///< entry, known values; first order, once
   open,      ///< connect, or listen
   exchange,  ///< now, patience, values to send
   close
 };
-/// From the process, one for each order.
+/// Answers of the process, one per order.
 enum class LinkAnswer : std::uint8_t {
   done,    ///< for begin: whether exchange() waits for incoming data
   failed,  ///< the reason
   news     ///< for exchange
 };
 
-/// Largest length of a message text, bytes; longer texts are cut.
+/// Longest text of a message, bytes; longer ones are cut.
 inline constexpr std::size_t kMostLinkWords = 1000;
-/// Largest size of one message, bytes. One exchange of a port is smaller (bounds::kLinkRoundBytes).
+/// Largest message, bytes. One exchange of a port is smaller (bounds::kLinkRoundBytes).
 inline constexpr std::size_t kMostLinkMessage = std::size_t{32} << 20;
 
 void pack(process::Packer& out, const LinkEntry& entry);
@@ -43,8 +43,8 @@ void pack(process::Packer& out, const std::vector<LinkValue>& values);
 std::vector<LinkValue> unpack_values(process::Unpacker& in);
 
 void pack(process::Packer& out, const LinkNews& news);
-/// False for invalid content: an unknown tag, or a value that the tag cannot have or that should have been
-/// refused. Texts become printable.
+/// Returns false for invalid content: an unknown tag, a value that the tag cannot have, or one that should
+/// have been refused. Texts become printable.
 bool unpack_news(process::Unpacker& in, const LinkEntry& entry, LinkNews& news);
 
 }  // namespace polyarm::signals

@@ -14,10 +14,10 @@
 namespace polyarm::signals {
 
 namespace {
-/// Interval at which a port that waits for news checks for posts.
+/// Interval at which a port that waits for news checks for posts, ns.
 constexpr Nanoseconds kPatience = 5'000'000;
 constexpr Nanoseconds kSecond = 1'000'000'000;
-/// Largest number of losses, refusals and notes that wait for the cell.
+/// Limit for losses, refusals and notes that wait for the cell.
 constexpr std::size_t kMostOtherEvents = 100;
 
 Nanoseconds steady_now() {
@@ -27,7 +27,7 @@ Nanoseconds steady_now() {
 }
 }  // namespace
 
-/// The side of the port's thread: connects, exchanges, counts; and the two queues.
+/// Runs on the port's thread: connects, exchanges values and counts. Holds both queues.
 class Link::Io {
  public:
   Io(LinkEntry entry, std::unique_ptr<LinkPort> port, LinkOptions options)
@@ -72,7 +72,8 @@ class Link::Io {
   }
 
   std::vector<LinkEvent> take_events() {
-    // So values posted before the first take_events() are available at the far side's first request.
+    // Started here, so that values posted before the first call are available at the far side's first
+    // request.
     if (options_.thread && !thread_.joinable()) thread_ = std::thread([this] { run(); });
     std::vector<LinkEvent> out;
     const std::lock_guard lock(mutex_);
@@ -86,7 +87,7 @@ class Link::Io {
   LinkState state() const {
     const std::lock_guard lock(mutex_);
     LinkState out = state_;
-    // Values age while a round is under way, too: the far side, or the process that speaks with it, may hang.
+    // Values also age during a round, because the far side, or the process that speaks with it, may hang.
     if (options_.thread && state_.was_up) age(out, steady_now());
     return out;
   }
@@ -114,14 +115,14 @@ class Link::Io {
       lock.lock();
       if (open_ && port_->waits()) continue;
       const Nanoseconds next = open_ ? begun + entry_.poll : std::max(next_try_, begun + 1'000'000);
-      // A post is sent immediately.
+      // A post wakes the thread and is sent at once.
       wake_.wait_for(lock, std::chrono::nanoseconds(std::max<Nanoseconds>(0, next - steady_now())),
                      [this] { return ending_ || (news_ && open_); });
     }
     finish();
   }
 
-  /// On the port's thread, because a port's process ends with its thread.
+  /// Runs on the port's thread, because a port's process ends with its thread.
   void finish() {
     const Nanoseconds until = steady_now() + entry_.timeout;
     while (open_ && !idle() && steady_now() < until) round(steady_now(), 0);
@@ -145,7 +146,7 @@ class Link::Io {
     }
   }
 
-  /// Not connected: reports it once, and waits longer before each new attempt.
+  /// Handles a lost connection: reports it once, and waits longer before each new attempt.
   void fall(Nanoseconds now, const std::string& why) {
     port_->close();
     open_ = false;
@@ -211,7 +212,7 @@ class Link::Io {
     take_refusals(news, now);
     for (LinkValue& value : news.values) {
       refusals_[value.tag].clear();
-      // Received from the far side, so it is not sent back after a reconnection.
+      // The far side has sent this value, so it is not sent back after a reconnection.
       if (entry_.tags[value.tag].direction == Direction::both && posted_[value.tag] == known[value.tag])
         wanted_[value.tag].reset(), given_[value.tag] = posted_[value.tag];
       const std::size_t tag = value.tag;
@@ -221,7 +222,7 @@ class Link::Io {
     if (events_.size() > bounds::kLinkEvents) leave_out_events();
   }
 
-  /// Marks the tags that have not been heard of for longer than their `stale`.
+  /// Marks the tags that were not received for longer than their `stale`.
   void age(LinkState& state, Nanoseconds now) const {
     for (std::size_t i = 0; i < heard_at_.size(); ++i) {
       const Nanoseconds limit = entry_.tags[i].stale;
@@ -229,7 +230,7 @@ class Link::Io {
     }
   }
 
-  /// Each once; only some if a far side keeps sending different invalid values.
+  /// Reports each refusal once, and only some if a far side keeps sending different invalid values.
   void take_refusals(LinkNews& news, Nanoseconds now) {
     if (now - refusing_since_ >= kSecond) {
       if (const auto left_out = std::exchange(refusals_left_out_, 0); left_out > 0)
@@ -250,7 +251,7 @@ class Link::Io {
     }
   }
 
-  /// If the cell does not take events: keeps the latest value of each tag, and the latest other events.
+  /// If the cell does not take events: keeps each tag's latest value, and the latest other events.
   void leave_out_events() {
     std::vector<std::pair<LinkEvent, std::uint64_t>> kept;
     std::vector<char> has(entry_.tags.size(), 0);
@@ -272,14 +273,15 @@ class Link::Io {
   Nanoseconds next_try_ = 0, pause_;
   Nanoseconds refusing_since_ = 0;
   std::uint64_t refusals_told_ = 0, refusals_left_out_ = 0;
-  // Both threads; under the lock.
+  // Both threads; protected by the mutex.
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::vector<std::optional<data::Value>> wanted_;  ///< by tag: the value for the far side
-  std::vector<std::uint64_t> posted_, given_;       ///< by tag: number of posts, and the last one sent
+  std::vector<std::uint64_t> posted_, given_;       ///< by tag: count of posts, and number of the last post
+                                                    ///< sent
   std::vector<Nanoseconds> heard_at_;
   std::vector<std::string> refusals_;
-  std::vector<std::pair<LinkEvent, std::uint64_t>> events_;  ///< with the number of posts of its tag at that
+  std::vector<std::pair<LinkEvent, std::uint64_t>> events_;  ///< with the count of the tag's posts at that
                                                              ///< time
   LinkState state_;
   bool news_ = false, ending_ = false;

@@ -31,7 +31,7 @@ class LinkProcess {
  public:
   LinkProcess(Channel& channel, MakeLinkPort make) : channel_(channel), make_(make) {}
 
-  /// The exit code.
+  /// Returns the exit code.
   int run() {
     std::vector<std::byte> order;
     for (;;) {
@@ -74,10 +74,10 @@ class LinkProcess {
     tell(LinkAnswer::done, [&](Packer& out) { out.number(port_->waits()); });
   }
 
-  /// Before the library creates a thread: the code that parses untrusted input may reach the far side and
-  /// nothing else.
+  /// Called before the library creates a thread. The code that parses untrusted input can then reach the far
+  /// side and nothing else.
   static void confine_to(const LinkEntry& entry) {
-    constexpr std::uint16_t kNames = 53;  // a name server with long answers
+    constexpr std::uint16_t kNames = 53;  // DNS over TCP, for long answers
     const auto port = static_cast<std::uint16_t>(entry.port);
     process::Confinement reach{{entry.ca_file, entry.certificate, entry.key}, {}, {}};
     reach.connects.emplace();
@@ -128,7 +128,7 @@ int serve_link(int argc, char** argv, MakeLinkPort make) {
   rules.parent = parent;
   rules.most_memory = bounds::kLinkMemory;
   if (!process::become_child(rules)) return 1;
-  ::signal(SIGPIPE, SIG_IGN);  // a lost far side is an error of the call
+  ::signal(SIGPIPE, SIG_IGN);  // a lost connection is an error of the call
   try {
     process::ChannelLimits limits;
     limits.most_message = kMostLinkMessage;

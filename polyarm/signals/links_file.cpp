@@ -17,7 +17,7 @@ namespace {
   throw Error(Problem{"bad-link", node.where(), what, advice});
 }
 
-/// The index of the word in `names`; reports any other word with the nearest name.
+/// The index of the word in `names`. Reports any other word, with the nearest name.
 std::size_t one_of(const Yaml& node, const std::vector<std::string>& names) {
   const std::string word = node.text();
   const auto found = std::find(names.begin(), names.end(), word);
@@ -46,7 +46,7 @@ Nanoseconds time_of(const Yaml& node, Nanoseconds fallback) {
   return nanoseconds(value);
 }
 
-/// Metres or radians per named unit.
+/// Metres or radians per unit.
 double unit_scale(const Yaml& node, Dimension dimension) {
   const Unit* unit = find_unit(node.text());
   if (!unit || unit->dimension != dimension)
@@ -289,7 +289,7 @@ void read_ros2(const Yaml& node, LinkEntry& out, Problems& problems) {
     if (node.has(key)) out.graph[key] = node[key].is_list() ? join(node[key].texts(), ",") : node[key].text();
 }
 
-/// Reports two tags at one place.
+/// Reports two tags that share an address.
 void check_places(const LinkEntry& link, Problems& problems) {
   if (link.kind != "modbus") return;
   std::vector<const LinkTag*> order;
@@ -297,7 +297,7 @@ void check_places(const LinkEntry& link, Problems& problems) {
   std::stable_sort(order.begin(), order.end(), [](const LinkTag* a, const LinkTag* b) {
     return std::tie(a->area, a->address) < std::tie(b->area, b->address);
   });
-  const LinkTag* furthest = nullptr;  // of the previous ones, the one with the last end
+  const LinkTag* furthest = nullptr;  // of the previous tags, the one that ends last
   for (const LinkTag* tag : order) {
     if (furthest && furthest->area == tag->area && tag->address < furthest->address + furthest->registers()) {
       const auto [a, b] = std::minmax(furthest, tag);  // in the order of the file

@@ -24,8 +24,8 @@
 ///       tags:
 ///         PartKind: {topic: vision/kind, type: text, direction: in, stale: 5s}
 ///         pinput: {topic: vision/pose, type: pose, json: true, direction: in}
-///         Count: {topic: cell/count, type: number, json: true, field: count.total, direction: out, retain:
-///         true}
+///         Count: {topic: cell/count, type: number, json: true, field: count.total, direction: out,
+///                 retain: true}
 ///     camera:
 ///       ros2: node                      # joins its graph; domain, range, peers, namespace, distribution
 ///       tags:
@@ -40,7 +40,7 @@
 
 namespace polyarm::signals {
 
-/// The links under `node`; faults go to `problems`. File names are relative to `folder`.
+/// Reads the links under `node`; mistakes go to `problems`. File names are relative to `folder`.
 std::vector<LinkEntry> read_links(const Yaml& node, const std::filesystem::path& folder, Problems& problems);
 /// `{within: [[x, y, z], [x, y, z]]}`
 PoseRange read_range(const Yaml& node);

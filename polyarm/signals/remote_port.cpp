@@ -21,8 +21,8 @@ using process::Channel;
 using process::Packer;
 using process::Unpacker;
 
-/// The far side may use the link's timeout for each request; a port makes at most one for each value that it
-/// sends, and for each block that it reads.
+/// The far side may use the link's timeout for each request. A port makes at most one request per value that
+/// it sends and per block that it reads.
 constexpr std::size_t kMostBlocks = 32;
 constexpr Nanoseconds kClosing = 1'000'000'000;
 
@@ -45,9 +45,10 @@ RemotePort::RemotePort(LinkEntry entry, std::string program, RemotePortOptions o
       options_(options),
       known_(entry_.tags.size()),
       give_up_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  // Reads the password here, where the cell's access rights apply; the process gets the password but no file.
+  // The password is read here, where the cell's access rights apply; the process gets the password, not the
+  // file.
   if (!entry_.password_file.empty()) entry_.password = trim(read_file(entry_.password_file));
-  // The same for a restarted process, so that a broker ends the previous session.
+  // A restarted process uses the same id, so that a broker ends the previous session.
   if (entry_.client_id.empty()) entry_.client_id = "polyarm-" + entry_.name + "-" + std::to_string(::getpid());
 }
 
@@ -116,7 +117,7 @@ void RemotePort::remember(const std::vector<LinkValue>& values) {
   for (const LinkValue& each : values) known_[each.tag] = each.value;
 }
 
-/// The process stays for the next open(). It is killed if it does not close in time.
+/// The process stays alive for the next open(). It is killed if it does not close in time.
 void RemotePort::close() noexcept {
   if (!child_.running()) return;
   try {
@@ -139,7 +140,7 @@ Unpacker RemotePort::answer(LinkAnswer expected, Nanoseconds limit) {
   return in;
 }
 
-/// The next message; false if it does not arrive until then.
+/// Receives the next message. Returns false if none arrives until then.
 bool RemotePort::receive(Nanoseconds until) {
   using Clock = process::PulseWatch::Clock;
   pulse_.restart(Clock::now());

@@ -62,7 +62,7 @@ data::Value read_ruled(const Yaml& node, const Tag& tag) {
                       "write keep, or a value of the tag"});
 }
 
-/// `on_stop`, `on_hold`, `on_link_loss`: keep, or a value.
+/// Reads `on_stop`, `on_hold` and `on_link_loss`: keep, or a value.
 void read_rules(const Yaml& node, Tag& tag) {
   const std::pair<const char*, std::optional<data::Value>*> rules[] = {
       {"on_stop", &tag.rules.on_stop},
@@ -165,7 +165,7 @@ CameraLink read_camera(const std::string& name, const Yaml& node, const Location
   return out;
 }
 
-/// Accepts the name with or without the ending of its file.
+/// Accepts the name with or without the file extension.
 void add_live(const std::string& written, const Location& where, Signals& out) {
   const std::vector<std::string>& endings = data::file_endings();
   const std::filesystem::path path(written);

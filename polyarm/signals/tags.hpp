@@ -36,37 +36,37 @@ struct OutputRules {
   std::optional<data::Value> on_link_loss;  ///< a link that the cell needs is lost
   bool any() const { return on_stop || on_hold || on_link_loss; }
 };
-/// The present situation of a cell, for the rules of its outputs.
+/// The cell's present situation, for the rules of outputs.
 struct Situation {
   bool stopped = false, held = false, link_lost = false;
   friend bool operator==(const Situation&, const Situation&) = default;
 };
 
-/// A name of the cell, and its interface if it is bound to one.
+/// A name in the cell, and its interface if it is bound to one.
 struct Tag {
   enum class Type { boolean, number, text };
   std::string name;
   data::TagRole role = data::TagRole::plain;
   std::string interface;  ///< full name of the command or state interface; empty for a plain tag
   Type type = Type::boolean;
-  double scale = 1;  ///< interface = scale * tag, for numbers
+  double scale = 1;  ///< for numbers: interface = scale * tag
   data::Value initial = false;
   std::string unit;  ///< for display
   OutputRules rules;
   Location where;
 
-  /// The value to send for the tag's `value`: a rule may replace it.
+  /// The value to send for the tag: `value`, or that of a rule.
   const data::Value& output(const data::Value& value, const Situation& now) const;
-  /// The interface's value for a value of the tag; empty for a value of another type.
+  /// The interface's value for a value of the tag; empty if the value has another type.
   std::optional<double> to_interface(const data::Value& value) const;
   /// The tag's value for a value of the interface; a boolean is True from 0.5 up.
   data::Value from_interface(double value) const;
 };
 
-/// A simulated camera: on the request of a tag it writes the pose of the nearest part to a point.
+/// A simulated camera. When the request tag is set, it writes the pose of the nearest part to a point.
 struct CameraLink {
   std::string name;
-  std::string camera;  ///< in the scene
+  std::string camera;  ///< name in the scene
   std::string point;
   std::optional<std::string> data;  ///< the data set of the point; empty: any
   std::string request, done;        ///< tags
@@ -74,12 +74,12 @@ struct CameraLink {
   std::uint64_t seed = 1;
   std::string on;      ///< the robot whose flange carries it; empty: fixed, as in the scene
   Pose mount;          ///< T_tool0_camera for a carried camera; z is the viewing direction
-  double view = 0.6;   ///< half of its angle of view, rad
+  double view = 0.6;   ///< half of the viewing angle, rad
   double reach = 0.6;  ///< viewing distance, m
   Location where;
 };
 
-/// A tag that changes again and again while its owner is alive.
+/// A tag that changes repeatedly while its owner is alive.
 struct Heartbeat {
   std::string tag;
   Nanoseconds period = 500'000'000;  ///< own: period of its changes; watched: longest time without a change
@@ -88,7 +88,7 @@ struct Heartbeat {
 
 struct Signals {
   std::vector<Tag> tags;
-  std::vector<std::string> live;  ///< data sets, without the ending of their file
+  std::vector<std::string> live;  ///< data sets, without file extension
   std::map<std::string, Location> live_where;
   std::vector<CameraLink> cameras;
   std::vector<LinkEntry> links;
@@ -97,7 +97,7 @@ struct Signals {
   std::map<std::string, PoseRange> points;  ///< permitted poses from outside, by point
 };
 
-/// Reads signals.yaml; faults go to `problems`.
+/// Reads signals.yaml; mistakes go to `problems`.
 Signals parse_signals(const std::string& text, const std::string& file, Problems& problems);
 /// Throws Error with all problems of the file.
 Signals load_signals(const std::string& path);
