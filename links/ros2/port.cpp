@@ -88,7 +88,12 @@ class Port : public signals::LinkPort {
         call.asked = wire_->call(call.client, messages::from_json(*call.request_type, call.request));
     wire_->wait(std::chrono::nanoseconds(patience));
     news_ = &news;
-    wire_->take(kMost);
+    try {
+      wire_->take(kMost);
+    } catch (...) {
+      news_ = nullptr;
+      throw;
+    }
     news_ = nullptr;
   }
 

@@ -33,7 +33,7 @@ constexpr const char* kLoopSchema = R"({"type":"object","title":"polyarm.Loop","
 "cycle":{"type":"integer"},
 "late":{"type":"integer","description":"cycles that were late so far"},
 "latency_us":{"type":"number","description":"how late this cycle woke up; not in lock-step"},
-"cost_us":{"type":"number","description":"of the cycle before; not in lock-step"}}})";
+"cost_us":{"type":"number","description":"of the cycle before; live: median so far; not in lock-step"}}})";
 constexpr const char* kLineSchema = R"({"type":"object","title":"polyarm.ProgramLine","properties":{
 "task":{"type":"string"},"file":{"type":"string"},"line":{"type":"integer"},"source":{"type":"string"}}})";
 

@@ -304,8 +304,9 @@ class RemoteParticipant::Work {
 
   /// The caller holds mutex_.
   bool opened(Unpacker& in) {
-    view_.set_prefix(in.array<16>());
+    const auto prefix = in.array<16>();
     if (!in.good()) return false;
+    view_.set_prefix(prefix);
     if (missing_since_) {
       if (std::exchange(told_of_loss_, false))
         tell({true, "ROS 2 is back after " + seconds_of(Clock::now() - *missing_since_), ""});

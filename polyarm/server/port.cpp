@@ -253,7 +253,6 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
 
   void close(ws::close_code code, const char* why) {
     if (!open_ || std::exchange(closing_, true)) return;
-    const auto self = this->shared_from_this();
     client_->leave();
     stream_.async_close(ws::close_reason(code, why), [self = this->shared_from_this()](Failure) {});
   }
