@@ -343,8 +343,7 @@ class Runner {
       cell_.programs->stop_all();
     }
     if (stopping_ || cell_.life->failure()) {
-      const Nanoseconds clock = options_.fast ? now : realtime::monotonic_now();  // monotonic, because the
-                                                                                  // loop may hang
+      const Nanoseconds clock = options_.fast ? now : realtime::monotonic_now();  // the loop may hang
       if (stop_since_ < 0) stop_since_ = clock;
       const bool standing = seen.standing && seen.state != control::RunState::stopping &&
                             seen.state != control::RunState::running;

@@ -14,8 +14,7 @@ namespace {
 constexpr double kReducedTcp = 0.25, kReducedJoint = 0.1;
 constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr double kGoverned = 0.8, kSlowest = 0.01;
-constexpr double kBeyond = 1.05;           // tolerance of the measured speed if the motion was planned within
-                                           // the limit
+constexpr double kBeyond = 1.05;           // tolerance if the motion was planned within the limit
 constexpr double kRise = 2.5, kFall = 50;  // per second: exponential rates of increase and decrease
 /// TCP speeds are averaged over this time, or over one turn of the slowest robot: between two turns of a
 /// robot no new value is measured or commanded, which must not count as standstill. Share and speed rise by

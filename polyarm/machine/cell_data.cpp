@@ -170,8 +170,7 @@ void CellData::exchange_files(Nanoseconds now) {
 }
 
 bool CellData::outputs_settled(Nanoseconds now) const {
-  constexpr Nanoseconds kHardware = 6'000'000, kFarSide = 500'000'000;  // three ticks; time for the remote
-                                                                        // end of a link
+  constexpr Nanoseconds kHardware = 6'000'000, kFarSide = 500'000'000;  // three ticks; a link's device
   const bool ruled = std::any_of(signals_.tags.begin(), signals_.tags.end(),
                                  [](const signals::Tag& tag) { return tag.rules.on_stop.has_value(); });
   if (stopped_at_ < 0 || (!ruled && !links_->any())) return true;

@@ -25,8 +25,7 @@ struct FaultRecord {
   double period_s = 1e-3;
   std::vector<std::string> states, commands;                ///< column names
   std::map<std::string, std::string> files;                 ///< name → text, written beside the cycles
-  std::shared_ptr<control::ControlLoop::TakeBlackBox> box;  ///< from a loop that continues; null: use
-                                                            ///< `stopped`
+  std::shared_ptr<control::ControlLoop::TakeBlackBox> box;  ///< of a continuing loop; null: use `stopped`
   const control::BlackBox* stopped = nullptr;               ///< from a loop that is no longer stepped
 };
 

@@ -22,9 +22,10 @@ class HardwareCalls : public hardware::Caller {
   HardwareCalls(bool run_inline, Observer& observer) : inline_(run_inline), observer_(observer) {}
 
   void start(std::shared_ptr<hardware::Transition> transition) override;
-  /// For start-up and shutdown, when nothing else runs: waits, and reports what it waits for.
+  /// After this call await() gives up after `patience` ns.
   bool await(const hardware::Transition& transition) override;
-  /// From now on await() gives up after `patience` ns.
+  /// await() also gives up when `asked` returns true (the user no longer wants to wait); it is called ten
+  /// times per second.
   void give_up_after(Nanoseconds patience) { patience_ = patience; }
   /// And as soon as this says so, which is asked ten times in a second: a person has had enough.
   void give_up_when(std::function<bool()> asked) { asked_ = std::move(asked); }

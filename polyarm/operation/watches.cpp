@@ -181,8 +181,7 @@ void Watches::report_group_fault(std::size_t i) {
       {{"cause", control::code(cause)}, {"group", hardware.group(i)}}};
   add_component(i, problem.facts);
   cell_.observer.on_problem(cell_.machine.now(), problem);
-  if (group_faults_.size() < 1000) group_faults_.push_back(problem);  // limited, because a fault may come and
-                                                                      // go
+  if (group_faults_.size() < 1000) group_faults_.push_back(problem);  // faults may come and go
   if (recovered_by_others()) recorder_.begin(begin_record(problem), cell_.machine.now());
 }
 
