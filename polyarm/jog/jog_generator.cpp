@@ -33,7 +33,7 @@ constexpr double kTargetSpeed = 1, kTargetTurning = 3;
 constexpr double kBelow = 0.93, kAtMost = 0.95;
 /// Distance kept from the boundaries of the workspace, m, by slowing down and by the guard.
 constexpr double kKeepFree = 2e-3, kKeepFreeAtLeast = 1.5e-3;
-/// Samples during the braking of all joints.
+/// Number of samples while all joints brake.
 constexpr std::size_t kPlaces = 20;
 constexpr double kMoment = 1e-5;  // s, step of a numeric derivative
 constexpr int kHalvings = 9;

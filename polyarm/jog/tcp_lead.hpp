@@ -19,8 +19,8 @@ namespace polyarm::jog {
 /// clock. A solver argument must be set to the joints' state.
 class TcpLead {
  public:
-  /// A moving target is followed in its own frame with at most kFollows of the speed; the rest is for catching
-  /// up. The path aims at the target's position kAhead seconds later.
+  /// A moving target is followed in its own frame with at most kFollows of the speed; the rest is for
+  /// catching up. The path aims at the target's position kAhead seconds later.
   static constexpr double kFollows = 0.9, kAhead = 0.1;
 
   /// A moving pose, and the allowed speed towards it.
