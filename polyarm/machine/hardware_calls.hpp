@@ -22,12 +22,12 @@ class HardwareCalls : public hardware::Caller {
   HardwareCalls(bool run_inline, Observer& observer) : inline_(run_inline), observer_(observer) {}
 
   void start(std::shared_ptr<hardware::Transition> transition) override;
-  /// After this call await() gives up after `patience` ns.
+  /// For start-up and shutdown, when nothing else runs: waits, and reports what it waits for.
   bool await(const hardware::Transition& transition) override;
+  /// After this call await() gives up after `patience` ns.
+  void give_up_after(Nanoseconds patience) { patience_ = patience; }
   /// await() also gives up when `asked` returns true (the user no longer wants to wait); it is called ten
   /// times per second.
-  void give_up_after(Nanoseconds patience) { patience_ = patience; }
-  /// And as soon as this says so, which is asked ten times in a second: a person has had enough.
   void give_up_when(std::function<bool()> asked) { asked_ = std::move(asked); }
 
   /// While the cell runs: advances a transition that was started; true when it is done. `now`: cell time.
