@@ -20,7 +20,7 @@ struct JogScreen {
   double first = 0.7, hold = 0.3;  ///< s: first: until the first repeat of a key; hold: without a repeat
                                    ///< until the motion stops
   /// If set, Enter calls this with the state of `jog.state` to store the position; returns a sentence about
-  /// what was stored. Meanwhile the robot stands and the terminal reads lines.
+  /// what was stored. Meanwhile the robot is at rest and the terminal reads lines.
   std::function<std::string(const Json& state)> keep;
 };
 

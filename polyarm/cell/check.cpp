@@ -71,7 +71,8 @@ class Checker {
  private:
   std::string beside(const std::string& name) const { return (file_.folder / name).string(); }
 
-  /// Replaces hardware whose driver is not available here by the mock; controllers are not activated.
+  /// Replaces hardware whose driver is not loaded here by the mock. Drops the lists of controllers to start
+  /// and of messages to send, because they may need plugins that are not loaded.
   void leave_out_unknown() {
     for (RobotEntry& robot : file_.robots)
       if (robot.hardware.find('/') != std::string::npos && !hardware::driver_available(robot.hardware))

@@ -20,12 +20,10 @@ struct PointReport {
 
 struct CheckResult {
   std::vector<Problem> problems;    ///< from all files, in the cell's order
-  std::vector<std::string> notes;   ///< where contacts are not detected, and values that look like
-                                    ///< placeholders
+  std::vector<std::string> notes;   ///< undetected contacts, and values that look like placeholders
   std::vector<PointReport> points;  ///< all points of the program's data, for the cell's robot
   std::size_t moves = 0;            ///< number of planned moves of the program
-  Location reached;                 ///< where the program's moves could not be followed further; empty:
-                                    ///< followed to the end
+  Location reached;                 ///< where following the moves stopped; empty: followed to the end
   bool has_errors() const;
 };
 

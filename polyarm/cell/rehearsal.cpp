@@ -95,8 +95,9 @@ bool only_calculates(const program::Block& block) {
   return out;
 }
 
-/// Number of loop passes to follow. A counting loop runs to its end; a loop over a name is passed twice. A
-/// loop that only calculates runs until it counts as endless.
+/// Number of passes of the main loop to follow: kCountedPasses if its condition compares, because it may
+/// count to an end; otherwise kPasses. A comparing loop that only calculates has no limit here, until it
+/// counts as endless.
 std::uint64_t passes_of(const program::Program& program) {
   for (const program::Statement& s : program.statements) {
     if (s.kind != program::Statement::Kind::while_loop || !s.expression || !compares(*s.expression)) continue;

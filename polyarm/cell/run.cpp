@@ -448,8 +448,7 @@ class Runner {
     }
     const bool cut = cut_short_ || cell_.life->failure().has_value() || cell_.setup.options.cycles > 0;
     for (const std::string& part : cell_.parts->failures(cut)) {
-      if (cut_short_ && !cell_.life->failure()) continue;  // --seconds ended the run in the middle of the
-                                                           // work
+      if (cut_short_ && !cell_.life->failure()) continue;  // ended early by --seconds
       out.outcome = Outcome::failed;
       out.problems.push_back({"part", {}, part, {}});
     }

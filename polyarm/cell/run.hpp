@@ -28,8 +28,7 @@ struct RunOptions {
   bool console = true;       ///< read typed lines (resume, discard, stop, answers)
   /// How long to wait, on the wall clock, for a loop to end or a robot to stop, ns.
   Nanoseconds patience = 6'000'000'000;
-  std::vector<Door*> doors;  ///< served each tick in addition to the cell's own doors; they must outlive the
-                             ///< run
+  std::vector<Door*> doors;  ///< served each tick beside the cell's own doors; must outlive the run
   Nanoseconds started = 0;   ///< wall time of the user's command; 0: unknown
 };
 

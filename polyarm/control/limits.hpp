@@ -26,7 +26,7 @@ struct Clamp {
 /// The last check before the hardware: restricts each joint's command to its limits and soft limits. NaN and
 /// infinity become the last position, or zero motion. Clamps are counted by interface and limit, and can be
 /// read while the loop runs. A joint commanded by position or velocity and measured far outside its limits is
-/// a fault; it is reported once when it gets there, so it can be moved back. While the loop stands still,
+/// a fault; it is reported once when it gets there, so it can be moved back. While the loop is held,
 /// positions keep their last commanded value, and velocities may only lead back to where the joint stood;
 /// commands of a controller that ignores the stop have no effect. restrict(): control thread; build(): before
 /// the loop runs; report(): any thread.

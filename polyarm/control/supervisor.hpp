@@ -100,7 +100,7 @@ constexpr Reaction reaction_to(StopCause cause, bool contained, Overrun late, Co
   return {faults, false};
 }
 
-/// Cell times at which the newest stop began and at which everything stood; -1: not yet.
+/// Cell times at which the newest stop began and at which all motion had ended; -1: not yet.
 struct StopTimes {
   Nanoseconds begun = -1, ended = -1;
 };
@@ -140,7 +140,7 @@ class Supervisor {
   /// Allowed share of the planned speed while running, (0, 1]. Any thread.
   void set_share(double share) noexcept { share_.store(share, std::memory_order_relaxed); }
   double share() const noexcept { return share_.load(std::memory_order_relaxed); }
-  /// The user's override in [0, 1]; multiplied with the share. At 0 everything stands, and continues when it
+  /// The user's override in [0, 1]; multiplied with the share. At 0 all motion pauses, and continues when it
   /// is raised. Any thread.
   void set_override(double share) noexcept { override_.store(share, std::memory_order_relaxed); }
   double override_share() const noexcept { return override_.load(std::memory_order_relaxed); }

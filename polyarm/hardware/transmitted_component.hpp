@@ -65,8 +65,7 @@ class TransmittedComponent : public Component {
     std::vector<Pass> passes;
     std::vector<Link> links;
     std::vector<double> values;             ///< inside values
-    std::vector<std::vector<int>> reaches;  ///< for each outside interface: the inside interfaces that it
-                                            ///< affects
+    std::vector<std::vector<int>> reaches;  ///< per outside interface: affected inside ones
   };
   struct Driven {
     std::string robot;

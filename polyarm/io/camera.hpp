@@ -20,8 +20,7 @@ class Camera {
     std::string request, done;
     bool noise = false;  ///< adds uniform noise, up to 2 mm and 2 degrees
     std::uint64_t seed = 1;
-    std::string robot;               ///< robot that carries the camera; empty: it is fixed at its place in
-                                     ///< the scene
+    std::string robot;               ///< robot that carries the camera; empty: fixed in the scene
     Pose mount;                      ///< T_tool0_camera; z is the viewing direction
     double view = 0.6, reach = 0.6;  ///< view: half angle, rad; reach: range of sight, m
   };

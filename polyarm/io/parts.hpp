@@ -83,8 +83,7 @@ class HeldParts {
   std::vector<std::string> robots_;
   const description::Scene& scene_;
   std::vector<std::size_t> sensors_;  ///< by robot: its state tool/part_present
-  std::vector<int> seen_;             ///< by part: its holder; then by robot: whether its sensor reports a
-                                      ///< part
+  std::vector<int> seen_;             ///< by part: its holder; then by robot: its sensor's state
 };
 
 }  // namespace polyarm::cell

@@ -11,7 +11,7 @@ namespace polyarm::cell {
 
 namespace {
 constexpr double kNoWay = 1e-9;                // rad or m; less does not count as motion
-constexpr Nanoseconds kSettles = 300'000'000;  // ns; a robot that stands this long has come to rest
+constexpr Nanoseconds kSettles = 300'000'000;  // ns; time at standstill until a robot counts as at rest
 constexpr double kPushed = 0.01;               // rad or m; less is noise or compliance of a servo
 }  // namespace
 

@@ -55,7 +55,7 @@ class HeldMotions {
   std::uint64_t begin(const protocol::JogBegin& request);
   /// Moves the robot to a target. The path is planned first; if planning fails, the motion is refused and
   /// nothing moves. Then the joints move to the target, or the TCP moves there in a straight line. The motion
-  /// ends with "arrived" when the robot stands at the target.
+  /// ends with "arrived" when the robot has come to rest at the target.
   std::uint64_t go_to(const protocol::JogGoto& request);
   /// A heartbeat; also checks what holds the motion back. Does nothing for a motion that has ended.
   void renew(std::uint64_t motion);

@@ -18,7 +18,7 @@ enum class JogChange : std::uint8_t {
   asked,     ///< a client wants to jog the robot
   switched,  ///< the controller switch is done
   refused,   ///< the controller switch was refused
-  expired,   ///< no command renews the motion, and the robot stands
+  expired,   ///< no command renews the motion, and the robot is at rest
   lost       ///< the jog controller was deactivated or unloaded from outside
 };
 

@@ -118,7 +118,7 @@ std::optional<Problem> Jogging::why_not(std::size_t i) const {
   return problem_of_moving(name, mover);
 }
 
-/// The trajectory controller that moves the robot now, or lets it settle; empty if the robot stands or
+/// The trajectory controller that moves the robot now, or lets it settle; empty if the robot is at rest or
 /// follows no such controller.
 std::string Jogging::mover_of(std::size_t i) const {
   const control::Snapshot& snapshot = machine_.snapshot();

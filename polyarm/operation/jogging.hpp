@@ -21,7 +21,7 @@ class Programs;
 
 /// Cell thread. A jog controller is created for a robot at its first jog request. Between two cycles it takes
 /// the joint commands over from the controllers that hold them. It gives them back when no session is alive
-/// and the robot stands (decision 0012).
+/// and the robot is at rest (decision 0012).
 class Jogging {
  public:
   /// Time after the last command of a session until the robot returns to its usual controllers, ns.

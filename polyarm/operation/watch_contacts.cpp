@@ -25,7 +25,7 @@ std::string falls(const CellSetup& setup, const ContactReport& contact) {
 }
 }  // namespace
 
-/// The moving robot among the touching bodies; a part counts as its holder. -1: none.
+/// The robot of a contact, preferably one that moves; a held part counts as its holder. -1: none.
 int Watches::robot_in(const ContactReport& contact) const {
   const auto holder = [&](const std::string& name) {
     const auto& parts = cell_.machine.snapshot().world.parts;

@@ -256,12 +256,11 @@ Poll<ProgramStatus> program_stop(const ProgramOwners& cell, const ProgramStop&) 
   Task& task = program_of(cell);
   require_running(cell, task);
   cell.programs.end();
-  return [cell, asked = cell.machine.now()] {  // wait until its robots stand, then its `on stop` runs
+  return [cell, asked = cell.machine.now()] {  // once its robots are at rest, its `on stop` runs
     constexpr Nanoseconds kPatience = 2'000'000'000;
     Task& ending = program_of(cell);
     const bool held = cell.machine.snapshot().state != control::RunState::running;
-    if (held && !ending.ended()) ending.tick();  // a held cell does not tick it, and only its `on stop` is
-                                                 // left
+    if (held && !ending.ended()) ending.tick();  // a held cell does not tick it
     const bool waits = !ending.ended() && cell.machine.now() - asked < kPatience;
     return waits ? Stopped{}
                  : Stopped::done(

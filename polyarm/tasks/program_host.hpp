@@ -37,7 +37,7 @@ class ProgramHost : public program::Host {
     data::DataStore* store = nullptr;
     DataFiles* files = nullptr;
     ProgramMoves* moves = nullptr;  ///< null: the task moves nothing (a PLC)
-    /// standing: true if every robot stands; null if unknown. hold: holds the robots.
+    /// standing: true if every robot is at rest; null if unknown. hold: holds the robots.
     std::function<bool()> standing;
     std::function<void(const std::string&, const Location&)> hold;
     /// For a test only: starts a program, and calls the functions of tests; otherwise null.

@@ -155,7 +155,7 @@ void Programs::stop_all() {
 }
 
 program::StartReport Programs::prepare(const std::string& name, int line) {
-  if (under_way()) {  // the robots stand, so its `on stop` runs to its end
+  if (under_way()) {  // the robots are at rest, so its `on stop` runs to its end
     program_->interpreter().stop();
     program_->tick();
   }

@@ -44,7 +44,7 @@ class Programs {
   /// True if it has begun and has not ended.
   bool under_way() const { return program_ && begun_ && !program_->ended(); }
   /// True if it is under way and nobody else may move. Others may move while a program is paused and its
-  /// robots stand.
+  /// robots are at rest.
   bool runs() const;
   /// How many programs were prepared or started so far.
   std::uint64_t starts() const { return starts_; }
