@@ -34,8 +34,8 @@ class CommandLimits {
  public:
   void build(const hardware::InterfaceTable& table, const std::vector<controllers::JointFacts>& joints,
              Nanoseconds period);
-  /// Commands whose names begin with `prefix` change every `cycles` cycles: a change may use the time of all
-  /// these cycles, but only the time since the last change. Call after build().
+  /// Commands whose names begin with `prefix` change every `cycles` cycles. A change may be as large as the
+  /// time since the last change allows, but at most that of `cycles` cycles. Call after build().
   void set_turns(const std::string& prefix, unsigned cycles);
   /// `still`: the loop is held, or in a fault and no controller is still slowing down. A joint that newly
   /// moved far outside its limits is a fault event.

@@ -25,8 +25,8 @@ class DeviceLock {
   /// has the descriptor. -1: not held.
   int descriptor() const noexcept { return file_; }
 
-  /// The holder's name of the device; empty if no process holds it, as far as this user can see. Does not
-  /// open the device.
+  /// The name that the device's holder gave to the lock; empty if no process holds the device, as far as this
+  /// user can see. Does not open the device.
   static std::string holder(const std::string& device);
 
  private:

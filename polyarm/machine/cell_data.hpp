@@ -89,7 +89,7 @@ class CellData {
   std::vector<std::array<std::size_t, 3>> tcp_states_;
   bool links_ready_ = false, reported_waiting_ = false;
   std::optional<Problem> missing_;
-  Nanoseconds stopped_at_ = -1;  // time since the outputs have their final values; -1: not yet
+  Nanoseconds stopped_at_ = -1;  // time at which outputs got their final values; -1: not yet
   std::uint64_t reported_version_ = 0;
 };
 

@@ -71,7 +71,7 @@ void read_on_fault(const Yaml& yaml, RobotEntry& robot, Problems& problems) {
                    "cell: a fault of its hardware stops everything; group: this robot alone");
 }
 
-/// Parses `on:`; an empty value is an error, because it does not mean the ground.
+/// Parses `on:`. An empty value is an error; a robot on the ground has no such key.
 std::string read_carrier(const std::string& name, const Yaml& yaml) {
   const std::vector<std::string> keys = yaml.keys();
   if (std::find(keys.begin(), keys.end(), "on") == keys.end()) return {};
