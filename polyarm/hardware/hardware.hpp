@@ -1,10 +1,10 @@
 #pragma once
 /// All components of one control loop: their life cycle, and the narrow views for other parts.
 ///
-/// | who | sees |
+/// | user | view |
 /// |---|---|
-/// | the cell thread | Hardware: builds components and takes them through their life cycle |
-/// | the controller manager | Components: names, groups, who offers which interface |
+/// | the cell thread | Hardware: builds components and runs their life cycle |
+/// | the controller manager | Components: names, groups, offered interfaces |
 /// | the control thread | Exchange: read and write |
 /// | lists and messages | Diagnostics |
 #include <memory>

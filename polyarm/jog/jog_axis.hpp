@@ -2,7 +2,6 @@
 /// Jogging of one joint: computes its state in each cycle so it can always stop in time. Units of the joint
 /// (rad or m), seconds. For the control cycle: no allocation, no exceptions, no clock, about ten operations
 /// each.
-/// each.
 #include <array>
 #include <cstddef>
 

@@ -285,7 +285,7 @@ void JogGenerator::tell(const TwistSolver::Solution& solution) noexcept {
 
 // --- before limits ----------------------------------------------------------------------------------------
 
-/// Slows `rates` down so that everything can stop in time along the way, and below the speed limits.
+/// Slows `rates` down so that everything can stop in time on the path, and below the speed limits.
 /// `common`: also before joint limits. Returns the remaining share.
 double JogGenerator::throttle(const JogLimits& limits, Before before, bool common,
                               JogValues& rates) noexcept {
@@ -354,8 +354,8 @@ void JogGenerator::look_ahead(const States& from, Ahead& out) noexcept {
   out.distance.fill(1e300);
   for (std::size_t k = 0; k <= kPlaces + n; ++k) {
     const double part = static_cast<double>(std::min(k, kPlaces)) / kPlaces;
-    double t = duration * part * part;  // samples are denser where it is still fast
-    if (k > kPlaces) {                  // and where a joint is fastest
+    double t = duration * part * part;  // denser samples at high speed
+    if (k > kPlaces) {                  // and one where each joint is fastest
       const AxisState& s = from[k - kPlaces - 1];
       if (s.acceleration * s.velocity <= 0) continue;
       t = std::abs(s.acceleration) / axes_[k - kPlaces - 1].jerk;

@@ -26,7 +26,7 @@ enum class TwistOutcome {
 };
 
 /// Least squares in the directions that the arm can move. An arm with six and more joints weighs all six
-/// directions; one with fewer keeps the TCP's position exact and rotates it as nearly as it can.
+/// directions; an arm with fewer joints keeps the TCP's position exact and rotates it as nearly as it can.
 ///
 /// Method: singular value decomposition (one-sided, by the eigenvectors of J W J^T, Jacobi rotations) with a
 /// separate decision for each singular direction (numerical filtering, Maciejewski and Klein 1988). First the

@@ -23,7 +23,7 @@ class ProgramMoves {
  public:
   struct Robot {
     const CellRobot* robot = nullptr;
-    moves::RobotMotion* motion = nullptr;  ///< null: no controller moves it
+    moves::RobotMotion* motion = nullptr;  ///< null: no controller moves the robot
     moves::BaseMotion* base = nullptr;     ///< null: no controller drives wheels
   };
   /// `robots`: those that the task may move; empty: it moves nothing. `store` has the points that serve as
