@@ -52,7 +52,7 @@ struct ControllerManager::Schedule {
     unsigned divisor;
     Nanoseconds period;            // 0: use the divisor
     std::unique_ptr<Commit> fall;  // executed when its update fails
-    int home;  // a component of its only group; -1: several groups, or none
+    int home;                      // a component of its only group; -1: several groups, or none
   };
   std::vector<Entry> entries;
   std::vector<std::unique_ptr<Commit>> component_falls;

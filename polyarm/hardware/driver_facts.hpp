@@ -19,8 +19,8 @@ enum class ParameterKind : unsigned char { text, number, boolean };
 struct DriverParameter {
   const char* name;
   ParameterKind kind;
-  const char* fallback;  ///< as a user would write it; null: required
-  const char* meaning;   ///< with the unit
+  const char* fallback;                                     ///< as a user would write it; null: required
+  const char* meaning;                                      ///< with the unit
   double least = -std::numeric_limits<double>::infinity();  ///< for a number, inclusive
   double most = std::numeric_limits<double>::infinity();
   const char* one_of = nullptr;  ///< for a text: "auto legacy none"; null: any

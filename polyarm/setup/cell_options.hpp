@@ -48,16 +48,15 @@ struct CellOptions {
   bool contact_errors = false;  ///< with allow_contact: report contacts as errors instead of warnings
   /// The program starts on a request, and the cell continues after it has ended.
   bool waits = false;
-  bool no_code = false;                  ///< do not load plugins of the cell, approved or not
-  std::uint64_t cycles = 0;              ///< passes of the program's outermost while; 0: no limit
-  std::map<std::string, double> faults;  ///< interface name → forced value
-  std::vector<std::string> answers;      ///< to `wait user`, in order
-  bool resume_holds = false;             ///< resume at once after each `hold` of a program
-  std::optional<TestEntry> test;         ///< runs in parallel to the program, which the test starts
-  std::vector<FileBreakpoints>
-      breakpoints;                     ///< taken over from a previous cell; files by absolute path
-  std::filesystem::path state_folder;  ///< folder for data files; empty: .state/data of the cell
-  program::ReadPrograms read;          ///< scripts that are already parsed
+  bool no_code = false;                      ///< do not load plugins of the cell, approved or not
+  std::uint64_t cycles = 0;                  ///< passes of the program's outermost while; 0: no limit
+  std::map<std::string, double> faults;      ///< interface name → forced value
+  std::vector<std::string> answers;          ///< to `wait user`, in order
+  bool resume_holds = false;                 ///< resume at once after each `hold` of a program
+  std::optional<TestEntry> test;             ///< runs in parallel to the program, which the test starts
+  std::vector<FileBreakpoints> breakpoints;  ///< taken over from a previous cell; files by absolute path
+  std::filesystem::path state_folder;        ///< folder for data files; empty: .state/data of the cell
+  program::ReadPrograms read;                ///< scripts that are already parsed
 };
 
 }  // namespace polyarm::cell

@@ -153,8 +153,7 @@ class Components {
       }
       instances.back().hardware.push_back(physics ? joints : *block.info);
     }
-    if (physics &&
-        !rest.components.empty()) {  // inputs that physics lacks keep their initial values
+    if (physics && !rest.components.empty()) {  // inputs that physics lacks keep their initial values
       Planned& planned =
           component("mock", joints.components.empty() ? block.info->name : block.info->name + "_io");
       describe(planned, *block.info);
