@@ -81,7 +81,7 @@ ApartResult end(Running& job, double patience) {
   return out;
 }
 
-/// True when the pipe has ended.
+/// True when the pipe was closed.
 bool read_some(Running& job) {
   char text[4096];
   const ssize_t n = ::read(job.pipe, text, sizeof text);

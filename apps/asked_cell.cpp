@@ -49,7 +49,7 @@ void print_taken(const ros_files::PythonLaunch& read, const std::string& path) {
                read.missing_packages.size() > 1 ? "s" : "", join(read.missing_packages, ", "));
 }
 
-/// What the line that is printed lacks.
+/// Prints what the printed command line does not contain.
 void print_needs(const ros_files::PythonLaunch& read, const std::string& verb) {
   for (const ros_files::PythonLaunchNeed& need : read.needed()) {
     const auto argument = std::find_if(read.arguments.begin(), read.arguments.end(),
@@ -69,7 +69,7 @@ void print_needs(const ros_files::PythonLaunch& read, const std::string& verb) {
                    : "; add --activate NAME for those you want (" + join(read.spawned, ", ") + ")");
 }
 
-/// Controllers files that the description itself names, for Gazebo.
+/// Controllers' files that the description itself names for Gazebo.
 std::vector<ros_files::PythonLaunchFile> controllers_of(
     const ros_files::PythonLaunchDescription& description) {
   std::vector<ros_files::PythonLaunchFile> out;
@@ -86,7 +86,7 @@ std::vector<ros_files::PythonLaunchFile> controllers_of(
   return out;
 }
 
-/// What a launch file of ROS 2 says in so many words, and the line that does `verb` with it.
+/// Prints what a ROS 2 launch file states explicitly, and the command line for `verb`.
 int explain_launch_file(const std::string& verb, const std::string& path,
                         const std::map<std::string, std::string>& given) {
   ros_files::PythonLaunch read =
@@ -125,7 +125,7 @@ int explain_launch_file(const std::string& verb, const std::string& path,
   return kUsage;
 }
 
-/// A launch file of ROS 2: whatever is Python, and XML or YAML that says so.
+/// True for a ROS 2 launch file: any Python file, or XML or YAML with a launch description.
 bool is_ros2_launch(const std::string& named) {
   std::error_code error;
   const fs::path path = named;
@@ -140,7 +140,7 @@ bool is_ros2_launch(const std::string& named) {
   return ros_files::is_ros2_launch(text, path);
 }
 
-/// A description, or a robot of the catalogue, may stand where a cell does.
+/// True for a description or a catalogue robot, which can be named instead of a cell.
 bool is_robot(const std::string& named) {
   std::error_code error;
   const fs::path path = named;
@@ -177,7 +177,7 @@ std::optional<int> AskedCell::settle(const std::string& verb) {
 }
 
 namespace {
-/// A launch file that starts no robot here: the packages around it may have one to name instead.
+/// The launch file starts no robot here: suggests other files of its package.
 [[noreturn]] void refuse_launch_file(const std::string& path, const Error& error) {
   std::vector<Problem> problems = error.problems();
   const auto lines = ros_files::lines_of_package(path, "run");

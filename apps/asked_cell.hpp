@@ -1,6 +1,6 @@
 #pragma once
-/// The cell that `run` and `check` are about, as named on the command line: a folder or file of a cell, a
-/// robot's description with controllers files, a model of the catalogue, or a launch file.
+/// The cell of `run` and `check`, as named on the command line: a folder or file of a cell, a robot's
+/// description with controllers' files, a model of the catalogue, or a launch file.
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,10 +16,10 @@ struct AskedCell {
   cell::Overrides overrides;
 
   void add_to(CommandLine& app);
-  /// Sorts what the command line named. An exit code where nothing that runs here is named; then why has been
-  /// printed, with what to type instead. `verb`: "run" or "check".
+  /// Interprets the command line. Returns an exit code if it names nothing that can run here; it has then
+  /// printed the reason and what to type instead. `verb`: "run" or "check".
   std::optional<int> settle(const std::string& verb);
-  /// The files of the cell, read. Throws Error with everything that is wrong.
+  /// Reads the cell's files. Throws Error that lists all problems found.
   cell::CellFile open() const;
 };
 

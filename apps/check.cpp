@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-/// So many problems are printed; of the rest only their number.
+/// Number of problems to print; of the rest only the count is printed.
 constexpr std::size_t kMostTold = bounds::kProblemsTold;
 
 std::span<const Problem> first_of(const std::vector<Problem>& problems) {

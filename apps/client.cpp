@@ -203,9 +203,9 @@ bool interrupted() {
 void catch_interrupts() {
   struct sigaction action {};
   action.sa_handler = [](int) { interrupt = true; };
-  // Who closes the terminal has gone, and who reads the output no more, too: what moves for this verb ends.
+  // A closed terminal, or an output that nobody reads any more, ends the verb and its motion.
   for (const int number : {SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2}) sigaction(number, &action, nullptr);
-  action.sa_flags = SA_RESETHAND;  // a second one ends the verb, whatever the cell does
+  action.sa_flags = SA_RESETHAND;  // a second signal ends the verb in any case
   for (const int number : {SIGINT, SIGTERM}) sigaction(number, &action, nullptr);
   struct sigaction unread {};
   unread.sa_handler = [](int) {

@@ -15,7 +15,7 @@
 namespace polyarm::apps {
 
 struct CommandLine::State {
-  std::unique_ptr<CLI::App> own;  ///< none of a subcommand, which its parent owns
+  std::unique_ptr<CLI::App> own;  ///< null for a subcommand, which its parent owns
   CLI::App* app = nullptr;
   std::deque<Option> options{};
   std::vector<std::unique_ptr<CommandLine>> subcommands{};
@@ -30,7 +30,7 @@ bool is_named_value(const std::string& word) {
                      [](unsigned char c) { return std::isalnum(c) || c == '_'; });
 }
 
-/// Before the words become numbers, so that what is wrong is said in our words.
+/// Runs before CLI11 converts the words to numbers, so the errors are in our words.
 CLI::Option* of_numbers(CLI::Option* option, bool whole, bool natural) {
   option->check(CLI::Validator(
       [whole, natural](std::string& value) {
@@ -56,13 +56,13 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return out;
 }
 
-/// The part of the command line that was understood last: a subcommand, or the verb.
+/// The last part of the command line that was parsed: a subcommand, or the verb.
 const CLI::App& innermost(const CLI::App& app) {
   const auto inner = app.get_subcommands();
   return inner.empty() ? app : innermost(*inner.front());
 }
 
-/// The words that no option and no argument takes, each with the nearest known one.
+/// Words that belong to no option or argument, each with the nearest known one.
 std::string not_understood(const CLI::App& app) {
   const std::vector<std::string> rest = app.remaining(true);
   const CLI::App& at = innermost(app);
@@ -130,7 +130,7 @@ Option* Option::positive() {
 Option* Option::not_negative() {
   return bounded([](double n) { return n >= 0; }, "of at least 0");
 }
-/// A value that is not a number never comes here: the type of the option refuses it first.
+/// Only numbers get here; the option's type refuses other values first.
 Option* Option::bounded(const std::function<bool(double)>& fits, const std::string& which) {
   option_->check(CLI::Validator(
       [=](std::string& value) {
@@ -241,7 +241,7 @@ void CommandLine::footer(const std::string& text) {
 std::optional<int> CommandLine::parse(int argc, char** argv) {
   try {
     std::vector<std::string> words(argv + 1, argv + argc);
-    // An option that takes many values would take what stands behind them, too.
+    // An option with many values would also take the words after it.
     if (std::find(words.begin(), words.end(), "--") == words.end()) {
       const auto named = std::stable_partition(words.begin(), words.end(),
                                                [](const std::string& word) { return !is_named_value(word); });
@@ -251,7 +251,7 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
     state_->app->parse(std::move(words));
     return std::nullopt;
   } catch (const CLI::ParseError& e) {
-    const bool asks = e.get_exit_code() == 0;  // for help
+    const bool asks = e.get_exit_code() == 0;  // true for --help
     const std::string wrong = asks ? std::string{} : not_understood(*state_->app);
     if (!wrong.empty()) {
       fmt::print(stderr, "{}{} --help says what there is.\n", wrong,

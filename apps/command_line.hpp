@@ -1,6 +1,6 @@
 #pragma once
-/// The command line of a verb: what it takes, and where that goes. CLI11 reads it; its templates are
-/// command_line.cpp's alone, since they cost a compiler seconds in each file that sees them.
+/// The command line of a verb: declares options and reads them into variables. CLI11 parses it. Only
+/// command_line.cpp includes CLI11, because its templates add seconds of compile time to each file.
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -17,20 +17,21 @@ class Option;
 
 namespace polyarm::apps {
 
-/// An option or a positional, as long as its command line lives; what fails a check is a wrong command line.
+/// An option or a positional argument; valid as long as its command line. A value that fails a check is a
+/// usage error.
 class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
 
   Option* required();
-  /// So many values; -1: one or more.
+  /// Number of values; -1: one or more.
   Option* expected(int count);
   Option* expected(int least, int most);
-  /// Between the values of one word.
+  /// Separator of the values in one word.
   Option* delimiter(char character);
   Option* excludes(Option* other);
   Option* needs(Option* other);
-  /// --help says the value it has now.
+  /// --help shows the present value as the default.
   Option* capture_default_str();
   Option* type_name(const std::string& name);
 
@@ -42,7 +43,8 @@ class Option {
   Option* existing_file();
   Option* existing_folder();
   Option* existing_path();
-  /// `wrong` returns what is wrong with a value, or nothing; `name` stands for a value in --help.
+  /// `wrong` returns what is wrong with a value, or an empty text. `name` is the placeholder of the value in
+  /// --help.
   Option* check(std::function<std::string(const std::string&)> wrong, const std::string& name);
 
  private:
@@ -51,8 +53,8 @@ class Option {
   CLI::Option* option_;
 };
 
-/// Declares options, then reads the words of a command line into the variables that were given with them,
-/// which must outlive it.
+/// Declares options, then parses a command line into the variables that were given with them. The variables
+/// must outlive this object.
 class CommandLine {
  public:
   CommandLine(const std::string& description, const std::string& name);
@@ -77,20 +79,20 @@ class CommandLine {
                             const std::string& help);
 
   CommandLine* add_subcommand(const std::string& name, const std::string& help);
-  /// One subcommand has to be named.
+  /// Makes a subcommand mandatory.
   void require_subcommand();
   /// Text below the options in --help.
   void footer(const std::string& text);
 
-  /// On --help or a wrong line it prints and returns the exit code to end with.
+  /// Returns an exit code after --help or a usage error, which it has printed.
   std::optional<int> parse(int argc, char** argv);
 
   // After parse():
-  /// The subcommand that was named; it must have been required.
+  /// The subcommand that was given; require_subcommand() must have been called.
   std::string subcommand() const;
-  /// This subcommand was named.
+  /// True if this subcommand was given.
   bool parsed() const;
-  /// How often an option was named.
+  /// How often an option was given.
   std::size_t count(const std::string& option) const;
 
  private:

@@ -92,7 +92,7 @@ void print_table_of(const std::vector<Json>& verdicts) {
   }
 }
 
-/// The folder of the cell and, for a script in it, the script.
+/// Finds the cell's folder and, if a script was named, the script in it.
 void find_cell(CompareArguments& a) {
   fs::path path = a.program;
   if (path.extension() != ".script") return;

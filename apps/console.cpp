@@ -1,4 +1,5 @@
-/// The thesis's menus: start the simulation, choose a robot, edit files, move, run scripts.
+/// The menus of the console, as described in the thesis: start a simulation, choose a robot, edit files,
+/// move, run scripts.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -54,7 +55,7 @@ class Console {
  private:
   // --- the cell -------------------------------------------------------------------------------------------
 
-  /// A cell that runs, or the folder to work in.
+  /// Finds a running cell, or the folder to work in.
   void find_place() {
     const fs::path given = a_.cell.empty() ? "." : a_.cell;
     if (fs::is_directory(given)) {
@@ -117,7 +118,7 @@ class Console {
     main_menu();
   }
 
-  /// Ctrl-C at a question: what moves stops on its path.
+  /// Ctrl-C at a question: the robot stops on its path.
   void hold() {
     if (!cell_.runs()) return;
     try {
@@ -159,7 +160,7 @@ class Console {
 
   // --- choosing a robot -----------------------------------------------------------------------------------
 
-  /// The catalogue with a number for each; text narrows the list, a number or a whole name chooses.
+  /// Lists the catalogue with numbers. Text narrows the list; a number or a full name selects a robot.
   void select_robot() {
     const std::vector<std::string> all = open_catalogue().names();
     if (all.empty())
@@ -188,7 +189,7 @@ class Console {
     }
   }
 
-  /// A paragraph for each maker.
+  /// One paragraph per manufacturer.
   static void show_robots(const std::vector<std::string>& all, const std::vector<std::size_t>& which) {
     std::vector<std::string> models;
     for (std::size_t k = 0; k < which.size(); ++k) {
@@ -200,7 +201,7 @@ class Console {
     }
   }
 
-  /// Every word of `wanted` is in the name, whatever stands between: "ur 5e", "fanuc lr mate".
+  /// True if the name contains every word of `wanted`, in any order: "ur 5e", "fanuc lr mate".
   static bool matches(const std::string& name, const std::string& wanted) {
     const auto words = split_words(lower(wanted), " _/-");
     return std::all_of(words.begin(), words.end(),
@@ -302,7 +303,7 @@ class Console {
   const ConsoleArguments& a_;
   Dialogue talk_;
   ConsoleCell cell_;
-  std::string robot_, cell_file_;  ///< empty: the default; none
+  std::string robot_, cell_file_;  ///< empty: the default robot; no cell file
   fs::path folder_ = ".";
   bool over_ = false;
   ConsoleEditor editor_;
@@ -330,7 +331,7 @@ int run_console(int argc, char** argv) {
              "Ctrl-C stops the robot on its path.\n"
              "Exit codes: 0 done, 1 something was refused (from a pipe) or not saved, 3 told to end\n");
   if (const auto code = app.parse(argc, argv)) return *code;
-  if (!a.robot.empty()) open_catalogue().load(a.robot);  // a name that is wrong is told now
+  if (!a.robot.empty()) open_catalogue().load(a.robot);  // reports a wrong name now
   return Console(a).run();
 }
 

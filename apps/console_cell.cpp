@@ -28,7 +28,7 @@ constexpr milliseconds kStartPatience{120'000}, kEndPatience{10'000}, kLook{20};
 constexpr int kPatience_ms = 20'000;
 constexpr std::size_t kLastLines = 15;
 
-/// The command itself, whatever it is called.
+/// Path of this executable, whatever its name is.
 std::string own_path() {
   std::error_code error;
   const fs::path path = fs::read_symlink("/proc/self/exe", error);
@@ -36,11 +36,11 @@ std::string own_path() {
   return path.string();
 }
 
-/// Where the cell's output goes: beside its other files of a run, else into a file without a name.
+/// Opens the log file for the cell's output, beside the other files of the run; /dev/null if that fails.
 int open_log(const fs::path& log) {
   std::error_code error;
   const auto nowhere = [] { return ::open("/dev/null", O_WRONLY | O_CLOEXEC); };
-  if (fs::is_symlink(log.parent_path(), error)) return nowhere();  // the cell that starts says so
+  if (fs::is_symlink(log.parent_path(), error)) return nowhere();  // the cell reports it when it starts
   fs::create_directories(log.parent_path(), error);
   const fs::path ignore = log.parent_path() / ".gitignore";
   try {
@@ -51,7 +51,8 @@ int open_log(const fs::path& log) {
   return fd >= 0 ? fd : nowhere();
 }
 
-/// In the child: everything but the memory is its own. It hears nothing of the terminal's Ctrl-C.
+/// Runs in the child process: changes its process group, so the terminal's Ctrl-C does not reach it, and
+/// starts the cell.
 [[noreturn]] void become(const fs::path& folder, const std::vector<char*>& argv, int log, pid_t parent) {
   ::setpgid(0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -98,7 +99,7 @@ bool ConsoleCell::child_ended() {
   return true;
 }
 
-/// The socket that the child listens at.
+/// Waits for the child's socket and connects to it.
 std::unique_ptr<Client> ConsoleCell::wait_for_door() {
   for (const auto end = Clock::now() + kStartPatience; Clock::now() < end;) {
     for (const fs::path& socket : cell::SocketDoor::running()) {

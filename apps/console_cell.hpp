@@ -1,5 +1,5 @@
 #pragma once
-/// The cell at the other end of the console: one that it has started, or one that runs anyway.
+/// The cell that the console controls: one that it has started, or one that was already running.
 #include <sys/types.h>
 
 #include <cstdint>
@@ -19,38 +19,39 @@ class ConsoleCell {
   ConsoleCell(const ConsoleCell&) = delete;
   ConsoleCell& operator=(const ConsoleCell&) = delete;
 
-  /// Starts `polyarm run ARGUMENTS` in that folder as a process of its own, which ends when this one does,
-  /// and returns once the cell answers. Throws Error("not-started") with what it said.
+  /// Starts `polyarm run ARGUMENTS` in that folder as a process of its own, which ends with this process.
+  /// Returns once the cell answers. Throws Error("not-started") with the cell's output.
   void start(const std::filesystem::path& folder, const std::vector<std::string>& arguments);
-  /// Throws Error("no-cell" | "which-cell").
+  /// Connects to a running cell. Throws Error("no-cell" | "which-cell").
   void attach(const std::string& name);
-  /// Ends a cell of its own, which stops on its path, or lets go of another.
+  /// Ends the console's own cell, whose robots stop on their paths; only disconnects from any other cell.
   void leave();
 
   bool runs() const { return client_ != nullptr; }
   bool is_own() const { return child_ > 0; }
   const std::string& name() const { return name_; }
-  /// Where the cell looks for its files.
+  /// Folder in which the cell looks for its files.
   const std::filesystem::path& folder() const { return folder_; }
-  /// Robots of the cell, and the one that is moved; each request that takes one is told.
+  /// The robots of the cell, and the selected one; ask() and send() add it to each request that needs a
+  /// robot.
   const std::vector<std::string>& robots() const { return robots_; }
   const std::string& robot() const { return robot_; }
   void choose_robot(const std::string& robot) { robot_ = robot; }
   Client& client() const { return *client_; }
 
-  /// The result of a request; throws what the cell refused, "no-answer" after 20 s, and "cell-gone" with what
-  /// the cell said last.
+  /// The result of a request. Throws the cell's refusal, "no-answer" after 20 s, and "cell-gone" with the
+  /// last output of the cell.
   Json ask(Json request);
-  /// In a simulation of its own, whose machine fell behind: goes on from the hold that this is answered with,
-  /// and returns why it was held; empty where it is held for another reason, or not held.
+  /// For the console's own simulation after the machine was too slow: resumes from that hold and returns the
+  /// cause of the hold. Empty if the cell is held for another reason, or not held.
   std::string catch_up();
-  /// A request that is answered again and again: returns what receive() takes.
+  /// Sends a request that is answered repeatedly; returns the id for receive().
   int send(Json request);
-  /// The next answer to it within so many ms, whole; null where there is none yet.
+  /// The next complete answer to request `id` within `timeout_ms`; null if there is none yet.
   Json receive(int id, int timeout_ms);
-  /// What has happened since the last call, as the request `events` has it.
+  /// Events since the last call, in the form of the request `events`.
   std::vector<Json> take_events();
-  /// The link of the cell's pendant; empty where none is served.
+  /// The link of the cell's pendant; empty if the cell serves none.
   const std::string& pendant() const { return pendant_; }
 
  private:
@@ -65,7 +66,7 @@ class ConsoleCell {
   pid_t child_ = -1;
   int last_id_ = 0;
   std::string name_, robot_, pendant_;
-  std::uint64_t old_events_ = 0;  ///< those from before it was met
+  std::uint64_t old_events_ = 0;  ///< number of the last event before the connection
   std::vector<std::string> robots_;
   std::filesystem::path folder_, log_;
 };

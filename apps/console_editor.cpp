@@ -24,7 +24,7 @@ bool is_data_ending(const fs::path& path) {
   return ending == ".points" || ending == ".data" || ending == ".txt";
 }
 
-/// The text without the values called `name`, and without the lines that name them.
+/// The text without the values called `name` and without the lines that mention them.
 std::string without(const std::string& text, const std::string& name) {
   std::string out, current;
   for (std::size_t at = 0; at < text.size();) {
@@ -87,7 +87,7 @@ void ConsoleEditor::begin(const fs::path& path) {
 }
 
 void ConsoleEditor::open(const fs::path& path) {
-  ImportFile opened = ImportFile::load(path.string());  // what is broken leaves what is open as it is
+  ImportFile opened = ImportFile::load(path.string());  // throws for a broken file, and keeps the open one
   file_ = std::move(opened);
   path_ = path;
   saved_ = file_.text();
@@ -172,7 +172,7 @@ bool ConsoleEditor::may_leave() {
       return true;
     } catch (const GivenUp&) {
       return false;
-    } catch (const Error& e) {  // a full disk, a folder that cannot be written
+    } catch (const Error& e) {  // a full disk or a read-only folder
       talk_.complain(e);
       return false;
     }
@@ -193,7 +193,7 @@ std::optional<fs::path> ConsoleEditor::rescue() {
 
 void ConsoleEditor::set(const std::string& name, const Value& value) {
   file_.set(name, value);
-  Problems none;  // read back, so that the next point knows the format that holds at the end
+  Problems none;  // parse again, so the next point uses the format at the end of the file
   file_ = ImportFile::parse(file_.text(), file_.file(), none);
 }
 
@@ -263,7 +263,7 @@ data::Point ConsoleEditor::ask_pose() {
   return {pose_xyz_rpy({xyz[0], xyz[1], xyz[2]}, {rpy[0], rpy[1], rpy[2]}), false};
 }
 
-/// A boolean, number or text, in the words of a data file.
+/// Asks for a boolean, number or text, in the syntax of a data file.
 Value ConsoleEditor::ask_value(Kind kind, const std::string& question) {
   const char* key = kind == Kind::boolean ? "Bool: " : kind == Kind::number ? "Num: " : "Text: ";
   for (;;) {
@@ -285,7 +285,7 @@ void ConsoleEditor::import() {
   problems.throw_if_errors();
   for (const Problem& warning : problems.list()) talk_.say(warning.text());
   std::size_t replaced = 0;
-  if (values().empty()) {  // as it stands, with its comments
+  if (values().empty()) {  // into an empty file: unchanged, with comments
     file_ = ImportFile::parse(file_.text() + read.text(), file_.file(), problems);
   } else {
     for (const data::Entry& entry : read.values().entries()) {
@@ -322,7 +322,7 @@ void ConsoleEditor::list_keys() const {
   print_table({"NAME", "KIND", "VALUE"}, rows);
 }
 
-/// The parts of a value one by one, each with what it is now.
+/// Edits the parts of a value one by one, showing the present ones.
 void ConsoleEditor::edit() {
   const std::string name = talk_.name("Name of the value to edit: ");
   const Value* value = values().value(name);

@@ -1,5 +1,5 @@
 #pragma once
-/// The thesis's file editor: one data file in memory, and the questions around it.
+/// The data file editor of the console, as described in the thesis: one data file in memory.
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -13,14 +13,14 @@
 
 namespace polyarm::apps {
 
-/// What the editor asks about the robot.
+/// Access to the robot for the editor.
 struct RobotSource {
   struct Joint {
     std::string name;
-    bool slides = false;  ///< its value is a length
+    bool slides = false;  ///< prismatic: its value is a length
   };
-  std::function<Json()> state;                 ///< of `jog.state`; throws where no cell runs
-  std::function<std::vector<Joint>()> joints;  ///< of the cell's robot, or of the one that is chosen
+  std::function<Json()> state;                 ///< state from `jog.state`; throws if no cell runs
+  std::function<std::vector<Joint>()> joints;  ///< joints of the cell's robot, or of the selected one
 };
 
 class ConsoleEditor {
@@ -30,27 +30,28 @@ class ConsoleEditor {
   void set_folder(const std::filesystem::path& folder) { folder_ = folder; }
   void run();
 
-  /// In a few words: the file, whether it is saved.
+  /// Short summary: the file, and whether it is saved.
   std::string summary() const;
   bool has_unsaved() const { return file_.text() != saved_; }
-  /// Asks what becomes of changes that are not saved; false: it is to go on as it was.
+  /// Asks what to do with unsaved changes; false: stay in the editor.
   bool may_leave();
-  /// Without questions: puts what is not saved beside its file, and returns where.
+  /// Without questions: writes unsaved changes beside the file and returns the path.
   std::optional<std::filesystem::path> rescue();
 
   /// The values in memory.
   const data::DataSet& values() const { return file_.values(); }
-  /// A point of a file; of the one that is open as it is in memory. Throws Error with the nearest name.
+  /// A point of a file; for the open file the value in memory. Throws Error with the nearest name.
   data::Value value_of(const std::string& file, const std::string& name);
-  /// Asks for a name and keeps the value under it, as the thesis describes; the name, empty where given up.
+  /// Asks for a name and stores the value under it, as the thesis describes. Returns the name; empty if the
+  /// user cancels.
   std::string keep(const data::Value& value);
-  /// The joint state, or the pose, of a state of the robot.
+  /// The joint state, or the pose, from a state of the robot.
   static data::JointState joints_of(const Json& state);
   static data::Point pose_of(const Json& state);
-  /// Asked value by value.
+  /// Asks for each value.
   data::JointState ask_joints();
   data::Point ask_pose();
-  /// Files of data in the folder.
+  /// Data files in the folder.
   std::vector<std::string> files() const;
 
  private:
@@ -73,7 +74,7 @@ class ConsoleEditor {
 
   Dialogue& talk_;
   RobotSource robot_;
-  std::filesystem::path folder_ = ".", path_;  ///< of the working file; empty: none yet
+  std::filesystem::path folder_ = ".", path_;  ///< of the open file; empty: none yet
   data::ImportFile file_;
   std::string saved_;  ///< its text on disk, as far as known
 };

@@ -14,7 +14,7 @@ namespace polyarm::apps {
 namespace {
 using Clock = std::chrono::steady_clock;
 
-/// After a decision the cell may still say for so long what it was before.
+/// After a decision the cell may still report its old state for this long.
 constexpr std::chrono::milliseconds kOldNews{400};
 
 Json json_of(const data::Value& value, const std::string& name) {
@@ -130,7 +130,7 @@ void ConsoleMove::move_mixed() {
 
 // --- moving -----------------------------------------------------------------------------------------------
 
-/// What is held is told, and goes on only if the person says so.
+/// Reports a hold, and continues only if the user agrees.
 void ConsoleMove::require_running() {
   if (!cell_.catch_up().empty()) return;
   const Json now = cell_.ask({{"request", "program"}});
@@ -149,7 +149,7 @@ void ConsoleMove::go(const std::vector<Json>& points) {
   talk_.say("TCP " + tcp_line(state));
 }
 
-/// Until it has arrived; Ctrl-C stops it on its path.
+/// Waits until the robot has arrived; Ctrl-C stops it on its path.
 void ConsoleMove::follow(int id) {
   if (talk_.at_terminal()) talk_.say(talk_.dim("moving; Ctrl-C stops it on its path"));
   auto decided = Clock::now() - kOldNews;
@@ -179,7 +179,7 @@ void ConsoleMove::follow(int id) {
   }
 }
 
-/// False: the rest is forgotten.
+/// False: the rest of the motion is discarded.
 bool ConsoleMove::decide_when_held() {
   for (;;) {
     std::string answer;
@@ -230,7 +230,7 @@ void ConsoleMove::jog(bool tcp) {
   jog_by_keys(cell_.client(), screen);
 }
 
-/// Where no keys can be read: a step for each line, until an empty one.
+/// If keys cannot be read: one step per line, until an empty line.
 void ConsoleMove::jog_by_lines(bool tcp) {
   const std::string question = tcp ? "Axis, way and frame (z 20mm tool), empty: end: "
                                    : "Joint and way (elbow_joint 5deg), empty: end: ";

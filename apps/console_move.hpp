@@ -1,5 +1,5 @@
 #pragma once
-/// The thesis's move menu.
+/// The move menu of the console, as described in the thesis.
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,7 +28,7 @@ class ConsoleMove {
   void change_method();
   void change_scale();
   std::vector<MenuEntry> entries();
-  /// A point for the request `move`, as the person says it.
+  /// Asks for a point, in the form of the request `move`.
   Json ask_point(From from, const std::string& called);
   std::vector<Json> ask_file_points();
   void ask_duration(Json& point);
@@ -40,11 +40,11 @@ class ConsoleMove {
   Dialogue& talk_;
   ConsoleCell& cell_;
   ConsoleEditor& editor_;
-  bool manual_ = false;  ///< durations are asked for
-  double scale_ = 1;     ///< s for each rad of the way in joint space, where they are not
+  bool manual_ = false;  ///< ask for the duration of each move
+  double scale_ = 1;     ///< otherwise: s per rad of joint motion
 };
 
-/// Joint sliders in the terminal, until the person ends them. Throws Error("no-terminal").
+/// Joint sliders in the terminal; returns when the user ends them. Throws Error("no-terminal").
 void joint_sliders(ConsoleCell& cell);
 
 }  // namespace polyarm::apps

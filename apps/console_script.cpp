@@ -22,7 +22,7 @@ constexpr milliseconds kLookAgain{50};
 bool is_one_of(const Json& value, std::initializer_list<const char*> words) {
   return std::any_of(words.begin(), words.end(), [&](const char* word) { return value == word; });
 }
-/// Does it stand in front of a statement, at work?
+/// True if the program is paused before a statement.
 bool is_paused(const Json& state) {
   return state["paused"].get<bool>() && is_one_of(state["state"], {"running", "waiting"});
 }
@@ -54,7 +54,7 @@ void ConsoleScript::load_file(const std::string& file) {
   talk_.say("loaded " + file_name(loaded));
 }
 
-/// What a program that begins in the middle takes for given.
+/// Prints what a program that starts in the middle assumes.
 void ConsoleScript::tell_assumed(const Json& assumed) {
   talk_.say(
       fmt::format("it will begin at line {}: {}", shown(assumed["where"]["line"]), shown(assumed["source"])));
@@ -80,7 +80,7 @@ void ConsoleScript::load() {
   load_file(talk_.name("Script, or data file that names one: "));
 }
 
-/// A text file from anywhere, which names script and points.
+/// Reads a text file from any folder that names script and points.
 void ConsoleScript::import() {
   const std::string path = talk_.name("Path of the text file: ");
   const fs::path given = path;
@@ -129,7 +129,7 @@ void ConsoleScript::step(const char* kind) {
 
 void ConsoleScript::stop() {
   Json now = cell_.ask({{"request", "program.stop"}});
-  if (now["control"] == "held") {  // the rest of its motion goes with it
+  if (now["control"] == "held") {  // the rest of its motion is discarded too
     cell_.ask({{"request", "control.discard"}});
     cell_.ask({{"request", "control.resume"}});
   }
@@ -143,7 +143,7 @@ void ConsoleScript::run_from_line() {
   const std::string file = !file_.empty() ? file_ : now["file"].get<std::string>();
   if (file.empty()) throw Error("no-script", "no script is loaded", "load one: 1");
   const int line = talk_.number("Line to begin at: ", 1, 1'000'000'000);
-  if (has_ended(now) || now["state"] == "ready") load_file(file);  // with its data as they are now
+  if (has_ended(now) || now["state"] == "ready") load_file(file);  // with the present data
   tell_assumed(cell_.ask({{"request", "program.from"}, {"program", file}, {"line", line}}));
   if (!talk_.yes("Is all of that so, and may it begin there?")) {
     stop();
@@ -224,7 +224,7 @@ void ConsoleScript::answer(const Json& question) {
   }
 }
 
-/// False: the script is left as it stands.
+/// False: the script stays in its present state.
 bool ConsoleScript::decide_when_held() {
   for (;;) {
     std::string answer;

@@ -1,5 +1,5 @@
 #pragma once
-/// Scripts from the console: load, run, pause, step, end.
+/// The script menu of the console: load, run, pause, step, end.
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,8 +28,8 @@ class ConsoleScript {
   void run_from_line();
   void show_state();
   Json state() { return cell_.ask({{"request", "program"}}); }
-  /// Shows what happens until the script ends or pauses; while it runs Enter pauses, Ctrl-C stops on the
-  /// path.
+  /// Shows events until the script ends or pauses. While it runs, Enter pauses it and Ctrl-C stops the robot
+  /// on its path.
   void follow();
   bool decide_when_held();
   void answer(const Json& question);

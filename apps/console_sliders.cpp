@@ -1,4 +1,4 @@
-/// Joint sliders in the terminal: what rqt's joint trajectory controller does in a window.
+/// Joint sliders in the terminal, like the joint trajectory controller of rqt.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::chrono::milliseconds kSendEvery{50};
 constexpr std::size_t kBar = 26;
 constexpr double kSpeeds[] = {0.05, 0.1, 0.25, 0.5, 1};
-/// Behind this the robot has come to its slider, rad or m.
+/// Within this distance the robot has reached its slider, rad or m.
 constexpr double kThere = 1e-4;
 
 constexpr const char* kKeys =
@@ -96,7 +96,7 @@ class Sliders {
     problem_.clear();
   }
 
-  /// The robot goes to its sliders, as long as this is said again and again.
+  /// Sends the sliders as the target; the robot follows only while this is repeated.
   void follow() {
     Json joints = Json::object();
     for (std::size_t i = 0; i < joints_.size(); ++i) joints[joints_[i]] = sliders_[i];

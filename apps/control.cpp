@@ -54,7 +54,7 @@ Json parameters_of(const std::vector<std::string>& words) {
     const Json list = value.starts_with('[') ? Json::parse(value, nullptr, false) : Json();
     if (list.is_array()) {
       out[word.substr(0, equals)] = list;
-    } else if (value.starts_with('[') && value.ends_with(']')) {  // [a, b] without quotes
+    } else if (value.starts_with('[') && value.ends_with(']')) {  // a list without quotes: [a, b]
       Json items = Json::array();
       for (const std::string& item : split_fields(value.substr(1, value.size() - 2), ','))
         items.push_back(item);
@@ -66,7 +66,7 @@ Json parameters_of(const std::vector<std::string>& words) {
   return out;
 }
 
-/// "50%" and "50" are the same.
+/// Accepts "50%" and "50".
 double percent_of(const std::string& text) {
   const std::optional<double> percent =
       parse_number(text.ends_with('%') ? text.substr(0, text.size() - 1) : text);
@@ -74,7 +74,7 @@ double percent_of(const std::string& text) {
   return *percent;
 }
 
-/// What became of a request that moves or stops.
+/// Prints the result of a request that moves or stops.
 void tell_motion(const std::string& action, const Json& result) {
   if (action == "override") {
     fmt::print("override {:g} %\n", number_of(result["percent"]));
@@ -141,7 +141,7 @@ std::string named_values(const Json& values) {
   return out;
 }
 
-/// Where the program stands, task by task.
+/// Prints where the program is, task by task.
 void tell_program(const Json& p) {
   if (p["state"] == "none") {
     fmt::print("the cell has no program\n");
@@ -167,7 +167,7 @@ void tell_program(const Json& p) {
   for (const Json& place : p["breakpoints"]) fmt::print("  breakpoint {}\n", place_of(place));
 }
 
-/// Verbs that are about the program: what they ask.
+/// The request for a verb about the program.
 Json program_request(const std::string& action, const Arguments& a) {
   Json out{{"request", action == "program" ? a.follow ? "program.watch" : "program" : "program." + action}};
   if (action == "step" && !a.how.empty()) out["how"] = a.how;
@@ -184,7 +184,7 @@ bool is_about_program(const std::string& action) {
   return false;
 }
 
-/// Begins a program at a line, when a person has seen what it takes for given.
+/// Starts a program at a line, after the user has seen what it assumes.
 int begin_from(Client& client, const Arguments& a) {
   const Json seen = client.ask(program_request("from", a));
   if (a.client.json)
@@ -248,7 +248,7 @@ int act_on_program(const std::string& action, const Arguments& a) {
   return kOk;
 }
 
-/// Shows what is measured beside what is expected, and lets a person at a terminal decide.
+/// Shows measured beside expected positions, and asks a user at the terminal.
 int arm(const Arguments& a) {
   Client client(a.client.cell);
   const Json seen = client.ask({{"request", "control.arm"}});

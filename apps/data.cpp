@@ -1,4 +1,4 @@
-/// The verb that reads and changes data sets: one text file each, changed so that nothing is lost.
+/// The verb that reads and changes data sets, one text file each. Changes keep everything else in the file.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -31,7 +31,7 @@ struct DataArguments {
   bool yes = false, json = false;
 };
 
-/// The file as written, or with an ending of data where that is there.
+/// The file as named, or with a data file extension if such a file exists.
 fs::path set_path(const std::string& file) {
   std::error_code ignored;
   if (fs::exists(file, ignored)) return file;
@@ -44,7 +44,7 @@ ImportFile load(const std::string& file) {
   return ImportFile::load(set_path(file).string());
 }
 
-/// Yes, or an answer that is typed or piped in; nobody there is no.
+/// True if --yes was given or the typed or piped answer is yes. No input means no.
 bool agreed(const DataArguments& a, const std::string& question) {
   if (a.yes) return true;
   fmt::print(stderr, "{} [y/N] ", question);
@@ -92,10 +92,10 @@ int list_names(const DataArguments& a) {
   return kOk;
 }
 
-/// Nothing is asked: no value changes.
+/// Asks nothing, because no value changes.
 int group_names(const DataArguments& a) {
   const fs::path path = set_path(a.file);
-  ImportFile::load(path.string());  // says so where there is none
+  ImportFile::load(path.string());  // throws if there is no such file
   data::edit_set(path, "group " + a.value + ": " + join(a.names, ", "), [&](ImportFile& set) {
     for (const std::string& each : a.names) set.set_group(each, a.value);
   });
@@ -183,7 +183,7 @@ int export_values(const DataArguments& a) {
 int delete_values(const DataArguments& a) {
   const fs::path path = set_path(a.file);
   if (a.name.empty()) {
-    read_file(path);  // says so where there is none
+    read_file(path);  // throws if there is no such file
     if (!agreed(a, "delete the file " + path.string() + "?")) return kFailed;
     data::delete_set(path);
     return kOk;
@@ -220,7 +220,7 @@ int undo_changes(const DataArguments& a) {
   return kOk;
 }
 
-/// A verb of the thesis's editor: its words, and what it does.
+/// An action of the data editor: its name and its function.
 struct Action {
   const char* name;
   const char* text;

@@ -17,7 +17,7 @@ namespace {
 
 using data::ImportFile;
 
-/// The poses of the points, all in one frame, whose name it tells.
+/// The poses of the points, which must all be in one frame; returns its name in `frame`.
 std::vector<Pose> poses_of(const ImportFile& set, const std::vector<std::string>& names, std::string& frame) {
   std::vector<Pose> out;
   for (const std::string& name : names) {
@@ -84,7 +84,7 @@ int teach_tool(const TeachArguments& a) {
   return kOk;
 }
 
-/// Where the robot of a running cell stands, with all that a point remembers.
+/// Teaches a point: the present position of a robot in a running cell, with everything that a point stores.
 int teach_point(const TeachArguments& a) {
   Json request{{"request", "jog.state"}};
   if (!a.robot.empty()) request["robot"] = a.robot;

@@ -1,6 +1,6 @@
 #pragma once
-/// `polyarm data teach`, `frame` and `tool`: where a robot stands as a point, frames and tools from points
-/// that were touched.
+/// `polyarm data teach`, `frame` and `tool`: teaches the robot's present position as a point, and computes
+/// frames and tools from touched points.
 #include <string>
 #include <vector>
 

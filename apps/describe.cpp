@@ -22,7 +22,7 @@ json optional(const std::optional<double>& value) {
   return value ? json(*value) : json();
 }
 
-/// The closed form of the arm, or why it has none; why there is no chain where there is none.
+/// The arm's closed-form solution, or why it has none; for a robot without a chain, why there is no chain.
 std::string way_to_solve(const RobotModel& model) {
   try {
     const ik::InverseKinematics arm(kinematics::Chain(model, model.tool_link()));
@@ -47,7 +47,7 @@ std::vector<std::string> estimated_masses(const RobotModel& model) {
   return out;
 }
 
-/// "-J3 + J2 + 0.5" for what a controller shows of a joint.
+/// "-J3 + J2 + 0.5": how a controller displays a joint.
 std::string formula(const description::ControllerAxis& axis, const std::vector<std::string>& names,
                     std::size_t at) {
   std::string out = (axis.sign < 0 ? "-" : "") + names[at];
@@ -84,7 +84,7 @@ void print_controller_axes(const RobotModel& model) {
              model.provenance.controller_axes);
 }
 
-/// What a joint with <mimic> follows: "-1 * left_finger_joint + 0.02"; empty where it moves by itself.
+/// What a joint with <mimic> follows: "-1 * left_finger_joint + 0.02"; empty for an independent joint.
 std::string mimic_text(const RobotModel& model, const description::Joint& joint) {
   if (!joint.mimic) return "";
   const description::Mimic& m = *joint.mimic;

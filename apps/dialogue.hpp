@@ -1,5 +1,5 @@
 #pragma once
-/// Questions to a person, answered line by line: at a terminal, or from a pipe.
+/// Asks the user questions that are answered line by line, at a terminal or from a pipe.
 #include <chrono>
 #include <functional>
 #include <optional>
@@ -11,9 +11,9 @@
 
 namespace polyarm::apps {
 
-/// Nothing more will be answered: the end of standard input, or the terminal is gone.
+/// No more answers: end of standard input, or the terminal was closed.
 struct EndOfAnswers {};
-/// The person gives the question up: an empty line where a value is needed, or Ctrl-C.
+/// The user cancels: an empty line where a value is needed, or Ctrl-C.
 struct GivenUp {
   bool by_signal = false;
 };
@@ -24,7 +24,8 @@ struct MenuEntry {
   std::function<void()> act;
 };
 
-/// Reads standard input and prints to standard output; one at a time. Ctrl-C is a flag while one lives.
+/// Reads standard input and prints to standard output. Only one object at a time; while it exists, Ctrl-C
+/// only sets a flag.
 class Dialogue {
  public:
   Dialogue();
@@ -32,43 +33,44 @@ class Dialogue {
   Dialogue(const Dialogue&) = delete;
   Dialogue& operator=(const Dialogue&) = delete;
 
-  /// Is somebody at a terminal? Else what is read is shown, so that the output reads as a session.
+  /// True at a terminal. Otherwise the input is echoed, so the output reads like a session.
   bool at_terminal() const { return terminal_; }
 
-  /// A line without blanks around it. Throws EndOfAnswers; GivenUp on Ctrl-C.
+  /// A trimmed line. Throws EndOfAnswers, or GivenUp on Ctrl-C.
   std::string line(const std::string& question);
-  /// Likewise; throws GivenUp where it is empty.
+  /// The same; throws GivenUp if the line is empty.
   std::string name(const std::string& question);
-  /// Asks until it is y or n. `otherwise`: what an empty line means.
+  /// Repeats the question until the answer is y or n. `otherwise`: meaning of an empty line.
   bool yes(const std::string& question, bool otherwise = false);
-  /// Asks until it is a quantity; bare numbers are SI. An empty line is `otherwise`, or gives it up.
+  /// Repeats the question until the answer is a quantity; numbers without a unit are SI. An empty line gives
+  /// `otherwise`, or cancels without it.
   double quantity(const std::string& question, Dimension dimension, std::optional<double> otherwise = {});
-  /// A whole number from `low` to `high`, likewise.
+  /// The same for a whole number from `low` to `high`.
   int number(const std::string& question, int low, int high, std::optional<int> otherwise = {});
 
-  /// Shows the entries as `1->Text` until 0 is chosen, or until `over`. Heading and entries are made anew
-  /// each time. What an entry refuses with an Error is told.
+  /// Shows the entries as `1->Text` until 0 is chosen or `over` returns true. Calls `heading` and `entries`
+  /// each time. Prints the Error of an entry that fails.
   void menu(const std::function<std::string()>& heading,
             const std::function<std::vector<MenuEntry>()>& entries, const std::function<bool()>& over = {});
 
-  /// A line that has come, without waiting longer than this; nothing where none has. Throws EndOfAnswers.
+  /// A line that arrives within `time`; empty if none does. Throws EndOfAnswers.
   std::optional<std::string> line_within(std::chrono::milliseconds time);
-  /// Ctrl-C since the last call.
+  /// True if Ctrl-C was pressed since the last call.
   bool take_interrupt();
-  /// Whether the process was told to end.
+  /// True if the process was told to end.
   bool ended() const;
 
   void say(const std::string& text) const;
-  /// An error or another refusal, as a person reads it.
+  /// Prints an error or a refusal as text for people.
   void complain(const Error& error);
   void complain(const std::string& text);
-  /// Something was refused.
+  /// True if anything was refused.
   bool complained() const { return complaints_ > 0; }
-  /// Marks of a terminal: bold and dim text; empty where there is none, or NO_COLOR is set.
+  /// Bold and dim text on a terminal; unchanged without one, or if NO_COLOR is set.
   std::string bold(const std::string& text) const;
   std::string dim(const std::string& text) const;
 
-  /// Called when Ctrl-C comes at a question.
+  /// Called when Ctrl-C is pressed at a question.
   std::function<void()> on_interrupt;
 
  private:
@@ -81,9 +83,9 @@ class Dialogue {
   std::string in_;
 };
 
-/// Rows of text side by side, as wide as the terminal allows.
+/// Items in columns, as wide as the terminal allows.
 std::string in_columns(const std::vector<std::string>& items);
-/// One item after the other in lines that begin with `indent`.
+/// Items one after another in lines that begin with `indent`.
 std::string flowing(const std::vector<std::string>& items, const std::string& indent);
 
 }  // namespace polyarm::apps

@@ -25,7 +25,7 @@ void look_at_modules(doctor::Installation& here) {
   for (const std::string& name : names) {
     doctor::Installation::Module module{name, hardware::driver_available(name), ""};
     try {
-      if (module.found) hardware::make_driver(name);  // opens nothing: that is configuring
+      if (module.found) hardware::make_driver(name);  // opens no device; configuring would do that
     } catch (const std::exception& e) {
       module.fault = e.what();
     }

@@ -89,13 +89,13 @@ int run_list(bool json) {
 
 std::atomic<bool> test_interrupted{false};
 
-/// The robot that carries the device: from a description, or one without joints.
+/// The robot for the device: from a description, or a robot without joints.
 struct Carrier {
   description::RobotModel model;
   hardware::ComponentContext context;
 };
 
-/// The block that names the driver; where none does, the only one, as in a cell that says hardware: DRIVER.
+/// The block that names the driver. If none does, the only block, as in a cell with `hardware: DRIVER`.
 description::HardwareInfo block_for(const std::string& driver, const description::RobotModel& model,
                                     const std::string& description) {
   for (const description::HardwareInfo& block : model.hardware)
@@ -119,7 +119,7 @@ std::unique_ptr<Carrier> make_carrier(const std::string& driver, const std::stri
   } else {
     Problems found;
     out->model = description::load_robot(description, open_catalogue(), found);
-    found.throw_if_errors();  // the trial is of the hardware
+    found.throw_if_errors();  // only the hardware is tried here
     robot.hardware.push_back(block_for(driver, out->model, description));
     out->context.parameters = robot.hardware.front().parameters;
   }

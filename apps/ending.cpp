@@ -23,7 +23,7 @@ namespace {
 std::atomic<bool> simulated{true};
 sem_t terminated;  // posted by SIGTERM
 
-/// The first stops on the path, the second at once; with the third the process ends where it is.
+/// The first signal stops on the path, the second at once, the third ends the process.
 void on_request(int number) {
   if (cell::stops_requested() >= 2) {
     ::signal(number, SIG_DFL);
@@ -47,18 +47,18 @@ void catch_signal(int number, void (*handler)(int)) {
   ::sigaction(number, &action, nullptr);
 }
 
-/// Of those that nobody has said more about: whoever sends one means an end, which is on the path. Faults of the
-/// process itself end it, since nothing is known of it any more.
+/// Signals without a special meaning here end the run on the path. Faults of the process itself end it at
+/// once, because its state is unknown then.
 bool would_end_the_process(int number) {
-  for (const int other : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGPIPE, SIGXFSZ,             // caught above, or ignored
-                          SIGCHLD, SIGURG, SIGWINCH, SIGCONT,                             // end nothing
-                          SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU, SIGKILL,                    // suspend, or cannot be caught
+  for (const int other : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGPIPE, SIGXFSZ,             // caught or ignored
+                          SIGCHLD, SIGURG, SIGWINCH, SIGCONT,                             // do not end it
+                          SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU, SIGKILL,                    // suspend or kill
                           SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV, SIGSYS})              // faults
     if (number == other) return false;
   return true;
 }
 
-/// Nothing real moves, so nothing is lost when a build, a check or a plugin does not listen.
+/// A simulated cell moves nothing real, so it may be ended while a build, a check or a plugin does not react.
 void end_in_time() {
   constexpr auto kOnThePath = std::chrono::milliseconds(500), kAtOnce = std::chrono::milliseconds(350);
   while (::sem_wait(&terminated) != 0 && errno == EINTR) {
@@ -69,9 +69,9 @@ void end_in_time() {
   std::this_thread::sleep_for(kAtOnce);
   if (!simulated) return;
   constexpr std::string_view kText = "polyarm: a simulated cell was ended on SIGTERM before it was done\n";
-  pollfd room{STDERR_FILENO, POLLOUT, 0};  // a reader who takes nothing would keep this thread
+  pollfd room{STDERR_FILENO, POLLOUT, 0};  // a reader that does not read would block this thread
   if (::poll(&room, 1, 0) == 1 && (room.revents & POLLOUT) != 0 &&
-      ::write(STDERR_FILENO, kText.data(), kText.size()) < 0) {  // nobody is there, who needs no telling
+      ::write(STDERR_FILENO, kText.data(), kText.size()) < 0) {  // nobody reads the message
   }
   ::_exit(kStopped);
 }

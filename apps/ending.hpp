@@ -1,20 +1,20 @@
 #pragma once
-/// How a command that moves something ends when the system asks it to: on the path, whatever the signal is.
+/// How a command that moves something ends on a signal: always on the path.
 
 namespace polyarm::apps {
 
-/// From now on every signal that can be caught stops the cell of this process on its path, and ends the run.
-/// SIGINT, SIGTERM and SIGQUIT count: the second of them stops at once, the third ends the process where it
-/// is. A closed terminal (SIGHUP, unless it is ignored as under nohup) and the others stop once. Output that
-/// nobody reads (SIGPIPE) is an error of the write, which the run's output turns into one stop. On the wall
-/// clock Ctrl-Z (SIGTSTP) holds instead of suspending a process that moves something. After SIGTERM a
-/// simulated cell is ended within a second, whatever it does.
+/// From now on every signal that can be caught stops this process's cell on its path and ends the run.
+/// SIGINT, SIGTERM and SIGQUIT are counted: the second stops at once, the third ends the process immediately.
+/// A closed terminal (SIGHUP, unless ignored as under nohup) and other signals stop once. Output that nobody
+/// reads (SIGPIPE) is a write error, which the run's output turns into one stop. On the wall clock, Ctrl-Z
+/// (SIGTSTP) holds the robots instead of suspending the process. After SIGTERM a simulated cell ends within a
+/// second in any case.
 void stop_on_signals(bool wall_clock);
 
-/// Whether what is built from now on is simulated: then SIGTERM need not wait for anything.
+/// Call before a cell is built: true if it is simulated, so the end after SIGTERM does not wait for anything.
 void set_simulated(bool simulated);
 
-/// For signal handlers: what is written to standard output from now on goes nowhere.
+/// For signal handlers: discards everything written to standard output from now on.
 void write_to_nobody() noexcept;
 
 }  // namespace polyarm::apps

@@ -25,14 +25,14 @@ const Joint& joint_at(const RobotModel& model, int index) {
   return model.joints[static_cast<std::size_t>(index)];
 }
 
-/// A controller that takes goals of MoveIt.
+/// A controller that accepts goals from MoveIt.
 struct Actor {
   std::string name, type, action;   ///< "FollowJointTrajectory", "follow_joint_trajectory"
-  std::vector<std::string> joints;  ///< of the robot, in the controller's order
+  std::vector<std::string> joints;  ///< the robot's joints, in the controller's order
   bool gripper() const { return type != "FollowJointTrajectory"; }
 };
 
-/// "arm/elbow_joint/position" → "elbow_joint" where the robot is `arm`; "" of another robot.
+/// "arm/elbow_joint/position" → "elbow_joint" for robot `arm`; "" for another robot.
 std::string joint_of(const std::string& interface, const std::string& robot) {
   const std::vector<std::string> parts = split_fields(interface, '/');
   return parts.size() == 3 && parts[0] == robot ? parts[1] : "";
@@ -56,7 +56,7 @@ std::vector<Actor> actors_of(const cell::CellView& cell, const std::string& robo
   return out;
 }
 
-/// The joints from the root to where a tool is bolted on, fixed ones among them.
+/// The joints from the root to the tool's mounting link, including fixed ones.
 std::vector<int> joints_to_tool(const RobotModel& model) {
   std::vector<int> out;
   for (int link = model.tool_link(); model.links[static_cast<std::size_t>(link)].parent_joint >= 0;) {
@@ -66,13 +66,13 @@ std::vector<int> joints_to_tool(const RobotModel& model) {
   return out;
 }
 
-/// With a point, as a reader of YAML wants it that parts whole numbers from others.
+/// Always with a decimal point, because some YAML readers distinguish integers from floats.
 std::string decimal(double value) {
   const std::string text = format_number(value);
   return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
 }
 
-/// Groups as the description has them; else the arm up to its tool, and what grippers move.
+/// The groups of the description; without any, the arm up to its tool, and the joints of grippers.
 void add_groups(RobotModel& model, const std::string& arm, const std::vector<Actor>& actors) {
   if (!model.groups.empty()) return;
   std::vector<int> chain = joints_to_tool(model);
@@ -154,8 +154,8 @@ std::string controllers_yaml(const std::vector<Actor>& actors) {
       join(names, ", "), each);
 }
 
-/// As a controller manager of ROS 2 would load them, where the cell has no file of its own for them: those
-/// whose joints the description has.
+/// The controllers as a ROS 2 controller manager would load them, if the cell has no controllers' file: those
+/// whose joints are in the description.
 std::string own_controllers_yaml(const cell::CellView& cell, const cell::CellRobot& robot) {
   const double rate = 1e9 / static_cast<double>(cell.period());
   std::string manager =
@@ -212,7 +212,7 @@ std::string ompl_yaml(const RobotModel& model) {
   return out;
 }
 
-/// Pilz plans with limits of acceleration alone.
+/// Pilz needs velocity and acceleration limits of all joints.
 bool pilz_can_plan(const RobotModel& model) {
   return std::all_of(model.actuated.begin(), model.actuated.end(), [&](int index) {
     const description::JointLimits& limits = joint_at(model, index).limits;
@@ -229,7 +229,7 @@ std::string pilz_yaml() {
          "pilz_industrial_motion_planner/MoveGroupSequenceService\n";
 }
 
-/// Of lines and arcs, as the cell plans them itself.
+/// Limits of lines and arcs, as in the cell's own planner.
 std::string cartesian_limits_yaml(const cell::CellView& cell) {
   const moves::TcpLimits& tcp = cell.file().motion.tcp;
   return fmt::format(
@@ -290,7 +290,7 @@ bool is_at_origin(const Pose& pose) {
          std::abs(pose.rotation.w) == 1;
 }
 
-/// Where the robot stands elsewhere than at the origin, the description begins with the world.
+/// Adds a world link to the description if the robot's base is not at the origin.
 std::string in_world(std::string urdf, const RobotModel& model, const Pose& base) {
   const std::string& root = model.links[static_cast<std::size_t>(model.root)].name;
   if (is_at_origin(base) || root == "world") return urdf;

@@ -1,5 +1,5 @@
 #pragma once
-/// What MoveIt 2 is configured with, made from a cell.
+/// Generates the MoveIt 2 configuration of a cell.
 #include <filesystem>
 #include <map>
 #include <string>
@@ -10,12 +10,12 @@
 namespace polyarm::apps {
 
 struct MoveItFiles {
-  std::map<std::string, std::string> texts;  ///< by name of the file
-  std::vector<std::string> notes;            ///< what a person should know, one sentence each
+  std::map<std::string, std::string> texts;  ///< by file name
+  std::vector<std::string> notes;            ///< hints for the user, one sentence each
 };
 
-/// Of one robot of the cell: description, SRDF, kinematics, limits, controllers and a launch file. `samples`:
-/// joint states that are tried for the pairs of links that need not be compared.
+/// The files for one robot of the cell: description, SRDF, kinematics, limits, controllers and a launch file.
+/// `samples`: number of joint states used to find link pairs that need no collision check.
 MoveItFiles moveit_files(const cell::CellView& cell, std::size_t robot, int samples);
 
 }  // namespace polyarm::apps

@@ -29,7 +29,7 @@ struct FarSideArguments {
   std::vector<std::string> wires, orders;
 };
 
-/// One line of what happens; it also goes to a pipe at once.
+/// Prints one event; also flushes, for pipes.
 void tell(const std::string& text) {
   fmt::print("{}\n", text);
   std::fflush(stdout);
@@ -76,7 +76,7 @@ void show(ur::FarSide& far) {
   });
 }
 
-/// A line from the terminal; wrong ones are answered, not fatal.
+/// Executes a line from the terminal; a wrong line is answered and not fatal.
 void take_line(ur::FarSide& far, const std::string& line) {
   const std::string word(trim(line));
   if (word.empty()) return;
@@ -96,7 +96,7 @@ void serve_until_stopped(ur::FarSide& far) {
     if (::poll(&in, 1, 200) <= 0 || !open) continue;
     char bytes[512];
     const ssize_t count = ::read(STDIN_FILENO, bytes, sizeof bytes);
-    open = count > 0;  // without a terminal it goes on until a signal
+    open = count > 0;  // without a terminal it runs until a signal
     if (count > 0) text.append(bytes, static_cast<std::size_t>(count));
     if (text.size() > 4096) text.clear();
     for (std::size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1))

@@ -1,4 +1,4 @@
-/// Moving a robot by hand: keys in a terminal, or so much of a joint or of the TCP.
+/// Jogs a robot: with keys in a terminal, or by an amount of a joint or of the TCP.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ struct JogArguments {
   double first = 0.7, hold = 0.3;  // s
 };
 
-/// One word is a running cell or a robot; two are both.
+/// One word names a running cell or a robot; two words name both.
 void sort_words(JogArguments& a) {
   if (a.words.empty()) return;
   const auto running = cell::SocketDoor::running();
@@ -44,7 +44,7 @@ Json with_robot(const JogArguments& a, Json request) {
   return request;
 }
 
-// --- by so much, for scripts ------------------------------------------------------------------------------
+// --- by an amount, for scripts --------------------------------------------------------------------------
 
 void report(const JogArguments& a, const Json& state) {
   if (a.client.json) return fmt::print("{}\n", state.dump(1));
@@ -76,7 +76,7 @@ int jog_by(Client& client, const JogArguments& a) {
   client.send(request);
   for (;;) {
     const Json answer = client.receive(kPatience);
-    if (interrupted()) return kStopped;  // and the cell stops, as nobody is there any more
+    if (interrupted()) return kStopped;  // the cell stops the motion, because the client has gone
     if (answer.is_null())
       throw Error("no-answer", "the cell has not answered for two seconds", "is its process stopped?");
     const Json state = Client::result_of(answer);

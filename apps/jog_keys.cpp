@@ -32,9 +32,9 @@ constexpr const char* kUp = "qwertyui";
 constexpr const char* kDown = "asdfghjk";
 constexpr const char* kAxes[] = {"x", "y", "z", "rx", "ry", "rz"};
 constexpr const char* kTcpNames[] = {"x", "y", "z", "roll", "pitch", "yaw"};
-constexpr std::size_t kBar = 14;  // columns of the bar that shows a joint in its range
+constexpr std::size_t kBar = 14;  // width of a joint's range bar, columns
 constexpr std::size_t kJointColumn = 42 + kBar;
-/// Speeds of the TCP (m/s) and of joints (rad/s), and steps (m, rad), that + and - go through.
+/// Speeds of the TCP (m/s) and of joints (rad/s), and steps (m, rad) for + and -.
 constexpr double kSpeeds[] = {0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.15, 0.25, 0.5, 1};
 constexpr double kSteps[] = {0.0001, 0.0005, 0.001, 0.005, 0.01, 0.05};
 
@@ -47,7 +47,7 @@ class Keys {
     if (!a.frame.empty()) frame_ = a.frame, of_joints_ = false;
   }
 
-  /// Until it is to end (false), or the place is to be kept (true).
+  /// Runs until the user ends it (false) or wants to store the position (true).
   bool run() {
     begin();
     keeps_ = false;
@@ -68,7 +68,7 @@ class Keys {
     return keeps_ && !Keyboard::ended();
   }
 
-  /// Shows what was kept, and goes on.
+  /// Stores the position and prints what was stored.
   void keep() {
     state_ = ask({{"request", "jog.state"}});
     told_ = a_.keep(state_);
@@ -119,7 +119,7 @@ class Keys {
     move();
   }
 
-  /// Keys that choose what the others move.
+  /// Keys that select what the other keys move.
   bool choose(char key) {
     const auto frame = [&](const std::string& name) {
       frame_ = name;
@@ -165,7 +165,7 @@ class Keys {
       move(speed_, static_cast<int>(std::size(kSpeeds)));
   }
 
-  /// A metre of the TCP counts as two radians: 50 mm/s go with 0.1 rad/s.
+  /// Scales rotation: 1 m of the TCP counts as 2 rad, so 50 mm/s corresponds to 0.1 rad/s.
   double scaled(double value) const {
     const bool slides = of_joints_ ? flag_of(state_["slides"][static_cast<std::size_t>(axis_)]) : axis_ < 3;
     return slides ? value : 2 * value;
@@ -209,7 +209,7 @@ class Keys {
     axis_ = -1;
     wanted["by"] = true;
     problem_.clear();
-    std::string typed;  // while it moved
+    std::string typed;  // keys typed during the motion
     try {
       client_.send(with_robot(std::move(wanted)));
       bool asked_to_end = false;
@@ -238,7 +238,7 @@ class Keys {
       for (; awaited_ > 0; --awaited_) client_.receive(kPatience);
       refuse(e);
     }
-    // A key ends the step; what it chooses holds for the next one.
+    // A key ends the step; a selection by the key applies to the next step.
     for (const char key : typed)
       if (choose(key)) show();
   }
@@ -263,7 +263,7 @@ class Keys {
 
   std::size_t rows() const { return std::max<std::size_t>(joints_.size(), 6); }
 
-  /// Room for what show() writes over.
+  /// Prints empty lines that show() overwrites.
   void begin() const {
     fmt::print("\njogging {}\n\n{}   {}0 or Ctrl-C ends\n\n", shown(state_["robot"]), kJogKeys,
                a_.keep ? "Enter keeps this place under a name   " : "");
@@ -326,7 +326,7 @@ void jog_by_keys(Client& client, const JogScreen& screen) {
   }
 }
 
-/// To hundredths; what rounds to nothing has no sign.
+/// Rounds to hundredths; a result of zero has no sign.
 static double hundredths(double value) {
   return std::round(100 * value) / 100 + 0.0;
 }
@@ -352,7 +352,7 @@ int terminal_columns() {
 std::string fitting(const std::string& line) {
   int columns = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {
-    if ((static_cast<unsigned char>(line[i]) & 0xC0) == 0x80) continue;  // inside a character
+    if ((static_cast<unsigned char>(line[i]) & 0xC0) == 0x80) continue;  // inside a UTF-8 character
     if (++columns >= terminal_columns()) return line.substr(0, i);
   }
   return line;

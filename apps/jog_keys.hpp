@@ -1,5 +1,5 @@
 #pragma once
-/// The screen on which a robot is moved by keys, with its live state.
+/// The terminal screen for jogging with keys; shows the robot's live state.
 #include <chrono>
 #include <functional>
 #include <string>
@@ -8,38 +8,40 @@
 
 namespace polyarm::apps {
 
-/// How often a jog that goes on is sent, and how long an answer is waited for.
+/// Interval of jog messages, and timeout of an answer.
 inline constexpr std::chrono::milliseconds kSendEvery{50};
 inline constexpr int kPatience = 2000;  // ms
 
 struct JogScreen {
-  std::string robot;  ///< empty: the only one of the cell
-  std::string frame;  ///< the user's own, beside base, world and tool; it begins with the TCP along it
-  bool tcp = false;   ///< begins with the TCP, not with joints
-  double first = 0.7, hold = 0.3;  ///< s until the first repeat of a key, and without one until it stops
-  /// Where given, Enter keeps the place: it is told the state of `jog.state` and returns what it kept, a
-  /// sentence. The robot stands and the terminal reads lines meanwhile.
+  std::string robot;  ///< empty: the cell's only robot
+  std::string frame;  ///< the user's own frame, in addition to base, world and tool; if given, jogging starts
+                      ///< with the TCP in it
+  bool tcp = false;   ///< start with the TCP instead of joints
+  double first = 0.7, hold = 0.3;  ///< s: first: until the first repeat of a key; hold: without a repeat
+                                   ///< until the motion stops
+  /// If set, Enter calls this with the state of `jog.state` to store the position; returns a sentence about
+  /// what was stored. Meanwhile the robot is at rest and the terminal reads lines.
   std::function<std::string(const Json& state)> keep;
 };
 
-/// Until the person ends it. Throws Error("no-terminal") where standard input is none, "cell-gone",
+/// Runs until the user ends it. Throws Error("no-terminal") if standard input is no terminal, "cell-gone" or
 /// "no-answer".
 void jog_by_keys(Client& client, const JogScreen& screen);
 
-/// The keys of the screen, for help.
+/// The screen's keys, for help texts.
 extern const char* const kJogKeys;
 
-/// Joint values and the TCP of `jog.state`, a line each.
+/// Joint values and TCP of `jog.state`, one line each.
 std::string joints_line(const Json& state);
 std::string tcp_line(const Json& state);
 
-/// A value as a screen has it: 12.34° or 56.78 mm.
+/// A value for the screen: 12.34° or 56.78 mm.
 std::string joint_text(double value, bool slides);
-/// Where between its limits a joint is, `width` columns; blank where it turns without end.
+/// Bar of `width` columns that shows the joint within its limits; blank for a continuous joint.
 std::string range_bar(double value, const Json& limits, std::size_t width);
-/// Columns of the terminal; 80 where nobody knows.
+/// Columns of the terminal; 80 if unknown.
 int terminal_columns();
-/// What of a line fits into one row of the terminal.
+/// The part of a line that fits into one row of the terminal.
 std::string fitting(const std::string& line);
 
 }  // namespace polyarm::apps

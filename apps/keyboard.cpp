@@ -17,7 +17,7 @@ namespace polyarm::apps {
 
 namespace {
 std::atomic<bool> ending{false};
-std::atomic<bool> changed{false};  // the terminal is not as it was
+std::atomic<bool> changed{false};  // the terminal settings were changed
 termios as_it_was;
 constexpr std::array kEnding = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP};
 std::array<struct sigaction, kEnding.size()> actions_before;

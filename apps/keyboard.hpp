@@ -1,25 +1,25 @@
 #pragma once
-/// Keys one by one from the terminal, for the verbs that move something while a key is held.
+/// Reads single keys from the terminal, for verbs that move something while a key is held.
 #include <chrono>
 #include <string>
 
 namespace polyarm::apps {
 
-/// While one lives, keys come one by one, unseen, Ctrl-C among them; the terminal is as it was again on every
-/// way out that leaves a moment for it. One at a time; one after another begins anew.
+/// While an object exists, keys arrive one by one, without echo, including Ctrl-C. The terminal settings are
+/// restored on every exit that allows it. Only one object at a time.
 class Keyboard {
  public:
-  /// Throws Error("no-terminal") where standard input is none; `verb` and `advice` are for its message.
+  /// Throws Error("no-terminal") if standard input is no terminal; `verb` and `advice` are for its message.
   Keyboard(const std::string& verb, const std::string& advice);
   ~Keyboard();
   Keyboard(const Keyboard&) = delete;
   Keyboard& operator=(const Keyboard&) = delete;
 
-  /// What was typed within the time; ends where the terminal is gone.
+  /// Keys typed within the time; ends when the terminal is closed.
   static std::string wait(std::chrono::milliseconds time);
-  /// Waits, keys or not; a signal ends it.
+  /// Waits with or without keys; a signal ends the wait.
   static void pause(std::chrono::milliseconds time);
-  /// Whether it is to end: a signal came, the terminal is gone, or end() was called.
+  /// True after a signal, when the terminal is closed, or after end().
   static bool ended();
   static void end();
 };

@@ -13,9 +13,9 @@ namespace polyarm::apps {
 
 namespace {
 
-using json = nlohmann::ordered_json;  // joints in the order that --joints and --seed take
+using json = nlohmann::ordered_json;  // keeps joints in the order that --joints and --seed use
 
-/// What both verbs ask for.
+/// Options of both verbs.
 struct Common {
   AskedRobot robot;
   std::string tool = "none";
@@ -75,7 +75,7 @@ json joints_json(const kinematics::Chain& chain, const std::vector<double>& q) {
   return out;
 }
 
-/// How the solutions of `--all` were found, in words: the arm's closed form and its kind, or why it has none.
+/// How `--all` finds solutions: the arm's closed form and its kind, or why it has none.
 std::string way_of(const ik::InverseKinematics& arm) {
   if (!arm) return arm.report();
   return "closed form: " + arm.report();
@@ -87,7 +87,7 @@ double norm_of_difference(const std::vector<double>& a, const std::vector<double
   return std::sqrt(sum);
 }
 
-/// What a person wants to know of a branch beside its joint values.
+/// A remark about a solution: distance from the seed, and singularity.
 std::string remark_on(const kinematics::Chain& chain, const std::vector<double>& q,
                       const std::vector<double>& seed) {
   const bool singular = kinematics::smallest_singular_value(chain, q) < kinematics::kSingular;
@@ -95,7 +95,7 @@ std::string remark_on(const kinematics::Chain& chain, const std::vector<double>&
                      singular ? ", near a singularity" : "");
 }
 
-/// What `polyarm ik` is asked.
+/// Arguments of `polyarm ik`.
 struct PoseQuestion {
   std::vector<double> xyz, rpy, quaternion, seed, position_tolerance, orientation_tolerance;
   std::string spin;
@@ -138,7 +138,7 @@ Pose PoseQuestion::target() const {
   return out;
 }
 
-/// Plus and minus `values` in three rows of the task.
+/// Sets the tolerance ±`values` on three rows of the task.
 void widen(ik::IkTask& task, std::size_t row, const std::vector<double>& values, const char* option) {
   if (values.size() == 2)
     throw Error("bad-value", fmt::format("{} takes 1 or 3 numbers, here are 2", option),
@@ -166,8 +166,8 @@ std::vector<double> values_of(const ik::InverseKinematics& arm, const ik::IkSolu
   return {one.q.begin(), one.q.begin() + static_cast<std::ptrdiff_t>(arm.chain().joints())};
 }
 
-/// Solutions for `--all`: of parts of poses those of many descents. An arm with infinitely many has the
-/// nearest of all first.
+/// Solutions for `--all`; a partially constrained pose uses many descents. For an arm with infinitely many
+/// solutions the nearest of all comes first.
 std::vector<std::vector<double>> all_solutions(const ik::InverseKinematics& arm, const PoseQuestion& question,
                                                const Pose& target) {
   const auto found = std::make_unique<ik::IkSolutions>();
@@ -189,7 +189,7 @@ std::vector<std::vector<double>> all_solutions(const ik::InverseKinematics& arm,
 
 struct Result {
   ik::IkOutcome outcome = ik::IkOutcome::malformed;
-  std::vector<double> q;  ///< the nearest where it is not solved
+  std::vector<double> q;  ///< the nearest joint state if it is not solved
   double position_error = 0, orientation_error = 0;
   std::string reason;
   explicit operator bool() const { return outcome == ik::IkOutcome::solved; }

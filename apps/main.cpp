@@ -86,7 +86,7 @@ int unknown_verb(const std::string& wrong) {
   return kUsage;
 }
 
-/// Standard error may be closed, which is no reason to end otherwise than told.
+/// Standard error may be closed; this must not change the exit code.
 void complain(const std::string& text) {
   std::fputs(text.c_str(), stderr);
 }
@@ -98,8 +98,8 @@ int main(int argc, char** argv) {
   using namespace polyarm;
   using apps::complain;
 #ifdef M_MXFAST
-  // Small pieces are joined with their neighbours when they are freed, each a little: else the next large
-  // allocation joins all there are, thousands at once, in one tick of the cell.
+  // Joins small freed blocks with their neighbours at once. Otherwise the next large allocation joins
+  // thousands of them in one tick of the cell.
   mallopt(M_MXFAST, 0);
 #endif
   hardware::register_driver("mock",

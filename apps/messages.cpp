@@ -1,4 +1,4 @@
-/// Verbs that give messages to controllers and show what comes out of them.
+/// Verbs that send messages to controllers and show what controllers publish.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ struct SendArguments {
   bool goal = false, once = false;
 };
 
-/// The text of a file, of standard input, or what was given instead of a file.
+/// The text of a file or of standard input, or the argument itself if it is a message.
 std::string text_given(const std::string& file) {
   if (file == "-") return {std::istreambuf_iterator<char>(std::cin), std::istreambuf_iterator<char>()};
   const bool says_something = file.find_first_of("{[\n") != std::string::npos ||
@@ -33,7 +33,7 @@ std::string text_given(const std::string& file) {
   return read_file(file);
 }
 
-/// Documents of a YAML stream, which `---` lines divide.
+/// Splits a YAML stream into its documents, which `---` lines separate.
 std::vector<std::string> documents(const std::string& text) {
   std::vector<std::string> out(1);
   std::size_t begin = 0;
@@ -51,7 +51,7 @@ std::vector<std::string> documents(const std::string& text) {
   return out;
 }
 
-/// Names and values of what has no form of its own: "position 0.04  effort 10".
+/// Names and values of a message without a special format: "position 0.04  effort 10".
 std::string fields_text(const Json& value, const std::string& name) {
   constexpr std::size_t kMost = 400;  // characters
   if (!value.is_object()) return name.empty() ? shown(value) : name + " " + shown(value);
@@ -63,7 +63,7 @@ std::string fields_text(const Json& value, const std::string& name) {
   return out;
 }
 
-/// Each controller has feedback of its own: a trajectory's has joints with errors, a gripper's a position.
+/// Feedback differs by controller: a trajectory's has joints with errors, a gripper's a position.
 std::string feedback_text(const Json& feedback) {
   const Json& joints = part(feedback, {"joint_names"});
   const Json& errors = part(feedback, {"error", "positions"});
@@ -98,7 +98,7 @@ void tell_goal(const Json& line, bool json) {
   std::fflush(stdout);
 }
 
-/// Follows a goal to its end; Ctrl-C cancels it first and then leaves.
+/// Follows a goal to its end; the first Ctrl-C cancels the goal.
 int follow(Client& client, const SendArguments& a) {
   bool canceled = false;
   Json goal;
@@ -113,7 +113,7 @@ int follow(Client& client, const SendArguments& a) {
     if (result.contains("goal")) goal = result["goal"];
     try {
       tell_goal(result, a.client.json);
-    } catch (const std::system_error&) {  // nobody reads it: the goal is cancelled in the next round
+    } catch (const std::system_error&) {  // nobody reads the output: cancel the goal in the next round
     }
     if (flag_of(part(answer, {"more"}))) continue;
     const std::string status = text_of(part(result, {"status"}));
@@ -168,7 +168,7 @@ void print_message(const Json& message, bool json) {
   std::fflush(stdout);
 }
 
-/// After so many seconds without a message `watch` says why none comes.
+/// Time without a message after which `watch` prints the reason, s.
 constexpr double kPatience = 2;
 
 int watch(Client& client, const std::string& name, double rate, int count, bool json) {

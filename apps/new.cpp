@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the words of the templates become.
+/// Replacements for the placeholders of the templates.
 struct Names {
   std::string kind, name, type, vendor;
 };
@@ -37,7 +37,7 @@ bool is_snake(const std::string& word) {
          word.find("__") == std::string::npos && std::all_of(word.begin(), word.end(), fits);
 }
 
-/// "MyArm" → "my_arm"; what is written so already stays.
+/// "MyArm" → "my_arm"; snake_case stays unchanged.
 std::string snake(const std::string& name) {
   std::string out;
   for (std::size_t i = 0; i < name.size(); ++i) {
@@ -63,7 +63,7 @@ std::string camel(const std::string& name) {
 
 Names names_of(const std::string& kind, const std::string& given, const std::string& vendor) {
   Names out{kind, snake(given), camel(snake(given)), vendor.empty() ? snake(given) : vendor};
-  // These are names of targets that CMake has itself.
+  // CMake reserves these target names.
   static const std::vector<std::string> kTaken = {"all", "clean", "help", "install", "package", "test"};
   if (!is_snake(out.name) || std::find(kTaken.begin(), kTaken.end(), out.name) != kTaken.end())
     throw Error("bad-name", "'" + given + "' cannot be the name",
@@ -74,7 +74,7 @@ Names names_of(const std::string& kind, const std::string& given, const std::str
   return out;
 }
 
-/// The words of the templates in one pass, so that a name may hold one of them.
+/// Replaces the placeholders in one pass, so a name may contain one of them.
 std::string filled(const std::string& text, const Names& names) {
   const std::pair<std::string, const std::string&> words[] = {
       {"my_device", names.name}, {"MyDevice", names.type}, {"my_vendor", names.vendor}};
@@ -105,7 +105,7 @@ void write(const fs::path& folder, const Names& names) {
       write_file_atomically(folder / filled(file.name, names), filled(file.text, names));
 }
 
-/// How CMake finds this very Polyarm: its build folder, or where it is installed.
+/// CMake option that finds this Polyarm: its build folder, or its installation.
 std::string find_option() {
   std::error_code error;
   const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
@@ -114,12 +114,12 @@ std::string find_option() {
              : "-DCMAKE_PREFIX_PATH=" + here.parent_path().string();
 }
 
-/// Its cell names the folder that it is built into; whoever writes a plugin has it run.
+/// Approves the build folder that the generated cell names, because the author runs the plugin from it.
 void approve_builds(const fs::path& build) {
   const std::string folder = resolved(build).string();
   try {
     if (unfit_for_development(folder).empty()) approve({"folder", folder, {}});
-  } catch (const Error& e) {  // without a place for settings it is asked for when it runs
+  } catch (const Error& e) {  // without a settings folder the user is asked at run time
     fmt::print(stderr, "{}\n", e.what());
   }
 }
@@ -127,7 +127,7 @@ void approve_builds(const fs::path& build) {
 }  // namespace
 
 namespace {
-/// What a person at a terminal says, else what is usual.
+/// Asks the user at a terminal; otherwise returns `usual`.
 std::string robot_asked(const std::string& usual) {
   if (::isatty(STDIN_FILENO) == 0 || ::isatty(STDOUT_FILENO) == 0) return usual;
   fmt::print("Which robot? A name of `polyarm robots`, or the path of a URDF [{}]: ", usual);
@@ -165,7 +165,7 @@ int run_new(int argc, char** argv) {
                   "a word such as my_cell; --folder DIR says where it goes");
     NewCell asked{name, robot.empty() ? robot_asked("universal_robots/ur5e") : robot,
                   folder.empty() ? fs::path(name) : fs::path(folder)};
-    std::error_code error;  // a description stays where it is, whatever the cell's folder is
+    std::error_code error;  // the path of a description does not depend on the cell's folder
     if (fs::is_regular_file(asked.robot, error)) asked.robot = fs::absolute(asked.robot).string();
     return write_new_cell(asked);
   }

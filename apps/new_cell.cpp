@@ -26,21 +26,21 @@ namespace fs = std::filesystem;
 
 constexpr int kParts = 3;
 
-/// Where things stand, in the world: metres, in which the robot stands at the origin. Everything is rounded
-/// to millimetres, as a person would write it.
+/// Layout of the cell: metres, world frame, robot at the origin. Values are rounded to millimetres, as a
+/// person would write them.
 struct Layout {
   double distance = 0.4;  ///< of feeder and tray from the robot's axis
   double table = 0;       ///< height of the table's top
   double yaw = 0;         ///< of the tool, rad
   double angle = 0.5;     ///< feeder to the left, tray to the right, rad from x
-  double lift = 0.1;      ///< above a place before and after it
+  double lift = 0.1;      ///< height above a position before and after it
 
   double x() const { return round(distance * std::cos(angle)); }
   double y() const { return round(distance * std::sin(angle)); }
   static double round(double metres) { return std::round(1000 * metres) / 1000 + 0.0; }
 };
 
-/// Of what fits the robot's size.
+/// Sizes that fit the robot.
 struct Sizes {
   double reach = 0.5, tool = 0.1, tool_mass = 0.15, part = 0.04, part_mass = 0.05, pitch = 0.06;
 };
@@ -62,14 +62,14 @@ Pose down(double x, double y, double z, double yaw) {
   return {{x, y, z}, from_rpy(std::numbers::pi, 0, yaw)};
 }
 
-/// Every pose of the program, in its order.
+/// A pose of the program; the list is in program order.
 struct Point {
   const char* name;
   Pose pose;
 };
 std::vector<Point> points_of(const Layout& l, const Sizes& s) {
   const double x = l.x(), y = l.y(), top = l.table + s.part, above = Layout::round(top + l.lift);
-  const double gap = 0.005;  // so high above the tray a part is let go of
+  const double gap = 0.005;  // height above the tray at which a part is released
   return {{"Above", down(Layout::round(l.distance), 0, above, l.yaw)},
           {"PrePick", down(x, y, above, l.yaw)},
           {"Pick", down(x, y, top, l.yaw)},
@@ -77,7 +77,7 @@ std::vector<Point> points_of(const Layout& l, const Sizes& s) {
           {"Place", down(x, -y, Layout::round(top + gap), l.yaw)}};
 }
 
-/// The moves that the program makes, one pass for each part.
+/// The program's moves, one pass for each part.
 std::vector<moves::Move> moves_of(const std::vector<Point>& points, const Sizes& sizes) {
   using moves::MoveKind;
   std::vector<moves::Move> out;
@@ -273,9 +273,9 @@ void write_files(const fs::path& folder, const NewCell& asked, const Layout& lay
   write_file_atomically(folder / "README.md", readme(asked));
 }
 
-// --- looking for a place
+// --- finding a layout
 
-/// Taken away with what is in it.
+/// A temporary folder that is deleted with its contents.
 class Scratch {
  public:
   Scratch() {
@@ -310,7 +310,7 @@ cell::CellRobots robot_with_tool(const NewCell& asked, const fs::path& folder, c
   return out;
 }
 
-/// The ones that people would take first come first.
+/// Layouts to try, the most usual ones first.
 std::vector<Layout> layouts(double reach) {
   std::vector<Layout> out;
   for (const double angle : {0.5, 0.35})
@@ -340,7 +340,7 @@ bool can_move(const moves::RobotFacts& robot, const std::vector<double>& from, c
   }
 }
 
-/// What check and check --dry find; contacts among it.
+/// The problems that `check` and `check --dry` find, including contacts.
 std::vector<Problem> found_in(const fs::path& folder) {
   const description::Catalogue catalogue = open_catalogue();
   const Scratch state;
@@ -357,7 +357,7 @@ std::vector<Problem> found_in(const fs::path& folder) {
   return out;
 }
 
-/// The same file in `to` instead of in `from`.
+/// The path of a file in `from`, moved to `to`.
 std::string in_folder(const std::string& file, const fs::path& from, const fs::path& to) {
   const std::string prefix = from.string() + "/";
   return file.starts_with(prefix) ? (to / file.substr(prefix.size())).string() : file;
@@ -392,7 +392,7 @@ int write_new_cell(const NewCell& asked) {
     fs::create_directories(scratch.path() / "try", error);
     write_files(scratch.path() / "try", asked, layout, sizes);
     std::vector<Problem> found = found_in(scratch.path() / "try");
-    for (Problem& problem : found)  // the reader finds them in the folder of the cell
+    for (Problem& problem : found)  // the reader finds the files in the cell's final folder
       problem.where.file = in_folder(problem.where.file, scratch.path() / "try", folder);
     if (!best || found.size() < why.size() || found.empty()) best = layout, why = found;
     if (found.empty() || ++tried >= kMostTried) break;

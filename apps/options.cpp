@@ -35,7 +35,7 @@ description::Catalogue open_catalogue() {
 }
 
 namespace {
-/// `words` has something that is not NAME:=VALUE.
+/// The error for `words` with an entry that is not NAME:=VALUE.
 WrongUse not_named(const std::vector<std::string>& words, const std::string& of_numbers) {
   std::vector<std::string> numbers;
   for (const std::string& word : words) {
@@ -74,7 +74,7 @@ Option* AskedRobot::add_to(CommandLine& app, const std::string& what) {
 }
 
 namespace {
-/// A cell in the place of a robot: which robots it has.
+/// Refuses a cell where a robot is expected, and names the robots of the cell.
 void refuse_cell(const std::string& name) {
   namespace fs = std::filesystem;
   std::error_code ignored;

@@ -1,4 +1,5 @@
 #pragma once
+/// Command-line options that several verbs share.
 #include <map>
 #include <optional>
 #include <string>
@@ -10,25 +11,26 @@
 
 namespace polyarm::apps {
 
-/// Text below the options in --help.
+/// Examples for the text below the options in --help.
 std::string examples(std::initializer_list<const char*> lines);
-/// What is wrong with a name for --hardware, which takes declared, a driver of Polyarm, or VENDOR/TYPE.
+/// What is wrong with a value of --hardware: "declared", a driver of Polyarm, or VENDOR/TYPE. Empty if it is
+/// valid.
 std::string wrong_hardware(const std::string& name);
-/// --plugins DIR, which may be repeated; load_plugins() takes the folders up before any other.
+/// The repeatable option --plugins DIR. load_plugins() loads these folders before all others.
 void add_plugin_option(CommandLine& app, std::vector<std::string>& folders);
 void load_plugins(const std::vector<std::string>& folders);
-/// NAME:=VALUE, as ROS writes the arguments of xacro and launch files. Throws WrongUse for anything else, and
-/// says for numbers that they follow `of_numbers`, if that is an option of the verb.
+/// Parses NAME:=VALUE, the ROS syntax for arguments of xacro and launch files. Throws WrongUse for anything
+/// else; for numbers it suggests the option `of_numbers`, if given.
 std::map<std::string, std::string> named_values(const std::vector<std::string>& words,
                                                 const std::string& of_numbers = {});
-/// The catalogue: folders of --catalogue first, then where it is installed.
+/// The catalogue: folders of --catalogue first, then the installed one.
 description::Catalogue open_catalogue();
 
-/// The robot that a verb is about: its name or file, what a file in xacro is told, which link has the tool.
+/// The robot of a verb: its name or file, arguments of a xacro file, and the link that has the tool.
 struct AskedRobot {
   std::string name, tip;
   std::vector<std::string> arguments;
-  std::string of_numbers;  ///< the option of the verb that numbers follow
+  std::string of_numbers;  ///< the verb's option that takes numbers
 
   Option* add_to(CommandLine& app,
                  const std::string& what = "catalogue name, or a URDF, xacro or robot file");

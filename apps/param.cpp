@@ -17,7 +17,7 @@ struct Arguments {
   std::vector<std::string> values;
 };
 
-/// KEY=VALUE …, or KEY VALUE.
+/// Parses KEY=VALUE …, or KEY VALUE.
 Json values_of(std::vector<std::string> words) {
   if (words.size() == 2 && words[0].find('=') == std::string::npos) words = {words[0] + "=" + words[1]};
   Json out = Json::object();
@@ -40,7 +40,7 @@ void flatten(const Yaml& at, const std::string& prefix, Json& out) {
   }
 }
 
-/// What a controllers file has under the controller's name, or a map of parameters alone.
+/// The parameters under the controller's name in a controllers' file, or a file that is a map of parameters.
 Json values_in(const std::string& file, const std::string& controller) {
   Yaml yaml = Yaml::load(file);
   for (const std::string& name : {controller, "/" + controller, std::string("/**")})
@@ -57,7 +57,7 @@ Json values_in(const std::string& file, const std::string& controller) {
   return out;
 }
 
-/// Those of `wanted` that differ and can be changed; the others that differ are told.
+/// Values of `wanted` that differ and can be changed; reports those that differ but cannot be changed.
 Json changes_among(const Json& wanted, const Json& listed) {
   Json out = Json::object();
   std::vector<std::string> known;

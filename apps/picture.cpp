@@ -21,7 +21,7 @@ using description::Shape;
 using description::ShapeKind;
 using shapes::LinkShape;
 
-constexpr int kSize = 260;   // px, the longer side
+constexpr int kSize = 260;   // px, longer side
 constexpr int kColorsOfPicture = 48;  // keeps a picture below 15 kB
 
 bool drawable(const std::vector<Shape>& list) {
@@ -29,7 +29,7 @@ bool drawable(const std::vector<Shape>& list) {
                      [](const Shape& shape) { return shape.kind != ShapeKind::mesh; });
 }
 
-/// The plain shapes of a link in its frame: what it looks like, or what it collides with.
+/// The plain shapes of a link in its frame: visuals, or collision shapes without them.
 meshes::Mesh mesh_of(const Link& link) {
   meshes::Mesh out;
   for (const Shape& shape : drawable(link.visuals) ? link.visuals : link.collisions)
@@ -48,7 +48,7 @@ meshes::Mesh mesh_of(const Link& link) {
   return out;
 }
 
-/// What its author wants it to look like where plain shapes say so; else what is made for it.
+/// The description's own look if it consists of plain shapes; otherwise generated shapes.
 std::vector<LinkShape> look_of(const RobotModel& model) {
   Problems ignored;
   std::vector<LinkShape> out;

@@ -1,5 +1,5 @@
 #pragma once
-/// Pictures of robots: no GPU, no browser, about ten kilobytes.
+/// Draws pictures of robots without GPU or browser; about ten kilobytes each.
 #include <span>
 #include <string>
 
@@ -7,9 +7,9 @@
 
 namespace polyarm::apps {
 
-/// The robot in joint state `q` as SVG that holds a PNG: seen from its front and right, from above, with a soft
-/// shadow. Robots without a look of their own are drawn by shapes::robot_shapes; of others the plain shapes
-/// are drawn, not the meshes. Throws Error as kinematics::Chain.
+/// The robot in joint state `q` as an SVG that contains a PNG: seen from its front and right, from above,
+/// with a soft shadow. Robots without visuals are drawn with shapes::robot_shapes(); otherwise plain shapes
+/// are drawn, but no meshes. Throws Error like kinematics::Chain.
 std::string picture_of(const description::RobotModel& model, std::span<const double> q);
 
 }  // namespace polyarm::apps

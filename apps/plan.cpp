@@ -29,7 +29,7 @@ using trajectory::MotionLimits;
 struct Request {
   std::string robot, of, tool = "none";
   std::vector<std::string> words, data;
-  std::vector<std::string> from;  ///< a place, or a number for each joint
+  std::vector<std::string> from;  ///< a position, or one number per joint
   PaceWords pace;
   bool keep_times = false, lines = false, ros1 = false, as_json = false;
   std::string svg, csv;
@@ -41,7 +41,7 @@ struct Request {
   double seconds = 5;
 
   void add_to(CommandLine& app);
-  /// Gives back to the moves what the command line took for more of --from.
+  /// Returns words to the moves that the parser took as more values of --from.
   void part();
 };
 
@@ -89,13 +89,13 @@ void Request::add_to(CommandLine& app) {
   app.add_flag("--json", as_json, "one JSON object");
 }
 
-/// A cell may have any name; it says what it is.
+/// True for a cell file, recognised by its contents, because its name is free.
 bool is_cell_file(const std::string& word) {
   std::error_code error;
   if (!fs::is_regular_file(word, error)) return false;
   try {
     return Yaml::load(word)["polyarm"].text("").starts_with("cell/");
-  } catch (const Error&) {  // whoever reads it tells what is wrong with it
+  } catch (const Error&) {  // the reader of the file reports the error
     return false;
   }
 }
@@ -105,7 +105,7 @@ bool is_trajectory_file(const std::string& word) {
   return (ending == ".yaml" || ending == ".yml" || ending == ".json") && !is_cell_file(word);
 }
 
-/// The robot that is asked about, and the places that have a name.
+/// The robot of the plan, and the named positions.
 struct Setting {
   cell::CellFile file;
   cell::CellRobots robots;
@@ -122,14 +122,14 @@ void read_points(Setting& setting, const std::string& name, const fs::path& fold
   for (const data::ImportFile& points : files.points) setting.sets.push_back(points.values());
 }
 
-/// What the cell's program loads: of a script its `load` lines, else the data file that names the script.
+/// Reads what the cell's program loads: the `load` lines of a script, or the data file that names the script.
 void read_points_of_program(Setting& setting) {
   const cell::CellFile& file = setting.file;
   if (file.program.empty()) return;
   const fs::path path = data::find_file(file.program, file.folder, file.program_where);
   if (path.extension() != ".script")
     return read_points(setting, file.program, file.folder, file.program_where);
-  Problems ignored;  // of the program check tells
+  Problems ignored;  // `check` reports problems of the program
   const program::Program program = program::parse(read_file(path), path.string(), ignored);
   for (const program::Statement* load : program::loads(program))
     read_points(setting, load->name, file.folder, program.at(load->name_place));
@@ -147,7 +147,7 @@ cell::CellRobot* chosen(const Setting& setting, const std::string& of) {
               "say --of " + join(names, " or --of "));
 }
 
-/// A robot in the place of a cell: a name of the catalogue or the file of a description.
+/// True for a robot instead of a cell: a catalogue name or a description file.
 bool is_robot(const std::string& word, const description::Catalogue& catalogue) {
   const std::string ending = lower(fs::path(word).extension().string());
   return ending == ".urdf" || ending == ".xacro" || (!fs::exists(word) && catalogue.find(word).has_value());
@@ -233,7 +233,7 @@ std::vector<MotionLimits> limits_of(const Setting& setting, const PaceValue& spe
   return out;
 }
 
-/// Radii of corners: metres at the TCP if they have a unit of length, else in the joint norm.
+/// Corner radius: metres at the TCP with a unit of length, otherwise in the joint norm.
 double radius_of(const std::string& text, bool& metres) {
   metres = false;
   if (text.empty()) return 0;
@@ -411,7 +411,7 @@ PlannedMotion planned(const Request& request, const Setting& setting, Problems& 
   return out;
 }
 
-// --- what comes out -------------------------------------------------------------------------------------
+// --- output ---------------------------------------------------------------------------------------------
 
 controllers::TrajectoryMessage message_of(const PlannedMotion& motion, const Request& request) {
   std::vector<std::string> names;
@@ -483,7 +483,7 @@ int run_plan(int argc, char** argv) {
     return show(motion, request);
   } catch (const Error& e) {
     if (!request.as_json) {
-      if (!problems.has_errors())  // else they are among what was thrown
+      if (!problems.has_errors())  // otherwise they are part of the error
         for (const Problem& warning : problems.list()) fmt::print(stderr, "{}\n", warning.text());
       throw;
     }

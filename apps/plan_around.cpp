@@ -25,7 +25,7 @@ description::Shape pad(const description::Tool& tool, int side) {
   return out;
 }
 
-/// The tool as a body of the robot; a parallel gripper is open.
+/// The tool as a body attached to the robot; a parallel gripper is open.
 collision::AttachedBody body_of(const description::Tool& tool, int link) {
   collision::AttachedBody out;
   out.name = "tool " + tool.name;
@@ -87,7 +87,7 @@ std::vector<planning::JointState> goals_of(const moves::RobotFacts& robot, const
   const Pose& pose = std::get<Pose>(target.at);
   const ik::InverseKinematics own(robot.chain);
   std::vector<planning::JointState> out = planning::goals_for(own, pose, from);
-  if (out.empty()) out.push_back(moves::joints_for(robot, pose, from, move));  // throws and says why
+  if (out.empty()) out.push_back(moves::joints_for(robot, pose, from, move));  // throws the reason
   return out;
 }
 
@@ -149,7 +149,7 @@ std::vector<Surroundings::Way> Surroundings::around(const moves::RobotFacts& rob
     std::vector<paths::JointWaypoint> points;
     for (std::size_t k = 0; k < radii.size(); ++k) points.push_back({plan.waypoints[k], radii[k], {}});
     from = plan.waypoints.back();
-    if (plan.length < 1e-9) continue;  // it is there
+    if (plan.length < 1e-9) continue;  // already there
     out.push_back({plan.waypoints.size() == 2
                        ? text + ", straight"
                        : fmt::format("{}, over {} point{}", text, plan.waypoints.size() - 2,

@@ -1,6 +1,5 @@
 #pragma once
-/// Plans of `polyarm plan` that look at the surroundings: ways around obstacles, and the clearance of a
-/// motion.
+/// Planning with obstacles in `polyarm plan`: paths around obstacles, and the clearance of a motion.
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -14,26 +13,26 @@
 
 namespace polyarm::apps {
 
-/// The robot, its tool and the scene, compiled for checks.
+/// The robot, its tool and the scene, prepared for collision checks.
 class Surroundings {
  public:
-  /// Bodies of meshes are computed, or taken from the user's cache. Adds a warning for each link, tool or
-  /// fixture without a body. `clearance`: m. `scene` may be changed: its meshes get their pieces.
+  /// Collision bodies of meshes are computed, or read from the user's cache. Adds a warning for each link,
+  /// tool or fixture without a body. `clearance`: m. `scene` is a copy; its meshes get their convex pieces.
   Surroundings(const moves::RobotFacts& robot, const description::Tool& tool, description::Scene scene,
                double clearance, Problems& problems);
 
   collision::Probe& probe() { return *probe_; }
-  /// A path around obstacles for each of `moves`, which must be joint moves, one behind the other; every
-  /// section goes from stop to stop. Throws Error("start-in-contact" | "goal-in-contact" | "no-way" |
-  /// "out-of-time" | "unreachable" | "bad-move") that names the move.
+  /// Finds a path around obstacles for each of `moves`, in sequence; they must be joint moves. Every section
+  /// starts and ends at rest. Throws Error("start-in-contact" | "goal-in-contact" | "no-way" | "out-of-time"
+  /// | "unreachable" | "bad-move") that names the move.
   struct Way {
     std::string name;
     paths::PathSections path;
   };
   std::vector<Way> around(const moves::RobotFacts& robot, const std::vector<double>& start,
                           const std::vector<moves::Move>& moves, std::uint64_t seed, double seconds);
-  /// Measures the smallest clearance over the motion, every few ms. A contact is an error in the motion's
-  /// problems.
+  /// Measures the smallest clearance during the motion, every few ms. A contact becomes an error in the
+  /// motion's problems.
   void measure(PlannedMotion& motion);
 
  private:

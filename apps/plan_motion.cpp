@@ -15,14 +15,14 @@ using trajectory::Trajectory;
 
 namespace {
 
-constexpr std::size_t kExtremeSamples = 4000;  // of a motion, to find its extremes
-constexpr double kRounding = 1e-3;             // what numbers and times in files lose
+constexpr std::size_t kExtremeSamples = 4000;  // samples of a motion to find its extremes
+constexpr double kRounding = 1e-3;             // rounding of numbers and times in files
 
 std::span<double> part(PlanState& state, std::size_t quantity) {
   return state.value[quantity];
 }
 
-/// Fills in what the TCP does.
+/// Fills in the TCP's position and speed.
 void with_tcp(const moves::TcpRates& rates, PlanState& state) {
   const auto& v = state.value;
   const paths::PoseDerivatives tcp = rates.at(v[0], v[1], v[2], v[3]);
@@ -62,7 +62,7 @@ void add_section(PlannedMotion& motion, std::string name, std::shared_ptr<const 
 
 namespace {
 
-/// A joint that leaves its limits, in a sentence.
+/// Adds a sentence for each joint that leaves its limits.
 void check_positions(PlannedMotion& motion) {
   const std::vector<PlanPeaks> peaks = peaks_of(motion, nullptr);
   for (std::size_t j = 0; j < peaks.size(); ++j) {
@@ -93,7 +93,7 @@ void finish(PlannedMotion& motion, const kinematics::Chain& chain) {
 
 namespace {
 
-/// What a trajectory with times of its own does wrong.
+/// Checks a trajectory that has times of its own.
 class TimeCheck {
  public:
   TimeCheck(PlannedMotion& motion, const std::vector<double>& points) : motion_(motion), points_(points) {}
@@ -142,8 +142,8 @@ class TimeCheck {
         fmt::format("take {:.2f} times the time for all limits, or plan without --keep-times", factor),
         Severity::error);
   }
-  /// One sentence for all joints: of the step that is the largest share of its limit. Of velocity it is an
-  /// error; of acceleration, as cubic splines have at every point, a warning.
+  /// One sentence for all joints, about the step with the largest share of its limit. A step in velocity is
+  /// an error; one in acceleration, which cubic splines have at every point, is a warning.
   void steps(const std::vector<trajectory::JointUse>& uses, std::size_t quantity,
              trajectory::Peak trajectory::JointUse::*step, int trajectory::JointUse::*count,
              const char* advice) {
@@ -181,7 +181,8 @@ void take_trajectory(PlannedMotion& motion, const kinematics::Chain& chain, Traj
                before = PlanState(chain.joints()),
                after = PlanState(chain.joints())](double t, PlanState& state) mutable {
     trajectory.sample(t, part(state, 0), part(state, 1), part(state, 2), hint);
-    // The acceleration is of third degree within a segment, so this difference is the jerk to a millionth.
+    // The acceleration is cubic within a segment, so this difference gives the jerk with a relative error of
+    // 1e-6.
     const double begin = hint == 0 ? 0 : trajectory.end_of(hint - 1), end = trajectory.end_of(hint);
     const double h = 1e-4 * (end - begin), middle = std::clamp(t, begin + h, end - 2 * h);
     std::size_t same = hint;

@@ -1,5 +1,5 @@
 #pragma once
-/// A motion as `polyarm plan` shows it: what moves when, within which limits, and what bounds it.
+/// A planned motion for the output of `polyarm plan`: joints over time, their limits, and the active limits.
 #include <array>
 #include <cstddef>
 #include <functional>
@@ -19,13 +19,13 @@ namespace polyarm::apps {
 
 struct PlanJoint {
   std::string name;
-  bool slides = false;  ///< metres, else radians
+  bool slides = false;  ///< prismatic: metres instead of radians
   trajectory::MotionLimits limits;
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
 };
 
-/// From `from` to `to`, s, the motion is as fast as this limit allows: of joint `row`, or, from joints.size()
-/// on, of one of `bounds`.
+/// Between the times `from` and `to` (s) this limit determines the speed: that of joint `row`, or, from
+/// joints.size() on, one of `bounds`.
 struct PlanBand {
   double from, to;
   std::size_t row;
@@ -37,7 +37,7 @@ struct PlanSection {
   double begin, end;
 };
 
-/// All joints at one time.
+/// State of all joints at one time.
 struct PlanState {
   explicit PlanState(std::size_t joints) {
     for (auto& list : value) list.resize(joints);
@@ -47,14 +47,14 @@ struct PlanState {
   Vec3 tcp;
 };
 
-/// Values without peers: what the plots and tables call the four.
+/// Names of the four quantities in plots and tables.
 inline constexpr std::array<const char*, 4> kQuantities = {"position", "velocity", "acceleration", "jerk"};
 /// "rad/s²" or "m".
 std::string unit_of(const PlanJoint& joint, std::size_t quantity);
 
-/// Where a motion is nearest to an obstacle, or overlaps it most.
+/// The point of the motion nearest to an obstacle, or with the deepest overlap.
 struct PlanClearance {
-  double distance = std::numeric_limits<double>::infinity();  ///< m; negative: how deep
+  double distance = std::numeric_limits<double>::infinity();  ///< m; negative: penetration depth
   std::string first, second;
   double time = 0;  ///< s
   Vec3 point;       ///< in the world, on `second`
@@ -64,15 +64,14 @@ struct PlannedMotion {
   std::string title;
   std::vector<PlanJoint> joints;
   std::vector<PlanSection> sections;
-  std::vector<PlanBand> bands;      ///< in order of time; empty where times were given
-  std::vector<std::string> bounds;  ///< what bounds motion beside the joints: "the TCP's way"
+  std::vector<PlanBand> bands;      ///< ordered by time; empty for a trajectory with given times
+  std::vector<std::string> bounds;  ///< limits other than those of joints: "the TCP's way"
   double duration = 0;
   double tcp_speed_limit = std::numeric_limits<double>::infinity();
   std::vector<Problem> problems;
-  std::optional<PlanClearance> clearance;  ///< where the surroundings are known
+  std::optional<PlanClearance> clearance;  ///< empty without surroundings
   std::function<void(double t, PlanState&)> at;
-  /// When the motion is passed on: the sections' paths in time, one behind the other; none where times were
-  /// given.
+  /// For export: the timed paths of the sections, in sequence; empty for a trajectory with given times.
   std::vector<std::shared_ptr<const timing::TimedPath>> timed;
 
   const std::string& row_name(std::size_t row) const {
@@ -81,25 +80,25 @@ struct PlannedMotion {
   bool has_errors() const;
 };
 
-/// Puts a timed path behind what is there. `bounds`: the names of rows of `active` beyond the joints.
+/// Appends a timed path. `bounds`: names of the rows of `active` after the joints.
 void add_section(PlannedMotion& motion, std::string name, std::shared_ptr<const timing::TimedPath> timed,
                  const std::vector<timing::ActiveLimit>& active, const std::vector<std::string>& bounds);
-/// When all sections are there.
+/// Call when all sections are added.
 void finish(PlannedMotion& motion, const kinematics::Chain& chain);
-/// A trajectory with the times it has; problems say which limits it exceeds where. `points`: their times, for
-/// sentences.
+/// Takes a trajectory with its given times; the problems say which limits it exceeds and where. `points`:
+/// times of its points, for messages.
 void take_trajectory(PlannedMotion& motion, const kinematics::Chain& chain, trajectory::Trajectory trajectory,
                      const std::vector<double>& points);
 
-/// The extremes of every joint, from samples; of `value` the index is the quantity.
+/// The sampled extremes of every joint, indexed by quantity.
 struct PlanPeaks {
   std::array<double, 4> low, high;
 };
 std::vector<PlanPeaks> peaks_of(const PlannedMotion& motion, double* tcp_speed);
-/// Bands that last less than `shortest` joined with the neighbour that lasts longer.
+/// Merges bands shorter than `shortest` with the longer neighbour.
 std::vector<PlanBand> merged(const std::vector<PlanBand>& bands, double shortest);
 
-/// Text for people, one JSON object, rows of values at a rate (Hz), and the plot.
+/// Output formats: text, one JSON object, CSV rows at a rate (Hz), and an SVG plot.
 std::string report_of(const PlannedMotion& motion);
 std::string json_of(const PlannedMotion& motion);
 std::string csv_of(const PlannedMotion& motion, double rate);

@@ -38,7 +38,7 @@ std::optional<MoveKind> kind_of(const std::string& word) {
   throw Error("bad-move", fmt::format("'{}' {}", word, why), advice);
 }
 
-/// Refuses a number without a unit that is far more than a robot can do, and shows the text with a unit.
+/// Refuses a number without a unit that is far too large for a robot, and suggests a unit.
 void refuse_without_unit(const std::string& text, Dimension dimension, const std::string& whole) {
   constexpr double kMostMetres = 10, kMostRadians = 15;
   const bool length = dimension == Dimension::length;
@@ -89,7 +89,7 @@ PaceValue pace(const std::string& text, const std::string& option, Dimension tcp
   return out;
 }
 
-/// "pose(0.3, 0, 90deg)" as its word and its arguments.
+/// "pose(0.3, 0, 90deg)", split into its name and arguments.
 struct Call {
   std::string word;
   std::vector<std::string> arguments;
@@ -258,7 +258,7 @@ class Reader {
 
   const NamedPlaces& places_;
   const PaceWords& all_;
-  Pose here_;  // the TCP after the targets so far
+  Pose here_;  // TCP after the targets so far
   std::vector<Move> out_;
 };
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kLeft = 84, kPlotWidth = 700, kHeight = 120, kGap = 24, kTop = 54, kLegend = 170;
 constexpr std::size_t kSamples = 6000;
-// Okabe and Ito's colours (Color Universal Design, 2008), which colour-blind readers tell apart, and more.
+// Colours that colour-blind readers can distinguish (Okabe and Ito, Color Universal Design, 2008), and more.
 constexpr const char* kColors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9",
                                    "#7f5539", "#6a4c93", "#444444", "#8ac926", "#c1121f", "#2a9d8f"};
 const char* color(std::size_t i) {
@@ -24,8 +24,8 @@ const char* color(std::size_t i) {
 
 using Points = std::vector<std::pair<double, double>>;
 
-/// Of points of a line those without which it would be off by more than `tolerance` upwards or downwards
-/// (Ramer 1972, Douglas and Peucker 1973).
+/// Simplifies a line: keeps the points needed for a vertical error within `tolerance` (Ramer 1972, Douglas
+/// and Peucker 1973).
 void keep(const Points& all, std::size_t from, std::size_t to, double tolerance, std::vector<char>& kept) {
   double most = tolerance;
   std::size_t at = 0;
@@ -67,7 +67,7 @@ std::string text_at(double x, double y, const std::string& text, const char* anc
                      escaped(text));
 }
 
-/// 1, 2 or 5 times a power of ten: about `span` / 5.
+/// Grid step: 1, 2 or 5 times a power of ten, about `span` / 5.
 double step_for(double span) {
   const double rough = span / 5, power = std::pow(10, std::floor(std::log10(rough)));
   return (rough > 5 * power ? 10 : rough > 2 * power ? 5 : rough > power ? 2 : 1) * power;
@@ -101,7 +101,7 @@ class Plot {
   double time(std::size_t i) const { return m_.duration * double(i) / double(kSamples); }
   double across(double t) const { return kLeft + kPlotWidth * t / m_.duration; }
 
-  /// A panel from `low` to `high` with its grid; the values then go through up().
+  /// Starts a panel from `low` to `high` with its grid; up() then maps the values.
   void open(const std::string& title, double low, double high, const std::string& unit, double factor = 1) {
     if (!(high - low > 1e-12)) low -= 0.5, high += 0.5;
     low_ = low, high_ = high;
@@ -138,7 +138,7 @@ class Plot {
     body_ += line_of(points, stroke);
   }
 
-  /// The joints' colours, in as many lines as they need; what follows begins below.
+  /// Draws the legend of joint colours, in as many lines as needed; moves the following panels down.
   void legend() {
     double x = kLeft, y = 36;
     for (std::size_t j = 0; j < m_.joints.size(); ++j) {
@@ -166,7 +166,7 @@ class Plot {
     }
     close();
   }
-  /// As a share of the limits, which joints have different ones of.
+  /// Draws a quantity as a share of the limits, because limits differ between joints.
   void shares(std::size_t quantity) {
     const auto share = [&](const PlanState& s, std::size_t j) {
       const trajectory::MotionLimits& l = m_.joints[j].limits;
@@ -185,7 +185,7 @@ class Plot {
     limits_of(quantity);
     close();
   }
-  /// What 100 % is: of all joints, or the smallest and the largest.
+  /// Prints the value of 100 %: that of all joints, or the smallest and the largest.
   void limits_of(std::size_t quantity) {
     for (const bool slides : {false, true}) {
       double least = INFINITY, most = 0;
@@ -211,7 +211,7 @@ class Plot {
     curve([](const PlanState& s) { return s.tcp_speed; }, "#212529");
     close();
   }
-  /// What bounds the motion when: a row for each kind of limit, in the colour of the joint.
+  /// Draws the active limits over time: one row per kind of limit, in the joint's colour.
   void bands() {
     constexpr const char* kKinds[] = {"velocity", "acceleration", "jerk"};
     body_ += text_at(kLeft + kPlotWidth + 8, top_ + 12, "what bounds it");

@@ -12,7 +12,7 @@ using nlohmann::json;
 
 namespace {
 
-/// The highest magnitude and what share of its limit it is.
+/// The largest magnitude and its share of the limit.
 struct Use {
   double value, share;
 };
@@ -24,7 +24,7 @@ Use use_of(const PlanJoint& joint, const PlanPeaks& peaks, std::size_t quantity)
   return {std::max(high, -low), std::max(high / upper[quantity], low / lower[quantity])};
 }
 
-/// How long each limit bounds the motion, the longest first: "elbow_joint velocity 42 %".
+/// How long each limit is active, longest first: "elbow_joint velocity 42 %".
 std::string shares(const PlannedMotion& motion, const PlanSection& section) {
   struct Share {
     std::size_t row;

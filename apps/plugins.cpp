@@ -72,7 +72,7 @@ void print_text() {
 
 // --- approvals
 
-/// A library, or all of a folder.
+/// One library, or all libraries of a folder.
 std::vector<plugins::Library> libraries_of(const std::string& named) {
   std::error_code error;
   if (!fs::is_directory(named, error)) return {plugins::look_at_file(named)};

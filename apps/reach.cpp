@@ -42,7 +42,7 @@ void readable_from(const char* variable, const char* below) {
     for (const std::string& folder : split_words(value, ":")) reach().allow_reading(fs::path(folder) / below);
 }
 
-/// A word, or the value of NAME:=VALUE and --name=VALUE.
+/// Allows a word, or the value of NAME:=VALUE and --name=VALUE.
 void allow_named(const std::string& word) {
   const auto equals = word.find('=');
   if (equals != std::string::npos) allow_named(word.substr(equals + 1));

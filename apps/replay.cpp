@@ -16,7 +16,7 @@ struct Turn {
   std::string state, why;
 };
 
-/// Where the loop's state or a request changed.
+/// Cycles at which the loop's state or a request changed.
 std::vector<Turn> turns(const cell::RecordedCycles& recorded) {
   std::vector<Turn> out;
   std::string before;

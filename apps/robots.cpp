@@ -36,7 +36,7 @@ void print_line(const description::CatalogueEntry& robot) {
              number(robot.mass_kg, "kg"), robot.mass_estimated ? " (estimated)" : "");
 }
 
-/// The options of the finder, as written.
+/// The options of the robot search, as typed.
 struct Wanted {
   std::string axes, reach, payload, mass;
   description::CatalogueQuery query;

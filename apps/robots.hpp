@@ -1,5 +1,5 @@
 #pragma once
-/// `polyarm robots add | remove | picture | page`. argv[0] is that word.
+/// `polyarm robots add | remove | picture | page`. argv[0] is the second word.
 namespace polyarm::apps {
 
 int run_robots_add(int argc, char** argv);

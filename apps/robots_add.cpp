@@ -12,7 +12,7 @@ namespace polyarm::apps {
 
 namespace {
 
-/// "own/my_arm_2" for a model called "My Arm 2" whose maker is not stated.
+/// "own/my_arm_2" for a model "My Arm 2" without a manufacturer.
 std::string default_name(const description::RobotModel& model) {
   const auto word = [](const std::string& text) {
     std::string out;
@@ -30,7 +30,7 @@ std::string default_name(const description::RobotModel& model) {
   return (maker.empty() ? "own" : maker) + "/" + (name.empty() ? "robot" : name);
 }
 
-/// Everything that keeps the robot out, at once; its chain is built as a cell would.
+/// Collects all problems that prevent adding the robot; also builds its chain, as a cell would.
 void check(const description::RobotModel& model, Problems& problems) {
   description::check_for_catalogue(model, problems);
   if (problems.has_errors()) return;

@@ -22,7 +22,7 @@ std::string cell_number(const std::optional<double>& value, const char* unit) {
   return value ? fmt::format("{:.4g} {}", *value, unit) : "–";
 }
 
-/// Text in a cell of a table.
+/// Text for a table cell: without | and line breaks.
 std::string cell(std::string text) {
   for (std::size_t at = 0; (at = text.find_first_of("|\n", at)) != std::string::npos; ++at) text[at] = ' ';
   return text;
@@ -37,7 +37,7 @@ std::string display(const RobotModel& model) {
   return model.controller_axes.empty() ? "not known" : model.provenance.controller_axes;
 }
 
-/// One maker's page: a picture of each robot and every fact that the catalogue has beside the numbers.
+/// The page of one manufacturer: a picture of each robot and all facts of the catalogue besides numbers.
 std::string maker_page(const std::string& maker,
                        const std::vector<std::pair<CatalogueEntry, RobotModel>>& robots) {
   std::string out = fmt::format(

@@ -44,8 +44,8 @@ struct RunArguments : AskedCell {
   cell::RecordOptions record;
   std::vector<std::string> faults;
   bool json = false, quiet = false, ros2 = false, goes_on = false, yes = false;
-  bool connects = false;  ///< somebody has just asked for the real hardware: it comes up held
-  bool asks = true;       ///< at the terminal; not when somebody at the pendant has chosen the cell
+  bool connects = false;  ///< the user has just chosen the real hardware: the cell starts held
+  bool asks = true;       ///< ask at the terminal; false if the cell was chosen at the pendant
   int line = 0;
 };
 
@@ -129,7 +129,7 @@ void read_faults(RunArguments& a) {
   }
 }
 
-/// Ends the process when a cell does not come to its end: threads of plugins may hang.
+/// Ends the process if a cell does not end, because threads of plugins may hang.
 class EndsInTime {
  public:
   explicit EndsInTime(int code) {
@@ -157,7 +157,7 @@ class EndsInTime {
   std::shared_ptr<Over> over_ = std::make_shared<Over>();
 };
 
-/// Everything that is needed to look at a failed run, and to run it again, in one folder.
+/// Writes everything that is needed to inspect and repeat a failed run into one folder.
 std::string keep_failure(cell::CellInside& cell, const cell::RunResult& result, const std::string& command) {
   const Problem problem =
       result.problems.empty() ? Problem{"failed", {}, "the run failed", {}} : result.problems.front();
@@ -174,11 +174,11 @@ cell::CellFile open_cell(const RunArguments& a) {
   return file;
 }
 
-/// A cell that cannot be built is checked whole, so that a user sees every error at once.
+/// If a cell cannot be built, checks it completely, so the user sees every error at once.
 std::vector<Problem> all_problems(const RunArguments& a, const Error& first) {
   const cell::CheckResult checked = cell::check([&] { return a.open(); }, open_catalogue(), {});
   if (!checked.has_errors()) return first.problems();
-  std::vector<Problem> out = checked.problems;  // and what only a run is refused for
+  std::vector<Problem> out = checked.problems;  // and errors that only a run reports
   for (const Problem& problem : first.problems())
     if (std::none_of(out.begin(), out.end(), [&](const Problem& p) { return p.text() == problem.text(); }))
       out.push_back(problem);
@@ -199,12 +199,12 @@ void report(const cell::RunResult& result, const std::string& folder, bool json)
   std::fflush(stdout);
 }
 
-/// Standard error may be the same pipe.
+/// Writes to standard error, which may be the same closed pipe.
 void tell_unread(const std::string& text) {
   Printer(STDERR_FILENO, Printer::Full::leaves_out, [](std::size_t) { return ""; }).put(text);
 }
 
-/// What a program that begins in the middle assumes.
+/// Prints what a program that starts in the middle assumes.
 void print_assumptions(cell::CellInside& cell, const program::StartReport& report) {
   const auto line = [](const char* what, const std::string& text) {
     if (!text.empty()) fmt::print("  {:<22}{}\n", what, text);
@@ -235,7 +235,7 @@ void print_assumptions(cell::CellInside& cell, const program::StartReport& repor
   std::fflush(stdout);
 }
 
-/// False where a person does not want to begin in the middle.
+/// False if the user does not want to start in the middle.
 bool begins_where_asked(cell::CellInside& cell, const RunArguments& a) {
   if (!a.goes_on && a.line == 0) return true;
   if (a.goes_on && a.line > 0) throw Error("bad-value", "--continue and --from say two places to begin at");
@@ -255,7 +255,7 @@ bool begins_where_asked(cell::CellInside& cell, const RunArguments& a) {
   return true;
 }
 
-/// The cell can be recorded, and is from the start where that was asked for.
+/// Makes the cell able to record, and starts recording if requested.
 void begin_recording(cell::Cell& cell, const RunArguments& a) {
   cell.set_recorder(recording::make_recorder(cell.view(), POLYARM_VERSION));
   if (!a.record.file.empty())
@@ -266,7 +266,7 @@ void begin_recording(cell::Cell& cell, const RunArguments& a) {
 
 constexpr const char* kNothingReal = "nothing-real";
 
-/// Who says --real expects a robot to move: a cell that only simulates must not look like that.
+/// With --real the user expects a robot to move; refuses a cell that only simulates.
 void require_something_real(const cell::CellView& cell, bool asked) {
   if (!asked || cell.arming().needed()) return;
   std::vector<std::string> robots;
@@ -277,7 +277,7 @@ void require_something_real(const cell::CellView& cell, bool asked) {
                       "name the driver of the real robot as its 'hardware', or run without --real"});
 }
 
-/// Nothing here needs root, and a fault of a process of root's reaches the whole machine.
+/// Root is not needed, and a fault of a root process can affect the whole machine.
 void warn_of_root(cell::CellView& cell) {
   if (::geteuid() == 0 && cell.arming().needed())
     cell.tell(
@@ -285,15 +285,15 @@ void warn_of_root(cell::CellView& cell) {
         "(dialout, i2c), and give priority by rtprio in /etc/security/limits.conf");
 }
 
-/// What a run of one cell came to.
+/// The result of running one cell.
 struct Ended {
   int code = kFailed;
   bool by_person = false;
-  std::optional<cell::RestartWish> wish;  ///< it is to be built anew
-  bool armed = false;                     ///< real hardware was, by a person
+  std::optional<cell::RestartWish> wish;  ///< set if the cell is to be rebuilt
+  bool armed = false;                     ///< real hardware was armed by a person
 };
 
-/// One cell from its files to its end.
+/// Runs one cell from reading its files to its end.
 class OneRun {
  public:
   OneRun(RunArguments& a, const std::string& command, const description::Catalogue& catalogue, Output& shown,
@@ -304,7 +304,7 @@ class OneRun {
         shown_(shown),
         observer_(pendant ? pendant->observer() : shown),
         pendant_(pendant) {
-    if (pendant_) waits_ = std::exchange(a_.cell_options.waits, true);  // a fault does not end it
+    if (pendant_) waits_ = std::exchange(a_.cell_options.waits, true);  // a fault does not end the run
   }
   ~OneRun() {
     if (pendant_) a_.cell_options.waits = waits_;
@@ -337,7 +337,7 @@ class OneRun {
     if (pendant_) {
       pendant_->attach(cell->view());
       cell->view().tell("pendant: " +
-                        pendant_->link());  // by the cell, whose events say it to other clients, too
+                        pendant_->link());  // through the cell, so its event log shows it to other clients
     }
     if (a_.connects)
       inside.machine.hold_for({"connected", {}, "the real hardware has just been connected", {}});
@@ -379,12 +379,12 @@ class OneRun {
   const std::string& command_;
   const description::Catalogue& catalogue_;
   Output& shown_;
-  cell::Observer& observer_;  ///< the pendant's, which passes on to what is shown
+  cell::Observer& observer_;  ///< the pendant's observer, which forwards to the output
   server::Pendant* pendant_;
-  bool waits_ = false;  ///< the program for somebody who begins it
+  bool waits_ = false;  ///< the program waits until somebody starts it
 };
 
-/// With the pendant the command goes on when a cell has failed: until somebody wants another one.
+/// With the pendant the command continues after a cell has failed, until the user chooses another one.
 std::optional<cell::RestartWish> wait_for_wish(server::Pendant& pendant, cell::Observer& shown) {
   shown.on_note("the pendant waits: choose what to run, or end with Ctrl-C");
   while (cell::stops_requested() == 0) {
@@ -395,8 +395,7 @@ std::optional<cell::RestartWish> wait_for_wish(server::Pendant& pendant, cell::O
   return std::nullopt;
 }
 
-/// What somebody has just chosen moves nothing before it is started; what is real only where it was asked
-/// for.
+/// A newly chosen cell moves nothing before it is started, and uses real hardware only if that was requested.
 void take_over(const cell::RestartWish& wish, RunArguments& a) {
   if (!wish.cell.empty() || !wish.robot.empty() || !wish.hardware.empty()) a.cell_options.real = false;
   if (wish.real) a.cell_options.real = *wish.real;
@@ -432,7 +431,7 @@ int execute(RunArguments& a, const std::string& command) {
   a.cell_options.keep = a.cell_options.keep || a.goes_on;
   if (const char* started = std::getenv("POLYARM_STARTED_NS"))
     if (const auto ns = parse_number(started)) a.run.started = static_cast<Nanoseconds>(*ns);
-  const bool whole = a.run.fast;  // a cell in lock-step has time to wait for who reads
+  const bool whole = a.run.fast;  // a cell in lock-step can wait for a slow reader
   const std::unique_ptr<Output> shown =
       a.json ? make_json_output(whole) : make_text_output(a.quiet, whole, !a.run.fast);
   const description::Catalogue catalogue = open_catalogue();

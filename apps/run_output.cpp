@@ -93,7 +93,7 @@ class JsonOutput : public Output {
     printer_.when_gone(cell::request_stop_once);
   }
   bool settle() override { return printer_.settle() && !printer_.gone(); }
-  /// Without the pendant's token: logs of programs are kept and passed on.
+  /// Removes the pendant's token, because logs of programs are kept and shared.
   void on_note(const std::string& text) override {
     put({{"event", "note"}, {"text", without_secrets(text)}});
   }
@@ -148,7 +148,7 @@ class JsonOutput : public Output {
   }
 
  private:
-  /// On a terminal nothing but ASCII.
+  /// ASCII only on a terminal.
   static std::string line(const json& object) {
     static const bool terminal = ::isatty(STDOUT_FILENO) != 0;
     return object.dump(-1, ' ', terminal, json::error_handler_t::replace) + "\n";

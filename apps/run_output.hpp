@@ -1,4 +1,5 @@
 #pragma once
+/// Output of `polyarm run`: text for people or JSON lines.
 #include <memory>
 #include <string>
 
@@ -7,16 +8,16 @@
 
 namespace polyarm::apps {
 
-/// What standard output is told of a run.
+/// Receives a run's events for standard output.
 class Output : public cell::Observer {
  public:
-  /// Waits until what was told is written; false where nobody reads it.
+  /// Waits until everything is written; false if nobody reads the output.
   virtual bool settle() = 0;
 };
 
-/// Tells a person, on a terminal or in a log, what happens in a run.
-/// @param typed somebody may type words such as resume.
-/// @param whole waits for a slow reader; without it lines are left out where nobody reads them.
+/// Prints the events of a run as text, on a terminal or into a log.
+/// @param typed a user may type commands such as resume.
+/// @param whole wait for a slow reader; otherwise lines are dropped if nobody reads them.
 std::unique_ptr<Output> make_text_output(bool quiet, bool whole, bool typed);
 /// One JSON object per line on standard output.
 std::unique_ptr<Output> make_json_output(bool whole);

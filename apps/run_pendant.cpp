@@ -29,17 +29,17 @@ namespace fs = std::filesystem;
 
 constexpr int kPort = 8765;
 
-/// The token of this user's pendants: in the folder of the local sockets, which is the user's alone.
+/// The token of this user's pendants, stored in the private folder of the local sockets.
 std::string token_of_user() {
   return server::kept_token(cell::SocketDoor::own_folder() / "pendant.token");
 }
 
-/// The robot with its joints in the middle of what a picture shows: home where it is known.
+/// The robot in its start state, usually home.
 std::string picture(const description::RobotModel& model) {
   return picture_of(model, model.start());
 }
 
-/// By a page of this user's own that leads on: command lines, which everybody may read, hold no token.
+/// Opens a private page that redirects to the link, because everybody can read the token in a command line.
 void open_in_browser(const std::string& target) {
   const fs::path page = cell::SocketDoor::own_folder() / "open.html";
   const AsUser user;
@@ -57,7 +57,7 @@ void open_in_browser(const std::string& target) {
   if (child > 0) ::waitpid(child, nullptr, 0);
 }
 
-/// The link as a QR code in half blocks, dark on light; nothing where the command was built without.
+/// Prints the link as a QR code in half blocks, dark on light; does nothing if built without QR support.
 void print_code(const std::string& link) {
 #ifdef POLYARM_QRENCODE
   const std::unique_ptr<QRcode, decltype(&QRcode_free)> code(
@@ -104,7 +104,7 @@ void add_pendant_options(CommandLine& app, PendantArguments& a) {
 
 namespace {
 
-/// Where what this user keeps outlives a restart of the machine.
+/// A folder for user data that survives a restart of the machine.
 fs::path data_of_user() {
   if (const char* data = std::getenv("XDG_DATA_HOME"); data && *data) return fs::path(data) / "polyarm";
   if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".local/share/polyarm";
@@ -145,7 +145,7 @@ std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& a,
   } catch (const Error&) {
     if (a.port >= 0) throw;
   }
-  options.port = 0;  // another cell has it
+  options.port = 0;  // another cell uses the port
   return std::make_unique<server::Pendant>(std::move(options), next);
 }
 

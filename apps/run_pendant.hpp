@@ -10,15 +10,15 @@ namespace polyarm::apps {
 
 struct PendantArguments {
   bool on = false, open = false, listens = false, in_clear = false, links = false;
-  int port = -1;  ///< not stated: 8765, or any where that is taken
+  int port = -1;  ///< default: 8765, or any free port if it is in use
   std::string listen, page, certificate, key;
 };
 void add_pendant_options(CommandLine& app, PendantArguments& arguments);
 
-/// The catalogue outlives it. Throws Error.
+/// The catalogue must outlive the pendant. Throws Error.
 std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& arguments,
                                               const description::Catalogue& catalogue, cell::Observer& next);
-/// Where other machines are served, prints their link and a QR code; opens the page where that is asked for.
+/// If other machines are served, prints the link and a QR code; opens the page if requested.
 void announce(const server::Pendant& pendant, const PendantArguments& arguments, cell::Observer& observer);
 
 }  // namespace polyarm::apps

@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* kSo101Joints = "shoulder_pan,shoulder_lift,elbow_flex,wrist_flex,wrist_roll,gripper";
 
-/// Questions on the terminal; answers from --answer first.
+/// Asks questions at the terminal; takes answers from --answer first.
 class Terminal : public servo_bus::Dialogue {
  public:
   explicit Terminal(const std::vector<std::string>& answers) : answers_(answers.begin(), answers.end()) {}

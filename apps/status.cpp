@@ -7,7 +7,7 @@ namespace polyarm::apps {
 
 namespace {
 
-/// A verb that asks one question and prints the answer.
+/// Runs a verb that sends one request and prints the answer.
 int ask(CommandLine& app, int argc, char** argv, const char* request,
         const std::function<void(const Json&)>& print) {
   ClientOptions options;
@@ -41,7 +41,7 @@ std::string times(const Json& histogram) {
          microseconds(histogram["max_ns"]);
 }
 
-/// Of a component or a controller.
+/// Name of a component or a controller.
 std::string name_of(const Json& entry) {
   return shown(entry.contains("component") ? entry["component"] : entry["controller"]);
 }

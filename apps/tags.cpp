@@ -35,7 +35,7 @@ void print_tags(const Json& result) {
   print_table({"LINK", "AT", "STATE", "LOSSES", "ROUND", "ON LOSS"}, rows);
 }
 
-/// Holds the force until Ctrl-C, or until the cell ends.
+/// Keeps the value forced until Ctrl-C, or until the cell ends.
 int force(const ClientOptions& options, const Json& request) {
   catch_interrupts();
   Client client(options.cell);
@@ -55,7 +55,7 @@ int force(const ClientOptions& options, const Json& request) {
   return kOk;
 }
 
-/// A number or true and false where the text is one.
+/// A number or boolean if the text is one; otherwise the text.
 Json json_of(const std::string& text) {
   if (text == "true" || text == "True" || text == "on") return true;
   if (text == "false" || text == "False" || text == "off") return false;

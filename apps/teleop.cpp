@@ -1,4 +1,4 @@
-/// Driving a base from the keyboard, with the keys of ROS's teleop_twist_keyboard.
+/// Drives a base from the keyboard, with the keys of ROS's teleop_twist_keyboard.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ constexpr const char* kKeys =
     "   m    ,    .\n"
     "   q/z all speeds, w/x speed, e/c turning: 10 % more or less     Ctrl-C ends\n";
 
-/// Directions of a key: forward and to the left, -1 to 1.
+/// Direction of a key: forward and left, -1 to 1.
 struct Direction {
   double forward = 0, left = 0;
   bool stands() const { return forward == 0 && left == 0; }
@@ -53,8 +53,7 @@ Direction direction_of(char key) {
   }
 }
 
-// --- the base
-// -------------------------------------------------------------------------------------------------
+// --- the base -------------------------------------------------------------------------------------------
 
 bool takes_twist(const Json& input) {
   for (const Json& type : input["types"])
@@ -67,7 +66,7 @@ struct Base {
   bool active = false;
 };
 
-/// Every controller that takes a twist, by its first input that does.
+/// All controllers that accept a twist, with their first such input.
 std::vector<Base> bases_of(Client& client) {
   std::vector<Base> out;
   for (const Json& c : client.ask({{"request", "control.list"}}))
@@ -79,7 +78,7 @@ std::vector<Base> bases_of(Client& client) {
   return out;
 }
 
-/// `given`: a controller, or a topic (/jetbot_base_controller/cmd_vel); empty: the only one there is.
+/// `given`: a controller, or a topic (/jetbot_base_controller/cmd_vel); empty: the only base.
 Base choose_base(std::vector<Base> bases, const std::string& given) {
   std::vector<std::string> names;
   for (const Base& base : bases) names.push_back(base.controller);
@@ -107,7 +106,7 @@ Base choose_base(std::vector<Base> bases, const std::string& given) {
   return bases.front();
 }
 
-/// The fastest that a controller lets through, or `usual` where it is faster or states nothing.
+/// The controller's limit; `usual` if the limit is higher or not stated.
 double limit_of(Client& client, const Base& base, const char* key, double usual) {
   try {
     const Json value =
@@ -117,17 +116,16 @@ double limit_of(Client& client, const Base& base, const char* key, double usual)
                                             : std::nullopt;
     return number && *number > 0 ? std::min(*number, usual) : usual;
   } catch (const Error&) {
-    return usual;  // another kind of base
+    return usual;  // another type of base
   }
 }
 
-// --- driving
-// --------------------------------------------------------------------------------------------------
+// --- driving --------------------------------------------------------------------------------------------
 
 struct TeleopArguments {
   ClientOptions client;
   std::string name;
-  double speed = 0, turn = 0;      // m/s, rad/s; 0: up to the controller
+  double speed = 0, turn = 0;      // m/s, rad/s; 0: the controller's limit
   double first = 0.7, hold = 0.3;  // s
 };
 
@@ -188,10 +186,11 @@ class Teleop {
     show();
   }
 
-  /// A change goes out at once.
+  /// True if the direction changed; a change is sent at once.
   bool told_late() const { return direction_.forward != sent_.forward || direction_.left != sent_.left; }
 
-  /// Nobody is disturbed while no key is held: the last messages say zero, and then there are none.
+  /// While no key is held nothing is sent: after the last zero messages the stream ends, so other clients can
+  /// drive.
   void send() {
     if (direction_.stands() && zeros_ == 0) return;
     if (direction_.stands()) --zeros_;
@@ -204,7 +203,7 @@ class Teleop {
     expect_answer();
   }
 
-  /// A cell that stands still answers nothing: then the terminal is given back instead of waiting for it.
+  /// Waits a limited time for an answer; a cell that has hung must not block the terminal.
   void expect_answer() {
     for (const auto end = Clock::now() + kPatience; Clock::now() < end;) {
       const Json answer = client_.receive(100);

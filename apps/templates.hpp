@@ -1,5 +1,5 @@
 #pragma once
-/// The files of `templates/`, as they were when this program was built.
+/// The files of `templates/` at build time.
 #include <span>
 
 namespace polyarm::apps {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr char kEscape = '\x1b';
 
-/// Empty where nothing is guarded.
+/// Empty if no stream is guarded.
 std::string& mark() {
   static std::string text;
   return text;
@@ -43,7 +43,7 @@ ssize_t write_guarded(void* cookie, const char* data, std::size_t size) {
   for (std::size_t done = 0; done < out.size();) {
     const ssize_t count = ::write(to.descriptor, out.data() + done, out.size() - done);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return 0;  // as stdio has it for a failed write
+    if (count <= 0) return 0;  // like stdio after a failed write
     done += static_cast<std::size_t>(count);
   }
   return static_cast<ssize_t>(size);
@@ -52,7 +52,7 @@ ssize_t write_guarded(void* cookie, const char* data, std::size_t size) {
 void guard(FILE*& stream, int descriptor, int buffering) {
   if (::isatty(descriptor) == 0) return;
   if (mark().empty()) mark() = new_mark();
-  auto* cookie = new Guarded{descriptor, TerminalText(mark())};  // until the process ends
+  auto* cookie = new Guarded{descriptor, TerminalText(mark())};  // lives until the process ends
   FILE* guarded = ::fopencookie(cookie, "w", {nullptr, write_guarded, nullptr, nullptr});
   if (!guarded) return;
   ::setvbuf(guarded, nullptr, buffering, BUFSIZ);
@@ -81,7 +81,7 @@ std::string TerminalText::pass(std::string_view piece) {
   std::size_t from = 0;
   for (std::size_t at; (at = text.find(kEscape, from)) != std::string::npos;) {
     if (at + own.size() >= text.size() && own.starts_with(text.substr(at, own.size()))) {
-      // Cut within the mark, or right behind it.
+      // The text ends inside the mark, or directly after it.
       out += printable(std::string_view(text).substr(from, at - from));
       kept_ = text.substr(at);
       return out;

@@ -1,27 +1,27 @@
 #pragma once
-/// The one way to a terminal. What the command prints passes through printable(), so that names, messages and
-/// files of others cannot steer the terminal; what the command itself draws with is marked, in a way that no
-/// text of others can know.
+/// Terminal output. Everything that the command prints passes through printable(), so names, messages and
+/// files from others cannot control the terminal. Control sequences of the command itself carry a secret
+/// mark.
 #include <string>
 #include <string_view>
 
 namespace polyarm::apps {
 
-/// First in main(): standard output and standard error are guarded where they are terminals. Elsewhere bytes
-/// pass as they are.
+/// Call first in main(): guards standard output and standard error if they are terminals. Otherwise bytes
+/// pass unchanged.
 void guard_terminal();
 
 /// The command's own control sequence: own_escape("[K") clears to the end of the line.
 std::string own_escape(std::string_view sequence);
-/// Back to the beginning of the line.
+/// Moves the cursor to the beginning of the line.
 std::string own_return();
 
-/// What becomes of printed text on its way to the terminal, a piece at a time.
+/// Filters printed text for the terminal, piece by piece.
 class TerminalText {
  public:
-  /// `mark`: follows the escape character in sequences of the command's own.
+  /// `mark`: follows the escape character in the command's own sequences.
   explicit TerminalText(std::string mark) : mark_(std::move(mark)) {}
-  /// What can be written now; the rest of a character or a mark that is cut is kept for the next piece.
+  /// The text to write now; an incomplete character or mark at the end is kept for the next piece.
   std::string pass(std::string_view piece);
 
  private:

@@ -37,7 +37,7 @@ struct Verdict {
   double cell_time_s = 0, wall_time_s = 0;
 };
 
-/// A folder for this run alone, gone with it.
+/// A temporary folder that is deleted at the end of the run.
 class Scratch {
  public:
   Scratch() {
@@ -104,7 +104,7 @@ std::string all_problems(const Verdict& verdict) {
   return out;
 }
 
-/// As continuous integration reads it: one suite for each file.
+/// The results as JUnit XML for continuous integration: one suite per file.
 std::string junit(const std::vector<cell::ProgramTest>& tests, const std::vector<Verdict>& verdicts) {
   std::map<std::string, std::vector<std::size_t>> files;
   for (std::size_t i = 0; i < tests.size(); ++i) files[tests[i].file.string()].push_back(i);
@@ -160,7 +160,7 @@ void tell(const cell::ProgramTest& test, const Verdict& verdict, const TestArgum
     for (std::size_t i = first; i < verdict.log.size(); ++i) fmt::print("    {}\n", verdict.log[i]);
 }
 
-/// A line that is written over, on a terminal.
+/// Prints a progress line that is overwritten, on a terminal only.
 void tell_progress(std::size_t ended, std::size_t failed, std::size_t count, const TestArguments& a) {
   if (a.json || ::isatty(STDERR_FILENO) == 0) return;
   fmt::print(stderr, "{}{} of {} tests, {} failed{}{}", own_return(), ended, count, failed, own_escape("[K"),

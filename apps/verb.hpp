@@ -1,5 +1,5 @@
 #pragma once
-/// The verbs of the command. One table gives dispatch, help and completion.
+/// The verbs of the command. Dispatch, help and completion come from one table.
 #include <string>
 #include <vector>
 
@@ -10,12 +10,12 @@ namespace polyarm::apps {
 /// Exit codes of every verb.
 enum Exit {
   kOk = 0,
-  kFailed = 1,   ///< the run, the check or the solve ended as failed
-  kUsage = 2,    ///< the command line was wrong
+  kFailed = 1,   ///< the run, the check or the solution failed
+  kUsage = 2,    ///< usage error
   kStopped = 3,  ///< stopped by a person before the end
 };
 
-/// A command line that was understood, and says what cannot be: ends the command with kUsage.
+/// A command line that was parsed but asks for something impossible; ends the command with kUsage.
 class WrongUse : public Error {
  public:
   using Error::Error;

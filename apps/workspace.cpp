@@ -19,7 +19,7 @@ namespace polyarm::apps {
 
 namespace {
 
-/// The orientation that is asked for: `any`, `down`, `home`, or roll pitch yaw.
+/// The requested orientation: `any`, `down`, `home`, or roll pitch yaw.
 std::optional<Quaternion> rotation_of(const std::string& wanted, const std::vector<double>& rpy,
                                       const kinematics::Chain& chain, const std::vector<double>& home) {
   if (rpy.size() == 3) return from_rpy(rpy[0], rpy[1], rpy[2]);
@@ -28,7 +28,7 @@ std::optional<Quaternion> rotation_of(const std::string& wanted, const std::vect
   return from_rpy(M_PI, 0, 0);
 }
 
-/// On a terminal only: "  42 %" over itself.
+/// Prints the progress on a terminal only, "  42 %", overwriting itself.
 void tell_share(double share) {
   if (::isatty(STDERR_FILENO))
     fmt::print(stderr, "{}{:4.0f} %{}", own_return(), 100 * share, share < 1 ? "" : "\n");
@@ -42,7 +42,7 @@ std::string image_of(const std::filesystem::path& file, const WorkspaceMap& map,
               "name a file that ends so");
 }
 
-/// The arm that is asked about: alone, or as it stands in a cell.
+/// The arm to examine: alone, or at its place in a cell.
 struct Subject {
   std::string name;
   std::optional<kinematics::Chain> chain;
@@ -60,7 +60,7 @@ Subject alone(const AskedRobot& robot, const std::string& tool) {
   return out;
 }
 
-/// The cell's robot called `name`; its only one where that is empty.
+/// The cell's robot called `name`; the only one if `name` is empty.
 Subject in_cell(const std::string& folder, const std::string& name) {
   Problems problems;
   std::vector<std::string> notes, names;

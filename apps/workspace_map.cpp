@@ -38,8 +38,8 @@ class Asker {
       : solver_(chain, settings()), home_(std::move(home)), rotation_(rotation) {}
   bool closed_form() const { return solver_ && solver_.complete() && rotation_; }
 
-  /// Joint states for the TCP at these places; empty where none was found. `above`: what was found for the
-  /// row before.
+  /// Joint states for the TCP at these positions; empty where none was found. `above`: results of the row
+  /// before.
   std::vector<std::vector<double>> ask(const std::vector<Vec3>& places,
                                        const std::vector<std::vector<double>>& above) const {
     if (closed_form()) return ask_at_once(places);
@@ -85,7 +85,7 @@ class Asker {
   std::optional<Quaternion> rotation_;
 };
 
-/// sqrt(det(J J^T)) of the Jacobian's three linear rows, lengths in reaches.
+/// sqrt(det(J J^T)) of the Jacobian's linear rows; lengths in units of the arm's reach.
 double manipulability_of(const Chain& chain, const std::vector<double>& q) {
   const std::size_t n = chain.joints();
   std::vector<double> J(6 * n);
@@ -117,7 +117,7 @@ std::array<int, 3> color(double t) {
 
 constexpr int kShades = 24;
 
-/// 0 … kShades - 1, or -1 where the arm does not reach.
+/// 0 … kShades - 1, or -1 if the arm does not reach the position.
 int shade(const WorkspaceMap& map, int column, int row, double best) {
   const WorkspaceCell& cell = map.cells[static_cast<std::size_t>(row * map.columns + column)];
   if (!cell.reached()) return -1;

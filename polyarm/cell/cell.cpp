@@ -21,7 +21,7 @@ Cell::Cell(const CellFile& file, const description::Catalogue& catalogue, CellOp
                                            all_handlers())),
       view_(std::make_unique<CellView>(*inside_)) {}
 Cell::~Cell() {
-  inside_.reset();  // what records it uses the view until then
+  inside_.reset();  // the recorder uses the view until the cell is destroyed
 }
 
 void Cell::tick(Nanoseconds now) {

@@ -1,5 +1,5 @@
 #pragma once
-/// A running cell: built from its files, stepped by the one who runs it. The front door of the room.
+/// A running cell, built from its files and stepped by its runner. This is the room's main header.
 #include <memory>
 
 #include "polyarm/base/time.hpp"
@@ -18,30 +18,31 @@ class Observer;
 class Recorder;
 class Requests;
 
-/// Building: any one thread. tick(): the cell thread; the loop's step: the control thread (the same one in
-/// lock-step). Addresses are stable: it is neither copied nor moved.
+/// Threads: construct on any one thread; call tick() on the cell thread; the loop's step runs on the control
+/// thread (the same thread in lock-step). A cell cannot be copied or moved, so references to it stay valid.
 class Cell {
  public:
-  /// Nanoseconds of cell time between ticks.
+  /// Interval between ticks, ns of cell time.
   static constexpr Nanoseconds kTick = 2'000'000;
 
-  /// Throws Error with everything that is wrong in any file.
+  /// Throws Error that lists all problems found in the files.
   Cell(const CellFile& file, const description::Catalogue& catalogue, CellOptions options,
        Observer& observer);
   ~Cell();
   Cell(const Cell&) = delete;
   Cell& operator=(const Cell&) = delete;
 
-  /// One tick at cell time `now` on the newest snapshot.
+  /// Runs one tick at cell time `now` on the newest snapshot of the control loop.
   void tick(Nanoseconds now);
-  /// What doors see of the cell. It lives as long as the cell does.
+  /// The view that doors use. It lives as long as the cell.
   CellView& view();
-  /// What is asked of it and done to it.
+  /// The entry point for requests to this cell.
   Requests& requests();
-  /// `observer` hears from now on what happens; the one that the cell was built with is the first.
+  /// Adds an observer that receives events from now on, after the observers added before it. The
+  /// constructor's observer is the first.
   void add_observer(Observer& observer);
   void remove_observer(Observer& observer);
-  /// What records the cell; null where nothing can. It goes before the cell does.
+  /// The recorder; null if the cell cannot record. Destroyed before the cell's inside.
   Recorder* recorder();
   void set_recorder(std::unique_ptr<Recorder> recorder);
 
@@ -51,7 +52,7 @@ class Cell {
   std::unique_ptr<CellView> view_;
 };
 
-/// The inside of a cell, for those who run it: the runner, and tests.
+/// Internal state of a cell, for the runner and for tests.
 CellInside& inside_of(Cell& cell);
 
 }  // namespace polyarm::cell

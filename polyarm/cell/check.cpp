@@ -33,7 +33,7 @@ namespace polyarm::cell {
 
 namespace {
 
-/// Problems of a dry run, and nothing else.
+/// Collects the problems of a dry run and ignores all other events.
 class Listener : public Observer {
  public:
   void on_problem(Nanoseconds, const Problem& problem) override { problems.push_back(problem); }
@@ -61,7 +61,7 @@ class Checker {
       programs();
       points();
     }
-    // What only shows when everything is put together: interfaces of tags and controllers.
+    // These errors only appear when everything is assembled: interfaces of tags and controllers.
     if (!problems_.has_errors()) together();
     result_.problems = problems_.list();
     remove_repeats();
@@ -71,7 +71,8 @@ class Checker {
  private:
   std::string beside(const std::string& name) const { return (file_.folder / name).string(); }
 
-  /// What only a plugin knows that is not loaded here is played by the mock, and its controllers do nothing.
+  /// Replaces hardware whose driver is not loaded here by the mock. Drops the lists of controllers to start
+  /// and of messages to send, because they may need plugins that are not loaded.
   void leave_out_unknown() {
     for (RobotEntry& robot : file_.robots)
       if (robot.hardware.find('/') != std::string::npos && !hardware::driver_available(robot.hardware))
@@ -116,7 +117,7 @@ class Checker {
     add_link_names(known);
     add_brought(signals_, known);
     add_places(signals_, known);
-    collect(problems_, [&] {  // tags that are written wrong are names all the same
+    collect(problems_, [&] {  // malformed tags still count as known names
       std::error_code ignored;
       if (file_.signals.empty() || !std::filesystem::exists(beside(file_.signals), ignored)) return;
       for (const std::string& tag : Yaml::load(beside(file_.signals))["tags"].keys())
@@ -140,7 +141,7 @@ class Checker {
     if (!plc.empty()) one_program(plc, known);
   }
 
-  /// A cell offers the named joint states of its robots as data.
+  /// Adds the named joint states of the robots; a cell offers them as data.
   void add_named_states(program::KnownNames& known) const {
     for (const auto& robot : robots_)
       for (const auto& [state, positions] : robot->model.named_states)
@@ -148,7 +149,7 @@ class Checker {
                                                                                            {}};
   }
 
-  /// Names that only a link or the heartbeat has.
+  /// Adds names that only a link or the heartbeat defines.
   void add_link_names(program::KnownNames& known) const {
     if (signals_.heartbeat) known.names.try_emplace(signals_.heartbeat->tag, program::type_of(false));
     for (const signals::LinkEntry& link : signals_.links)
@@ -174,7 +175,7 @@ class Checker {
     return file;
   }
 
-  /// The data file and its points, each for itself, so that one that is broken does not hide the other.
+  /// Reads the data file and its points separately, so an error in one does not hide errors in the other.
   data::ImportFile data(const std::filesystem::path& path, program::KnownNames& known) {
     data::ImportFile file = take(path, known);
     const data::Value* points = file.values().value("PointFile");
@@ -186,7 +187,7 @@ class Checker {
     return file;
   }
 
-  /// The script that a data file names, after its data.
+  /// Reads a data file, then returns the script that it names.
   std::filesystem::path script_of(const std::filesystem::path& path, program::KnownNames& known) {
     const data::ImportFile file = data(path, known);
     const data::Value* script = file.values().value("ScriptFile");
@@ -198,7 +199,7 @@ class Checker {
     return data::find_file(*script->as_text(), file_.folder, file.values().find("ScriptFile")->where);
   }
 
-  /// The data that a script loads, which a cell has from the start.
+  /// Reads the data files that a script loads; a cell has them from the start.
   void data_of(const std::filesystem::path& script, program::KnownNames& known) {
     const program::Program& program = read_program(script).program;
     for (const program::Statement* load : program::loads(program)) {
@@ -206,13 +207,13 @@ class Checker {
       try {
         file = data::find_file(load->name, file_.folder, program.at(load->name_place));
       } catch (const Error&) {
-        continue;  // the checker says so
+        continue;  // the checker reports it
       }
       if (!taken_.contains(file)) collect(problems_, [&] { data(file, known); });
     }
   }
 
-  /// Names whose values are written wrong are names all the same.
+  /// Names whose values are malformed still count as known names.
   static void add_names(const std::string& text, program::KnownNames& known) {
     for (const std::string& line : split_words(text, "\r\n")) {
       const auto colon = line.find(':');
@@ -226,7 +227,7 @@ class Checker {
     Problems problems;
   };
 
-  /// Each file once.
+  /// Parses each file once.
   const ReadProgram& read_program(const std::filesystem::path& path) {
     const auto at = read_.find(path);
     if (at != read_.end()) return at->second;
@@ -235,7 +236,8 @@ class Checker {
     return read_.emplace(path, std::move(read)).first->second;
   }
 
-  /// Without what the checker has found in it.
+  /// Takes the parsed program out of the cache. Empty if it has errors, because the checker has reported them
+  /// already.
   std::optional<program::Program> take_program(const std::filesystem::path& path) {
     const auto at = read_.find(path);
     if (at == read_.end() || at->second.problems.has_errors()) return std::nullopt;
@@ -248,13 +250,13 @@ class Checker {
     collect(problems_, [&] {
       const ReadProgram& read = read_program(path);
       Problems found = read.problems;
-      program::check(read.program, known, found);  // of what was understood
+      program::check(read.program, known, found);  // checks the part that could be parsed
       for (const Problem& problem : found.list()) problems_.add(problem);
     });
   }
 
   void points() {
-    std::set<std::string> later;  // what comes from outside
+    std::set<std::string> later;  // names whose values come from outside
     for (const signals::Tag& tag : signals_.tags) later.insert(tag.name);
     for (const signals::LinkEntry& link : signals_.links)
       for (const signals::LinkTag& tag : link.tags) later.insert(tag.name);
@@ -267,12 +269,12 @@ class Checker {
         if (entry.value.is_place()) point(robot, entry, frames);
   }
 
-  /// `robot`: null where there are several, and nobody knows which is meant.
+  /// `robot` is null if the cell has several robots, because then the point's robot is unknown.
   void point(const moves::RobotFacts* robot, const data::Entry& entry, const FrameCheck& frames) {
     PointReport report{entry.name, entry.where, true, "", {}};
     try {
       const data::JointState* joints = entry.value.as_joints();
-      if (!joints) frames.in_world(entry);  // its frames exist
+      if (!joints) frames.in_world(entry);  // throws if a frame does not exist
       if (!robot) return;
       if (joints) {
         report.joints = joints_by_name(*robot->model, *joints, entry.name);
@@ -294,7 +296,7 @@ class Checker {
     result_.points.push_back(std::move(report));
   }
 
-  /// One of what the program may mean by it has to be within reach; its moves are looked at one by one later.
+  /// At least one of the possible meanings must be within reach; each move is checked later.
   void pose(const moves::RobotFacts& robot, const data::Entry& entry, const std::vector<Pose>& meanings,
             PointReport& report) {
     std::optional<Error> why;
@@ -325,7 +327,7 @@ class Checker {
     CellOptions options;
     options.lock_step = true;
     options.no_code = true;
-    options.allow_contact = true;  // all of them are listed
+    options.allow_contact = true;  // list all contacts instead of stopping at the first
     options.contact_errors = true;
     options.cycles = options_.cycles;
     options.read = [this](const std::filesystem::path& path) { return take_program(path); };
@@ -338,15 +340,15 @@ class Checker {
     if (!scratch.empty()) std::filesystem::remove_all(scratch, ignored);
   }
 
-  /// For data files alone: the cell may be running, and keeps its own in .state.
+  /// A temporary state folder: the cell may be running and uses its own .state.
   static std::filesystem::path own_folder() {
     std::string pattern = (std::filesystem::temp_directory_path() / "polyarm-check-XXXXXX").string();
     if (!::mkdtemp(pattern.data())) throw Error("unwritable", "no folder can be made like " + pattern);
     return pattern;
   }
 
-  /// Physics is left out where nothing depends on it. Controllers are configured on the hardware that they
-  /// are for.
+  /// Leaves physics out if nothing depends on it. Controllers are configured for the hardware that they are
+  /// written for.
   void rehearse_whole(const CellOptions& options) {
     Listener listener;
     CellFile file = file_;
@@ -376,12 +378,12 @@ class Checker {
 
   void run_whole(CellOptions options) {
     constexpr std::size_t kMostQuestions = 1000;
-    options.answers.assign(kMostQuestions, "");  // Enter, as the rehearsal does
+    options.answers.assign(kMostQuestions, "");  // an empty answer is Enter, as in the rehearsal
     options.resume_holds = true;
     Listener listener;
     collect(problems_, [&] {
       Cell cell(file_, catalogue_, options, listener);
-      listener.problems.clear();  // known already
+      listener.problems.clear();  // reported already by the steps before
       RunOptions run_options;
       run_options.fast = true;
       run_options.seconds = 3600;
@@ -391,7 +393,7 @@ class Checker {
     });
   }
 
-  /// What is told twice, and warnings of what is an error, too.
+  /// Removes duplicates, and warnings that are also reported as errors.
   void remove_repeats() {
     std::set<std::string> seen, errors;
     const auto place_and_text = [](const Problem& p) { return p.where.text() + "\n" + p.what; };
@@ -411,7 +413,7 @@ class Checker {
   description::Scene scene_;
   signals::Signals signals_;
   std::vector<data::DataSet> sets_;
-  std::set<std::filesystem::path> taken_;  // the files of these
+  std::set<std::filesystem::path> taken_;  // files of these sets
   std::map<std::filesystem::path, ReadProgram> read_;
   CheckResult result_;
 };

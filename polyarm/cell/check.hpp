@@ -1,5 +1,5 @@
 #pragma once
-/// Finds what is wrong with a cell before anything moves.
+/// Checks a cell before anything moves: files, points, moves and optionally a dry run.
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -14,28 +14,28 @@ struct PointReport {
   std::string name;
   Location where;
   bool reachable = false;
-  std::string reason;          ///< why not
-  std::vector<double> joints;  ///< where it puts the joints, coming from home
+  std::string reason;          ///< why it is not reachable
+  std::vector<double> joints;  ///< solution for the point, starting from home
 };
 
 struct CheckResult {
-  std::vector<Problem> problems;    ///< of every file, in the order of the cell
-  std::vector<std::string> notes;   ///< what contacts are not detected for, and what looks like a placeholder
-  std::vector<PointReport> points;  ///< every point of the program's data, for the cell's robot
-  std::size_t moves = 0;            ///< of the program, that were planned
-  Location reached;                 ///< where its moves could not be followed any further; empty: to its end
+  std::vector<Problem> problems;    ///< from all files, in the cell's order
+  std::vector<std::string> notes;   ///< undetected contacts, and values that look like placeholders
+  std::vector<PointReport> points;  ///< all points of the program's data, for the cell's robot
+  std::size_t moves = 0;            ///< number of planned moves of the program
+  Location reached;                 ///< where following the moves stopped; empty: followed to the end
   bool has_errors() const;
 };
 
 struct CheckOptions {
-  bool dry = false;  ///< run the program in lock-step and list contacts, limits and parts by line
+  bool dry = false;  ///< runs the program in lock-step; lists contacts, limits and parts by line
   std::uint64_t cycles = 0;
-  std::filesystem::path state_folder;  ///< where data files are kept; empty: a temporary folder
+  std::filesystem::path state_folder;  ///< folder for data files; empty: a temporary folder
 };
 
-/// Reads every file of the cell and adds every error and warning; checks every point for reach and joint
-/// limits, and every move along its way as far as the program can be followed. Nothing real moves.
-/// `open` reads the cell; what it throws is among the problems.
+/// Reads every file of the cell and collects all errors and warnings. Checks every point for reach and joint
+/// limits, and every move along its path as far as the program can be followed. Moves no real hardware.
+/// `open` reads the cell; errors that it throws are added to the problems.
 CheckResult check(const std::function<CellFile()>& open, const description::Catalogue& catalogue,
                   const CheckOptions& options);
 CheckResult check(const std::filesystem::path& cell, const Overrides& overrides,

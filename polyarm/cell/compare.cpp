@@ -11,7 +11,7 @@ namespace polyarm::cell {
 
 namespace {
 
-/// Looks at every robot's joints, tick by tick.
+/// Records each robot's distance to joint limits and singularities, once per tick.
 class Closeness {
  public:
   explicit Closeness(const CellInside& cell)
@@ -47,12 +47,12 @@ class Closeness {
 
 class Quiet : public Observer {};
 
-/// Of a cell with a program.
+/// Runs a cell that has a program, and fills in the verdict.
 void run_cell(CellInside& cell, double limit_s, RobotVerdict& out) {
   control::ControlLoop& loop = cell.machine.loop();
   Closeness closeness(cell);
-  std::vector<double> passes;      // when each ended
-  std::optional<double> ended_at;  // the program
+  std::vector<double> passes;      // end time of each pass, s
+  std::optional<double> ended_at;  // end time of the program, s
   loop.begin();
   Nanoseconds next_tick = 0;
   while (!cell.life->finished() && !cell.life->failure() && seconds(loop.cycle().time) < limit_s) {

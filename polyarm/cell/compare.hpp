@@ -1,5 +1,5 @@
 #pragma once
-/// One program on several robots: which can run it, and how well.
+/// Runs one program on several robots and compares them: which robots can run it, and how well.
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -11,35 +11,35 @@
 
 namespace polyarm::cell {
 
-/// How near something came, and where the program stood then.
+/// Smallest value during the run, and the program line at that moment.
 struct Nearest {
   double value = 0;
-  std::string joint;  ///< of a limit
+  std::string joint;  ///< set for limits only
   Location where;
 };
 
 struct RobotVerdict {
   std::string robot;
   bool runs = false;
-  std::optional<Problem> problem;  ///< the first thing that it cannot do, with its line
-  double time_s = 0;               ///< of the whole run
-  /// Of a pass of the outermost while: the mean of all but the first, or of the only one. Of a program
-  /// without such a loop: until its end.
+  std::optional<Problem> problem;  ///< first problem that prevents the run, with its line
+  double time_s = 0;               ///< duration of the whole run
+  /// Time of one pass of the outermost `while`, s: the mean without the first pass, or the only pass. For a
+  /// program without such a loop: time until its end.
   std::optional<double> cycle_s;
   std::uint64_t cycles = 0;
-  std::optional<Nearest> limit;        ///< rad or m from the nearest limit of a joint's range
+  std::optional<Nearest> limit;        ///< smallest distance to a joint limit, rad or m
   std::optional<Nearest> singularity;  ///< kinematics::smallest_singular_value(): 0 is singular
 };
 
 struct CompareOptions {
-  Overrides overrides;       ///< its robot is the one to look at
+  Overrides overrides;       ///< these name the robot to try
   std::uint64_t cycles = 3;  ///< passes of the outermost while
-  double seconds = 3600;     ///< of cell time
+  double seconds = 3600;     ///< limit of cell time, s
   std::filesystem::path state_folder;
 };
 
-/// Runs the cell's program in lock-step with the robot of the overrides in the place of the cell's own.
-/// Contacts count as what it cannot do.
+/// Runs the cell's program in lock-step with the robot from the overrides instead of the cell's own robot. A
+/// contact counts as a failure.
 RobotVerdict try_robot(const std::filesystem::path& cell, const description::Catalogue& catalogue,
                        const CompareOptions& options);
 

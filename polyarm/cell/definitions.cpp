@@ -12,7 +12,7 @@ using Kinds = program::Expression::Kind;
 using program::Expression;
 using program::Operator;
 
-constexpr int kDeepest = 20;  // of definitions in one another
+constexpr int kDeepest = 20;  // nesting depth of definitions
 using Forms = std::vector<LinearForm>;
 
 void push(Forms& out, LinearForm form) {
@@ -30,7 +30,7 @@ bool is_constant(const LinearForm& form) {
                      [](const auto& each) { return each.second == 0; });
 }
 
-/// One that is not linear is left out.
+/// Non-linear results are left out.
 void push_joined(Operator op, const LinearForm& a, const LinearForm& b, Forms& out) {
   if (op == Operator::add || op == Operator::subtract)
     push(out, sum(a, b, op == Operator::add ? 1 : -1));
@@ -93,7 +93,7 @@ void Definitions::add(const program::Statement& s) {
   });
 }
 
-/// Arguments give parameters their values.
+/// Maps the call's arguments to the function's parameters.
 void Definitions::add_arguments(const Expression& e, const Location& where) {
   const auto function = parameters_.find(e.name);
   if (function == parameters_.end()) return;

@@ -1,6 +1,6 @@
 #pragma once
-/// Where the values of a program come from: its variables, parameters and functions are followed back to the
-/// names of the cell and to the answers of people.
+/// Data flow in a program: traces variables, parameters and functions back to the names of the cell and to
+/// the answers of people.
 #include <cstddef>
 #include <functional>
 #include <map>
@@ -12,22 +12,23 @@
 
 namespace polyarm::cell {
 
-/// A number as a sum: offset + slope * NAME + …
+/// A linear expression: offset + slope * NAME + …
 struct LinearForm {
   double offset = 0;
   std::map<std::string, double> slopes;
 };
 
-/// An answer of a person counts as a name, too: see answer_name(). `program` outlives this. Any one thread.
+/// An answer of a person also counts as a name; see answer_name(). `program` must outlive this object. Use
+/// from one thread at a time.
 class Definitions {
  public:
   static constexpr std::size_t kMostForms = 8;
 
   explicit Definitions(const program::Program& program);
-  /// What `e`, of the statement in the line `where`, may be, at most kMostForms. Without those that are not
-  /// linear.
+  /// The linear forms that `e` may have; `e` belongs to the statement at `where`. At most kMostForms;
+  /// non-linear forms are left out.
   std::vector<LinearForm> forms(const program::Expression& e, const Location& where) const;
-  /// The names of the cell that the value depends on, each once, in the order of the text.
+  /// The cell's names that the value depends on, each once, in text order.
   std::vector<std::string> sources(const program::Expression& e, const Location& where) const;
 
  private:
@@ -44,14 +45,14 @@ class Definitions {
                std::vector<const program::Expression*>& seen, std::vector<std::string>& out) const;
 
   const program::Program& program_;
-  std::map<std::string, std::vector<Given>> given_;  ///< by name; of a function what it returns, as "NAME()"
-  std::map<std::string, bool> own_;                  ///< names that the program makes
-  std::map<std::string, std::vector<std::string>> parameters_;  ///< by function
+  std::map<std::string, std::vector<Given>> given_;  ///< by name; a function's return values under "NAME()"
+  std::map<std::string, bool> own_;                  ///< names defined by the program itself
+  std::map<std::string, std::vector<std::string>> parameters_;  ///< parameter names by function
 };
 
-/// What Definitions calls the answer to the question that the statement in this line asks.
+/// The name that Definitions uses for the answer to the question asked by the statement at `where`.
 std::string answer_name(const Location& where);
-/// Every expression that stands in `s` itself, with the line that a run gives for it.
+/// Visits every expression of `s` itself, without nested statements, with its location at run time.
 void for_each_located(const program::Program& program, const program::Statement& s,
                       const std::function<void(const program::Expression&, const Location&)>& visit);
 

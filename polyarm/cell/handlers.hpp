@@ -1,5 +1,5 @@
 #pragma once
-/// Handlers of requests that make, check or run other cells. Private to the room.
+/// Handlers of requests that create, check or run other cells. Private to this room.
 #include <cstddef>
 #include <vector>
 
@@ -7,7 +7,7 @@
 
 namespace polyarm::cell {
 
-/// Bytes of a text that a request hands over.
+/// Size limit of a text inside a request, bytes.
 constexpr std::size_t kLargestText = 900'000;
 
 std::vector<Handler> cells_handlers();

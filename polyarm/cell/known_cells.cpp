@@ -31,7 +31,7 @@ fs::path recent_file() {
   return projects_folder().parent_path() / "recent.json";
 }
 
-/// Cells that were open, the newest first; those that are gone are left out.
+/// Recently opened cells, newest first. Cells that no longer exist are left out.
 std::vector<fs::path> recent_cells() {
   std::vector<fs::path> out;
   std::error_code error;
@@ -46,7 +46,7 @@ std::vector<fs::path> recent_cells() {
   return out;
 }
 
-/// Puts the cell in front of those that were open. Where that cannot be written nothing is remembered.
+/// Puts the open cell first in the list of recent cells. Does nothing if the list cannot be written.
 std::vector<fs::path> note_recent(const fs::path& open) {
   std::vector<fs::path> all = recent_cells();
   if (!all.empty() && all.front() == open) return all;
@@ -64,7 +64,7 @@ std::vector<fs::path> note_recent(const fs::path& open) {
   return all;
 }
 
-/// The first words of its README.md, or its folder's name.
+/// The first words of the README.md; empty without one.
 std::string title_of(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_regular_file(folder / "README.md", error)) return {};
@@ -80,7 +80,7 @@ protocol::KnownCell cell_entry(const fs::path& folder, bool recent) {
   std::vector<std::string> robots;
   try {
     for (const RobotEntry& robot : read_cell_file(folder).robots) robots.push_back(robot.model);
-  } catch (const Error&) {  // it can be opened, and then says what is wrong
+  } catch (const Error&) {  // can be opened; opening then reports the error
   }
   return {folder.filename().string(), folder.string(), title_of(folder), robots, recent};
 }
@@ -97,12 +97,12 @@ void add_cells(const fs::path& parent, std::vector<fs::path>& out) {
     if (std::find(out.begin(), out.end(), each) == out.end() && out.size() < kMostCells) out.push_back(each);
 }
 
-/// Those that can be opened, the recent ones among them.
+/// Folders of all cells that can be opened, including recent ones.
 std::vector<fs::path> openable(const fs::path& open, const std::vector<fs::path>& recent) {
   std::vector<fs::path> folders;
   add_cells(projects_folder(), folders);
   if (!open.empty()) add_cells(open.parent_path(), folders);
-  // What was open lately stays in sight, and what lies beside it: examples, too, once a project is open.
+  // Also list the neighbours of recent cells, so examples stay in the list after a project is opened.
   for (const fs::path& each : recent) add_cells(each.parent_path(), folders);
   return folders;
 }
@@ -116,7 +116,8 @@ protocol::CellReach::Answer wants_of(const CellFile& file) {
   return out;
 }
 
-/// `text` is host:NAME or secret:NAME of what the cell wants. Nothing else is allowed from a distance.
+/// `text` is host:NAME or secret:NAME and must be something that the cell needs. Remote clients can allow
+/// nothing else.
 void allow_one(const CellFile& file, const std::string& text) {
   const auto colon = text.find(':');
   const std::string kind = text.substr(0, colon), what = colon == std::string::npos ? "" : text.substr(colon + 1);
@@ -168,7 +169,7 @@ namespace {
               std::string("name one of the project; a ") + what + " elsewhere is named where Polyarm is started");
 }
 
-/// The folder of the cell that the wish opens; that of the open one where it names none.
+/// The folder that the request names; the open cell's folder if it names none.
 fs::path folder_wished(const std::string& cell, const fs::path& open) {
   if (cell.empty()) return open;
   std::error_code error;
@@ -193,7 +194,7 @@ void require_within_reach(const RestartWish& wish, const fs::path& open_folder) 
   if (!wish.program.empty() && !in_project(folder / wish.program)) refuse_outside("program", wish.program);
   const std::string model = wish.robot.substr(wish.robot.find('=') + 1);
   std::error_code error;
-  if (fs::is_regular_file(model, error) && !in_project(model))  // else a name of the catalogue
+  if (fs::is_regular_file(model, error) && !in_project(model))  // otherwise a name in the catalogue
     refuse_outside("robot", model);
 }
 

@@ -21,7 +21,7 @@ namespace polyarm::cell {
 namespace fs = std::filesystem;
 
 namespace {
-/// The folder of the cell that a file of tests belongs to.
+/// The nearest folder above a test file that contains a cell.yaml.
 std::optional<fs::path> cell_above(const fs::path& file) {
   std::error_code error;
   for (fs::path folder = fs::absolute(file).parent_path();; folder = folder.parent_path()) {
@@ -42,7 +42,7 @@ std::vector<fs::path> scripts_at(const fs::path& path) {
   return out;
 }
 
-/// Whether a line of `text` begins with the word `test`: everything else is no file of tests.
+/// True if a line begins with the word `test` and a quoted name; only such a file is a test file.
 bool may_hold_tests(const std::string& text) {
   for (const std::string& line : program::split_lines(text)) {
     const auto words = split_words(line);
@@ -51,7 +51,7 @@ bool may_hold_tests(const std::string& text) {
   return false;
 }
 
-/// What program, PLC and test tell.
+/// Collects the log of program, PLC and test.
 class LogListener : public Observer {
  public:
   void on_log(Nanoseconds time, const std::string& task, const std::string& text) override {
@@ -117,7 +117,7 @@ TestResult run_test(const ProgramTest& test, const description::Catalogue& catal
     out.cell_time_s = seconds(loop.cycle().time);
     if (const auto problem = task.problem()) {
       out.problems.push_back(*problem);
-      // What ended the program says more than what the test missed then.
+      // The error that ended the program explains more than the failed test.
       const auto& failure = inside.life->failure();
       if (failure && failure->problem.text() != problem->text()) out.problems.push_back(failure->problem);
     }

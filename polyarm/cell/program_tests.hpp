@@ -1,5 +1,5 @@
 #pragma once
-/// Tests of programs: `test` blocks that stand beside the program of a cell and run in lock-step.
+/// Tests of programs: `test` blocks in files beside the program of a cell, run in lock-step.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -9,33 +9,33 @@
 
 namespace polyarm::cell {
 
-/// One test and the cell that it belongs to.
+/// One test and its cell.
 struct ProgramTest {
   std::filesystem::path file;
-  std::size_t index = 0;  ///< among the tests of the file
+  std::size_t index = 0;  ///< index among the tests of the file
   std::string name;
   int line = 0;
-  std::filesystem::path cell;  ///< folder with the cell.yaml: that of the file, or one above
+  std::filesystem::path cell;  ///< folder of the cell.yaml: the file's folder or one above
 };
 
-/// The tests of every file of tests (*.script) at `path`, a file or a folder, in the order of the names of
-/// the files. What is wrong with a file of tests joins the problems, and its tests are left out.
+/// Finds the tests in all test files (*.script) at `path`, a file or a folder, ordered by file name. Errors
+/// of a test file are added to `problems`, and its tests are left out.
 std::vector<ProgramTest> find_tests(const std::filesystem::path& path, Problems& problems);
 
 struct TestOptions {
   Overrides overrides;
-  double seconds = 600;                ///< of cell time that a test may take
-  std::filesystem::path state_folder;  ///< where it keeps its data files
+  double seconds = 600;                ///< limit of cell time for one test, s
+  std::filesystem::path state_folder;  ///< folder for the test's data files
 };
 
 struct TestResult {
-  std::vector<Problem> problems;  ///< why it failed; none: it passed
-  std::vector<std::string> log;   ///< what program, PLC and test told
+  std::vector<Problem> problems;  ///< why it failed; empty if it passed
+  std::vector<std::string> log;   ///< log of program, PLC and test
   double cell_time_s = 0;
 };
 
-/// Runs one test in a cell of its own. The program starts where the test says `run`; the cell and its PLC run
-/// from the beginning. Not for two threads at the same time.
+/// Runs one test in a cell of its own. The program starts at the test's `run`; the cell and its PLC start at
+/// the beginning. Do not call from two threads at the same time.
 TestResult run_test(const ProgramTest& test, const description::Catalogue& catalogue,
                     const TestOptions& options);
 

@@ -12,8 +12,8 @@ using data::Number;
 using data::Value;
 using Kind = program::Statement::Kind;
 
-constexpr std::size_t kMostConstants = 20;  // of a name
-constexpr std::size_t kMostOffers = 200;    // at one wait
+constexpr std::size_t kMostConstants = 20;  // per name
+constexpr std::size_t kMostOffers = 200;    // per wait
 
 void find_literals(const program::Expression& e, std::vector<Value>& out) {
   if (e.kind == program::Expression::Kind::literal) out.push_back(e.value);
@@ -37,7 +37,7 @@ LinearForm difference(LinearForm a, const LinearForm& b) {
   return a;
 }
 
-/// How far a value is moved to be on the other side of a boundary.
+/// Step that moves a value to the other side of a boundary.
 double step_of(Dimension dimension) {
   const bool is_small = dimension == Dimension::length || dimension == Dimension::angle;
   return is_small ? 0.001 : 1;
@@ -85,7 +85,7 @@ void PossibleValues::add_from(const program::Program& program, const Find& find)
   });
 }
 
-/// Each comparison by itself, and each divisor.
+/// Adds each comparison separately, and each divisor.
 void PossibleValues::add(const program::Expression& e, const Definitions& definitions, const Location& where,
                          const Find& find) {
   const bool compares = e.kind == program::Expression::Kind::binary && program::is_comparison(e.op);
@@ -110,7 +110,8 @@ void PossibleValues::add(const program::Expression& e, const Definitions& defini
     for (const Value& literal : literals) add(name, literal);
 }
 
-/// The value of each name at which the form is 0, while the others keep theirs. False if it has no such name.
+/// For each name, adds the value at which the form becomes 0 while the other names keep their values. False
+/// if the form has no such name.
 bool PossibleValues::add_boundaries(const LinearForm& form, const Find& find) {
   const auto present = [&](const std::string& name) -> const Number* {
     const Value* value = find ? find(name) : nullptr;
@@ -153,7 +154,7 @@ std::vector<Value> PossibleValues::instead_of(const std::string& name, const Val
   } else if (const std::string* text = now.as_text()) {
     for (const Value& constant : constants)
       if (constant.as_text() && *constant.as_text() != *text) push_new(out, constant);
-    out.emplace_back(*text + "?");  // none of those
+    out.emplace_back(*text + "?");  // an answer that matches none of the constants
   }
   return out;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// Values that the names of a program may come to have, for one that is only rehearsed.
+/// Values that a program's names may take, used to explore a program in a rehearsal.
 #include <functional>
 #include <map>
 #include <string>
@@ -12,20 +12,20 @@
 
 namespace polyarm::cell {
 
-/// Collected from what programs compare names with, divide by and set them to. Any one thread.
+/// Values collected from the program's comparisons, divisors and assignments. Use from one thread at a time.
 class PossibleValues {
  public:
-  /// The present value of a name of the cell; null: there is none.
+  /// The present value of one of the cell's names; null if there is no such name.
   using Find = std::function<const data::Value*(const std::string&)>;
 
-  /// `others`: a program beside it that sets its names; null: none.
+  /// `others` is a program that runs in parallel and sets the same names; null if there is none.
   PossibleValues(const program::Program& program, const program::Program* others, const Find& find);
-  /// Values to try instead of `now`, the likeliest first. Of a number those around what it is compared with,
-  /// so that each comparison is true for one of them and false for another.
+  /// Values to try instead of `now`, most likely first. For a number: values around those that it is compared
+  /// with, so each comparison is true for one of them and false for another.
   std::vector<data::Value> instead_of(const std::string& name, const data::Value& now) const;
-  /// The same of an answer, which is called by answer_name(): nothing where no condition depends on it.
+  /// The same for an answer, named by answer_name(). Empty if no condition depends on the answer.
   std::vector<data::Value> other_answers(const std::string& name, const data::Value& usual) const;
-  /// The names of the cell that conditions of branches and loops depend on, and divisors, in this order.
+  /// The cell's names that conditions of branches and loops depend on, then those used in divisors.
   const std::vector<std::string>& deciding() const { return deciding_; }
 
  private:
@@ -42,15 +42,15 @@ class PossibleValues {
 
 using NamedValue = std::pair<std::string, data::Value>;
 
-/// Offers values for the names that a wait reads: one name after the other, so that a wait for one of two
-/// signals sees one of them, then two at a time. Any one thread.
+/// Offers values for the names that a wait reads. First one name at a time, so a wait for one of two signals
+/// sees a single change; then two at a time. Use from one thread at a time.
 class Prompter {
  public:
   explicit Prompter(const PossibleValues& values) : values_(values) {}
-  /// What to set next at `where`, which waits for these names with their present values; null: everything was
-  /// tried.
+  /// The values to set next for the wait at `where`. `names` are the names that it reads with their present
+  /// values. Null when everything was tried.
   const std::vector<NamedValue>* next(const Location& where, const std::vector<NamedValue>& names);
-  /// The program went on: waits that it comes to again begin with the first offer.
+  /// Call when the program continues: later waits then start with the first offer again.
   void went_on() { waits_.clear(); }
 
  private:
@@ -61,7 +61,7 @@ class Prompter {
   std::vector<std::vector<NamedValue>> offers_for(const std::vector<NamedValue>& names) const;
 
   const PossibleValues& values_;
-  std::map<std::string, Wait> waits_;  ///< by place
+  std::map<std::string, Wait> waits_;  ///< by location
 };
 
 }  // namespace polyarm::cell

@@ -22,20 +22,21 @@ namespace polyarm::cell {
 namespace {
 
 constexpr int kMostSteps = 20000;
-constexpr int kStatements = 50;       // at a time
+constexpr int kStatements = 50;       // per step
 constexpr int kEndlessSteps = 10000;  // without a wait or a move
-constexpr int kMostStalls = 100;      // without a statement begun
+constexpr int kMostStalls = 100;      // steps in which no statement began
 constexpr std::uint64_t kPasses = 2;
-constexpr std::uint64_t kCountedPasses = 50;  // of a loop whose condition compares
-constexpr std::size_t kMostVariants = 40;     // of what decides about branches
+constexpr std::uint64_t kCountedPasses = 50;  // for a loop whose condition compares
+constexpr std::size_t kMostVariants = 40;     // supposed values that decide branches
 
-/// Ends waits. One thing at a time, so that what waits for one of two sees one of them.
+/// Ends waits by setting values. Changes one value at a time, so a wait for one of two signals sees a single
+/// change.
 class Helper {
  public:
-  /// `late`: the place of a wait that always times out; empty: each comes to what it waits for.
+  /// `late` is the location of a wait that always times out; empty if all waits succeed.
   Helper(Stage& stage, const PossibleValues& values, std::string late)
       : stage_(stage), prompter_(values), late_(std::move(late)) {}
-  /// False where nothing helps.
+  /// False if no value ends the wait.
   bool help(const std::vector<program::TaskStatus>& tasks) {
     for (const program::TaskStatus& task : tasks) {
       if (task.state != program::TaskState::waiting) continue;
@@ -78,7 +79,7 @@ bool compares(const program::Expression& e) {
          std::any_of(e.parts.begin(), e.parts.end(), [](const auto& part) { return compares(*part); });
 }
 
-/// Nothing in it waits, moves, asks or calls a function that may.
+/// True if the block does not wait, move, ask or call a function that may do so.
 bool only_calculates(const program::Block& block) {
   using Kind = program::Statement::Kind;
   bool out = true;
@@ -94,8 +95,9 @@ bool only_calculates(const program::Block& block) {
   return out;
 }
 
-/// A loop that counts goes on to its end; one that goes on while a name is true is passed twice. One that only
-/// calculates is followed until it counts as endless.
+/// Number of passes of the main loop to follow: kCountedPasses if its condition compares, because it may
+/// count to an end; otherwise kPasses. A comparing loop that only calculates has no limit here, until it
+/// counts as endless.
 std::uint64_t passes_of(const program::Program& program) {
   for (const program::Statement& s : program.statements) {
     if (s.kind != program::Statement::Kind::while_loop || !s.expression || !compares(*s.expression)) continue;
@@ -108,7 +110,7 @@ void go_through(Stage& stage, const std::shared_ptr<program::Compiled>& compiled
                 const PossibleValues& values, const Supposition& supposed) {
   program::Interpreter interpreter(compiled, stage);
   stage.attend(&interpreter);
-  // A loop does not count to its end where a name keeps its value.
+  // A counting loop may never end if one name is kept constant; then only kPasses are followed.
   const std::uint64_t passes = supposed.kept ? kPasses : passes_of(compiled->program);
   interpreter.limit_passes(passes);
   Helper helper(stage, values, supposed.late);
@@ -135,12 +137,12 @@ void go_through(Stage& stage, const std::shared_ptr<program::Compiled>& compiled
   stage.start_arrival({});
 }
 
-/// A program, and what runs beside it.
+/// A program, and the program that runs in parallel.
 struct Subject {
   CellInside& cell;
   Task& task;
-  const Task* other;    ///< null: none
-  ProgramMoves* moves;  ///< null: it moves nothing
+  const Task* other;    ///< null if there is none
+  ProgramMoves* moves;  ///< null if the program moves nothing
 
   const std::shared_ptr<program::Compiled>& compiled() const { return task.interpreter().compiled(); }
   const program::Program* others() const { return other ? &other->interpreter().program() : nullptr; }
@@ -151,21 +153,22 @@ struct Pass {
   std::map<std::string, Question> questions;
 };
 
-/// Once, with values that end its waits.
+/// One pass through the program, with values that end its waits.
 Pass go_once(const Subject& subject, const PossibleValues& values, const Supposition& supposed,
              bool with_paths) {
   Stage stage(subject.cell, subject.compiled()->program, subject.others(), subject.moves, with_paths);
   stage.suppose(supposed);
   try {
     go_through(stage, subject.compiled(), values, supposed);
-  } catch (const Error&) {  // what else is wrong with it others tell
+  } catch (const Error&) {  // other errors are reported elsewhere
   }
   Pass out{{}, stage.questions()};
   out.found = stage.take_result();
   return out;
 }
 
-/// Names of the cell that may come to have any value: what sets them is no program, or calculates.
+/// The cell's names that may take any value, because no program sets them or because a program calculates
+/// them.
 std::set<std::string> names_with_any_value(const Subject& subject) {
   std::set<std::string> out = open_names(subject.cell.data, nullptr);
   if (!subject.others()) return out;
@@ -177,8 +180,8 @@ std::set<std::string> names_with_any_value(const Subject& subject) {
   return out;
 }
 
-/// What leads to other branches, in groups of which each is about one thing: values of names that others set,
-/// and of tags that nobody sets but a person; each wait that may time out; each `try` that may fail.
+/// Suppositions that lead to other branches, one group per cause: values of names that others set, tags that
+/// only a person sets, each wait that may time out, each `try` that may fail.
 std::vector<std::vector<Supposition>> groups_of_suppositions(const Subject& subject,
                                                              const PossibleValues& values) {
   const program::Program& program = subject.compiled()->program;
@@ -205,7 +208,8 @@ std::vector<std::vector<Supposition>> groups_of_suppositions(const Subject& subj
   return out;
 }
 
-/// The first of each group, then the second of each …, so that a bound leaves out the least likely.
+/// Takes the first of each group, then the second of each, and so on, so a limit leaves out the least likely
+/// ones.
 std::vector<Supposition> in_turn(std::vector<std::vector<Supposition>> groups) {
   std::vector<Supposition> out;
   for (std::size_t i = 0, more = 1; more > 0; ++i) {
@@ -216,7 +220,7 @@ std::vector<Supposition> in_turn(std::vector<std::vector<Supposition>> groups) {
   return out;
 }
 
-/// Goes through a program again and again, and looks at branches that the present values do not lead to.
+/// Runs the program repeatedly and explores branches that the present values do not reach.
 class Explorer {
  public:
   explicit Explorer(const Subject& subject)
@@ -245,7 +249,7 @@ class Explorer {
   }
 
  private:
-  /// Other answers than those that Enter gives, to questions that were not asked before.
+  /// Adds answers other than Enter's default, for questions not seen before.
   void add_answers(const std::map<std::string, Question>& questions) {
     std::vector<std::vector<Supposition>> groups;
     for (const auto& [name, question] : questions) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Looks along the moves of a program before anything moves.
+/// Plans the moves of a program before anything moves, and reports those that cannot be made.
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -11,34 +11,34 @@ namespace polyarm::cell {
 
 struct CellInside;
 
-/// The way of the TCP in one motion from rest to rest, in the world.
+/// Path of the TCP in one motion from rest to rest, world frame.
 struct RehearsedPath {
   std::string robot;
-  Location where;         ///< of its first move
-  double seconds = 0;     ///< it takes
-  std::vector<Vec3> tcp;  ///< m, from its start to its end
+  Location where;         ///< of the first move
+  double seconds = 0;     ///< duration
+  std::vector<Vec3> tcp;  ///< positions from start to end, m
 };
 
 struct Rehearsal {
-  Problems problems;      ///< of moves that cannot be made, each at its line
-  std::size_t moves = 0;  ///< that were planned
-  Location reached;       ///< where the program could not be followed any further; empty: to its end
-  std::vector<RehearsedPath> paths;  ///< where they were asked for
-  std::size_t variants = 0;          ///< of values, answers, time-outs and errors that were tried
-  std::size_t left_out = 0;          ///< others that were not tried, because they were too many
+  Problems problems;      ///< of moves that cannot be made, each with its line
+  std::size_t moves = 0;  ///< number of planned moves
+  Location reached;       ///< where the program could not be followed further; empty: followed to the end
+  std::vector<RehearsedPath> paths;  ///< filled only if paths were requested
+  std::size_t variants = 0;          ///< number of values, answers, timeouts and errors tried
+  std::size_t left_out = 0;          ///< number not tried because of the limit
 };
 
-/// Goes through the program of a cell that has not begun, without time and robots. Moves are planned one
-/// after the other, each from the end of the one before, and count as made. Loops of the program are passed
-/// twice. Values that end them are set for waits; the cell has its own values again afterwards. Then it goes
-/// through again, a bounded number of times: with other values of names that others set, with other answers
-/// to questions, with waits that time out, and with errors in each `try`. Cell thread.
+/// Rehearses the program of a cell that has not started; needs no time and no robots. Each move is planned
+/// from the end of the move before and counts as made. The main loop is passed twice, or more often if its
+/// condition compares. Waits are ended by setting values; afterwards the cell's values are restored. Then the
+/// rehearsal repeats, a bounded number of times, with other values of names that others set, other answers to
+/// questions, waits that time out, and errors in each `try`. Cell thread.
 ///
-/// A problem behind such a wait is an error if it is there whatever the wait brings: neither the values of
-/// the line nor the place where its move begins depend on what others set. Else it is a warning.
-/// `with_paths`: the ways are kept, too.
+/// A problem after such a wait is an error if it occurs for every outcome of the wait: neither the values of
+/// its line nor the start of its move depend on what others set. Otherwise it is a warning. `with_paths` also
+/// keeps the TCP paths.
 Rehearsal rehearse(CellInside& cell, bool with_paths = false);
-/// The same with the script of the PLC, which moves nothing.
+/// The same for the PLC script, which moves nothing.
 Rehearsal rehearse_plc(CellInside& cell);
 
 }  // namespace polyarm::cell

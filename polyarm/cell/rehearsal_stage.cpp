@@ -17,7 +17,7 @@ namespace polyarm::cell {
 namespace {
 constexpr int kPathSamples = 40;
 
-/// Of the TCP along a motion, at equal times.
+/// Positions of the TCP along a motion, at equal time steps, m.
 std::vector<Vec3> places_of(const moves::RobotFacts& facts, const moves::PlannedMotion& motion) {
   std::vector<Vec3> out;
   std::vector<double> q(facts.chain.joints());
@@ -29,7 +29,7 @@ std::vector<Vec3> places_of(const moves::RobotFacts& facts, const moves::Planned
   return out;
 }
 
-/// Of the TCP's way, m.
+/// Length of the TCP's path, m.
 double length_of(const moves::RobotFacts& facts, const moves::PlannedMotion& motion) {
   const std::vector<Vec3> places = places_of(facts, motion);
   double out = 0;
@@ -110,7 +110,7 @@ program::Handle Stage::start_ask(const std::string& text, const Location& where)
   return 1;
 }
 
-/// Enter, unless another answer to this question is supposed.
+/// The answer to the last question: Enter's default unless another answer is supposed.
 std::string Stage::answer(const data::Value& usual) const {
   questions_.try_emplace(asked_, Question{asked_text_, usual});
   if (!supposed_.answer || supposed_.answer->first != asked_) return {};
@@ -121,7 +121,7 @@ std::string Stage::answer(const data::Value& usual) const {
   return value.text();
 }
 
-/// Once, in the `try` that is supposed to fail.
+/// Raises the supposed error once, in the `try` that is supposed to fail.
 void Stage::fail_as_supposed(const Location& where) {
   if (supposed_.fails.empty() || has_failed_ || !interpreter_) return;
   const std::optional<Location> handler = interpreter_->handler();
@@ -187,8 +187,8 @@ void Stage::tell_failure(const program::TaskStatus& status) {
   out_.problems.add(std::move(problem));
 }
 
-/// By a `raise` that nothing which others set leads to. An `expect`, and the `else` of an `until`, depend on what a
-/// rehearsal does not have.
+/// True for an error from a `raise` that does not depend on what others set. `expect` and the `else` of an
+/// `until` depend on measurements, which a rehearsal does not have.
 bool Stage::is_raised_in_every_run(const Problem& problem) const {
   if (problem.code != "user" || supposes() || supposed_.kept || !supposed_.late.empty()) return false;
   bool measures = false;
@@ -206,7 +206,7 @@ void Stage::tell_endless(const Location& where, int statements) {
                         "a loop that waits for something needs `wait CONDITION`, or `wait 10ms`");
 }
 
-/// Where a move leads that says by how much.
+/// Converts a relative move into an absolute one.
 program::Move Stage::from_now(const program::Move& move) {
   arrive();
   data::Point place = *here(move.robot, move.tool, move.frame_pose ? std::string{} : move.frame).as_point();
@@ -214,7 +214,7 @@ program::Move Stage::from_now(const program::Move& move) {
   const auto named = [&](const Arm& arm) {
     return move.robot.empty() || arm.robot->entry.name == move.robot;
   };
-  const auto arm = std::find_if(arms_.begin(), arms_.end(), named);  // here() has found it
+  const auto arm = std::find_if(arms_.begin(), arms_.end(), named);  // always found: here() has checked it
   return from_here(move, place, *arm->robot, arm->at);
 }
 
@@ -227,7 +227,7 @@ void Stage::have_arrived() {
   for (Arm& arm : arms_) arm.busy = false;
 }
 
-/// A frame on a robot that has moves to do is an error, as in a run.
+/// As in a run, a frame on a robot with pending moves is an error.
 ProgramMoves::Prepared Stage::prepare(const program::Move& move, const Location& where) {
   const program::Move absolute = is_relative(move) ? from_now(move) : move;
   moves_->set_busy([this](std::size_t arm) { return arms_[arm].busy; });
@@ -284,7 +284,7 @@ void Stage::plan(Arm& arm) {
   }
 }
 
-/// What a move sets on its way, by length or time, is set between its ends.
+/// Applies what a move sets on its way, by length or time, at its place between the ends.
 void Stage::check_on_the_way(const Arm& arm, const moves::RobotFacts& facts,
                              const moves::PlannedMotion& motion) {
   const Asked& asked = arm.waiting[motion.first].second;
@@ -314,7 +314,7 @@ void Stage::keep_paths(const Arm& arm, const moves::RobotFacts& facts, const mov
                           motion.path.duration(), places_of(facts, motion)});
 }
 
-/// The first `count` of those that wait.
+/// Records the first `count` waiting moves as made.
 void Stage::note_made(Arm& arm, std::size_t count) {
   const auto end = std::next(arm.waiting.begin(), static_cast<std::ptrdiff_t>(count));
   for (auto at = arm.waiting.begin(); at != end; ++at)
@@ -322,18 +322,18 @@ void Stage::note_made(Arm& arm, std::size_t count) {
   arm.waiting.erase(arm.waiting.begin(), end);
 }
 
-/// Where the robot is after the first `count` of the moves that wait.
+/// Joints after the first `count` waiting moves.
 std::vector<double> Stage::end_of(const Arm& arm, std::size_t count) {
   std::vector<double> out = arm.at;
   try {
     for (std::size_t i = 0; i < count; ++i) out = joints_at(arm, arm.waiting[i].first.end(), out);
-  } catch (const Error&) {  // about there
+  } catch (const Error&) {  // use the last reachable end
   }
   return out;
 }
 
-/// A move fails, and the program catches the error: the robot is at the end of the move before it, and what
-/// is queued behind it is discarded.
+/// A move fails and the program catches the error: the robot stays at the end of the move before it, and the
+/// queued moves are discarded.
 void Stage::stay(Arm& arm, std::vector<double> at) {
   arm.at = std::move(at);
   tell_where(arm);
@@ -341,7 +341,7 @@ void Stage::stay(Arm& arm, std::vector<double> at) {
   arm.waiting.clear();
 }
 
-/// After a move that cannot be made: as if it had arrived some other way, if its end can be reached at all.
+/// After a move that cannot be made: continue from its end, if that end can be reached at all.
 void Stage::find_again(Arm& arm) {
   const auto [move, asked] = std::move(arm.waiting.front());
   arm.waiting.erase(arm.waiting.begin());
@@ -350,7 +350,7 @@ void Stage::find_again(Arm& arm) {
     arm.at = joints_at(arm, move.end(), arm.at);
     arm.lost = false;
     tell_where(arm);
-  } catch (const Error&) {  // from the next that can
+  } catch (const Error&) {  // continue with the next move that can be reached
   }
 }
 
@@ -363,7 +363,7 @@ std::vector<double> Stage::joints_at(const Arm& arm, const moves::MoveTarget& en
   return *joints;
 }
 
-/// The end of the move cannot be reached, wherever it begins.
+/// True if the end of the move cannot be reached from any start.
 bool Stage::is_out_of_reach(const Arm& arm, const moves::Move& move) {
   try {
     joints_at(arm, move.end(), arm.robot->facts->home);
@@ -373,7 +373,7 @@ bool Stage::is_out_of_reach(const Arm& arm, const moves::Move& move) {
   }
 }
 
-/// The move at `where` begins where this one does in every run that comes there.
+/// True if the move at `where` begins at the same place in every run that reaches it.
 bool Stage::start_known(const Arm& arm, Location where) const {
   for (auto went = arm.went.rbegin(); went != arm.went.rend(); ++went) {
     const Location& from = went->asked.where;
@@ -388,7 +388,7 @@ bool Stage::values_known(const Asked& asked) const {
   return here_known_ && certainty().values_known(asked.calls);
 }
 
-/// The calls that lead to this line, and the line; of the task that is in it.
+/// The calls that lead to this line, then the line itself, for the task that executes it.
 std::vector<Location> Stage::calls_at(const Location& where) const {
   for (const program::TaskStatus& task : interpreter_->status()) {
     std::vector<Location> calls = interpreter_->calls(task.name);
@@ -408,13 +408,13 @@ const program::Certainty& Stage::certainty() const {
   return *certainty_;
 }
 
-/// What hangs on the robot goes with it.
+/// Updates the planned joints, so parts attached to the robot move with it.
 void Stage::tell_where(const Arm& arm) {
   const auto index = static_cast<std::size_t>(&arm - arms_.data());
   if (cell_.motions->motion(index)) cell_.motions->motion(index)->set_planned(arm.at);
 }
 
-/// Of a move. `known`: it cannot be made in any run that comes there.
+/// Reports a problem of a move. `known`: the move fails in every run that reaches it.
 void Stage::tell(Problem problem, const Asked& asked, bool known) {
   if (problem.where.file.empty()) problem.where = asked.where;
   const bool is_caught = asked.handler && problem.severity == Severity::error;
@@ -429,7 +429,7 @@ void Stage::tell(Problem problem, const Asked& asked, bool known) {
     out_.problems.add(std::move(problem));
 }
 
-/// True if the program has failed with an error that it had caught before: no handler solves it.
+/// True if the program fails with an error that it caught before and raised again unhandled.
 bool Stage::tell_passed_on(const Problem& problem) {
   const auto at = std::find_if(caught_.begin(), caught_.end(), [&](const Caught& caught) {
     return caught.problem.where.line == problem.where.line &&

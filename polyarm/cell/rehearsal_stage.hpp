@@ -1,5 +1,5 @@
 #pragma once
-/// What a program that is rehearsed takes for its cell; for the rehearsal's own files.
+/// The simulated host of a program in a rehearsal. Private to the rehearsal's files.
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,67 +16,68 @@
 
 namespace polyarm::cell {
 
-/// A line of the program, with the calls of functions that lead to it.
+/// A program line that requests something, with the function calls that lead to it.
 struct Asked {
   Location where;
   std::vector<Location> calls;
-  std::string called;               ///< the same for messages
-  std::optional<Location> handler;  ///< the `on error` that catches an error of this line
+  std::string called;               ///< the calls as text, for messages
+  std::optional<Location> handler;  ///< the `on error` that catches errors of this line
 };
 
-/// What one pass through the program supposes.
+/// Assumptions of one pass through the program.
 struct Supposition {
-  std::optional<NamedValue> kept = {};    ///< a name that has one value all the time
-  bool only_tried = false;                ///< nobody has said that it has this value
-  std::optional<NamedValue> answer = {};  ///< to a question, by answer_name()
-  std::string late = {};                  ///< the place of a wait that times out
-  std::string fails = {};                 ///< the place of an `on error`: something before it fails once
+  std::optional<NamedValue> kept = {};    ///< a name that keeps one value during the pass
+  bool only_tried = false;                ///< the value is only a guess; nothing in the cell states it
+  std::optional<NamedValue> answer = {};  ///< answer to a question, by answer_name()
+  std::string late = {};                  ///< location of a wait that times out
+  std::string fails = {};                 ///< location of an `on error`; something before it fails once
 };
 
-/// A question that the program has asked.
+/// A question asked by the program.
 struct Question {
   std::string text;
   data::Value usual;  ///< the answer that Enter gives
 };
 
-/// Plans the moves that the program asks for, keeps the values that it sets, and knows which of them others
-/// may change. Cell thread.
+/// Plans the program's moves, keeps the values that it sets, and tracks which values others may change. Cell
+/// thread.
 class Stage : public program::Host {
  public:
   static constexpr std::size_t kMostMoves = 500;
 
-  /// `others`: a program that runs beside it; null: none. `moves`: null where it moves nothing.
+  /// `others` is a program that runs in parallel; null if there is none. `moves` is null if the program moves
+  /// nothing.
   Stage(CellInside& cell, const program::Program& program, const program::Program* others,
         ProgramMoves* moves, bool with_paths);
-  /// The cell has the values that it had before.
+  /// Restores the cell's values.
   ~Stage() override;
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
 
-  /// The interpreter that goes through the program. It outlives the going.
+  /// Sets the interpreter that runs the program. It must outlive the pass.
   void attend(const program::Interpreter* interpreter) { interpreter_ = interpreter; }
-  /// Before the program begins.
+  /// Call before the program begins.
   void suppose(const Supposition& supposed);
   void wait_until(Nanoseconds time);
-  /// Sets a name to what ends a wait. In the cell others do that, or do not, and later it has any value.
+  /// Sets a name to a value that ends a wait. In the real cell others may or may not do that, so the name
+  /// counts as unknown from then on.
   void help(const std::string& name, const data::Value& value);
-  /// The program has failed with the values that there are. Where it reads what others may have changed by
-  /// then, this is a warning; what the program raises
-  /// itself is an error if every run raises it.
+  /// Reports that the program failed with the present values. If the line reads values that others may have
+  /// changed, this is a warning; an error from `raise` stays an error if every run raises it.
   void tell_failure(const program::TaskStatus& status);
-  /// The program neither waits nor moves in this line, for so many statements.
+  /// Reports that the program neither waited nor moved at this line for `statements` statements.
   void tell_endless(const Location& where, int statements);
-  /// Grows with every wait and every move.
+  /// Number of waits and moves so far.
   std::uint64_t events() const { return events_; }
   bool enough() const { return out_.moves >= kMostMoves; }
-  /// The program could not be followed any further.
+  /// Records where the program could not be followed further.
   void tell_reached(const Location& where) { out_.reached = where; }
-  /// What was found, at the end.
+  /// The findings; call once, at the end.
   Rehearsal take_result();
-  /// That were asked, by answer_name().
+  /// The questions asked so far, by answer_name().
   const std::map<std::string, Question>& questions() const { return questions_; }
 
-  // As of program::Host.
+  // program::Host.
   const data::Value* find(std::string_view name) const override;
   std::vector<std::string> names() const override;
   void set(const std::string& name, data::Value value, const Location& where) override;
@@ -99,20 +100,20 @@ class Stage : public program::Host {
   void log(const std::string&, const Location&) override {}
 
  private:
-  /// A move that was made.
+  /// A move that counts as made.
   struct Went {
     Asked asked;
-    bool to_joints = false;  ///< it ended at a joint state, wherever it came from
-    bool guessed = false;    ///< it cannot be made, and counts as if it had been
+    bool to_joints = false;  ///< it ends at a joint state, independent of its start
+    bool guessed = false;    ///< it cannot be made, but counts as made
   };
   struct Arm {
     const CellRobot* robot;
-    std::vector<double> at;  ///< after all moves planned so far
+    std::vector<double> at;  ///< joints after all moves planned so far
     std::vector<std::pair<moves::Move, Asked>> waiting;
     std::shared_ptr<const moves::RobotFacts> with;
-    bool lost;               ///< nobody knows where it is
-    bool busy = false;       ///< the program has not waited for its latest move to arrive
-    std::vector<Went> went;  ///< every move that it has made
+    bool lost;               ///< its position is unknown
+    bool busy = false;       ///< the program has not waited for its latest move
+    std::vector<Went> went;  ///< all moves made so far
   };
 
   program::Move from_now(const program::Move& move);
@@ -120,7 +121,7 @@ class Stage : public program::Host {
   void have_arrived();
   ProgramMoves::Prepared prepare(const program::Move& move, const Location& where);
   bool is_raised_in_every_run(const Problem& problem) const;
-  /// An error that an `on error` of the program catches, and its message.
+  /// An error that an `on error` of the program catches, with its message.
   struct Caught {
     Problem problem;
     std::string raised;  ///< the text that the program sees
@@ -160,16 +161,16 @@ class Stage : public program::Host {
   std::set<std::string> helped_;  ///< names that were set to end a wait
   std::map<std::string, data::Value> before_;
   Supposition supposed_;
-  bool has_failed_ = false;         ///< as supposed
-  std::optional<Problem> pending_;  ///< an error of a move, for the program to catch
+  bool has_failed_ = false;         ///< the supposed error was raised
+  std::optional<Problem> pending_;  ///< an error of a move, to be raised in the program
   std::vector<Caught> caught_;
   mutable std::map<std::string, Question> questions_;
   std::string asked_, asked_text_;  ///< the last question
   bool with_paths_ = false;
-  mutable bool here_known_ = true;  ///< each here() was where the robot is in every run
+  mutable bool here_known_ = true;  ///< false if a here() returned a position that may differ between runs
   mutable std::optional<program::Certainty> certainty_;
   std::set<std::pair<std::string, std::string>> told_;
-  mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< of points that name a frame
+  mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< points that name a frame
   Rehearsal out_;
 };
 

@@ -1,4 +1,5 @@
-/// Requests about a program or cell without running it, and about the cells that can be opened.
+/// Requests that check or rehearse a program or cell without running it, and requests about cells that can be
+/// opened.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -30,7 +31,7 @@ namespace {
 
 using namespace protocol;
 
-/// Requests about other cells read these.
+/// The parts of the cell that these handlers read.
 struct CellsOwners {
   const CellSetup& setup;
   Worker& worker;
@@ -38,7 +39,7 @@ struct CellsOwners {
 
 constexpr std::size_t kMostBytes = 500'000'000;
 
-/// A folder for this alone, which goes when nobody needs it any more.
+/// A temporary folder, removed when the last user releases it.
 class Scratch {
  public:
   Scratch() {
@@ -60,8 +61,8 @@ class Scratch {
   const std::shared_ptr<ReachGrant> grant_ = reach().grant();
 };
 
-/// One job at a time beside everything else: it may take seconds, for which the cell's worker has no time.
-/// The process does not end before it has come back.
+/// A background thread that runs one long job at a time, because a job of seconds would block the cell's
+/// worker. The process waits for the running job at exit.
 class Aside {
  public:
   static Aside& only() {
@@ -85,7 +86,7 @@ class Aside {
   std::jthread thread_;
 };
 
-/// Answers with what `job` returns, which must not touch the cell.
+/// Runs `job` in the background and answers with its result. The job must not touch the cell.
 template <class Job>
 auto aside(Job job) {
   auto sent = errand(std::move(job), [](auto& result) { return std::move(result); });
@@ -93,7 +94,7 @@ auto aside(Job job) {
   return std::move(sent.done);
 }
 
-/// Paths as the user knows them: relative to the folder that they lie in.
+/// Path as the user knows it: relative to the cell's folder.
 std::string shown(const std::string& file, const fs::path& folder) {
   const fs::path relative = fs::path(file).lexically_relative(folder);
   return relative.empty() || *relative.begin() == ".." ? file : relative.string();
@@ -107,7 +108,7 @@ std::vector<Finding> findings_in(const std::vector<Problem>& problems, const fs:
   return out;
 }
 
-/// Listens to nothing.
+/// An observer that ignores all events.
 class Silence : public Observer {};
 
 std::vector<RehearsedWay> ways_of(const std::vector<RehearsedPath>& paths) {
@@ -116,10 +117,11 @@ std::vector<RehearsedWay> ways_of(const std::vector<RehearsedPath>& paths) {
   return out;
 }
 
-/// The program's text in a folder of its own, with the scripts beside it that it may include.
+/// Writes the program's text into a folder of its own, together with the scripts beside it that it may
+/// include.
 fs::path stage_program(const fs::path& original, const std::string& text, const fs::path& to) {
   std::error_code error;
-  Problems left_out;  // links that lead outside the cell: a program that includes them says so
+  Problems left_out;  // links that lead outside the cell: a program that includes them reports the error
   for (const auto& entry : fs::directory_iterator(original.parent_path(), error))
     if (entry.is_regular_file(error) && lower(entry.path().extension().string()) == ".script")
       collect(left_out, [&] {
@@ -130,7 +132,7 @@ fs::path stage_program(const fs::path& original, const std::string& text, const 
   return staged;
 }
 
-/// Keeps the contacts that are reported.
+/// Collects the reported contacts.
 struct ContactList : Observer {
   std::vector<Problem> found;
   void on_problem(Nanoseconds, const Problem& problem) override {
@@ -138,7 +140,8 @@ struct ContactList : Observer {
   }
 };
 
-/// What the program touches when physics plays it, in a bounded time: a person waits for the answer.
+/// Adds the contacts of the program from a physics run. Its time is limited because a person waits for the
+/// answer.
 void add_contacts(const CellFile& file, const description::Catalogue& catalogue, const fs::path& folder,
                   const fs::path& state, ProgramDry::Answer& out) {
   constexpr Nanoseconds kMost = 120'000'000'000, kPatience = 20'000'000'000;
@@ -221,7 +224,7 @@ fs::path new_project(const std::string& name) {
   return folder;
 }
 
-/// Everything but what is hidden, and links.
+/// Copies everything except hidden files and links.
 void copy_project(const fs::path& from, const fs::path& to) {
   std::uintmax_t bytes = 0;
   fs::create_directory(to);
@@ -240,7 +243,7 @@ void copy_project(const fs::path& from, const fs::path& to) {
   }
 }
 
-/// Made beside its place and moved there when it is whole.
+/// Builds the project in a temporary folder beside its final place, then renames it when complete.
 NameAndFolder make_project(const std::string& name, const std::function<void(const fs::path&)>& fill) {
   const AsUser user;
   const fs::path folder = new_project(name);
@@ -314,7 +317,7 @@ Poll<NameAndFolder> cell_save_as(const CellsOwners& cell, const CellSaveAs& requ
 
 Poll<NameAndFolder> cell_new(const CellsOwners& cell, const CellNew& request) {
   return later(cell.worker, [name = request.name, robot = request.robot, catalogue = cell.setup.catalogue] {
-    catalogue.load(robot);  // throws where there is none
+    catalogue.load(robot);  // throws if there is no such robot
     return make_project(name, [&](const fs::path& to) { write_new_cell(to, robot); });
   });
 }

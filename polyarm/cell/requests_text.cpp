@@ -1,5 +1,5 @@
-/// Requests about the text of programs: what is wrong with it, its statements as a list, what it may say, and
-/// building the cell anew.
+/// Requests about the text of programs: check it, list its statements, list the words and names that it may
+/// use, and rebuild the cell.
 #include <algorithm>
 #include <map>
 
@@ -24,7 +24,7 @@ namespace {
 
 using namespace protocol;
 
-/// Requests about the text of programs read these.
+/// The parts of the cell that these handlers read.
 struct TextOwners {
   const CellSetup& setup;
   const CellData& data;
@@ -44,7 +44,7 @@ std::vector<Finding> findings_of(const Problems& problems) {
   return out;
 }
 
-/// The text that a request is about, and the file that it is or will be.
+/// The text of a request, and the file that it belongs to or will be saved to.
 struct Source {
   std::filesystem::path file;
   std::optional<std::string> text;
@@ -57,14 +57,14 @@ Source source_of(const TextOwners& cell, const std::string& name, const std::opt
   return out;
 }
 
-/// Names of data that the program loads and the cell may not have loaded.
+/// Adds the names of data files that the program loads but the cell may not have loaded.
 void add_loaded(const Program& program, program::KnownNames& known) {
   for (const Statement* load : program::loads(program)) try {
       const data::LoadedFiles files =
           data::load_files(load->name, *known.folder, program.at(load->name_place));
       known.add(files.data.values());
       for (const data::ImportFile& points : files.points) known.add(points.values());
-    } catch (const Error&) {  // the checker says what is wrong with the load
+    } catch (const Error&) {  // the checker reports what is wrong with the load
     }
 }
 
@@ -77,7 +77,7 @@ const char* kind_name(const Statement& statement) {
   return kKinds[static_cast<std::size_t>(statement.kind)];
 }
 
-/// Walks through the statements of the file itself, not of what it includes.
+/// Lists the statements of the file itself, without included files.
 class Steps {
  public:
   explicit Steps(const Program& program) : program_(program) {}
@@ -113,14 +113,15 @@ class Steps {
   void add(const char* kind, int line, int depth, const std::string& name) {
     out_.push_back({kind, line, line, depth, program_.source({line, 1, 0}), name, {}});
   }
-  /// Every step ends with its statement, or where its block is closed or goes on with another branch.
+  /// Sets each step's last line: the end of its statement, or the line that closes its block or begins
+  /// another branch.
   void close() {
     std::stable_sort(out_.begin(), out_.end(),
                      [](const StatementFacts& a, const StatementFacts& b) { return a.line < b.line; });
     std::map<int, std::size_t> at;  // step by line
     for (std::size_t i = 0; i < out_.size(); ++i) at.try_emplace(out_[i].line, i);
     std::vector<std::optional<std::size_t>> open;
-    int before = 0;  // last line of the statement before
+    int before = 0;  // last line of the previous statement
     for (const program::SourceLine& line : program::read_source(program_.lines)) {
       const auto found = at.find(line.place.line);
       const auto step = found == at.end() ? std::nullopt : std::optional(found->second);

@@ -31,15 +31,15 @@ namespace {
 std::atomic<control::Supervisor*> running_supervisor{nullptr};
 std::atomic<int> stops_asked{0};
 
-/// The loop is silent when no cycle has ended for this long.
+/// The loop counts as hung if no cycle has ended for this long.
 constexpr Nanoseconds kLoopSilence = 200'000'000;
-/// Between two ticks, what has come in is looked at so often at most: a flood waits for the tick.
+/// Between two ticks, incoming requests are handled at most this often; a flood waits for the tick.
 constexpr int kMostBetween = 16;
-/// In lock-step, where nobody can resume it, a cell that is held ends after this time of its own.
+/// In lock-step nobody can resume a held cell, so the run ends after this cell time.
 constexpr Nanoseconds kHeldPatience = 10'000'000'000;
 
-/// A loop that does nothing, beside the real one and under its conditions (but for the processor, which two
-/// would share): what the machine itself is late.
+/// An empty loop that runs in parallel to the real one with the same settings, except for the CPU pinning. It
+/// measures how late the machine itself is.
 class EmptyLoop {
  public:
   EmptyLoop(Nanoseconds period, realtime::ThreadOptions thread)
@@ -63,7 +63,7 @@ class EmptyLoop {
   std::thread thread_;
 };
 
-/// Lines that a person types, without ever waiting for them.
+/// Reads typed lines without blocking.
 class Console {
  public:
   explicit Console(bool on) : on_(on) {}
@@ -90,7 +90,7 @@ class Console {
   std::string buffer_;
 };
 
-/// The thread of the loop. It keeps what it needs beside the cell, so that a run can end without it.
+/// The thread of the loop. Its shared state is separate from the cell, so a run can end without the thread.
 class ControlThread {
  public:
   ControlThread(control::ControlLoop& loop, realtime::ThreadOptions options)
@@ -109,9 +109,9 @@ class ControlThread {
   ~ControlThread() {
     if (thread_.joinable()) thread_.detach();
   }
-  /// Bits of what the machine did not permit, once.
+  /// Bits of the options that the machine refused; reset by the call.
   unsigned refused() { return shared_->refused.exchange(0, std::memory_order_acquire); }
-  /// False: it has not come back within `patience` ns, and goes on whenever it does.
+  /// False if the thread has not ended within `patience` ns; it then continues until it does.
   bool end(Nanoseconds patience) {
     shared_->done = true;
     std::unique_lock lock(shared_->mutex);
@@ -238,7 +238,7 @@ class Runner {
     for (Door* const door : options_.doors) door->serve();
   }
 
-  /// Doors, and the thread for what takes long, ring it when they have something for the cell.
+  /// Doors and the worker thread ring the bell when they have something for the cell.
   void hang(const std::shared_ptr<realtime::Bell>& bell, SocketDoor* socket,
             const std::vector<std::unique_ptr<Door>>& doors) {
     if (socket) socket->set_bell(bell);
@@ -247,7 +247,7 @@ class Runner {
     cell_.worker.set_bell(bell);
   }
 
-  /// Between two ticks: requests that have come in are begun, and those that waited for the worker go on.
+  /// Between two ticks: starts requests that have arrived, and continues those that waited for the worker.
   void take(SocketDoor* socket, const std::vector<std::unique_ptr<Door>>& doors) {
     cell_.machine.loop().outbox().fetch();
     if (socket) socket->serve(cell_.requests);
@@ -260,14 +260,14 @@ class Runner {
     return control_thread(options_, cell_.setup.file.loop, cell_.setup.manager);
   }
 
-  /// What the machine did not permit the control thread: at once, and once.
+  /// Reports once what the machine refused the control thread.
   void tell_refused(unsigned refused) {
     if (refused == 0) return;
     for (const std::string& text : realtime::refusals(refused, thread_options(), "the control thread"))
       observer_.on_note(text);
   }
 
-  /// The loop watches the cell thread; here the cell thread watches the loop, and can only tell.
+  /// The loop monitors the cell thread; here the cell thread monitors the loop, and can only report.
   void watch_loop() {
     const std::uint64_t cycles = cell_.machine.loop().health().cycles,
                         gaps = cell_.machine.loop().health().gaps;
@@ -318,7 +318,7 @@ class Runner {
     }
   }
 
-  /// What a person types is a request like those of any program; a refusal is reported.
+  /// Typed input is a normal request; a refusal is reported.
   void ask(protocol::Request request) {
     cell_.requests.ask(std::move(request), [this](const protocol::Reply& reply) {
       if (!reply.refusal) return true;
@@ -343,7 +343,7 @@ class Runner {
       cell_.programs->stop_all();
     }
     if (stopping_ || cell_.life->failure()) {
-      const Nanoseconds clock = options_.fast ? now : realtime::monotonic_now();  // of a loop that may hang
+      const Nanoseconds clock = options_.fast ? now : realtime::monotonic_now();  // the loop may hang
       if (stop_since_ < 0) stop_since_ = clock;
       const bool standing = seen.standing && seen.state != control::RunState::stopping &&
                             seen.state != control::RunState::running;
@@ -448,7 +448,7 @@ class Runner {
     }
     const bool cut = cut_short_ || cell_.life->failure().has_value() || cell_.setup.options.cycles > 0;
     for (const std::string& part : cell_.parts->failures(cut)) {
-      if (cut_short_ && !cell_.life->failure()) continue;  // ended by --seconds in the middle of the work
+      if (cut_short_ && !cell_.life->failure()) continue;  // ended early by --seconds
       out.outcome = Outcome::failed;
       out.problems.push_back({"part", {}, part, {}});
     }

@@ -1,5 +1,5 @@
 #pragma once
-/// Runs a cell to its end, on the wall clock or in lock-step.
+/// Runs a cell until it ends, on the wall clock or in lock-step.
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,22 +18,22 @@ enum class Outcome { completed, stopped, failed };
 const char* name(Outcome outcome);
 
 struct RunOptions {
-  bool stay = false;         ///< it goes on when the program has ended, which then may begin anew
-  bool fast = false;         ///< lock-step, as fast as the machine allows
-  double seconds = 0;        ///< of cell time after which the run ends; 0: no limit
+  bool stay = false;         ///< continue after the program has ended, so it can be started again
+  bool fast = false;         ///< lock-step, as fast as possible
+  double seconds = 0;        ///< limit of cell time, s; 0: no limit
   int priority = 0;          ///< SCHED_FIFO priority of the control thread
   int cpu = -1;              ///< processor of the control thread
-  bool socket = true;        ///< other programs of the same user may ask and tell
-  bool fast_socket = false;  ///< in lock-step, too; such a run is not repeatable
-  bool console = true;       ///< typed lines (resume, discard, stop, answers) are read
-  /// So long a loop that has been asked to end, or a robot to stop, is waited for on the wall clock, ns.
+  bool socket = true;        ///< open the socket for other programs of the same user
+  bool fast_socket = false;  ///< open the socket also in lock-step; such a run is not repeatable
+  bool console = true;       ///< read typed lines (resume, discard, stop, answers)
+  /// How long to wait, on the wall clock, for a loop to end or a robot to stop, ns.
   Nanoseconds patience = 6'000'000'000;
-  std::vector<Door*> doors;  ///< served each tick beside those that the cell names; they outlive the run
-  Nanoseconds started = 0;   ///< wall time at which the user gave the command; 0: unknown
+  std::vector<Door*> doors;  ///< served each tick beside the cell's own doors; must outlive the run
+  Nanoseconds started = 0;   ///< wall time of the user's command; 0: unknown
 };
 
-/// How the control thread runs on the wall clock: what the run's options say, else the cell's `loop:`, else
-/// the manager in the controllers' file.
+/// Thread options for a run on the wall clock. Priority: the run's options, then the cell's `loop:`, then the
+/// manager's parameters in the controllers' file.
 realtime::ThreadOptions control_thread(const RunOptions& options, const LoopEntry& stated,
                                        const ros_files::ManagerParameters& manager);
 
@@ -45,7 +45,7 @@ struct LoopHealth {
 
 struct RunResult {
   Outcome outcome = Outcome::completed;
-  std::vector<Problem> problems;  ///< why it failed
+  std::vector<Problem> problems;  ///< why the run failed
   double sim_time_s = 0, wall_time_s = 0;
   std::optional<double> physics_step_s;  ///< empty without physics
   std::uint64_t program_cycles = 0;
@@ -54,24 +54,24 @@ struct RunResult {
   double tracking_error_max = 0;  ///< rad or m
   std::uint64_t clamps = 0;
   std::vector<PartReport> parts;
-  std::vector<StopReport> stops;  ///< what each took, oldest first
+  std::vector<StopReport> stops;  ///< duration of each stop, oldest first
   bool repeatable = false;
   std::string trace_hash;
-  /// The control thread has not come back from what it called: the cell must not be destroyed, and the
-  /// process is best ended.
+  /// The control thread is blocked in a call and has not returned: do not destroy the cell; end the process.
   bool stuck = false;
-  /// It was ended in order to be built anew.
+  /// Set if the run ended so the cell can be built again.
   std::optional<RestartWish> restart;
   std::optional<double> first_motion_s;  ///< from the command to the first commanded motion, wall time
 };
 
-/// The stop latch of the run under way is set through this; safe in signal handlers.
+/// Sets the stop latch of the current run. Safe in signal handlers.
 void request_stop() noexcept;
-/// The same, but only where nobody has asked yet: a closed terminal and what follows it are one wish.
+/// The same, but only if no stop was requested before: a closed terminal may send several signals for one
+/// request.
 void request_stop_once() noexcept;
-/// The robots stop on their paths and are held, as `hold` does; nothing where no cell runs.
+/// Stops the robots on their paths and holds them, like `hold`. Does nothing if no cell runs.
 void request_hold() noexcept;
-/// How often that was asked since the last run ended.
+/// Number of stop requests since the last run ended.
 int stops_requested() noexcept;
 
 RunResult run(Cell& cell, const RunOptions& options, Observer& observer);

@@ -33,9 +33,9 @@ namespace {
 constexpr std::size_t kLongestLine = bounds::kRequestBytes, kMostUnread = bounds::kSocketUnreadBytes,
                       kMostClients = bounds::kSocketClients, kLinesATick = bounds::kSocketLinesATick,
                       kMostWaiting = bounds::kSocketWaitingBytes;
-/// Between looks at clients that have said all they will say and wait for their answers.
+/// Poll intervals: normal, and while a client that has ended its side waits for its answers.
 constexpr int kPatience_ms = 1000, kFarewell_ms = 20;
-/// After there was no descriptor for who came.
+/// Pause after accept() found no free file descriptor.
 constexpr int kShortage_ms = 100;
 
 bool address_of(const fs::path& path, sockaddr_un& out) {
@@ -46,19 +46,19 @@ bool address_of(const fs::path& path, sockaddr_un& out) {
   return true;
 }
 
-/// Does somebody listen there?
+/// True if a process listens on this socket.
 bool answers(const fs::path& path) {
   sockaddr_un address;
   if (!address_of(path, address)) return false;
   const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (fd < 0) return false;
   const bool out = ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ||
-                   errno == EAGAIN;  // it is there and has its hands full
+                   errno == EAGAIN;  // it listens, but its queue is full
   ::close(fd);
   return out;
 }
 
-/// The folder, made if need be; it must belong to this user and to nobody else.
+/// Creates the folder if needed; it must belong to this user alone.
 void make_private(const fs::path& folder) {
   std::error_code error;
   if (fs::is_symlink(folder.parent_path(), error))
@@ -74,8 +74,8 @@ void make_private(const fs::path& folder) {
                 "remove it, or set XDG_RUNTIME_DIR");
 }
 
-/// One at a time opens or removes sockets in a folder: else two cells that start together would take each
-/// other's name. A file lock, which the system gives back if its holder is killed.
+/// Only one process at a time creates or removes sockets in a folder; otherwise two cells that start together
+/// could take each other's name. A file lock, which the kernel releases if the process is killed.
 class FolderLock {
  public:
   explicit FolderLock(const fs::path& folder)
@@ -97,7 +97,7 @@ class FolderLock {
   bool held_ = false;
 };
 
-/// Hears the members of the outermost object until its `id`.
+/// SAX parser that finds the `id` member of the outermost object.
 class IdSeeker : public nlohmann::json_sax<nlohmann::json> {
  public:
   nlohmann::json found;
@@ -134,7 +134,7 @@ class IdSeeker : public nlohmann::json_sax<nlohmann::json> {
   bool is_id_ = false;
 };
 
-/// The `id` of a request of which only the beginning is there; null where that has none.
+/// The `id` of an incomplete request; null if it has none.
 nlohmann::json id_within(const std::string& begun) {
   IdSeeker seeker;
   nlohmann::json::sax_parse(begun, &seeker);
@@ -144,13 +144,13 @@ nlohmann::json id_within(const std::string& begun) {
 struct Client {
   int fd = -1;
   std::string in;
-  bool ended = false;   // it sends no more, and may still read
-  std::string sending;  // the door's thread's: what it is sending, from `sent` on
+  bool ended = false;   // the client sends no more, but may still read
+  std::string sending;  // used by the door's thread only: data being sent, from `sent` on
   std::size_t sent = 0;
-  std::mutex mutex;  // of the next four: the cell thread and the door's thread exchange them
+  std::mutex mutex;  // guards the next four, shared by the cell thread and the door's thread
   std::string out;
-  std::deque<std::string> urgent, lines;  // stops and holds; all others
-  std::size_t waiting = 0;                // bytes of both
+  std::deque<std::string> urgent, lines;  // urgent: stops and holds; lines: all others
+  std::size_t waiting = 0;                // bytes in both queues
   std::atomic<bool> gone{false};
 };
 
@@ -186,7 +186,8 @@ class SocketDoor::Work {
 
   const fs::path& path() const { return path_; }
 
-  /// Stops and holds of all first, so many of each that nobody keeps the others; then a line of each in turn.
+  /// First the stops and holds of all clients, limited so no client blocks the others; then one line of each
+  /// client in turn.
   void serve(Requests& requests) {
     std::vector<std::shared_ptr<Client>> clients;
     {
@@ -218,16 +219,17 @@ class SocketDoor::Work {
       empty = had ? 0 : empty + 1;
     }
     clients.clear();
-    if (taken) wake();  // there is room for more
+    if (taken) wake();  // there is room to read more
   }
 
   realtime::BellRope rope;
 
  private:
-  /// Beside its text a line that waits takes this much.
+  /// Overhead of a queued line in addition to its text, bytes.
   static constexpr std::size_t kLineCost = 64;
 
-  /// Short, and named so: whatever else it says, the cell reads it.
+  /// A short line that contains the name of an urgent request. It jumps the queue whatever else it contains;
+  /// the cell parses it as usual.
   static bool is_urgent(const std::string& line) {
     return line.size() <= bounds::kUrgentBytes && (line.find("\"control.stop\"") != std::string::npos ||
                                                    line.find("\"control.hold\"") != std::string::npos);
@@ -237,14 +239,14 @@ class SocketDoor::Work {
     if (client.gone) return false;
     {
       const std::lock_guard lock(client.mutex);
-      if (client.out.size() > kMostUnread) client.gone = true;  // it does not read
+      if (client.out.size() > kMostUnread) client.gone = true;  // the client does not read
       client.out += answer + "\n";
     }
     wake();
     return !client.gone.load();
   }
 
-  /// `<cell>.sock`, or with the first number behind it that no living cell has.
+  /// `<cell>.sock`, or the name with the first number that no running cell uses.
   static fs::path free_path(const std::string& cell, const fs::path& folder) {
     std::string safe;
     for (const char c : cell)
@@ -263,9 +265,9 @@ class SocketDoor::Work {
     if (!address_of(path_, address))
       throw Error("no-socket", "the path " + path_.string() + " is too long for a socket",
                   "set XDG_RUNTIME_DIR to a shorter one");
-    ::unlink(path_.c_str());  // left by one that was killed
+    ::unlink(path_.c_str());  // left by a process that was killed
     listening_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-    // Nobody can connect before it listens, and by then it is the user's alone.
+    // Nobody can connect before listen(), and chmod() has made it private by then.
     const bool good = listening_ >= 0 &&
                       ::bind(listening_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
                       ::chmod(path_.c_str(), 0600) == 0 && ::listen(listening_, 64) == 0 &&
@@ -277,7 +279,7 @@ class SocketDoor::Work {
     throw Error("no-socket", "the socket " + path_.string() + " cannot be opened: " + why);
   }
 
-  /// Removes the socket, unless somebody else has put another one there.
+  /// Removes the socket unless another process has replaced it.
   void remove_own() const {
     const FolderLock lock(path_.parent_path());
     struct stat there {};
@@ -293,7 +295,7 @@ class SocketDoor::Work {
   void run() {
     while (!over_) {
       int patience = kPatience_ms;
-      const bool listens = !std::exchange(short_of_descriptors_, false);  // else it rests for a moment
+      const bool listens = !std::exchange(short_of_descriptors_, false);  // otherwise skip one round
       if (!listens) patience = kShortage_ms;
       std::vector<pollfd> waiting{{listening_, static_cast<short>(listens ? POLLIN : 0), 0},
                                   {wake_, POLLIN, 0}};
@@ -315,7 +317,7 @@ class SocketDoor::Work {
     }
   }
 
-  /// Nothing is read from who keeps the cell busy: others are.
+  /// Stops reading from a client with too many waiting lines; other clients are still read.
   short events_of(Client& client) {
     bool room;
     {
@@ -332,12 +334,12 @@ class SocketDoor::Work {
     else if (hung_up)
       client->gone = true;
     if (!client->gone) give(*client);
-    // It has said all it had to say, and nothing is left to be answered.
+    // The client has ended its side and every answer was sent.
     if (client->ended && nobody_answers(client) && all_sent(*client)) client->gone = true;
   }
 
   bool nobody_answers(const std::shared_ptr<Client>& client) {
-    const std::lock_guard lock(mutex_);  // the cell thread holds none for a moment alone
+    const std::lock_guard lock(mutex_);  // the cell thread copies clients_ only under this lock
     const std::lock_guard own(client->mutex);
     if (client->waiting > 0 || client.use_count() > 1) return false;
     std::atomic_thread_fence(std::memory_order_acquire);
@@ -421,9 +423,9 @@ class SocketDoor::Work {
   SpareDescriptor spare_;
   bool short_of_descriptors_ = false;
   std::atomic<bool> over_{false};
-  std::mutex mutex_;                              // held by the thread where it changes the next
-  std::vector<std::shared_ptr<Client>> clients_;  // the thread's; the cell thread copies it
-  std::size_t turn_ = 0;                          // the cell thread's: whose line was taken last
+  std::mutex mutex_;                              // held by the thread while it changes clients_
+  std::vector<std::shared_ptr<Client>> clients_;  // owned by the thread; the cell thread copies it
+  std::size_t turn_ = 0;                          // cell thread: index of the client served last
   struct stat own_ {};
   std::thread thread_;
 };

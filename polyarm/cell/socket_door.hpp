@@ -1,6 +1,6 @@
 #pragma once
-/// The door through which other programs of the same user reach a running cell: a local socket, one JSON
-/// object a line both ways.
+/// A local socket through which other programs of the same user reach a running cell: one JSON object per
+/// line in both directions.
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -12,26 +12,27 @@ namespace polyarm::cell {
 
 class Requests;
 
-/// Listens on a thread of its own, which carries lines and owns nothing else. A line may have 1 MB; who does
-/// not read for long is dropped; who has ended its side is answered and then let go. The cell is given at
-/// most 16 lines at once, and nothing more is read while it is behind.
+/// Runs a thread that only transports lines. A line may have up to 1 MB. A client that does not read for long
+/// is disconnected; a client that has ended its side still receives its answers, then the connection is
+/// closed. The cell receives at most 16 lines per call, and nothing more is read while it is behind.
 class SocketDoor {
  public:
-  /// Opens `<folder>/<cell>.sock` for this user alone; a name that a living cell has gets "-2", "-3", …
-  /// Throws Error("no-socket").
+  /// Opens `<folder>/<cell>.sock`, accessible to this user only. If a running cell uses the name, appends
+  /// "-2", "-3", … Throws Error("no-socket").
   explicit SocketDoor(const std::string& cell, const std::filesystem::path& folder = folder_of_user());
   ~SocketDoor();
   const std::filesystem::path& path() const;
-  /// Cell thread, each tick and when the bell was rung: hands over what has come in.
+  /// Cell thread, each tick and after the bell rang: hands the received lines to `requests`.
   void serve(Requests& requests);
-  /// Rung when a line has come in; null: none is.
+  /// The bell to ring when a line arrives; null: no bell.
   void set_bell(const std::shared_ptr<realtime::Bell>& bell);
 
-  /// `$XDG_RUNTIME_DIR/polyarm`, else `/tmp/polyarm-<user id>`.
+  /// `$XDG_RUNTIME_DIR/polyarm`, or `/tmp/polyarm-<user id>` without it.
   static std::filesystem::path folder_of_user();
-  /// The same, made if need be; throws Error("no-socket") where it is a link, or not this user's alone.
+  /// The same folder, created if needed. Throws Error("no-socket") if it is a link or not private to this
+  /// user.
   static std::filesystem::path own_folder();
-  /// The sockets of cells that answer.
+  /// Sockets of all running cells.
   static std::vector<std::filesystem::path> running();
 
  private:

@@ -103,7 +103,7 @@ void ControlLoop::prepare(const std::vector<controllers::JointFacts>& joints) {
   for (std::size_t i = 0; i < hardware_.size(); ++i) late.push_back(hardware_.diagnostics().when_late(i));
   supervisor_.set_when_late(options_.overrun, std::move(late));
   const std::size_t states = table_.built_states(), commands = table_.built_commands();
-  constexpr std::size_t kSpareEvents = 256;  // of controllers, which may be loaded later
+  constexpr std::size_t kSpareEvents = 256;  // for controllers that are loaded later
   faults_.make_room(3 * hardware_.size() + commands + kSpareEvents);
   black_box_.build(states, commands, options_.black_box_rows, bounds::kBlackBoxBytes);
   Snapshot empty;
@@ -141,7 +141,8 @@ inline void ControlLoop::limit(const hardware::Cycle& cycle) noexcept {
     limits_.forget(range.first, range.count);
   if (!options_.limits) return;
   const RunState now = supervisor_.state();
-  // Held is held, whatever is commanded; a controller that a person moves by hand is not standing.
+  // A held robot stays held whatever is commanded; a controller that a person moves by hand does not count as
+  // standing.
   const bool still = (now == RunState::held || now == RunState::fault) && controllers_.standing();
   limits_.restrict(table_.commands(), table_.states(), cycle.index, still, faults_);
 }
@@ -223,8 +224,8 @@ controllers::Verdict ControlLoop::step(const hardware::Cycle& cycle, bool gap) n
   decide(cycle);
   const Request request = take_request();
   const controllers::Verdict verdict = supervisor_.judge(cycle.time, controllers_.standing(), request);
-  controllers_.update(cycle, verdict, faults_);  // a stop is followed on the path
-  limit(cycle);                                  // the last word before the wire
+  controllers_.update(cycle, verdict, faults_);  // controllers follow a stop on the path
+  limit(cycle);                                  // the last check before the hardware
   decide(cycle);
   exchange_.write(cycle, faults_);
   decide(cycle);

@@ -1,4 +1,6 @@
 #pragma once
+/// The control loop: hardware, controllers, limits and supervisor of a cell, and the function that runs one
+/// cycle.
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -19,12 +21,12 @@
 
 namespace polyarm::control {
 
-/// How often a component's thread has run so far, was late, and missed its turn.
+/// Counts of a component's thread: runs, late runs, missed turns.
 struct ThreadCounts {
   std::uint64_t runs = 0, late = 0, missed = 0;
 };
 
-/// What a watcher sees of a cycle: whole, and the newest there is.
+/// A complete copy of one cycle for observers; only the newest is kept.
 struct Snapshot {
   hardware::Cycle cycle;
   RunState state = RunState::running;
@@ -34,29 +36,29 @@ struct Snapshot {
   StopTimes stop;
   std::vector<double> states, commands;
   hardware::WorldState world;
-  std::vector<ThreadCounts> threads;  ///< by component; zeros where it has none
-  std::vector<StopCause> fallen;      ///< by component: with what it fell; none: it did not, or is back
+  std::vector<ThreadCounts> threads;  ///< by component; zeros without a thread
+  std::vector<StopCause> fallen;      ///< by component: cause of its failure; none: it works, or works again
 };
 
-/// The last cycles: what was measured, what was commanded, and what the loop made of it. One thread records;
-/// read what the recording thread has let go of.
+/// Records the last cycles: measured states, commands, and the loop's state. One thread records; read only a
+/// box that this thread has released.
 class BlackBox {
  public:
   struct Row {
     std::uint64_t cycle = 0;
     RunState state = RunState::running;
     StopCause cause = StopCause::none;
-    Request request = Request::none;  ///< that was taken in this cycle
+    Request request = Request::none;  ///< the request taken in this cycle
     std::span<const double> states, commands;
   };
-  /// So many rows, or as many as `most_bytes` hold.
+  /// Room for `rows` rows, or for as many as `most_bytes` hold.
   void build(std::size_t states, std::size_t commands, std::size_t rows,
              std::size_t most_bytes = static_cast<std::size_t>(-1));
   void record(const Row& row) noexcept;
   std::size_t rows() const noexcept { return filled_; }
-  /// Row 0 is the oldest kept.
+  /// Row 0 is the oldest.
   Row row(std::size_t i) const noexcept;
-  /// An empty one of the same size.
+  /// An empty box of the same size.
   BlackBox empty_one() const;
 
  private:
@@ -71,32 +73,32 @@ class BlackBox {
   std::size_t states_ = 0, width_ = 0, capacity_ = 0, next_ = 0, filled_ = 0;
 };
 
-/// Raised by the control thread, read by any.
+/// Counters that the control thread writes and any thread may read.
 struct Health {
   realtime::Counter cycles;
-  realtime::Counter gaps;       ///< of kGap or longer that did not hold
-  realtime::Counter late;       ///< cycles that woke more than half a period late or were skipped whole
+  realtime::Counter gaps;       ///< gaps of at least kGap that did not cause a hold
+  realtime::Counter late;       ///< cycles that woke more than half a period late or were skipped
   realtime::Histogram cost;     ///< of step(), ns
-  realtime::Histogram wake_up;  ///< latency against the grid, ns; empty in lock-step
-  realtime::Histogram period;   ///< between the beginnings of two cycles, ns; empty in lock-step
+  realtime::Histogram wake_up;  ///< latency relative to the time grid, ns; empty in lock-step
+  realtime::Histogram period;   ///< between the starts of two cycles, ns; empty in lock-step
 };
 
 struct LoopOptions {
   Nanoseconds period = 1'000'000;
   std::size_t black_box_rows = 10'000;
   bool measure = true;         ///< measure the cost of each cycle
-  bool measure_parts = false;  ///< and of each component and controller in it
-  bool limits = true;          ///< restrict commands; off only to measure what that costs
+  bool measure_parts = false;  ///< also of each component and controller
+  bool limits = true;          ///< restrict commands; off only to measure their cost
   Overrun overrun = Overrun::report;
   unsigned overrun_after = 10;  ///< late cycles in a row
-  bool publish = true;          ///< snapshot and cycle records; off only to measure what that costs
-  /// A gap of kGap holds; else it is counted in Health::gaps. Empty: holds where a component is real.
+  bool publish = true;          ///< snapshot and cycle records; off only to measure their cost
+  /// True: a gap of at least kGap holds the robots; otherwise it is counted in Health::gaps. Empty: true if a
+  /// component is real.
   std::optional<bool> stall_holds = true;
 };
 
-/// One control loop: its table, hardware, controllers and supervisor, and the one function that a cycle is.
-/// Built and taken apart with nobody stepping; step() belongs to the control thread; inbox and outbox to one
-/// other thread.
+/// One control loop with its table, hardware, controllers and supervisor. Build and destroy it while nobody
+/// steps it. step() belongs to the control thread; inbox and outbox to one other thread.
 class ControlLoop {
  public:
   explicit ControlLoop(const LoopOptions& options);
@@ -107,56 +109,56 @@ class ControlLoop {
   Supervisor& supervisor() { return supervisor_; }
   CommandLimits& limits() { return limits_; }
   const CommandLimits& limits() const { return limits_; }
-  /// For when nobody steps any more.
+  /// Call only when nobody steps any more.
   const BlackBox& black_box() const { return black_box_; }
-  /// Takes what was recorded so far out of the running loop, which goes on with an empty one. The box is the
-  /// caller's once the job is done. Throws Error("busy").
+  /// Takes the recorded cycles out of the running loop, which continues with an empty box. The caller owns
+  /// the box when the job is done. Throws Error("busy").
   class TakeBlackBox;
   std::shared_ptr<TakeBlackBox> take_black_box();
   const LoopOptions& options() const { return options_; }
 
-  /// A tap with room for so many cycles; `every`: one of so many.
+  /// Creates a tap with room for `rows` cycles; it records one of `every` cycles.
   std::unique_ptr<CycleTap> make_tap(std::size_t rows, unsigned every) const;
-  /// From the next cycle on rows go to `tap`; null: to nobody any more. What was tapped into before must live
-  /// until the job is done. Throws Error("busy").
+  /// Records into `tap` from the next cycle on; null: stops recording. The previous tap must live until the
+  /// job is done. Throws Error("busy").
   std::shared_ptr<realtime::Job> tap(CycleTap* tap);
 
-  /// Configures and activates the hardware, reads it once, and makes everything that a cycle needs.
+  /// Configures and activates the hardware, reads it once, and allocates everything that a cycle needs.
   void start_hardware();
   void start_hardware(hardware::Caller& caller);
-  /// Fixes limits, snapshot and hash; controllers must have been added by now.
+  /// Sets up limits, snapshot and hash; call after the controllers are added.
   void prepare(const std::vector<controllers::JointFacts>& joints);
 
-  /// From now on a control thread steps, and requests of controllers and hardware reach it between two
-  /// cycles; before begin() and after end() they are done at once, by whoever asks.
+  /// After begin() a control thread steps the loop, and requests of controllers and hardware are executed
+  /// between two cycles. Before begin() and after end() they are executed at once on the calling thread.
   void begin() { jobs_.start(); }
   void end() { jobs_.stop(); }
   realtime::Jobs& jobs() { return jobs_; }
 
-  /// One cycle. `gap`: wall time went missing since the last one.
+  /// One cycle. `gap`: wall time is missing since the last cycle.
   controllers::Verdict step(const hardware::Cycle& cycle, bool gap = false) noexcept;
   /// One cycle at the loop's own time, which advances by one period.
   controllers::Verdict step_next(bool gap = false) noexcept;
-  /// Tells before a cycle how it woke up; what it means is decided by the options. `skipped`: whole periods
-  /// that passed meanwhile. Returns whether wall time has gone missing.
+  /// Call before a cycle with its wake-up latency, ns, and the number of skipped periods; the options decide
+  /// on the reaction. Returns true if wall time is missing.
   bool woke(Nanoseconds latency, std::uint64_t skipped) noexcept;
   hardware::Cycle cycle() const noexcept { return cycle_; }
 
-  /// Shortest gap in wall time after which the loop holds instead of going on: a suspended process, a
-  /// sleeping laptop. Ordinary lateness on a busy machine stays below it.
+  /// Shortest gap in wall time that makes the loop hold instead of continuing: a suspended process, a
+  /// sleeping laptop. Ordinary lateness on a busy machine is shorter.
   static constexpr Nanoseconds kGap = 500'000'000;
-  /// Whether it does: as the options say, else by what is real.
+  /// The option `stall_holds`, or true if a component is real.
   bool holds_after_gap() const;
 
-  /// From one other thread: at most one request is taken each cycle.
+  /// Call from one other thread; each cycle takes at most one request.
   bool post(Request request) { return inbox_.push(request); }
   realtime::Latest<Snapshot>& outbox() noexcept { return outbox_; }
   Health& health() noexcept { return health_; }
-  /// Of every joint position, and every part's place, of every cycle so far.
+  /// Hash of all joint positions and part positions of all cycles so far.
   const TraceHash& trace() const noexcept { return trace_; }
 
  private:
-  /// The supervisor decides on what was found; what is to be taken off is.
+  /// Lets the supervisor decide on the pushed faults, and switches components off as decided.
   void decide(const hardware::Cycle& cycle) noexcept;
   void react_to_faults(const hardware::Cycle& cycle) noexcept;
   Request take_request() noexcept;
@@ -186,10 +188,10 @@ class ControlLoop {
   hardware::Cycle cycle_;
   unsigned late_in_a_row_ = 0;
   bool paced_ = false;
-  Nanoseconds began_ = 0;  // the last cycle, on the wall clock
+  Nanoseconds began_ = 0;  // start of the last cycle on the wall clock
 };
 
-/// The box is empty before the job is done, and then what the loop had recorded.
+/// The box is empty until the job is done; then it contains the loop's recording.
 class ControlLoop::TakeBlackBox : public realtime::Job {
  public:
   explicit TakeBlackBox(BlackBox& running) : box(running.empty_one()), running_(running) {}

@@ -13,8 +13,8 @@ using hardware::LifecycleState;
 
 namespace {
 
-/// What is called of a controller outside the loop may throw; an Error names the place, all else is told as
-/// what it says.
+/// Runs a callback of a controller outside the loop. An Error passes through; any other exception becomes an
+/// Error with the controller's name and the step.
 template <typename Step>
 auto guarded(const std::string& controller, const char* step, Step call) {
   try {
@@ -25,7 +25,7 @@ auto guarded(const std::string& controller, const char* step, Step call) {
   }
 }
 
-/// on_error decides whether the controller can be used again; one that throws there cannot.
+/// on_error decides whether the controller can be used again; if it throws, the controller cannot.
 bool usable_after_error(controllers::Controller& controller) noexcept {
   try {
     return controller.on_error() == CallbackReturn::success;
@@ -58,7 +58,7 @@ std::vector<std::size_t> resolve(const std::vector<std::string>& names, const st
 
 }  // namespace
 
-/// Swaps the schedule of the loop; the old one is freed with the job, by the thread that posted it.
+/// Replaces the loop's schedule; the old one is freed with the job, on the thread that posted it.
 class ControllerManager::NewSchedule : public realtime::Job {
  public:
   NewSchedule(ControllerManager& manager, std::unique_ptr<Schedule> schedule)
@@ -118,7 +118,7 @@ std::vector<std::string> named(const std::vector<std::string>& names) {
 }
 }  // namespace
 
-/// Contexts share the names as long as the table has the same.
+/// Contexts share the list of names while the table's names do not change.
 void ControllerManager::name_interfaces(controllers::ControllerContext& context) {
   if (named_at_ != table_.changes()) {
     state_names_ = named(table_.state_names());
@@ -184,7 +184,7 @@ void ControllerManager::withdraw(Slot& s) {
 }
 
 namespace {
-/// Does the command move its joint until it is taken back?
+/// True if the command keeps moving its joint until it is withdrawn: velocity, acceleration or effort.
 bool pushes(const std::string& command, const controllers::ControllerContext& context) {
   const auto slash = command.rfind('/');
   if (slash == std::string::npos || !context.find_joint(std::string_view(command).substr(0, slash)))
@@ -328,7 +328,7 @@ std::string ControllerManager::why_unavailable(const std::string& interface, boo
   if (!index) return "it does not exist";
   const int component =
       command ? hardware_.component_of_command(*index) : hardware_.component_of_state(*index);
-  if (component < 0) return {};  // of another controller
+  if (component < 0) return {};  // offered by another controller
   const LifecycleState state = hardware_.state_of(static_cast<std::size_t>(component));
   if (state == LifecycleState::active || (!command && state == LifecycleState::inactive)) return {};
   return "the hardware component '" + hardware_.component_name(static_cast<std::size_t>(component)) +

@@ -1,4 +1,5 @@
 #pragma once
+/// The controllers of one loop: their life cycle, switching between them, and their updates.
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -19,31 +20,31 @@
 
 namespace polyarm::control {
 
-/// How a controller is kept.
+/// Options of a loaded controller.
 struct LoadOptions {
-  unsigned divisor = 1;  ///< it is updated every so many cycles
-  /// Where its rate is no part of the loop's, ns: it is updated in the first cycle that does not begin before
-  /// a whole multiple of this, so that rounding up to a cycle does not add up; 0: by the divisor.
+  unsigned divisor = 1;  ///< updated every `divisor` cycles
+  /// For a rate that does not divide the loop's, ns: updated in the first cycle that starts at or after a
+  /// multiple of this period, so rounding up to a cycle does not accumulate. 0: use the divisor.
   Nanoseconds period = 0;
-  bool async = false;      ///< on a thread of its own
-  bool lock_step = false;  ///< async work is done inline, its result one period later
+  bool async = false;      ///< runs on a thread of its own
+  bool lock_step = false;  ///< async work runs inline; its result is used one period later
   realtime::ThreadOptions thread = {};
-  std::vector<std::string> fallback = {};  ///< started when it fails
-  Nanoseconds budget = 0;                  ///< of each update in the loop, ns; 0: any
+  std::vector<std::string> fallback = {};  ///< controllers to start if it fails
+  Nanoseconds budget = 0;                  ///< limit of each update in the loop, ns; 0: unlimited
 };
 
-/// What the loop did by itself, for the cell thread to tell.
+/// An action of the loop that the cell thread reports.
 struct LoopEvent {
   enum class Kind : std::uint8_t {
-    controller_failed,   ///< its update returned an error; it and its chain are inactive
-    controller_stopped,  ///< it was stopped with another, or with its hardware
+    controller_failed,   ///< its update returned an error; it and its chain are now inactive
+    controller_stopped,  ///< stopped together with another controller or with its hardware
     fallback_started,
     component_failed,
     component_deactivated,
-    commands_stale,  ///< what is streamed to a controller has grown older than its command_timeout
+    commands_stale,  ///< commands streamed to a controller are older than its command_timeout
   };
   Kind kind;
-  std::int32_t who = -1;  ///< id of the controller, or index of the component
+  std::int32_t who = -1;  ///< id of the controller or index of the component
   std::uint64_t cycle = 0;
 };
 
@@ -51,19 +52,19 @@ struct ListedController {
   std::string name, type;
   hardware::LifecycleState state;
   bool chained = false, async = false;
-  bool stale = false;  ///< its last command has grown old
+  bool stale = false;  ///< its last command is too old
   unsigned divisor = 1;
-  Nanoseconds period = 0;  ///< where its rate is no part of the loop's
+  Nanoseconds period = 0;  ///< for a rate that does not divide the loop's
   std::uint64_t updates = 0, missed = 0;
-  const realtime::ThreadHealth* thread = nullptr;  ///< of one that has a thread
-  const realtime::PartHealth* part = nullptr;      ///< what its updates in the loop cost; where measured
+  const realtime::ThreadHealth* thread = nullptr;  ///< null without a thread
+  const realtime::PartHealth* part = nullptr;      ///< cost of its updates in the loop; null if not measured
   std::vector<std::string> claimed, required_commands, required_states, references, exported, fallback;
 };
 
-/// Keeps the controllers of one loop: their life cycle, their names in the table, claims (commands to one
-/// controller at a time, states to all), and their updates in order. Everything but update() and what stands
-/// beside it belongs to the cell thread; what it decides reaches the loop between two cycles. As long as no
-/// loop is running (Jobs not started), it is done at once.
+/// Manages the controllers of one loop: their life cycle, their names in the table, claims (one controller
+/// per command; any number of readers per state), and the order of updates. All functions belong to the cell
+/// thread, except update() and those beside it; decisions reach the loop between two cycles. While no loop is
+/// running (Jobs not started), they take effect at once.
 class ControllerManager {
  public:
   ControllerManager(hardware::InterfaceTable& table, hardware::Components& hardware, realtime::Jobs& jobs);
@@ -72,41 +73,42 @@ class ControllerManager {
   /// → unconfigured. Throws Error("duplicate-controller").
   void load(std::unique_ptr<controllers::Controller> controller, controllers::ControllerContext context,
             LoadOptions options = {});
-  /// unconfigured → inactive. Throws Error with everything that is wrong with its parameters, or naming the
-  /// interface that does not exist; then it stays unconfigured (or is finalized, if its on_error says so).
+  /// unconfigured → inactive. Throws Error with all errors of its parameters, or with the interface that does
+  /// not exist; the controller then stays unconfigured (or is finalized, if its on_error says so).
   void configure(const std::string& name);
-  /// The same for one of many, while no loop is running: refresh() has to follow, once for all of them.
+  /// The same for one of many while no loop is running; call refresh() once after all of them.
   void configure_only(const std::string& name);
-  /// Binds all controllers again and makes a new schedule.
+  /// Binds all controllers again and creates a new schedule.
   void refresh();
   void cleanup(const std::string& name);  ///< inactive → unconfigured
   void unload(const std::string& name);   ///< anything but active → gone
-  /// load and configure.
+  /// Calls load() and configure().
   void add(std::unique_ptr<controllers::Controller> controller, controllers::ControllerContext context,
            LoadOptions options = {});
 
-  /// What a switch would do, or why it cannot be.
+  /// The effect of a switch, or why it is not possible.
   SwitchPlan plan(const SwitchRequest& request) const;
   class Switch;
-  /// Begins a switch; it is over when done(). Throws Error with the reason of the refusal. finish() then
-  /// throws Error where an activation failed, and returns false when the loop changed something by itself in
-  /// the meantime: begin again.
+  /// Begins a switch; it is complete when done(). Throws Error with the reason of a refusal. finish() throws
+  /// Error if an activation failed, and returns false if the loop changed controllers by itself meanwhile:
+  /// then begin again.
   std::shared_ptr<Switch> begin_switch(const SwitchRequest& request);
   bool finish(Switch& done);
-  /// Begins and finishes a switch while no loop is running.
+  /// These begin and finish a switch while no loop is running.
   void activate(const std::string& name);
   void deactivate(const std::string& name);
   void switch_now(const SwitchRequest& request);
 
-  /// New values of changeable parameters, written between two cycles. Throws Error for what cannot be.
+  /// New values of changeable parameters, written between two cycles. Throws Error for values that cannot be
+  /// set.
   std::shared_ptr<realtime::Job> begin_change(const std::string& name,
                                               const std::vector<std::pair<std::string, std::string>>& values);
-  /// The warnings of the parameters of `name` (unknown and superseded keys).
+  /// The warnings about the parameters of `name` (unknown and superseded keys).
   std::vector<Problem> findings(const std::string& name) const;
 
-  /// Looks names up again and makes a new schedule, after the table was sealed.
+  /// Looks up names again and creates a new schedule; call after the table was sealed.
   void bind_all();
-  /// What the loop did by itself since the last call.
+  /// Actions of the loop since the last call.
   std::vector<LoopEvent> take_events();
   /// The next update that took longer than its budget; `who` is the controller's id.
   bool take_overrun(realtime::Overrun& out) { return overruns_.take(out); }
@@ -114,31 +116,31 @@ class ControllerManager {
   controllers::Controller* find(const std::string& name) const;
   const controllers::ControllerContext* context(const std::string& name) const;
   std::vector<ListedController> list() const;
-  /// Those that are loaded and their states, in the order of list().
+  /// The loaded controllers and their states, in the order of list().
   std::vector<std::pair<controllers::Controller*, hardware::LifecycleState>> loaded() const;
-  /// Names of the controllers that the loaded ones have, for hints.
+  /// Names of the loaded controllers, for hints.
   std::vector<std::string> names() const;
   std::string name_of(int id) const;
-  /// Id of the controller whose update the control thread is in; -1: none. Any thread.
+  /// Id of the controller that the control thread is updating; -1: none. Any thread.
   int in_call() const noexcept { return in_call_.load(std::memory_order_relaxed); }
   /// Name of the active controller that claims the command, or "".
   std::string holder_of(const std::string& command) const;
 
-  /// Before the loop runs: the cycle at which controllers that start at once do so.
+  /// Call before the loop runs: the cycle for controllers that start at once.
   void set_cycle(const hardware::Cycle& cycle) { now_ = cycle; }
-  /// Before the loop runs: whether each controller is timed in each cycle.
+  /// Call before the loop runs: enables timing of each controller in each cycle.
   void measure(bool on) noexcept { measuring_ = on; }
 
   // --- control thread ---
-  /// Updates the active controllers in order. One that fails with nobody to take its place is a fault event.
+  /// Updates the active controllers in order. A failure without a fallback is a fault event.
   void update(const hardware::Cycle& cycle, const controllers::Verdict& verdict,
               hardware::FaultEvents& faults) noexcept;
-  /// Stops the controllers that use the component, whose place in the hardware is `component`.
+  /// Stops the controllers that use the component with this index.
   void component_failed(std::size_t component, bool deactivated, const hardware::Cycle& cycle) noexcept;
-  /// Does a fault of the component concern its group alone? Not when a controller that works on the group
-  /// commands others, too. False for -1.
+  /// True if a fault of the component affects its group only. False if a controller of the group also
+  /// commands other components. False for -1.
   bool contains(std::int32_t component) const noexcept;
-  /// True when no active controller asks for motion.
+  /// True if no active controller requests motion.
   bool standing() const noexcept;
 
  private:
@@ -184,7 +186,7 @@ class ControllerManager {
   std::vector<std::unique_ptr<Slot>> slots_;
   std::vector<std::pair<std::shared_ptr<realtime::Job>, std::unique_ptr<Slot>>> leaving_;
   controllers::SharedList<std::string> state_names_, command_names_;
-  std::uint64_t named_at_ = ~std::uint64_t{0};  // changes of the table that these have
+  std::uint64_t named_at_ = ~std::uint64_t{0};  // number of table changes at which these were made
   int next_id_ = 0;
   std::uint64_t known_epoch_ = 0;
   realtime::Queue<LoopEvent> events_{256};
@@ -193,12 +195,12 @@ class ControllerManager {
   // control thread
   std::unique_ptr<Schedule> schedule_;
   hardware::Cycle now_;
-  std::uint64_t epoch_ = 0;  // counts what the loop did by itself
+  std::uint64_t epoch_ = 0;  // counts the loop's own changes
   bool measuring_ = false;
   std::atomic<int> in_call_{-1};
 };
 
-/// A switch on its way.
+/// A switch in progress.
 class ControllerManager::Switch : public realtime::Job {
  public:
   Switch(ControllerManager& manager, SwitchPlan plan);

@@ -13,7 +13,7 @@ using controllers::Limit;
 
 namespace {
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-/// A planned step may touch its limit exactly; rounding must not count as a clamp.
+/// A planned step may reach its limit exactly; rounding must not count as a clamp.
 constexpr double kSlack = 1 + 1e-6;
 
 std::int32_t state_of(const hardware::InterfaceTable& table, const std::string& name) {
@@ -21,7 +21,7 @@ std::int32_t state_of(const hardware::InterfaceTable& table, const std::string& 
   return found ? static_cast<std::int32_t>(*found) : -1;
 }
 
-/// Acceleration and jerk that nobody stated were assumed for planning and limit nothing here.
+/// Default values of acceleration and jerk, which planning assumes, do not limit commands here.
 controllers::LimiterSettings settings_of(const controllers::JointFacts& joint) {
   controllers::LimiterSettings out;
   out.lower = joint.lower;
@@ -36,11 +36,12 @@ controllers::LimiterSettings settings_of(const controllers::JointFacts& joint) {
   if (joint.soft) out.soft_limits = *joint.soft;
   return out;
 }
-/// How far a velocity may take a joint that stands still, rad or m: what a controller needs that corrects.
+/// How far a velocity command may move a standing joint, rad or m; controllers that correct a position need
+/// it.
 constexpr double kStillBand = 0.02;
 
-/// Does the velocity take a joint that stands still, and is `off` from where it stood, out of its band?
-/// Without a measured position (NaN) any velocity does.
+/// True if the velocity would move a standing joint, which is `off` from its place, out of its band. Without
+/// a measured position (NaN) any velocity would.
 bool leads_away(double velocity, double off) noexcept {
   if (velocity == 0) return false;
   return !(std::abs(off) <= kStillBand) && !(velocity * off < 0);
@@ -125,7 +126,7 @@ void CommandLimits::one(Full& f, double share, std::span<double> commands, std::
     return place < 0 ? kNone : states[static_cast<std::size_t>(place)];
   };
   f.since = std::min(f.since + 1, f.turns);
-  if (asked == f.given && f.since < f.turns && !still) return;  // it is not its turn
+  if (asked == f.given && f.since < f.turns && !still) return;  // not its turn to change
   const double dt = dt_ * f.since;
   const controllers::JointNow now{state(f.position), state(f.velocity)};
   controllers::LimiterSettings settings = f.settings;
@@ -198,7 +199,7 @@ void CommandLimits::one_plain(std::size_t i, double share, std::span<double> com
   commands[command] = last = given;
 }
 
-/// Are both commands within the limits, and both joints measured within them? Nearly always; false for NaN.
+/// True if both commands and both measured positions are within the limits. The usual case; false for NaN.
 inline bool CommandLimits::pair_is_fine(std::size_t i, Pair asked, Pair at, double share) const noexcept {
   const Pair lower = load_pair(&plain_.lower[i]), upper = load_pair(&plain_.upper[i]);
   const Pair last = load_pair(&plain_.given[i]), step = load_pair(&plain_.step[i]) * share;
@@ -210,7 +211,8 @@ inline bool CommandLimits::pair_is_fine(std::size_t i, Pair asked, Pair at, doub
   return (near & inside & measured).both();
 }
 
-/// The usual case, two at a time, as long as both commands are within their limits. Returns where that ends.
+/// Handles the usual case two joints at a time, while both commands are within their limits. Returns the
+/// index at which that ends.
 inline std::size_t CommandLimits::pass_pairs(std::size_t i, double share, const double* commands,
                                              const double* states) noexcept {
   const std::uint32_t* const command = plain_.command.data();

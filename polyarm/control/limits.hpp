@@ -1,4 +1,5 @@
 #pragma once
+/// Limits every command of a cycle before it reaches the hardware.
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -14,7 +15,7 @@
 
 namespace polyarm::control {
 
-/// A limit that has taken hold of a command: how often, and the last time.
+/// A limit that changed a command: how often, and the last time.
 struct Clamp {
   std::string interface;  ///< "arm/elbow_joint/position"
   controllers::Limit limit = controllers::Limit::none;
@@ -22,52 +23,52 @@ struct Clamp {
   std::uint64_t count = 0, cycle = 0;
 };
 
-/// The last word before the wire: what each joint may be commanded by its limits and its soft limits. What is
-/// no number becomes the last position, or no motion. Every clamp is counted by interface and limit, and can
-/// be read while the loop runs. A joint that is commanded a position or a velocity and is measured far
-/// outside its limits is a fault; it is told when it gets there, so that it can be brought back. While the
-/// loop stands still, positions stay where they were commanded last, and velocities may only lead back to
-/// where a joint stood when that began: what a controller that follows no stop commands, does not arrive.
-/// restrict(): control thread; build(): before the loop runs; report(): any thread.
+/// The last check before the hardware: restricts each joint's command to its limits and soft limits. NaN and
+/// infinity become the last position, or zero motion. Clamps are counted by interface and limit, and can be
+/// read while the loop runs. A joint commanded by position or velocity and measured far outside its limits is
+/// a fault; it is reported once when it gets there, so it can be moved back. While the loop is held,
+/// positions keep their last commanded value, and velocities may only lead back to where the joint stood;
+/// commands of a controller that ignores the stop have no effect. restrict(): control thread; build(): before
+/// the loop runs; report(): any thread.
 class CommandLimits {
  public:
   void build(const hardware::InterfaceTable& table, const std::vector<controllers::JointFacts>& joints,
              Nanoseconds period);
-  /// Commands whose names begin with `prefix` change every so many cycles: a change may be as large as that
-  /// time allows, and no larger than what it is since the last one allows. After build().
+  /// Commands whose names begin with `prefix` change every `cycles` cycles. A change may be as large as the
+  /// time since the last change allows, but at most that of `cycles` cycles. Call after build().
   void set_turns(const std::string& prefix, unsigned cycles);
-  /// `still`: the loop is held, or at fault and no controller says that it still slows down. A joint that is
-  /// found far outside its limits, and was not in the cycle before, is a fault event.
+  /// `still`: the loop is held, or in a fault and no controller is still slowing down. A joint that newly
+  /// moved far outside its limits is a fault event.
   void restrict(std::span<double> commands, std::span<const double> states, std::uint64_t cycle, bool still,
                 hardware::FaultEvents& faults) noexcept;
-  /// What was commanded on these interfaces so far says nothing about where their joints are. Control thread.
+  /// Earlier commands of these interfaces no longer say where their joints are. Control thread.
   void forget(std::size_t first, std::size_t count) noexcept;
-  /// Velocities are limited to this share of the joints' limits, (0, 1]. Any thread.
+  /// Limits velocities to this share of the joints' limits, (0, 1]. Any thread.
   void set_share(double share) noexcept { share_.store(share, std::memory_order_relaxed); }
-  /// All clamps so far.
+  /// Number of all clamps so far.
   std::uint64_t clamps() const noexcept { return clamps_.load(std::memory_order_relaxed); }
-  /// Those that happened, newest first.
+  /// The limits that changed commands, newest first.
   std::vector<Clamp> report() const;
 
  private:
-  /// Positions with limits of position and velocity alone: nearly all there are. By joint, so that two are
+  /// Positions with only position and velocity limits, which is the usual case. Stored by joint, so two are
   /// checked at a time.
   struct Plain {
     std::vector<double> lower, upper, step;
-    std::vector<double> given;  // last command, NaN before the first
+    std::vector<double> given;  // last command; NaN before the first
     std::vector<std::uint32_t> command;
     std::vector<std::int32_t> state;
-    std::vector<unsigned> turns, since;  // cycles: between changes, and since the last one
+    std::vector<unsigned> turns, since;  // cycles between changes, and since the last one
     std::vector<char> outside;
   };
   enum class Quantity : std::uint8_t { position, velocity, acceleration, effort };
   struct Full {
     std::uint32_t command;
-    std::int32_t position, velocity;  // states; -1: none
+    std::int32_t position, velocity;  // states; -1 if there is none
     Quantity quantity;
     controllers::LimiterSettings settings;
     double given, before;
-    double stood;  // where it was measured when the loop came to stand still
+    double stood;  // measured position when the loop came to a standstill
     bool outside = false;
     unsigned turns = 1, since = 1, span = 1;  // cycles; `span`: between before and given
   };
@@ -97,14 +98,14 @@ class CommandLimits {
   }
 
   Plain plain_;
-  bool plain_as_usual_ = false;  // each is measured, changes every cycle, and was inside its limits
+  bool plain_as_usual_ = false;  // all are measured, change every cycle, and were inside their limits
   std::vector<Full> full_;
   double dt_ = 1e-3;
   std::atomic<double> share_{1};
   bool still_ = false;
   std::vector<std::string> names_;     // of the limited commands
   std::vector<std::int32_t> place_;    // of each command in names_
-  std::unique_ptr<Record[]> records_;  // kLimits for each name
+  std::unique_ptr<Record[]> records_;  // kLimits per name
   std::atomic<std::uint64_t> clamps_{0};
 };
 

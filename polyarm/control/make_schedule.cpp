@@ -1,4 +1,4 @@
-/// Schedules as the manager makes them: who is updated in which order, and what falls with what.
+/// Creates the schedule of the controller manager: order of updates, and what stops together with what.
 #include <algorithm>
 #include <set>
 #include <span>
@@ -38,7 +38,7 @@ std::vector<ControllerView> some_of(std::span<const ControllerView> views,
   return out;
 }
 
-/// What stops when all of a chain stop, or of several: who is in no chain with them is not concerned.
+/// Stops all controllers of the given chains; controllers in no chain with them are not affected.
 SwitchPlan plan_of_fall(std::span<const ControllerView> chains) {
   SwitchRequest request;
   for (const ControllerView& view : chains) request.deactivate.push_back(view.name);
@@ -58,12 +58,12 @@ std::unique_ptr<ControllerManager::Commit> ControllerManager::fall_of(const std:
       return why_unavailable(interface, command);
     });
     if (plan.ok) return commit_of(plan);
-  }  // else its fallbacks cannot take over as things stand
+  }  // otherwise its fallbacks cannot take over in the present state
   return commit_of(plan_of_fall(chain));
 }
 
-/// A component of the only group that these command, or where they command none, that they read; -1: there is
-/// none, or there are several.
+/// A component of the only group that these controllers command or, if they command none, read; -1 if there
+/// is none or several.
 int ControllerManager::home_of(std::span<const ControllerView> chain) const {
   int home = -1;
   for (const bool commands : {true, false}) {
@@ -73,7 +73,7 @@ int ControllerManager::home_of(std::span<const ControllerView> chain) const {
         const int component = !index     ? -1
                               : commands ? hardware_.component_of_command(*index)
                                          : hardware_.component_of_state(*index);
-        if (component < 0) continue;  // of another controller
+        if (component < 0) continue;  // offered by another controller
         if (home < 0) home = component;
         const std::string& group = hardware_.group(static_cast<std::size_t>(home));
         if (component != home &&
@@ -85,7 +85,7 @@ int ControllerManager::home_of(std::span<const ControllerView> chain) const {
   return home;
 }
 
-/// Does the controller command a component that does not fail together with this one?
+/// True if the controller commands a component that does not fail together with this one.
 bool ControllerManager::commands_beyond(const ControllerView& view, std::size_t component) const {
   return std::any_of(view.commands.begin(), view.commands.end(), [&](const std::string& claim) {
     const auto index = table_.find_command(claim);
@@ -123,7 +123,7 @@ std::unique_ptr<ControllerManager::Schedule> ControllerManager::make_schedule(
     all[i].state = active[i] ? LifecycleState::active : LifecycleState::inactive;
   }
   auto out = std::make_unique<Schedule>();
-  std::vector<std::set<std::size_t>> falling(hardware_.size());  // controllers that fall with a component
+  std::vector<std::set<std::size_t>> falling(hardware_.size());  // controllers that stop if a component fails
   for (const std::size_t i : update_order(all)) {
     const std::vector<std::size_t> linked = chain_of(all, i, active);
     const std::vector<ControllerView> chain = some_of(all, linked);
@@ -145,8 +145,8 @@ std::unique_ptr<ControllerManager::Schedule> ControllerManager::make_schedule(
   return out;
 }
 
-/// The components whose faults concern their group alone. `tied`: a controller that falls with the component
-/// commands components outside its group.
+/// The components whose faults affect their group only. `tied`: a controller that stops with the component
+/// also commands components outside its group.
 std::vector<char> ControllerManager::contained_components(std::span<const char> tied) const {
   std::set<std::string> tied_groups;
   for (std::size_t c = 0; c < tied.size(); ++c)

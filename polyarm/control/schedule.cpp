@@ -14,13 +14,13 @@ void copy_some(const std::vector<std::size_t>& which, std::span<const double> fr
   for (const std::size_t i : which) to[i] = from[i];
 }
 
-/// Is it the turn of what has a rate of its own?
+/// True if an update at its own rate is due in this cycle.
 bool is_due(unsigned divisor, Nanoseconds period, const hardware::Cycle& cycle) noexcept {
   if (period == 0) return cycle.index % divisor == 0;
   const Nanoseconds last = cycle.time - cycle.period;
   return last < 0 || cycle.time / period != last / period;
 }
-/// The cycle as what has a rate of its own sees it.
+/// The cycle with the period of the own rate.
 hardware::Cycle longer(hardware::Cycle cycle, unsigned divisor, Nanoseconds period) noexcept {
   cycle.period = period > 0 ? period : cycle.period * divisor;
   return cycle;
@@ -114,7 +114,7 @@ void ControllerManager::stop(Slot& s, const hardware::Cycle& cycle) noexcept {
   s.active = false;
   s.part->pause();
   if (s.runner && !s.runner->idle()) {
-    s.own_stop.store(true);  // its thread says good-bye when it is through
+    s.own_stop.store(true);  // its thread calls on_deactivate when it has finished
   } else {
     s.controller->on_deactivate(cycle);
     if (s.runner) copy_some(s.commands, s.own_commands, table_.commands());
@@ -136,7 +136,7 @@ void ControllerManager::execute(Commit& commit, const hardware::Cycle& cycle) no
   let_go(commit);
 }
 
-/// A velocity or an effort that nobody commands any more ends: a joint would go on with it for ever.
+/// Sets velocities and efforts that nobody commands any more to zero; otherwise the joint would keep moving.
 void ControllerManager::let_go(const Commit& commit) noexcept {
   const std::span<double> commands = table_.commands();
   const auto end = [&](std::size_t i) {
@@ -144,7 +144,7 @@ void ControllerManager::let_go(const Commit& commit) noexcept {
   };
   for (const std::size_t i : commit.left) end(i);
   if (!commit.refused) return;
-  for (const Slot* s : commit.start)  // what was to take over did not
+  for (const Slot* s : commit.start)  // controllers that should have taken over but did not start
     if (!s->active) std::for_each(s->pushes.begin(), s->pushes.end(), end);
 }
 

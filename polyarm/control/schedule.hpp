@@ -1,6 +1,6 @@
 #pragma once
-/// What the control thread has of the controllers: who is updated in which order, and what is to be done when
-/// one of them, or a component, fails. Private to the room.
+/// The control thread's data about controllers: order of updates, and prepared reactions to a failure of a
+/// controller or component. Private to the room.
 #include <algorithm>
 
 #include "polyarm/control/controller_manager.hpp"
@@ -9,7 +9,7 @@ namespace polyarm::control {
 
 /// A controller and everything that belongs to it.
 struct ControllerManager::Slot {
-  ~Slot() { runner.reset(); }  // its thread ends before the rest goes
+  ~Slot() { runner.reset(); }  // its thread ends before the other members are destroyed
 
   // control thread, every cycle
   std::unique_ptr<controllers::Controller> controller;
@@ -23,12 +23,12 @@ struct ControllerManager::Slot {
   controllers::ControllerContext context;
   LoadOptions options;
   std::vector<std::size_t> commands, references, exported;  // indices in the table
-  std::vector<std::size_t> pushes;  // of the commands, those that move a joint until they are taken back
+  std::vector<std::size_t> pushes;  // commands that keep moving a joint until they are withdrawn
   std::atomic<hardware::LifecycleState> state{hardware::LifecycleState::unconfigured};
   std::atomic<bool> chained{false};
   std::unique_ptr<realtime::PartHealth> part = std::make_unique<realtime::PartHealth>();
 
-  // of an async controller: what it works on while the loop goes on
+  // for an async controller: copies that it works on in parallel to the loop
   std::vector<double> own_states, own_commands;
   hardware::Cycle own_cycle;
   controllers::Verdict own_verdict;
@@ -36,13 +36,13 @@ struct ControllerManager::Slot {
   std::atomic<bool> own_stop{false};
 };
 
-/// A switch, prepared.
+/// A prepared switch.
 struct ControllerManager::Commit {
   std::vector<Slot*> stop, start;
   std::vector<std::pair<Slot*, bool>> chains;
   std::vector<std::string> start_interfaces, stop_interfaces;
-  std::vector<std::size_t> left;  // velocities and efforts of those that stop, which nobody takes over
-  Slot* refused = nullptr;        // the first whose activation failed
+  std::vector<std::size_t> left;  // velocities and efforts of stopped controllers without a successor
+  Slot* refused = nullptr;        // the first controller whose activation failed
 };
 
 struct ControllerManager::Schedule {
@@ -50,13 +50,13 @@ struct ControllerManager::Schedule {
     Slot* slot;
     controllers::Controller* controller;
     unsigned divisor;
-    Nanoseconds period;            // 0: by the divisor
-    std::unique_ptr<Commit> fall;  // when its update fails
-    int home;  // a component of the only group that it works on; -1: of several, or of none
+    Nanoseconds period;            // 0: use the divisor
+    std::unique_ptr<Commit> fall;  // executed when its update fails
+    int home;                      // a component of its only group; -1: several groups, or none
   };
   std::vector<Entry> entries;
   std::vector<std::unique_ptr<Commit>> component_falls;
-  std::vector<char> contained;  // by component: a fault of it concerns its group alone
+  std::vector<char> contained;  // by component: true if its faults affect its group only
 };
 
 }  // namespace polyarm::control

@@ -1,5 +1,6 @@
 #pragma once
-/// The one place where faults become stops. One table says what follows what; the table is a test.
+/// The supervisor decides on the reaction to every fault. One table defines the transitions; a test checks
+/// the table.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -21,7 +22,7 @@ constexpr int kRunStates = 5, kEvents = 7;
 const char* name(RunState state);
 const char* name(Event event);
 
-/// The state table: what each event leads to in each state.
+/// The state table: next state by present state and event.
 constexpr std::array<std::array<RunState, kEvents>, kRunStates> kNextState = {{
     // stop               standing            resume              discard             fault            recover
     // back
@@ -43,34 +44,34 @@ constexpr RunState next(RunState state, Event event) {
 using hardware::FaultEvent;
 using hardware::kStopCauses;
 using hardware::StopCause;
-/// What happens when cycles are late in a row. (A single late cycle is only counted; a gap of half a second
-/// has a rule of its own, LoopOptions::stall_holds.)
+/// Reaction to late cycles in a row. (A single late cycle is only counted; a gap of half a second has its own
+/// rule, LoopOptions::stall_holds.)
 using Overrun = hardware::WhenLate;
-/// A sentence for people: "a contact".
+/// Text for people: "a contact".
 const char* name(StopCause cause);
-/// One word that stays the same in every language: "contact".
+/// A code that is the same in every language: "contact".
 const char* code(StopCause cause);
 
-/// A request from a person or the cell; the loop takes one each cycle.
+/// A request from a person or the cell; the loop takes at most one per cycle.
 enum class Request : std::uint8_t { none, resume, discard, recover, back };
 
-/// What a contact in a simulated world leads to.
+/// Reaction to a contact in a simulated world.
 enum class ContactStop : std::uint8_t {
-  none,  ///< it is only reported
-  path,  ///< a stop on the path as hard as the joints can (category 1)
-  cut,   ///< each joint brakes by itself at once and leaves the path (category 0)
+  none,  ///< only reported
+  path,  ///< stop on the path with the joints' maximum braking (category 1)
+  cut,   ///< each joint brakes at once by itself and leaves the path (category 0)
 };
 
-/// What follows from a fault event.
+/// The reaction to a fault event.
 struct Reaction {
   enum class Loop : std::uint8_t { goes_on, stops, faults };
   Loop loop = Loop::goes_on;  ///< stops: on the path, then held
-  bool group_off = false;     ///< its component and the component's group are taken off
+  bool group_off = false;     ///< switch off its component and the component's group
   friend constexpr bool operator==(const Reaction&, const Reaction&) = default;
 };
 
-/// The reaction table. `contained`: the fault concerns only the group of its component (`on_fault: group`).
-/// `late` and `contact`: what the cell file says.
+/// The reaction table. `contained`: the fault affects only the group of its component (`on_fault: group`).
+/// `late` and `contact`: settings of the cell file.
 constexpr Reaction reaction_to(StopCause cause, bool contained, Overrun late, ContactStop contact) noexcept {
   using enum Reaction::Loop;
   switch (cause) {
@@ -93,64 +94,65 @@ constexpr Reaction reaction_to(StopCause cause, bool contained, Overrun late, Co
     case StopCause::not_following:
       return {contained ? goes_on : faults, true};
     case StopCause::controller:
-    case StopCause::limits:  // the hardware works: it stays on, and brakes
+    case StopCause::limits:  // the hardware works, so it stays on and brakes
       return {contained ? goes_on : faults, contained};
   }
   return {faults, false};
 }
 
-/// When the newest stop began and when all stood, cell time; -1: not yet.
+/// Cell times at which the newest stop began and at which all motion had ended; -1: not yet.
 struct StopTimes {
   Nanoseconds begun = -1, ended = -1;
 };
 
-/// judge(): the control thread. The latch and the heartbeat: any thread.
+/// judge(): control thread. The latch and the heartbeat: any thread.
 class Supervisor {
  public:
-  /// The loop stops by itself when the cell thread is silent for this long while something moves.
+  /// The loop stops if the cell thread sends no heartbeat for this long while something moves, ns.
   static constexpr Nanoseconds kSilence = 500'000'000;
-  /// Stepping back goes at most at this share of the planned speed.
+  /// Maximum share of the planned speed for stepping back.
   static constexpr double kBackShare = 0.1;
 
   realtime::StopLatch& latch() noexcept { return latch_; }
-  /// The cell thread's sign of life; `now` is the cell's time.
+  /// The cell thread's heartbeat; `now` is cell time.
   void heartbeat(Nanoseconds now) noexcept { heartbeat_.store(now, std::memory_order_relaxed); }
 
-  /// Decides what follows from a fault event, and changes the state. Returns whether the event's component
-  /// and its group are to be taken off. Of two faults the first stays the cause. Control thread.
+  /// Decides on the reaction to a fault event and changes the state. Returns true if the event's component
+  /// and its group must be switched off. The first of several faults remains the cause. Control thread.
   bool react(const FaultEvent& event, bool contained) noexcept;
-  /// The verdict of this cycle, after the fault events of its read. `standing`: no controller asked for
-  /// motion in the cycle before. Control thread.
+  /// The verdict of this cycle, after the fault events of its read. `standing`: no controller requested
+  /// motion in the previous cycle. Control thread.
   controllers::Verdict judge(Nanoseconds now, bool standing, Request request) noexcept;
 
-  /// Before the loop runs: what late cycles and late threads of components lead to.
+  /// Call before the loop runs: reactions to late cycles and to late threads of components.
   void set_when_late(Overrun of_loop, std::vector<Overrun> of_components = {}) {
     late_ = of_loop;
     component_late_ = std::move(of_components);
   }
-  /// Before the loop runs.
+  /// Call before the loop runs.
   void set_contact_stop(ContactStop stop) noexcept { contact_stop_ = stop; }
   ContactStop contact_stop() const noexcept { return contact_stop_; }
 
   RunState state() const noexcept { return state_.load(std::memory_order_acquire); }
   StopCause cause() const noexcept { return cause_.load(std::memory_order_acquire); }
-  /// What led to this state; its cause is none while running. Control thread.
+  /// The event that led to this state; its cause is none while running. Control thread.
   const FaultEvent& event() const noexcept { return event_; }
-  /// How much of the planned speed may be used while running, (0, 1]. Any thread.
+  /// Allowed share of the planned speed while running, (0, 1]. Any thread.
   void set_share(double share) noexcept { share_.store(share, std::memory_order_relaxed); }
   double share() const noexcept { return share_.load(std::memory_order_relaxed); }
-  /// What people ask for beside it, [0, 1]; both multiply. At 0 all stands, and goes on by itself at more.
-  /// Any thread.
+  /// The user's override in [0, 1]; multiplied with the share. At 0 all motion pauses, and continues when it
+  /// is raised. Any thread.
   void set_override(double share) noexcept { override_.store(share, std::memory_order_relaxed); }
   double override_share() const noexcept { return override_.load(std::memory_order_relaxed); }
-  /// How far the next Request::back goes: s of the plan, and along the path. Before that is posted.
+  /// Distance of the next Request::back: s of the plan, and distance along the path. Call before posting that
+  /// request.
   void set_back(double time, double way) noexcept {
     back_time_.store(time, std::memory_order_relaxed);
     back_way_.store(way, std::memory_order_relaxed);
   }
   /// Control thread.
   const StopTimes& stop_times() const noexcept { return times_; }
-  /// Off in lock-step, where the cell cannot fall silent, and where a stall holds nothing.
+  /// Off in lock-step, where the cell thread cannot fall behind, and if a stall does not hold.
   std::atomic<bool> watch_cell{true};
 
  private:
@@ -166,11 +168,11 @@ class Supervisor {
   FaultEvent event_;
   std::atomic<double> share_{1}, override_{1}, back_time_{0}, back_way_{0};
   StopTimes times_;
-  bool stops_ = false;  // in the cycle before
+  bool stops_ = false;  // in the previous cycle
   ContactStop contact_stop_ = ContactStop::none;
   Overrun late_ = Overrun::report;
   std::vector<Overrun> component_late_;
-  bool touched_ = false;  // the stop under way is harder for a contact
+  bool touched_ = false;  // the current stop brakes harder because of a contact
 };
 
 }  // namespace polyarm::control

@@ -26,13 +26,13 @@ bool shares(const std::vector<std::string>& wanted, const std::vector<std::strin
                      [&](const std::string& w) { return contains(offered, w); });
 }
 
-/// `a` must be updated before `b`: it writes b's references, or b reads a state that it exports.
+/// True if `a` must be updated before `b`: it writes b's references, or b reads a state that it exports.
 bool comes_before(const ControllerView& a, const ControllerView& b) {
   return (!b.references.empty() && shares(a.commands, b.references)) ||
          (!a.exported.empty() && shares(b.states, a.exported));
 }
 
-/// What a controller is refused for.
+/// Why a controller is refused.
 struct Refusal {
   std::string code, reason, advice;
 };
@@ -53,7 +53,7 @@ class Planner {
     for (const std::string& name : request_.deactivate) take(name, false);
     for (const std::string& name : request_.activate) take(name, true);
     if (automatic()) close_over_chains();
-    // Leaving one out may cost another its chain: until nothing changes.
+    // Removing one controller may break the chain of another; repeat until nothing changes.
     for (bool again = plan_.ok; again && plan_.ok;) again = drop_impossible();
     if (plan_.ok) finish();
     if (!plan_.ok) {
@@ -118,7 +118,8 @@ class Planner {
     return c.state == LifecycleState::active && !stopping_.contains(c.name);
   }
 
-  /// Starts what chains need, stops what hangs on what is stopped, and with force who stands in the way.
+  /// Starts what chains need, stops what depends on stopped controllers, and with `force` also controllers
+  /// that claim the same interface.
   void close_over_chains() {
     for (bool again = true; again;) {
       again = false;
@@ -154,7 +155,7 @@ class Planner {
     }
   }
 
-  /// Takes one impossible wish out, or refuses the whole. False when all that is left can be.
+  /// Removes one impossible request, or refuses the switch. False if all remaining requests are possible.
   bool drop_impossible() {
     for (const ControllerView& c : all_)
       if (starting_.contains(c.name))
@@ -187,7 +188,7 @@ class Planner {
     for (const std::size_t i : concerned_by(c)) {
       const ControllerView& other = all_[i];
       if (other.name == c.name) continue;
-      // Of two that start and want the same, the later one is refused.
+      // If two starting controllers claim the same interface, the later one is refused.
       if (active_after(other) && !(starting_.contains(other.name) && rank(other.name) > rank(c.name)))
         for (const std::string& name : c.commands)
           if (contains(other.commands, name))
@@ -205,7 +206,7 @@ class Planner {
     return std::nullopt;
   }
 
-  /// Those that claim the same commands, and those that offer what `c` names.
+  /// Controllers that claim the same commands, and those that offer interfaces used by `c`.
   std::set<std::size_t> concerned_by(const ControllerView& c) const {
     std::set<std::size_t> out;
     const auto add = [&](const Places& places, const std::string& name) {
@@ -269,7 +270,7 @@ class Planner {
   const SwitchRequest& request_;
   const Unavailable& unavailable_;
   using Places = std::unordered_map<std::string_view, std::vector<std::size_t>>;
-  Places claiming_, offering_, exporting_;  ///< controllers by the interfaces that they name
+  Places claiming_, offering_, exporting_;  ///< controllers by the interfaces that they use
   std::set<std::string> starting_, stopping_;
   SwitchPlan plan_;
 };
@@ -295,7 +296,7 @@ std::vector<std::size_t> update_order(std::span<const ControllerView> controller
         later[a].push_back(b), ++waits[b];
     }
   }
-  // The first of those that wait for nothing comes next.
+  // Next comes the first controller that waits for no other.
   std::priority_queue<std::size_t, std::vector<std::size_t>, std::greater<>> free;
   for (std::size_t i = 0; i < n; ++i)
     if (waits[i] == 0) free.push(i);
@@ -316,7 +317,7 @@ std::vector<std::size_t> update_order(std::span<const ControllerView> controller
 }
 
 namespace {
-/// Only such controllers are links of chains.
+/// Only controllers that offer interfaces can be links of a chain.
 bool offers(const ControllerView& controller) {
   return !controller.references.empty() || !controller.exported.empty();
 }

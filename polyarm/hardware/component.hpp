@@ -1,7 +1,7 @@
 #pragma once
-/// The seam between the runtime and hardware, simulated or real. A superset of ros2_control's hardware
-/// component interface, with the same words: states are read, commands are written, once each cycle.
-/// Standard types only: plugins include this.
+/// The interface between the runtime and hardware, simulated or real. A superset of ros2_control's hardware
+/// component interface, with the same terms: states are read and commands are written once each cycle. Uses
+/// standard types only, because plugins include this file.
 #include <limits>
 #include <map>
 #include <memory>
@@ -32,8 +32,8 @@ struct Cycle {
   std::uint64_t index = 0;
 };
 
-/// One robot that a component drives, with where it stands and what it carries. `model` and `tool` outlive
-/// the component.
+/// One robot that a component drives, with its pose and its tool. `model` and `tool` must outlive the
+/// component.
 struct RobotInstance {
   std::string name;  ///< in the cell, first part of its interface names
   const description::RobotModel* model = nullptr;
@@ -41,11 +41,11 @@ struct RobotInstance {
   Pose base;                                ///< T_world_base
   std::vector<double> initial_positions;    ///< of the actuated joints, rad or m
   std::vector<description::HardwareInfo>
-      hardware;    ///< the <ros2_control> blocks this component stands for; may be empty
-  std::string on;  ///< the robot whose root link carries this one; empty: it stands in the world
+      hardware;    ///< the <ros2_control> blocks that this component implements; may be empty
+  std::string on;  ///< the robot whose root link carries this one; empty: it is fixed in the world
 };
 
-/// Everything a component is told when it is made.
+/// All information that a component gets when it is created.
 struct ComponentContext {
   std::string name;
   std::vector<RobotInstance> robots;
@@ -54,20 +54,20 @@ struct ComponentContext {
   Nanoseconds period = 1'000'000;  ///< of the control loop
 };
 
-/// A named number in the interface table. `name` is whole: "arm/elbow_joint/position".
+/// A named number in the interface table. `name` is the full name: "arm/elbow_joint/position".
 struct InterfaceDescription {
   std::string name;
   double initial = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// Actuator, sensor or system. The on_… and prepare calls come one at a time, from threads that may differ
-/// and may be kept waiting; read, write and perform come from the control thread, which must never block,
-/// allocate, throw or log. An inactive component is read while it is being activated.
+/// An actuator, sensor or system. The on_… and prepare calls are made one at a time, from different threads,
+/// and may block; read, write and perform are called on the control thread and must never block, allocate,
+/// throw or log. An inactive component is read while it is being activated.
 class Component {
  public:
   virtual ~Component() = default;
 
-  /// Takes over what it is told and checks parameters. The only place that may throw polyarm::Error.
+  /// Stores the context and checks parameters. The only function that may throw polyarm::Error.
   virtual CallbackReturn on_init(const ComponentContext& context) = 0;
   virtual CallbackReturn on_configure() { return CallbackReturn::success; }
   virtual CallbackReturn on_activate() { return CallbackReturn::success; }
@@ -76,11 +76,12 @@ class Component {
   virtual CallbackReturn on_shutdown() { return CallbackReturn::success; }
   virtual CallbackReturn on_error() { return CallbackReturn::success; }
 
-  /// Valid after on_init; the order is the order of the spans given to read and write.
+  /// Valid after on_init; their order is the order of the spans passed to read and write.
   virtual std::vector<InterfaceDescription> state_interfaces() const = 0;
   virtual std::vector<InterfaceDescription> command_interfaces() const = 0;
 
-  /// May the named command interfaces ("robot/joint/interface") be started and stopped together?
+  /// Checks whether the named command interfaces ("robot/joint/interface") can be started and stopped
+  /// together.
   virtual ReturnType prepare_command_mode_switch(std::span<const std::string> start,
                                                  std::span<const std::string> stop) {
     return ReturnType::ok;
@@ -95,33 +96,33 @@ class Component {
   /// Sends `commands` to the hardware. NaN means: no command.
   virtual ReturnType write(const Cycle& cycle, std::span<const double> commands) noexcept = 0;
 
-  /// Where the parts are, for components that simulate a world; current after each read. Else null.
+  /// The simulated world, for components that simulate one; updated by each read. Otherwise null.
   virtual const WorldState* world() const noexcept { return nullptr; }
   /// Names for Contact::a and b.
   virtual std::vector<std::string> world_names() const { return {}; }
-  /// Does it drive something that is not simulated? Such a component is armed by a person before it may move.
-  /// Valid after construction: a cell asks before it decides whether the component runs at all.
+  /// True if it drives real hardware. A person must arm such a component before it may move. Valid after
+  /// construction, because a cell asks before it decides whether to run the component.
   virtual bool real() const noexcept { return false; }
-  /// Do read and write wait for a device (a bus, a socket)? Such a component gets a thread of its own, unless
-  /// its description decides otherwise. Valid after construction.
+  /// True if read and write wait for a device (a bus, a socket). Such a component runs on a thread of its own
+  /// unless its description says otherwise. Valid after construction.
   virtual bool blocks() const noexcept { return false; }
-  /// Does the device have a clock that the control loop follows? Then await_cycle() paces the loop while the
-  /// component is active; the loop's rate has to be the device's. Valid after construction.
+  /// True if the device has a clock that the control loop follows. await_cycle() then paces the loop while
+  /// the component is active; the loop's rate must equal the device's. Valid after construction.
   virtual bool paces() const noexcept { return false; }
-  /// Waits until the device begins its next cycle, at most `timeout` ns; false when it did not. Control
-  /// thread; the one call that may wait, and no longer than it is told to.
+  /// Waits until the device begins its next cycle, at most `timeout` ns; false after a timeout. Control
+  /// thread; the only call there that may wait.
   virtual bool await_cycle(Nanoseconds timeout) noexcept { return false; }
   /// Why the last callback, read or write failed: one sentence that names joint and device, and what to do;
-  /// may be empty. Called from the thread that builds or switches, while the control thread may be in read
-  /// or write: keep the reason as an atomic number and make the text here.
+  /// may be empty. Called from the thread that builds or switches while the control thread may be in read or
+  /// write: store the reason as an atomic number and make the text here.
   virtual std::string reason() const { return {}; }
-  /// What the driver says of itself, for lists; null: nothing. Valid after construction.
+  /// The driver's description of itself, for lists; null: none. Valid after construction.
   virtual const DriverFacts* facts() const noexcept { return nullptr; }
-  /// What is worth one line at the start of a run ("MuJoCo 2.2.2, step 1 ms"); may be empty.
+  /// One line for the start of a run ("MuJoCo 2.2.2, step 1 ms"); may be empty.
   virtual std::string summary() const { return {}; }
 };
 
-/// Everything that passes between the runtime and a component of a plugin.
+/// Layout of all types that the runtime and a plugin's component exchange.
 inline constexpr std::uint32_t kComponentLayout =
     layout_of<Component, ComponentContext, RobotInstance, InterfaceDescription, Cycle, WorldState,
               description::RobotModel, description::Link, description::Joint, description::HardwareInfo,

@@ -1,6 +1,6 @@
 #pragma once
-/// A component without a cell, for tests: it is taken through its life cycle in the order that a cell keeps,
-/// and its states and commands are numbers by name. Standard types only: tests of plugins include this.
+/// Tests a component without a cell: runs its life cycle in the order of a cell and gives access to states
+/// and commands by name. Uses standard types only, because tests of plugins include this file.
 #include <limits>
 #include <memory>
 #include <string>
@@ -14,8 +14,8 @@ namespace polyarm::hardware {
 
 class ComponentRig {
  public:
-  /// The component drives one robot, "arm", whose revolute joints have these names and `interfaces` each, as
-  /// if a <ros2_control> block said so. Its name is "tested".
+  /// The component drives one robot, "arm", whose revolute joints have these names, each with `interfaces`,
+  /// as if a <ros2_control> block declared them. The component's name is "tested".
   ComponentRig(std::unique_ptr<Component> component, const std::vector<std::string>& joints,
                std::map<std::string, std::string> parameters = {},
                const std::vector<std::string>& interfaces = {"position"})
@@ -28,8 +28,8 @@ class ComponentRig {
     cycle_.period = context_.period;
   }
 
-  /// The next transition; Error("wrong-state") when it is not its turn. What the callback throws goes
-  /// through. After an error on_error() has been called, as a cell does.
+  /// The next transition; throws Error("wrong-state") if it is not allowed now. Exceptions of the callback
+  /// pass through. After an error on_error() was called, as in a cell.
   CallbackReturn initialise() {
     if (initialised_) wrong("initialised");
     const CallbackReturn result = component_->on_init(context_);
@@ -58,14 +58,14 @@ class ComponentRig {
     state_ = LifecycleState::finalized;
     return component_->on_shutdown();
   }
-  /// All of initialise, configure and activate; false as soon as one does not succeed.
+  /// Runs initialise, configure and activate; false at the first that does not succeed.
   bool start() {
     return initialise() == CallbackReturn::success && configure() == CallbackReturn::success &&
            activate() == CallbackReturn::success;
   }
 
-  /// One cycle as the loop does it: states are read while inactive or active, commands written while active.
-  /// After an error on_error() has been called and the component is unconfigured or finalized.
+  /// One cycle of the loop: reads states while inactive or active, writes commands while active. After an
+  /// error on_error() was called and the component is unconfigured or finalized.
   ReturnType cycle() {
     ReturnType result = ReturnType::ok;
     if (state_ == LifecycleState::inactive || state_ == LifecycleState::active)
@@ -78,7 +78,7 @@ class ComponentRig {
     return result;
   }
 
-  /// By their whole names, "arm/joint_1/position", or without the robot.
+  /// Access by full name, "arm/joint_1/position", or without the robot.
   double& state(const std::string& name) { return states_[place(state_names_, name)]; }
   double& command(const std::string& name) { return commands_[place(command_names_, name)]; }
   LifecycleState lifecycle() const { return state_; }

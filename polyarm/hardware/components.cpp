@@ -41,12 +41,12 @@ int Components::find(std::string_view name) const {
 }
 
 namespace {
-/// Components lie in the table one after the other.
+/// Finds the component of an entry; components occupy consecutive ranges of the table.
 int owner_of(const std::vector<std::unique_ptr<Hosted>>& all, std::size_t index, std::size_t Hosted::*first,
              std::size_t Hosted::*count) {
   const auto after = std::upper_bound(all.begin(), all.end(), index,
                                       [&](std::size_t at, const auto& one) { return at < (*one).*first; });
-  for (auto each = after; each != all.begin();) {  // one without interfaces begins where the next one does
+  for (auto each = after; each != all.begin();) {  // an empty range starts where the next one does
     const Hosted& hosted = **--each;
     if (index < hosted.*first + hosted.*count) return static_cast<int>(each - all.begin());
     if (hosted.*count > 0) break;

@@ -1,5 +1,5 @@
 #pragma once
-/// Which components there are, and which interfaces they offer: what the controller manager sees.
+/// The components of a loop and the interfaces that they offer, as the controller manager sees them.
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -14,24 +14,24 @@ namespace polyarm::hardware {
 
 struct Hosting;
 
-/// Components are known by their index, in order of addition. Cell thread, unless a function says otherwise.
+/// Components are identified by index, in order of addition. Cell thread unless stated otherwise.
 class Components {
  public:
   std::size_t size() const noexcept;
   const std::string& component_name(std::size_t i) const;
-  /// -1: there is none of that name.
+  /// Index of the component; -1 if there is no such name.
   int find(std::string_view name) const;
   const std::string& group(std::size_t i) const;
-  bool contained(std::size_t i) const;  ///< a fault of it may concern its group alone
+  bool contained(std::size_t i) const;  ///< its faults may be limited to its group
   bool real(std::size_t i) const;
-  bool takes_commands(std::size_t i) const;      ///< it offers command interfaces
+  bool takes_commands(std::size_t i) const;      ///< true if it offers command interfaces
   LifecycleState state_of(std::size_t i) const;  ///< any thread
-  /// The component that offers the interface; -1: none.
+  /// Index of the component that offers the interface; -1 if none does.
   int component_of_state(std::size_t index) const;
   int component_of_command(std::size_t index) const;
 
-  /// May these command interfaces be started and stopped together? Throws Error("busy") while a component
-  /// that offers one of them is in a callback, Error("mode-refused") when a component throws.
+  /// Checks whether these command interfaces can be started and stopped together. Throws Error("busy") while
+  /// a component that offers one of them is in a callback, Error("mode-refused") if a component throws.
   bool prepare_mode_switch(std::span<const std::string> start, std::span<const std::string> stop);
   /// Control thread.
   bool perform_mode_switch(std::span<const std::string> start, std::span<const std::string> stop) noexcept;

@@ -21,7 +21,7 @@ namespace polyarm::hardware {
 namespace {
 namespace fs = std::filesystem;
 
-/// Locks of all users lie in one place, since two users may share a port.
+/// One folder for the locks of all users, because two users may share a port.
 fs::path folder() {
   std::error_code error;
   for (const char* place : {"/run/lock", "/tmp"})
@@ -44,14 +44,14 @@ std::string holder_in(int file) {
   return length > 0 ? std::string(text, static_cast<std::size_t>(length)) : "another process";
 }
 
-/// The number in "… (process 1234)"; 0: none.
+/// The number in "… (process 1234)"; 0 if there is none.
 int process_in(const std::string& holder) {
   constexpr std::string_view kBefore = "(process ";
   const auto at = holder.rfind(kBefore);
   return at == std::string::npos ? 0 : std::atoi(holder.c_str() + at + kBefore.size());
 }
 
-/// Does the process have the file open? Nothing where that cannot be seen (another user's).
+/// True if the process has the file open; empty if this is not visible (another user's process).
 std::optional<bool> has_open(int process, const fs::path& file) {
   std::error_code error;
   fs::directory_iterator at("/proc/" + std::to_string(process) + "/fd", error);
@@ -69,7 +69,7 @@ std::string DeviceLock::holder(const std::string& device) {
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
   if (file < 0) return {};
   const std::string text = holder_in(file);
-  close(file);  // before looking, or this process would have it open
+  close(file);  // close first, or this process itself would have it open
   const int process = process_in(text);
   std::error_code error;
   if (process <= 0 || !fs::exists("/proc/" + std::to_string(process), error)) return {};
@@ -83,7 +83,7 @@ DeviceLock::DeviceLock(const std::string& device, const std::string& holder) {
     throw Error("lock-failed",
                 "the lock " + path.string() + " of " + device + " cannot be made: " + std::strerror(errno),
                 "remove that file, or run as the user who made it");
-  fchmod(file_, 0666);  // whoever comes next may be another user
+  fchmod(file_, 0666);  // the next process may belong to another user
   if (flock(file_, LOCK_EX | LOCK_NB) != 0) {
     const std::string other = holder_in(file_);
     close(std::exchange(file_, -1));

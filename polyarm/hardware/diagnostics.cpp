@@ -27,7 +27,7 @@ HostedInfo Diagnostics::info(std::size_t i) const {
 }
 
 namespace {
-/// What the loop found, as a sentence; empty where the component failed by itself.
+/// The loop's finding as a sentence; empty if the component failed by itself.
 std::string found(const Hosted& hosted, const InterfaceTable& table) {
   const StopCause cause = hosted.failed_by.load(std::memory_order_acquire);
   const int at = hosted.failed_at.load(std::memory_order_relaxed);

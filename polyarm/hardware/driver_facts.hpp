@@ -1,6 +1,6 @@
 #pragma once
-/// What a driver says of itself: one declaration, from which come the table of `polyarm drivers`, the
-/// defaults of its parameters and the checks of what a user wrote.
+/// A driver's description of itself: one declaration gives the table of `polyarm drivers`, the parameter
+/// defaults and the checks of a user's values.
 #include <limits>
 #include <map>
 #include <span>
@@ -19,28 +19,28 @@ enum class ParameterKind : unsigned char { text, number, boolean };
 struct DriverParameter {
   const char* name;
   ParameterKind kind;
-  const char* fallback;  ///< as a user would write it; null: it must be given
-  const char* meaning;   ///< with the unit
-  double least = -std::numeric_limits<double>::infinity();  ///< of a number, inclusive
+  const char* fallback;                                     ///< as a user would write it; null: required
+  const char* meaning;                                      ///< with the unit
+  double least = -std::numeric_limits<double>::infinity();  ///< for a number, inclusive
   double most = std::numeric_limits<double>::infinity();
-  const char* one_of = nullptr;  ///< of a text: "auto legacy none"; null: any
+  const char* one_of = nullptr;  ///< for a text: "auto legacy none"; null: any
 };
 
 /// Lives as long as the program.
 struct DriverFacts {
   const char* kind;    ///< "system", "sensor", "actuator"
-  const char* drives;  ///< the devices, in a few words
-  const char* proof;   ///< what it was tested against, and what it never was
+  const char* drives;  ///< the devices, briefly
+  const char* proof;   ///< what it was tested with, and what it was not
   std::span<const DriverParameter> parameters;
 };
 
-/// Reads what a user wrote for a component against the driver's declaration. Every wrong value becomes a
-/// problem, and so does a name that is near a declared one; other names belong to somebody else.
+/// Reads a component's parameters against the driver's declaration. Every wrong value becomes a problem, and
+/// so does a name similar to a declared one; other names are ignored, because they may be for others.
 class DriverParameters {
  public:
   DriverParameters(const DriverFacts& facts, const ComponentContext& context);
 
-  /// The value, or the default where it is wrong. `name` must be declared.
+  /// The value, or the default if the value is wrong. `name` must be declared.
   std::string text(const char* name);
   double number(const char* name);
   bool boolean(const char* name);

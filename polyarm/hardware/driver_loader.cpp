@@ -22,7 +22,7 @@ constexpr const char* kPrefix = "polyarm_driver_";
 
 std::filesystem::path find_library(const std::string& name) {
   std::error_code error;
-  if (name.find('/') != std::string::npos) return {};  // a plugin's, never a path
+  if (name.find('/') != std::string::npos) return {};  // a plugin's type, never a path
   for (const auto& folder : driver_folders()) {
     const auto path = folder / (kPrefix + name + ".so");
     if (std::filesystem::exists(path, error)) return path;

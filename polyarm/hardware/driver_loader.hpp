@@ -1,6 +1,6 @@
 #pragma once
-/// Hardware by name: what is linked in, what plugins have brought, and Polyarm's own drivers in shared
-/// libraries `polyarm_driver_<name>.so`, which are loaded when one is asked for.
+/// Finds hardware drivers by name: linked-in drivers, those of plugins, and Polyarm's own drivers in shared
+/// libraries `polyarm_driver_<name>.so`, which are loaded on demand.
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -14,19 +14,19 @@ namespace polyarm::hardware {
 /// Makes a component; a driver registers one under its name ("mock", "mujoco", "acme/Arm"). May throw Error.
 using ComponentFactory = std::function<std::unique_ptr<Component>()>;
 
-/// Makes the driver known under `name`; a later one takes the name over. Called before any cell is built.
+/// Registers the driver under `name`, replacing an earlier one. Call before any cell is built.
 void register_driver(const std::string& name, ComponentFactory factory);
-/// A new component of the driver. Looks among the registered, then for `polyarm_driver_<name>.so` in the
+/// A new component of the driver. Searches the registered drivers, then `polyarm_driver_<name>.so` in the
 /// folders of POLYARM_DRIVERS (separated by ':'), beside the executable, in its `drivers` folder and in
 /// `../lib/polyarm`. Throws Error("unknown-driver" | "plugin-refused" | "plugin-failed").
 std::unique_ptr<Component> make_driver(const std::string& name);
-/// True if make_driver would find it.
+/// True if make_driver() would find it.
 bool driver_available(const std::string& name);
-/// What can be named, for hints.
+/// All driver names, for hints.
 std::vector<std::string> driver_names();
-/// The words of the error for a name that make_driver does not find.
+/// The error for a name that make_driver() does not find.
 Problem unknown_driver(const std::string& name);
-/// Where libraries of drivers are looked for, in order; some may not exist.
+/// Folders searched for driver libraries, in order; some may not exist.
 std::vector<std::filesystem::path> driver_folders();
 
 }  // namespace polyarm::hardware

@@ -11,7 +11,7 @@ namespace polyarm::hardware {
 
 namespace {
 constexpr double kNoCommand = std::numeric_limits<double>::quiet_NaN();
-/// For a joint without a velocity limit: finite, so that products stay numbers.
+/// For a joint without a velocity limit; finite, so products do not become NaN.
 constexpr double kAnySpeed = 1e38;
 
 bool due(const Hosted& hosted, const Cycle& cycle) noexcept {
@@ -29,7 +29,8 @@ void take_off_one(Hosted& hosted, StopCause cause) noexcept {
   if (hosted.own_clock && !hosted.reading) hosted.own_clock->close();
 }
 
-/// A group fails together. Where the rest of the loop goes on, it is also deactivated together.
+/// True if `other` fails together with `failed`: components of one group do. If the rest of the loop
+/// continues, they are also deactivated together.
 bool falls_with(const Hosted& other, const Hosted& failed, bool deactivated) noexcept {
   if (failed.options.group.empty() || other.options.group != failed.options.group) return false;
   return !deactivated || (failed.options.contained && other.writing);
@@ -69,7 +70,7 @@ inline ReturnType Exchange::read_async(Hosted& hosted, std::span<double> states,
   if (!hosted.runner->idle() || !hosted.ran.load(std::memory_order_acquire)) return ReturnType::ok;
   exchanged = hosted.own_exchanged;
   std::copy(hosted.own_states.begin(), hosted.own_states.end(), states.begin());
-  return hosted.own_result.exchange(ReturnType::ok, std::memory_order_acq_rel);  // a failure counts once
+  return hosted.own_result.exchange(ReturnType::ok, std::memory_order_acq_rel);  // a failure is reported once
 }
 
 inline ReturnType Exchange::read_one(std::size_t i, const Cycle& cycle, Exchanged& exchanged) noexcept {
@@ -83,7 +84,7 @@ inline ReturnType Exchange::read_one(std::size_t i, const Cycle& cycle, Exchange
                                  [&] { return hosted.component->read(longer, states); });
 }
 
-/// The longest time that may lie between the moments of these states and of those before, s.
+/// Longest possible time between the measurement of these states and of the previous ones, s.
 inline double Exchange::between_reads(Hosted& hosted, const Cycle& cycle,
                                       const Exchanged& exchanged) noexcept {
   Nanoseconds longest = cycle.period * hosted.divisor;
@@ -95,7 +96,7 @@ inline double Exchange::between_reads(Hosted& hosted, const Cycle& cycle,
   return seconds(longest);
 }
 
-/// Is the position that was just read possible? Reports it otherwise.
+/// Checks whether the new position is possible; reports a fault otherwise.
 bool Exchange::judge_state(std::size_t i, std::size_t k, double between, FaultEvents& faults) noexcept {
   Watched& watched = hosting_.all[i]->watched;
   const std::uint32_t state = watched.state[k];
@@ -107,7 +108,7 @@ bool Exchange::judge_state(std::size_t i, std::size_t k, double between, FaultEv
   return false;
 }
 
-/// Are the positions that were just read possible? Reports the first that is not.
+/// Checks whether the new positions are possible; reports the first fault.
 inline void Exchange::judge_states(std::size_t i, double between, FaultEvents& faults) noexcept {
   Watched& watched = hosting_.all[i]->watched;
   const double* const states = hosting_.table.states().data();
@@ -129,7 +130,8 @@ inline void Exchange::judge_states(std::size_t i, double between, FaultEvents& f
   }
 }
 
-/// Is the component's thread late for longer than it may, for the first time since it was let in?
+/// Checks whether the component's thread is late for too long; reports it once until the component is
+/// activated again.
 inline void Exchange::judge_thread(std::size_t i, FaultEvents& faults) noexcept {
   Hosted& hosted = *hosting_.all[i];
   if (hosted.late_reported || !hosted.has_thread()) return;
@@ -181,7 +183,7 @@ inline void Exchange::write_async(Hosted& hosted, const Cycle& cycle,
   hosted.missed_in_a_row = 0;
   if (hosted.writing)
     std::copy(commands.begin(), commands.end(), hosted.own_commands.begin());
-  else  // its last commands must not lead when it is activated again
+  else  // old commands must not be applied when it is activated again
     std::fill(hosted.own_commands.begin(), hosted.own_commands.end(), kNoCommand);
   hosted.own_cycle = cycle;
   hosted.own_cycle.period = cycle.period * hosted.divisor;
@@ -202,7 +204,7 @@ inline ReturnType Exchange::write_one(std::size_t i, const Cycle& cycle) noexcep
   return ReturnType::ok;
 }
 
-/// Are all joints near their commands? Reports the first that is too far away for too long.
+/// Checks whether all joints follow their commands; reports the first that is too far away for too long.
 inline void Exchange::judge_following(std::size_t i, FaultEvents& faults) noexcept {
   Hosted& hosted = *hosting_.all[i];
   if (!hosted.writing || !std::isfinite(hosted.following_error)) return;
@@ -239,7 +241,7 @@ void Exchange::write(const Cycle& cycle, FaultEvents& faults) noexcept {
   hosting_.in_call.store(-1, std::memory_order_relaxed);
 }
 
-// --- off and on -------------------------------------------------------------------------------------------
+// --- switching components off and on ----------------------------------------------------------------------
 
 std::span<const std::size_t> Exchange::take_off(const FaultEvent& event) noexcept {
   hosting_.off.clear();
@@ -255,7 +257,7 @@ std::span<const std::size_t> Exchange::take_off(const FaultEvent& event) noexcep
   for (std::size_t i = 0; i < hosting_.all.size(); ++i) {
     Hosted& other = *hosting_.all[i];
     if (!other.reading || (i != failed && !falls_with(other, hosted, deactivated))) continue;
-    hosting_.off.push_back(i);  // there is room for all
+    hosting_.off.push_back(i);  // capacity is reserved
   }
   for (const std::size_t i : hosting_.off) take_off_one(*hosting_.all[i], event.cause);
   return hosting_.off;

@@ -1,5 +1,5 @@
 #pragma once
-/// What the control thread does with the components: one call each to read and to write them all.
+/// The control thread's view of the components: one call reads all, one call writes all.
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -16,11 +16,11 @@ namespace polyarm::hardware {
 struct Hosted;
 struct Hosting;
 
-/// A joint whose measured position is checked against what is possible.
+/// A joint whose measured position is checked for plausibility.
 struct WatchedJoint {
   std::size_t state = 0;  ///< index of its position among the states
-  int command = -1;       ///< index of its position command; -1: none
-  double velocity = 0;    ///< rad/s or m/s, infinite where nobody states one
+  int command = -1;       ///< index of its position command; -1 if there is none
+  double velocity = 0;    ///< rad/s or m/s; infinite if not stated
 };
 
 /// The commands of one component.
@@ -28,32 +28,32 @@ struct CommandRange {
   std::size_t first = 0, count = 0;
 };
 
-/// Control thread, except watch() and measure(), which come before the loop runs. Nothing here allocates,
-/// locks or throws.
+/// Control thread, except watch() and measure(), which must be called before the loop runs. Nothing here
+/// allocates, locks or throws.
 class Exchange {
  public:
   explicit Exchange(Hosting& hosting) : hosting_(hosting) {}
 
-  /// From now on the positions of these joints are checked; an impossible one is a fault of its component.
+  /// Checks the positions of these joints from now on; an impossible one is a fault of its component.
   void watch(const std::vector<WatchedJoint>& joints, Nanoseconds period);
-  /// Whether each component is timed in each cycle.
+  /// Enables timing of each component in each cycle.
   void measure(bool on) noexcept { measuring_ = on; }
 
-  /// Waits for the active component that paces the loop; nothing where there is none.
+  /// Waits for the active component that paces the loop; empty if there is none.
   std::optional<bool> await_cycle(Nanoseconds timeout) noexcept;
-  /// Wall time passed without cycles: joints may have moved on for so long.
+  /// Reports wall time that passed without cycles, during which joints may have moved.
   void skipped(Nanoseconds time) noexcept { skipped_ += time; }
-  /// A component that fails is in `faults`; it is called again in the next cycle unless take_off() came
+  /// Adds a failed component to `faults`. It is called again in the next cycle unless take_off() was called
   /// before.
   void read(const Cycle& cycle, FaultEvents& faults) noexcept;
   void write(const Cycle& cycle, FaultEvents& faults) noexcept;
 
-  /// Takes the component of the event and its group off. Returns the components that were on until now.
+  /// Switches off the component of the event and its group. Returns the components that were on until now.
   std::span<const std::size_t> take_off(const FaultEvent& event) noexcept;
-  /// The next component that was let in: its commands begin anew, as measured.
+  /// The next component that was activated: its commands start again from the measured state.
   bool take_restarted(CommandRange& out) noexcept;
 
-  /// What took the component, or another of its group, off; none: it has been activated since.
+  /// What switched the component or another one of its group off; none: it was activated since.
   StopCause fallen(std::size_t i) const noexcept;
   /// The first simulated world among the components, or null.
   const WorldState* world() const noexcept;
@@ -72,7 +72,7 @@ class Exchange {
 
   Hosting& hosting_;
   std::uint32_t following_cycles_ = 250;
-  Nanoseconds skipped_ = 0;  // since the beginning
+  Nanoseconds skipped_ = 0;  // since the start
   int contacts_seen_ = 0;    // findings of the simulated world
   bool measuring_ = false;
 };

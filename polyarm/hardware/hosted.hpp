@@ -1,5 +1,5 @@
 #pragma once
-/// What the views of Hardware share. Private to the room.
+/// State shared by the views of Hardware. Private to the room.
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -21,14 +21,14 @@ namespace polyarm::hardware {
 
 /// The joints of a component whose measured positions are checked.
 struct Watched {
-  std::vector<double> last;          // NaN: nothing was measured yet
-  std::vector<double> speed;         // largest change in a second, without kJumpFloor
-  std::vector<std::uint32_t> state;  // places in the table
+  std::vector<double> last;          // NaN: not measured yet
+  std::vector<double> speed;         // largest change per second, without kJumpFloor
+  std::vector<std::uint32_t> state;  // indices in the table
   void forget() noexcept { std::fill(last.begin(), last.end(), std::numeric_limits<double>::quiet_NaN()); }
 };
-/// The same joints' commands. Apart from Watched, which every cycle reads.
+/// Command tracking of the same joints; separate from Watched, which is read every cycle.
 struct Following {
-  int command;               ///< -1: none
+  int command;               ///< -1 if there is none
   std::uint32_t behind = 0;  ///< cycles in which the joint was too far from its command
 };
 
@@ -42,39 +42,39 @@ struct Hosted {
   Nanoseconds budget = 0;
   std::unique_ptr<Component> component;
   std::unique_ptr<realtime::AsyncRunner> runner;
-  std::unique_ptr<OwnClock> own_clock;  // in place of a runner
+  std::unique_ptr<OwnClock> own_clock;  // instead of a runner
   std::size_t first_state = 0, states = 0, first_command = 0, commands = 0;
   Watched watched;
-  std::vector<Following> following;  // of the same joints
+  std::vector<Following> following;  // for the same joints
   double following_error = std::numeric_limits<double>::infinity();
-  Nanoseconds exchange_began = 0;  // with a thread: of the exchange whose states were taken last
+  Nanoseconds exchange_began = 0;  // with a thread: start of the exchange whose states were read last
   Nanoseconds skips_seen = 0;
   Nanoseconds read_at = 0, read_took = 0;
-  unsigned missed_in_a_row = 0;  // of a thread that the loop triggers
+  unsigned missed_in_a_row = 0;  // for a thread that the loop triggers
 
   // any thread
   std::string name;
   HostOptions options;
   std::atomic<LifecycleState> state{LifecycleState::unconfigured};
-  std::atomic<StopCause> failed_by{StopCause::none};  // of the last failure that was not the component's own
+  std::atomic<StopCause> failed_by{StopCause::none};  // cause of the last failure found by the loop
   std::atomic<int> failed_at{-1};                     // the interface that showed it
   std::shared_ptr<Transition> pending;                // shared with the thread that runs it
   std::atomic<bool> busy{false};                      // the same, for the control thread
   std::unique_ptr<realtime::PartHealth> part = std::make_unique<realtime::PartHealth>();
 
-  // of an async component without a clock of its own
+  // for an async component without its own clock
   std::vector<double> own_states, own_commands;
   Cycle own_cycle;
   std::atomic<ReturnType> own_result{ReturnType::ok};
-  std::atomic<bool> ran{false};  // it has read since it was let in
-  Exchanged own_exchanged;       // when it did
+  std::atomic<bool> ran{false};  // it has read since it was activated
+  Exchanged own_exchanged;       // time of that read
 
   bool has_thread() const noexcept { return own_clock || runner; }
 };
 
-/// A value that a test of a fault forces onto an interface, over whatever hardware or controllers say.
+/// A value that a fault test forces onto an interface, regardless of hardware and controllers.
 struct ForcedValue {
-  bool state = false;  ///< else command
+  bool state = false;  ///< true: a state; false: a command
   std::size_t index = 0;
   double value = 0;
 };
@@ -88,13 +88,13 @@ struct Hosting {
   std::vector<ForcedValue> forced;
   realtime::OverrunWatch overruns;
   realtime::Queue<std::int32_t> late{64};  // components whose thread became late
-  // control thread; there is room for all components
-  std::vector<std::size_t> restarted;  // let in, and not taken by the loop yet
-  std::vector<std::size_t> off;        // by the last take_off()
+  // control thread; capacity is reserved for all components
+  std::vector<std::size_t> restarted;  // activated, and not yet taken by the loop
+  std::vector<std::size_t> off;        // switched off by the last take_off()
   std::atomic<int> in_call{-1};
   std::atomic<const WorldState*> world{nullptr};
   std::vector<std::string> world_names;
-  int pacer = -1;  // the component that paces the loop
+  int pacer = -1;  // index of the component that paces the loop
 };
 
 }  // namespace polyarm::hardware

@@ -1,5 +1,5 @@
 #pragma once
-/// Every number that hardware and controllers exchange, with its name.
+/// The table of all named numbers that hardware and controllers exchange.
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -13,23 +13,23 @@
 
 namespace polyarm::hardware {
 
-/// One contiguous array of doubles for states, one for commands, one full name for each entry. Names become
-/// indices when a controller is configured; in a cycle there are only indices. Names and look-up: the cell
-/// thread; values: the control thread alone. Once sealed, the arrays keep their size and their places: what
-/// is added later takes one of the entries that were kept free, so that the control thread never notices.
+/// One contiguous array of doubles for states, one for commands, and a full name per entry. Names become
+/// indices when a controller is configured; a cycle uses indices only. Names and look-up: cell thread;
+/// values: control thread only. After seal() the arrays keep their size and address; later entries use
+/// reserved ones, so the control thread is not affected.
 class InterfaceTable {
  public:
-  /// Entries of each kind kept free by seal().
+  /// Number of entries of each kind that seal() reserves.
   static constexpr std::size_t kSpare = 64;
 
-  /// Adds an entry; throws Error("duplicate-interface") when the name is taken, Error("table-full") when the
-  /// table is sealed and no entry is free. Returns its index. After sealing, `initial` is not written.
+  /// Adds an entry and returns its index. Throws Error("duplicate-interface") if the name exists,
+  /// Error("table-full") if the table is sealed and no entry is free. After seal(), `initial` is not written.
   std::size_t add_state(std::string name, double initial);
   std::size_t add_command(std::string name);
-  /// Gives entries back; their values stay until somebody else takes them. After sealing only.
+  /// Frees entries; their values stay until the entries are used again. Only after seal().
   void remove_state(std::string_view name);
   void remove_command(std::string_view name);
-  /// From here on the arrays keep their size.
+  /// Fixes the size of the arrays.
   void seal();
   bool sealed() const noexcept { return sealed_; }
 
@@ -43,17 +43,17 @@ class InterfaceTable {
   std::span<const double> states() const noexcept { return state_.values; }
   std::span<double> commands() noexcept { return command_.values; }
   std::span<const double> commands() const noexcept { return command_.values; }
-  /// Entries that stood in the table when it was sealed; all of them before.
+  /// Number of entries when the table was sealed; before that, of all entries.
   std::size_t built_states() const noexcept { return state_.built; }
   std::size_t built_commands() const noexcept { return command_.built; }
-  /// Entries beyond these have never been taken: they are NaN. Any thread.
+  /// Entries from these indices on were never used: they are NaN. Any thread.
   std::size_t live_states() const noexcept { return state_.live.load(std::memory_order_relaxed); }
   std::size_t live_commands() const noexcept { return command_.live.load(std::memory_order_relaxed); }
-  /// Counts what changed the names.
+  /// Number of changes of the names.
   std::uint64_t changes() const noexcept { return changes_; }
 
  private:
-  struct Hash {  // of names of any kind: a look-up makes no string
+  struct Hash {  // transparent hash: a look-up creates no string
     using is_transparent = void;
     std::size_t operator()(std::string_view name) const noexcept {
       return std::hash<std::string_view>{}(name);

@@ -1,4 +1,5 @@
-/// The life cycle of components: what is called when, and what the loop is told of it.
+/// The life cycle of components: order of the callbacks, and when the loop starts and stops calling a
+/// component.
 #include "polyarm/hardware/life_cycle.hpp"
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 
 namespace polyarm::hardware {
 
-/// The loop reads and writes a component from now on, or no longer; between two cycles.
+/// Makes the loop start or stop reading and writing a component, between two cycles.
 class Hardware::Letting : public realtime::Job {
  public:
   Letting(Hosting& hosting, std::size_t i, bool reading, bool writing)
@@ -26,7 +27,7 @@ class Hardware::Letting : public realtime::Job {
   }
 
  private:
-  /// The joints may be anywhere now, and the commands of before mean nothing.
+  /// The joints may be anywhere now, and earlier commands are void.
   void begin_anew() noexcept {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     hosted_.ran.store(false, std::memory_order_relaxed);
@@ -101,11 +102,11 @@ CallbackReturn Transition::call() {
 }
 
 void Transition::run() noexcept {
-  // Its own thread may still be in a read that began before it was told to leave the component alone.
+  // Its thread may still be in a read that began before the thread was told to leave the component.
   if (exchanging_) exchanging_->wait(true);
   if (step_ == Step::shutdown && was_active_) try {
       component_->on_deactivate();
-    } catch (...) {  // it is shut down all the same
+    } catch (...) {  // shut it down in any case
     }
   try {
     result_ = call();
@@ -124,7 +125,7 @@ bool Transition::wait(Nanoseconds timeout) const {
 }
 
 namespace {
-/// ": it threw: …", or nothing.
+/// ": it threw: …", or empty.
 std::string told(const std::exception_ptr& thrown) {
   if (!thrown) return {};
   try {
@@ -134,7 +135,7 @@ std::string told(const std::exception_ptr& thrown) {
   }
 }
 
-/// Whoever asks calls.
+/// Runs transitions on the calling thread.
 class Here : public Caller {
  public:
   void start(std::shared_ptr<Transition> transition) override { transition->run(); }
@@ -253,7 +254,7 @@ std::shared_ptr<Transition> Hardware::finish(Transition& done) {
     succeed(done.index_, done.step_);
     return nullptr;
   }
-  if (done.result_ == CallbackReturn::error) {  // on_error decides what it becomes
+  if (done.result_ == CallbackReturn::error) {  // on_error decides its next state
     let(done.index_, false, false);
     const auto next = pend(done.index_, Step::error);
     next->failed_ = done.step_;
@@ -334,7 +335,7 @@ void Hardware::take_new(Hosted& hosted, Transition& done) {
   hosted.state.store(LifecycleState::unconfigured, std::memory_order_release);
 }
 
-// --- all of them ------------------------------------------------------------------------------------------
+// --- all components ---------------------------------------------------------------------------------------
 
 void Hardware::configure_and_activate() {
   configure_and_activate(here);
@@ -346,7 +347,7 @@ void Hardware::configure_and_activate(Caller& caller) {
       go(begin(i, Step::configure), caller);
   for (std::size_t i = 0; i < hosting_->all.size(); ++i)
     if (hosting_->all[i]->options.initial == LifecycleState::active) go(begin(i, Step::activate), caller);
-  // What waits for a device has measured before controllers begin; its thread does not run yet.
+  // A component that waits for a device measures before controllers start; its thread does not run yet.
   for (const auto& hosted : hosting_->all)
     if (hosted->own_clock && hosted->component->blocks() &&
         hosted->state.load() != LifecycleState::unconfigured) {
@@ -359,7 +360,7 @@ void Hardware::configure_and_activate(Caller& caller) {
   note_world();
 }
 
-/// Of a component that is still in a call nothing may be freed: it stays until the process ends.
+/// Keeps a component that is still in a call until the process ends, because nothing of it may be freed.
 void Hardware::leave_behind(std::unique_ptr<Hosted> hosted) {
   static auto* left = new std::vector<std::unique_ptr<Hosted>>;
   left->push_back(std::move(hosted));
@@ -378,7 +379,7 @@ bool Hardware::shut_down(Caller& caller) noexcept {
     if (hosted.pending && caller.await(*hosted.pending)) hosted.pending.reset();
     const auto place = static_cast<std::size_t>(all.rend() - each) - 1;
     if (!hosted.pending && hosted.state.load() != LifecycleState::finalized) {
-      const auto last = pend(place, Step::shutdown);  // waits for an exchange that is under way
+      const auto last = pend(place, Step::shutdown);  // waits for a running exchange
       caller.start(last);
       if (caller.await(*last)) hosted.pending.reset();
     }

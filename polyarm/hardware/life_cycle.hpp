@@ -1,5 +1,5 @@
 #pragma once
-/// How components are called outside the loop. Private to the room.
+/// Helpers for calling components outside the loop. Private to the room.
 #include <string>
 #include <vector>
 
@@ -10,14 +10,14 @@ namespace polyarm::hardware {
 
 struct Hosted;
 
-/// ": " and the component's own reason, or nothing.
+/// ": " and the component's own reason, or empty.
 std::string because(const Component& component);
 /// Throws Error("busy") while the component is in a callback.
 void require_idle(const Hosted& hosted);
-/// on_init; throws Error that begins with `which`.
+/// Calls on_init; throws Error that begins with `which`.
 void initialise(Component& component, const ComponentContext& context, const char* which);
 
-/// What the component offers; `list` may throw.
+/// The component's interfaces; `list` may throw.
 template <typename List>
 std::vector<InterfaceDescription> offered(const std::string& name, List list) {
   try {

@@ -36,7 +36,7 @@ void OwnClock::order(const Cycle& cycle, std::span<const double> commands, bool 
   draft.cycle = cycle;
   if (writing)
     std::copy(commands.begin(), commands.end(), draft.values.begin());
-  else  // what it was told last must not lead when it is activated again
+  else  // old commands must not be applied when it is activated again
     std::fill(draft.values.begin(), draft.values.end(), kNoOrder);
   orders_.publish();
   if (cycle.time < due_) return;
@@ -69,7 +69,7 @@ Nanoseconds OwnClock::clock(const Cycle& order) const noexcept {
 }
 
 bool OwnClock::exchange() noexcept {
-  exchanging_->store(true);  // before the session is looked at: who closes it then sees this
+  exchanging_->store(true);  // set before reading the session, so close() sees it
   const std::uint32_t session = session_.load();
   silent_ = orders_.fetch() ? 0 : silent_ + period_;
   const Packet& order = orders_.value();

@@ -1,6 +1,6 @@
 #pragma once
-/// What a shared library exports so that its hardware and controllers are found by name: one C function that
-/// returns a table. Standard types only, and few of them: plugins include this.
+/// The interface of plugins: a shared library exports one C function that returns a table of its hardware and
+/// controllers. Uses few types, all standard, because plugins include this file.
 ///
 ///   #include "polyarm/hardware/component.hpp"
 ///   class Arm : public polyarm::hardware::Component { … };
@@ -15,12 +15,12 @@ class Controller;
 namespace polyarm::hardware {
 class Component;
 
-/// The interface between this program and its plugins. The major number changes when a plugin must be
-/// changed or built again; the minor one when something was added that older plugins do not know of.
+/// Version of the interface between this program and its plugins. The major number changes if plugins must be
+/// changed or rebuilt; the minor number if something was added that older plugins do not use.
 inline constexpr std::uint32_t kPluginMajor = 1, kPluginMinor = 0;
 
-/// What two libraries must share to hand each other C++ objects: the rules for classes and exceptions, the
-/// size of a pointer, and the standard library with the form of its strings and containers.
+/// What two libraries must have in common to exchange C++ objects: the ABI for classes and exceptions, the
+/// pointer size, and the standard library with the layout of its strings and containers.
 #if defined(_LIBCPP_VERSION)
 #define POLYARM_STANDARD_LIBRARY_ "libc++"
 #elif !defined(__GLIBCXX__)
@@ -39,14 +39,14 @@ inline constexpr std::uint32_t kPluginMajor = 1, kPluginMinor = 0;
 #endif
 inline constexpr const char* kPluginAbi = "Itanium C++ ABI, " POLYARM_WORD_ ", " POLYARM_STANDARD_LIBRARY_;
 
-/// Told in lists and refusals; compilers of one ABI may be mixed.
+/// Shown in lists and refusals; compilers with the same ABI may be mixed.
 #if defined(__clang__)
 inline constexpr const char* kPluginCompiler = __VERSION__;
 #else
 inline constexpr const char* kPluginCompiler = "GCC " __VERSION__;
 #endif
 
-/// A number that changes with the size of any of the types: a guard against headers of another version.
+/// A hash of the sizes of the types; detects headers of another version.
 template <typename... Types>
 constexpr std::uint32_t layout_of() {
   std::uint32_t out = 2166136261u;
@@ -56,7 +56,7 @@ constexpr std::uint32_t layout_of() {
 
 enum class PluginKind : std::uint32_t { hardware = 1, controller = 2 };
 
-/// One thing that a plugin makes. The factories may throw; exactly the one of the kind is there.
+/// One type that a plugin provides. The factories may throw; only the one of its kind is set.
 struct PluginEntry {
   const char* name;  ///< "vendor/Type", as users write it
   PluginKind kind;
@@ -66,13 +66,13 @@ struct PluginEntry {
   const char* help;  ///< one line, for lists
 };
 
-/// All of it. The numbers stay the first two members of every later table; nothing after them is read before
-/// they have been accepted.
+/// The plugin's table. The numbers stay the first two members in all versions; nothing after them is read
+/// before they are accepted.
 struct PluginTable {
   std::uint32_t major, minor;  ///< kPluginMajor and kPluginMinor, as the plugin was built with
   const char* abi;
   const char* compiler;
-  const char* name;     ///< of the plugin, unlike that of any other
+  const char* name;     ///< of the plugin; must be unique
   const char* version;  ///< of the plugin; any text
   const PluginEntry* entries;
   std::uint32_t count;
@@ -89,8 +89,8 @@ controllers::Controller* make_controller() {
 
 }  // namespace polyarm::hardware
 
-/// The one function, `const PluginTable* polyarm_plugin()`. NAME and VERSION are texts; what follows are
-/// entries.
+/// Defines the exported function `const PluginTable* polyarm_plugin()`. NAME and VERSION are texts, followed
+/// by the entries.
 #define POLYARM_PLUGIN(NAME, VERSION, ...)                                                                   \
   extern "C" __attribute__((visibility("default"))) const polyarm::hardware::PluginTable* polyarm_plugin() { \
     static const polyarm::hardware::PluginEntry entries[] = {__VA_ARGS__};                                   \
@@ -104,18 +104,18 @@ controllers::Controller* make_controller() {
                                                          sizeof entries / sizeof entries[0]};                \
     return &table;                                                                                           \
   }
-/// A component under a name; needs polyarm/hardware/component.hpp.
+/// An entry for a component; needs polyarm/hardware/component.hpp.
 #define POLYARM_HARDWARE(NAME, TYPE, HELP)                                              \
   {                                                                                     \
     NAME, polyarm::hardware::PluginKind::hardware, polyarm::hardware::kComponentLayout, \
         &polyarm::hardware::make_hardware<TYPE>, nullptr, HELP                          \
   }
-/// A controller under a name; needs polyarm/controllers/controller.hpp.
+/// An entry for a controller; needs polyarm/controllers/controller.hpp.
 #define POLYARM_CONTROLLER(NAME, TYPE, HELP)                                                           \
   {                                                                                                    \
     NAME, polyarm::hardware::PluginKind::controller, polyarm::controllers::kControllerLayout, nullptr, \
         &polyarm::hardware::make_controller<TYPE>, HELP                                                \
   }
-/// A driver that is part of Polyarm, in `polyarm_driver_<name>.so`: its name is that of its file, so that it
-/// is found without being loaded.
+/// A driver of Polyarm, in `polyarm_driver_<name>.so`. Its name is part of the file name, so it is found
+/// without loading the file.
 #define POLYARM_DRIVER(TYPE) POLYARM_PLUGIN("", "", POLYARM_HARDWARE("", TYPE, ""))

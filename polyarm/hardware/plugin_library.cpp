@@ -25,10 +25,10 @@ std::string version(std::uint32_t major, std::uint32_t minor) {
   return std::to_string(major) + "." + std::to_string(minor);
 }
 
-/// A library that is closed again unless it is kept.
+/// A library handle that closes the library unless it is kept.
 class Library {
  public:
-  /// `from`: where the bytes of `file` are.
+  /// `from`: path of the bytes of `file`.
   Library(const std::filesystem::path& file, const std::string& from)
       : handle_(::dlopen(from.c_str(), RTLD_NOW | RTLD_LOCAL)) {
     if (handle_) return;
@@ -102,7 +102,8 @@ void judge_entry(const PluginEntry& entry, std::uint32_t number, const std::file
 }  // namespace
 
 namespace {
-/// The bytes in memory that nobody can change any more. It stays open: the loader knows libraries by its name.
+/// Copies the bytes into sealed memory, so nobody can change them. The descriptor stays open, because the
+/// loader identifies libraries by its path.
 std::string sealed_copy(const std::filesystem::path& file, std::string_view bytes) {
   const int fd = ::memfd_create(file.filename().c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING);
   bool good = fd >= 0;

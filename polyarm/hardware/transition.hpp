@@ -1,6 +1,6 @@
 #pragma once
-/// A callback of a component's life cycle, apart from the thread that asks for it: a device may take its
-/// time.
+/// A life-cycle callback of a component as an object, so it can run on another thread, because a device may
+/// be slow.
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -14,20 +14,20 @@
 
 namespace polyarm::hardware {
 
-/// What a component is called for.
+/// The callback to call.
 enum class Step : std::uint8_t { init, configure, activate, deactivate, cleanup, shutdown, error };
-/// What becomes of it, for sentences: "initialised", "configured", …
+/// Past participle for messages: "initialised", "configured", …
 const char* done_word(Step step);
 
-/// Made and finished by Hardware on the thread that builds or switches; run() is called once, from any
-/// thread, and takes as long as the component does. Nobody else calls the component in between, but for
-/// read() and write(). It keeps what a new component needs alive; an old one belongs to Hardware.
+/// Created and finished by Hardware on the thread that builds or switches. run() is called once, on any
+/// thread, and takes as long as the component needs. Meanwhile only read() and write() of the component are
+/// called. A transition owns a new component; an existing one belongs to Hardware.
 class Transition {
  public:
   /// Calls the component; never throws.
   void run() noexcept;
   bool done() const noexcept { return done_.load(std::memory_order_acquire); }
-  /// Waits at most so long, ns; true when it is done.
+  /// Waits at most `timeout` ns; true when it is done.
   bool wait(Nanoseconds timeout) const;
   Step step() const noexcept { return step_; }
   const std::string& component() const noexcept { return name_; }
@@ -40,11 +40,11 @@ class Transition {
   std::size_t index_ = 0;
   std::string name_;
   Component* component_ = nullptr;
-  std::shared_ptr<const std::atomic<bool>> exchanging_;  // of a component with a thread of its own
-  bool was_active_ = false;                              // of a shutdown
-  std::unique_ptr<Component> made_;                      // of an init
+  std::shared_ptr<const std::atomic<bool>> exchanging_;  // for a component with its own thread
+  bool was_active_ = false;                              // for a shutdown
+  std::unique_ptr<Component> made_;                      // for an init
   std::unique_ptr<ComponentContext> context_;
-  std::optional<Step> failed_;  // of an error: what went wrong before it
+  std::optional<Step> failed_;  // for an error: the step that failed
   std::string thrown_before_;
   CallbackReturn result_ = CallbackReturn::success;
   std::exception_ptr thrown_;
@@ -53,12 +53,12 @@ class Transition {
   std::atomic<bool> done_{false};
 };
 
-/// Who runs transitions: here and now, or elsewhere. Used by the thread that builds or switches.
+/// Runs transitions, on the calling thread or on another. Used by the thread that builds or switches.
 class Caller {
  public:
   virtual ~Caller() = default;
   virtual void start(std::shared_ptr<Transition> transition) = 0;
-  /// Waits for one that was started; false when it has given up, and nobody waits for it any more.
+  /// Waits for a started transition; false if it has given up waiting.
   virtual bool await(const Transition& transition) = 0;
 };
 

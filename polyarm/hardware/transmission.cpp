@@ -21,7 +21,7 @@ using Pair = std::array<double, 2>;
 
 enum class Kind { simple, differential, four_bar };
 
-/// The class behind "package/Class", of the packages that are known for it.
+/// The class of "package/Class", for known packages.
 Kind kind_of(const TransmissionInfo& info) {
   static const std::vector<std::string> kNames{"transmission_interface/SimpleTransmission",
                                                "transmission_interface/DifferentialTransmission",
@@ -54,7 +54,7 @@ void check_count(const TransmissionInfo& info, std::size_t wanted) {
          wanted == 1 ? "write one <joint> and one <actuator>" : "write two of each");
 }
 
-/// The two ends in the order of their roles; where no role is written, in the order of the file.
+/// The two ends ordered by their roles; without roles, in file order.
 std::array<const TransmissionEnd*, 2> by_role(const TransmissionInfo& info,
                                               const std::vector<TransmissionEnd>& ends,
                                               const std::string& kind) {
@@ -76,7 +76,7 @@ std::array<const TransmissionEnd*, 2> by_role(const TransmissionInfo& info,
   return out;
 }
 
-/// A factor of zero means that the value plays no part, whatever it is.
+/// Ignores the value if the factor is zero, even a NaN.
 double times(double factor, double value) noexcept {
   return factor == 0 ? 0 : factor * value;
 }
@@ -133,7 +133,7 @@ void Transmission::pair(const TransmissionInfo& info, bool differential) {
   }
 }
 
-/// Products of finite reductions may still leave what a double holds.
+/// Products of finite reductions may overflow or underflow.
 void Transmission::check(const TransmissionInfo& info) const {
   for (std::size_t i = 0; i < size_; ++i)
     for (const Matrix* m : {&motion_, &inverse_})

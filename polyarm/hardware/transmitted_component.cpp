@@ -23,7 +23,7 @@ InterfaceInfo* find(std::vector<InterfaceInfo>& interfaces, const std::string& n
   return nullptr;
 }
 
-/// Adds what `other` has and `mine` lacks of what is transmitted.
+/// Adds the transmitted interfaces of `other` that `mine` lacks.
 void unite(std::vector<InterfaceInfo>& mine, const std::vector<InterfaceInfo>& other) {
   for (const InterfaceInfo& i : other)
     if (quantity_of(i.name) && !find(mine, i.name)) mine.push_back(i);
@@ -36,7 +36,7 @@ double start_position(const RobotInstance& robot, const std::string& joint) {
   return found != names.end() && j < robot.initial_positions.size() ? robot.initial_positions[j] : 0;
 }
 
-/// What the joints say of their start, as the actuators have it. Limits stay with the joints.
+/// Converts the joints' initial values to actuators. Limits stay with the joints.
 void start_values(const Transmission& transmission, const RobotInstance& robot,
                   const std::vector<ComponentInfo>& joints, std::vector<ComponentInfo>& actuators) {
   for (ComponentInfo& actuator : actuators)
@@ -175,7 +175,7 @@ CallbackReturn TransmittedComponent::on_init(const ComponentContext& context) {
   return result;
 }
 
-/// The names inside of the named commands, each once, into strings that have room for them.
+/// Translates command names to names inside, each once, into strings with reserved capacity.
 std::size_t TransmittedComponent::translate(const Side& side, std::span<const std::string> names,
                                             std::vector<std::string>& scratch) const noexcept {
   std::size_t count = 0;

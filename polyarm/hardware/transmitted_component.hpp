@@ -1,5 +1,5 @@
 #pragma once
-/// A component that knows motors, seen as one that knows joints.
+/// Wraps a component that works with motors so it appears as one that works with joints.
 #include <array>
 #include <memory>
 #include <string>
@@ -10,17 +10,17 @@
 
 namespace polyarm::hardware {
 
-/// Stands around a component whose `<ros2_control>` blocks have transmissions. The component inside is told
-/// of actuators in the place of the joints that a transmission drives; outside there are joints, and
-/// positions, velocities and efforts go through the transmissions both ways. Other interfaces (a temperature)
-/// pass from actuator k to joint k, and what no transmission drives passes as it is. Where one joint of a
-/// pair is commanded and the other is not, the other holds: its measured position, no velocity, no effort.
+/// For a component whose `<ros2_control>` blocks have transmissions. The inner component gets actuators
+/// instead of the joints that a transmission drives; outside there are joints. Positions, velocities and
+/// efforts pass through the transmissions in both directions. Other interfaces (a temperature) pass from
+/// actuator k to joint k, and interfaces without a transmission pass unchanged. If only one joint of a pair
+/// is commanded, the other one holds: its measured position, zero velocity, zero effort.
 class TransmittedComponent : public Component {
  public:
   explicit TransmittedComponent(std::unique_ptr<Component> inside) : inside_(std::move(inside)) {}
 
-  /// Throws Error with the place of a transmission that cannot be built, whose joints are not of its block,
-  /// or of whose two joints only one has some command interface.
+  /// Throws Error with the location of a transmission that cannot be built, whose joints are not in its
+  /// block, or of whose two joints only one has a command interface.
   CallbackReturn on_init(const ComponentContext& context) override;
   CallbackReturn on_configure() override { return inside_->on_configure(); }
   CallbackReturn on_activate() override { return inside_->on_activate(); }
@@ -58,14 +58,14 @@ class TransmittedComponent : public Component {
     Quantity quantity;
     std::array<std::size_t, 2> inside{};
     std::array<int, 2> outside{-1, -1};
-    std::array<int, 2> measured{-1, -1};  ///< of commands: where outside the joint's position is measured
+    std::array<int, 2> measured{-1, -1};  ///< for commands: outside index of the joint's measured position
   };
   struct Side {
     std::vector<InterfaceDescription> inside, outside;
     std::vector<Pass> passes;
     std::vector<Link> links;
-    std::vector<double> values;             ///< inside
-    std::vector<std::vector<int>> reaches;  ///< for each one outside, those inside that it moves
+    std::vector<double> values;             ///< inside values
+    std::vector<std::vector<int>> reaches;  ///< per outside interface: affected inside ones
   };
   struct Driven {
     std::string robot;
@@ -80,13 +80,13 @@ class TransmittedComponent : public Component {
 
   std::unique_ptr<Component> inside_;
   std::vector<Driven> driven_;
-  std::vector<description::ComponentInfo> joints_;  ///< as the block has them
+  std::vector<description::ComponentInfo> joints_;  ///< as in the block
   Side states_, commands_;
-  std::vector<double> measured_;                       ///< outside, of the last read
-  std::vector<std::string> start_names_, stop_names_;  ///< room for the control thread
+  std::vector<double> measured_;                       ///< outside values of the last read
+  std::vector<std::string> start_names_, stop_names_;  ///< buffers for the control thread
 };
 
-/// The component itself where nothing is transmitted, else one that stands around it.
+/// Returns the component itself if nothing is transmitted, otherwise its wrapper.
 std::unique_ptr<Component> through_transmissions(std::unique_ptr<Component> component,
                                                  const ComponentContext& context);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Where everything is now, as a simulated world publishes it beside the interface table.
+/// State of a simulated world, published in addition to the interface table.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -12,28 +12,28 @@ namespace polyarm::hardware {
 struct PartState {
   Pose pose;              ///< in the world
   Vec3 linear_velocity;   ///< m/s
-  double speed = 0;       ///< fastest point of the part, about: |v| + |w| * size, m/s
-  bool entered = false;   ///< has been in the cell
-  bool in_world = false;  ///< is there now: not waiting in a feeder, not taken by an outfeed
+  double speed = 0;       ///< approximate speed of its fastest point: |v| + |w| * size, m/s
+  bool entered = false;   ///< true once it has been in the cell
+  bool in_world = false;  ///< true while it is there: not waiting in a feeder, not removed by an outfeed
   bool asleep = false;
-  int held_by = -1;  ///< index of the robot that holds it; -1: none
+  int held_by = -1;  ///< index of the robot that holds it; -1 if none does
 };
 
-/// Something touched what it should not have.
+/// An unwanted contact.
 struct Contact {
   Nanoseconds time = 0;
   int a = -1, b = -1;  ///< indices into WorldState::names
-  double depth = 0;    ///< deepest penetration while it lasted, so far, m
-  Vec3 position;       ///< in the world, where the pair is deepest in each other, m
-  bool now = false;    ///< it touches in the newest cycle
+  double depth = 0;    ///< largest penetration depth so far, m
+  Vec3 position;       ///< in the world, at the largest depth, m
+  bool now = false;    ///< true if it touches in the newest cycle
 };
 
 struct WorldState {
   static constexpr int kMaxFindings = 64;
   std::vector<PartState> parts;  ///< in the order of Scene::parts
   std::array<Contact, kMaxFindings>
-      findings;           ///< one for each time that a pair begins to touch;
-                          ///< number n of them is at n % kMaxFindings, the newest replace the oldest
+      findings;           ///< one per start of a contact; number n is stored at n % kMaxFindings, and the
+                          ///< newest replace the oldest
   int finding_count = 0;  ///< all findings so far
   int contacts = 0;           ///< contact points in the last physics step
   double tracking_error = 0;  ///< largest |commanded - measured| of a position-driven joint, last cycle

@@ -110,7 +110,7 @@ void CellInside::unload_controller(const std::string& name) {
         [this](moves::BaseMotion& base) { programs->forget(base); });
 }
 
-/// Messages that the cell file sends when the cell starts.
+/// Sends the messages that the cell file lists for the start.
 void CellInside::send_start_messages() {
   started_ = true;
   watches->note_start_messages();
@@ -158,7 +158,7 @@ void CellInside::tick_motions() {
   });
 }
 
-/// Tags and cameras, and whether what they need is there.
+/// Reads tags and cameras, and checks that everything they need is present.
 void CellInside::read_outside(Nanoseconds now) {
   const control::Snapshot& snapshot = machine.snapshot();
   data.read(now, snapshot, own_states());
@@ -178,7 +178,7 @@ void CellInside::read_outside(Nanoseconds now) {
   watches->hold_if_missing(data.watch_links(now));
 }
 
-/// PLC, test and program, as far as they may run.
+/// Runs PLC, test and program, as far as they may run.
 void CellInside::run_programs() {
   const bool may_run = !life->failure() && arming->armed() && data.links_ready();
   if (may_run) programs->tick_plc();
@@ -195,7 +195,7 @@ void CellInside::tick(Nanoseconds now) {
   motions->look_at_bases();
   machine.report_events();
   if (!started_ && arming->armed()) send_start_messages();
-  watches->watch_contacts();  // before moves that a contact ended are forgotten
+  watches->watch_contacts();  // must run before moves that a contact ended are removed
   watches->watch_stops();
   requests.tick();
   motions->follow_others();

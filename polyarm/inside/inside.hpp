@@ -1,6 +1,6 @@
 #pragma once
-/// The inside of a cell: its owners, each with its own state, in the order in which they are built. Who runs
-/// the cell or carries out requests works on them; everybody else sees them const, through the cell.
+/// The internal state of a cell: its owner objects, each with its own state, in construction order. The
+/// runner and the request handlers work on these objects; all others have const access through the cell.
 #include <memory>
 #include <optional>
 
@@ -24,9 +24,9 @@ namespace polyarm::cell {
 
 class TestTask;
 
-/// Building: any one thread. tick(): the cell thread.
+/// Threads: construct on any one thread; call tick() on the cell thread.
 struct CellInside {
-  /// `handlers`: every request that it answers. Throws Error with everything that is wrong in any file.
+  /// `handlers`: all requests that the cell answers. Throws Error that lists all problems found in the files.
   CellInside(const CellFile& file, const description::Catalogue& catalogue, CellOptions options,
              Observer& observer, const std::vector<Handler>& handlers);
   ~CellInside();
@@ -34,13 +34,13 @@ struct CellInside {
   CellInside& operator=(const CellInside&) = delete;
 
   void tick(Nanoseconds now);
-  /// A person has armed the cell: programs and messages may begin.
+  /// Call when a person has armed the cell: programs and messages may start.
   void set_armed();
-  /// Removes a controller that is not active; throws Error where the cell itself works through it.
+  /// Removes an inactive controller. Throws Error if the cell itself uses it.
   void unload_controller(const std::string& name);
   bool outputs_settled() const { return data.outputs_settled(machine.now()); }
 
-  /// The owner of this type, for requests.
+  /// The owner object of this type, for request handlers.
   template <class Owner>
   Owner& owner();
 
@@ -48,20 +48,20 @@ struct CellInside {
   Observers observers;
   EventLog events{observers};
   Machine machine;
-  Worker worker, planner;  ///< for what takes longer than a tick may; in lock-step it is done at once
+  Worker worker, planner;  ///< for jobs longer than a tick; in lock-step they run immediately
   CellData data;
   ContactWatch contacts;
   std::optional<Arming> arming;
   std::optional<Motions> motions;
   std::optional<Programs> programs;
-  std::unique_ptr<TestTask> test;  ///< null where no test runs
+  std::unique_ptr<TestTask> test;  ///< null if no test runs
   std::optional<PartTracker> parts;
   std::optional<Jogging> jogging;
   std::optional<HeldMotions> held_motions;
   std::optional<LifeCycle> life;
   std::optional<Watches> watches;
   Requests requests;
-  std::unique_ptr<Recorder> recorder;  ///< null where nothing records
+  std::unique_ptr<Recorder> recorder;  ///< null if the cell cannot record
 
  private:
   void make_owners();

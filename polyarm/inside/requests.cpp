@@ -56,7 +56,7 @@ class Requests::Work {
   }
 
   void refuse(const void* from, const Error& why) {
-    std::vector<OnReply> unanswered;  // called at the end: a reply may ask again
+    std::vector<OnReply> unanswered;  // called last, because a reply may make a new request
     for (Open& each : open_) {
       if (each.from != from || each.over) continue;
       each.over = true;
@@ -65,7 +65,8 @@ class Requests::Work {
     for (const OnReply& reply : unanswered) reply({{}, why, false});
   }
 
-  /// All of few; of many as many as there is time for, and the others in the ticks that follow.
+  /// With few open requests, advances all of them; with many, as many as the time allows and the rest in
+  /// later ticks.
   void tick() {
     const Nanoseconds until = realtime::monotonic_now() + kTickTime;
     const std::size_t first = first_ < open_.size() ? first_ : 0;
@@ -96,10 +97,10 @@ class Requests::Work {
     const void* from = nullptr;
     std::size_t bytes = 0;
     AnyPoll poll;
-    std::optional<Error> refused;  // reported when it is its turn
+    std::optional<Error> refused;  // reported when it is this request's turn
     bool urgent = false, patient = false, begun = false, answered = false, over = false;
   };
-  /// That many are looked at in each tick, however long that takes; more for that long.
+  /// Each tick advances at least kAlways requests, and further ones until kTickTime ns have passed.
   static constexpr std::size_t kAlways = 32;
   static constexpr Nanoseconds kTickTime = 1'000'000;
 
@@ -119,13 +120,14 @@ class Requests::Work {
       open.request.reset();
       open.bytes = 0;
     }
-    // A refusal waits for its turn as well; a stop never waits.
+    // A refusal also waits for its turn; a stop never waits.
     if (open.urgent) overtake(from);
     if (!open.urgent && open_.size() < 2 * bounds::kOpenRequests && must_wait(from)) return keep(std::move(open));
     if (!advance(open)) keep(std::move(open));
   }
 
-  /// What the same asker sent before its stop, and has not begun, must not move what was stopped.
+  /// Requests of the same client that were sent before its stop and have not begun must not move what was
+  /// stopped; they are refused.
   void overtake(const void* from) {
     for (Open& each : open_)
       if (from && each.from == from && !each.begun && each.request &&
@@ -153,7 +155,8 @@ class Requests::Work {
     });
   }
 
-  /// One asker's requests do not keep those of others out, until all are too many. Stops begin at once.
+  /// Limits the open requests of each client, so one client cannot block the others, and those of all clients
+  /// together. Urgent requests are always accepted.
   void require_room(const Open& open) const {
     if (open.urgent) return;
     const auto refuse = [](std::size_t most, const char* whose) {
@@ -171,7 +174,7 @@ class Requests::Work {
       refuse(bounds::kOpenRequestsOfOne, " of one connection");
   }
 
-  /// One of the same asker has to be answered before the next begins.
+  /// True if later requests of the same client must wait for this one.
   static bool waits(const Open& open) {
     return open.from && !open.answered && !open.over && !(open.begun && open.patient);
   }
@@ -186,7 +189,7 @@ class Requests::Work {
     return out;
   }
 
-  /// Runs `step`; what it throws becomes the refusal of the request.
+  /// Runs `step`; an error becomes the refusal of the request.
   template <typename Step>
   static void guarded(Open& open, Step step) {
     try {
@@ -201,14 +204,14 @@ class Requests::Work {
     return open.on_reply(reply);
   }
 
-  /// True when it is over.
+  /// True when the request has ended.
   bool advance(Open& open) {
     AnyProgress progress;
     guarded(open, [&] {
       if (open.refused) return;
       if (!std::exchange(open.begun, true)) {
         open.poll = handlers_.at(&open.request->type()).begin(cell_, *open.request);
-        open.request.reset();  // a goal stays open for long, and its points are many
+        open.request.reset();  // a goal stays open for a long time, and its points need memory
       }
       progress = open.poll();
     });
@@ -223,8 +226,8 @@ class Requests::Work {
   CellInside& cell_;
   std::map<const protocol::RequestType*, Handler> handlers_;
   std::vector<Open> open_;
-  std::size_t bytes_ = 0;  // of the requests in there
-  std::size_t first_ = 0;  // where the next tick goes on
+  std::size_t bytes_ = 0;  // sum of the bytes of all open requests
+  std::size_t first_ = 0;  // index at which the next tick continues
 };
 
 Requests::Requests(CellInside& cell, const std::vector<Handler>& handlers)

@@ -1,6 +1,6 @@
 #pragma once
-/// The requests to a running cell, whoever makes them: in-process callers hand over structs and get structs, doors
-/// hand over lines of text. Doors (a socket, the pendant's port, ROS 2) own nothing.
+/// Requests to a running cell, for all callers: in-process callers pass and receive structs; doors (a socket,
+/// the pendant's port, ROS 2) pass and receive lines of JSON and hold no state of the cell.
 #include <functional>
 #include <memory>
 #include <string>
@@ -13,31 +13,34 @@ namespace polyarm::cell {
 struct CellInside;
 struct Handler;
 
-/// Cell thread. What takes a few cycles is answered when it is done; what goes on (`watch`, goals) is answered again
-/// and again, with `more`. Requests of one asker begin one after the other, each when the one before it has been
-/// answered (a `watch` or goal: when it has been answered first); only urgent ones, which stop, overtake.
+/// Cell thread. A request that takes a few cycles is answered when it is done. A continuing request (`watch`,
+/// goals) is answered repeatedly, with `more` set. Requests of one client run in order: each begins when the
+/// one before it has been answered (for a `watch` or goal: after its first answer). Only urgent requests,
+/// which stop motion, overtake others.
 class Requests {
  public:
-  /// Takes a reply; false when nobody listens any more.
+  /// Receives a reply; returns false if the client no longer listens.
   using OnReply = std::function<bool(const protocol::Reply& reply)>;
-  /// Takes a reply as one line of JSON without its end; false when nobody listens any more.
+  /// Receives a reply as one line of JSON without the line end; returns false if the client no longer
+  /// listens.
   using OnLine = std::function<bool(const std::string& line)>;
 
-  /// `handlers`: every request that it answers.
+  /// `handlers`: all requests that are answered here.
   Requests(CellInside& cell, const std::vector<Handler>& handlers);
   ~Requests();
-  /// `from` tells askers apart (an address that is unique while the asker is there); null: nobody waits.
-  /// `bytes`: about the memory of a request that may be large; counts towards bounds::kOpenRequestBytes.
+  /// `from` identifies the client: an address that is unique as long as the client exists; null: requests are
+  /// not ordered. `bytes` is the approximate memory of a large request; it counts towards
+  /// bounds::kOpenRequestBytes.
   void ask(protocol::Request request, OnReply on_reply, const void* from = nullptr, std::size_t bytes = 0);
-  /// From a socket: `{"request": NAME, …arguments, "id": anything}`.
+  /// A line from a socket: `{"request": NAME, …arguments, "id": anything}`.
   void handle(const std::string& line, OnLine on_line, const void* from = nullptr);
-  /// The same, parsed already from that many bytes.
+  /// The same, already parsed; `bytes` is the size of its text.
   void handle(const protocol::Any& fields, std::size_t bytes, OnLine on_line, const void* from = nullptr);
-  /// What this asker has open under this id (not null) ends without a further reply.
+  /// Ends the client's open requests with this id (not null) without a further reply.
   void end(const void* from, const protocol::Any& id);
-  /// What this asker has open ends: what was not answered yet is refused for this reason.
+  /// Ends all open requests of the client. Those not answered yet are refused with this reason.
   void refuse(const void* from, const Error& why);
-  /// Once each tick: goes on with what takes time.
+  /// Call once each tick: advances the open requests.
   void tick();
   std::size_t open() const;
 

@@ -1,4 +1,4 @@
-/// Names in requests and what they stand for.
+/// Resolves names in requests: robots, life-cycle states, controllers.
 #include "polyarm/base/text.hpp"
 #include "polyarm/inside/requests_work.hpp"
 

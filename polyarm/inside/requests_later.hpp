@@ -1,5 +1,5 @@
 #pragma once
-/// Files of the project, as requests name them.
+/// File paths of the project in requests.
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -8,10 +8,10 @@
 
 namespace polyarm::cell {
 
-/// A file of the project by its path in the cell's folder. Throws Error("bad-path") for one that would lead
-/// out of it, is hidden, or is of no kind that a project has.
+/// Resolves a path relative to the cell's folder. Throws Error("bad-path") if the path leads outside the
+/// folder, is hidden, or has an extension that project files do not use.
 std::filesystem::path project_file(const std::filesystem::path& folder, const std::string& path);
-/// 16 hexadecimal digits that tell contents apart; not for security.
+/// 16 hexadecimal digits that identify contents; not for security.
 std::string content_hash(std::string_view text);
 
 }  // namespace polyarm::cell

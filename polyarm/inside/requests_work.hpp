@@ -1,5 +1,5 @@
 #pragma once
-/// How requests are carried out. Private to the room; cell thread.
+/// How a request is dispatched to its handler function. For files that implement requests; cell thread.
 #include <functional>
 #include <optional>
 #include <string>
@@ -16,13 +16,13 @@ namespace polyarm::cell {
 using AnyProgress = Progress<protocol::Answer>;
 using AnyPoll = Poll<protocol::Answer>;
 
-/// A request and what begins it; may throw Error.
+/// A request type and the function that begins it; the function may throw Error.
 struct Handler {
   const protocol::RequestType* type;
   AnyPoll (*begin)(CellInside&, const protocol::Request&);
 };
 
-/// Becomes a reference to whichever owner is wanted.
+/// Converts to a reference to any owner of the cell.
 struct AnyOwner {
   CellInside& inside;
   template <class Owner>
@@ -30,8 +30,8 @@ struct AnyOwner {
     return inside.owner<Owner>();
   }
 };
-/// A struct of references to owners, each found by its type. Only with one for each of its members is it
-/// whole.
+/// Builds a struct of references to owners; each member is found by its type. The number of members is found
+/// by trying.
 template <class Owners, std::size_t... kMembers>
 Owners owners_of(CellInside& inside, std::index_sequence<kMembers...>) {
   const AnyOwner owner{inside};
@@ -52,8 +52,8 @@ Owners owners_of(CellInside& inside) {
 
 template <auto kFunction>
 struct HandlerOf;
-/// A handler is a function of the owners that it works on (a struct of references, by value in what it
-/// returns) and of the request's struct. It returns the answer, or what is polled for it.
+/// A handler function takes a struct of references to the owners that it needs (copy the struct into a
+/// returned Poll) and the request's struct. It returns the answer, or a Poll that yields it later.
 template <class Owners, class R, class Result, Result (*kFunction)(const Owners&, const R&)>
 struct HandlerOf<kFunction> {
   using Answer = typename R::Answer;
@@ -76,14 +76,14 @@ std::vector<Handler> handlers() {
   return {HandlerOf<kFunctions>::handler()...};
 }
 
-/// The index of the robot of that name; the only one where none is named. Throws Error("which-robot" |
+/// The index of the robot with this name. Without a name: the only robot. Throws Error("which-robot" |
 /// "unknown-robot").
 std::size_t robot_named(const CellSetup& setup, const std::optional<std::string>& name);
-/// A state of the life cycle by its word. Throws Error("bad-argument").
+/// Parses a life-cycle state. Throws Error("bad-argument").
 hardware::LifecycleState state_named(const std::string& word);
-/// The state of a controller by name. Throws Error("unknown-controller").
+/// The state of the controller with this name. Throws Error("unknown-controller").
 hardware::LifecycleState controller_state(const Machine& machine, const std::string& name);
-/// How often a second the component is read and written, and the controller updated.
+/// Update rate of the component or the controller, Hz.
 double rate_of(const Machine& machine, const hardware::HostedInfo& info);
 double rate_of(const Machine& machine, const control::ListedController& controller);
 

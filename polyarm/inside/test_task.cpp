@@ -82,7 +82,7 @@ data::Value TestTask::call(std::string_view function, std::span<const data::Valu
     person(name, where);
     return true;
   }
-  double value = std::numeric_limits<double>::quiet_NaN();  // heal
+  double value = std::numeric_limits<double>::quiet_NaN();  // NaN for `heal`
   if (function == "fault") {
     const data::Value& forced = arguments[1];
     if (!forced.as_boolean() && !forced.as_number())
@@ -99,7 +99,7 @@ data::Value TestTask::call(std::string_view function, std::span<const data::Valu
   return true;
 }
 
-/// What somebody types at the console of the cell.
+/// Handles text as if a person typed it at the cell's console.
 void TestTask::person(const std::string& words, const Location& where) {
   const std::optional<protocol::Request> request = typed_request(words);
   if (words == "stop") return cell_.programs->stop_all();

@@ -1,5 +1,5 @@
 #pragma once
-/// The task that carries out a `test` block beside the program of its cell.
+/// The task that runs a `test` block in parallel to the program of its cell.
 #include <memory>
 #include <optional>
 #include <span>
@@ -12,11 +12,12 @@ namespace polyarm::cell {
 
 struct CellInside;
 
-/// The test in a cell: a task that moves nothing, reads and sets every tag, and has the functions of tests.
-/// It sees the program as tags: program.running, program.state, program.line, program.passes, program.error.
+/// Runs a test inside a cell. The task moves nothing, reads and sets every tag, and has the functions of
+/// tests. It sees the program as tags: program.running, program.state, program.line, program.passes,
+/// program.error.
 class TestTask {
  public:
-  /// Makes those tags. The program may be begun by `begin`.
+  /// Creates those tags. The test starts the program by its function `begin`.
   TestTask(CellInside& cell, program::Program tests, std::size_t index, ProgramHost::Context context,
            Problems& problems);
   void tick();
@@ -31,7 +32,7 @@ class TestTask {
 
   CellInside& cell_;
   std::unique_ptr<Task> task_;
-  bool asks_for_error_ = false;  ///< it looks at program.error: a program that fails is what it wants
+  bool asks_for_error_ = false;  ///< the test reads program.error, so a failing program is expected
 };
 
 }  // namespace polyarm::cell

@@ -1,6 +1,6 @@
 #pragma once
-/// What doors see of a cell: everything that others may read, and the one way to change something, its
-/// requests.
+/// The view of a cell that doors get: read access to its state, and its requests as the only way to change
+/// it.
 #include <string>
 
 #include "polyarm/control/control_loop.hpp"
@@ -28,16 +28,16 @@ class CellView {
   explicit CellView(CellInside& inside) : inside_(inside) {}
 
   Requests& requests();
-  /// Motion while a key is held.
+  /// Motion while a key is held down.
   HeldMotions& held_motions();
-  /// Reports to everybody, and keeps it among the events.
+  /// Reports to all observers and stores the event in the log.
   Observer& observer();
   void tell(const std::string& note) { observer().on_note(note); }
   void add_observer(Observer& observer);
   void remove_observer(Observer& observer);
   void ask_restart(RestartWish wish);
 
-  // What it is built from.
+  // Configuration.
   const CellFile& file() const;
   const CellRobots& robots() const;
   const description::Scene& scene() const;
@@ -46,7 +46,7 @@ class CellView {
   bool lock_step() const;
   Nanoseconds period() const;
 
-  // How it is now.
+  // Current state.
   Nanoseconds now() const;
   const control::Snapshot& snapshot() const;
   const hardware::InterfaceTable& table() const;
@@ -55,17 +55,17 @@ class CellView {
   const control::Supervisor& supervisor() const;
   const control::Health& health() const;
   std::uint64_t clamps() const;
-  /// A tap with room for so many cycles; `every`: one of so many.
+  /// Creates a tap with room for `rows` cycles; it records one of `every` cycles.
   std::unique_ptr<control::CycleTap> make_tap(std::size_t rows, unsigned every) const;
-  /// From the next cycle on rows go to `tap`; null: to none. What was tapped into before must live until the
-  /// job is done.
+  /// Records into `tap` from the next cycle on; null: stops recording. The previous tap must live until the
+  /// returned job is done.
   std::shared_ptr<realtime::Job> tap(control::CycleTap* tap) const;
   const data::DataStore& store() const;
   const CellLinks& links() const;
   const EventLog& events() const;
   const Arming& arming() const;
   const std::optional<Failure>& failure() const;
-  /// Why the cell does not run; its code is as control::code, or what the cell itself asked for.
+  /// Why the cell does not run. The code is one of control::code, or the cell's own reason.
   Problem stop_cause() const;
   const Task* program() const;
   const Task* plc() const;
@@ -76,13 +76,13 @@ class CellView {
   protocol::ContactState contacts() const;
   protocol::PossibleNow possible_now() const;
 
-  // Its robots, by their index.
+  // Robots, by index.
   const moves::RobotMotion* motion(std::size_t robot) const;
   const MovingBase& base(std::size_t robot) const;
   Pose tcp(std::size_t robot) const;
   bool motion_left() const;
   bool jogged(std::size_t robot) const;
-  /// Which of those that may move the robots does: "program", "jog" or "nobody".
+  /// Who moves the robots: "program", "jog" or "nobody".
   const char* control_holder() const;
   const std::string& profile() const;
 

@@ -9,7 +9,7 @@ namespace polyarm::cell {
 using description::ShapeKind;
 
 double height_above_origin(const description::Shape& shape, const Quaternion& rotation) {
-  const Vec3 z = inverse(rotation) * Vec3{0, 0, 1};  // the world's up in the part's axes
+  const Vec3 z = inverse(rotation) * Vec3{0, 0, 1};  // world's up direction in the part's frame
   switch (shape.kind) {
     case ShapeKind::sphere:
       return shape.radius;
@@ -71,7 +71,7 @@ bool Camera::tick(const hardware::WorldState& world, data::DataStore& store, con
   const bool carried = !setup_.robot.empty();
   if ((!view_ && !carried) || !request || !request->as_boolean() || !*request->as_boolean()) return false;
   const int part = nearest(world, carried ? tool0 * setup_.mount : Pose{view_->eye, {}});
-  if (part < 0) return false;  // keeps looking
+  if (part < 0) return false;  // no part in view: try again next tick
   const auto i = static_cast<std::size_t>(part);
   const std::string who = "camera " + setup_.name;
   store.set(setup_.point, data::Point{grasp_of(scene_->parts[i], world.parts[i].pose), false}, who);

@@ -1,4 +1,5 @@
 #pragma once
+/// Simulates a camera with its vision program for scenes in simulation.
 #include <cstdint>
 #include <random>
 #include <string>
@@ -9,26 +10,25 @@
 
 namespace polyarm::cell {
 
-/// A stand-in for a camera with its vision program: when its request tag turns true it writes the pose of the
-/// nearest part in its view into a point (top of the part, tool axis down), sets the done tag and takes back
-/// the request. Cell thread.
+/// When its request tag becomes true, the camera writes the pose of the nearest part in view to a point (top
+/// of the part, tool axis down), sets the done tag and resets the request. Cell thread.
 class Camera {
  public:
   struct Setup {
     std::string name;   ///< of the scene's camera
-    std::string point;  ///< name of the point that it writes
+    std::string point;  ///< name of the point to write
     std::string request, done;
-    bool noise = false;  ///< up to 2 mm and 2 degrees, evenly
+    bool noise = false;  ///< adds uniform noise, up to 2 mm and 2 degrees
     std::uint64_t seed = 1;
-    std::string robot;               ///< that carries it; empty: it stands where the scene has it
-    Pose mount;                      ///< T_tool0_camera, z the way it looks
-    double view = 0.6, reach = 0.6;  ///< half angle of view, rad; how far it sees, m
+    std::string robot;               ///< robot that carries the camera; empty: fixed in the scene
+    Pose mount;                      ///< T_tool0_camera; z is the viewing direction
+    double view = 0.6, reach = 0.6;  ///< view: half angle, rad; reach: range of sight, m
   };
   const Setup& setup() const { return setup_; }
   Camera(Setup setup, const description::Scene& scene);
 
-  /// True if it took a picture in this tick.
-  /// `tool0`: of the robot that carries it, in the world, as it is measured now.
+  /// True if it took a picture in this tick. `tool0`: measured pose of the carrying robot's flange, world
+  /// frame.
   bool tick(const hardware::WorldState& world, data::DataStore& store, const Pose& tool0 = {});
 
  private:
@@ -42,7 +42,7 @@ class Camera {
   std::mt19937_64 random_;
 };
 
-/// Height of the topmost point of the shape above its origin when it is posed like this, m.
+/// Height of the shape's topmost point above its origin at this rotation, m.
 double height_above_origin(const description::Shape& shape, const Quaternion& rotation);
 
 }  // namespace polyarm::cell

@@ -9,9 +9,9 @@
 namespace polyarm::cell {
 
 namespace {
-/// In lock-step, files are brought up to date at most this often, in cell time.
+/// In lock-step, files are written at most once per this cell time, ns.
 constexpr Nanoseconds kLockStepWrites = 1'000'000'000;
-/// In lock-step, files of live sets are looked at this often, in cell time.
+/// In lock-step, files of live sets are read at this interval of cell time, ns.
 constexpr Nanoseconds kLockStepLooks = 20'000'000;
 
 std::string stem_of(const data::ImportFile& file) {
@@ -21,8 +21,8 @@ std::string stem_of(const data::ImportFile& file) {
 std::string name_of(const data::ImportFile& file) {
   return std::filesystem::path(file.file()).filename().string();
 }
-/// What the set is called that comes from `file`: its name without the ending; with it where another file has
-/// that name, such as job.data and job.points.
+/// Name of the data set of `file`: the file name without extension; with extension if another file has the
+/// same name, such as job.data and job.points.
 template <typename Files>
 std::string set_for(const data::ImportFile& file, const Files& files) {
   const auto same = files.find(stem_of(file));
@@ -30,7 +30,7 @@ std::string set_for(const data::ImportFile& file, const Files& files) {
   return taken ? name_of(file) : stem_of(file);
 }
 
-/// The file that a program calls so, with its ending or without it.
+/// Finds the file by the name that a program uses, with or without extension.
 template <typename Files>
 auto bound_as(const std::string& name, const Files& files) {
   const auto found = files.find(name);
@@ -45,7 +45,7 @@ DataFiles::DataFiles(data::DataStore& store, StateFolder folder, Worker& worker,
 
 std::int64_t DataFiles::start_load(const std::string& name, const Location& where) {
   exchange(written_);
-  write_dirty();  // what is read back must have what was set before
+  write_dirty();  // the file must contain earlier writes before it is read
   auto load = std::make_shared<Load>();
   load->name = name;
   load->where = where;
@@ -148,7 +148,7 @@ void DataFiles::put(const std::string& set, const std::string& name, const data:
                     const std::string& who) {
   const data::Value* known = store_.find(name);
   if (!known || store_.set_of(name).empty()) {
-    // It joins its set, and the value is then pending for the set's file.
+    // Adds the name to the set; the value below is then pending for the set's file.
     store_.take_outside(set, {{name, data::Value(false)}}, who);
   }
   store_.set(name, value, who);
@@ -157,7 +157,7 @@ void DataFiles::put(const std::string& set, const std::string& name, const data:
 void DataFiles::remove(const std::string& set, const std::string& name) {
   const auto found = files_.find(set);
   if (found == files_.end()) return;
-  exchange(written_);  // what waits to be written stays
+  exchange(written_);  // keep writes that are still pending
   data::DataSet left;
   for (const std::string& each : store_.names())
     if (each != name && store_.set_of(each) == set) {
@@ -167,7 +167,7 @@ void DataFiles::remove(const std::string& set, const std::string& name) {
   store_.load(set, left, "a person");
   Bound& bound = found->second;
   if (bound.file.values().find(name)) bound.file = data::without(bound.file, name);
-  if (folder_.is_live(stem_of(bound.file))) return;  // the user's own file, which has been changed
+  if (folder_.is_live(stem_of(bound.file))) return;  // the user's own file, changed already
   if (lock_step_) {
     dirty_.insert(set);
     return;
@@ -176,7 +176,7 @@ void DataFiles::remove(const std::string& set, const std::string& name) {
     try {
       const data::ImportFile copy = data::ImportFile::load(path.string());
       if (copy.values().find(name)) write_file_atomically(path, data::without(copy, name).text());
-    } catch (const Error&) {  // the copy is made anew with the next run
+    } catch (const Error&) {  // the next run makes a new copy
     }
   });
 }
@@ -185,17 +185,17 @@ void DataFiles::set_group(const std::string& set, const std::string& name, const
   const auto found = files_.find(set);
   if (found == files_.end()) return;
   store_.set_group(name, group);
-  exchange(written_);  // a new name stands there first
+  exchange(written_);  // so a new name is in the file first
   Bound& bound = found->second;
   if (bound.file.values().find(name)) bound.file.set_group(name, group);
-  if (folder_.is_live(set)) return;  // the user's own file, which has been changed
+  if (folder_.is_live(set)) return;  // the user's own file, changed already
   if (bound.box)
     bound.box->post_group(name, group);
   else
     dirty_.insert(set);
 }
 
-/// A pose from outside is taken whole, or the old one stays.
+/// A pose from outside is accepted completely or not at all.
 bool DataFiles::refuses(const std::string& file, const std::string& name, const data::Value& value) {
   const data::Point* point = value.as_point();
   const auto why = point && check_pose_ ? check_pose_(name, point->pose) : std::nullopt;
@@ -222,7 +222,7 @@ void DataFiles::take_from(const std::string& set, signals::FileMailbox& box) {
 }
 
 void DataFiles::exchange(Nanoseconds now) {
-  std::map<std::string, std::vector<std::pair<std::string, data::Value>>> posts;  // of one set together
+  std::map<std::string, std::vector<std::pair<std::string, data::Value>>> posts;  // grouped by set
   for (data::PendingWrite& write : store_.take_writes()) {
     const auto bound = files_.find(write.set);
     if (bound == files_.end()) continue;
@@ -271,7 +271,7 @@ void DataFiles::flush() {
   exchange(written_);
   write_dirty();
   worker_.drain();
-  for (auto& [set, bound] : files_) bound.box.reset();  // writes what was posted, then ends
+  for (auto& [set, bound] : files_) bound.box.reset();  // writes the posted values, then ends
 }
 
 }  // namespace polyarm::cell

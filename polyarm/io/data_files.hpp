@@ -1,4 +1,5 @@
 #pragma once
+/// The data files of a running cell: loads them for programs, and writes changed values back.
 #include <atomic>
 #include <functional>
 #include <map>
@@ -18,66 +19,68 @@
 
 namespace polyarm::cell {
 
-/// The data files of a running cell: loads them for programs and writes through what programs, PLC and
-/// cameras set. Owned by the cell thread, which never waits here: disk is touched by the worker.
+/// Loads data sets into the store and writes through what programs, PLC and cameras set. Owned by the cell
+/// thread, which never waits here: the worker accesses the disk.
 class DataFiles {
  public:
   DataFiles(data::DataStore& store, StateFolder folder, Worker& worker, bool lock_step);
 
-  /// Starts to load the data set `name`; its values are in the store when poll says so.
+  /// Starts to load the data set `name`. Its values are in the store when poll_load() returns true.
   std::int64_t start_load(const std::string& name, const Location& where);
-  /// True when done. Throws what went wrong.
+  /// True when done. Throws the error of the load.
   bool poll_load(std::int64_t handle);
 
-  /// Loads it and waits: before the cell runs. Returns its ScriptFile, empty if it names none. Throws Error.
+  /// Loads the set and waits; only before the cell runs. Returns its ScriptFile, empty if it names none.
+  /// Throws Error.
   std::filesystem::path load_now(const std::string& name, const Location& where);
-  /// The sets that are loaded, and the file that each is kept in while the cell runs. Throws
+  /// Names of the loaded sets, and the file that stores a set while the cell runs. Throws
   /// Error("unknown-set").
   std::vector<std::string> sets() const;
   std::filesystem::path file_of(const std::string& set) const;
-  /// A name of the set gets the value, or is new in it; in the store and in the set's file.
+  /// Sets the value of a name in the store and in the set's file; adds the name to the set if it is new.
   void put(const std::string& set, const std::string& name, const data::Value& value, const std::string& who);
-  /// The name goes from the set, and from the store where no other set has it.
+  /// Removes the name from the set, and from the store unless another set has it.
   void remove(const std::string& set, const std::string& name);
-  /// The name is in the group (an empty text: in none) in the store and in the file that the set is kept in.
+  /// Puts the name into the group (empty: into none), in the store and in the set's file.
   void set_group(const std::string& set, const std::string& name, const std::string& group);
-  /// The set as the user's own file had it when the run last took it from there: at its first sight, and what
-  /// requests have changed in it since. Throws Error("unknown-set").
+  /// Contents of the user's own file when the run last read it: at first load, plus the changes by requests
+  /// since. Throws Error("unknown-set").
   data::DataSet& origin(const std::string& set);
-  /// Is the set bound to the user's own file?
+  /// True if the set is bound to the user's own file.
   bool is_live(const std::string& set) const;
-  /// True when a data set is bound to its own file, which somebody outside may write.
+  /// True if a set is bound to the user's own file, which others may write.
   bool has_outside_writers() const { return folder_.has_live(); }
 
-  /// Puts pending writes of the store into the files (now and then in lock-step), and takes what others
+  /// Writes pending values of the store to the files (in lock-step only at intervals), and reads what others
   /// wrote.
   void exchange(Nanoseconds now);
-  /// Everything to disk, and waits for it.
+  /// Writes everything to disk and waits for it.
   void flush();
-  /// The first file that could not be written since the last call; empty if all is well.
+  /// The first write error since the last call; empty if there was none.
   std::optional<Error> take_failure();
-  /// What the mailboxes complain of since the last call; each says a thing once and goes on trying.
+  /// Warnings of the mailboxes since the last call; each is reported once while the mailbox keeps trying.
   std::vector<Problem> take_warnings() { return std::exchange(warnings_, {}); }
-  /// Why a pose that somebody outside wrote may not be used, by the point's name; nothing where it may.
+  /// Returns why a pose that was written from outside must not be used, by the point's name; empty if it may
+  /// be used.
   using PoseCheck = std::function<std::optional<std::string>(const std::string& name, const Pose& pose)>;
   void check_poses(PoseCheck check) { check_pose_ = std::move(check); }
   const StateFolder& folder() const { return folder_; }
 
  private:
   struct Load {
-    data::LoadedFiles files, own;  ///< the copies, and the user's own
+    data::LoadedFiles files, own;  ///< the run's copies, and the user's own files
     std::optional<Error> error;
     std::string name;
     Location where;
-    std::uint64_t look = 0;  ///< of the set's mailbox, that must be over before the file is read
+    std::uint64_t look = 0;  ///< the mailbox must have completed this look before the file is read
     bool posted = false;
     std::atomic<bool> ready{false};
   };
   /// One data file and how it is kept up to date.
   struct Bound {
-    data::ImportFile file;                      ///< lock-step: as it is to be written
-    std::optional<data::DataSet> origin{};      ///< as the user's own file has it
-    std::unique_ptr<signals::FileMailbox> box;  ///< else
+    data::ImportFile file;                      ///< in lock-step: the contents to be written
+    std::optional<data::DataSet> origin{};      ///< contents of the user's own file
+    std::unique_ptr<signals::FileMailbox> box;  ///< null in lock-step, unless the set is live
   };
   void adopt(Load& load);
   void bind(const data::ImportFile& file, const data::DataSet& own, const std::string& who);

@@ -12,7 +12,7 @@
 
 namespace polyarm::cell {
 
-/// What a task has come to: nothing yet, an answer that is followed by more, or the last one.
+/// Progress of a step: no answer yet, an answer with more to follow, or the last answer.
 template <class Answer>
 struct Progress {
   std::optional<Answer> answer;
@@ -20,10 +20,10 @@ struct Progress {
   static Progress done(Answer answer) { return {std::move(answer), true}; }
   static Progress more(Answer answer) { return {std::move(answer), false}; }
 };
-/// Called once each tick until it is over; may throw Error, which ends it.
+/// Called once each tick until `over`; may throw Error, which ends it.
 template <class Answer>
 using Poll = std::function<Progress<Answer>()>;
-/// Of a step that has no answer of its own.
+/// Answer of a step without an answer of its own.
 struct Done {};
 
 template <class Answer>
@@ -31,7 +31,7 @@ Poll<Answer> at_once(Answer answer) {
   return [answer = std::move(answer)] { return Progress<Answer>::done(answer); };
 }
 
-/// Two steps one after the other: `second` takes what the first answered and returns a Poll.
+/// Runs two steps in sequence: `second` takes the answer of the first and returns a Poll.
 template <class First, class Second>
 auto then(Poll<First> first, Second second) {
   using Next = std::invoke_result_t<Second, First>;
@@ -45,15 +45,15 @@ auto then(Poll<First> first, Second second) {
   });
 }
 
-/// A job for another thread, and the poll on the cell thread that ends when it has been done.
+/// A job for another thread, and the Poll on the cell thread that ends when the job is done.
 template <class Answer>
 struct Errand {
-  std::function<void()> run;  ///< on the other thread, once; throws nothing
+  std::function<void()> run;  ///< call once, on the other thread; does not throw
   Poll<Answer> done;
 };
 
-/// `job` (it must not touch the cell) for another thread and then `finish`, from its result to the answer, on the cell
-/// thread; an Error of the job becomes the request's.
+/// Runs `job` on another thread (it must not touch the cell), then `finish` on the cell thread, which makes
+/// the answer from the job's result. An Error of the job is rethrown by the Poll.
 template <class Job, class Finish>
 auto errand(Job job, Finish finish) {
   using Result = std::invoke_result_t<Job>;
@@ -80,14 +80,14 @@ auto errand(Job job, Finish finish) {
   return Errand<Answer>{std::move(run), std::move(done)};
 }
 
-/// An errand of the cell's worker.
+/// Posts an errand to the cell's worker.
 template <class Job, class Finish>
 auto later(Worker& worker, Job job, Finish finish) {
   auto sent = errand(std::move(job), std::move(finish));
   worker.post(std::move(sent.run));
   return std::move(sent.done);
 }
-/// The same; what the job returns is the answer.
+/// The same; the job's result is the answer.
 template <class Job>
 auto later(Worker& worker, Job job) {
   return later(worker, std::move(job), [](auto& result) { return std::move(result); });

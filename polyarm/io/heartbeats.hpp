@@ -1,4 +1,5 @@
 #pragma once
+/// Heartbeat signals between the cell and external devices.
 #include <map>
 #include <optional>
 #include <string>
@@ -9,15 +10,16 @@
 
 namespace polyarm::cell {
 
-/// The sign of life that the cell gives, and those that it watches. Cell thread.
+/// Toggles the cell's own heartbeat tag and monitors those of others. Cell thread.
 class Heartbeats {
  public:
-  /// Declares its own tag. Problems: names that are no tags or no booleans.
+  /// Declares the cell's own tag. Adds problems for names that are no tags or not boolean.
   Heartbeats(const signals::Signals& signals, data::DataStore& store, Problems& problems);
 
-  /// Once each tick. `cycles`: of the control loop; where it makes no more, the own heartbeat stops.
+  /// Call once each tick. `cycles`: cycle count of the control loop; the own heartbeat stops when the loop
+  /// stops.
   void tick(Nanoseconds now, std::uint64_t cycles, data::DataStore& store);
-  /// Which watched one has stopped; watched only from its first change on.
+  /// The monitored heartbeat that has stopped; each is monitored only after its first change.
   const std::optional<Problem>& stopped() const { return stopped_; }
 
  private:

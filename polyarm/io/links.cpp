@@ -16,7 +16,7 @@ using signals::LinkEntry;
 using signals::LinkEvent;
 using signals::LinkTag;
 
-/// In lock-step, far sides are asked this often, in cell time.
+/// In lock-step, remote devices are polled at this interval of cell time, ns.
 constexpr Nanoseconds kLockStepRounds = 10'000'000;
 
 data::Kind kind_of(LinkTag::Type type) {
@@ -39,7 +39,7 @@ data::Value nothing_of(LinkTag::Type type) {
   return false;
 }
 
-/// For each tag of the link the cell's tag of that name; null where there is none.
+/// For each tag of the link, the cell's tag with that name; null if there is none.
 std::vector<const signals::Tag*> rules_of(const LinkEntry& entry, const std::vector<signals::Tag>& tags) {
   std::unordered_map<std::string_view, const signals::Tag*> by_name;
   for (const signals::Tag& tag : tags) by_name.emplace(tag.name, &tag);
@@ -81,7 +81,7 @@ CellLinks::CellLinks(const signals::Signals& signals, CellStates& own, data::Dat
       links_.push_back(std::move(running));
     });
   }
-  write({});  // what is so from the start, before anybody asks
+  write({});  // initial values, before anybody reads them
 }
 
 void CellLinks::declare(const LinkEntry& entry, data::DataStore& store, Problems& problems) const {
@@ -156,7 +156,7 @@ void CellLinks::take(Running& running, LinkEvent& event) {
       const data::Value* known = store_.find(name);
       if (known && known->kind() != event.value.kind()) return;
       if (known && known->as_point() && *known == event.value) return;
-      running.sent[event.tag] = event.value;  // the far side has it
+      running.sent[event.tag] = event.value;  // the remote device has this value already
       store_.set(name, std::move(event.value), "link " + entry.name);
       return;
     }

@@ -1,4 +1,5 @@
 #pragma once
+/// Runs the links of a cell to external devices such as a PLC.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,36 +12,37 @@
 
 namespace polyarm::cell {
 
-/// The links of a cell at work: what comes goes into the store, what the store has goes out. Cell thread.
+/// Copies received values to the store, and changed values of the store to the remote devices. Cell thread.
 class CellLinks {
  public:
-  /// Where programs and modules of links are looked for: beside the command and its drivers.
+  /// Folders searched for link programs and modules: those beside the executable and its drivers.
   static std::vector<std::filesystem::path> module_folders();
 
-  /// Declares the names that only a link has, and fills the states `link/NAME/up` and `link/NAME/losses`.
-  /// `off`: nothing is connected. Problems: programs that are not installed, names of another type.
+  /// Declares the names that only a link defines, and provides the states `link/NAME/up` and
+  /// `link/NAME/losses`. With `off` nothing is connected. Adds problems for programs that are not installed
+  /// and names with different types.
   CellLinks(const signals::Signals& signals, CellStates& own, data::DataStore& store, bool lock_step,
             bool off, Problems& problems);
 
   bool any() const { return !links_.empty(); }
-  /// Whether every link that the cell waits for has been up once: before that the programs do not begin.
+  /// True when every link that the cell waits for has been up once; programs do not start before that.
   bool ready() const;
-  /// A link that the cell holds without is lost now; why.
+  /// Why a link that the cell must not run without is lost; empty if none is lost.
   std::optional<Problem> lost() const;
-  /// Whether any link that has been up is not, held or not.
+  /// True if any link that has been up is down now, whether or not it holds the cell.
   bool any_down() const;
-  /// What came, into the store.
+  /// Writes received values to the store.
   void read(Nanoseconds now);
-  /// What changed, to the far sides.
+  /// Sends changed values to the remote devices.
   void write(const signals::Situation& situation);
-  /// Whether the far sides that there are have got it.
+  /// True when the connected devices have received all values.
   bool idle() const;
-  /// What was refused, lost and found since the last call.
+  /// Refused values, lost links and restored links since the last call.
   std::vector<Problem> take_news() { return std::exchange(news_, {}); }
 
-  /// Of one name: its link and direction ("plc, in"), and whether its value can be trusted now.
+  /// The link and direction of a name ("plc, in"), and whether its value can be trusted now.
   struct Source {
-    std::string link, direction, quality;  ///< quality: good, stale, none (never heard of)
+    std::string link, direction, quality;  ///< quality: good, stale, or none (never received)
   };
   std::optional<Source> source_of(const std::string& name) const;
   struct Status {
@@ -54,7 +56,7 @@ class CellLinks {
     std::unique_ptr<signals::Link> link;
     signals::LinkState state;
     std::vector<std::optional<data::Value>> sent;  ///< by tag
-    std::vector<const signals::Tag*> rules;        ///< by tag: what goes out in place of its value, or null
+    std::vector<const signals::Tag*> rules;        ///< by tag: a tag whose rules replace the value, or null
     std::size_t up_state = 0, losses_state = 0;
   };
   void declare(const signals::LinkEntry& entry, data::DataStore& store, Problems& problems) const;

@@ -1,5 +1,5 @@
 #pragma once
-/// What became of the parts: followed through a run, judged at its end.
+/// Tracks the parts of a scene during a run and judges their result at the end.
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -14,27 +14,26 @@
 namespace polyarm::cell {
 
 enum class PartFate {
-  waiting,    ///< where it began; nobody has touched it
+  waiting,    ///< at its start; nobody has touched it
   held,       ///< in a gripper
-  moving,     ///< let go of, not yet at rest
-  placed,     ///< at rest within tolerance of its goal, in its bin; or it has no goal
+  moving,     ///< released, not yet at rest
+  placed,     ///< at rest in its bin, within tolerance of its goal; or without a goal
   off_goal,   ///< at rest too far from its goal
   wrong_bin,  ///< at rest outside the bin it belongs in
 };
 const char* name(PartFate fate);
 
 struct PartReport {
-  std::string name, kind, bin;  ///< bin: the one it lies in, "" for none
-  Vec3 at;  ///< of its origin, in the world; where it last came to rest if it was taken away
+  std::string name, kind, bin;  ///< bin: where it lies; "" for none
+  Vec3 at;  ///< position of its origin in the world, m; the last rest position if it was removed
   std::optional<description::Goal> goal;
-  std::optional<double> error_m;  ///< 3D distance to the goal at rest; empty while it has not been let go of
+  std::optional<double> error_m;  ///< 3D distance to the goal at rest; empty until it is released
   PartFate fate = PartFate::waiting;
-  bool taken = false;  ///< an outfeed has taken it away
+  bool taken = false;  ///< an outfeed has removed it
   std::string sentence() const;
 };
 
-/// Follows the parts of a scene. A part has come to rest when, let go of, it was slower than 1 mm/s for 0.5
-/// s.
+/// Tracks the parts of a scene. A released part is at rest when it was slower than 1 mm/s for 0.5 s.
 class PartTracker {
  public:
   static constexpr double kRestSpeed = 1e-3;
@@ -42,12 +41,12 @@ class PartTracker {
 
   explicit PartTracker(const description::Scene& scene) : scene_(&scene), tracks_(scene.parts.size()) {}
   void update(Nanoseconds now, const hardware::WorldState& world);
-  /// True while a part has been let go of and has not come to rest.
+  /// True while a released part has not come to rest.
   bool anything_moving() const;
-  /// Every part that ever entered the cell, once.
+  /// All parts that ever entered the cell, each once.
   std::vector<PartReport> report() const;
-  /// What makes the run a failure; empty when all is well. `cut_short`: the run was ended before the program
-  /// ended by itself, so parts that nobody has touched yet are no failure.
+  /// Reasons why the run is a failure; empty if there are none. `cut_short`: the run was ended before the
+  /// program ended by itself, so untouched parts are no failure.
   std::vector<std::string> failures(bool cut_short) const;
 
  private:
@@ -63,18 +62,18 @@ class PartTracker {
   std::vector<Track> tracks_;
 };
 
-/// What the grippers of a cell hold: the part by name where a simulation tells it, else that there is one.
-/// Cell thread.
+/// The parts held by the grippers of a cell. The part's name is known in simulation only; otherwise only that
+/// there is a part. Cell thread.
 class HeldParts {
  public:
-  /// `robots`: names, in the order in which the world counts them. `scene` has to outlive this.
+  /// `robots`: names in the order of the world's robot numbers. `scene` must outlive this object.
   HeldParts(std::vector<std::string> robots, const description::Scene& scene,
             const hardware::InterfaceTable& table);
 
-  /// "blank_2", or "a part in 'arm'" where only the gripper's own sensor knows.
+  /// "blank_2", or "a part in 'arm'" if only the gripper's sensor reports it.
   std::vector<std::string> names(const control::Snapshot& snapshot) const;
-  /// Whether that is other than at the last call; at the first one, whether there is any. Allocates nothing
-  /// but in the first.
+  /// True if this differs from the last call; the first call returns whether any part is held. Allocates only
+  /// in the first call.
   bool changed(const control::Snapshot& snapshot);
 
  private:
@@ -84,7 +83,7 @@ class HeldParts {
   std::vector<std::string> robots_;
   const description::Scene& scene_;
   std::vector<std::size_t> sensors_;  ///< by robot: its state tool/part_present
-  std::vector<int> seen_;             ///< by part who holds it, then by robot whether it feels one
+  std::vector<int> seen_;             ///< by part: its holder; then by robot: its sensor's state
 };
 
 }  // namespace polyarm::cell

@@ -24,7 +24,7 @@ namespace polyarm::cell {
 namespace fs = std::filesystem;
 
 namespace {
-/// Who holds the lock, by its file's number; 0 where the system does not tell.
+/// Process id of the lock's holder, found by the inode of the lock file; 0 if unknown.
 long holder_of(ino_t file) {
   std::string text;
   Problems ignored;
@@ -42,7 +42,7 @@ long holder_of(ino_t file) {
   return 0;
 }
 
-/// Nothing is removed or written through links that a stranger's cell may bring.
+/// Refuses links in the state folder: a downloaded cell could use them to delete or overwrite other files.
 void refuse_links(const fs::path& state) {
   std::error_code error;
   const fs::path own = resolved(state.parent_path());
@@ -62,7 +62,7 @@ void refuse_links(const fs::path& state) {
                           "remove it: runs keep what they write in this folder"});
   };
   refuse(state);
-  if (fs::is_symlink(state, error)) return;  // to a folder that it may write
+  if (fs::is_symlink(state, error)) return;  // a link to a folder that the cell may write
   fs::recursive_directory_iterator each(state, fs::directory_options::skip_permission_denied, error), end;
   for (; !error && each != end; each.increment(error)) refuse(each->path());
 }
@@ -72,7 +72,7 @@ StateLock::StateLock(const fs::path& file, int patience_ms) {
   std::error_code error;
   fs::create_directories(file.parent_path(), error);
   fd_ = ::open(file.c_str(), O_RDONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0600);
-  // Without a lock two runs could write to one folder. A folder that nobody can write to needs no lock.
+  // Without a lock two runs could write to one folder. A read-only folder needs no lock.
   if (fd_ < 0 && errno != EACCES && errno != EPERM && errno != EROFS && errno != ENOENT && errno != ENOTDIR)
     throw Error(Problem{"bad-state",
                         {file.string()},
@@ -82,7 +82,7 @@ StateLock::StateLock(const fs::path& file, int patience_ms) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(patience_ms);
   for (;;) {
     if (fd_ < 0 || ::flock(fd_, LOCK_EX | LOCK_NB) == 0) return;
-    if (errno != EWOULDBLOCK && errno != EINTR) return;  // a file system without locks
+    if (errno != EWOULDBLOCK && errno != EINTR) return;  // the file system has no locks
     if (std::chrono::steady_clock::now() > until) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
@@ -101,7 +101,7 @@ StateLock::~StateLock() {
 }
 
 namespace {
-/// One for all cells of this process in the folder: a dry run may stand beside the cell.
+/// One lock per folder for all cells of this process, because a dry run may run in parallel to the cell.
 std::shared_ptr<const StateLock> lock_of(const fs::path& file, int patience_ms) {
   static std::mutex mutex;
   static std::map<fs::path, std::weak_ptr<const StateLock>> held;

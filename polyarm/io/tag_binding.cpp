@@ -21,7 +21,7 @@ std::optional<std::size_t> CellStates::find(std::string_view name) const {
 }
 
 namespace {
-/// Suggests names for wrong ones; not in a file where everything is wrong, since it looks at every name.
+/// Suggests names for the first 50 wrong ones only, because each search compares all names.
 class Suggestions {
  public:
   explicit Suggestions(std::vector<std::string> known) : known_{std::move(known)} {}

@@ -1,5 +1,5 @@
 #pragma once
-/// Tags tied to interfaces: states come in, commands go out.
+/// Binds tags to interfaces: states are copied to tags, tags to commands.
 #include <limits>
 #include <optional>
 #include <span>
@@ -14,7 +14,7 @@
 
 namespace polyarm::cell {
 
-/// States that the cell itself offers beside those of the hardware: `program/pass`, `arm/tcp/x`, … Cell
+/// States that the cell itself provides in addition to the hardware's: `program/pass`, `arm/tcp/x`, … Cell
 /// thread.
 class CellStates {
  public:
@@ -29,34 +29,36 @@ class CellStates {
   std::vector<double> values_;
 };
 
-/// Resolves the tags of a signals file once, then copies values every tick. Cell thread.
+/// Resolves the tags of a signals file once, then copies values each tick. Cell thread.
 class TagBinding {
  public:
-  /// Declares the tags in the store. Problems: interfaces that do not exist, with the nearest name.
+  /// Declares the tags in the store. Adds a problem for each interface that does not exist, with the nearest
+  /// name.
   TagBinding(const std::vector<signals::Tag>& tags, const hardware::InterfaceTable& table,
              const CellStates& own, data::DataStore& store, Problems& problems);
 
-  /// Command interfaces that tags drive, in the order of the values given to `io`.
+  /// The command interfaces that tags drive, in the order of the values sent to `io`.
   const std::vector<std::string>& command_names() const { return command_names_; }
   void connect(controllers::ForwardCommandController* io) { io_ = io; }
 
-  /// States into tags.
+  /// Copies states to tags.
   void read(std::span<const double> states, const CellStates& own);
-  /// Tags to commands, or what their rules say of the situation; sends only when something changed.
+  /// Copies tags, or the values that their rules give for the situation, to commands. Sends only if a value
+  /// changed.
   void write(const signals::Situation& situation = {});
-  /// What goes out for the tag now; nothing for a tag that is no output.
+  /// The command value that was last sent for the tag; empty for a tag that is no output.
   std::optional<double> sent(const std::string& tag) const;
 
  private:
   struct In {
     signals::Tag tag;
-    bool own = false;  ///< a state of the cell, not of the table
+    bool own = false;  ///< a state of the cell, not of the interface table
     std::size_t index = 0;
     double last = std::numeric_limits<double>::quiet_NaN();
   };
   struct Out {
     signals::Tag tag;
-    std::size_t index = 0;  ///< into command_names
+    std::size_t index = 0;  ///< index in command_names
   };
   data::DataStore& store_;
   std::vector<In> in_;

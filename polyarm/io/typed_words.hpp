@@ -1,5 +1,5 @@
 #pragma once
-/// What a person types at the console of a cell, as a request.
+/// Parses lines that a person types at the console of a cell.
 #include <optional>
 #include <string>
 
@@ -7,7 +7,8 @@
 
 namespace polyarm::cell {
 
-/// "hold", "resume", "back", "discard", "recover", "override 50%"; nothing for any other line.
+/// The request for "hold", "resume", "back", "discard", "recover" or "override 50%"; empty for any other
+/// line.
 std::optional<protocol::Request> typed_request(const std::string& line);
 
 }  // namespace polyarm::cell

@@ -1,4 +1,5 @@
 #pragma once
+/// Runs jobs that take longer than a tick, so the cell thread does not wait for them.
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -10,20 +11,19 @@
 
 namespace polyarm::cell {
 
-/// A thread for jobs that take longer than a tick, in order: those that touch the disk, those that plan. Made
-/// inline, it runs each job at once on the caller's thread: that is lock-step. post() never blocks for longer
-/// than a push.
+/// A thread that runs jobs in order, such as disk access and planning. With `run_inline` (lock-step) each job
+/// runs at once on the caller's thread. post() never blocks for longer than a push.
 class Worker {
  public:
   explicit Worker(bool run_inline);
-  ~Worker();  ///< finishes what was posted
+  ~Worker();  ///< finishes the posted jobs
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
   void post(std::function<void()> job);
-  /// Rung after each job that was posted; null: none is. Any thread.
+  /// Bell to ring after each posted job; null: no bell. Any thread.
   void set_bell(const std::shared_ptr<realtime::Bell>& bell) { rope_.tie(bell); }
-  /// Waits until everything posted so far is done.
+  /// Waits until all jobs posted so far are done.
   void drain();
 
  private:

@@ -33,7 +33,7 @@ AxisBrake::AxisBrake(const AxisState& from, double acceleration, double jerk) no
   state_[3].velocity = state_[3].acceleration = 0;
   highest_ = std::max(from.position, state_[3].position);
   lowest_ = std::min(from.position, state_[3].position);
-  if (v < 0) {  // it reverses on the way: in the first phase
+  if (v < 0) {  // it reverses in the first phase
     const double turn = (a - std::sqrt(std::max(a * a + 2 * jerk * v, 0.0))) / jerk;
     const double there = after(from, jerk_[0], std::clamp(turn, 0.0, time_[0])).position;
     highest_ = std::max(highest_, there);

@@ -1,5 +1,5 @@
 #pragma once
-/// Jogging of one joint: its state in each cycle, such that it can always stop in time. Units of the joint
+/// Jogging of one joint: computes its state in each cycle so it can always stop in time. Units of the joint
 /// (rad or m), seconds. For the control cycle: no allocation, no exceptions, no clock, about ten operations
 /// each.
 #include <array>
@@ -17,17 +17,17 @@ struct AxisLimits {
   double velocity = 1, acceleration = 1, jerk = 1;
 };
 
-/// The fastest way to rest: jerk against the motion, the strongest braking, and jerk back. Velocity and
+/// The fastest motion to rest: jerk against the motion, the strongest braking, and jerk back. Velocity and
 /// acceleration at the start determine it in closed form (an acceleration trapezoid).
 class AxisBrake {
  public:
   AxisBrake(const AxisState& from, double acceleration, double jerk) noexcept;
   double duration() const noexcept { return time_[0] + time_[1] + time_[2]; }
   AxisState at(double t) const noexcept;
-  /// The highest and lowest position on the way, including start and end.
+  /// The highest and lowest position during the braking, including start and end.
   double highest() const noexcept { return highest_; }
   double lowest() const noexcept { return lowest_; }
-  /// The highest and lowest velocity on the way.
+  /// The highest and lowest velocity during the braking.
   double fastest() const noexcept { return fastest_; }
   double slowest() const noexcept { return slowest_; }
 
@@ -37,8 +37,8 @@ class AxisBrake {
   double highest_, lowest_, fastest_, slowest_;
 };
 
-/// The state one cycle later on the fastest way to a velocity that is `velocity` then and changes by `slope`
-/// per second.
+/// The state one cycle later on the fastest motion to a velocity that is `velocity` then and changes by
+/// `slope` per second.
 AxisState towards_velocity(const AxisState& now, double velocity, double slope, const AxisLimits& limits,
                            double dt) noexcept;
 

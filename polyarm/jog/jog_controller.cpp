@@ -14,7 +14,7 @@ using controllers::CallbackReturn;
 using controllers::ReturnType;
 using Kind = JogWish::Kind;
 
-/// A step that is held back and at standstill for this long ends.
+/// A step ends if it is held back and at standstill for this long, ns.
 constexpr Nanoseconds kGivesUp = 200'000'000;
 /// Extrapolation of a moving target, s.
 constexpr double kThinkOn = 0.05;
@@ -110,7 +110,7 @@ void JogController::begin_step() noexcept {
   step_wish_.joint_speed = {};
 }
 
-/// The wish of the valid command for this cycle.
+/// The wish in this cycle, from the valid command.
 JogWish JogController::wish_now(const hardware::Cycle& cycle) const noexcept {
   if (command_.by) return step_done_ == step_begun_ ? JogWish{} : step_wish_;
   JogWish wish = command_.wish;

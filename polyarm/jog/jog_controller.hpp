@@ -43,9 +43,9 @@ struct JogStatus {
   double tcp_speed = 0;
 };
 
-/// Jogs all joints of one robot. It starts at their commanded (else measured) positions, at rest. Without new
-/// commands it slows down within limits. It obeys every stop; after a stop it moves only for a new session.
-/// While the loop is held a new session may move (nothing else does).
+/// Jogs all joints of one robot. It starts at their commanded positions (measured without a command), at
+/// rest. Without new commands it slows down within limits. It obeys every stop; after a stop it moves only
+/// for a new session. While the loop is held a new session may move (nothing else does).
 class JogController : public controllers::Controller {
  public:
   /// The type name in lists of controllers.

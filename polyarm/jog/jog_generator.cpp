@@ -14,7 +14,7 @@ namespace {
 using trajectory::MotionLimits;
 using trajectory::MotionState;
 
-/// Shares of the joints' limits for own motion of a joint, and for slowing down before a limit. The rest is
+/// Shares of the joints' limits for a joint's own motion, and for slowing down before a limit. The rest is
 /// reserved for following and for braking.
 constexpr double kSoft = 0.6, kBeforeLimit = 0.5, kBeforeLimitJerk = 0.25;
 constexpr double kGentle = 0.5, kGentleJerk = 0.2;  // further factors, with foresight
@@ -33,9 +33,9 @@ constexpr double kTargetSpeed = 1, kTargetTurning = 3;
 constexpr double kBelow = 0.93, kAtMost = 0.95;
 /// Distance kept from the boundaries of the workspace, m, by slowing down and by the guard.
 constexpr double kKeepFree = 2e-3, kKeepFreeAtLeast = 1.5e-3;
-/// Samples during the braking of all joints.
+/// Number of samples while all joints brake.
 constexpr std::size_t kPlaces = 20;
-constexpr double kMoment = 1e-5;  // s, for a numeric derivative
+constexpr double kMoment = 1e-5;  // s, step of a numeric derivative
 constexpr int kHalvings = 9;
 
 TcpLead::Target target_of(const JogWish& wish, const JogLimits& limits) {
@@ -125,11 +125,11 @@ void JogGenerator::wish_joints(const JogWish& wish, const JogLimits& limits, Jog
   }
 }
 
-/// All joints move in proportion to the rest of their way, led by the longest; `limits` of all. False if they
-/// are not in proportion now.
+/// All joints move in proportion to their remaining distance; the one with the longest distance leads.
+/// `limits` of all joints. False if the joints are not in proportion now.
 bool JogGenerator::step_straight(std::span<const MotionState> to, std::span<const MotionLimits> limits,
                                  States& next) noexcept {
-  constexpr double kOff = 1e-3;  // of a joint's limits: deviation from proportion at which it is lost
+  constexpr double kOff = 1e-3;  // deviation from proportion, in joint limits, at which it is lost
   std::size_t lead = 0;
   const auto left = [&](std::size_t j) { return to[j].position - state_[j].position; };
   for (std::size_t j = 1; j < to.size(); ++j)
@@ -159,13 +159,13 @@ bool JogGenerator::step_straight(std::span<const MotionState> to, std::span<cons
   return true;
 }
 
-/// The next states on the fastest way to the target's joint values, a straight one if the target is at rest;
-/// false if there is no way.
+/// The next states on the fastest path to the target's joint values; the path is straight if the target is at
+/// rest. False if there is no path.
 bool JogGenerator::step_to_joints(const JogWish& wish, const JogLimits& limits, States& next) noexcept {
   const std::size_t n = axes_.size();
   std::array<MotionState, kMostJogJoints> from, to, out;
   std::array<MotionLimits, kMostJogJoints> most;
-  JogValues full{}, moving{};  // at full speed along the way; of the target
+  JogValues full{}, moving{};  // full: at full speed along the path; moving: of the target
   double longest = 1e-12;
   bool there = true;
   for (std::size_t j = 0; j < n; ++j) {
@@ -285,7 +285,7 @@ void JogGenerator::tell(const TwistSolver::Solution& solution) noexcept {
 
 // --- before limits ----------------------------------------------------------------------------------------
 
-/// Slows `rates` down so that everything can stop in time along the way, and below the speed limits.
+/// Slows `rates` down so that everything can stop in time on the path, and below the speed limits.
 /// `common`: also before joint limits. Returns the remaining share.
 double JogGenerator::throttle(const JogLimits& limits, Before before, bool common,
                               JogValues& rates) noexcept {
@@ -341,7 +341,7 @@ void JogGenerator::follow(const JogValues& rates, const JogLimits& limits, State
 /// speed.
 struct JogGenerator::Ahead {
   std::array<double, moves::Workspace::kMostBoundaries> distance;
-  double speed = 0, at_once = 0;  // the highest, and at the start
+  double speed = 0, at_once = 0;  // speed: the highest; at_once: at the start
 };
 
 void JogGenerator::look_ahead(const States& from, Ahead& out) noexcept {
@@ -354,8 +354,8 @@ void JogGenerator::look_ahead(const States& from, Ahead& out) noexcept {
   out.distance.fill(1e300);
   for (std::size_t k = 0; k <= kPlaces + n; ++k) {
     const double part = static_cast<double>(std::min(k, kPlaces)) / kPlaces;
-    double t = duration * part * part;  // samples are denser where it is still fast
-    if (k > kPlaces) {                  // and where a joint is fastest
+    double t = duration * part * part;  // denser samples at high speed
+    if (k > kPlaces) {                  // and one where each joint is fastest
       const AxisState& s = from[k - kPlaces - 1];
       if (s.acceleration * s.velocity <= 0) continue;
       t = std::abs(s.acceleration) / axes_[k - kPlaces - 1].jerk;
@@ -392,7 +392,7 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
   const double stray =
       lead_.on() ? kStray + kFaster * std::max(linear(asked_), linear(lead_.twist())) : limits.tcp_speed;
   if (workspace_.empty() && !any_speed) return;
-  Ahead now, then;  // for braking from now on, which is unavoidable
+  Ahead now, then;  // for braking from now on, which cannot be avoided
   look_ahead(braked, now);
   std::array<double, kMostJogJoints> q{};
   for (std::size_t j = 0; j < n; ++j) q[j] = state_[j].position;

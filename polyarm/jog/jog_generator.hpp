@@ -1,6 +1,6 @@
 #pragma once
-/// Jogging: joints or the tool centre point (TCP) follow a wish that may change at any moment, within every
-/// limit, and can always stop in time. Metres, radians, seconds; poses and twists in the world.
+/// Jogging: joints or the tool centre point (TCP) follow a wish that may change at any time. The motion keeps
+/// every limit and can always stop in time. Metres, radians, seconds; poses and twists in the world.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -54,14 +54,14 @@ struct JogLimits {
   double tcp_turning = 1e9;  ///< rad/s, for requested TCP motion
 };
 
-/// Call step() once in each cycle, then read the commanded joint values. One thread; no allocation, no locks,
-/// no exceptions, no clock in start(), step() and the queries.
+/// Call step() once in each cycle, then read the commanded joint values. Use from one thread. start(), step()
+/// and the queries do not allocate, lock, throw or read a clock.
 ///
 /// A TCP wish goes through a lead (TcpLead) and becomes joint velocities (TwistSolver). These are reduced in
-/// time before joint limits and workspace boundaries along the way, and the joints follow them by
-/// jerk-limited steps. A step is accepted only if every joint can still brake within its limits from its end,
-/// and the TCP stays in the workspace meanwhile. Else it is reduced, down to braking, which was found
-/// possible in the previous cycle.
+/// time before joint limits and workspace boundaries on the path, and the joints follow them by jerk-limited
+/// steps. A step is accepted only if every joint can still brake within its limits after it, and the TCP
+/// stays in the workspace meanwhile. Otherwise it is reduced, down to braking, which the previous cycle has
+/// checked to be possible.
 class JogGenerator {
  public:
   /// `axes`: limits of all joints of the chain, which must outlive the generator. `period`: of a cycle, s.
@@ -123,7 +123,7 @@ class JogGenerator {
 
   States state_{};
   JogWish::Kind kind_ = JogWish::Kind::rest;
-  JogValues rates_{}, wanted_{};  // of the last cycle; the wanted rates
+  JogValues rates_{}, wanted_{};  // rates_: of the last cycle; wanted_: the wanted rates
   Twist asked_{};
   bool rates_hold_ = false;  // rates_ belongs to the same wish as the next cycle
   JogHold hold_ = JogHold::none;

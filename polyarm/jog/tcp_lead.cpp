@@ -12,12 +12,12 @@ using trajectory::MotionState;
 /// Share of the joints' abilities for changes of the TCP's velocity. The rest is for following and for
 /// braking.
 constexpr double kRamp = 0.35;
-/// Factors of that towards a target: along its way, across it, and at most for harder braking.
+/// Factors of kRamp towards a target: along the path, across it, and the maximum for harder braking.
 constexpr double kLead = 1.2, kAside = 0.4, kBrakesHarder = 2;
 constexpr double kHere = 2e-6, kHereTurned = 1e-5;  // m, rad
 constexpr double kCreeps = 5e-3;                    // m/s, rad/s
 
-/// Three axes; the first lies along `v`.
+/// Three orthogonal axes; the first is parallel to `v`.
 std::array<Vec3, 3> axes_along(const Vec3& v) {
   const Quaternion r = rotation_between({1, 0, 0}, norm(v) > 1e-9 ? normalized(v) : Vec3{1, 0, 0});
   return {r * Vec3{1, 0, 0}, r * Vec3{0, 1, 0}, r * Vec3{0, 0, 1}};
@@ -89,7 +89,7 @@ void TcpLead::ramp(const Twist& wanted, const TwistSolver& solver) noexcept {
     for (const Vec3& axis : axes[part]) {
       Twist along{};
       along[3 * part] = axis.x, along[3 * part + 1] = axis.y, along[3 * part + 2] = axis.z;
-      // Across the way only if a change is needed there.
+      // Across the path only if a change is needed there.
       const bool across = &axis != &axes[part][0];
       if (across && std::abs(dot(axis, now)) + std::abs(dot(axis, slope)) < 1e-12) continue;
       capability(along, solver, pace.acceleration[part], pace.jerk[part]);
@@ -150,17 +150,17 @@ Twist TcpLead::way_to(const Target& target) const noexcept {
   return out;
 }
 
-/// In a chart around the present pose.
+/// Works in a chart around the present pose.
 bool TcpLead::approach(const Target& target, double share, const TwistSolver& solver) noexcept {
   Twist error = between(pose_, target.pose);
   std::array<double, kMostJogJoints> rates;
-  if (solver.columns() < 6) {  // as far as the arm can
+  if (solver.columns() < 6) {  // as far as the arm can move
     solver.reach(error, rates);
     error = solver.twist_of({rates.data(), joints_});
   }
   std::array<MotionState, 6> from, to, out;
   std::array<MotionLimits, 6> most;
-  // Each axis has its share of the speed along the way, and at least a part of it for corrections.
+  // Each axis has its share of the speed along the path, and at least a part of it for corrections.
   const double away[2] = {linear(error), angular(error)};
   Twist ahead, moving{};
   for (std::size_t k = 0; k < 6; ++k) ahead[k] = error[k] + kAhead * target.twist[k];

@@ -1,5 +1,5 @@
 #pragma once
-/// The reference motion of the tool centre point (TCP) ahead of the joints: ramps to a velocity, and ways to
+/// The reference motion of the tool centre point (TCP) ahead of the joints: ramps to a velocity, and paths to
 /// a target that may move. Metres, radians, seconds; poses and twists in the world.
 #include <array>
 #include <cstddef>
@@ -13,17 +13,17 @@
 
 namespace polyarm::jog {
 
-/// A jerk-limited motion of the TCP that the joints follow: the pose and velocity of the TCP if nothing held
-/// it back. Its velocity changes within a share of the joints' accelerations and jerks in the present pose of
-/// the arm. One thread; only the constructor allocates, and nothing locks, throws or reads a clock. A solver
-/// argument must be set to the joints' state.
+/// A jerk-limited motion of the TCP that the joints follow: the pose and velocity that the TCP would have if
+/// nothing held it back. Its velocity changes within a share of the joints' accelerations and jerks in the
+/// present pose of the arm. One thread; only the constructor allocates, and nothing locks, throws or reads a
+/// clock. A solver argument must be set to the joints' state.
 class TcpLead {
  public:
-  /// A moving target is followed in its own frame with at most this share of the speed; the rest is for
-  /// catching up. The direction to its position kAhead seconds later counts.
+  /// A moving target is followed in its own frame with at most kFollows of the speed; the rest is for
+  /// catching up. The path aims at the target's position kAhead seconds later.
   static constexpr double kFollows = 0.9, kAhead = 0.1;
 
-  /// A moving pose, and the speed allowed on the way to it.
+  /// A moving pose, and the allowed speed towards it.
   struct Target {
     Pose pose;
     Twist twist{};                  ///< its velocity
@@ -59,7 +59,7 @@ class TcpLead {
   struct Pace {
     double acceleration[2] = {20, 200}, jerk[2] = {400, 4000};
   };
-  /// The allowed rate of change of a motion: along its way, and along any axis.
+  /// The allowed rate of change of a motion: along its path, and along any axis.
   struct Pull {
     double acceleration, jerk, any_acceleration, any_jerk;
   };

@@ -19,9 +19,9 @@ constexpr double kMatters = 0.02;
 constexpr double kFar = 0.3;
 /// In a singularity: joint velocity (rad/s) per unit of the wish (reaches or radians per second).
 constexpr double kEscapeGain = 2;
-/// Look-ahead (rad or m) of the search for a way out, and the progress that counts as one.
+/// Look-ahead (rad or m) of the search for an escape motion, and the gains that count as success.
 constexpr double kLook = 0.03, kProgress = 1e-4, kTurnsBetter = 1e-5;
-/// Cycles until the next search for a way out after a failed one.
+/// Cycles until the next search for an escape motion after a failed one.
 constexpr int kPatience = 20;
 
 double length_of(const JogValues& v, std::size_t n) {
@@ -30,7 +30,7 @@ double length_of(const JogValues& v, std::size_t n) {
   return std::sqrt(out);
 }
 
-/// Eigenvalues (diagonal of `m`) and eigenvectors (columns of `u`) of a symmetric matrix of n rows: cyclic
+/// Eigenvalues (diagonal of `m`) and eigenvectors (columns of `u`) of a symmetric n × n matrix by cyclic
 /// Jacobi rotations (Golub and Van Loan, 8.5).
 template <std::size_t N>
 void eigen(std::array<std::array<double, N>, N>& m, std::array<std::array<double, N>, N>& u, std::size_t n) {
@@ -243,8 +243,8 @@ bool TwistSolver::complement(const Level& level, JogValues& direction) const noe
   return true;
 }
 
-/// The null space motion that leads in the direction of the wish, or to where the wish is possible; false if
-/// there is none. Tries every joint a little up and down.
+/// The null space motion that leads in the direction of the wish, or to a state where the wish is possible;
+/// false if none is found. Tries a small step up and down of every joint.
 bool TwistSolver::escape(const Level& level, const std::array<double, kRows>& wish,
                          const Abilities& abilities, JogValues& direction) noexcept {
   const double now = feasible(level, wish);
@@ -369,7 +369,7 @@ void TwistSolver::solve_level(Level& level, const std::array<double, kRows>& wis
     escaping_ = escape(level, unit, abilities, way_);
     patience_ = escaping_ ? 0 : kPatience;
   }
-  if (!escaping_) {  // no motion is better than only the rest of the request
+  if (!escaping_) {  // no motion is better than only the remaining part of the request
     const double rest = 1 - std::clamp((std::sqrt(lost) / asked - 0.7) / 0.25, 0.0, 1.0);
     for (double& rate : rates) rate *= rest;
     share *= rest;

@@ -18,15 +18,15 @@ using JogValues = std::array<double, kMostJogJoints>;
 
 enum class TwistOutcome {
   exact,        ///< the TCP moves as requested
-  slowed,       ///< along the requested direction, but slower: a joint would have to turn too fast
-  damped,       ///< not quite along the direction: close to a singularity
-  joint_wise,   ///< in a singularity: joints move so as to leave it
-  blocked,      ///< a singularity is in the way, and no joint motion passes it
+  slowed,       ///< along the requested direction, but slower, because a joint would turn too fast
+  damped,       ///< nearly along the direction, because a singularity is close
+  joint_wise,   ///< in a singularity: joints move to leave it
+  blocked,      ///< a singularity blocks the motion, and no joint motion passes it
   unavailable,  ///< the arm has too few joints to move in this direction
 };
 
 /// Least squares in the directions that the arm can move. An arm with six and more joints weighs all six
-/// directions; one with fewer keeps the TCP's position exact and rotates it as nearly as it can.
+/// directions; an arm with fewer joints keeps the TCP's position exact and rotates it as nearly as it can.
 ///
 /// Method: singular value decomposition (one-sided, by the eigenvectors of J W J^T, Jacobi rotations) with a
 /// separate decision for each singular direction (numerical filtering, Maciejewski and Klein 1988). First the
@@ -60,10 +60,10 @@ class TwistSolver {
   void lock(std::size_t joint) noexcept;
   void solve(const Twist& twist, const Abilities& abilities, Solution& out) noexcept;
   std::size_t columns() const noexcept { return columns_; }
-  /// The joint velocities for a twist without any restriction, to judge how quickly it may change; singular
+  /// The joint velocities for a twist without any limits, to judge how quickly it may change; singular
   /// directions are left out.
   void reach(const Twist& twist, JogValues& out) const noexcept;
-  /// Call it for a new wish: clears the decisions made in a singularity.
+  /// Call this for a new wish; clears the decisions made in a singularity.
   void forget() noexcept {
     escaping_ = false;
     patience_ = 0;
@@ -102,7 +102,7 @@ class TwistSolver {
   std::array<Level, 2> level_;
   Level trial_;
   std::array<double, kinematics::Chain::kMaxJoints> q_{};
-  // In a singularity: the last way out, and the time until the next search if there was none.
+  // In a singularity: the last escape motion, and the cycles until the next search if none was found.
   bool escaping_ = false;
   JogValues way_{};
   int patience_ = 0;

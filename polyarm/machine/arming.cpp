@@ -10,16 +10,17 @@
 namespace polyarm::cell {
 
 namespace {
-// Reduced speed: the TCP at most at 250 mm/s (ISO 10218-1), joints at most at a tenth of their limits.
+// Reduced speed: TCP at most 250 mm/s (ISO 10218-1), joints at most a tenth of their limits.
 constexpr double kReducedTcp = 0.25, kReducedJoint = 0.1;
 constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr double kGoverned = 0.8, kSlowest = 0.01;
-constexpr double kBeyond = 1.05;           // of the allowed speed, measured of what was planned within it
-constexpr double kRise = 2.5, kFall = 50;  // a second: e-fold up, and down
-/// The TCPs' speeds are means over this long, or over a turn of the slowest robot: between two of its turns
-/// nothing new is measured or commanded, and that is no standstill. Share and speed rise by 13 % in it.
+constexpr double kBeyond = 1.05;           // tolerance if the motion was planned within the limit
+constexpr double kRise = 2.5, kFall = 50;  // per second: exponential rates of increase and decrease
+/// TCP speeds are averaged over this time, or over one turn of the slowest robot: between two turns of a
+/// robot no new value is measured or commanded, which must not count as standstill. Share and speed rise by
+/// 13 % in this time.
 constexpr Nanoseconds kLook = 50'000'000;
-constexpr double kStandingTcp = 0.01;  // m/s; what measured positions of a standing robot may shake
+constexpr double kStandingTcp = 0.01;  // m/s; noise of measured positions of a standing robot
 }  // namespace
 
 Arming::Arming(control::ControlLoop& loop, const CellRobots& robots, bool full_speed, Observer& observer)
@@ -107,7 +108,7 @@ void Arming::set_armed(Nanoseconds now) {
 }
 
 namespace {
-/// The longest time between two turns of the hardware of a cell.
+/// Longest time between two turns of the cell's hardware, ns.
 Nanoseconds longest_turn(const CellRobots& robots, Nanoseconds loop) {
   Nanoseconds out = loop;
   const auto at = [&out](double rate) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Real hardware moves after a person has armed it, and slowly at first.
+/// Arming: real hardware moves only after a person has armed it, and at reduced speed at first.
 #include <span>
 #include <string>
 #include <vector>
@@ -11,51 +11,54 @@
 
 namespace polyarm::cell {
 
-/// What of a cell is real, whether it is armed, and how fast it may go. Cell thread. Loop, robots and
-/// observer outlive it.
+/// Knows which components are real, whether they are armed, and how fast the cell may move. Cell thread.
+/// Loop, robots and observer must outlive this object.
 class Arming {
  public:
-  /// Finds the real components and slows the loop down unless `full_speed`. Nothing happens in a cell without
-  /// real hardware.
+  /// Finds the real components and reduces the loop's speed unless `full_speed`. Has no effect in a cell
+  /// without real hardware.
   Arming(control::ControlLoop& loop, const CellRobots& robots, bool full_speed, Observer& observer);
 
-  /// Tells what waits for a person, where its joints are, and how to arm it. Once the cell can be reached
-  /// from other terminals and before its loop begins.
+  /// Reports which components wait for arming, their joint positions, and how to arm them. Call when the cell
+  /// can be reached from other terminals and before its loop begins.
   void announce() const;
 
-  /// Real components; empty for a cell without.
+  /// The real components; empty if there are none.
   const std::vector<std::size_t>& components() const { return components_; }
   bool needed() const { return !components_.empty(); }
   bool armed() const { return components_.empty() || armed_; }
   bool may_be_enabled(std::size_t component) const { return armed() || !is_real(component); }
-  /// Throws Error("disarmed") for a real component that nobody has armed. Asked before one is enabled.
+  /// Throws Error("disarmed") if the component is real and not armed. Call before a component is enabled.
   void require_armed(std::size_t component) const;
-  /// After a reload: what was simulated and is real now waits for a person like everything real.
+  /// Call after a reload: a component that was simulated and is real now must be armed, too.
   void look_again();
 
-  /// What a person sees before arming: each joint, where it is measured and where the cell expects it.
+  /// Shown to a person before arming: each joint with its measured position and the one that the cell
+  /// expects.
   struct Expected {
     std::string joint;
-    double measured, expected;  ///< rad or m; measured is NaN where nothing is measured yet
+    double measured, expected;  ///< rad or m; measured is NaN if nothing was measured yet
   };
-  /// `states`: of the interface table, or of a snapshot.
+  /// `states`: of the interface table or of a snapshot.
   std::vector<Expected> expected_positions(std::span<const double> states) const;
-  /// Throws Error("unverified") for a robot whose facts nobody accepted.
+  /// Throws Error("unverified") if the facts of a robot were not accepted by a person.
   void require_verified() const;
   void set_armed(Nanoseconds now);
   Nanoseconds armed_at() const { return armed_at_; }
 
-  /// The limits profile of the cell: at reduced speed until it is another, real hardware or not.
+  /// Sets the limits profile of the cell; `reduced` applies with and without real hardware. `tcp_speed` in
+  /// m/s.
   void set_profile(bool reduced, double tcp_speed, double joint_share);
-  /// At reduced speed: by the profile, or real hardware before its program has run through once.
+  /// True at reduced speed: by the profile, or because real hardware has not completed its first program
+  /// pass.
   bool reduced() const { return reduced_ || profile_reduced_; }
-  /// Real hardware before its program has run through once.
+  /// True for real hardware before its program has completed one pass.
   bool first_pass() const { return reduced_; }
-  /// Reduced speed, every tick: the share of the planned speed falls at once where a TCP is too fast, rises
-  /// slowly while something moves, and waits low while all stands, so that no motion begins too fast. `tcps`:
-  /// places of the TCPs in the world, m. `commands`: of a snapshot. `passed`: the program has run through
-  /// once, which ends it. `planned`: what moves was planned within these speeds, and goes as planned unless a
-  /// TCP is too fast all the same.
+  /// Controls the share of the planned speed at reduced speed; call each tick. The share drops at once if a
+  /// TCP is too fast, rises slowly during motion, and stays low at standstill, so no motion starts too fast.
+  /// `tcps`: TCP positions in the world, m. `commands`: of a snapshot. `passed`: the program has completed
+  /// one pass, which ends reduced speed. `planned`: the motion was planned within these limits and runs
+  /// unchanged unless a TCP is still too fast.
   void govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<const double> commands, bool passed,
               bool planned);
 
@@ -73,7 +76,7 @@ class Arming {
   bool full_speed_;
   bool armed_ = false, reduced_ = false, profile_reduced_ = false, planned_ = false;
   double profile_tcp_ = 0.25, profile_joint_ = 0.1;
-  double share_ = 1;  ///< of the planned speed, at reduced speed
+  double share_ = 1;  ///< share of the planned speed, at reduced speed
   std::vector<Vec3> tcps_before_;
   std::vector<double> commands_before_;
   Nanoseconds before_ = 0, armed_at_ = 0;

@@ -10,7 +10,8 @@
 namespace polyarm::cell {
 
 namespace {
-/// The inside boxes of the cell's workspace: the range of poses from outside that state none.
+/// The pose range given by the workspace's inside boxes; used for poses from outside without a range of their
+/// own.
 signals::PoseRange range_of(const std::vector<moves::WorkspaceZone>& workspace) {
   signals::PoseRange out;
   for (const moves::WorkspaceZone& zone : workspace) {
@@ -24,7 +25,8 @@ signals::PoseRange range_of(const std::vector<moves::WorkspaceZone>& workspace) 
   return out;
 }
 
-/// Poses from outside keep to the range of their point, else to the workspace: in files and over links.
+/// Limits poses from outside, in files and over links, to the range of their point, otherwise to the
+/// workspace.
 void bound_poses(signals::Signals& signals, const std::vector<moves::WorkspaceZone>& zones,
                  DataFiles& files) {
   const signals::PoseRange workspace = range_of(zones), wide;
@@ -40,10 +42,10 @@ void bound_poses(signals::Signals& signals, const std::vector<moves::WorkspaceZo
 }  // namespace
 
 namespace {
-/// How long a run waits for another one of the same folder, ms: batches come one after the other.
+/// Wait for another run in the same folder, ms; batch runs follow each other.
 constexpr int kBatchPatience = 30'000, kLivePatience = 500, kNeverWaits = -1;
 
-/// Robots without a cell have no folder of their own: any number of them run side by side.
+/// Robots without a cell have no folder of their own, so any number of runs is possible at the same time.
 int patience_of(const CellFile& file, bool lock_step) {
   const std::string kind = file.path.extension().string();
   const bool has_folder = (kind == ".yaml" || kind == ".yml") && !file.launched;
@@ -87,14 +89,14 @@ void CellData::build(const hardware::InterfaceTable& table, Worker& worker, Prob
   if (!options.lock_step || options.links) admit_links(file, signals_, problems);
   if (!options.lock_step) admit_doors(file, problems);
   std::set<std::string> live(signals_.live.begin(), signals_.live.end());
-  if (options.test) live.clear();  // a test writes to no file of the user's
+  if (options.test) live.clear();  // a test writes to none of the user's files
   files_ = std::make_unique<DataFiles>(
       store,
       StateFolder(file.folder, live, options.keep, options.state_folder, patience_of(file, options.lock_step),
                   file.path.filename().string()),
       worker, options.lock_step);
   bound_poses(signals_, file.workspace, *files_);
-  for (const signals::LinkEntry& link : signals_.links) {  // before the tags that are bound to them
+  for (const signals::LinkEntry& link : signals_.links) {  // before the tags that are bound to these states
     states_.add("link/" + link.name + "/up");
     states_.add("link/" + link.name + "/losses");
   }
@@ -168,7 +170,7 @@ void CellData::exchange_files(Nanoseconds now) {
 }
 
 bool CellData::outputs_settled(Nanoseconds now) const {
-  constexpr Nanoseconds kHardware = 6'000'000, kFarSide = 500'000'000;  // three ticks; a link's other end
+  constexpr Nanoseconds kHardware = 6'000'000, kFarSide = 500'000'000;  // three ticks; a link's device
   const bool ruled = std::any_of(signals_.tags.begin(), signals_.tags.end(),
                                  [](const signals::Tag& tag) { return tag.rules.on_stop.has_value(); });
   if (stopped_at_ < 0 || (!ruled && !links_->any())) return true;

@@ -1,5 +1,5 @@
 #pragma once
-/// The data of a cell and what it exchanges with the outside: tags, variables and points, their files, links,
+/// The data of a cell and their exchange with the outside: tags, variables and points, their files, links and
 /// cameras.
 #include <array>
 #include <memory>
@@ -21,12 +21,12 @@
 
 namespace polyarm::cell {
 
-/// What the cell itself says as tags.
+/// The cell's own states, which it offers as tags.
 struct OwnStates {
   double passes = 0;
   int line = 0;
   bool running = false, held = false, fault = false;
-  std::vector<Vec3> tcps;  ///< by robot, in the world
+  std::vector<Vec3> tcps;  ///< by robot, in the world, m
 };
 
 /// Cell thread.
@@ -34,33 +34,35 @@ class CellData {
  public:
   CellData(const CellSetup& setup, Observer& observer) : setup_(setup), observer_(observer) {}
 
-  // Building, in this order.
+  // Construction; call in this order.
   void build(const hardware::InterfaceTable& table, Worker& worker, Problems& problems);
-  /// The named states of descriptions (SRDF, catalogue) are points that a program may move to; names from the
-  /// cell's data files go before them. In a cell of several robots the robot's name comes before the state's.
+  /// Offers the named states of descriptions (SRDF, catalogue) as points that a program may move to. Names
+  /// from the cell's data files take precedence. In a cell with several robots the state's name is prefixed
+  /// with the robot's name.
   void offer_named_states();
-  /// Once the programs' data are there.
+  /// Call after the programs' data are loaded.
   void connect_links(Problems& problems);
   void end_building() { reported_version_ = store.version(); }
 
-  // Once each tick, in this order. `carrier_of`: the flange in the world that carries a camera.
+  // Call once each tick, in this order. `carrier_of` returns the pose in the world of the flange that carries
+  // a camera.
   void read(Nanoseconds now, const control::Snapshot& snapshot, const OwnStates& states);
   template <class CarrierOf>
   void look(const control::Snapshot& snapshot, CarrierOf carrier_of) {
     for (Camera& camera : cameras_) camera.tick(snapshot.world, store, carrier_of(camera));
   }
-  /// Why the cell may not run now: a link or a sign of life is missing. Reports news of links.
+  /// Why the cell may not run now: a link or a heartbeat is missing. Reports changes of links.
   const std::optional<Problem>& watch_links(Nanoseconds now);
-  /// Programs begin when the links are there.
+  /// True when programs may start because their links are up.
   bool links_ready() const { return links_ready_; }
-  /// Tags to interfaces and links, or what their rules say. `over`: the programs have ended, or the run has
-  /// failed.
+  /// Writes tags, or the values of their rules, to interfaces and links. `over`: the programs have ended or
+  /// the run has failed.
   void write(Nanoseconds now, const control::Snapshot& snapshot, bool over);
   void exchange_files(Nanoseconds now);
-  /// Reports values that have changed.
+  /// Reports values that have changed to the observer.
   void report_changes(Nanoseconds now);
 
-  /// Whether what outputs are to have at the end has gone out.
+  /// True when the final values of the outputs were sent.
   bool outputs_settled(Nanoseconds now) const;
   DataFiles& files() const { return *files_; }
   const CellLinks& links() const { return *links_; }
@@ -87,7 +89,7 @@ class CellData {
   std::vector<std::array<std::size_t, 3>> tcp_states_;
   bool links_ready_ = false, reported_waiting_ = false;
   std::optional<Problem> missing_;
-  Nanoseconds stopped_at_ = -1;  // since when outputs have what they are to have at the end
+  Nanoseconds stopped_at_ = -1;  // time at which outputs got their final values; -1: not yet
   std::uint64_t reported_version_ = 0;
 };
 

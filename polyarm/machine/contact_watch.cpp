@@ -39,7 +39,7 @@ Facts ContactReport::facts() const {
   return {{"a", a}, {"b", b}, {"depth_m", depth}, {"at_s", seconds(time)}, {"doing", name(during)}};
 }
 
-/// Those that do not touch any more go first.
+/// Removes contacts that have ended first.
 void ContactWatch::make_room() {
   while (list_.size() > kKept) {
     const auto over = std::find_if(list_.begin(), list_.end(), [](const ContactReport& c) { return !c.now; });
@@ -64,7 +64,7 @@ void ContactWatch::follow(const World& world) {
 std::vector<ContactReport*> ContactWatch::tick(const control::Snapshot& snapshot,
                                                const std::vector<std::string>& names) {
   const World& world = snapshot.world;
-  if (world.finding_count < seen_) seen_ = 0, list_.clear();  // another world in its place
+  if (world.finding_count < seen_) seen_ = 0, list_.clear();  // the world was replaced by another one
   const auto called = [&](int id) {
     return id >= 0 && id < static_cast<int>(names.size()) ? names[static_cast<std::size_t>(id)] : "something";
   };
@@ -80,7 +80,7 @@ std::vector<ContactReport*> ContactWatch::tick(const control::Snapshot& snapshot
   seen_ = world.finding_count;
   follow(world);
   make_room();
-  follow(world);  // addresses
+  follow(world);  // updates pointers into the list
   std::vector<ContactReport*> news;
   for (ContactReport& contact : list_)
     if (contact.number >= first) news.push_back(&contact);

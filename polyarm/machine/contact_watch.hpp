@@ -1,5 +1,5 @@
 #pragma once
-/// Contacts of a simulated world, as a cell tells of them. Cell thread.
+/// Tracks the contacts of a simulated world for reports. Cell thread.
 #include <deque>
 #include <string>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace polyarm::cell {
 
-/// Whose motion a contact came of.
+/// The kind of motion that caused a contact.
 enum class ContactDuring { program, jog, move, start, other };
 const char* name(ContactDuring during);
 
@@ -19,31 +19,31 @@ std::string depth_text(double depth_m);
 
 struct ContactReport {
   std::string a, b;    ///< "arm/forearm", "arm/tool", "fixture table", "part cube", "floor"
-  std::string robot;   ///< whose motion it was; empty: nobody knows
-  int number = 0;      ///< of the findings
+  std::string robot;   ///< the robot whose motion caused it; empty if unknown
+  int number = 0;      ///< number of the finding
   Nanoseconds time = 0;
-  double depth = 0;    ///< m, the deepest so far
-  Vec3 position;       ///< m, in the world
-  bool now = false;    ///< it touches now
+  double depth = 0;    ///< largest depth so far, m
+  Vec3 position;       ///< in the world, m
+  bool now = false;    ///< true while it touches
   ContactDuring during = ContactDuring::other;
-  Location where;      ///< the move of the program, where that was under way
+  Location where;      ///< the program's move at that time; empty without one
   /// "arm/forearm touched fixture table at 1.234 s, 2.10 mm deep".
   std::string sentence() const;
   /// {a, b, depth_m, at_s, doing}
   Facts facts() const;
 };
 
-/// Keeps the newest contacts, and those that still touch.
+/// Keeps the newest contacts, preferring those that still touch.
 class ContactWatch {
  public:
   static constexpr std::size_t kKept = 16;
-  /// Looks at a cycle; the contacts that are new in it, oldest first, without whose motion they are. Theirs
-  /// until the next call.
+  /// Processes one cycle. Returns its new contacts, oldest first, whose cause is not filled in yet. The
+  /// pointers are valid until the next call.
   std::vector<ContactReport*> tick(const control::Snapshot& snapshot, const std::vector<std::string>& names);
   const std::deque<ContactReport>& list() const { return list_; }
-  /// Something touches now.
+  /// True if any contact touches now.
   bool touching() const { return touching_ != nullptr; }
-  /// One of those that touch now; null: nothing does.
+  /// One of the contacts that touch now; null if there is none.
   const ContactReport* touching_now() const { return touching_; }
 
  private:
@@ -57,7 +57,7 @@ class ContactWatch {
 
 struct CellSetup;
 class Machine;
-/// The answer of `contacts`, and what the pendant's status has of it.
+/// The answer of the `contacts` request; part of it is in the pendant's status.
 protocol::ContactState contact_state(const CellSetup& setup, const Machine& machine,
                                      const ContactWatch& contacts);
 

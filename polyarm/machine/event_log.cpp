@@ -14,7 +14,7 @@ using protocol::Event;
 static_assert(EventLog::kKept == bounds::kEventsKept);
 
 namespace {
-/// What is kept of a text: a list of thousands of values is not kept a thousand times.
+/// Shortens a text for the log, because a list of thousands of values must not be stored a thousand times.
 std::string clipped(const std::string& text) {
   constexpr std::size_t kMost = bounds::kEventBytes;
   if (text.size() <= kMost) return text;

@@ -1,5 +1,5 @@
 #pragma once
-/// What has happened in a cell, kept for later requests.
+/// Keeps a log of the events of a cell for later requests.
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -10,16 +10,16 @@
 
 namespace polyarm::cell {
 
-/// Passes everything on, and keeps the newest events but poses. Cell thread.
+/// Forwards every event to the next observer and keeps the newest ones, except poses. Cell thread.
 class EventLog : public Observer {
  public:
   static constexpr std::size_t kKept = 1000;
 
-  /// `next` outlives this.
+  /// `next` must outlive this object.
   explicit EventLog(Observer& next) : next_(next) {}
 
   const std::deque<protocol::Event>& events() const { return events_; }
-  /// Of the newest; 0: nothing has happened.
+  /// Number of the newest event; 0: none so far.
   std::uint64_t last() const { return last_; }
 
   void on_note(const std::string& text) override;

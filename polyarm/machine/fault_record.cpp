@@ -26,10 +26,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// How long the black box goes on after a fault.
+/// How long recording continues after a fault, ns.
 constexpr Nanoseconds kAftermath = 200'000'000;
 constexpr std::size_t kKeptRecords = 50;             // of each kind
-constexpr std::uintmax_t kLargestKept = 10'000'000;  // bytes of one file of the cell
+constexpr std::uintmax_t kLargestKept = 10'000'000;  // size limit of one file of the cell, bytes
 const std::vector<std::string> kHead = {"cycle", "state", "cause", "request"};
 constexpr const char* kStates[] = {"running", "stopping", "held", "fault", "backing"};
 constexpr const char* kRequests[] = {"none", "resume", "discard", "recover", "back"};
@@ -38,7 +38,7 @@ std::vector<std::string> first(const std::vector<std::string>& names, std::size_
   return {names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
-/// The number of a record's folder; nothing of what somebody has given a name.
+/// The number of a record's folder; empty for a folder with any other name.
 std::optional<int> number_of(const fs::path& folder) {
   const std::string name = folder.filename().string();
   int number = 0;
@@ -47,13 +47,13 @@ std::optional<int> number_of(const fs::path& folder) {
   return number;
 }
 
-/// Numbers go on from the highest; the oldest records make room.
+/// The next folder number after the highest; deletes the oldest records if there are too many.
 fs::path next_folder(const fs::path& base) {
   fs::create_directories(base);
   std::map<int, fs::path> there;
   for (const auto& entry : fs::directory_iterator(base))
     if (const auto number = number_of(entry.path())) there[*number] = entry.path();
-  std::error_code ignored;  // what cannot be removed stays
+  std::error_code ignored;  // a folder that cannot be removed stays
   for (; there.size() >= kKeptRecords; there.erase(there.begin()))
     fs::remove_all(there.begin()->second, ignored);
   for (int n = there.empty() ? 1 : there.rbegin()->first + 1;; ++n) {
@@ -83,7 +83,7 @@ void write_cycles(std::ostream& out, const FaultRecord& record, const control::B
   }
 }
 
-/// Without secrets, and without what links lead to outside the cell.
+/// Copies a file without secrets, and not through links that lead outside the cell.
 void keep_copy(const fs::path& file, const fs::path& to) {
   Problems left_out;
   collect(left_out, [&] {
@@ -210,7 +210,7 @@ RecordedCycles read_cycles(const fs::path& csv) {
 
 namespace {
 
-/// The robots of a record as they stood in its first cycle.
+/// The robots of a record in the state of its first cycle.
 CellRobots recorded_robots(const fs::path& folder, const RecordedCycles& recorded,
                            const std::string& hardware) {
   CellRobots out;

@@ -1,5 +1,5 @@
 #pragma once
-/// What is kept of a run that went wrong, in one folder: enough to look at it and to play it again.
+/// Fault records: a folder with the last cycles and files of a run that failed, to inspect and replay it.
 #include <filesystem>
 #include <future>
 #include <map>
@@ -16,39 +16,39 @@ namespace polyarm::cell {
 
 struct CellSetup;
 
-/// Everything a record needs, taken from the running cell by the cell thread; writing it may then be left to
-/// any thread.
+/// The contents of a record, collected from the running cell on the cell thread. Any thread may write it to
+/// disk.
 struct FaultRecord {
   std::filesystem::path cell_folder;
   Problem problem;
-  std::string stop;  ///< what the stop took, in one line; empty: it has not ended
+  std::string stop;  ///< duration and distance of the stop in one line; empty: it has not ended
   double period_s = 1e-3;
-  std::vector<std::string> states, commands;                ///< names of the columns
+  std::vector<std::string> states, commands;                ///< column names
   std::map<std::string, std::string> files;                 ///< name → text, written beside the cycles
-  std::shared_ptr<control::ControlLoop::TakeBlackBox> box;  ///< of a loop that goes on; null: `stopped`
-  const control::BlackBox* stopped = nullptr;               ///< of a loop that nobody steps any more
+  std::shared_ptr<control::ControlLoop::TakeBlackBox> box;  ///< of a continuing loop; null: use `stopped`
+  const control::BlackBox* stopped = nullptr;               ///< from a loop that is no longer stepped
 };
 
-/// `stop`: what the stop took, in one line; empty: it has not ended.
+/// `stop`: duration and distance of the stop in one line; empty: it has not ended.
 FaultRecord begin_record(const CellSetup& setup, control::ControlLoop& loop, Problem problem,
                          const std::string& stop);
 
-/// Writes into the next free `<cell>/.state/KIND/NNNN/`: the cell's files, each robot's URDF, `cycles.csv`
-/// with cycle, state, cause, request, all states and all commands, and `fault.txt`, which begins with what
-/// happened and what the stop took. Returns the folder; empty
-/// where it could not be written, since the run's result stands without it.
+/// Writes a record into the next free folder `<cell>/.state/KIND/NNNN/`: the cell's files, each robot's URDF,
+/// `cycles.csv` with cycle, state, cause, request, all states and all commands, and `fault.txt`, which begins
+/// with the problem and the stop. Returns the folder; empty if it could not be written, because the run's
+/// result does not depend on it.
 std::filesystem::path write_record(const FaultRecord& record, const char* kind) noexcept;
 
-/// Keeps the black box of a running cell after a fault, with a little of what came after. Cell thread.
+/// Saves the black box of a running cell a short time after a fault. Cell thread.
 class FaultRecorder {
  public:
   void begin(FaultRecord record, Nanoseconds now);
-  /// What the stop took, for a record that is not written yet.
+  /// Adds the stop to a record that is not written yet.
   void note_stop(const std::string& sentence) {
     if (record_) record_->stop = sentence;
   }
-  /// Takes the box out of the loop when it is time, and lets the worker write it. A sentence when that is
-  /// done.
+  /// Takes the black box from the loop when it is due and lets the worker write it. Returns a sentence when
+  /// the record was written.
   std::optional<std::string> tick(Nanoseconds now, control::ControlLoop& loop, Worker& worker);
 
  private:
@@ -57,7 +57,7 @@ class FaultRecorder {
   std::future<std::filesystem::path> written_;
 };
 
-/// A record that was read back.
+/// A record read from disk.
 struct RecordedCycles {
   struct Row {
     std::uint64_t cycle = 0;
@@ -67,24 +67,23 @@ struct RecordedCycles {
   std::vector<std::string> states, commands;
   std::vector<Row> rows;
 };
-/// Throws Error with the line of what is no record.
+/// Throws Error with the line that is malformed.
 RecordedCycles read_cycles(const std::filesystem::path& csv);
 
-/// How far what a simulated driver measures is from what was recorded when it is given the commands that were
-/// recorded.
+/// Deviation of a simulated driver from the recording when it executes the recorded commands.
 struct ReplayedJoint {
   std::string name;
-  double worst = 0;         ///< rad or m
-  std::uint64_t cycle = 0;  ///< where that was
+  double worst = 0;         ///< largest deviation, rad or m
+  std::uint64_t cycle = 0;  ///< cycle of the largest deviation
 };
 struct Replay {
   RecordedCycles recorded;
-  std::string problem;  ///< as it was told
+  std::string problem;  ///< as it was reported
   std::vector<ReplayedJoint> joints;
   std::string driver;
 };
-/// Plays a record again: the recorded commands, from the recorded start, on the robots of the record.
-/// `hardware`: mock or mujoco. Throws Error for a folder that holds no record.
+/// Replays a record: the recorded commands, from the recorded start, on the robots of the record. `hardware`:
+/// mock or mujoco. Throws Error if the folder contains no record.
 Replay replay_record(const std::filesystem::path& folder, const std::string& hardware);
 
 }  // namespace polyarm::cell

@@ -11,8 +11,8 @@ namespace polyarm::cell {
 
 void HardwareCalls::start(std::shared_ptr<hardware::Transition> transition) {
   if (inline_) return transition->run();
-  // Detached: a device that never answers must not keep the process; who gives up leaves the component
-  // behind.
+  // Detached, so a device that never answers cannot block the process. After a timeout the component is
+  // abandoned.
   std::thread([transition = std::move(transition)] { transition->run(); }).detach();
 }
 

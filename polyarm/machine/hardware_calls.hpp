@@ -1,4 +1,5 @@
 #pragma once
+/// Runs callbacks of hardware components without blocking the cell thread.
 #include <functional>
 #include <list>
 #include <map>
@@ -11,29 +12,30 @@
 
 namespace polyarm::cell {
 
-/// Callbacks of hardware components on threads of their own: a device that takes its time keeps nobody but
-/// those who asked for it. In lock-step they are called at once. Cell thread.
+/// Runs each callback on a thread of its own, so a slow device only delays the client that asked for it. In
+/// lock-step callbacks run at once. Cell thread.
 class HardwareCalls : public hardware::Caller {
  public:
-  /// Waiting is told about after this long, and again after every doubling.
+  /// Waiting is reported after this time, ns, and again each time it has doubled.
   static constexpr Nanoseconds kWorthTelling = 2'000'000'000;
 
   HardwareCalls(bool run_inline, Observer& observer) : inline_(run_inline), observer_(observer) {}
 
   void start(std::shared_ptr<hardware::Transition> transition) override;
-  /// For start-up and shutdown, when nothing else runs: tells what it waits for.
+  /// For start-up and shutdown, when nothing else runs: waits, and reports what it waits for.
   bool await(const hardware::Transition& transition) override;
-  /// From now on await() gives up after `patience` ns.
+  /// After this call await() gives up after `patience` ns.
   void give_up_after(Nanoseconds patience) { patience_ = patience; }
-  /// And as soon as this says so, which is asked ten times in a second: a person has had enough.
+  /// await() also gives up when `asked` returns true (the user no longer wants to wait); it is called ten
+  /// times per second.
   void give_up_when(std::function<bool()> asked) { asked_ = std::move(asked); }
 
-  /// While the cell runs: goes on with a transition that was started; true when it is over. `now`: cell time.
-  /// Throws as Hardware::finish().
+  /// While the cell runs: advances a transition that was started; true when it is done. `now`: cell time.
+  /// Throws like Hardware::finish().
   bool advance(hardware::Hardware& hardware, std::shared_ptr<hardware::Transition>& transition,
                Nanoseconds now);
-  /// What the loop's own events ask for and nobody waits for: begun when the component is free. Once each
-  /// tick.
+  /// For transitions that the loop's events require and no client waits for: post() queues a transition, and
+  /// tick(), called once each tick, starts it when the component is free.
   void post(std::size_t component, hardware::Step step) { wanted_.push_back({component, step, nullptr}); }
   void tick(hardware::Hardware& hardware, Nanoseconds now);
 
@@ -48,7 +50,7 @@ class HardwareCalls : public hardware::Caller {
 
   bool inline_;
   Observer& observer_;
-  Nanoseconds patience_ = -1;  // < 0: as long as it takes
+  Nanoseconds patience_ = -1;  // < 0: no limit
   std::function<bool()> asked_;
   std::list<Wanted> wanted_;
   struct Since {

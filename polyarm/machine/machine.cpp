@@ -39,7 +39,7 @@ void Machine::add_hardware(Problems& problems) {
 }
 
 void Machine::start_hardware() {
-  constexpr Nanoseconds kShort = 1'000'000'000;  // a person who asked for the end waits no longer
+  constexpr Nanoseconds kShort = 1'000'000'000;  // shorter wait after a person has asked to end
   const CellOptions& options = setup_.options;
   calls_.give_up_when(options.start_given_up);
   try {
@@ -60,7 +60,7 @@ void Machine::prepare() {
     joints.insert(joints.end(), robot->joints.begin(), robot->joints.end());
   loop_->prepare(joints);
   joint_places_ = JointPlaces(setup_.robots, table());
-  Problems reported_already;  // with the hardware
+  Problems reported_already;  // by the hardware
   for (const auto& robot : setup_.robots)
     loop_->limits().set_turns(robot->entry.name + "/", divisor_of(*robot, period(), reported_already));
 }
@@ -143,7 +143,7 @@ void Machine::report_loop_event(const control::LoopEvent& event) {
 }
 
 namespace {
-/// 1, 10, 100, …: reported at once, and then not a thousand times a second.
+/// True for 1, 10, 100, …: the first occurrence is reported at once, later ones rarely.
 bool is_worth_reporting(std::uint64_t count) {
   while (count % 10 == 0) count /= 10;
   return count == 1;
@@ -167,7 +167,7 @@ void Machine::report_overruns() {
     report(controllers().name_of(overrun.who), overrun, "is_async: true gives it a thread of its own");
 }
 
-/// What the machine refused a component's thread, and that it is late: once.
+/// Reports once what the machine refused a component's thread, and that the thread is late.
 void Machine::report_threads() {
   hardware::Hardware& hardware = this->hardware();
   reported_threads_.resize(hardware.size());
@@ -240,7 +240,7 @@ Problems Machine::load_controller(const std::string& name, const std::string& ty
     }
     control::ControllerManager& manager = controllers();
     manager.load(std::move(planned.controller), std::move(planned.context), std::move(planned.options));
-    goal_events_.erase(name);  // of another that had this name
+    goal_events_.erase(name);  // events of an earlier controller with this name
     try {
       manager.configure(name);
     } catch (const Error&) {

@@ -148,7 +148,7 @@ void Motions::set_profile(const std::string& name) {
 
 jog::JogLimits Motions::jog_limits() const {
   jog::JogLimits out{limits().joint_speed, limits().tcp_speed, limits().tcp_turning};
-  if (contacts_.touching()) {  // out of it slowly
+  if (contacts_.touching()) {  // move slowly out of the contact
     constexpr double kJointShare = 0.05, kSpeed = 0.02, kTurning = 0.1;
     out.joint_share = std::min(out.joint_share, kJointShare);
     out.tcp_speed = std::min(out.tcp_speed, kSpeed);

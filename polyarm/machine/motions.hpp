@@ -1,5 +1,5 @@
 #pragma once
-/// How the robots of a cell move: the planned motion of each arm and base, and the speeds that they keep to.
+/// The planned motion of each arm and base of a cell, and the cell's speed limits.
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -20,74 +20,75 @@
 
 namespace polyarm::cell {
 
-/// Robots are told apart by their index in the cell's file. Cell thread.
+/// Robots are identified by their index in the cell's file. Cell thread.
 class Motions {
  public:
   Motions(const CellSetup& setup, Machine& machine, Arming& arming, const ContactWatch& contacts,
           Observer& observer);
 
-  /// After the controllers are made. Planning runs on `planner`.
+  /// Call after the controllers are made. Planning runs on `planner`.
   void build(Worker& planner);
 
-  /// Where a move of the program comes from, for warnings.
+  /// Returns the program line of a move, for warnings.
   using PlaceOf = std::function<Location(const moves::RobotMotion& motion, std::uint64_t move)>;
-  /// Once before the programs, for what has arrived, and once after them, for what they want next.
+  /// Call each tick before the programs, for moves that have arrived, and after them, for new moves.
   void tick(const PlaceOf& place_of);
-  /// A robot that others moved begins its next move where it is now.
+  /// A robot that another client moved begins its next move at its present position.
   void follow_others();
   void look_at_bases();
 
-  /// Null where no trajectory controller moves all joints of the robot.
+  /// Null if no trajectory controller moves all joints of the robot.
   moves::RobotMotion* motion(std::size_t robot) const { return motions_[robot].get(); }
-  /// Null where the robot has no wheels to drive.
+  /// Null if the robot has no driven wheels.
   moves::BaseMotion* wheels(std::size_t robot) const { return bases_[robot].get(); }
-  /// Where the robot's base is.
+  /// The pose of the robot's base.
   const MovingBase& base(std::size_t robot) const { return places_[robot]; }
-  /// Something can be moved by a program.
+  /// True if a program can move anything.
   bool any() const;
-  /// No move of a program's is queued, planned or under way.
+  /// True if no move of a program is queued, planned or running.
   bool idle(std::size_t robot) const { return !motions_[robot] || motions_[robot]->idle(); }
   bool all_idle() const;
-  /// Something is left of a motion that a resume goes on with: a program's, or one that was sent to a
-  /// controller.
+  /// True if a resume would continue a motion: one of a program, or one that was sent to a controller.
   bool motion_left() const;
-  /// Where the TCP is, in the world, as if the robot's base stood where the cell's file puts it.
+  /// T_world_tcp, computed as if the robot's base stood at its pose from the cell's file.
   Pose tcp(std::size_t robot) const;
   std::vector<Vec3> tcps() const;
 
-  /// Moves end on their paths.
+  /// Ends moves; the robots stop on their paths.
   void end();
-  /// What is planned is forgotten.
+  /// Discards all planned moves.
   void drop();
-  /// Forgets what bases have left to go, where they stand.
+  /// Discards the remaining motion of bases; they stay where they are.
   void drop_bases();
-  /// A person has armed the cell: moves begin where the robots are.
+  /// Call when a person has armed the cell: moves begin at the robots' present positions.
   void begin_where_robots_are();
 
-  /// The limits profile, "reduced" or "full". Throws Error("unknown-profile").
+  /// The limits profile: "reduced" or "full". set_profile() throws Error("unknown-profile").
   const std::string& profile() const { return profile_; }
   void set_profile(const std::string& name);
-  /// Limits of motion by hand now: the profile's, reduced speed where arming says so, slow out of a contact.
+  /// Present limits of jogging: those of the profile, reduced speed if arming requires it, slow during a
+  /// contact.
   jog::JogLimits jog_limits() const;
-  /// What the profile bounds planned moves by; nothing in the first pass of real hardware, which is governed.
+  /// Limits of the profile for planned moves; none in the first pass of real hardware, whose speed is
+  /// governed instead.
   moves::MovePlanOptions plan_options() const;
-  /// Planned moves, and at least one, go as the profile wants them planned now.
+  /// True if there is at least one planned move and all were planned with the present limits.
   bool planned_as_now() const;
 
   /// Cycle in which the first motion was commanded, if any.
   std::optional<std::uint64_t> first_motion_cycle() const;
-  /// Moves go through this controller.
+  /// True if moves go through this controller.
   bool use(const controllers::Controller& controller) const;
-  /// It is unloaded: robots that move through it cannot be moved any more. `forget` is called with their
-  /// motions.
+  /// Call when the controller is unloaded: robots that move through it can no longer be moved. `forget` is
+  /// called with their motions.
   void release(const controllers::Controller& controller,
                const std::function<void(moves::RobotMotion&)>& forget,
                const std::function<void(moves::BaseMotion&)>& forget_base);
 
  private:
   const ProfileEntry& limits() const;
-  /// For each joint that has a finite value among `values`, by `index` of its place, that is where its next
-  /// motion begins.
+  /// Sets where the next motion of a joint begins, for each joint with a finite value in `values`. `index`
+  /// selects the joint's index in `values`.
   void set_planned(std::size_t robot, int JointPlaces::Place::*index, std::span<const double> values);
 
   const CellSetup& setup_;
@@ -99,7 +100,7 @@ class Motions {
   std::vector<std::unique_ptr<moves::BaseMotion>> bases_;
   std::vector<MovingBase> places_;
   std::vector<controllers::JointTrajectoryController*> followers_;
-  std::set<std::string> reported_;  // warnings of moves; a loop says them once
+  std::set<std::string> reported_;  // warnings of moves, reported once even in a loop
   std::string profile_ = "full";
 };
 

@@ -19,7 +19,7 @@ void add_signals(const signals::Signals& signals, std::set<std::string>& out) {
   if (signals.heartbeat) out.insert(signals.heartbeat->tag);
 }
 
-/// A point goes with its frame.
+/// Adds points whose frame is in `out`, or on a robot.
 void add_points(const data::DataStore& store, std::set<std::string>& out) {
   const auto on_robot = [&](const std::string& frame) {
     return frame.find('/') != std::string::npos && !frame.ends_with("/base");

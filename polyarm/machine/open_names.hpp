@@ -1,5 +1,5 @@
 #pragma once
-/// The names of a cell whose values others than its program change.
+/// Finds the names of a cell whose values may change independently of its program.
 #include <set>
 #include <string>
 
@@ -9,10 +9,10 @@ namespace polyarm::cell {
 
 class CellData;
 
-/// Every name that lines of the program set.
+/// All names that the program sets.
 std::set<std::string> names_set(const program::Program& program);
-/// Every name of the cell that the hardware, a camera, a link, a file that others write, or a program of
-/// `others` changes while the cell runs; and points in frames that do, or that are on a robot. Cell thread.
+/// All names of the cell that the hardware, a camera, a link, a file written by others, or the program
+/// `others` may change while the cell runs; also points in such frames and points on a robot. Cell thread.
 std::set<std::string> open_names(const CellData& data, const program::Program* others);
 
 }  // namespace polyarm::cell

@@ -10,9 +10,9 @@
 namespace polyarm::cell {
 
 namespace {
-constexpr double kNoWay = 1e-9;                // rad or m; less is no motion
-constexpr Nanoseconds kSettles = 300'000'000;  // after which what stands has come to rest
-constexpr double kPushed = 0.01;               // rad or m; less is noise, or a servo that gives way
+constexpr double kNoWay = 1e-9;                // rad or m; less does not count as motion
+constexpr Nanoseconds kSettles = 300'000'000;  // ns; time at standstill until a robot counts as at rest
+constexpr double kPushed = 0.01;               // rad or m; less is noise or compliance of a servo
 }  // namespace
 
 std::string StopReport::sentence() const {

@@ -25,7 +25,8 @@ double number_of(const std::optional<double>& given, const char* name, double fa
                                   ", not a number from " + format_number(low) + " to " + format_number(high));
 }
 
-/// The share of each of `count` axes that `axis` says: one axis by its number, or a number in [-1, 1] each.
+/// The share of maximum speed for each of `count` axes. `axis` is an axis number, or a list of numbers in
+/// [-1, 1].
 std::vector<double> shares_of(const protocol::Any& given, const std::optional<double>& direction,
                               std::size_t count) {
   const nlohmann::json& axis = given.json();
@@ -45,7 +46,7 @@ std::vector<double> shares_of(const protocol::Any& given, const std::optional<do
   return out;
 }
 
-/// The controller that drives the base of a robot; empty: none does.
+/// The controller that drives the robot's base; empty if there is none.
 std::string wheels_of(const Machine& machine, const std::string& robot) {
   for (const control::ListedController& listed : machine.controllers().list()) {
     const auto* wheels =
@@ -57,7 +58,7 @@ std::string wheels_of(const Machine& machine, const std::string& robot) {
   return {};
 }
 
-/// What holds a motion back, in one word for programs.
+/// The reason that holds a motion back, as one word for programs.
 std::string word_of(jog::JogHold hold) {
   if (hold == jog::JogHold::none) return {};
   const std::string name = jog::name(hold);
@@ -67,7 +68,7 @@ std::string word_of(jog::JogHold hold) {
 
 }  // namespace
 
-/// A base is driven by twists, an arm by commands of its jog controller.
+/// A base is driven with twists, an arm with commands of its jog controller.
 struct HeldMotions::Motion {
   enum class Phase { planning, switching, moving, over };
   /// What holds a motion back now; all are empty if nothing does.
@@ -87,9 +88,9 @@ struct HeldMotions::Motion {
   std::uint32_t session = 0;
   std::optional<Twist> twist;
   std::shared_ptr<const PlannedWay> way;
-  bool line = false;  // how the planned way is gone
+  bool line = false;  // true: the planned path is followed as a straight line
   double speed = 1;
-  std::variant<std::monostate, std::vector<double>, Pose> goal;  // joints, or the TCP
+  std::variant<std::monostate, std::vector<double>, Pose> goal;  // joints or TCP pose
   HeldBack reported;
 };
 
@@ -108,7 +109,7 @@ std::size_t HeldMotions::robot_of(const std::optional<std::string>& name) const 
               "there are: " + join(names, ", "));
 }
 
-/// `amount`: of a step, rad or m; else a share of the greatest speed.
+/// `amount`: size of a step, rad or m; for continuous motion the share of the maximum speed.
 template <class Keys>
 protocol::JogMotion HeldMotions::wish_of(std::size_t i, const Keys& request, double amount, bool by) const {
   const CellRobot& robot = *cell_.setup.robots[i];
@@ -183,9 +184,9 @@ std::uint64_t HeldMotions::begin(const protocol::JogBegin& request) {
   return motion.number;
 }
 
-/// No faster than the profile's TCP.
+/// Limits the speed to the profile's TCP speed.
 void HeldMotions::drive(Motion& motion, const protocol::JogBegin& request) {
-  constexpr double kAny = 1;  // m/s and rad/s, of what states no limit
+  constexpr double kAny = 1;  // for a base without speed limits, m/s and rad/s
   const std::string& robot = cell_.setup.robots[robot_of(request.robot)]->entry.name;
   const std::string name = wheels_of(cell_.machine, robot);
   if (name.empty())
@@ -201,8 +202,7 @@ void HeldMotions::drive(Motion& motion, const protocol::JogBegin& request) {
   motion.twist = Motion::Twist{name, shares[0] * speed * ahead, shares[1] * speed * turn};
 }
 
-/// Sends the twist, or with a share of 0 the one that brings the base to rest. Throws Error where the
-/// controller takes none.
+/// Sends the twist; a share of 0 stops the base. Throws Error if the controller does not accept it.
 void HeldMotions::push(const Motion& motion, double share) const {
   const Motion::Twist& twist = *motion.twist;
   controllers::Controller* const wheels = cell_.machine.controllers().find(twist.controller);
@@ -238,7 +238,7 @@ std::uint64_t HeldMotions::go_to(const protocol::JogGoto& request) {
   return motion.number;
 }
 
-/// The end of the way is the target: of the joints, or of the TCP on its line.
+/// The end of the planned path becomes the target: of the joints, or of the TCP on its line.
 void HeldMotions::take_plan(Motion& motion) {
   if (!motion.way->done.load(std::memory_order_acquire)) return;
   if (motion.way->error) return finish(motion, "", "", &*motion.way->error);
@@ -275,7 +275,7 @@ void HeldMotions::start(Motion& motion) {
 
 bool HeldMotions::is_there(const Motion& motion, const jog::JogStatus& status) const {
   constexpr double kNear = 1e-4;  // rad, m
-  constexpr double kSlow = 1e-3;  // m/s; as long as it has a target it never counts as standing
+  constexpr double kSlow = 1e-3;  // m/s; the robot never counts as standing while it has a target
   if (motion.goal.index() == 0 || status.tcp_speed > kSlow || status.session != motion.session) return false;
   if (const Pose* place = std::get_if<Pose>(&motion.goal))
     return norm(status.tcp.position - place->position) < kNear &&
@@ -314,7 +314,7 @@ void HeldMotions::follow(Motion& motion) {
 
 void HeldMotions::advance(Motion& motion) {
   try {
-    if (motion.phase != Motion::Phase::moving)  // a client sends heartbeats once its motion has begun
+    if (motion.phase != Motion::Phase::moving)  // a client sends heartbeats only after its motion has begun
       motion.dead_man.renew(cell_.machine.now(), nanoseconds(kSilence));
     if (motion.phase == Motion::Phase::planning) take_plan(motion);
     if (motion.phase == Motion::Phase::switching) start(motion);
@@ -331,7 +331,7 @@ void HeldMotions::renew(std::uint64_t number) {
   try {
     if (motion->twist) return push(*motion, 1);
     cell_.jogging.require_allowed(motion->robot);
-    cell_.jogging.session(motion->robot, motion->session);  // throws where something has ended it
+    cell_.jogging.session(motion->robot, motion->session);  // throws if the session has ended
     cell_.jogging.send(motion->robot, motion->session, motion->command);
     report_hold(*motion, cell_.jogging.status(motion->robot));
   } catch (const Error& e) {
@@ -353,13 +353,13 @@ HeldEvent HeldMotions::event(const Motion& motion, HeldEvent::What what) const {
   return out;
 }
 
-/// Ends it: `why` and `text` for one that has begun, else the refusal.
+/// Ends the motion. `why` and `text` apply to a motion that has begun; otherwise `refusal` does.
 void HeldMotions::finish(Motion& motion, const std::string& why, const std::string& text,
                          const Error* refusal) {
   const bool had_begun = motion.phase == Motion::Phase::moving;
   motion.phase = Motion::Phase::over;
   if (motion.twist && had_begun) {
-    Problems ignored;  // a controller that takes nothing any more has stopped by itself
+    Problems ignored;  // a controller that no longer accepts commands has stopped by itself
     collect(ignored, [&] { push(motion, 0); });
   }
   if (!motion.twist && motion.session != 0) cell_.jogging.end(motion.robot, motion.session);

@@ -1,6 +1,6 @@
 #pragma once
-/// Motion that goes on while somebody holds a key: it begins, is renewed by heartbeats, and ends with the
-/// key, or when no heartbeat comes. Doors map their clients and messages to it.
+/// Motion while somebody holds a key: it begins, is renewed by heartbeats, and ends when the key is released
+/// or the heartbeats stop. Doors map their clients and messages to these motions.
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -24,47 +24,47 @@ namespace polyarm::cell {
 
 class Worker;
 
-/// What has become of a held motion.
+/// An event of a held motion.
 struct HeldEvent {
   enum class What {
-    begun,      ///< it moves
-    held_back,  ///< something holds it back, or nothing does any more (`why` is empty)
-    over,       ///< it has ended after it had begun
-    refused     ///< it has ended before it moved; `refusal` says why
+    begun,      ///< the robot moves
+    held_back,  ///< something holds it back; an empty `why` means that nothing does any more
+    over,       ///< it ended after it had begun
+    refused     ///< it ended before it moved; `refusal` says why
   };
   std::uint64_t motion = 0;
   What what = What::begun;
   std::string robot;
   std::uint32_t session = 0;
-  std::string why, text;  ///< one word for programs, a sentence for people
-  std::string which;      ///< the joint or the zone of the workspace that holds it back; empty: neither does
+  std::string why, text;  ///< one word for programs; a sentence for people
+  std::string which;      ///< joint or workspace zone that holds it back; empty if neither does
   std::optional<Error> refusal{};
 };
 
 /// Cell thread.
 class HeldMotions {
  public:
-  /// A motion that nothing renews comes to rest after this time, s.
+  /// Time without a heartbeat after which a motion comes to rest, s.
   static constexpr double kSilence = 0.12;
 
   HeldMotions(const JogOwners& cell, Worker& worker);
   ~HeldMotions();
 
-  /// Joints, the TCP or a base move as the request says. Returns the number of the motion; throws Error with
-  /// why there is none.
+  /// Starts moving joints, the TCP or a base. Returns the number of the motion. Throws Error if it is
+  /// refused.
   std::uint64_t begin(const protocol::JogBegin& request);
-  /// The robot goes to a place. The way is planned first; where there is none, the motion is refused and
-  /// nothing moves. Then the joints go there, or the TCP in a straight line, and it is over when the robot
-  /// stands there ("arrived").
+  /// Moves the robot to a target. The path is planned first; if planning fails, the motion is refused and
+  /// nothing moves. Then the joints move to the target, or the TCP moves there in a straight line. The motion
+  /// ends with "arrived" when the robot has come to rest at the target.
   std::uint64_t go_to(const protocol::JogGoto& request);
-  /// A heartbeat, which also looks at what holds the motion back. Of a motion that is over it does nothing.
+  /// A heartbeat; also checks what holds the motion back. Does nothing for a motion that has ended.
   void renew(std::uint64_t motion);
-  /// `why`: "released", "control" …
+  /// `why`: "released", "control", …
   void end(std::uint64_t motion, const std::string& why);
   void tick();
   std::vector<HeldEvent> take_events();
 
-  /// The same motion as begin(), by an amount.
+  /// The same motion as begin(), by a fixed amount.
   protocol::JogMotion step(const protocol::JogStep& request) const;
 
  private:

@@ -22,8 +22,8 @@ namespace {
 using Kind = jog::JogWish::Kind;
 
 constexpr double kMostHold = 10;
-constexpr double kMostJogged = 1e6;       // beyond it is no way or speed but a mistake
-constexpr double kTargetRounding = 1e-4;  // rad or m; of numbers in messages
+constexpr double kMostJogged = 1e6;       // a larger distance or speed is a mistake
+constexpr double kTargetRounding = 1e-4;  // rad or m; rounding of numbers in messages
 
 std::string short_name(const controllers::JointFacts& joint) {
   return joint.name.substr(joint.name.find('/') + 1);
@@ -42,7 +42,7 @@ const char* such_as(Dimension dimension) {
   }
 }
 
-/// A number in SI, or a text with its unit.
+/// Accepts a number in SI units, or text with a unit.
 double jog_quantity(const Any& value, const std::string& of, Dimension dimension) {
   std::optional<double> number = value.number();
   if (const auto text = value.text()) number = parse_quantity(*text, dimension);
@@ -55,7 +55,7 @@ double jog_quantity(const Any& value, const std::string& of, Dimension dimension
               such_as(dimension));
 }
 
-/// {elbow_joint: 0.2} → the value of each joint; `absent` where it says nothing.
+/// {elbow_joint: 0.2} → one value per joint; `absent` for joints that are not named.
 jog::JogValues joint_values(const CellRobot& robot, const Map& map, bool rates, double absent) {
   jog::JogValues out;
   out.fill(absent);
@@ -78,7 +78,7 @@ jog::JogValues joint_values(const CellRobot& robot, const Map& map, bool rates, 
   return out;
 }
 
-/// {z: 0.02, rx: 0.1} → a twist, or a way and a rotation vector.
+/// {z: 0.02, rx: 0.1} → a twist, or a translation and a rotation vector.
 jog::Twist twist_values(const Map& map, bool rates) {
   const std::vector<std::string> names = {"x", "y", "z", "rx", "ry", "rz"};
   jog::Twist out{};
@@ -95,8 +95,8 @@ jog::Twist twist_values(const Map& map, bool rates) {
   return out;
 }
 
-/// Where the axes of a frame point, in the world. A frame of the user's is a point of the cell's data, which
-/// may be in another.
+/// T_world_frame; gives the axes of the frame. A user's frame is a point of the cell's data, which may itself
+/// be given in another frame.
 Pose frame_of(const JogOwners& cell, const CellRobot& robot, const std::string& frame) {
   if (frame == "world") return {};
   if (frame == "base") return robot.entry.base;
@@ -236,7 +236,7 @@ Pose wanted_pose(const JogOwners& cell, std::size_t i, const protocol::FollowTar
   };
   Pose out = cell.jogging.last_target(i, session_of(request.session));
   const Pose frame = frame_of(cell, robot, request.frame.value_or("world"));
-  out = inverse(frame) * out;  // what is not said stays
+  out = inverse(frame) * out;  // parts that are not given keep their value
   if (map.contains("position")) {
     const auto p = numbers("position", 3);
     out.position = {p[0], p[1], p[2]};
@@ -253,8 +253,8 @@ Pose wanted_pose(const JogOwners& cell, std::size_t i, const protocol::FollowTar
   return frame * out;
 }
 
-/// Whoever names a place that a joint cannot go to has made a mistake. From outside its limits it may stay,
-/// or come back.
+/// Throws if a target is outside the limits of a joint. A joint that is already outside may stay there or
+/// move back.
 void require_within_limits(const JogOwners& cell, std::size_t i, const jog::JogValues& wanted) {
   const CellRobot& robot = *cell.setup.robots[i];
   Problems problems;

@@ -1,5 +1,5 @@
 #pragma once
-/// What motion by hand works on, by reference.
+/// References to the parts of a cell that jogging needs.
 
 namespace polyarm::cell {
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Whose commands the joints of a robot follow while people jog it: the states of a robot and what leads from
-/// one to the next, and the dead-man rule. Pure.
+/// State machine of jogging for one robot, and the dead-man rule. The state says which controllers the joints
+/// follow. Pure functions.
 #include <cstdint>
 
 #include "polyarm/base/time.hpp"
@@ -15,14 +15,14 @@ enum class JogPhase : std::uint8_t {
 };
 
 enum class JogChange : std::uint8_t {
-  asked,     ///< somebody wants to jog the robot
-  switched,  ///< the switch that was begun is done
-  refused,   ///< it cannot be done
-  expired,   ///< nothing renews the motion any more, and the robot stands
-  lost       ///< somebody else has switched off or unloaded the jog controller
+  asked,     ///< a client wants to jog the robot
+  switched,  ///< the controller switch is done
+  refused,   ///< the controller switch was refused
+  expired,   ///< no command renews the motion, and the robot is at rest
+  lost       ///< the jog controller was deactivated or unloaded from outside
 };
 
-/// The state after `step`. A step that means nothing in a state changes nothing.
+/// The state after `step`. A step without meaning in the current state changes nothing.
 constexpr JogPhase next(JogPhase state, JogChange step) noexcept {
   switch (state) {
     case JogPhase::idle:
@@ -39,18 +39,18 @@ constexpr JogPhase next(JogPhase state, JogChange step) noexcept {
   return state;
 }
 
-/// The joints follow the jog controller.
+/// True while the joints follow the jog controller.
 constexpr bool has_joints(JogPhase state) noexcept {
   return state == JogPhase::moving || state == JogPhase::releasing;
 }
 
-/// Motion by hand goes on only while it is renewed: each command is good for `hold`.
+/// Dead-man rule: jogging continues only while it is renewed; each command is valid for `hold`.
 class DeadMan {
  public:
   void renew(Nanoseconds now, Nanoseconds hold) { renewed_ = now, hold_ = hold; }
-  /// As if it had been renewed `ago`, and not since.
+  /// Sets the last renewal to `ago` before now, with a hold time of 0.
   void let_go(Nanoseconds now, Nanoseconds ago) { renewed_ = now - ago, hold_ = 0; }
-  /// Nothing has renewed it for `hold`, and for `more` after that.
+  /// True if the last renewal is older than `hold` plus `more`.
   bool expired(Nanoseconds now, Nanoseconds more = 0) const { return now - renewed_ > hold_ + more; }
 
  private:

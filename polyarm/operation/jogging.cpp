@@ -16,25 +16,25 @@ struct Jogging::Robot {
   std::size_t index = 0;
   JogPhase state = JogPhase::idle;
   std::string name;                             // of the controller
-  jog::JogController* controller = nullptr;  // the manager's
+  jog::JogController* controller = nullptr;  // owned by the controller manager
   std::vector<std::string> displaced;        // the usual controllers of the joints
   std::optional<ControllerSwitch> switching;       // to the jog controller, or back
-  std::uint32_t session = 0, over = 0, stops = 0;  // over: the newest that was ended
-  Nanoseconds first_asked = 0, asked = 0;          // while it is idle
+  std::uint32_t session = 0, over = 0, stops = 0;  // over: the newest session that was ended
+  Nanoseconds first_asked = 0, asked = 0;          // while idle: when a client first and last asked to jog
   DeadMan dead_man;
-  jog::JogWish target;  // streamed last
+  jog::JogWish target;  // last streamed target
   std::uint32_t target_session = 0;
   Nanoseconds targeted = 0;
 };
 
 namespace {
-/// Targets further apart than this, s, say nothing about a velocity; and how much the newest says.
+/// s; streamed targets further apart give no velocity estimate. kNewest: weight of the newest sample.
 constexpr double kTogether = 0.1, kNewest = 0.3;
-/// What moves faster than this, m/s and rad/s, or a joint faster than so many times what it can, has jumped:
-/// that says nothing about a velocity either.
+/// A target that moves faster than this, m/s and rad/s, or a joint faster than this factor times its limit,
+/// has jumped and gives no velocity estimate either.
 constexpr double kJump = 2, kJumpTurned = 6, kJumpOfJoint = 2;
-/// How long a robot may settle from the motion before, and how often it is asked for meanwhile: more seldom
-/// is another time.
+/// Longest wait for a robot that settles from its last motion; and the longest interval between requests that
+/// count as one attempt.
 constexpr Nanoseconds kSettling = 300'000'000, kAskedAgain = 20'000'000;
 }  // namespace
 
@@ -54,7 +54,7 @@ Jogging::Jogging(const CellSetup& setup, Machine& machine, const Arming& arming,
 Jogging::~Jogging() = default;
 
 namespace {
-/// A component that takes commands of the robot's joints and is not active; empty: there is none.
+/// An inactive component that takes commands of the robot's joints; empty if there is none.
 std::string inactive_component(const Machine& machine, const CellRobot& robot) {
   const hardware::Hardware& hardware = machine.hardware();
   for (const controllers::JointFacts& joint : robot.joints)
@@ -114,11 +114,11 @@ std::optional<Problem> Jogging::why_not(std::size_t i) const {
   if (mover.empty()) return std::nullopt;
   const auto* follower =
       dynamic_cast<const controllers::JointTrajectoryController*>(machine_.controllers().find(mover));
-  if (motions_.idle(i) && follower && !follows_something(*follower)) return std::nullopt;  // it settles
+  if (motions_.idle(i) && follower && !follows_something(*follower)) return std::nullopt;  // it only settles
   return problem_of_moving(name, mover);
 }
 
-/// The trajectory controller through which the robot moves now, or settles; empty: the robot stands, or
+/// The trajectory controller that moves the robot now, or lets it settle; empty if the robot is at rest or
 /// follows no such controller.
 std::string Jogging::mover_of(std::size_t i) const {
   const control::Snapshot& snapshot = machine_.snapshot();
@@ -133,8 +133,7 @@ std::string Jogging::mover_of(std::size_t i) const {
   return {};
 }
 
-/// A robot that settles from the motion before is waited for; not longer than kSettling since it was first
-/// asked for.
+/// Waits for a robot that settles from its last motion, up to kSettling after the first request.
 bool Jogging::has_come_to_rest(Robot& robot) {
   const Nanoseconds now = machine_.now();
   if (now - robot.asked > kAskedAgain) robot.first_asked = now;
@@ -164,7 +163,7 @@ void Jogging::load(std::size_t i) {
   context.period = machine_.period();
   control::LoadOptions options;
   options.budget = setup_.file.budget;
-  Problems reported_already;  // with the hardware
+  Problems reported_already;  // by the hardware
   options.divisor = divisor_of(of, context.period, reported_already);
   manager.load(std::move(made), std::move(context), std::move(options));
   try {
@@ -191,7 +190,7 @@ void Jogging::take(Robot& robot, JogChange step) {
   if (robot.state == JogPhase::idle || robot.state == JogPhase::moving) robot.switching.reset();
 }
 
-/// The jog controller in the place of the controllers that have the joints.
+/// Starts to replace the controllers that command the joints by the jog controller.
 void Jogging::begin_switch(Robot& robot) {
   const control::ControllerManager& manager = machine_.controllers();
   robot.displaced.clear();
@@ -207,7 +206,7 @@ void Jogging::begin_switch(Robot& robot) {
   take(robot, JogChange::asked);
 }
 
-/// The other way round.
+/// Starts to switch back to the usual controllers.
 void Jogging::begin_release(Robot& robot) {
   std::vector<std::string> back;
   for (const std::string& name : robot.displaced)
@@ -217,7 +216,7 @@ void Jogging::begin_release(Robot& robot) {
   take(robot, JogChange::expired);
 }
 
-/// Goes on with the switch under way; true when it is done. Throws what refuses it.
+/// Advances the current switch; true when done. Throws the reason of a refusal.
 bool Jogging::advance(Robot& robot) {
   try {
     if (!robot.switching->advance()) return false;
@@ -235,7 +234,7 @@ bool Jogging::engage(std::size_t i) {
     case JogPhase::moving:
       return true;
     case JogPhase::releasing:
-      return false;  // tick() goes on with that
+      return false;  // tick() continues it
     case JogPhase::switching:
       return advance(robot);
     case JogPhase::idle:
@@ -265,7 +264,7 @@ std::uint32_t Jogging::session(std::size_t i, std::uint32_t wanted) {
   if (alive(robot))
     throw Error("jogged", "somebody else jogs '" + setup_.robots[i]->entry.name + "' now",
                 "one at a time: wait until they let go, or stop them: polyarm control hold");
-  // Numbers only rise, for any robot.
+  // Session numbers only increase, over all robots.
   std::uint32_t next = 0;
   for (const auto& each : robots_) next = std::max(next, each->session);
   robot.session = next + 1;
@@ -287,7 +286,7 @@ void Jogging::estimate(std::size_t i, std::uint32_t session, jog::JogWish& wish)
   const double dt = seconds(machine_.now() - robot.targeted);
   const bool goes_on = session != 0 && session == robot.session && robot.target.kind == wish.kind &&
                        robot.target_session != 0 && dt < kTogether;
-  if (goes_on && dt < 1e-3) {  // with the one before, as far as anybody knows
+  if (goes_on && dt < 1e-3) {  // too close to the previous target for an estimate
     wish.joint_speed = robot.target.joint_speed;
     wish.twist = robot.target.twist;
     robot.target = wish;
@@ -339,7 +338,7 @@ jog::JogStatus Jogging::status(std::size_t i) const {
   return jog ? jog->status() : jog::JogStatus{};
 }
 
-/// Null before it is loaded, and when somebody has unloaded it.
+/// Null before the controller is loaded, and after somebody has unloaded it.
 jog::JogController* Jogging::controller(const Robot& robot) const {
   if (!robot.controller || machine_.controllers().find(robot.name) != robot.controller) return nullptr;
   return robot.controller;
@@ -361,12 +360,12 @@ void Jogging::tick(Robot& robot) {
       return;
     case JogPhase::switching:
       try {
-        advance(robot);         // whoever asked for it may be gone
-      } catch (const Error&) {  // reported to the asker, when it asks again
+        advance(robot);         // the client that asked for it may be gone
+      } catch (const Error&) {  // reported when the client asks again
       }
       return;
     case JogPhase::moving:
-      if (!is_active(robot)) return take(robot, JogChange::lost);  // switched off, or its hardware failed
+      if (!is_active(robot)) return take(robot, JogChange::lost);  // deactivated, or its hardware failed
       if (!jog->status().standing || !robot.dead_man.expired(machine_.now(), kLinger - 1)) return;
       [[fallthrough]];
     case JogPhase::releasing:
@@ -384,7 +383,7 @@ void Jogging::tick(Robot& robot) {
 
 void Jogging::tick() {
   const control::RunState state = machine_.snapshot().state;
-  // A resume takes the robots back from those who jog while the cell is held.
+  // A resume ends all jogging that began while the cell was held.
   if (std::exchange(was_held_, state == control::RunState::held) && state == control::RunState::running)
     end_all();
   for (const auto& robot : robots_) tick(*robot);

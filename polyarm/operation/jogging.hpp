@@ -1,6 +1,6 @@
 #pragma once
-/// Motion of the robots of a cell by hand: when it is allowed, who jogs, and which controllers give way
-/// meanwhile.
+/// Jogging of the robots of a cell: when it is allowed, which session has control, and which controllers are
+/// replaced meanwhile.
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -19,48 +19,50 @@ class Arming;
 class Motions;
 class Programs;
 
-/// Cell thread. For each robot a jog controller is made when it is first asked for. It takes the robot's
-/// commands over from whichever controllers have them, between two cycles, and gives them back when nobody
-/// jogs any more and the robot stands (decision 0012).
+/// Cell thread. A jog controller is created for a robot at its first jog request. Between two cycles it takes
+/// the joint commands over from the controllers that hold them. It gives them back when no session is alive
+/// and the robot is at rest (decision 0012).
 class Jogging {
  public:
-  /// How long after the last command of a session its robot goes back to its usual controllers.
+  /// Time after the last command of a session until the robot returns to its usual controllers, ns.
   static constexpr Nanoseconds kLinger = 300'000'000;
 
   Jogging(const CellSetup& setup, Machine& machine, const Arming& arming, const Motions& motions,
           const Programs& programs, Observer& observer);
   ~Jogging();
 
-  /// Why the robot may not be jogged now: "program-runs", "disarmed", "fault", "stopping", "not-active",
-  /// "motion-held" or "moving"; empty: it may. A robot that only settles from the motion before may.
+  /// Why the robot cannot be jogged now: "program-runs", "disarmed", "fault", "stopping", "not-active",
+  /// "motion-held" or "moving"; empty if it can. A robot that only settles from its last motion can be
+  /// jogged.
   std::optional<Problem> why_not(std::size_t robot) const;
-  /// Throws that as an Error.
+  /// Throws the result of why_not() as an Error.
   void require_allowed(std::size_t robot) const;
-  /// A step towards the jog controller having the robot's joints; true when it has. A robot that settles from
-  /// the motion before is waited for. Throws what refuses it: as why_not(), and "moving" where it does not
-  /// come to rest.
+  /// Advances the switch to the jog controller; true when the jog controller has the robot's joints. Call
+  /// again until it returns true. Waits for a robot that settles. Throws the reason of a refusal: see
+  /// why_not(); "moving" also if the robot does not come to rest.
   bool engage(std::size_t robot);
 
-  /// The session of `robot` that goes on as `session`, or a new one (0). Throws Error("jogged") while another
-  /// one is alive, Error("session-over") for one that was ended.
+  /// Continues session `session` of the robot, or begins a new one (0), and returns its number. Throws
+  /// Error("jogged") while another session is alive, Error("session-over") for a session that has ended.
   std::uint32_t session(std::size_t robot, std::uint32_t session);
-  /// Hands the command on under that session, which renews it; fills in what belongs to the session.
+  /// Sends a command under this session, which renews the session. Fills in the session's fields of the
+  /// command.
   void send(std::size_t robot, std::uint32_t session, jog::JogCommand command);
-  /// Fills in the velocity of a target that is streamed, from those of the same session before.
+  /// Estimates the velocity of a streamed target from earlier targets of the same session.
   void estimate(std::size_t robot, std::uint32_t session, jog::JogWish& wish);
-  /// The pose that the session has streamed last, else where the TCP is.
+  /// The last pose that the session streamed; otherwise the TCP's present pose.
   Pose last_target(std::size_t robot, std::uint32_t session) const;
-  /// Ends the session, or with 0 every one.
+  /// Ends the session; 0 ends every session of the robot.
   void end(std::size_t robot, std::uint32_t session = 0);
   void end_all();
   jog::JogStatus status(std::size_t robot) const;
   std::uint32_t new_step() { return ++steps_; }
 
   JogPhase state(std::size_t robot) const;
-  /// Somebody jogs, or a robot is not back with its usual controllers.
+  /// True if a session is alive or a robot is not back with its usual controllers.
   bool engaged() const;
   bool engaged(std::size_t robot) const { return state(robot) != JogPhase::idle; }
-  /// Once each tick.
+  /// Call once each tick.
   void tick();
 
  private:

@@ -85,7 +85,7 @@ bool same_entry(const data::Entry* a, const data::Entry* b) {
   return a && b ? a->value == b->value && a->group == b->group : a == b;
 }
 
-/// Has the run the name in this set as `entry` has it?
+/// True if the running cell has the same value as `entry` for this name in this set.
 bool run_has(const CellData& data, const std::string& set, const data::Entry& entry) {
   const data::Value* value = data.store.find(entry.name);
   return value && data.store.set_of(entry.name) == set && *value == entry.value &&
@@ -119,7 +119,7 @@ void take_outside_changes(CellData& data, const std::string& set, const data::Da
 }
 
 void adopt(CellData& data, const std::string& set, const Edited& edited) {
-  // What the edit did is known from now on; what others have done to the file before it is not.
+  // Only this edit counts as known; changes that others made to the file before it do not.
   data::DataSet origin;
   const data::DataSet& known = data.files().origin(set);
   const auto keep = [&origin](const data::Entry& entry) {
@@ -234,7 +234,7 @@ PointFacts point_facts(const PointOwners& cell, const std::string& name) {
   out.pose.emplace(pose_facts(point->pose));
   try {
     out.world.emplace(pose_facts(frame_in_world(cell.setup, cell.data.store, point->frame()) * point->pose));
-  } catch (const Error&) {  // its frame is not known to this cell
+  } catch (const Error&) {  // this cell does not have its frame
   }
   if (!point->taught) return out;
   out.taught.emplace(TaughtFacts{point->taught->frame, point->taught->tool, point->taught->robot});

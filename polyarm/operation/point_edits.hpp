@@ -1,5 +1,5 @@
 #pragma once
-/// Points and variables as requests see and change them. Cell thread.
+/// How requests read and change points and variables. Cell thread.
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -15,7 +15,7 @@
 
 namespace polyarm::cell {
 
-/// What requests about points work on.
+/// The parts of the cell that requests about points need.
 struct PointOwners {
   const CellSetup& setup;
   const Machine& machine;
@@ -25,57 +25,58 @@ struct PointOwners {
 };
 
 protocol::PoseFacts pose_facts(const Pose& pose);
-/// One value with all that is known of it.
+/// One value with all facts about it.
 protocol::PointFacts point_facts(const PointOwners& cell, const std::string& name);
 
-/// A point or frame of the cell's data by name. Throws Error("unknown-name").
+/// Finds a point or frame in the cell's data. Throws Error("unknown-name").
 const data::Value& place_of(const data::DataStore& store, const std::string& name);
-/// A point or variable that a data file keeps. Throws Error("unknown-name").
+/// Finds a point or variable that is stored in a data file. Throws Error("unknown-name").
 const data::Value& kept_value(const data::DataStore& store, const std::string& name);
 /// Throws Error("bad-name").
 void check_point_name(const std::string& name);
-/// The pose in the world of a frame: the world, a robot's base or a point, which may be in another.
+/// T_world_frame of a frame: the world, a robot's base or a point, which may itself be given in another
+/// frame.
 Pose frame_in_world(const CellSetup& setup, const data::DataStore& store, const std::string& frame,
                     int depth = 0);
-/// Where the joints are, rad or m, in the robot's order.
+/// Present joint positions, rad or m, in the robot's order.
 std::vector<double> joints_now(const Machine& machine, const CellRobot& robot);
-/// {p: [x, y, z], q: [x, y, z, w]}
+/// Parses {p: [x, y, z], q: [x, y, z, w]}.
 Pose pose_value(const nlohmann::json& map);
-/// [x, y, z] in m; `what` names it in errors.
+/// Parses [x, y, z] in m; `what` names the value in errors.
 Vec3 vector_value(const nlohmann::json& list, const char* what);
 
-/// The data set that a change goes into: the one whose file is `file`, else the one that has `name`, else the one with
-/// most points.
+/// The data set that a change goes to: the one whose file is `file`, otherwise the one that contains `name`,
+/// otherwise the one with most points.
 std::string set_for(const CellData& data, const std::optional<std::string>& file, const std::string& name);
-/// The user's own file of a set, whose copy the run works on, and its name.
+/// The user's own file of a set (the run works on a copy), and its name.
 std::filesystem::path own_file(const CellSetup& setup, const CellData& data, const std::string& set);
 std::string file_name(const CellData& data, const std::string& set);
 
-/// Throws Error("too-long") for a name that a request adds and that is longer than names may be.
+/// Throws Error("too-long") if a name that a request adds is too long.
 void require_short_name(const std::string& name);
-/// The same, and Error("too-many") where it is new and the cell's data are full.
+/// The same; also throws Error("too-many") if the name is new and the cell's data are full.
 void require_room_for(const data::DataStore& store, const std::string& name);
 
 /// A set before and after a change of its file.
 struct Edited {
   data::DataSet before, after;
-  std::string what;  ///< was taken back
+  std::string what;  ///< description of the change that was undone
 };
-/// What somebody outside has changed in the user's own file of a set since the run took it from there, as far
-/// as the run has it otherwise: by name. `now`: that file's values.
+/// Names that somebody changed in the user's own file of a set since the run read it, if the run's value
+/// differs. `now`: the values of that file.
 struct Outside {
   std::vector<std::string> changed, added, removed;
   bool any() const { return !changed.empty() || !added.empty() || !removed.empty(); }
 };
 Outside outside_changes(CellData& data, const std::string& set, const data::DataSet& now);
-/// Takes all of that over.
+/// Copies all of these changes into the running cell.
 void take_outside_changes(CellData& data, const std::string& set, const data::DataSet& now);
-/// Takes over into the running cell what has changed in a set's file.
+/// Copies what changed in a set's file into the running cell.
 void adopt(CellData& data, const std::string& set, const Edited& edited);
-/// Changes a set's file on the worker, then the running cell; the answer is then made from the cell.
+/// Changes a set's file on the worker, then the running cell; after that the answer is made from the cell.
 Poll<Done> edit_set(const PointOwners& cell, const std::string& set, const std::string& what,
                     std::function<void(data::ImportFile&)> change);
-/// The same for one value, and its group where one is given.
+/// The same for one value, and its group if given.
 Poll<protocol::ChangedPoint> edit_value(const PointOwners& cell, const std::string& set,
                                         const std::string& what, const std::string& name,
                                         const data::Value& value,

@@ -55,7 +55,7 @@ TaskFacts facts_of(const program::Interpreter& interpreter, const program::TaskS
   return out;
 }
 
-/// What a cell without a program has as well.
+/// The part of the status that also applies to a cell without a program.
 ProgramStatus surroundings(const StatusOwners& cell) {
   ProgramStatus out;
   out.state = "none";
@@ -73,7 +73,7 @@ ProgramStatus surroundings(const StatusOwners& cell) {
 }  // namespace
 
 namespace {
-/// A script of the cell's folder by its path in there; another as it is.
+/// Path relative to the cell's folder if the file is inside it; otherwise unchanged.
 std::string name_in(const std::filesystem::path& folder, const std::string& file) {
   const auto inside = std::filesystem::path(file).lexically_relative(folder);
   return inside.empty() || inside.string().starts_with("..") ? file : inside.generic_string();

@@ -1,5 +1,5 @@
 #pragma once
-/// Where the program of a cell is: the one place that says it, for the socket, the pendant and its events. Cell thread.
+/// Status of a cell's program, made in one place for the socket, the pendant and events. Cell thread.
 #include <vector>
 
 #include "polyarm/machine/event_log.hpp"
@@ -10,7 +10,7 @@ namespace polyarm::cell {
 
 class Jogging;
 
-/// What the status of a program is made from.
+/// The parts of the cell that a program's status is made from.
 struct StatusOwners {
   const CellSetup& setup;
   const Machine& machine;
@@ -19,7 +19,7 @@ struct StatusOwners {
   const EventLog& events;
 };
 protocol::ProgramStatus program_status(const StatusOwners& cell);
-/// Of the program or the PLC. `begun`: it was started.
+/// Overview of the program or the PLC. `begun`: it was started.
 protocol::ProgramOverview program_overview(const CellSetup& setup, const Task& task, bool begun);
 
 protocol::FileLine file_line(const Location& where);

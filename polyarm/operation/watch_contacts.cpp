@@ -1,4 +1,4 @@
-/// What a contact in physics leads to, and what it is blamed on.
+/// Reactions to contacts in physics, and their causes.
 #include <algorithm>
 #include <string>
 
@@ -8,14 +8,14 @@
 namespace polyarm::cell {
 
 namespace {
-/// What touches by then was there from the start: no joint has come anywhere yet.
+/// Contacts up to this time existed from the start: no joint has moved noticeably yet, ns.
 constexpr Nanoseconds kFromTheStart = 5'000'000;
 
 bool belongs(const std::string& name, const std::string& robot) {
   return name.starts_with(robot + "/") || name == "the part held by " + robot;
 }
 
-/// Why one of the robots of a contact fell. Contacts that are allowed are many, and are not looked into.
+/// Why one of the robots of a contact fell. Skipped if contacts are allowed, because there may be many.
 std::string falls(const CellSetup& setup, const ContactReport& contact) {
   if (setup.options.allow_contact) return {};
   for (const auto& robot : setup.robots)
@@ -25,7 +25,7 @@ std::string falls(const CellSetup& setup, const ContactReport& contact) {
 }
 }  // namespace
 
-/// The robot that moves, of those that touch; a part is its holder's. -1: none.
+/// The robot of a contact, preferably one that moves; a held part counts as its holder. -1: none.
 int Watches::robot_in(const ContactReport& contact) const {
   const auto holder = [&](const std::string& name) {
     const auto& parts = cell_.machine.snapshot().world.parts;
@@ -44,7 +44,8 @@ int Watches::robot_in(const ContactReport& contact) const {
   return out;
 }
 
-/// The move under way, and the jog while somebody jogs; never a program that has ended or has another robot.
+/// Sets the cause: the current move, or the jog while somebody jogs; never a program that has ended or
+/// commands another robot.
 void Watches::find_cause(ContactReport& contact) const {
   const int who = robot_in(contact);
   if (who < 0) return;
@@ -84,7 +85,7 @@ Problem Watches::problem_of(const ContactReport& contact) const {
 void Watches::watch_contacts() {
   const CellOptions& options = cell_.setup.options;
   const Nanoseconds now = cell_.machine.now();
-  std::optional<Problem> inside;  // what follows in physics is no news
+  std::optional<Problem> inside;  // consequences of this contact in physics are not reported again
   for (ContactReport* contact :
        cell_.contacts.tick(cell_.machine.snapshot(), cell_.machine.hardware().diagnostics().world_names())) {
     find_cause(*contact);
@@ -94,7 +95,7 @@ void Watches::watch_contacts() {
       problem.severity = options.contact_errors ? Severity::error : Severity::warning;
       cell_.observer.on_problem(now, problem);
       if (options.contact_errors && contact->during == ContactDuring::start) inside = std::move(problem);
-    } else if (cell_.programs.waits()) {  // a person is there; the loop has begun to stop
+    } else if (cell_.programs.waits()) {  // a person is present; the loop has already begun to stop
       cell_.observer.on_problem(now, problem);
     } else {
       cell_.life.fail(std::move(problem));

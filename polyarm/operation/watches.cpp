@@ -12,17 +12,16 @@
 namespace polyarm::cell {
 
 namespace {
-/// A run in which nothing can happen any more is given this long, in cell time, before it is called a
-/// deadlock.
+/// Cell time without any possible progress after which a run counts as a deadlock.
 constexpr Nanoseconds kDeadlockPatience = 2'000'000'000;
-/// Parts that were let go of are given this long to come to rest after the program has ended.
+/// Time for released parts to come to rest after the program has ended.
 constexpr Nanoseconds kSettlePatience = 2'000'000'000;
-/// A cell that only sends messages ends when nothing has moved for this long.
+/// A cell that only sends messages ends when nothing has moved for this time.
 constexpr Nanoseconds kSendSettle = 500'000'000;
-/// Of a tick: a wait is looked at once when it has lasted this long.
+/// Tick period; and the duration after which a wait is checked, once.
 constexpr Nanoseconds kTick = 2'000'000, kLongWait = 3'000'000'000;
-/// A program that neither waits nor moves gets a warning after the first time. After the second, if nothing
-/// that it reads changes, the run fails with "endless-loop".
+/// A program that neither waits nor moves gets a warning after kBusyPatience. After kEndlessPatience, if
+/// nothing that it reads changes, the run fails with "endless-loop".
 constexpr Nanoseconds kBusyPatience = 1'000'000'000, kEndlessPatience = 30'000'000'000;
 }  // namespace
 
@@ -106,7 +105,7 @@ void Watches::add_component(std::size_t component, Facts& facts) const {
 }
 
 namespace {
-/// ": measured 2, its limits are -1 to 1": of the joint that a command belongs to.
+/// ": measured 2, its limits are -1 to 1", for the joint that the command belongs to.
 std::string range_left(const CellRobots& robots, const std::string& command, double measured) {
   for (const auto& robot : robots)
     for (const controllers::JointFacts& joint : robot->joints)
@@ -117,7 +116,7 @@ std::string range_left(const CellRobots& robots, const std::string& command, dou
 }
 }  // namespace
 
-/// " (arm: the bus is silent)": what caused the fault, as far as it is known; also added to `facts`.
+/// " (arm: the bus is silent)": the cause of the fault, if known; also added to `facts`.
 std::string Watches::blame(Facts& facts) const {
   using Cause = control::StopCause;
   const control::Snapshot& snapshot = cell_.machine.snapshot();
@@ -145,7 +144,7 @@ std::string Watches::blame(Facts& facts) const {
   return {};
 }
 
-/// A fault ends a cell that works towards an end; one that is recovered by others goes on.
+/// A fault ends a run that works towards an end. A run whose faults are recovered externally continues.
 void Watches::watch_fault() {
   const control::Snapshot& snapshot = cell_.machine.snapshot();
   const bool fault = snapshot.state == control::RunState::fault;
@@ -182,16 +181,16 @@ void Watches::report_group_fault(std::size_t i) {
       {{"cause", control::code(cause)}, {"group", hardware.group(i)}}};
   add_component(i, problem.facts);
   cell_.observer.on_problem(cell_.machine.now(), problem);
-  if (group_faults_.size() < 1000) group_faults_.push_back(problem);  // one that comes and goes
+  if (group_faults_.size() < 1000) group_faults_.push_back(problem);  // faults may come and go
   if (recovered_by_others()) recorder_.begin(begin_record(problem), cell_.machine.now());
 }
 
-/// A fault of a robot whose fault stops nothing else: the run goes on, and does not end well.
+/// Faults that stop one robot only: the run continues, but its outcome is a failure.
 void Watches::watch_groups() {
   const control::Snapshot& snapshot = cell_.machine.snapshot();
   const hardware::Hardware& hardware = cell_.machine.hardware();
   fallen_seen_.resize(snapshot.fallen.size());
-  std::string reported;  // what failed together is reported once
+  std::string reported;  // components that failed together are reported once
   for (std::size_t i = 0; i < snapshot.fallen.size(); ++i) {
     const control::StopCause cause = snapshot.fallen[i];
     const bool news = std::exchange(fallen_seen_[i], cause) == control::StopCause::none &&
@@ -214,13 +213,13 @@ Problem problem_of_busy(const Task& task) {
 }
 }  // namespace
 
-/// It goes round without end, or each of its tasks waits for something that no clock brings.
+/// True if the task loops endlessly or each of its tasks waits for something that time does not bring.
 bool Watches::is_stuck(const Task* task) const {
   return !task || task->ended() || is_busy_for(task, cell_.machine.now(), kEndlessPatience) ||
          task->interpreter().waits_for_others();
 }
 
-/// Nothing moves, and no clock, link or file can change what the programs wait for.
+/// True if nothing moves and no clock, link or file can end the programs' waits.
 bool Watches::is_quiet() const {
   const control::Snapshot& snapshot = cell_.machine.snapshot();
   const Task* const program = cell_.programs.program();
@@ -312,7 +311,7 @@ void Watches::watch_end() {
   if (cell_.life.failure() || cell_.programs.waits()) return;
   const bool only_sends = !program && !cell_.setup.file.send.empty();
   if (only_sends && !started_) return;
-  if (only_sends) {  // what was sent has been done
+  if (only_sends) {  // the messages were executed
     if (!snapshot.standing) ended_at_ = now;
     const bool settled = ended_at_ >= 0 && snapshot.standing && now - ended_at_ > kSendSettle;
     const bool nothing_moved = now - cell_.arming.armed_at() > kSettlePatience && ended_at_ < 0;

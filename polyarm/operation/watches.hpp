@@ -1,5 +1,5 @@
 #pragma once
-/// What goes wrong in a cell while it runs: stops, contacts, faults; and when it ends.
+/// Monitors a running cell: stops, contacts and faults; decides when the run ends.
 #include <cstdint>
 #include <optional>
 #include <set>
@@ -15,22 +15,22 @@
 
 namespace polyarm::cell {
 
-/// Whether the cell goes on: its failure, its end, and the wish to build it anew. Cell thread.
+/// Life cycle of a run: its failure, its end, and a request to rebuild the cell. Cell thread.
 class LifeCycle {
  public:
   LifeCycle(Machine& machine, Motions& motions, Observer& observer)
       : machine_(machine), motions_(motions), observer_(observer) {}
-  /// Reports it, and stops the cell; the first failure counts.
+  /// Reports the problem and stops the cell. The first failure counts.
   void fail(Problem problem);
   const std::optional<Failure>& failure() const { return failure_; }
-  /// Why the cell does not run: the cause of the loop's stop; if the cell itself asked for it, what it asked
-  /// for (link-lost, link-stale, heartbeat, program-hold, connected, run-failed). `code` is as control::code
-  /// or one of these.
+  /// Why the cell does not run: the cause of the loop's stop, or the cell's own reason (link-lost,
+  /// link-stale, heartbeat, program-hold, connected, run-failed). `code` is one of control::code or one of
+  /// these.
   Problem stop_cause() const;
-  /// Program and PLC have ended, and every part has come to rest or has had 2 s to.
+  /// True when program and PLC have ended, and every part has come to rest or has had 2 s to do so.
   bool finished() const { return finished_; }
   void set_finished(bool finished) { finished_ = finished; }
-  /// A wish to build the cell anew: the one who runs it ends it and does so.
+  /// Requests that the runner ends this run and rebuilds the cell.
   void ask_restart(RestartWish wish) { restart_ = std::move(wish); }
   const std::optional<RestartWish>& restart() const { return restart_; }
 
@@ -62,29 +62,29 @@ class Watches {
   };
   explicit Watches(const Owners& cell) : cell_(cell) {}
 
-  // Once each tick.
-  /// Before moves that a contact ended are forgotten.
+  // Call each of these once per tick.
+  /// Call before moves that a contact ended are removed.
   void watch_contacts();
   void watch_stops();
-  /// `missing`: why the cell may not run now. What works then is held; who resumes it meanwhile is held
+  /// `missing`: why the cell may not run now. Holds the cell while it is set; a resume meanwhile is held
   /// again.
   void hold_if_missing(const std::optional<Problem>& missing);
-  /// Faults, and whether the cell can go on and has ended.
+  /// Reports faults; decides whether the run continues and whether it has ended.
   void watch_faults_and_end();
-  /// Messages that the cell file sends were sent.
+  /// Notes that the start messages of the cell file were sent.
   void note_start_messages() { started_ = true; }
 
-  /// What the stops of this run took, oldest first; at most the newest thousand.
+  /// Duration of this run's stops, oldest first; at most the newest thousand.
   const std::vector<StopReport>& stops() const { return stops_; }
   StopWatch& stop_watch() { return stop_watch_; }
   const HeldPlace& held_place() const { return held_place_; }
-  /// Where the robots are now is where the next motion begins: what moved them while held counts no more.
+  /// Takes the present positions as the start of the next motion; displacement while held no longer counts.
   void forget_pushes() { held_place_.forget(); }
-  /// Faults that stopped one robot while the rest went on.
+  /// Faults that stopped one robot while the others continued.
   const std::vector<Problem>& group_faults() const { return group_faults_; }
   int contacts_max() const { return contacts_max_; }
   double tracking_error_max() const { return tracking_error_max_; }
-  /// A record of this problem, with what the latest stop took where the problem led to it.
+  /// Begins a fault record for this problem, including the latest stop if the problem caused it.
   FaultRecord begin_record(const Problem& problem) const;
 
  private:
@@ -105,7 +105,7 @@ class Watches {
   void warn_of_long_wait();
   void warn_of_busy_tasks();
   void fail_for_deadlock();
-  /// After a fault the cell is brought back by people and programs outside.
+  /// True if faults are recovered externally, by people or programs.
   bool recovered_by_others() const;
 
   Owners cell_;

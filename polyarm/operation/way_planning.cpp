@@ -13,7 +13,7 @@ namespace {
 
 using namespace protocol;
 
-/// {elbow_joint: 0.5, …}; joints that it does not name stay where they are.
+/// Parses {elbow_joint: 0.5, …}; joints that are not named keep their position.
 std::vector<double> joints_at(const PointOwners& cell, const CellRobot& robot, const Map& map) {
   std::vector<double> out = joints_now(cell.machine, robot);
   std::vector<std::string> names;
@@ -62,7 +62,7 @@ std::shared_ptr<const PlannedWay> plan_way(const PointOwners& cell, std::size_t 
   move.targets.push_back(target_of(cell, robot, request));
   move.speed = std::clamp(request.speed.value_or(1), 0.01, 1.0);
   auto way = std::make_shared<PlannedWay>();
-  // Facts and chain are const, and stay as long as the cell does.
+  // Facts and chain are const and live as long as the cell.
   cell.worker.post([way, facts = robot.facts.get(), from = joints_now(cell.machine, robot), move,
                     options = cell.motions.plan_options()] {
     try {

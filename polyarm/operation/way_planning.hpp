@@ -1,5 +1,5 @@
 #pragma once
-/// Planning a way before it is gone. Private to the room.
+/// Plans a path before the robot follows it. Private to the room.
 #include <atomic>
 #include <memory>
 #include <optional>
@@ -10,14 +10,15 @@
 
 namespace polyarm::cell {
 
-/// A way that is being planned on another thread. Read plan and error when it is done.
+/// A path that is planned on another thread. Read plan and error only after `done` is true.
 struct PlannedWay {
   std::atomic<bool> done{false};
   std::optional<moves::MovePlan> plan;
   std::optional<Error> error;
 };
 
-/// From where the robot is, on `worker`. Cell thread. Throws Error where the request names no place.
+/// Plans from the robot's present position, on `worker`. Cell thread. Throws Error if the request has no
+/// valid target.
 std::shared_ptr<const PlannedWay> plan_way(const PointOwners& cell, std::size_t robot,
                                            const protocol::PlanPreview& request);
 

@@ -38,7 +38,7 @@ Known& known() {
   throw Error(Problem{"plugin-refused", {file.string()}, std::move(reason), std::move(advice)});
 }
 
-/// "vendor/Type": two words and a slash, which no description or YAML could take for something else.
+/// True for "vendor/Type": two words and a slash, which no description or YAML file uses for anything else.
 bool is_type_name(const std::string& name) {
   const auto slash = name.find('/');
   return slash != std::string::npos && slash > 0 && slash + 1 < name.size() &&
@@ -46,7 +46,7 @@ bool is_type_name(const std::string& name) {
          name.find_first_of(" \t\r\n\"'<>&:#") == std::string::npos;
 }
 
-/// The plugin in use that brings the name, for telling where it is taken.
+/// The plugin that already provides the name, for error messages.
 std::string where_taken(const std::string& name, PluginKind kind) {
   for (const Plugin& plugin : known().found)
     for (const Entry& entry : plugin.entries)
@@ -126,7 +126,8 @@ void refused_with(const fs::path& file, const Error& e) {
   known().refused.push_back({file, problem.what, problem.advice});
 }
 
-/// Of a place that the user named, or that belongs to the installation.
+/// Loads a library from a folder that the user named or that belongs to the installation, unless it was seen
+/// before.
 void load_once(const fs::path& file) {
   if (!known().seen.insert(fs::weakly_canonical(file)).second) return;
   try {
@@ -146,16 +147,17 @@ bool in_development(const fs::path& file) {
   return false;
 }
 
-/// The bytes, which are what is loaded if they are approved: between the two nobody can change them.
+/// Reads and hashes a library. Exactly these bytes are loaded later, so the file cannot be replaced in
+/// between.
 Library judged_by_hash(const fs::path& file, std::string& bytes) {
-  const AsUser user;  // it is looked at, and shown to nobody
+  const AsUser user;  // only hashed, not shown to anybody
   bytes = read_file(file, kLargestLibrary);
   Library out{file, sha256(bytes), bytes.size(), false};
   out.approved = is_approved({"library", out.sha256, {}});
   return out;
 }
 
-/// Named by a cell: only what the user has approved runs.
+/// Loads a library from a folder that a cell names; only approved libraries run.
 void load_approved(const fs::path& file) {
   if (seen(file)) return;
   try {

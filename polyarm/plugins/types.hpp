@@ -1,5 +1,5 @@
 #pragma once
-/// Controllers by the names under which users of ROS know them.
+/// Table of controller types, by the names that ROS uses.
 #include <functional>
 #include <memory>
 #include <string>
@@ -10,26 +10,26 @@
 
 namespace polyarm::controllers {
 
-/// A row of the table.
+/// An entry of the table.
 struct ControllerType {
   std::string name;  ///< "joint_trajectory_controller/JointTrajectoryController"
   std::function<std::unique_ptr<Controller>()> make;
   std::string summary;  ///< one sentence, for lists
-  /// Parameters that the name implies, where the file says nothing else.
+  /// Parameters that the name implies, unless the file sets them.
   std::vector<std::pair<const char*, const char*>> implied = {};
 };
 
-/// Those of this room, then those that plugins have brought.
+/// The built-in types, then those of plugins.
 const std::vector<ControllerType>& controller_types();
-/// Makes the type known; its name must not be known yet. Called before any cell is built.
+/// Adds a type; its name must not exist yet. Call before any cell is built.
 void register_controller_type(ControllerType type);
-/// Null when there is none.
+/// Null if there is no such type.
 const ControllerType* find_controller_type(const std::string& name);
-/// The names, for hints.
+/// All type names, for hints in error messages.
 std::vector<std::string> controller_type_names();
-/// Does the type only tell what it reads, at a rate that ros_control calls `publish_rate`?
+/// True if the type only publishes what it reads, at a rate that ros_control calls `publish_rate`.
 bool is_publisher(const std::string& type);
-/// Makes the controller and puts what its type's name implies into `parameters`. Throws
+/// Creates the controller and adds the parameters that its type's name implies to `parameters`. Throws
 /// Error("unknown-controller-type") with the nearest known name.
 std::unique_ptr<Controller> make_controller(const std::string& type, Parameters& parameters);
 

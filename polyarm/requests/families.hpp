@@ -1,12 +1,12 @@
 #pragma once
-/// The requests of a running cell by families; the handlers of each family are in one file.
+/// The request handlers of a running cell, grouped by subject; one file per group.
 #include <vector>
 
 #include "polyarm/inside/requests_work.hpp"
 
 namespace polyarm::cell {
 
-/// Every handler of this room.
+/// All handlers of this room.
 std::vector<Handler> room_handlers();
 
 std::vector<Handler> controller_handlers();

@@ -1,4 +1,4 @@
-/// From simulation to the real hardware that a cell names, and back.
+/// Switches a cell from simulation to the real hardware that its files name, and back.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -16,14 +16,14 @@ namespace {
 
 using namespace protocol;
 
-/// Connecting real hardware works on these.
+/// The parts of the cell that connecting needs.
 struct ConnectOwners {
   const CellSetup& setup;
   const Arming& arming;
   LifeCycle& life;
 };
 
-/// The files of the system that a driver opens, by the parameters that name them.
+/// The device files that a driver opens, by the parameters that name them.
 std::vector<DeviceFacts> devices_of(const NamedHardware& hardware, const hardware::DriverFacts* facts) {
   std::vector<DeviceFacts> out;
   std::map<std::string, std::string> values = hardware.parameters;
@@ -37,7 +37,7 @@ std::vector<DeviceFacts> devices_of(const NamedHardware& hardware, const hardwar
   return out;
 }
 
-/// What would be connected, each with its driver and the devices that it opens.
+/// The hardware that would be connected, with its drivers and their device files.
 std::vector<RealHardware> found_in(const ConnectOwners& cell) {
   std::vector<RealHardware> out;
   for (const NamedHardware& each : named_real_hardware(cell.setup.robots)) {
@@ -48,7 +48,7 @@ std::vector<RealHardware> found_in(const ConnectOwners& cell) {
   return out;
 }
 
-/// Why it cannot be connected, in one sentence; nothing where it may be tried.
+/// Why the hardware cannot be connected; empty if connecting may be tried.
 std::optional<Error> refusal(const ConnectOwners& cell, const std::vector<RealHardware>& found) {
   if (cell.setup.options.lock_step)
     return Error("real-and-fast", "real hardware has its own time, this cell runs in lock-step",

@@ -20,7 +20,7 @@ namespace {
 
 using namespace protocol;
 
-/// Requests about controllers work on these.
+/// The parts of the cell that requests about controllers need.
 struct ControllerOwners {
   Machine& machine;
   const CellSetup& setup;
@@ -43,7 +43,7 @@ control::Strictness strictness_of(Strictness word) {
   return control::Strictness::strict;
 }
 
-/// What the request says, else what the controllers' file says.
+/// The request's strictness; otherwise that of the controllers' file.
 control::Strictness strictness_of(const ControllerOwners& cell, const ControlSwitch& request) {
   if (request.strictness) return strictness_of(*request.strictness);
   const std::string& stated = cell.setup.manager.strictness;
@@ -53,7 +53,7 @@ control::Strictness strictness_of(const ControllerOwners& cell, const ControlSwi
   return strictness_of(static_cast<Strictness>(at - std::begin(words)));
 }
 
-/// {gains: {joint_1: {p: 3}}} → "gains.joint_1.p": 3, as controllers files have it.
+/// Flattens {gains: {joint_1: {p: 3}}} to "gains.joint_1.p": 3, as in controllers' files.
 void flatten(const nlohmann::json& map, const std::string& prefix, controllers::Parameters& out) {
   const auto text = [](const nlohmann::json& item) {
     return item.is_string() ? item.get<std::string>() : item.dump();
@@ -73,7 +73,7 @@ void flatten(const nlohmann::json& map, const std::string& prefix, controllers::
   }
 }
 
-/// The messages that a controller takes, with the types of ROS.
+/// The messages that a controller accepts, with their ROS types.
 std::vector<ControllerInput> inputs_of(const ControllerOwners& cell, const std::string& name) {
   std::vector<ControllerInput> out;
   if (const controllers::Controller* controller = cell.machine.controllers().find(name))

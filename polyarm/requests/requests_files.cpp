@@ -1,5 +1,5 @@
-/// Requests about the project's files: reading, drafts that outlive everything, saving without losing what
-/// others wrote, and earlier versions.
+/// Requests about the project's files: read them, keep drafts across restarts, save without overwriting other
+/// people's changes, and list earlier versions.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ namespace {
 
 using namespace protocol;
 
-/// Requests about the project's files read these.
+/// The parts of the cell that requests about files read.
 struct FileOwners {
   const CellSetup& setup;
   const Programs& programs;
@@ -92,7 +92,7 @@ OrNull<FileDraft> draft_of(const fs::path& folder, const std::string& path) {
   return out;
 }
 
-/// The numbers of the versions, oldest first.
+/// The version numbers in the folder, oldest first.
 std::vector<int> version_numbers(const fs::path& folder) {
   std::vector<int> out;
   std::error_code error;
@@ -119,7 +119,7 @@ void keep_version(const fs::path& folder, const std::string& path, const std::st
   }
 }
 
-/// How many files a folder has, and their bytes; hidden temporary ones, too.
+/// Number of files in a folder and their total bytes, including hidden temporary files.
 std::pair<std::size_t, std::uintmax_t> held_in(const fs::path& folder) {
   std::pair<std::size_t, std::uintmax_t> out{};
   std::error_code error;
@@ -130,7 +130,7 @@ std::pair<std::size_t, std::uintmax_t> held_in(const fs::path& folder) {
   return out;
 }
 
-/// Room for one more draft of so many bytes beside those of other files.
+/// Throws unless there is room for one more draft of `bytes` bytes in addition to those of other files.
 void require_room_for_draft(const fs::path& file, std::size_t bytes) {
   std::error_code error;
   auto [count, held] = held_in(file.parent_path());
@@ -144,7 +144,7 @@ void require_room_for_draft(const fs::path& file, std::size_t bytes) {
                 "save or drop some of them");
 }
 
-/// Room for one more file.
+/// Throws unless there is room for one more file.
 void require_room_for_file(const fs::path& folder) {
   std::error_code error;
   std::size_t count = 0;
@@ -173,7 +173,7 @@ const std::string& bounded(const std::string& text) {
   return text;
 }
 
-/// The files of the program that runs, in the form that the list has.
+/// The files of the running program, as paths in the form of the file list.
 std::vector<fs::path> running_files(const FileOwners& cell) {
   std::vector<fs::path> out;
   for (const Task* task : {cell.programs.program(), cell.programs.plc()}) {
@@ -249,7 +249,7 @@ fs::path project_file(const fs::path& folder, const std::string& path) {
   for (const fs::path& part : wanted)
     if (part.string().starts_with('.') || part.empty()) throw refuse("it leads out, or is hidden");
   if (!has_ending(wanted)) throw refuse("its kind is none of " + join(endings(), ", "));
-  // No link on the way leads out either.
+  // No link on the path may lead outside either.
   std::error_code error;
   const fs::path root = resolved(folder), whole = resolved(folder / wanted);
   if (!inside(whole, root)) throw refuse("it leads out of the folder");

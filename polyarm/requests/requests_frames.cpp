@@ -1,4 +1,4 @@
-/// Requests for frames by three points and tools by four poses.
+/// Requests that compute a frame from three points, or a tool from four poses.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,7 +18,7 @@ Vec3 place_at(const std::optional<Any>& given, const char* name) {
   return vector_value(given.value_or(Any{}).json(), name);
 }
 
-/// Where tool0 was when the point was taught, by its joints.
+/// The pose of tool0 when the point was taught, from its joints.
 Pose flange_at(const PointOwners& cell, const CellRobot& robot, const std::string& name) {
   const data::Value& value = place_of(cell.data.store, name);
   const data::JointState* joints = value.as_joints();

@@ -17,7 +17,7 @@ namespace {
 
 using namespace protocol;
 
-/// Requests about hardware work on these.
+/// The parts of the cell that requests about hardware need.
 struct HardwareOwners {
   const CellSetup& setup;
   Machine& machine;
@@ -40,7 +40,7 @@ std::size_t component_named(const HardwareOwners& cell, const std::string& name)
               "there is no hardware component '" + name + "'" + did_you_mean(name, known));
 }
 
-/// Active controllers that command a component; with `readers_too`, those that read it as well.
+/// Active controllers that command a component; with `readers_too` also those that read it.
 std::vector<std::string> users_of(const Machine& machine, std::size_t component, bool readers_too) {
   const hardware::HostedInfo info = machine.hardware().diagnostics().info(component);
   const auto uses = [](const std::vector<std::string>& wanted, const std::vector<std::string>& offered) {
@@ -60,7 +60,7 @@ Poll<Done> wait_for(std::shared_ptr<realtime::Job> job) {
   return [job] { return job->done() ? Progress<Done>::done({}) : Progress<Done>{}; };
 }
 
-/// A callback of the component, on a thread of its own where the cell has one.
+/// Runs a callback of the component, on a thread of its own where the cell has one, and waits for it.
 Poll<Done> follow(Machine& machine, std::shared_ptr<hardware::Transition> transition) {
   machine.calls().start(transition);
   return [&machine, transition]() mutable {
@@ -72,7 +72,7 @@ Poll<Done> follow(Machine& machine, std::size_t i, hardware::Step step) {
   return follow(machine, machine.hardware().begin(i, step));
 }
 
-/// Waits a little for a callback that somebody else has asked for; then what follows is refused.
+/// Waits up to 1 s for a callback that another client started; after that the next step is refused.
 Poll<Done> wait_until_idle(Machine& machine, std::size_t i) {
   constexpr Nanoseconds kPatience = 1'000'000'000;
   return [&machine, i, until = machine.now() + kPatience] {
@@ -81,7 +81,7 @@ Poll<Done> wait_until_idle(Machine& machine, std::size_t i) {
   };
 }
 
-/// One transition after the other until the component is in the state that is wanted.
+/// Performs one transition after the other until the component is in the wanted state.
 Poll<Done> walk(Machine& machine, std::size_t i, LifecycleState wanted) {
   using hardware::Step;
   hardware::Hardware& hardware = machine.hardware();
@@ -103,7 +103,7 @@ Poll<Done> walk(Machine& machine, std::size_t i, LifecycleState wanted) {
   return called(now == LifecycleState::unconfigured ? Step::configure : Step::activate)(Done{});
 }
 
-/// The same, and the state that it has then.
+/// The same; answers with the state that the component has then.
 Poll<Taken> walk(Machine& machine, std::size_t i, LifecycleState wanted, std::vector<std::string> stopped) {
   return then(walk(machine, i, wanted), [&machine, i, stopped](Done) {
     const hardware::Hardware& hardware = machine.hardware();
@@ -117,13 +117,13 @@ Poll<Taken> take_to(Machine& machine, std::size_t i, LifecycleState wanted) {
   machine.hardware().require_idle(i);
   const LifecycleState now = machine.hardware().state_of(i);
   const bool goes_down = wanted == LifecycleState::finalized || wanted < now;
-  // An inactive component is still read.
+  // Controllers may still read an inactive component.
   const std::vector<std::string> users =
       goes_down ? users_of(machine, i, wanted != LifecycleState::inactive) : std::vector<std::string>{};
   if (users.empty()) return walk(machine, i, wanted, {});
   const control::SwitchRequest stop{{}, users, control::Strictness::automatic};
   const std::vector<std::string> stopped =
-      machine.controllers().plan(stop).stop;  // with those that work through them
+      machine.controllers().plan(stop).stop;  // includes the controllers that work through them
   return then(switch_controllers(machine, stop), [&machine, i, wanted, stopped](const control::SwitchPlan&) {
     return walk(machine, i, wanted, stopped);
   });
@@ -131,7 +131,7 @@ Poll<Taken> take_to(Machine& machine, std::size_t i, LifecycleState wanted) {
 
 namespace {
 
-/// Of the interfaces of physics, those of the joints of one <ros2_control>.
+/// Selects the interfaces of physics that belong to the joints of one <ros2_control>.
 std::vector<std::string> of_block(const HardwareOwners& cell, const std::string& name,
                                   const std::vector<std::string>& interfaces) {
   std::vector<std::string> out;
@@ -171,8 +171,8 @@ ListedHardware listed(const HardwareOwners& cell, const hardware::HostedInfo& in
   return out;
 }
 
-/// What physics plays is listed by the names of its descriptions, each with its own interfaces; the rest of them
-/// (tools, the scene) are listed with the first.
+/// Hardware simulated by physics is listed under the names of its descriptions, each with its own interfaces;
+/// other interfaces (tools, the scene) are listed with the first.
 HardwareList::Answer hardware_list(const HardwareOwners& cell, const HardwareList&) {
   HardwareList::Answer out;
   hardware::Hardware& hardware = cell.machine.hardware();
@@ -199,7 +199,7 @@ HardwareList::Answer hardware_list(const HardwareOwners& cell, const HardwareLis
   return out;
 }
 
-/// After the reload: back to the state that the component had.
+/// After the reload: returns the component to its previous state.
 Poll<HardwareReload::Answer> begin_again(const HardwareOwners& cell, const Remaking& remade, std::size_t i,
                                          LifecycleState wanted, const std::vector<std::string>& stopped) {
   const auto transition = cell.machine.begin_reload(remade);
@@ -220,7 +220,7 @@ Poll<HardwareReload::Answer> begin_again(const HardwareOwners& cell, const Remak
   });
 }
 
-/// The files are read on another thread: a slow disk does not keep the cell thread.
+/// Reads the files on another thread, so a slow disk does not block the cell thread.
 Poll<HardwareReload::Answer> make_again(const HardwareOwners& cell, std::size_t i, LifecycleState wanted,
                                         const std::vector<std::string>& stopped) {
   const auto remaking = cell.machine.remake(cell.machine.hardware().component_name(i), cell.worker);
@@ -282,7 +282,7 @@ Poll<HardwareRecover::Answer> hardware_recover(const HardwareOwners& cell, const
 
 Poll<ControlArm::Answer> start_armed(const HardwareOwners& cell) {
   std::vector<std::string> idle;
-  for (const std::string& name : cell.machine.chosen_controllers)  // one may have been unloaded since
+  for (const std::string& name : cell.machine.chosen_controllers)  // some may have been unloaded since
     if (cell.machine.controllers().find(name) &&
         controller_state(cell.machine, name) == LifecycleState::inactive)
       idle.push_back(name);
@@ -295,7 +295,7 @@ Poll<ControlArm::Answer> start_armed(const HardwareOwners& cell) {
   return then(switch_controllers(cell.machine, {idle, {}, control::Strictness::best_effort}), finish);
 }
 
-/// The components one after the other, then the controllers, then the programs may begin.
+/// Activates the components one after the other, then the controllers; after that programs may start.
 Poll<ControlArm::Answer> arm_from(const HardwareOwners& cell, std::size_t next) {
   const std::vector<std::size_t>& real = cell.arming.components();
   if (next == real.size()) return start_armed(cell);

@@ -19,7 +19,7 @@ namespace {
 
 using namespace protocol;
 
-/// Requests about the loop read these.
+/// The parts of the cell that requests about the loop read.
 struct HealthOwners {
   const Machine& machine;
   const LifeCycle& life;
@@ -52,7 +52,7 @@ Times times(const realtime::Histogram& values) {
   return {values.percentile(0.5), values.percentile(0.99), values.max()};
 }
 
-/// The same, and how the samples are spread.
+/// The same, with the distribution of the samples.
 Distribution distribution(const realtime::Histogram& values) {
   Distribution out{values.percentile(0.5), values.percentile(0.99), values.max(), {}};
   values.quarters([&](Nanoseconds to, std::uint64_t count) { out.buckets.push_back({to, count}); });

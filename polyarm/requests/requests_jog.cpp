@@ -1,4 +1,4 @@
-/// Requests about motion by hand: jog, targets that are streamed, and the limits profile.
+/// Requests that jog a robot, stream targets, and set the limits profile.
 #include "polyarm/inside/requests_work.hpp"
 #include "polyarm/operation/jog_commands.hpp"
 #include "polyarm/requests/families.hpp"
@@ -11,7 +11,7 @@ using namespace protocol;
 
 constexpr Nanoseconds kRenewEvery = 50'000'000, kTellJogEvery = 100'000'000;
 
-/// Hands the command on once the jog controller has the robot's joints, and reports its state.
+/// Sends the command once the jog controller has the robot's joints, and reports its state.
 Poll<JogAnswer> follow_command(const JogOwners& cell, std::size_t i, std::uint32_t session,
                                jog::JogCommand command) {
   return [cell, i, session, command, sent = false]() mutable {
@@ -28,7 +28,7 @@ Poll<JogAnswer> follow_command(const JogOwners& cell, std::size_t i, std::uint32
   };
 }
 
-/// Why a step has ended early.
+/// Why a step ended early.
 Error stopped(const JogOwners& cell) {
   if (const ContactReport* contact = cell.contacts.touching_now())
     return {"stopped", "a contact ended the step: " + contact->sentence(), "jog it away slowly"};
@@ -39,7 +39,7 @@ Error stopped(const JogOwners& cell) {
           "polyarm health shows the state"};
 }
 
-/// A step: the cell renews it as long as the asker is there, and reports how far it is.
+/// A step: the cell renews it as long as the client is connected, and reports its progress.
 Poll<JogAnswer> follow_step(const JogOwners& cell, std::size_t i, std::uint32_t session,
                             jog::JogCommand command) {
   using Stepped = Progress<JogAnswer>;
@@ -87,7 +87,7 @@ Poll<JogAnswer> jog(const JogOwners& cell, const JogMotion& request) {
   jog::JogCommand command = jog_command(cell, *cell.setup.robots[i], request);
   const std::uint32_t session = session_of(request.session);
   cell.jogging.require_allowed(i);
-  if (session != 0) cell.jogging.session(i, session);  // refused at once where it is over
+  if (session != 0) cell.jogging.session(i, session);  // refused at once if the session has ended
   return command.by ? follow_step(cell, i, session, command) : follow_command(cell, i, session, command);
 }
 

@@ -1,4 +1,4 @@
-/// Requests that bring programs into a running cell, begin them and answer them, and what happens meanwhile.
+/// Requests that load programs into a running cell, start them, answer their questions, and report events.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -24,7 +24,7 @@ namespace {
 
 using namespace protocol;
 
-/// Bringing programs into a cell works on these.
+/// The parts of the cell that loading needs.
 struct LoadOwners {
   const CellSetup& setup;
   Machine& machine;
@@ -37,13 +37,13 @@ struct LoadOwners {
   const EventLog& events;
 };
 namespace fs = std::filesystem;
-/// A program on its way into a cell. The worker writes, then sets `ready`; the cell thread reads.
+/// A program that is being loaded. The worker writes, then sets `ready`; the cell thread reads after that.
 struct Loading {
   std::string name;
   fs::path folder;
   StateFolder files;
   std::optional<program::Program> program;
-  std::vector<std::pair<std::string, Location>> sets;  ///< data that are there from the start
+  std::vector<std::pair<std::string, Location>> sets;  ///< data sets that exist from the start
   program::KnownNames known;
   Problems problems;
   std::optional<Error> error;
@@ -80,7 +80,7 @@ struct Loading {
         files.renew(load->name, where);
         sets.push_back({load->name, where});
       } catch (const Error& e) {
-        if (e.problems().front().code != "no-file") throw;  // of those that there are not the checker tells
+        if (e.problems().front().code != "no-file") throw;  // the checker reports missing files
       }
     }
   }
@@ -90,7 +90,7 @@ struct Loading {
   }
 };
 
-/// Runs a step of it on the worker; true when that is done. Throws what it threw.
+/// Runs a step of loading on the worker; true when it is done. Rethrows its error.
 bool done(const LoadOwners& cell, const std::shared_ptr<Loading>& loading, bool& posted,
           void (Loading::*step)()) {
   if (!std::exchange(posted, true)) {
@@ -173,8 +173,8 @@ std::string program_hash(const program::Program& program) {
 
 namespace {
 
-/// Have files of the program that stands ready been written since they were read? Throws Error with what is
-/// wrong in them now.
+/// True if files of the prepared program were written since they were read. Throws Error if they now contain
+/// errors.
 bool written_since(const LoadOwners& cell) {
   const program::Interpreter& read = cell.programs.program()->interpreter();
   const program::Program now = program::load_program(read.program().file);
@@ -184,7 +184,7 @@ bool written_since(const LoadOwners& cell) {
   return false;
 }
 
-/// What starts has to be what was shown to the person who starts it.
+/// The prepared program must be the one that was shown to the person who starts it.
 void require_as_shown(const LoadOwners& cell, const ProgramStart& request) {
   const program::Program& loaded = cell.programs.program()->interpreter().program();
   const std::string file = request.file.value_or(""), hash = request.hash.value_or("");
@@ -199,7 +199,7 @@ void require_as_shown(const LoadOwners& cell, const ProgramStart& request) {
                 "look at it, and start it then");
 }
 
-/// `saved`: of the program with what it includes, or of its script alone as files.read tells it.
+/// `saved` is the hash of the program with its includes, or of its script alone as files.read reports it.
 void require_saved_as_shown(const LoadOwners& cell, const std::string& saved) {
   const std::string file = cell.programs.program()->interpreter().program().file;
   if (saved.empty() || saved == program_hash(program::load_program(file)) || saved == content_hash(read_file(file)))
@@ -223,7 +223,7 @@ ProgramStatus program_start(const LoadOwners& cell, const ProgramStart& request)
   if (request.as_saved && written_since(cell)) {
     require_saved_as_shown(cell, request.saved.value_or(""));
     const fs::path file = cell.programs.program()->interpreter().program().file;
-    cell.programs.prepare(fs::proximate(file, cell.setup.file.folder).string(), 0);  // looked for in there
+    cell.programs.prepare(fs::proximate(file, cell.setup.file.folder).string(), 0);  // searched there
     cell.programs.program()->interpreter().resume();
   }
   program::Interpreter& interpreter = cell.programs.program()->interpreter();
@@ -242,7 +242,7 @@ Asked program_answer(const LoadOwners& cell, const ProgramAnswer& request) {
   return {"answer"};
 }
 
-/// Reported in bundles, so that a late listener gets what is kept at once.
+/// Events are reported in batches, so a late listener receives the stored events at once.
 Poll<WatchEvents::Answer> events(const LoadOwners& cell, const WatchEvents& request) {
   using Happened = Progress<WatchEvents::Answer>;
   const double since = request.since.value_or(static_cast<double>(cell.events.last()));

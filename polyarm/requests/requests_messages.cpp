@@ -1,4 +1,4 @@
-/// Requests about parameters, messages to controllers, and what comes out of them.
+/// Requests about controllers: parameters, messages sent to them, and messages they publish.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -22,7 +22,7 @@ namespace {
 
 using namespace protocol;
 
-/// Messages to controllers work on these.
+/// The parts of the cell that messages to controllers need.
 struct MessageOwners {
   Machine& machine;
   Worker& worker;
@@ -66,8 +66,8 @@ bool ends_with_words(const std::vector<std::string>& words, const std::vector<st
   return words.size() >= ending.size() && std::equal(ending.rbegin(), ending.rend(), words.rbegin());
 }
 
-/// Where a name leads: "controller" (its first port), "controller/port", "/namespace/controller/port", or
-/// "/port" where only one controller has it. Topics of an action end in "/goal" in ROS 1.
+/// Resolves a name: "controller" (its first port), "controller/port", "/namespace/controller/port", or
+/// "/port" if only one controller has that port. Action topics end in "/goal" in ROS 1.
 Address resolve(const std::string& given, const std::vector<Ports>& all, const char* kind) {
   std::vector<std::string> words = split_words(given, "/");
   if (words.size() > 1 && words.back() == "goal") words.pop_back();
@@ -115,7 +115,7 @@ Address output_address(const MessageOwners& cell, const std::string& given) {
   return resolve(given, all, "that puts messages out");
 }
 
-/// What nobody listens to is refused, not swallowed.
+/// A message for an inactive controller is refused instead of being lost.
 void require_active(const MessageOwners& cell, const std::string& controller) {
   for (const control::ListedController& c : cell.machine.controllers().list())
     if (c.name == controller && c.state != hardware::LifecycleState::active)
@@ -176,13 +176,13 @@ SendMessage::Answer answer_of(const controllers::GoalEvent& event, const control
   return out;
 }
 
-/// Parameter of controllers that take goals.
+/// Parameter of controllers that accept goals.
 constexpr const char* kRejectWhenHeld = "reject_goals_when_held";
 
-/// Of ros2_control's action servers, where a controller says nothing else.
+/// Hz; the default of ros2_control's action servers, used if the controller sets no rate.
 constexpr double kFeedbackRate = 20;
 
-/// How often feedback of a goal under way is reported.
+/// Interval between feedback messages of an active goal.
 Nanoseconds feedback_period(const MessageOwners& cell, const std::string& controller) {
   const controllers::Declared* declared =
       parameters_of(cell, controller).find_declared("action_monitor_rate");
@@ -190,12 +190,12 @@ Nanoseconds feedback_period(const MessageOwners& cell, const std::string& contro
   return nanoseconds(1 / (rate > 0 ? rate : kFeedbackRate));
 }
 
-/// A message that a controller puts out, in its ROS shape.
+/// A controller's output message as JSON, with the fields of its ROS type.
 Any message_of(const controllers::Output& output) {
   return Any(Json::parse(ros_files::message_json(output)));
 }
 
-/// Reports a goal that succeeded although it is far off.
+/// Reports a goal that succeeded with a large remaining error.
 void report_far_from_goal(const MessageOwners& cell, const std::string& controller,
                           const SendMessage::Answer& answer) {
   if (!answer.note) return;
@@ -207,7 +207,7 @@ void report_far_from_goal(const MessageOwners& cell, const std::string& controll
                                               Severity::warning});
 }
 
-/// Follows a goal: feedback as often as its controller says, its result last.
+/// Follows a goal: sends feedback at the controller's rate, and its result last.
 Poll<SendMessage::Answer> follow_goal(const MessageOwners& cell, const Address& to,
                                       const std::string& feedback, std::uint64_t goal, Nanoseconds every) {
   using Followed = Progress<SendMessage::Answer>;
@@ -223,7 +223,7 @@ Poll<SendMessage::Answer> follow_goal(const MessageOwners& cell, const Address& 
       report_far_from_goal(cell, to.controller, answer);
       return first ? Followed::more(std::move(answer)) : Followed::done(std::move(answer));
     }
-    // If it ended between the message and its first look at it, the goal does not begin any more.
+    // A controller that stopped before it saw the message will never start the goal.
     if (!accepted) require_active(cell, to.controller);
     controllers::Output* state = controller->find_output(feedback);
     if (!accepted || !state || cell.machine.now() - reported < every) return Followed{};
@@ -232,7 +232,7 @@ Poll<SendMessage::Answer> follow_goal(const MessageOwners& cell, const Address& 
     sample = state->value().time;
     reported += cell.machine.now() - reported < 2 * every
                     ? every
-                    : cell.machine.now() - reported;  // no less often than asked for
+                    : cell.machine.now() - reported;  // keeps the requested rate on average
     SendMessage::Answer answer;
     answer.goal = goal;
     answer.feedback = message_of(*state);
@@ -264,8 +264,8 @@ Poll<ParamSet::Answer> param_set(const MessageOwners& cell, const ParamSet& requ
   return [job, count = values.size()] { return job->done() ? Changed::done({count}) : Changed{}; };
 }
 
-/// A goal for a cell that is held moves nothing: a person is told so, or the goal is refused where the
-/// controller's parameter says that.
+/// A goal for a held cell moves nothing. Reports this, or refuses the goal if the controller's parameter says
+/// so.
 void look_at_state(const MessageOwners& cell, const std::string& controller) {
   const control::RunState state = cell.machine.snapshot().state;
   if (state == control::RunState::running) return;
@@ -284,7 +284,8 @@ void look_at_state(const MessageOwners& cell, const std::string& controller) {
                                               Severity::warning});
 }
 
-/// The input that is meant, what it takes, and whether it is an action. A goal goes to the first action.
+/// The input that the address names, with its types and whether it is an action. A goal goes to the first
+/// action.
 controllers::InputPort port_of(const controllers::Controller& controller, Address& to, bool goal) {
   const std::vector<controllers::InputPort> inputs = controller.inputs();
   const auto named =
@@ -298,14 +299,14 @@ controllers::InputPort port_of(const controllers::Controller& controller, Addres
   throw Error("no-action", "'" + to.controller + "' takes no goals", "send it without a goal");
 }
 
-/// A message being read by the worker: a long one takes longer than a tick may.
+/// A message that the worker parses, because parsing a long one takes longer than a tick may.
 struct Reading {
   std::optional<controllers::Input> message;
   std::exception_ptr failed;
   std::atomic<bool> done{false};
 };
 
-/// NaN and infinity as YAML writes them: JSON would write null, which means "not stated".
+/// Writes NaN and infinity as YAML does, because JSON would write null, which means "not stated".
 void spell_out(Json& value) {
   if (value.is_structured())
     for (Json& item : value) spell_out(item);
@@ -371,11 +372,11 @@ Poll<SendMessage::Answer> send_message(const MessageOwners& cell, const SendMess
   };
 }
 
-/// Where a trajectory controller's trajectory will be at `at` s of cell time.
+/// Answers with the state of a trajectory controller's trajectory at cell time `at`, s.
 Poll<QueryTrajectory::Answer> query_state(const MessageOwners& cell, const QueryTrajectory& request) {
   using Sampled = Progress<QueryTrajectory::Answer>;
   const Nanoseconds at = nanoseconds(request.at.value_or(seconds(cell.machine.now())));
-  controller_state(cell.machine, request.name);  // it is known
+  controller_state(cell.machine, request.name);  // throws if there is no such controller
   return [cell, name = request.name, at, asked = false]() mutable {
     auto* controller =
         dynamic_cast<controllers::JointTrajectoryController*>(cell.machine.controllers().find(name));
@@ -413,7 +414,7 @@ Asked goal_cancel(const MessageOwners& cell, const GoalCancel& request) {
   return {"cancel"};
 }
 
-/// Reported to a watcher once, until the next message comes.
+/// Reported to a watching client once, until the next message arrives.
 NoMessage why_nothing_comes(const MessageOwners& cell, const Address& from, bool never) {
   const hardware::LifecycleState state = controller_state(cell.machine, from.controller);
   const std::string name = from.controller + "/" + from.port;

@@ -1,4 +1,4 @@
-/// Requests that stop the motion of the cell and let it go on.
+/// Requests that stop the motion of the cell and continue it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 
 using namespace protocol;
 
-/// Requests about stopped motion work on these.
+/// The parts of the cell that requests about stopped motion need.
 struct StopOwners {
   const CellSetup& setup;
   Machine& machine;
@@ -32,7 +32,7 @@ struct StopOwners {
 };
 using control::RunState;
 
-/// Switches the components off that are active, one after the other.
+/// Deactivates all active components, one after the other.
 Poll<ControlStop::Answer> switch_off(const StopOwners& cell, std::size_t next, ControlStop::Answer answer) {
   hardware::Hardware& hardware = cell.machine.hardware();
   for (; next < hardware.size(); ++next) {
@@ -44,7 +44,7 @@ Poll<ControlStop::Answer> switch_off(const StopOwners& cell, std::size_t next, C
   return at_once(std::move(answer));
 }
 
-/// Until everything that was to stop stands.
+/// Waits until all stopped motion has come to rest.
 Poll<Done> wait_until_held(const StopOwners& cell) {
   return [cell, asked = cell.machine.snapshot().cycle.index] {
     const control::Snapshot& seen = cell.machine.snapshot();
@@ -54,7 +54,7 @@ Poll<Done> wait_until_held(const StopOwners& cell) {
   };
 }
 
-/// Until it is held again; says how far every joint has gone.
+/// Waits until the cell is held again; answers with the distance that each joint has moved.
 Poll<ControlBack::Answer> wait_for_step_back(const StopOwners& cell) {
   using Back = Progress<ControlBack::Answer>;
   return [cell, asked = cell.machine.snapshot().cycle.index,
@@ -111,7 +111,7 @@ Asked control_resume(const StopOwners& cell, const ControlResume& request) {
   return {"resume"};
 }
 
-/// Answered when nothing of the motion is left, so that whoever asked may move the robot otherwise.
+/// Answers when the motion is discarded completely, so the client may then move the robot in another way.
 Poll<ControlDiscard::Answer> control_discard(const StopOwners& cell, const ControlDiscard&) {
   using Discarded = Progress<ControlDiscard::Answer>;
   if (const auto why = why_no_discard(cell.machine)) throw Error(*why);
@@ -131,7 +131,7 @@ Poll<ControlDiscard::Answer> control_discard(const StopOwners& cell, const Contr
 Poll<Asked> control_recover(const StopOwners& cell, const ControlRecover&) {
   if (const auto why = why_no_recover(cell.machine)) throw Error(*why);
   cell.machine.post(control::Request::recover);
-  return [cell, asked = cell.machine.now()] {  // so that a resume that follows finds it held
+  return [cell, asked = cell.machine.now()] {  // so a resume that follows finds the cell held
     constexpr Nanoseconds kPatience = 100'000'000;
     const bool waits =
         cell.machine.snapshot().state == RunState::fault && cell.machine.now() - asked < kPatience;

@@ -1,4 +1,4 @@
-/// The request that moves a robot to points, one after the other, and follows it there.
+/// The request that moves a robot to points, one after the other, and reports its progress.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 
 using namespace protocol;
 
-/// Moves to points work on these.
+/// The parts of the cell that moves to points need.
 struct MoveOwners {
   const CellSetup& setup;
   Machine& machine;
@@ -34,10 +34,10 @@ struct MoveOwners {
 using Json = nlohmann::json;
 
 constexpr Nanoseconds kTellMoveEvery = 100'000'000;
-/// A jog that has just ended gives the robot back within this time.
+/// A jog that has just ended releases the robot within this time.
 constexpr Nanoseconds kJogPatience = 2'000'000'000;
 constexpr std::size_t kMostPoints = 1000;
-constexpr double kLongestWay = 1e6;  // s, of a way and for each rad of it
+constexpr double kLongestWay = 1e6;  // s, for the whole path and per rad of it
 
 double quantity(const Json& value, const std::string& of, Dimension dimension) {
   if (value.is_number() && std::isfinite(value.get<double>())) return value.get<double>();
@@ -92,7 +92,7 @@ data::JointState joints_of(const Json& map, const CellRobot& robot, const std::s
   return out;
 }
 
-/// Where a value of the data, a joint state or a pose puts the robot.
+/// The target given by a value of the data, a joint state or a pose.
 moves::MoveTarget target_of(const MoveOwners& cell, const CellRobot& robot, const Json& point,
                             const std::string& what) {
   if (point.contains("joints"))
@@ -126,7 +126,7 @@ void check_keys(const Json& point, const std::string& what) {
   if (places != 1) throw Error("bad-argument", what + " needs one of joints, pose and point");
 }
 
-/// Through points that the TCP goes to on lines it goes on one curve.
+/// Joins lines through several points into one curve of the TCP.
 std::vector<moves::Move> one_curve(std::vector<moves::Move> lines) {
   moves::Move curve = lines.front();
   curve.kind = moves::MoveKind::spline;
@@ -196,7 +196,7 @@ void require_may_move(const MoveOwners& cell, std::size_t i) {
     throw Error("moving", "'" + robot + "' is moving already", "wait until it has arrived");
 }
 
-/// Who asked for a move is followed as long as it is there: when it has gone, the robot stops on its path.
+/// Tracks the moves of one client; if the client disconnects, the robot stops on its path.
 class UnderWay {
  public:
   explicit UnderWay(const MoveOwners& cell) : cell_(cell) {}
@@ -225,7 +225,8 @@ MoveTo::Answer progress_of(const MoveOwners& cell, std::size_t i, const UnderWay
   return out;
 }
 
-/// The first that did not end well, if any. What failed says more than what was discarded for that reason.
+/// Throws for the first move that did not end well. A failed move explains more than moves that were
+/// discarded because of it.
 void throw_bad_end(const moves::RobotMotion& motion, UnderWay& moves) {
   std::optional<moves::MoveState> worst;
   for (std::uint64_t id = moves.first; id <= moves.last; ++id) {
@@ -247,7 +248,7 @@ Poll<MoveTo::Answer> follow_moves(const MoveOwners& cell, std::size_t i, std::ve
   return [cell, i, asked = std::move(asked), moves = std::shared_ptr<UnderWay>(), stood = false,
           asked_at = Nanoseconds{-1}, begun = Nanoseconds{0}, reported = Nanoseconds{0}]() mutable {
     if (asked_at < 0) asked_at = cell.machine.now();
-    if (!moves) {  // a robot that was jogged comes back first, and moves begin where it is
+    if (!moves) {  // a robot that was jogged is released first; moves begin where it is
       const bool free = !cell.jogging.engaged(i) && cell.machine.snapshot().standing;
       if (!free && cell.machine.now() - asked_at > kJogPatience)
         throw Error("jogged",

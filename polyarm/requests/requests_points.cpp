@@ -1,5 +1,5 @@
-/// Requests about points: the list, teaching and changing them. What is changed goes into the user's file,
-/// whose history keeps what was there, and into the running cell.
+/// Requests that list, teach and change points. A change is written to the user's file, whose history keeps
+/// the earlier values, and to the running cell.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using namespace protocol;
 using data::ImportFile;
 
-/// The place of the robot, with all that a point remembers.
+/// The robot's present position as a value, with everything that a taught point stores.
 data::Value standing_value(const PointOwners& cell, std::size_t i, bool as_joints, const std::string& frame) {
   const CellRobot& robot = *cell.setup.robots[i];
   if (!cell.machine.snapshot().standing && !cell.motions.idle(i))
@@ -39,7 +39,7 @@ data::Value standing_value(const PointOwners& cell, std::size_t i, bool as_joint
   return point;
 }
 
-/// The set that all of these are in. Throws Error("bad-points") where they are in several.
+/// The set that contains all of these points. Throws Error("bad-points") if they are in several sets.
 std::string one_set(const PointOwners& cell, const std::vector<std::string>& names) {
   const std::string set = cell.data.store.set_of(names.front());
   for (const std::string& each : names)
@@ -70,7 +70,8 @@ Vec3 vector_of(const Map& map, const std::array<const char*, 3>& keys, Dimension
   return {out[0], out[1], out[2]};
 }
 
-/// Lines of the folder's programs that say the name, outside of texts and comments as far as one line shows.
+/// Lines of the programs in the folder that use the name, outside strings and comments as far as a single
+/// line shows this.
 std::vector<FileLine> uses_of(const fs::path& folder, const std::string& name) {
   const auto part = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.';
@@ -160,7 +161,7 @@ Poll<ChangedPoint> points_set(const PointOwners& cell, const PointsSet& request)
   return edit_value(cell, set_for(cell.data, request.file, name), "set " + name, name, *value);
 }
 
-/// A change of points, and all of them as they are then.
+/// Changes points, and answers with all of them after the change.
 Poll<ChangedPoints> edit_points(const PointOwners& cell, const std::string& set, const std::string& what,
                                 const std::vector<std::string>& names,
                                 std::function<void(ImportFile&)> change) {
@@ -185,7 +186,7 @@ Poll<ChangedPoints> points_shift(const PointOwners& cell, const PointsShift& req
     data::Point out = *point;
     out.pose = own ? out.pose * change
                               : Pose{out.pose.position + way, change.rotation * out.pose.rotation};
-    if (out.taught) {  // the joints are those of another place
+    if (out.taught) {  // the taught joints no longer match the shifted pose
       auto taught = std::make_shared<data::Taught>(*out.taught);
       taught->joints = {};
       out.taught = std::move(taught);
@@ -267,7 +268,7 @@ Poll<PointsUndo::Answer> points_undo(const PointOwners& cell, const PointsUndo& 
   });
 }
 
-/// The user's own files that the run has copies of, as they are now; what cannot be read is left out.
+/// Present contents of the user's own files that the run has copies of; unreadable files are left out.
 std::map<std::string, data::DataSet> own_files(const std::map<std::string, fs::path>& paths) {
   std::map<std::string, data::DataSet> out;
   for (const auto& [set, path] : paths) {

@@ -1,4 +1,4 @@
-/// Looking along a way before it is gone.
+/// Previews a planned path before the robot follows it.
 #include "polyarm/inside/requests_work.hpp"
 #include "polyarm/operation/way_planning.hpp"
 #include "polyarm/requests/families.hpp"

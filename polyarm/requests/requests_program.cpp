@@ -1,4 +1,4 @@
-/// Requests about the program of a cell: where it stands, and stepping it.
+/// Requests about the program of a cell: its status, pausing, stepping and starting at a line.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ namespace {
 
 using namespace protocol;
 
-/// Requests about the program work on these.
+/// The parts of the cell that requests about the program need.
 struct ProgramOwners {
   const CellSetup& setup;
   Machine& machine;
@@ -49,7 +49,7 @@ void require_running(const ProgramOwners& cell, const Task& task) {
                 "polyarm control from LINE begins it anew");
 }
 
-/// Until it has paused before a statement, or has ended; `at_once` does not wait for that.
+/// Waits until the program has paused before a statement or has ended; with `at_once` it does not wait.
 Poll<ProgramStatus> until_paused(const ProgramOwners& cell, bool at_once) {
   return [cell, at_once] {
     const Task& task = program_of(cell);
@@ -61,7 +61,7 @@ Poll<ProgramStatus> until_paused(const ProgramOwners& cell, bool at_once) {
   };
 }
 
-/// What a program that begins in the middle assumes.
+/// What a program that starts in the middle assumes.
 ProgramFrom::Answer assumed(const ProgramOwners& cell, const program::StartReport& report) {
   const Task& task = program_of(cell);
   const auto valued = [&](const std::vector<std::string>& names) {
@@ -146,7 +146,7 @@ Poll<ProgramStatus> program_step(const ProgramOwners& cell, const ProgramStep& r
   return until_paused(cell, request.at_once);
 }
 
-/// LINE of the program there is, or FILE:LINE.
+/// Parses LINE (in the cell's program) or FILE:LINE.
 Location breakpoint_at(const ProgramOwners& cell, const std::string& text) {
   const auto colon = text.rfind(':');
   const std::string number = colon == std::string::npos ? text : text.substr(colon + 1);
@@ -196,13 +196,14 @@ Error changed_since_shown(const std::string& name) {
   return Error("program-changed", "'" + name + "' was changed since it was shown", "look at it, and start it then");
 }
 
-/// What a person was shown of the script that is to begin: its file and lines.
+/// The script as the person saw it before starting it: its file and lines.
 struct Shown {
   std::filesystem::path file;
   TextLines lines;
 };
 
-/// If its `hash`, as files.read reported it, is given. Throws Error if the file has changed since.
+/// The script whose `hash`, as files.read reported it, was given; empty without a hash. Throws Error if the
+/// file has changed since.
 std::optional<Shown> as_shown(const ProgramOwners& cell, const ProgramFrom& request) {
   const std::string hash = request.hash.value_or("");
   if (hash.empty()) return {};
@@ -214,7 +215,7 @@ std::optional<Shown> as_shown(const ProgramOwners& cell, const ProgramFrom& requ
   return out;
 }
 
-/// It was read after it was looked at: another text stands paused, and goes nowhere.
+/// Throws if the program was read after the file changed again; the program then stays paused.
 void require_read_as_shown(const Shown& shown, const program::Program& read) {
   std::error_code error;
   if (std::filesystem::equivalent(shown.file, read.file, error) && read.lines != shown.lines)
@@ -223,12 +224,12 @@ void require_read_as_shown(const Shown& shown, const program::Program& read) {
 
 ProgramFrom::Answer program_from(const ProgramOwners& cell, const ProgramFrom& request) {
   const double line = request.line.value_or(0);
-  if (!cell.arming.armed())  // else it would begin by itself as soon as somebody arms the cell
+  if (!cell.arming.armed())  // otherwise it would start by itself as soon as somebody arms the cell
     throw Error("disarmed", "no program begins: real hardware that nobody has armed", "polyarm control arm");
   const Task* const task = cell.programs.program();
   const bool runs = task && cell.programs.begun() && !task->ended() && !task->interpreter().paused();
   if (const auto why = why_no_statement(cell.machine, cell.arming, cell.life);
-      why && (runs || !cell.motions.all_idle()))  // neither pauses nor arrives
+      why && (runs || !cell.motions.all_idle()))  // in these states a program neither pauses nor arrives
     throw Error(why->code, why->what,
                 why->code == "held" ? "polyarm control resume, then polyarm control pause; or end it: program.stop"
                                     : why->advice);
@@ -255,11 +256,11 @@ Poll<ProgramStatus> program_stop(const ProgramOwners& cell, const ProgramStop&) 
   Task& task = program_of(cell);
   require_running(cell, task);
   cell.programs.end();
-  return [cell, asked = cell.machine.now()] {  // what it does on stop waits until its robots stand
+  return [cell, asked = cell.machine.now()] {  // once its robots are at rest, its `on stop` runs
     constexpr Nanoseconds kPatience = 2'000'000'000;
     Task& ending = program_of(cell);
     const bool held = cell.machine.snapshot().state != control::RunState::running;
-    if (held && !ending.ended()) ending.tick();  // a cell that is held does not, and nothing else is left
+    if (held && !ending.ended()) ending.tick();  // a held cell does not tick it
     const bool waits = !ending.ended() && cell.machine.now() - asked < kPatience;
     return waits ? Stopped{}
                  : Stopped::done(

@@ -1,4 +1,4 @@
-/// Requests that record what the cell does.
+/// Requests that record a run.
 #include <utility>
 
 #include "polyarm/base/bounds.hpp"
@@ -12,7 +12,7 @@ namespace {
 
 using namespace protocol;
 
-/// Recording works on these.
+/// The parts of the cell that recording needs.
 struct RecordOwners {
   const CellSetup& setup;
   std::unique_ptr<Recorder>& recorder;
@@ -28,7 +28,7 @@ RecordFacts facts_of(const RecordStatus& status) {
           status.messages,  status.bytes,         status.lost,    status.problem};
 }
 
-/// A request names a file, and never a folder.
+/// A request may name a file, but no folder.
 std::filesystem::path recording_named(const RecordOwners& cell, const std::string& name) {
   if (name.empty()) return {};
   const std::filesystem::path plain = name;
@@ -43,7 +43,7 @@ RecordFacts record_state(const RecordOwners& cell, const RecordState&) {
   return facts_of(recorder_of(cell).status());
 }
 
-/// Recordings are deleted by hand alone.
+/// Limits the number of recordings, because they are only deleted by hand.
 void require_room(const RecordOwners& cell) {
   std::size_t count = 0;
   std::error_code error;

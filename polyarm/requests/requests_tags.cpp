@@ -1,4 +1,4 @@
-/// Requests about tags, their forcing, and links.
+/// Requests about tags, forcing them, and links.
 #include <algorithm>
 #include <memory>
 
@@ -13,14 +13,14 @@ namespace {
 
 using namespace protocol;
 
-/// Requests about tags work on these.
+/// The parts of the cell that requests about tags need.
 struct TagOwners {
   CellData& data;
   Machine& machine;
   Observer& events;
 };
 
-/// A force that is renewed this often shows whether its asker is still there.
+/// Interval of the reports that show whether the client of a forced value is still connected.
 constexpr Nanoseconds kTellEvery = 200'000'000;
 
 Any any_of_value(const data::Value& value) {
@@ -35,7 +35,7 @@ const signals::Tag* declared(const TagOwners& cell, const std::string& name) {
   return nullptr;
 }
 
-/// Where the tag's value comes from or goes to, and how.
+/// Adds where the tag's value comes from or goes to.
 void add_source(const TagOwners& cell, const std::string& name, const data::NameFacts& facts, TagState& out) {
   const signals::Tag* tag = declared(cell, name);
   out.direction = "internal";
@@ -84,7 +84,7 @@ std::vector<LinkState> link_states(const TagOwners& cell) {
   return out;
 }
 
-/// The value that a request says, of the kind that the name has.
+/// Parses the value of a request as the type that the name has.
 data::Value wanted_value(const data::Value& like, const Any& given) {
   const std::optional<std::string> text = given.text();
   if (like.as_boolean()) {
@@ -103,7 +103,7 @@ data::Value wanted_value(const data::Value& like, const Any& given) {
               like.as_boolean() ? "true or false" : "");
 }
 
-/// The asker, as a door names it.
+/// The client's name, as its door gives it.
 std::string asker(const std::optional<std::string>& by) {
   return !by || by->empty() ? "a person" : by->substr(0, 80);
 }
@@ -114,7 +114,7 @@ const data::Value& value_named(const TagOwners& cell, const std::string& name) {
               "there is no tag or variable '" + name + "'" + did_you_mean(name, cell.data.store.names()));
 }
 
-/// Released when the request ends, however it ends.
+/// A forced value that is released when the request ends, for whatever reason.
 class Force {
  public:
   Force(const TagOwners& cell, std::string name, data::Value value, std::string by)

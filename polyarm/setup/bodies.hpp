@@ -1,5 +1,5 @@
 #pragma once
-/// The bodies that physics checks for contact, and what has none. Any thread.
+/// The collision bodies that physics uses for contacts, and what has no body. Any thread.
 #include <string>
 #include <vector>
 
@@ -9,24 +9,24 @@
 
 namespace polyarm::cell {
 
-/// Does physics look for contacts of this robot?
+/// True if physics checks this robot for contacts.
 bool checks_contacts(const CellRobot& robot);
-/// Makes the convex pieces of the collision meshes and tool meshes of the robots that physics plays. Reads the
+/// Builds convex pieces of the collision meshes and tool meshes of robots that physics simulates. Reads the
 /// disk and may take seconds the first time. Adds a warning for each mesh that cannot be read.
 void make_robot_bodies(const CellRobots& robots, Problems& problems);
-/// The same for the fixtures of the scene, if physics plays a robot.
+/// The same for the fixtures of the scene, if physics simulates a robot.
 void make_scene_bodies(const CellRobots& robots, description::Scene& scene, Problems& problems);
-/// One for each robot, tool and fixture that passes through everything: a warning of code no-contacts (robot,
-/// driver), links-without-body (robot, count, all, links), tool-without-body (robot, tool) or
+/// A warning for each robot, tool and fixture whose contacts are not detected. Codes: no-contacts (robot,
+/// driver), links-without-body (robot, count, all, links), tool-without-body (robot, tool),
 /// fixture-without-body (fixture).
 std::vector<Problem> unchecked_bodies(const CellRobots& robots, const description::Scene& scene);
-/// What each of them says.
+/// The texts of the problems.
 std::vector<std::string> sentences(const std::vector<Problem>& problems);
-/// What is wrong with masses and efforts of the robots that physics plays, a sentence each: what looks like a
-/// placeholder, and which efforts do not hold the robot at the start.
+/// Problems with masses and efforts of the robots that physics simulates, one sentence each: values that look
+/// like placeholders, and efforts that do not hold the robot at the start.
 std::vector<std::string> physics_notes(const CellRobots& robots);
-/// Why gravity pulls a robot down in physics: the joints whose efforts do not hold it at the start, with limits and
-/// torques. Empty where all do, or where physics does not play it. Takes milliseconds.
+/// Why gravity pulls a robot down in physics: the joints whose efforts do not hold it at the start, with
+/// limits and torques. Empty if all do, or if physics does not simulate it. Takes milliseconds.
 std::string why_it_falls(const CellRobot& robot);
 
 }  // namespace polyarm::cell

@@ -11,10 +11,9 @@
 namespace polyarm::cell {
 namespace {
 
-constexpr std::size_t kMostPairs = 1'000'000;  ///< of longer texts only their common begin and end count
+constexpr std::size_t kMostPairs = 1'000'000;  ///< limit of the full comparison
 
-/// Of two pieces of texts that differ: the longest run of lines that both have, in order; [i]: where line i
-/// is, or -1.
+/// Longest common subsequence of the differing parts of two texts; [i]: index of line i in `b`, or -1.
 std::vector<int> common_lines(const std::vector<std::string_view>& a,
                               const std::vector<std::string_view>& b) {
   std::vector<int> out(a.size(), -1);
@@ -38,9 +37,9 @@ std::vector<int> common_lines(const std::vector<std::string_view>& a,
   return out;
 }
 
-/// Lines between two that are known: as many on both sides were changed in their places.
+/// Lines between two matched ones: if both texts have the same number there, they were changed in place.
 void pair_changed(std::vector<int>& at, std::size_t after_size) {
-  int before = 0;  // the place behind the last one known
+  int before = 0;  // index after the last matched line
   for (std::size_t i = 0; i < at.size();) {
     if (at[i] >= 0) {
       before = at[i++] + 1;
@@ -55,7 +54,7 @@ void pair_changed(std::vector<int>& at, std::size_t after_size) {
   }
 }
 
-/// A line that is in both, and not in their common run, was moved: the nearest of those that say the same.
+/// A line that is in both texts but not in the common subsequence was moved: takes the nearest equal line.
 void find_moved(std::vector<int>& at, const std::vector<int>& common, const std::vector<std::string_view>& a,
                 const std::vector<std::string_view>& b) {
   std::vector<bool> free(b.size(), true);

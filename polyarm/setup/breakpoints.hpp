@@ -1,5 +1,5 @@
 #pragma once
-/// Breakpoints of a file go with their lines while its text is changed.
+/// Keeps the breakpoints of a file at their lines while its text changes.
 
 #include <optional>
 #include <string>
@@ -11,29 +11,29 @@ namespace polyarm::cell {
 
 using TextLines = std::vector<std::string>;
 
-/// Where each line of `before` is in `after`, both counted from 1: [0] is where line 1 is; 0: it is gone.
-/// Blanks around a line do not count. A line that was changed in its place is the line in that place.
+/// The line number in `after` of each line of `before`, counted from 1: [0] belongs to line 1; 0: the line
+/// was deleted. Ignores blanks around a line. A line changed in place keeps its place.
 std::vector<int> where_lines_are(const TextLines& before, const TextLines& after);
 
-/// The breakpoints of one file, in the newest text of it that anybody has told: a draft, or what is saved.
+/// The breakpoints of one file, for its newest known text: a draft or the saved file.
 struct FileBreakpoints {
   std::string file;
   std::vector<int> lines = {};  ///< ascending, each once
   std::optional<TextLines> text =
-      std::nullopt;  ///< what they are lines of; none: the program's that has the file
+      std::nullopt;  ///< the text that the lines belong to; empty: the text of the program with this file
 
   void add(int line);
   void drop(int line);
-  /// The file reads `now`: each stays with its line, and goes where that is gone.
+  /// The file now reads `now`: breakpoints move with their lines; those of deleted lines are removed.
   void follow(TextLines now);
 };
 
-/// Of files by their names in the cell's folder, in the order in which they came.
+/// Breakpoints of files, by file name relative to the cell's folder, in order of addition.
 class Breakpoints {
  public:
-  /// Null where the file has none and its text is not known.
+  /// Null if the file has no breakpoints and no known text.
   FileBreakpoints* find(const std::string& file);
-  /// The same, made where there is none.
+  /// The same; creates an entry if there is none.
   FileBreakpoints& of(const std::string& file);
   std::vector<FileBreakpoints>& files() { return files_; }
   const std::vector<FileBreakpoints>& files() const { return files_; }

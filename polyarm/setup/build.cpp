@@ -11,11 +11,11 @@
 namespace polyarm::cell {
 
 namespace {
-/// Calls `look` with each folder that the cell names and that is there.
+/// Calls `look` for each existing folder that the cell names.
 template <typename Look>
 void each_folder(const CellFile& file, Problems& problems, Look look) {
   for (const std::string& written : file.plugins) {
-    const std::filesystem::path folder = file.folder / written;  // an absolute one stays as it is
+    const std::filesystem::path folder = file.folder / written;  // an absolute path stays unchanged
     std::error_code error;
     if (std::filesystem::is_directory(folder, error))
       look(written, folder);
@@ -63,13 +63,13 @@ bool look_at_plugins(const CellFile& file, Problems& problems) {
 }
 
 namespace {
-/// Is this file a script, or a script-information file?
+/// True for a script; otherwise the file is a script-information file.
 bool is_script(const std::filesystem::path& path) {
   return path.extension() == ".script";
 }
 
-/// What a script loads is there from the start, as with a script-information file, so that everything beside
-/// it knows the names. Files that there are not the checker complains of.
+/// Loads a script's data at the start, as for a script-information file, so that checks of other files know
+/// its names. The checker reports missing files.
 void load_data_of(const program::Program& program, const CellFile& file, DataFiles& files,
                   Problems& problems) {
   for (const program::Statement* load : program::loads(program)) {
@@ -135,7 +135,7 @@ void add_places(const signals::Signals& signals, program::KnownNames& known) {
 }
 
 namespace {
-/// Where the data files of the user define the names of the store.
+/// Adds the locations at which the user's data files define the names of the store.
 void add_places(const data::DataStore& store, DataFiles& files, program::KnownNames& known) {
   for (const std::string& set : files.sets())
     for (const data::Entry& entry : files.origin(set).entries())
@@ -147,8 +147,8 @@ LoadedPrograms load_programs(const CellFile& file, const signals::Signals& signa
                              data::DataStore& store, Problems& problems,
                              const std::function<void()>& more_names, const program::ReadPrograms& read) {
   LoadedPrograms out;
-  std::size_t checked = 0;  // who had read them has checked them, too
-  Problems of_data;         // names that are missing because of these are nobody's mistake
+  std::size_t checked = 0;  // programs that came already parsed are already checked
+  Problems of_data;         // names missing because of these problems are not reported
   const auto load_script = [&](const std::filesystem::path& path) -> std::optional<program::Program> {
     std::optional<program::Program> loaded = read ? read(path) : std::nullopt;
     if (loaded)

@@ -1,5 +1,5 @@
 #pragma once
-/// What a cell's files name is loaded: its plugins and its programs.
+/// Loads the plugins and programs that a cell's files name.
 #include <functional>
 #include <optional>
 
@@ -12,34 +12,34 @@
 
 namespace polyarm::cell {
 
-/// Loads the plugins of the cell's folders, as far as the user has approved them, and of those that are
-/// looked through by default. What cannot be used becomes a warning, what is not approved an error.
+/// Loads the plugins of the cell's folders that the user has approved, and those of the default folders. A
+/// plugin that cannot be used gives a warning, an unapproved one an error.
 void load_plugins(const CellFile& file, Problems& problems);
-/// The same without those of the cell's folders: no code that a cell brings runs. Warns of each folder whose
-/// libraries were therefore not looked into; true if there is one.
+/// The same without the cell's folders, so no code of the cell runs. Warns of each folder whose libraries
+/// were not loaded; true if there is one.
 bool look_at_plugins(const CellFile& file, Problems& problems);
 
-/// Warns of live data sets that the cell has no file of.
+/// Warns of live data sets without a file in the cell.
 void check_live(const CellFile& file, const signals::Signals& signals, Problems& problems);
 
 struct LoadedPrograms {
   std::optional<program::Program> program, plc;
 };
 
-/// The file that the cell names, in its folder. Throws Error at the name where there is none, with the
-/// nearest.
+/// The path of a file that the cell names. Throws Error at `where` if it does not exist, with the nearest
+/// name.
 std::string file_of_cell(const CellFile& file, const std::string& name, const Location& where);
 
-/// What a program may call robots and tools.
+/// Adds the names that a program may use for robots and tools.
 void add_robots(const CellFile& file, program::KnownNames& known);
-/// Tags that only the far side of a link sets. What comes as messages (MQTT, topics of ROS 2) is not among
-/// them: a program takes a message back so that it sees the next one.
+/// Adds tags that only the far side of a link sets. Tags that arrive as messages (MQTT, ROS 2 topics) are not
+/// added, because a program resets them to notice the next message.
 void add_brought(const signals::Signals& signals, program::KnownNames& known);
-/// Where tags are defined.
+/// Adds the locations at which tags are defined.
 void add_places(const signals::Signals& signals, program::KnownNames& known);
 
-/// Loads the program (a script, or a script-information file whose files are followed), its data and the PLC,
-/// and checks them against the names of the store, which `more_names` may add to when the data are there.
+/// Loads the program (a script, or a script-information file and the files that it names), its data and the
+/// PLC, and checks them against the names of the store. `more_names` may add names after the data are loaded.
 LoadedPrograms load_programs(const CellFile& file, const signals::Signals& signals, DataFiles& files,
                              data::DataStore& store, Problems& problems,
                              const std::function<void()>& more_names = {},

@@ -37,7 +37,7 @@ int whole(const Yaml& yaml, const char* key, int fallback, int lowest, int highe
   return fallback;
 }
 
-/// Which of report, hold and fault, 0 to 2.
+/// Parses report, hold or fault as 0 to 2.
 int read_overrun(const Yaml& yaml, Problems& problems) {
   std::string overrun = "report";
   collect(problems, [&] { overrun = yaml["overrun"].text("report"); });
@@ -49,7 +49,7 @@ int read_overrun(const Yaml& yaml, Problems& problems) {
   return 0;
 }
 
-/// `thread: true`, or how.
+/// Parses `thread: true`, or a map of its options.
 void read_thread(const Yaml& yaml, RobotEntry& robot, Problems& problems) {
   if (!yaml.defined()) return;
   if (!yaml.is_map()) return collect(problems, [&] { robot.thread = yaml.boolean(); });
@@ -71,7 +71,7 @@ void read_on_fault(const Yaml& yaml, RobotEntry& robot, Problems& problems) {
                    "cell: a fault of its hardware stops everything; group: this robot alone");
 }
 
-/// Who has written `on:` and nothing behind it did not mean the ground.
+/// Parses `on:`. An empty value is an error; a robot on the ground has no such key.
 std::string read_carrier(const std::string& name, const Yaml& yaml) {
   const std::vector<std::string> keys = yaml.keys();
   if (std::find(keys.begin(), keys.end(), "on") == keys.end()) return {};
@@ -123,7 +123,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   return robot;
 }
 
-/// What is carried says where in its carrier's root link it stands.
+/// Requires the pose of a carried robot in its carrier's root link.
 void place_carried(std::vector<RobotEntry>& robots, Problems& problems) {
   for (RobotEntry& robot : robots) {
     if (robot.on.empty()) continue;
@@ -196,7 +196,7 @@ MotionEntry read_motion(const Yaml& yaml, Problems& problems) {
     collect(problems, [&, place = to.first, dimension = to.second] { *place = value.number(dimension); });
     if (!(*to.first > 0) || !std::isfinite(*to.first))
       problems.error("bad-value", value.where(), std::string(key) + " is not above 0", {});
-    constexpr double kMost = 20;  // m/s, far above any arm
+    constexpr double kMost = 20;  // m/s, far above any robot arm
     if (to.second == Dimension::speed && *to.first > kMost)
       problems.error("bad-value", value.where(),
                      std::string(key) + " is " + value.text() + ", faster than any robot",
@@ -254,7 +254,7 @@ void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
   if (overrides.robot.empty()) return;
   const auto equals = overrides.robot.find('=');
   const std::filesystem::path model = overrides.robot.substr(equals == std::string::npos ? 0 : equals + 1);
-  std::error_code error;  // a description that the user names brings meshes and includes from beside it
+  std::error_code error;  // a description named by the user may read meshes and includes beside it
   if (std::filesystem::is_regular_file(model, error))
     cell.grant->allow_reading(resolved(model).parent_path());
   if (equals == std::string::npos) {
@@ -277,7 +277,7 @@ void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
     problems.error("which-robot", {cell.path.string()}, "the cell has no robot '" + name + "'");
 }
 
-/// `NAME: true`, or a map of what the door is told.
+/// Parses `NAME: true`, or a map of the door's options.
 void read_door(const DoorKind& kind, const Yaml& yaml, CellFile& cell, Problems& problems) {
   if (!yaml.defined() || (!yaml.is_map() && !yaml.boolean())) return;
   DoorOptions& options = cell.doors[kind.name];
@@ -287,7 +287,7 @@ void read_door(const DoorKind& kind, const Yaml& yaml, CellFile& cell, Problems&
     options[key] = yaml[key].is_list() ? join(yaml[key].texts(), ",") : yaml[key].text();
 }
 
-/// `true`, a file, or `{file, rate}`.
+/// Parses `true`, a file name, or `{file, rate}`.
 std::optional<RecordOptions> read_record(const Yaml& yaml, const std::filesystem::path& folder,
                                          Problems& problems) {
   if (!yaml.defined()) return std::nullopt;
@@ -350,7 +350,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   for (const std::string& name : yaml["robots"].keys())
     cell.robots.push_back(read_robot(name, yaml["robots"][name], problems));
   place_carried(cell.robots, problems);
-  if (cell.robots.empty() && !yaml.has("plc"))  // a PLC alone is the far side of a link
+  if (cell.robots.empty() && !yaml.has("plc"))  // a PLC alone may be the far side of a link
     problems.error("missing-key", yaml.where(), "the cell has no robots",
                    "add 'robots: {arm: {model: universal_robots/ur3}}'");
   const auto file = [&](const char* key, std::string& name, Location& where) {

@@ -23,7 +23,7 @@ bool secret_allowed(const CellFile& file, const std::string& name) {
   return reach().secret_allowed(name, file.grant.get()) || is_approved({"secret", subject_of(file), name});
 }
 
-/// Who joins the ROS graph as more than this machine, and whom else it talks to.
+/// Hosts that a cell on the ROS graph talks to, if that is more than this machine.
 std::vector<std::string> graph_hosts(const std::map<std::string, std::string>& graph) {
   std::vector<std::string> out;
   const auto range = graph.find("range"), peers = graph.find("peers");
@@ -58,12 +58,12 @@ class List {
     if (wanted.kind == "host")
       wanted.allowed = reach().host_allowed(what, file_.grant.get()) || is_approved({"host", subject_of(file_), what});
     if (wanted.kind == "host" && is_loopback(what)) return;
-    if (wanted.kind == "device") wanted.allowed = true;  // opened with --real alone, which the user says
+    if (wanted.kind == "device") wanted.allowed = true;  // opened only with --real, which the user gives
     if (wanted.kind == "secret") wanted.allowed = secret_allowed(file_, what);
     if (seen_.insert({wanted.kind, what}).second) out_.push_back(std::move(wanted));
   }
 
-  /// A file beside the cell is no news.
+  /// Adds a file, unless it is inside the project or allowed.
   void file(const fs::path& named, const std::string& why, const Location& where, Reach::Use use) {
     if (named.empty()) return;
     const fs::path path = file_.folder / named, real = resolved(path);
@@ -140,7 +140,7 @@ void admit_host(const CellFile& file, const std::string& host, const std::string
                      " to the command");
 }
 
-/// False if it is refused, with a problem more. A secret becomes its file.
+/// False if the file is refused; adds a problem then. Replaces a secret by its file.
 bool admit_file(const CellFile& file, const LinkEntry& link, std::string& named, Problems& problems) {
   if (named.empty()) return true;
   const std::size_t before = problems.list().size();
@@ -199,7 +199,7 @@ void admit_links(const CellFile& file, signals::Signals& signals, Problems& prob
   for (LinkEntry& link : signals.links) {
     for (const std::string& host : hosts_of(link))
       admit_host(file, host, "the link '" + link.name + "'", link.where, problems);
-    // A file that is refused is not tried again by the link's port, which would report it once more.
+    // Do not test a refused file again for the link's port; this would report it twice.
     std::set<std::string> refused;
     for (std::string* named : {&link.password_file, &link.ca_file, &link.certificate, &link.key}) {
       const std::string written = *named;

@@ -1,5 +1,6 @@
 #pragma once
-/// What a cell is built from: its file, options, robots and scene. It does not change while the cell runs.
+/// The configuration that a cell is built from: file, options, robots and scene. Constant while the cell
+/// runs.
 #include <string>
 #include <vector>
 
@@ -17,15 +18,15 @@ struct CellSetup {
   CellFile file;
   CellOptions options;
   description::Catalogue catalogue;
-  ros_files::ManagerParameters manager;  ///< what the controllers' files say of their manager
+  ros_files::ManagerParameters manager;  ///< the manager's parameters from the controllers' file
   CellRobots robots;
-  std::vector<CellRobots> reloaded;  ///< what components that were reloaded refer to
+  std::vector<CellRobots> reloaded;  ///< robots that reloaded components refer to
   description::Scene scene;
-  std::vector<Problem> unchecked_bodies;  ///< bodies whose contacts nothing detects
+  std::vector<Problem> unchecked_bodies;  ///< bodies whose contacts are not detected
 };
 
-/// Reads plugins, controllers, robots and scene of `setup.file` into the setup. Notes go to the observer.
-/// Throws Error with everything that is wrong in any file.
+/// Reads plugins, controllers, robots and scene of `setup.file` into the setup. Sends notes to the observer.
+/// Throws Error that lists all problems found.
 ros_files::ControllersFile read_setup(CellSetup& setup, Observer& observer, Problems& problems);
 
 }  // namespace polyarm::cell

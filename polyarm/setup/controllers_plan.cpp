@@ -21,8 +21,8 @@ namespace polyarm::cell {
 
 namespace {
 
-/// $(var NAME) is what the cell or the command says, else what a description takes for its argument NAME.
-/// Descriptions are expanded at most once, and only where somebody asks.
+/// Resolves $(var NAME): the value from the cell or command line, otherwise that of the argument NAME in a
+/// description. Expands descriptions at most once, and only when needed.
 class Arguments {
  public:
   explicit Arguments(const CellFile& file) : file_(file) {}
@@ -36,14 +36,14 @@ class Arguments {
   }
 
  private:
-  /// Of all robots; the first that has one of this name.
+  /// Arguments of all descriptions; the first robot that declares a name wins.
   std::map<std::string, std::string> declared() const {
     std::map<std::string, std::string> out;
     for (const RobotEntry& robot : file_.robots) {
       const std::filesystem::path model = file_.folder / robot.model;
       std::error_code error;
       if (!std::filesystem::is_regular_file(model, error)) continue;
-      Problems told;  // where the description is read
+      Problems told;  // reported where the description is read
       description::XacroReport report;
       collect(told, [&] {
         if (description::uses_xacro(read_file(model)))
@@ -104,7 +104,7 @@ class Planner {
 
   std::vector<PlannedController> plan(const ros_files::ControllersFile& described) {
     for (const ros_files::ControllerEntry& entry : described.controllers) {
-      Problems own;  // of one controller: the others are planned all the same
+      Problems own;  // of one controller; the others are still planned
       collect(own, [&] { from_entry(entry); });
       for (Problem problem : own.list()) {
         problem.what = "the controller '" + entry.name + "' is left out: " + problem.what;
@@ -146,8 +146,8 @@ class Planner {
     return plan_.back();
   }
 
-  /// The rate, Hz, of the robot whose joints the controller names first, else of the one it belongs to; 0:
-  /// that of the loop.
+  /// The rate, Hz, of the robot whose joints the controller names first, otherwise of the robot that it
+  /// belongs to; 0: the loop's rate.
   double robots_rate(const controllers::ControllerContext& context) const {
     std::string owner = context.robot;
     bool names_any = false;
@@ -159,7 +159,7 @@ class Planner {
         owner = context.whole_joint(joints.front());
         owner.erase(owner.find('/'));
         names_any = true;
-      } catch (const Error&) {  // told when it is configured
+      } catch (const Error&) {  // reported when it is configured
       }
     }
     for (const auto& robot : robots_)
@@ -167,7 +167,7 @@ class Planner {
     return 0;
   }
 
-  /// Interfaces without a robot's name belong to the robot that the namespace is called after, if any.
+  /// Interfaces without a robot's name belong to the robot with the name of the namespace, if any.
   std::string robot_of(const ros_files::ControllerEntry& entry) const {
     const std::string ns = entry.ns.substr(entry.ns.rfind('/') + 1);
     for (const auto& robot : robots_)
@@ -181,7 +181,7 @@ class Planner {
     return entry.name;
   }
 
-  /// Every so many cycles, or where that is no whole number at times of its own.
+  /// Sets a divisor of the loop's rate, or a period of its own if the rate does not divide it.
   void pace(control::LoadOptions& options, double rate) const {
     const double exact = 1 / seconds(loop_.options().period) / rate;
     options.divisor = static_cast<unsigned>(std::clamp(std::round(exact), 1.0, 1e6));
@@ -211,7 +211,7 @@ class Planner {
     double rate = entry.update_rate;
     const auto published = parameters.entries.find("publish_rate");
     if (published != parameters.entries.end() && controllers::is_publisher(entry.type)) {
-      rate = parameters.number("publish_rate", 0);  // ros_control's name of it
+      rate = parameters.number("publish_rate", 0);  // the name in ros_control
       parameters.entries.erase(published);
     }
     if (entry.type.find("JointTrajectoryController") != std::string::npos)
@@ -224,7 +224,7 @@ class Planner {
     planned.start = !entry.stopped;
   }
 
-  /// Hardware that plays another's part may offer fewer interfaces than the file asks for.
+  /// Simulated hardware may offer fewer interfaces than the file requires; keeps the offered ones.
   void keep_what_is_offered(const ros_files::ControllerEntry& entry, controllers::Parameters& parameters) {
     const std::vector<std::string> joints = parameters.list("joints");
     if (joints.empty() || parameters.has("command_joints")) return;
@@ -238,7 +238,7 @@ class Planner {
         try {
           name = context.whole_joint(joints.front()) + "/" + interface;
         } catch (const Error&) {
-          return;  // told when it is configured
+          return;  // reported when it is configured
         }
         if (command ? loop_.table().find_command(name).has_value()
                     : loop_.table().find_state(name).has_value())
@@ -257,7 +257,7 @@ class Planner {
       std::vector<std::string> joints;
       for (const controllers::JointFacts& joint : robot->joints)
         if (loop_.table().find_command(joint.name + "/position"))
-          joints.push_back(joint.name.substr(robot->entry.name.size() + 1));  // its own robot's
+          joints.push_back(joint.name.substr(robot->entry.name.size() + 1));  // without the robot's name
       if (joints.empty()) continue;
       parameters.set("joints", joints);
       const std::string prefix = robots_.size() == 1 ? "" : robot->entry.name + "_";

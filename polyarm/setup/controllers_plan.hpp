@@ -1,5 +1,5 @@
 #pragma once
-/// Which controllers a cell has: what its files say, or a sensible set.
+/// Selects the controllers of a cell: those of its files, or a default set.
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,14 +13,14 @@
 
 namespace polyarm::cell {
 
-/// Name of the controller that carries tags to command interfaces.
+/// Name of the controller that writes tags to command interfaces.
 inline constexpr const char* kIoController = "io";
 
-/// All that the cell's controller files say, or what its launch file said. Empty where there are none. What
-/// is wrong joins the problems; throws Error where nothing can be read at all.
+/// The contents of the cell's controllers' files, or of its launch file; empty without any. Errors are added
+/// to the problems; throws Error if nothing can be read.
 ros_files::ControllersFile read_cell_controllers(const CellFile& file, Problems& problems);
 
-/// The control rate, Hz: the cell's, or what its controllers files say where the cell states none.
+/// The control rate, Hz: the cell's, or that of its controllers' files if the cell states none.
 double rate_of(const CellFile& file, const ros_files::ControllersFile& described);
 
 struct PlannedController {
@@ -31,13 +31,13 @@ struct PlannedController {
 };
 
 struct PlanOptions {
-  std::vector<std::string> io_commands;  ///< command interfaces that tags are carried to
+  std::vector<std::string> io_commands;  ///< command interfaces that tags drive
   bool lock_step = false;
-  Nanoseconds budget = 0;  ///< of each controller; 0: none
+  Nanoseconds budget = 0;  ///< of each controller, ns; 0: unlimited
 };
 
-/// The controllers that are described, or where none of them moves anything a trajectory controller for each
-/// robot; a joint state broadcaster where there is none, and one that carries tags out.
+/// The described controllers. If none of them moves anything, a trajectory controller for each robot. Adds a
+/// joint state broadcaster if there is none, and the controller for tags.
 std::vector<PlannedController> plan_controllers(const ros_files::ControllersFile& described,
                                                 const CellRobots& robots, control::ControlLoop& loop,
                                                 const PlanOptions& options, Observer& observer,

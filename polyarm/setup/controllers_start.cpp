@@ -11,7 +11,7 @@ namespace polyarm::cell {
 
 namespace {
 
-/// A controller that cannot be configured stays out; the others start, as under ros2_control.
+/// A controller that cannot be configured is left out; the others start, as in ros2_control.
 void tell_unconfigured(const std::string& name, Problem problem, Problems& problems) {
   if (problem.severity == Severity::error && name != kIoController) {
     problem.what = "the controller '" + name + "' is left unconfigured: " + problem.what;
@@ -20,8 +20,8 @@ void tell_unconfigured(const std::string& name, Problem problem, Problems& probl
   problems.add(std::move(problem));
 }
 
-/// Configures all that can be: one that is chained to another is tried again when that one stands. Those that
-/// cannot be.
+/// Configures all controllers that can be; one that is chained to another is retried after that one. Returns
+/// those that cannot be configured.
 std::vector<std::string> configure(control::ControllerManager& manager, std::vector<std::string> names,
                                    Problems& problems) {
   for (bool again = true; again && !names.empty();) {
@@ -45,7 +45,7 @@ std::vector<std::string> configure(control::ControllerManager& manager, std::vec
   return names;
 }
 
-/// What a controller found in its parameters and the file's reader has not told already.
+/// Adds a controller's findings about its parameters that the file's reader has not reported.
 void tell_findings(const std::vector<Problem>& findings, Problems& problems) {
   const auto told = [&](const Problem& problem) {
     return std::any_of(problems.list().begin(), problems.list().end(), [&](const Problem& other) {
@@ -57,7 +57,7 @@ void tell_findings(const std::vector<Problem>& findings, Problems& problems) {
     if (problem.severity == Severity::warning && !told(problem)) problems.add(problem);
 }
 
-/// Those of the plan that would be started if nothing were in their way.
+/// The controllers of the plan that should start if nothing prevents it.
 std::vector<std::string> wanted_controllers(const std::vector<PlannedController>& plan,
                                             const CellFile& file) {
   std::vector<std::string> out;
@@ -70,9 +70,9 @@ std::vector<std::string> wanted_controllers(const std::vector<PlannedController>
   return out;
 }
 
-/// Of controllers that nobody chose, those stay inactive that command a joint which another that starts
-/// commands by another interface: hardware follows one of them. Who follows trajectories goes before others.
-/// (Of those that want the same interface the later one is refused when they are switched.)
+/// Applies to controllers that nobody chose. If two of them command the same joint through different
+/// interfaces, only one starts, because hardware follows one interface; trajectory controllers take
+/// precedence. (If they want the same interface, the switch refuses the later one.)
 std::vector<std::string> one_way_for_each_joint(const std::vector<std::string>& asked,
                                                 const control::ControllerManager& manager,
                                                 const CellRobots& robots, Observer& observer) {
@@ -108,7 +108,7 @@ std::vector<std::string> one_way_for_each_joint(const std::vector<std::string>& 
   return out;
 }
 
-/// Does a controllers file have it? Then it was left out with a warning, and the others start.
+/// True if a controllers' file contains it; it was then left out with a warning, and the others start.
 bool is_described(const ros_files::ControllersFile& described, const std::string& name) {
   return std::any_of(described.controllers.begin(), described.controllers.end(),
                      [&](const auto& entry) { return entry.name == name || entry.full_name() == name; });

@@ -1,5 +1,5 @@
 #pragma once
-/// Which of a cell's controllers start, and who of them moves a robot.
+/// Starts the controllers of a cell, and finds the ones that move a robot.
 #include <string>
 #include <vector>
 
@@ -13,23 +13,24 @@
 
 namespace polyarm::cell {
 
-/// Loads and configures the planned controllers, those that others are chained to first, and starts those that
-/// can run together. Reports each one that stays inactive. If `activate` names a controller that the plan lacks,
-/// that is an error, unless `described` has it: then it was left out with a warning. Adds its findings to the
-/// problems. Returns the chosen controllers, including those whose hardware is missing: they start when it is
-/// armed.
+/// Loads and configures the planned controllers, starting with those that others are chained to, and starts
+/// those that can run together. Reports each one that stays inactive. If `activate` names a controller that
+/// is not planned, that is an error unless `described` has it: then it was left out with a warning. Adds its
+/// findings to the problems. Returns the chosen controllers, including those whose hardware is missing: they
+/// start when it is armed.
 std::vector<std::string> start_controllers(std::vector<PlannedController> plan, const CellFile& file,
                                            const ros_files::ControllersFile& described,
                                            const CellRobots& robots, control::ControlLoop& loop,
                                            Observer& observer, Problems& problems);
 
 /// The active controller that follows trajectories of all joints of the robot in the model's order; null if
-/// none. `or_inactive`: one that is configured will do, since it is started when the robot is armed.
+/// there is none. `or_inactive`: also accepts a configured controller, because it starts when the robot is
+/// armed.
 controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot& robot,
                                                                  const control::ControllerManager& manager,
                                                                  bool or_inactive = false);
 
-/// The controller that drives the wheels of the robot; null if none.
+/// The controller that drives the robot's wheels; null if there is none.
 controllers::DiffDriveController* base_controller_of(const CellRobot& robot,
                                                      const control::ControllerManager& manager);
 

@@ -31,7 +31,7 @@ std::unique_ptr<Door> open_door(const std::string& name, CellView& cell, const D
     const std::filesystem::path path = folder / ("polyarm_door_" + name + ".so");
     std::error_code error;
     if (!std::filesystem::exists(path, error)) continue;
-    void* const module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);  // it stays until the process ends
+    void* const module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);  // stays loaded
     if (!module) throw Error("no-door", path.string() + " cannot be loaded: " + ::dlerror());
     const auto make = reinterpret_cast<MakeDoor>(::dlsym(module, "polyarm_open_door"));
     if (!make) throw Error("no-door", path.string() + " is no door of Polyarm");

@@ -1,6 +1,7 @@
 #pragma once
-/// Doors in modules: `polyarm_door_<name>.so` beside the command, loaded when a cell or its command line
-/// names one. A door owns nothing: it reads what the cell tells and posts requests like everybody.
+/// Doors give clients access to a cell. Each is a module `polyarm_door_<name>.so` beside the executable,
+/// loaded when a cell or its command line names it. A door holds no state of the cell: it receives reports
+/// and posts requests.
 #include <map>
 #include <memory>
 #include <string>
@@ -12,7 +13,7 @@ namespace polyarm::cell {
 
 class CellView;
 
-/// What a cell says of a door: `ros2: {domain: 3}` is {"domain", "3"}.
+/// Options of a door in a cell file: `ros2: {domain: 3}` is {"domain", "3"}.
 using DoorOptions = std::map<std::string, std::string>;
 
 class Door {
@@ -20,21 +21,21 @@ class Door {
   virtual ~Door() = default;
   /// Cell thread, each tick.
   virtual void serve() = 0;
-  /// What its threads ring when something has come in that is not to wait for the next tick; null: nobody
-  /// hears it any more. Cell thread.
+  /// The bell that its threads ring when input has arrived that must not wait for the next tick; null: nobody
+  /// listens any more. Cell thread.
   virtual void set_bell(const std::shared_ptr<realtime::Bell>& bell) {}
-  /// Cell thread, between ticks, after the bell: hands over what has come in, and nothing else.
+  /// Cell thread, between ticks, after the bell: hands over received input and does nothing else.
   virtual void take() {}
-  /// One line for a person: where it is reached.
+  /// One line for people: the address under which it is reached.
   virtual std::string address() const = 0;
 };
 
-/// A door of that name into the cell, which must outlive it. Throws Error("no-door") where its module is not
-/// installed, and what the door throws.
+/// Opens the door with this name; the cell must outlive it. Throws Error("no-door") if its module is not
+/// installed, and the door's own errors.
 std::unique_ptr<Door> open_door(const std::string& name, CellView& cell, const DoorOptions& options);
 
-/// In the source of a module: POLYARM_DOOR(make), where `make` takes (CellView&, const DoorOptions&) and
-/// gives a std::unique_ptr<Door>. Doors are Polyarm's own: they are built with the command, and are no
+/// For the source of a module: POLYARM_DOOR(make), where `make` takes (CellView&, const DoorOptions&) and
+/// returns a std::unique_ptr<Door>. Doors are part of Polyarm: they are built with the command and are no
 /// plugins.
 using MakeDoor = Door* (*)(CellView& cell, const DoorOptions& options);
 #define POLYARM_DOOR(make)                                                                       \

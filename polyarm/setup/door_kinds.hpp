@@ -1,17 +1,18 @@
 #pragma once
-/// Which doors there are: what a cell's file may say of each, under its name. The rooms below know none.
+/// Registry of door types: the keys that a cell file may use for each door. The rooms below do not know any
+/// door.
 #include <string>
 #include <vector>
 
 namespace polyarm::cell {
 
 struct DoorKind {
-  std::string name;               ///< of its key in a cell, and of its module: polyarm_door_<name>.so
-  std::vector<std::string> keys;  ///< of its options
-  std::string advice;             ///< where its module is not installed
+  std::string name;               ///< key in a cell file; the module is polyarm_door_<name>.so
+  std::vector<std::string> keys;  ///< names of its options
+  std::string advice;             ///< shown if its module is not installed
 };
 
-/// Before any cell's file is read; one thread.
+/// Call before any cell file is read; one thread.
 void register_door(DoorKind kind);
 const std::vector<DoorKind>& door_kinds();
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kInside = 1e-4, kBelow = 0.01;  // m
 
-/// How far a shape reaches below its own origin, m; `up` is the world's z in the shape's frame.
+/// How far a shape extends below its origin, m; `up` is the world's z in the shape's frame.
 double depth_of(const description::Shape& shape, const Vec3& up) {
   const double along = std::abs(up.z), across = std::sqrt(std::max(0.0, 1 - up.z * up.z));
   switch (shape.kind) {
@@ -40,7 +40,7 @@ bool stands_free(const CellRobot& robot) {
   });
 }
 
-/// Is there a joint that moves between the link and the root?
+/// True if a movable joint is between the link and the root.
 bool moves(const description::RobotModel& model, std::size_t link) {
   for (int joint = model.links[link].parent_joint; joint >= 0;) {
     const description::Joint& at = model.joints[static_cast<std::size_t>(joint)];

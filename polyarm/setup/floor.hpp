@@ -7,13 +7,13 @@
 
 namespace polyarm::cell {
 
-/// The lowest point, m in the world, of what a robot's joints move, where it starts: of shapes for collisions
-/// but meshes, which are not simulated. Infinite where there is none, and for a robot that stands free.
+/// Lowest point of a robot's moving links in the start state, m in the world. Uses collision shapes except
+/// meshes, which are not simulated. Infinite if there is none, and for a robot with a free base.
 double lowest_point(const CellRobot& robot);
 
-/// The scene of a cell whose file names none: a floor at z = 0. Where a robot that is bolted down starts
-/// below that (a description whose joints at zero leave it lying, legs of which only the pelvis is placed),
-/// the floor is a centimetre below its lowest point, which a note tells.
+/// The scene of a cell without a scene file: a floor at z = 0. If a fixed robot starts below that (for
+/// example lying with all joints at zero, or legs with only the pelvis placed), the floor is a centimetre
+/// below its lowest point, and a note reports it.
 description::Scene scene_without_file(const CellRobots& robots, std::vector<std::string>& notes);
 
 }  // namespace polyarm::cell

@@ -17,7 +17,7 @@ FrameCheck::FrameCheck(const std::vector<data::DataSet>& sets, const CellRobots&
     }
 }
 
-/// `handler`: the line of the `on error` around the statements; 0: none.
+/// `handler`: line of the `on error` around the statements; 0 if there is none.
 void FrameCheck::note_uses(const program::Block& statements, int handler) {
   for (const program::Statement& s : statements) {
     program::for_each_expression(s, [&](const program::Expression& e) {
@@ -110,7 +110,7 @@ std::vector<Pose> FrameCheck::meanings(const data::Entry& entry) const {
   const auto own = in_world(entry);
   if (!own) return {};
   std::vector<Pose> out = {*own};
-  // A point that names a frame is meant in that one, whatever frame a move is in.
+  // A point that names a frame is in that frame, whatever the frame of a move.
   if (!entry.value.as_point()->frame().empty() || !targets_.contains(entry.name)) return out;
   if (calculated_) return {};
   for (const std::string& name : stated_) {
@@ -118,7 +118,7 @@ std::vector<Pose> FrameCheck::meanings(const data::Entry& entry) const {
     std::optional<Pose> at;
     try {
       at = frame(name, entry, way);
-    } catch (const Error&) {  // told at its own line
+    } catch (const Error&) {  // reported at its own line
     }
     if (!at) return {};
     out.push_back(*at * *own);

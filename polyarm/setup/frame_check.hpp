@@ -1,5 +1,5 @@
 #pragma once
-/// Where points of data files are, before a cell runs: frames are followed as ProgramMoves does it.
+/// Resolves the frames of points in data files before a cell runs, in the same way as ProgramMoves.
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -15,22 +15,22 @@ namespace polyarm::cell {
 
 class FrameCheck {
  public:
-  /// `sets` and `robots` outlive this. `later`: names of poses that come while the cell runs.
+  /// `sets` and `robots` must outlive this object. `later`: names of poses that are received during the run.
   FrameCheck(const std::vector<data::DataSet>& sets, const CellRobots& robots, std::set<std::string> later);
 
-  /// Points that the program changes, and those that stand for frames and tools.
+  /// Notes the points that the program changes, and those that it uses as frames and tools.
   void look_at(const program::Program& program);
 
-  /// The pose in the world; nothing where only a run can know it. Throws Error at the point's line: there is
-  /// no such frame, or frames hang on one another in a circle.
+  /// The pose in the world; empty if it is only known during the run. Throws Error at the point's line if
+  /// there is no such frame or if frames form a cycle.
   std::optional<Pose> in_world(const data::Entry& entry) const;
-  /// Poses in the world that moves of the program may mean by this point: as it is, and in each frame that
-  /// the program states for moves. Empty: only a run can know.
+  /// The poses in the world that moves may mean by this point: as it is, and in each frame that the program
+  /// states for moves. Empty if it is only known during the run.
   std::vector<Pose> meanings(const data::Entry& entry) const;
-  /// The line of the `on error` that handles a move to this point; 0 if lines outside of every `try` use it,
-  /// or none does.
+  /// The line of the `on error` that handles a move to this point; 0 if lines outside every `try` use it, or
+  /// no line does.
   int handled_in(const std::string& name) const;
-  /// It stands for a frame or a tool, and no move of the program names it.
+  /// True if it serves as a frame or tool and no move uses it as a target.
   bool is_no_target(const std::string& name) const;
 
  private:
@@ -43,7 +43,7 @@ class FrameCheck {
   std::map<std::string, int> handled_;  ///< names that a `try` reads, with the line of its `on error`
   std::set<std::string> unhandled_;     ///< names that other lines read
   const CellRobots& robots_;
-  std::set<std::string> later_;    ///< not known before the run
+  std::set<std::string> later_;    ///< unknown before the run
   std::set<std::string> origins_;  ///< frames and tools
   std::set<std::string> targets_;
   std::set<std::string> stated_;  ///< frames of moves

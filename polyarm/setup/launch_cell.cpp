@@ -1,4 +1,4 @@
-/// From a launch file of ROS 1 to a cell.
+/// Builds a cell from a ROS 1 launch file.
 #include <fmt/format.h>
 
 #include "polyarm/base/text.hpp"

@@ -8,8 +8,8 @@ namespace polyarm::cell {
 
 namespace {
 
-/// Where a link is in the root link while every joint is at zero; the root itself where there is none of that
-/// name. Odometry is of a link that is fixed to the root.
+/// Pose of a link in the root link with all joints at zero; the root's if there is no such link. The link
+/// that odometry tracks is fixed to the root.
 Pose in_root(const description::RobotModel& model, const std::string& frame) {
   const auto named = [&](const description::Link& link) {
     return !link.name.empty() && (frame == link.name || frame.ends_with("/" + link.name));

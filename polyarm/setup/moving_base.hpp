@@ -1,5 +1,5 @@
 #pragma once
-/// Where a robot's base is that drives.
+/// The pose of a robot's base, which may move.
 #include <optional>
 #include <string>
 
@@ -11,38 +11,38 @@
 
 namespace polyarm::cell {
 
-/// The base of one robot: on wheels, by the odometry of their controller; in physics, by what that knows of a
-/// base that stands free; on another robot, where that takes it; else fixed where the cell's file puts it.
-/// Poses are those of the robot's root link. Cell thread. The wheels' controller outlives it or is forgotten
-/// first.
+/// The base of one robot. On wheels, its pose comes from the odometry of their controller; in physics with a
+/// free base, from physics; on another robot, from that robot; otherwise it is fixed where the cell's file
+/// places it. Poses are those of the robot's root link. Cell thread. The wheels' controller must outlive this
+/// object, or forget_wheels() must be called first.
 class MovingBase {
  public:
   /// `wheels` may be null.
   MovingBase(const CellRobot& robot, const hardware::InterfaceTable& table,
              controllers::DiffDriveController* wheels);
 
-  /// It stands on another one, which stays where it is in memory.
+  /// Sets the robot that carries this one; its address must not change.
   void set_carrier(const MovingBase& carrier) { carrier_ = &carrier; }
 
-  /// Every tick: reads the odometry.
+  /// Call each tick: reads the odometry.
   void look();
-  /// Where the odometry has come to stays.
+  /// Keeps the last odometry from now on.
   void forget_wheels() { output_ = nullptr; }
 
-  /// Can it be anywhere but where the cell's file puts it?
+  /// True if the base can move from its place in the cell file.
   bool moves() const { return carrier_ ? carrier_->moves() : on_wheels() || in_physics(); }
   bool carried() const { return carrier_ != nullptr; }
   bool on_wheels() const { return !odometry_name_.empty(); }
-  /// Does physics say where it is?
+  /// True if physics provides the pose.
   bool in_physics() const { return first_state_ >= 0; }
-  /// In the world: as physics has it, else by the odometry.
+  /// T_world_base: from physics, otherwise from odometry.
   Pose pose(const control::Snapshot& snapshot) const;
-  /// Where the wheels say that it is, in the odometry's frame.
+  /// The pose from the wheels' odometry, in the odometry frame.
   Pose odometry() const { return odometry_ * inverse(tracked_); }
-  /// The odometry's frame in the world: where the base stood at the start, or, where physics knows better,
-  /// wherever both agree.
+  /// T_world_odometry: the start pose of the tracked frame; if physics provides the pose, the transform that
+  /// makes both agree.
   Pose odometry_frame(const control::Snapshot& snapshot) const;
-  /// What the controller calls the frames of its odometry and of the base; empty without wheels.
+  /// The controller's names of the odometry frame and the base frame; empty without wheels.
   const std::string& odometry_name() const { return odometry_name_; }
   const std::string& base_name() const { return base_name_; }
 
@@ -51,9 +51,9 @@ class MovingBase {
 
   Pose start_;  ///< in the world
   const MovingBase* carrier_ = nullptr;
-  Pose tracked_;          ///< in the root link: the frame that the odometry is of
-  Pose odometry_;         ///< of that frame, the newest
-  int first_state_ = -1;  ///< of seven; -1: physics does not tell
+  Pose tracked_;          ///< in the root link: the frame that the odometry tracks
+  Pose odometry_;         ///< newest odometry of that frame
+  int first_state_ = -1;  ///< first of seven states; -1: not in physics
   controllers::Output* output_ = nullptr;
   std::string odometry_name_, base_name_;
 };

@@ -1,4 +1,5 @@
 #pragma once
+/// Receives the events of a running cell.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -11,7 +12,7 @@ namespace polyarm::cell {
 
 struct StopReport;
 
-/// Told what happens in a running cell, in order, on the cell thread.
+/// Base class of observers; functions are called in the order of events, on the cell thread.
 class Observer {
  public:
   virtual ~Observer() = default;
@@ -22,7 +23,7 @@ class Observer {
                       const std::string& who) {}
   virtual void on_pose(Nanoseconds time, const std::string& robot, const Pose& tcp) {}
   virtual void on_log(Nanoseconds time, const std::string& task, const std::string& text) {}
-  /// The state of the loop is another one now. `cause`: as LifeCycle::stop_cause().
+  /// The state of the loop has changed. `cause`: like LifeCycle::stop_cause().
   virtual void on_state(Nanoseconds time, const std::string& state, const Problem& cause) {}
   /// A stop has ended.
   virtual void on_stop(Nanoseconds time, const StopReport& stop) {}
@@ -30,11 +31,11 @@ class Observer {
   virtual void on_problem(Nanoseconds time, const Problem& problem) {}
 };
 
-/// Several who are told the same, in the order in which they came. Cell thread; none may come or go while it
-/// is told.
+/// Forwards events to several observers, in order of addition. Cell thread; do not add or remove one during
+/// an event.
 class Observers : public Observer {
  public:
-  /// Once, however often it is added.
+  /// Adds an observer once, even if called again.
   void add(Observer& observer) {
     if (std::find(list_.begin(), list_.end(), &observer) == list_.end()) list_.push_back(&observer);
   }

@@ -15,7 +15,7 @@
 namespace polyarm::cell {
 namespace {
 
-/// Beyond that, rad, a line would turn the other way round.
+/// rad; for a larger rotation a line would turn the other way
 constexpr double kMostTurn = 3;
 
 data::Value line_target(const data::Record& by, const Pose& here) {

@@ -1,4 +1,4 @@
-/// Which components the robots of a cell have, and how each of them runs.
+/// Builds the hardware components of a cell's robots, with their rates and threads.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -11,7 +11,7 @@
 namespace polyarm::cell {
 
 namespace {
-/// The components of a cell while they are put together.
+/// Collects the components of a cell.
 class Components {
  public:
   Components(const CellRobots& robots, const description::Scene& scene, Nanoseconds period, bool lock_step,
@@ -65,8 +65,8 @@ class Components {
     hardware.add(std::move(component), planned.context, planned.options);
   }
 
-  /// A fault stays with its robot where the cell says so and there is another robot to go on. All hardware
-  /// of such a robot is one group.
+  /// Limits a fault to its robot if the cell says so and another robot can continue. All hardware of such a
+  /// robot is one group.
   void contain(Planned& planned) const {
     if (robots_.size() < 2 || planned.driver == "mujoco" || planned.context.robots.empty()) return;
     const std::string& name = planned.context.robots.front().name;
@@ -81,7 +81,7 @@ class Components {
 
   static std::unique_ptr<hardware::Component> make(const Planned& planned) {
     auto component = hardware::make_driver(planned.driver);
-    if (planned.driver == "mujoco") return component;  // physics knows joints alone
+    if (planned.driver == "mujoco") return component;  // physics works with joints only
     return hardware::through_transmissions(std::move(component), planned.context);
   }
 
@@ -153,8 +153,7 @@ class Components {
       }
       instances.back().hardware.push_back(physics ? joints : *block.info);
     }
-    if (physics &&
-        !rest.components.empty()) {  // sensors and inputs that physics does not have stay as they begin
+    if (physics && !rest.components.empty()) {  // inputs that physics lacks keep their initial values
       Planned& planned =
           component("mock", joints.components.empty() ? block.info->name : block.info->name + "_io");
       describe(planned, *block.info);
@@ -163,7 +162,7 @@ class Components {
     }
   }
 
-  /// What plays several robots keeps the shortest of their budgets.
+  /// A component of several robots uses the smallest of their budgets.
   static void budget(Planned& planned, const CellRobot& robot) {
     Nanoseconds& now = planned.options.budget;
     if (robot.entry.budget > 0 && (now == 0 || robot.entry.budget < now)) now = robot.entry.budget;
@@ -174,8 +173,8 @@ class Components {
            a.entry.on_thread == b.entry.on_thread && !a.entry.fault_of_group && !b.entry.fault_of_group;
   }
 
-  /// Robots whose hardware has one name share a component, unless they run at different rates or a fault is
-  /// to stop only one of them.
+  /// Robots with hardware of the same name share a component, unless they run at different rates or a fault
+  /// must stop only one of them.
   std::string name_beside_others(const std::string& driver, const std::string& name,
                                  const CellRobot& robot) const {
     for (const Planned& planned : planned_) {
@@ -188,7 +187,8 @@ class Components {
     return name;
   }
 
-  /// The robot's own rate and thread, over those of its description. Physics has one rate for all.
+  /// Applies the robot's rate and thread, which override those of its description. Physics has one rate for
+  /// all robots.
   void pace(Planned& planned, const CellRobot& robot) const {
     if (planned.driver == "mujoco") return;
     if (robot.entry.thread) planned.options.async = true;
@@ -199,7 +199,7 @@ class Components {
       planned.options.late_after = robot.entry.on_thread->overrun_after;
     }
     if (robot.entry.rate <= 0) return;
-    Problems told;  // once, for each robot
+    Problems told;  // reported once per robot elsewhere
     planned.options.divisor = divisor_of(robot, period_, told);
     if (planned.options.async || waits_for_a_device(planned.driver))
       planned.options.period = static_cast<Nanoseconds>(std::llround(1e9 / robot.entry.rate));
@@ -219,7 +219,7 @@ class Components {
 
   void host_options(const description::HardwareInfo& info, hardware::HostOptions& options) const {
     const double rate = 1 / seconds(period_);
-    if (info.rw_rate > 0)  // never faster than the loop
+    if (info.rw_rate > 0)  // at most the loop's rate
       options.divisor = static_cast<unsigned>(std::clamp(std::round(rate / info.rw_rate), 1.0, 1e6));
     options.async = info.is_async;
     if (info.rw_rate > 0 && info.is_async)
@@ -228,8 +228,8 @@ class Components {
     if (!info.affinity.empty()) options.thread.cpu = info.affinity.front();
   }
 
-  /// A component keeps the name that its description has, whatever plays it. What one of the names that
-  /// physics stands for is to be at the start, all of it is.
+  /// A component keeps the name from its description, whatever driver runs it. If physics stands for several
+  /// names, the initial state of any of them applies to all.
   void name_physics() {
     for (Planned& planned : planned_) {
       if (planned.driver != kPhysics) continue;
@@ -239,7 +239,7 @@ class Components {
     }
   }
 
-  /// Parts and machines are played once: by physics where there is some.
+  /// Parts and machines are simulated only once: by physics if there is any.
   void give_the_scene() {
     if (planned_.empty()) return;
     Planned* world = &planned_.front();

@@ -22,7 +22,7 @@ namespace polyarm::cell {
 
 namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Where a description states no more: a slow joint, up to speed in a quarter of a second.
+// Defaults for descriptions without limits: a slow joint that reaches its speed in a quarter of a second.
 constexpr double kDefaultVelocity = 1.0, kTimeToSpeed = 0.25, kTimeToAcceleration = 0.1;
 
 double positive_or(const std::optional<double>& value, double fallback) {
@@ -38,14 +38,14 @@ controllers::JointFacts facts_of(const std::string& robot, const description::Jo
   out.velocity = positive_or(joint.limits.velocity, kInfinity);
   out.effort = positive_or(joint.limits.effort, kInfinity);
   out.states_velocity = std::isfinite(out.velocity);
-  if (joint.soft_limits && joint.soft_limits->k_position > 0)  // else they say nothing, as in ros2_control
+  if (joint.soft_limits && joint.soft_limits->k_position > 0)  // otherwise ignored, as in ros2_control
     out.soft = {std::max(joint.soft_limits->lower.value_or(out.lower), out.lower),
                 std::min(joint.soft_limits->upper.value_or(out.upper), out.upper),
                 joint.soft_limits->k_position, joint.soft_limits->k_velocity};
   return out;
 }
 
-/// What nobody states is assumed, for planning alone.
+/// Sets default limits for planning only.
 void assume_what_is_missing(const description::Joint& joint, controllers::JointFacts& facts) {
   facts.states_velocity = std::isfinite(facts.velocity);
   if (!facts.states_velocity) facts.velocity = kDefaultVelocity;
@@ -55,7 +55,7 @@ void assume_what_is_missing(const description::Joint& joint, controllers::JointF
     facts.jerk = positive_or(joint.limits.jerk, facts.acceleration / kTimeToAcceleration);
 }
 
-/// The start of the model, within limits that controllers files may have narrowed.
+/// The model's start state, within limits that controllers' files may have narrowed.
 std::vector<double> start_of(const description::RobotModel& model,
                              const std::vector<controllers::JointFacts>& joints) {
   std::vector<double> out = model.start();
@@ -70,7 +70,7 @@ bool drives_real_hardware(const std::string& driver) {
   return hardware::make_driver(driver)->real();
 }
 
-/// A driver of real hardware is replaced unless real hardware was asked for.
+/// Replaces a driver of real hardware unless real hardware was requested.
 std::string unless_real(const std::string& driver, const std::string& who, bool real,
                         std::vector<std::string>& notes) {
   if (real || driver == "declared" || !drives_real_hardware(driver)) return driver;
@@ -80,7 +80,7 @@ std::string unless_real(const std::string& driver, const std::string& who, bool 
   return simulated;
 }
 
-/// Whether a robot's file or its description's plugin names it.
+/// The real driver that a robot's file or its description's plugin names.
 std::string real_driver_of(const std::string& hardware, const description::HardwareInfo& info) {
   if (hardware != "declared") return hardware;
   const ros_files::HardwareChoice choice = ros_files::choose_hardware(info.plugin, info.name);
@@ -92,7 +92,7 @@ bool has_joints(const description::HardwareInfo& info) {
                      [](const auto& c) { return c.kind == "joint"; });
 }
 
-/// Physics plays all joints of a robot, or none: they hang on each other.
+/// Physics simulates all joints of a robot or none, because they are coupled.
 void all_or_none_by_physics(CellRobot& robot, std::vector<std::string>& notes) {
   bool physics = false, others = false;
   for (const HardwareBlock& block : robot.blocks) {
@@ -110,7 +110,7 @@ void all_or_none_by_physics(CellRobot& robot, std::vector<std::string>& notes) {
   }
 }
 
-/// What plays the robot: the drivers of its blocks, or one for the whole of it.
+/// Chooses the drivers: one per block of the description, or one for the whole robot.
 void choose_drivers(CellRobot& robot, bool real, std::vector<std::string>& notes) {
   const std::string asked = unless_real(robot.entry.hardware, robot.entry.name, real, notes);
   for (const description::HardwareInfo& info : robot.model.hardware) {
@@ -160,7 +160,7 @@ std::unique_ptr<moves::RobotFacts> motion_facts(const CellRobot& robot, const mo
                                                                std::move(torques)});
 }
 
-/// Limits from the description and from the joint_limits of the controllers' files.
+/// Reads limits from the description and from joint_limits of the controllers' files.
 void read_joints(CellRobot& robot, const std::vector<ros_files::JointLimitsSource>& files,
                  Problems& problems) {
   std::vector<controllers::JointFacts*> joints;
@@ -177,7 +177,7 @@ void read_joints(CellRobot& robot, const std::vector<ros_files::JointLimitsSourc
                            robot.joints[j]);
 }
 
-/// A range that leaves the start out is a mistake in the file, not a fault in the first cycle.
+/// Reports a joint range that excludes the start state; otherwise it would be a fault in the first cycle.
 void check_start(const CellRobot& robot, Problems& problems) {
   const std::vector<std::string> names = robot.model.joint_names();
   for (const RangeEntry& range : robot.entry.ranges)
@@ -189,7 +189,7 @@ void check_start(const CellRobot& robot, Problems& problems) {
                        "widen the range so that the start is inside");
 }
 
-/// Who is carried is fixed to its carrier, and cannot stand free.
+/// A carried robot is fixed to its carrier and cannot have a free base.
 void check_carried(const CellRobot& robot, Problems& problems) {
   if (robot.entry.on.empty()) return;
   for (const HardwareBlock& block : robot.blocks)
@@ -201,7 +201,7 @@ void check_carried(const CellRobot& robot, Problems& problems) {
                      "take 'on' away, or <param name=\"base\">free</param> out of its description");
 }
 
-/// As a program's `payload` is refused that says more than the robot may carry.
+/// Refuses a payload above the robot's rating, like a program's `payload`.
 void refuse_overload(const CellRobot& robot, Problems& problems) {
   const std::optional<double>& rated = robot.model.provenance.payload_kg;
   const double payload = robot.entry.payload.mass;
@@ -212,7 +212,7 @@ void refuse_overload(const CellRobot& robot, Problems& problems) {
                  "carry less, or choose a robot that carries it");
 }
 
-/// A description made for Gazebo names its controllers itself; here they are given beside it.
+/// Notes the controllers that a description for Gazebo names itself; here they are given separately.
 void tell_of_controllers(const CellRobot& robot, std::vector<std::string>& notes) {
   std::error_code error;
   for (const std::string& controllers : robot.model.controller_files)
@@ -221,7 +221,7 @@ void tell_of_controllers(const CellRobot& robot, std::vector<std::string>& notes
                       ": its <gazebo> names a controllers file, start it with --controllers " + controllers);
 }
 
-/// What `step` throws without a place is wrong at this key.
+/// Runs `step`; an error without a location gets the location of this key.
 template <typename Step>
 void at_key(const RobotEntry& entry, const std::string& key, Step step) {
   try {
@@ -234,7 +234,7 @@ void at_key(const RobotEntry& entry, const std::string& key, Step step) {
   }
 }
 
-/// Robots of the catalogue that a cell has read so far, by name: a cell may have a thousand of one model.
+/// Catalogue robots read so far, by name, because a cell may have a thousand of one model.
 using ReadRobots = std::map<std::string, description::RobotModel>;
 
 description::RobotModel read_model(const CellFile& file, const RobotEntry& entry,
@@ -315,14 +315,14 @@ CellRobots resolve_robots(const CellFile& file, const description::Catalogue& ca
                           Problems& problems, std::vector<std::string>& notes) {
   ros_files::ControllersFile described;
   collect(problems, [&] {
-    Problems other;  // nothing but limits is wanted of these files
+    Problems other;  // only the limits of these files are needed
     described = read_cell_controllers(file, other);
   });
   return resolve_robots(file, described.joint_limits, catalogue, real, problems, notes);
 }
 
 namespace {
-/// Physics knows only the robots that it plays.
+/// Physics only knows the robots that it simulates.
 void check_carriers(const CellRobots& robots, Problems& problems) {
   for (const auto& robot : robots) {
     const auto carries = [&](const auto& each) { return each->entry.name == robot->entry.on; };

@@ -1,5 +1,5 @@
 #pragma once
-/// The robots of a cell as everything else needs them: model, tool, kinematics, limits, home, driver.
+/// The robots of a cell, resolved from its files: model, tool, kinematics, limits, start state, driver.
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,91 +18,88 @@ namespace polyarm::cell {
 /// The driver that simulates contacts.
 inline constexpr const char* kPhysics = "mujoco";
 
-/// One `<ros2_control>` of a description and what plays it.
+/// One `<ros2_control>` block of a description and the driver that runs it.
 struct HardwareBlock {
   const description::HardwareInfo* info = nullptr;
   std::string driver, flag;
 };
 
-/// One robot; stays where it is in memory while the cell lives.
+/// One robot; its address does not change while the cell lives.
 struct CellRobot {
   RobotEntry entry;
   description::RobotModel model;
   description::Tool tool;
-  std::string driver;                           ///< of its joints
-  std::vector<HardwareBlock> blocks;            ///< what its description declares, each with its driver
+  std::string driver;                           ///< driver of its joints
+  std::vector<HardwareBlock> blocks;            ///< the blocks of its description with their drivers
   std::vector<double> start;                    ///< joint state at the start of a run
-  std::vector<controllers::JointFacts> joints;  ///< actuated joints, whole names
+  std::vector<controllers::JointFacts> joints;  ///< actuated joints, full names
   std::unique_ptr<moves::RobotFacts> facts;
-  std::vector<Problem> hardware_faults;  ///< errors in its <ros2_control>; planning does without hardware
+  std::vector<Problem> hardware_faults;  ///< errors in its <ros2_control>; planning does not need hardware
 };
 
 using CellRobots = std::vector<std::unique_ptr<CellRobot>>;
 
-/// Real hardware that the cell's file or a description names, whether it is driven or played by something
-/// simulated.
+/// Real hardware that the cell's file or a description names, whether it is driven or simulated.
 struct NamedHardware {
   std::string robot, component, driver;
   std::map<std::string, std::string> parameters;
 };
 std::vector<NamedHardware> named_real_hardware(const CellRobots& robots);
 
-/// Loads models and tools and picks drivers. Drivers of real hardware are taken where `real` says so, else
-/// something simulated plays their part, which a note tells. Problems are added with their places; a robot
-/// that cannot be had is left out. `notes` gets one line for every replaced component. `limits`: those of the
-/// controllers' files.
+/// Loads models and tools and chooses drivers. Drivers of real hardware are used only if `real`; otherwise a
+/// simulation replaces them. Adds problems with their locations; a robot that cannot be loaded is left out.
+/// `notes` gets one line per replaced component. `limits`: from the controllers' files.
 CellRobots resolve_robots(const CellFile& file, const std::vector<ros_files::JointLimitsSource>& limits,
                           const description::Catalogue& catalogue, bool real, Problems& problems,
                           std::vector<std::string>& notes);
-/// The same for who has not read the controllers' files; they are read for their limits alone.
+/// The same for callers that have not read the controllers' files; reads only their limits.
 CellRobots resolve_robots(const CellFile& file, const description::Catalogue& catalogue, bool real,
                           Problems& problems, std::vector<std::string>& notes);
 
-/// Adds the faults in the robots' <ros2_control>: as errors where the hardware is to run, as warnings where
-/// only kinematics is asked for.
+/// Adds the errors in the robots' <ros2_control>: as errors if the hardware must run, as warnings if only
+/// kinematics is needed.
 void add_hardware_faults(const CellRobots& robots, Severity as, Problems& problems);
 
-/// Physics is one component, whatever it plays: it is named as the first <ros2_control> whose joints it
-/// plays, and answers to the names of all of them. "mujoco" where a robot without <ros2_control> is played,
-/// too.
+/// The name of physics, which is one component: that of the first <ros2_control> whose joints it simulates.
+/// It also answers to the names of the others. "mujoco" if it also simulates a robot without <ros2_control>.
 std::string physics_name(const CellRobots& robots);
-/// A <ros2_control> that physics plays. Those of several robots may have one name.
+/// A <ros2_control> that physics simulates. Blocks of several robots may have the same name.
 struct PlayedBlock {
   const CellRobot* robot;
   const description::HardwareInfo* info;
 };
 std::vector<PlayedBlock> played_by_physics(const CellRobots& robots);
-/// The names that a component answers to, each once: its own, or those of what physics plays.
+/// All names of a component, each once: its own, or those that physics simulates.
 std::vector<std::string> names_of_component(const CellRobots& robots, const std::string& component);
 
-/// Adds the components: one for each block that a description declares, named as the block; all that physics
-/// plays is one component, since it is one world. The scene goes to physics where there is some. `initial`
-/// says which components stay unconfigured or inactive at the start; those of real hardware are at most
-/// inactive, until somebody arms them. Real hardware in lock-step is an error.
+/// Adds the components: one per block of a description, with the block's name; everything in physics is one
+/// component, because it is one world. Physics gets the scene if there is any. `initial` says which
+/// components stay unconfigured or inactive at the start; those of real hardware are at most inactive until
+/// they are armed. Real hardware in lock-step is an error.
 void add_components(hardware::Hardware& hardware, const CellRobots& robots, const description::Scene& scene,
                     Nanoseconds period, bool lock_step, const ros_files::ManagerParameters& manager,
                     Problems& problems);
 
 /// True if reading from the driver's device blocks, so it needs a thread of its own.
 bool waits_for_a_device(const std::string& driver);
-/// Has all hardware of the robot a thread of its own, which may run at any rate?
+/// True if all hardware of the robot runs on threads of its own, which may have any rate.
 bool on_threads(const CellRobot& robot);
-/// Every how many cycles of a loop of this period the controllers of a robot run whose entry states a rate,
-/// and its hardware where it has no thread; 1 where it states none. A rate that is no part of the loop's is a
-/// problem without threads; with them the controllers run at the next higher rate that is.
+/// Number of loop cycles between updates of a robot's controllers, and of its hardware without a thread; 1 if
+/// its entry states no rate. A rate that does not divide the loop's is a problem without threads; with
+/// threads the controllers run at the next higher rate that does.
 unsigned divisor_of(const CellRobot& robot, Nanoseconds period, Problems& problems);
 
-/// A component that is to take the place of the one that runs under its name, and what it is made from.
+/// A rebuilt component that will replace the one with its name, and the data that it was built from.
 struct Remade {
-  CellRobots robots;  ///< have to live as long as the component
+  CellRobots robots;  ///< must live as long as the component
   Problems warnings;
   std::unique_ptr<hardware::Component> component;
   hardware::ComponentContext context;
 };
 
-/// Reads the descriptions again and makes the named component from them. Touches nothing of a running cell
-/// but `scene`, whose address it keeps: any thread, one at a time. Throws Error where something is wrong with
-/// a file, or no robot declares it any more.
+/// Reads the descriptions again and builds the named component from them. Does not access the running cell
+/// except `scene`, whose address it keeps: any thread, one call at a time. Throws Error if a file has errors
+/// or no robot declares the component any more.
 Remade make_again(const std::string& name, const CellFile& file, const description::Catalogue& catalogue,
                   bool real, const description::Scene& scene, Nanoseconds period);
 

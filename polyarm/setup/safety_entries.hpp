@@ -1,6 +1,5 @@
 #pragma once
-/// What a cell file says about how far and how fast its robots may go: profile, workspace, joint ranges,
-/// payload.
+/// Settings of a cell file that limit its robots: speed profile, workspace, joint ranges, payload.
 #include <map>
 #include <optional>
 #include <string>
@@ -14,13 +13,13 @@
 
 namespace polyarm::cell {
 
-/// From here on a speed of the TCP is none, m/s.
+/// TCP speeds from this value on mean "unlimited", m/s.
 inline constexpr double kNoTcpLimit = 1e6;
 
-/// How fast robots may move: `reduced` for teaching, `full` for automatic operation.
+/// Speed limits: `reduced` for teaching, `full` for automatic operation.
 struct ProfileEntry {
-  double tcp_speed = 1e9;  ///< m/s; 1e9: no limit but the joints'
-  double tcp_turning = 3;  ///< rad/s, of what is asked of the TCP by hand
+  double tcp_speed = 1e9;  ///< m/s; 1e9: limited by the joints only
+  double tcp_turning = 3;  ///< rad/s, for jogging the TCP
   double joint_speed = 1;  ///< share of the joints' velocity limits, (0, 1]
   bool operator==(const ProfileEntry&) const = default;
 };
@@ -28,7 +27,7 @@ struct ProfileEntry {
 inline constexpr ProfileEntry kReducedProfile{0.25, 0.6, 0.1};
 
 struct ProfileEntries {
-  std::string name = "full";  ///< that the cell begins with
+  std::string name = "full";  ///< profile at the start
   ProfileEntry reduced = kReducedProfile, full;
 };
 
@@ -39,13 +38,13 @@ struct RangeEntry {
   Location where;
 };
 
-/// What a robot carries.
+/// The payload of a robot.
 struct PayloadEntry {
   double mass = 0;             ///< kg
-  std::optional<Vec3> center;  ///< in tool0, m; not stated: the TCP
+  std::optional<Vec3> center;  ///< in tool0, m; empty: at the TCP
 };
 
-/// `contacts: {stop: 1}`: category 0 or 1 of the stop after a contact; absent: 1.
+/// `contacts: {stop: 1}`: stop category 0 or 1 after a contact; default: 1.
 control::ContactStop read_contact_stop(const Yaml& yaml, Problems& problems);
 /// `profile` and `profiles` of the cell file.
 ProfileEntries read_profiles(const Yaml& cell, Problems& problems);
@@ -55,8 +54,8 @@ std::vector<moves::WorkspaceZone> read_workspace(const Yaml& yaml, Problems& pro
 PayloadEntry read_payload(const Yaml& yaml, Problems& problems);
 /// `joint_ranges` of a robot.
 std::vector<RangeEntry> read_ranges(const Yaml& yaml, Problems& problems);
-/// Narrows the model's limits, for everything that is built from it. A joint that is not there, or a range
-/// that is none or wider than the robot's, is a problem with its place.
+/// Narrows the model's limits for everything that uses the model. An unknown joint, or a range that is empty
+/// or wider than the robot's, is a problem with its location.
 void narrow_ranges(const std::vector<RangeEntry>& ranges, description::RobotModel& model, Problems& problems);
 
 }  // namespace polyarm::cell

@@ -1,5 +1,5 @@
 #pragma once
-/// How many changes of one tag are printed: a chatty far side of a link must not fill a disk.
+/// Limits how many changes of one tag are printed, so a fast remote device does not fill a disk.
 #include <cstddef>
 #include <map>
 #include <string>
@@ -8,16 +8,16 @@
 
 namespace polyarm::cell {
 
-/// Any one thread.
+/// Use from one thread at a time.
 class TagRate {
  public:
-  static constexpr std::size_t kMostASecond = 100;  ///< of one tag
+  static constexpr std::size_t kMostASecond = 100;  ///< per tag
 
   struct Verdict {
-    bool shown;            ///< this change is printed
-    std::size_t left_out;  ///< changes before it that were not, and are reported now
+    bool shown;            ///< print this change
+    std::size_t left_out;  ///< number of earlier changes that were not printed, to be reported now
   };
-  /// A change at this cell time, ns.
+  /// Call for a change at this cell time, ns.
   Verdict look(Nanoseconds time, const std::string& tag) {
     Count& count = counts_[tag];
     Verdict out{true, 0};
@@ -32,7 +32,7 @@ class TagRate {
  private:
   static constexpr Nanoseconds kSecond = 1'000'000'000;
   struct Count {
-    Nanoseconds begin = 0;  // of the second that is counted
+    Nanoseconds begin = 0;  // start of the current second
     std::size_t seen = 0;
   };
   std::map<std::string, Count> counts_;

@@ -1,4 +1,4 @@
-/// Where the programs of a cell pause.
+/// Breakpoints of a cell's programs.
 #include <filesystem>
 #include <utility>
 
@@ -10,7 +10,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A file of the folder by its name in there; another as it is.
+/// Path relative to the folder if the file is inside it; otherwise unchanged.
 std::string name_in_folder(const fs::path& folder, const std::string& file) {
   std::error_code error;
   const std::string name = fs::proximate(file, folder, error).generic_string();
@@ -48,7 +48,8 @@ const TextLines* Programs::lines_of_program(const std::string& file) const {
   return program_ ? program_->interpreter().lines_of(file) : nullptr;
 }
 
-/// A line of `text` (of what the program has read) in the text that is known of the file.
+/// Converts a line of `text` (a text that the program was read from) to a line of the newest known text of
+/// the file.
 int Programs::known_line(FileBreakpoints& file, int line, const std::optional<TextLines>& text) const {
   const TextLines* const read = lines_of_program(file.file);
   if (!file.text && text && (!read || *read != *text)) file.text = read ? *read : *text;
@@ -113,7 +114,8 @@ void Programs::edit_breakpoints(const std::string& file, TextLines text,
   place_breakpoints();
 }
 
-/// In the present program: at those lines of its own text, and where that is the newest they move down again.
+/// Sets the breakpoints in the present program. If its text is the newest, they move down to the next
+/// statements.
 void Programs::place_breakpoints() {
   if (!program_) return;
   program::Interpreter& interpreter = program_->interpreter();

@@ -1,12 +1,13 @@
 #pragma once
+/// Identifies the version of a program.
 #include <string>
 
 #include "polyarm/language/ast.hpp"
 
 namespace polyarm::cell {
 
-/// Tells a program with all that it includes from others, and from itself before it was changed: 16 hexadecimal
-/// digits, not for security.
+/// Hash of a program and all files that it includes: 16 hexadecimal digits; not for security. It changes with
+/// any line.
 std::string program_hash(const program::Program& program);
 
 }  // namespace polyarm::cell

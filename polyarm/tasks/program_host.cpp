@@ -11,7 +11,7 @@ namespace polyarm::cell {
 std::vector<double> joints_by_name(const description::RobotModel& model, const data::JointState& joints,
                                    const std::string& what) {
   const std::vector<std::string> names = model.joint_names();
-  if (joints.names.empty() && !joints.positions.empty()) {  // in the robot's own order
+  if (joints.names.empty() && !joints.positions.empty()) {  // in the robot's joint order
     if (joints.positions.size() == names.size()) return joints.positions;
     throw Error("missing-joint",
                 fmt::format("{} has {} values, {} has {} joints: {}", what, joints.positions.size(),

@@ -1,4 +1,5 @@
 #pragma once
+/// The environment of a task: connects the interpreter to the cell's data, motion, files and people.
 #include <deque>
 #include <functional>
 #include <map>
@@ -15,11 +16,11 @@
 
 namespace polyarm::cell {
 
-/// Questions of programs and their answers: given in advance, or typed while they wait. Cell thread.
+/// Answers to the questions of programs: given in advance, or typed while a program waits. Cell thread.
 class Answers {
  public:
   void give(std::string text) { given_.push_back(std::move(text)); }
-  /// True when somebody can type answers.
+  /// True if a person can type answers.
   bool somebody_there = false;
   std::deque<std::string>& given() { return given_; }
 
@@ -27,21 +28,22 @@ class Answers {
   std::deque<std::string> given_;
 };
 
-/// What a task of a cell reaches: the store under the task's name, and the motion of its robot if it has one.
+/// Implements program::Host for a task of the cell: data under the task's name, and motion of its robots if
+/// it has any.
 class ProgramHost : public program::Host {
  public:
   struct Context {
     std::string task;
     data::DataStore* store = nullptr;
     DataFiles* files = nullptr;
-    ProgramMoves* moves = nullptr;  ///< null: a task that moves nothing (a PLC)
-    /// Whether every robot stands, and what holds them; null where nobody can tell.
+    ProgramMoves* moves = nullptr;  ///< null: the task moves nothing (a PLC)
+    /// standing: true if every robot is at rest; null if unknown. hold: holds the robots.
     std::function<bool()> standing;
     std::function<void(const std::string&, const Location&)> hold;
-    /// Of a test: what runs a program, and the functions of tests; null: it is none.
+    /// For a test only: starts a program, and calls the functions of tests; otherwise null.
     std::function<void(const std::string&, const Location&)> run_program;
     std::function<data::Value(std::string_view, std::span<const data::Value>, const Location&)> call;
-    /// Whether others see what is set to a name: a file of the user's, or a link; null: nobody does.
+    /// True if others read the name: from a user's own file, or over a link; null: nobody does.
     std::function<bool(const std::string& name)> seen_outside;
     Answers* answers = nullptr;
     Observer* observer = nullptr;
@@ -49,7 +51,7 @@ class ProgramHost : public program::Host {
   };
   explicit ProgramHost(Context context) : c_(std::move(context)) {}
 
-  /// A point that names a frame comes in the world, as that frame is now.
+  /// A point in a frame is returned in the world, by the present pose of the frame.
   const data::Value* find(std::string_view name) const override;
   std::vector<std::string> names() const override { return c_.store->names(); }
   void set(const std::string& name, data::Value value, const Location& where) override;
@@ -85,17 +87,17 @@ class ProgramHost : public program::Host {
   bool standing() const override { return !c_.standing || c_.standing(); }
   void hold(const std::string& reason, const Location& where) override;
 
-  /// True while a move of this task is under way.
+  /// True while a move of this task is running.
   bool moving() const { return c_.moves && c_.moves->moving(); }
 
  private:
   Context c_;
-  mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< of points that name a frame
+  mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< points that are given in a frame
   std::string answer_;
 };
 
-/// The joint values of `joints` for the robot, by joint name whatever their order. Throws Error naming a
-/// joint that the robot does not have, or one that is missing.
+/// The joint values for the robot, in its order; `joints` may have any order. Throws Error that names an
+/// unknown or a missing joint.
 std::vector<double> joints_by_name(const description::RobotModel& model, const data::JointState& joints,
                                    const std::string& what);
 

@@ -37,7 +37,7 @@ std::size_t ProgramMoves::robot_of(const std::string& robot, const Location& whe
   return found;
 }
 
-/// With a controller that moves its joints.
+/// The index of a robot whose joints a controller moves.
 std::size_t ProgramMoves::arm_of(const std::string& robot, const Location& where) const {
   const std::size_t found = robot_of(robot, where);
   if (!arms_[found].robot.motion)
@@ -48,7 +48,7 @@ std::size_t ProgramMoves::arm_of(const std::string& robot, const Location& where
   return found;
 }
 
-/// What hangs on a robot: its base, its flange (tool0), its TCP.
+/// A frame on a robot: its base, its flange (tool0) or its TCP.
 std::optional<Pose> ProgramMoves::frame_on_robot(const std::string& name) const {
   const auto slash = name.find('/');
   if (slash == std::string::npos) return std::nullopt;
@@ -131,7 +131,7 @@ moves::MoveTarget ProgramMoves::target_of(const program::Move::Target& target, c
   if (const data::JointState* joints = target.value.as_joints())
     return {joints_by_name(arm.robot.robot->model, *joints, target.name), target.name};
   if (const data::Point* point = target.value.as_point()) {
-    // A point that names a frame is meant in that one, whatever frame the move is in.
+    // A point that names a frame is in that frame, whatever the frame of the move.
     const Pose own = point->frame().empty() ? frame : frame_named(point->frame(), arm, where);
     return {own * point->pose, target.name};
   }
@@ -201,8 +201,8 @@ std::vector<moves::Move> ProgramMoves::moves_of(const program::Move& move, const
 }
 
 namespace {
-/// A point that this robot was taught is reached in the configuration in which it stood there, with whatever
-/// tool and wherever its frame is now; where that cannot be, in the nearest.
+/// A point taught with this robot is reached in the taught arm configuration, with any tool and for the
+/// present pose of its frame; if that is impossible, in the nearest one.
 void keep_as_taught(const program::Move& move, const CellRobot& own, const moves::RobotFacts& robot,
                     std::vector<moves::Move>& moves) {
   if (move.kind != program::Move::Kind::joint || moves.size() != move.targets.size()) return;
@@ -299,7 +299,7 @@ program::Handle ProgramMoves::start(const program::Move& asked, const Location& 
   return last_handle_;
 }
 
-/// Poses become the joint states that reach them nearest to `near`.
+/// Converts poses to the joint states nearest to `near`.
 void ProgramMoves::keep_near(const data::JointState& near, const moves::RobotFacts& robot,
                              std::vector<moves::Move>& moves) const {
   const std::vector<double> joints = joints_by_name(*robot.model, near, "'near'");
@@ -318,7 +318,7 @@ void ProgramMoves::check_payload(const program::Move& move, const Arm& arm, cons
                       "carry less, or take a stronger robot"});
 }
 
-/// What the moves of a group share. A second move of the same robot cannot begin with the first one.
+/// The state shared by moves of one group. Two moves of one robot cannot be in the same group.
 std::shared_ptr<moves::InStep> ProgramMoves::step_of(const program::Move& move, std::size_t arm,
                                                      const Location& where) {
   if (move.step.group == 0 || move.step.members < 2) return nullptr;
@@ -340,20 +340,20 @@ void ProgramMoves::forget(const moves::BaseMotion& base) {
     if (arm.robot.base == &base) arm.robot.base = nullptr;
 }
 
-/// Of moves that nobody waits for.
+/// Forgets the oldest moves, which nobody waits for.
 void ProgramMoves::forget_ended() {
   constexpr std::size_t kKept = 2000;
   while (asked_.size() > kKept) asked_.erase(asked_.begin());
 }
 
-/// The first of the moves not told about that did not end well; forgets those that did.
+/// The result of the first unreported move that did not end well; removes the ones that did.
 std::optional<program::Progress> ProgramMoves::bad_end(Arm& arm, std::uint64_t through) {
   const moves::RobotMotion& motion = *arm.robot.motion;
   while (!arm.open.empty() && arm.open.front().id <= through &&
          motion.state_of(arm.open.front().id) == moves::MoveState::done)
     arm.open.pop_front();
   if (arm.open.empty() || !motion.ended_badly_from(arm.open.front().id)) return std::nullopt;
-  // What failed says more than what was discarded before it for that reason.
+  // A failed move explains more than moves that were discarded because of it.
   for (const auto wanted : {moves::MoveState::failed, moves::MoveState::refused, moves::MoveState::discarded})
     for (const Open& open : arm.open) {
       if (open.id > through || motion.state_of(open.id) != wanted) continue;
@@ -395,7 +395,7 @@ program::Progress ProgramMoves::poll(program::Handle handle) {
              : state == State::failed ? program::Progress::failed(std::move(why))
                                       : program::Progress::ended(std::move(why));
     }
-    // A failure behind a move ends the wait for it too.
+    // A failure of a later move also ends the wait for this one.
     if (auto bad = bad_end(arm, arm.robot.motion->last_id())) {
       asked_.erase(found);
       return std::move(*bad);
@@ -412,7 +412,7 @@ bool ProgramMoves::has_room(const std::string& robot) {
   return !arm.robot.motion || arm.robot.motion->has_room();
 }
 
-/// Of one robot, or of all.
+/// Waits for one robot, or for all.
 program::Handle ProgramMoves::start_arrival(const std::string& robot) {
   Asked asked;
   for (std::size_t i = 0; i < arms_.size(); ++i) {
@@ -428,13 +428,13 @@ program::Handle ProgramMoves::start_arrival(const std::string& robot) {
 program::Travel ProgramMoves::travel(program::Handle handle) const {
   const auto found = asked_.find(handle);
   constexpr Nanoseconds kForever = std::numeric_limits<Nanoseconds>::max();
-  if (found == asked_.end() || found->second.empty())  // it is long over
+  if (found == asked_.end() || found->second.empty())  // it ended long ago
     return {std::numeric_limits<double>::infinity(), 0, kForever, 0};
   const Moves& moves = found->second.front();
   if (moves.base) return {0, std::numeric_limits<double>::infinity(), 0, kForever};
   const moves::Travel way = arms_[moves.arm].robot.motion->travel(moves.first, moves.last);
   const auto time = [](double s) { return s < 1e9 ? static_cast<Nanoseconds>(1e9 * s) : kForever; };
-  if (way.left == 0 && way.remaining == 0 && way.covered == 0)  // it has arrived
+  if (way.left == 0 && way.remaining == 0 && way.covered == 0)  // the robot has arrived
     return {std::numeric_limits<double>::infinity(), 0, kForever, 0};
   return {way.covered, way.left, time(way.elapsed), time(way.remaining)};
 }

@@ -1,4 +1,5 @@
 #pragma once
+/// Converts the move statements of a task into moves of its robots.
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -17,25 +18,25 @@
 
 namespace polyarm::cell {
 
-/// The moves of a task: from what a program says to what robots do. Cell thread.
+/// The moves of one task. Cell thread.
 class ProgramMoves {
  public:
   struct Robot {
     const CellRobot* robot = nullptr;
-    moves::RobotMotion* motion = nullptr;  ///< null: no controller moves it
-    moves::BaseMotion* base = nullptr;     ///< null: it has no wheels that a controller drives
+    moves::RobotMotion* motion = nullptr;  ///< null: no controller moves the robot
+    moves::BaseMotion* base = nullptr;     ///< null: no controller drives wheels
   };
-  /// `robots`: those that the task may move; none: it moves nothing. `store` has the points that stand for
-  /// frames and tools; it outlives this.
+  /// `robots`: those that the task may move; empty: it moves nothing. `store` has the points that serve as
+  /// frames and tools; it must outlive this object.
   ProgramMoves(std::string task, std::vector<Robot> robots, const MotionEntry& pace,
                const data::DataStore& store);
 
-  /// The point with its pose in the world, as its frame is now: a point of the data (which may be in
-  /// another), `ROBOT/base`, `ROBOT/flange` or `ROBOT/tcp` (as they are when all that is queued has arrived).
+  /// The point with its pose in the world, by the present pose of its frame: a point of the data (which may
+  /// itself be in a frame), `ROBOT/base`, `ROBOT/flange` or `ROBOT/tcp` (their poses after all queued moves).
   /// Throws Error("unknown-frame").
   data::Point in_world(const data::Point& point) const;
 
-  // As of program::Host.
+  // program::Host.
   program::Handle start(const program::Move& move, const Location& where);
   program::Progress poll(program::Handle handle);
   bool has_room(const std::string& robot);
@@ -44,41 +45,42 @@ class ProgramMoves {
   void end(program::Handle handle);
   data::Value here(const std::string& robot, const std::string& tool, const std::string& frame) const;
 
-  /// A move as its robot's planner takes it, without queueing it. `with`: the robot with another TCP.
+  /// A move in the planner's form, not queued. `with`: facts of the robot with another TCP.
   struct Prepared {
-    std::size_t arm = 0;  ///< index of the robots given
+    std::size_t arm = 0;  ///< index in the robots of the constructor
     std::vector<moves::Move> moves;
     std::shared_ptr<const moves::RobotFacts> with;
   };
   Prepared prepare(const program::Move& move, const Location& where);
-  /// Of a rehearsal: true for a robot, by its index, that has moves to do. Else its controller knows.
+  /// For a rehearsal: returns true if the robot with this index has pending moves. Without it the controller
+  /// is asked.
   void set_busy(std::function<bool(std::size_t)> busy) { busy_ = std::move(busy); }
-  /// The index of the robot whose base a `drive` or `turn` moves. Throws Error if no controller moves it.
+  /// The index of the robot whose base a `drive` or `turn` moves. Throws Error if no controller drives it.
   std::size_t base_of(const program::Move& move, const Location& where) const;
-  /// here(), with the robot's joints where `joints_of` says.
+  /// here() for the joints that `joints_of` returns.
   data::Value here_at(const std::string& robot, const std::string& tool, const std::string& frame,
                       const std::function<std::vector<double>(std::size_t arm)>& joints_of) const;
 
-  /// Their controllers are going to be unloaded.
+  /// Call before their controllers are unloaded.
   void forget(const moves::BaseMotion& base);
   void forget(const moves::RobotMotion& motion);
-  /// Where the program asks for a move that is under way; empty for one that is not the program's.
+  /// The program line of a running move; empty if the move is not from this program.
   Location place_of(const moves::RobotMotion& motion, std::uint64_t move) const;
-  /// True until the robot has come to the end of what start() returned this handle for.
+  /// True until the robot has finished the move of this handle.
   bool under_way(program::Handle handle) const;
   bool given_up(program::Handle handle) const;
-  /// True while something that was asked for has not ended.
+  /// True while a requested move has not ended.
   bool moving() const;
 
  private:
-  /// A move that has not been told about.
+  /// A move whose result was not reported yet.
   struct Open {
     std::uint64_t id;
     Location where;
     std::string name;
-    std::string called;  ///< by the functions of the program
+    std::string called;  ///< by these functions of the program
   };
-  /// The robot with another TCP, and which; points may change while a program runs.
+  /// Facts of the robot with another TCP, and that TCP; points may change while a program runs.
   struct MadeTool {
     Pose tcp;
     std::shared_ptr<const moves::RobotFacts> facts;

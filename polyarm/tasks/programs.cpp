@@ -53,7 +53,7 @@ void Programs::start_loaded(Problems& problems) {
   if (!program) return;
   if (setup_.options.test) {
     ready_ = std::move(program);
-  } else if (!problems.has_errors()) {  // else it lacks what those are about
+  } else if (!problems.has_errors()) {  // otherwise it lacks the data that the problems are about
     collect(problems, [&] { start(std::move(*program)); });
     begun_ = !waits_;
   }
@@ -111,7 +111,7 @@ bool Programs::runs() const {
 
 std::string Programs::hint_of_live() const {
   if (!program_ || program_->status().waiting.kind != program::WaitKind::condition) return {};
-  std::set<std::string> set_here;  // by somebody in the cell
+  std::set<std::string> set_here;  // set by the program or the PLC
   for (const Task* task : {program_.get(), plc_.get()}) {
     if (!task) continue;
     program::for_each_statement(task->interpreter().program().statements, [&](const program::Statement& s) {
@@ -155,7 +155,7 @@ void Programs::stop_all() {
 }
 
 program::StartReport Programs::prepare(const std::string& name, int line) {
-  if (under_way()) {  // its `on stop` is done: the robots stand
+  if (under_way()) {  // the robots are at rest, so its `on stop` runs to its end
     program_->interpreter().stop();
     program_->tick();
   }
@@ -170,7 +170,7 @@ program::StartReport Programs::prepare(const std::string& name, int line) {
     program_->refresh();
     if (line <= 0) report.where = program_->status().where;
     return report;
-  } catch (const Error&) {  // the one before stays as it was, at its end
+  } catch (const Error&) {  // keep the previous program, at its end
     program_ = std::move(before);
     moves_ = std::move(moves);
     starts_ = starts;
@@ -202,7 +202,7 @@ void Programs::begin(const std::string& name, const Location& where) {
   start(std::move(*programs.program));
 }
 
-/// What a PLC cannot take up it begins anew, and says so.
+/// If the PLC cannot continue it restarts, and this is reported.
 void Programs::continue_plc(const SafePoint& point) {
   Task* const plc = plc_.get();
   if (!plc) return;

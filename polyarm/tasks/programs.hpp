@@ -1,6 +1,5 @@
 #pragma once
-/// The programs of a cell: the robot program, the PLC, and a test where there is one; breakpoints and safe
-/// points.
+/// The programs of a cell: robot program, PLC and optional test; their breakpoints and safe points.
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,58 +24,59 @@ class Programs {
            Observer& observer);
   ~Programs();
 
-  // Building, in this order. Each throws Error, or collects problems.
-  /// Reads program and PLC with their data; connects the links; makes the PLC's task.
+  // Construction; call in this order. Each function throws Error or collects problems.
+  /// Reads program and PLC with their data, connects the links, and creates the PLC's task.
   void load(Problems& problems);
   void start_loaded(Problems& problems);
 
-  /// The program's task; null when the cell has no program.
+  /// The program's task; null if the cell has no program.
   Task* program() { return program_.get(); }
   const Task* program() const { return program_.get(); }
   Task* plc() { return plc_.get(); }
   const Task* plc() const { return plc_.get(); }
-  /// The moves of the program; null without one.
+  /// The moves of the program; null without a program.
   ProgramMoves* moves() { return moves_.get(); }
   Answers& answers() { return answers_; }
-  /// What a task of the cell is made with.
+  /// The context for a new task of the cell.
   ProgramHost::Context context(const std::string& task) const;
 
   bool begun() const { return begun_; }
-  /// It has begun and has not ended.
+  /// True if it has begun and has not ended.
   bool under_way() const { return program_ && begun_ && !program_->ended(); }
-  /// It is under way, so that nobody else may move. A paused program whose robots stand lets others move.
+  /// True if it is under way and nobody else may move. Others may move while a program is paused and its
+  /// robots are at rest.
   bool runs() const;
-  /// How often a program was made ready or begun.
+  /// How many programs were prepared or started so far.
   std::uint64_t starts() const { return starts_; }
-  /// The cell goes on when its program ends, which begins on a request.
+  /// True if the cell continues after its program has ended, so it can be started again.
   bool waits() const { return waits_; }
 
-  /// Begins the program `name` (a script or a script-information file; empty: the cell's own), read anew from
-  /// its files. Throws Error while another one runs or robots move, and with what is wrong with it.
+  /// Starts the program `name` (a script or a script-information file; empty: the cell's own), read again
+  /// from its files. Throws Error while another program runs or robots move, and for errors in the program.
   void begin(const std::string& name, const Location& where);
-  /// The same, paused before `line` of its file (0: its first statement), whatever ran before.
+  /// The same, but paused before `line` of its file (0: its first statement), whatever ran before.
   program::StartReport prepare(const std::string& name, int line);
-  /// Puts this program in the place of the present one, which has not begun or has ended; the cell goes on
-  /// when it ends. It begins with let_begin(). Throws Error where nothing can be moved.
+  /// Replaces the present program, which has not begun or has ended; the cell continues after it ends.
+  /// let_begin() starts it. Throws Error if no robot can be moved.
   void put(program::Program program);
   void let_begin() { begun_ = true; }
-  /// Ends the program where it is: its moves end on their paths. Its `on stop` still runs.
+  /// Ends the program at its present line: its moves end on their paths. Its `on stop` still runs.
   void end();
-  /// Ends all of them (a person stopped the run).
+  /// Ends all programs (a person stopped the run).
   void stop_all();
-  /// Before the first tick: the program goes on from where an earlier run was cut off. Throws Error where
-  /// there is nothing to go on from, or the program has changed.
+  /// Call before the first tick: continues the program where an earlier run was interrupted. Throws Error if
+  /// there is no safe point or the program has changed.
   program::StartReport continue_from_safe_point();
-  /// At the end of a run: writes to the disk what lets the program go on later.
+  /// Call at the end of a run: writes the safe point to disk.
   void keep_safe_point();
-  /// What grippers hold now; and, after continue_from_safe_point(), what they held when the run before was
-  /// cut off.
+  /// What the grippers hold now; and, after continue_from_safe_point(), what they held when the earlier run
+  /// was interrupted.
   std::vector<std::string> held_parts() const { return held_parts_->names(machine_.snapshot()); }
   const std::vector<std::string>& held_before() const { return held_before_; }
-  /// Of the names that the program waits for, one that nothing in the cell sets and that comes from a file
-  /// which the run has copied: how others come to set it. Empty where there is none.
+  /// If the program waits for a name that nothing in the cell sets and whose file the run has copied: a hint
+  /// how others can set it. Otherwise empty.
   std::string hint_of_live() const;
-  /// Where a move of the program comes from; empty: none of the program's.
+  /// The program line of a move; empty if it is not from the program.
   Location place_of(const moves::RobotMotion& motion, std::uint64_t move) const;
 
   void tick_program();
@@ -84,21 +84,23 @@ class Programs {
     if (plc_) plc_->tick();
   }
 
-  /// Where programs pause: in the present one, and in others of the cell's folder once they begin.
+  /// The breakpoints of the present program and of other programs in the cell's folder, which apply when
+  /// those start.
   std::vector<Location> breakpoints() const;
-  /// The same with the texts that they are lines of, for the cell after this one.
+  /// The same with the texts that the lines belong to, for a rebuilt cell.
   std::vector<FileBreakpoints> kept_breakpoints() const;
-  /// At a line of `text`, or without one of what the program has read. It moves down to the next statement,
-  /// in a program with an older text to that line in there, if it has it. Throws Error where there is no such
-  /// program, or no statement.
+  /// Adds a breakpoint at a line of `text`; without it, of the text that the program has read. It moves down
+  /// to the next statement. In a program with an older text it is set at the corresponding line, if there is
+  /// one. Throws Error if there is no such program or no statement.
   void add_breakpoint(const Location& place, const std::optional<TextLines>& text = {});
   void drop_breakpoint(const Location& place, const std::optional<TextLines>& text = {});
   void clear_breakpoints();
-  /// The file reads `text` now, saved or not: its breakpoints move with their lines, or are at `lines` of it.
+  /// Reports that the file now reads `text`, saved or not: its breakpoints move with their lines, or to
+  /// `lines`.
   void edit_breakpoints(const std::string& file, TextLines text,
                         const std::optional<std::vector<int>>& lines);
 
-  /// A controller is unloaded: moves of the program through it are forgotten.
+  /// Call when a controller is unloaded: removes the program's moves through it.
   void forget(const moves::RobotMotion& motion);
   void forget(const moves::BaseMotion& base);
 
@@ -124,7 +126,7 @@ class Programs {
   std::unique_ptr<SafePoints> safe_points_;
   std::unique_ptr<HeldParts> held_parts_;
   std::vector<std::string> held_before_;
-  std::optional<program::Program> ready_;  // it begins when a test says so
+  std::optional<program::Program> ready_;  // a test starts it
   LoadedPrograms loaded_;
   Breakpoints breakpoints_;
 };

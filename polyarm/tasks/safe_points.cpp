@@ -14,7 +14,7 @@ using data::Value;
 using program::SavedSlot;
 using program::SavedTask;
 
-/// Where only the line has changed, not more often than this.
+/// Minimum interval when only the line has changed, ns.
 constexpr Nanoseconds kBetween = 250'000'000;
 
 Json from_pose(const Pose& p) {
@@ -290,7 +290,7 @@ void SafePoints::post() {
     try {
       std::filesystem::create_directories(file.parent_path());
       write_file_atomically(file, to_json(*point));
-    } catch (const std::exception&) {  // the data files tell that the disk is not there
+    } catch (const std::exception&) {  // the data files report disk errors
     }
     busy->store(false);
   });

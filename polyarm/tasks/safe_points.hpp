@@ -1,5 +1,6 @@
 #pragma once
-/// Where a program can go on after a loss of power: written to the cell's .state folder while it runs.
+/// Safe points: states from which a program can continue after a power failure; written to the cell's .state
+/// folder while it runs.
 #include <atomic>
 #include <filesystem>
 #include <memory>
@@ -13,37 +14,37 @@
 
 namespace polyarm::cell {
 
-/// A program's state, its PLC's, the data of its sets and the tags at the same moment.
+/// A consistent state: the program, its PLC, the data of its sets, and the tags.
 struct SafePoint {
   std::string program;  ///< file of the program
   std::string line;     ///< "file:line" and its text, for people
   program::SavedState state;
   std::vector<std::pair<std::string, data::Value>> values;
-  std::optional<program::SavedState> plc;  ///< nothing: there is none, or it stood where it cannot go on
+  std::optional<program::SavedState> plc;  ///< empty: no PLC, or it cannot continue from its line
   bool plc_ended = false;
-  std::vector<std::pair<std::string, data::Value>> tags;  ///< but those that hardware and cell tell
-  std::vector<std::string> held;  ///< what grippers held at last, which may be later than the rest
+  std::vector<std::pair<std::string, data::Value>> tags;  ///< without those that hardware and cell set
+  std::vector<std::string> held;  ///< what grippers held last; may be newer than the rest
 };
 std::string to_json(const SafePoint& point);
 /// Throws Error("bad-state").
 SafePoint safe_point_from_json(const std::string& text, const std::string& file);
 
-/// Cell thread; the disk is touched by the worker. In lock-step it is written at the end alone.
+/// Cell thread; the worker accesses the disk. In lock-step a safe point is written only at the end.
 class SafePoints {
  public:
   SafePoints(std::filesystem::path file, Worker& worker, bool lock_step)
       : file_(std::move(file)), worker_(worker), lock_step_(lock_step) {}
 
-  /// Between statements and after each tick of the program: takes the state down at safe points, when it or
-  /// the data have changed; one write is under way at most, and the newest is written next.
-  /// `plc`: null where the cell has none.
+  /// Call between statements and after each tick of the program: records the state at safe points if it or
+  /// the data have changed. At most one write is in progress, and the newest state is written next. `plc`:
+  /// null without one.
   void tick(Nanoseconds now, const Task& task, const Task* plc, const data::DataStore& store);
-  /// A gripper has taken or let go something; where the program is then makes no difference.
+  /// Call when a gripper has picked or released a part, at any line of the program.
   void set_held(std::vector<std::string> held);
-  /// What is not written yet. A program that has come to its own end leaves nothing.
+  /// Writes the pending state. A program that has completed leaves no safe point.
   void finish(const Task& task);
 
-  /// The one that an earlier run has left. Throws Error("no-state").
+  /// The safe point of an earlier run. Throws Error("no-state").
   static SafePoint read(const std::filesystem::path& file);
   const std::filesystem::path& file() const { return file_; }
 
@@ -57,7 +58,7 @@ class SafePoints {
   Worker& worker_;
   bool lock_step_;
   std::shared_ptr<const SafePoint> last_;  ///< the newest
-  bool pending_ = false;                   ///< it is not on its way to the disk yet
+  bool pending_ = false;                   ///< not yet being written
   std::vector<std::string> held_;
   std::shared_ptr<std::atomic<bool>> busy_ = std::make_shared<std::atomic<bool>>(false);
   std::uint64_t seen_version_ = 0;

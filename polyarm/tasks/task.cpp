@@ -60,7 +60,7 @@ void Task::tick(const std::function<void()>& between) {
     busy_since_.reset();
   else if (!busy_since_)
     busy_since_ = *now_;
-  // Moves are under way while no statement is begun.
+  // Moves run while no statement begins.
   const program::Place at = interpreter_.position();
   if (at.line != seen_.line || at.file != seen_.file || interpreter_.cycles() != status_.cycles) look();
 }

@@ -1,4 +1,5 @@
 #pragma once
+/// A running program of a cell, with its status.
 #include <functional>
 #include <memory>
 #include <optional>
@@ -9,43 +10,41 @@
 
 namespace polyarm::cell {
 
-/// A program at work in a cell: the robot program or the PLC. Cell thread.
+/// The robot program, the PLC or a test. Cell thread.
 class Task {
  public:
-  /// Statements a task may execute in one tick.
+  /// Maximum number of statements per tick.
   static constexpr int kBudget = 200;
-  /// Of those so many are told line by line; then the line that it has come to.
+  /// Of these, the number reported line by line; after that only the line that was reached is reported.
   static constexpr int kTold = 20;
 
-  /// `test`: that of the program's tests, in the order of the text.
+  /// `test`: index of the test in the program, in text order.
   Task(std::string name, program::Program program, ProgramHost::Context context,
        std::optional<std::size_t> test = {});
 
-  /// Runs until it waits, ends, or the budget is used up; tells the observer of lines that it comes to.
+  /// Runs until the task waits or ends or the budget is used up; reports reached lines to the observer.
   void tick();
-  /// The same; `between` is called behind statements, in front of the next: behind the first each, then the
-  /// last.
+  /// The same; calls `between` between statements: after each of the first kTold, then after the last.
   void tick(const std::function<void()>& between);
   program::Interpreter& interpreter() { return interpreter_; }
   const program::Interpreter& interpreter() const { return interpreter_; }
-  /// After the interpreter was told where to begin.
+  /// Call after the interpreter was told where to start.
   void refresh() { look(); }
   const program::TaskStatus& status() const { return status_; }
   const std::string& name() const { return name_; }
   bool ended() const;
   bool failed() const { return status_.state == program::TaskState::failed; }
   bool moving() const { return host_.moving(); }
-  /// How long the newest whole pass of the outermost loop took, in cell time; none before the second has
-  /// ended.
+  /// Duration of the newest complete pass of the outermost loop, in cell time; empty before the second pass
+  /// has ended.
   std::optional<Nanoseconds> last_pass() const { return last_pass_; }
-  /// Since when, in cell time, it waits for what it waits for; nothing while it does not wait.
+  /// Cell time at which the present wait began; empty while it does not wait.
   std::optional<Nanoseconds> waits_since() const { return waits_since_; }
-  /// Since when, in cell time, it has used up all statements that it may begin in a tick; nothing while it
-  /// waits or has less to do.
+  /// Cell time since which it uses its whole budget each tick; empty if it waits or uses less.
   std::optional<Nanoseconds> busy_since() const { return busy_since_; }
   /// "PAPscript.script:12: wait GripperActive, waits for GripperActive"
   std::string sentence() const;
-  /// The same of each of its tasks that has not ended.
+  /// The same for each of its tasks that has not ended.
   std::string sentences() const;
 
  private:

@@ -30,7 +30,7 @@ std::string parts(double count) {
   return fmt::format("{:.0f} part{}", count, count == 1 ? "" : "s");
 }
 
-/// `at_feeder`: who waits looks at the feeder itself, not at a gripper that takes from it.
+/// `at_feeder`: the wait reads the feeder itself, not a gripper that takes from it.
 std::string hint_of(const WaitOwners& cell, const std::string& feeder, bool at_feeder) {
   const auto presented = state_of(cell, "scene/" + feeder + "/presented");
   const auto remaining = state_of(cell, "scene/" + feeder + "/remaining");
@@ -48,7 +48,7 @@ std::string hint_of(const WaitOwners& cell, const std::string& feeder, bool at_f
                      *presented <= 0 ? "none" : "as many", asks);
 }
 
-/// From a point to the surface of a shape at the origin; 0 inside.
+/// Distance from a point to the surface of a shape at the origin; 0 inside.
 double distance(const Vec3& p, const description::Shape& shape) {
   using description::ShapeKind;
   const double radial = std::hypot(p.x, p.y), up = std::abs(p.z);
@@ -66,10 +66,10 @@ double distance(const Vec3& p, const description::Shape& shape) {
 
 struct NearPart {
   const description::Part* part = nullptr;
-  double away = 0;  ///< of the TCP from its surface, m
+  double away = 0;  ///< distance of the TCP from its surface, m
 };
 
-/// Of those that nothing holds; none where no part lies in the cell.
+/// The nearest part that nothing holds; empty if there is none in the cell.
 NearPart nearest_part(const WaitOwners& cell, const Vec3& tcp) {
   NearPart out;
   const auto& states = cell.machine.snapshot().world.parts;
@@ -83,7 +83,7 @@ NearPart nearest_part(const WaitOwners& cell, const Vec3& tcp) {
   return out;
 }
 
-/// The part that the gripper of this robot holds; empty: none.
+/// The part that this robot's gripper holds; empty if it holds none.
 std::string held_by(const WaitOwners& cell, std::size_t robot) {
   const auto& states = cell.machine.snapshot().world.parts;
   for (std::size_t i = 0; i < std::min(states.size(), cell.setup.scene.parts.size()); ++i)
@@ -92,7 +92,7 @@ std::string held_by(const WaitOwners& cell, std::size_t robot) {
   return {};
 }
 
-/// A value that `--fault` forces upon what the tag reads.
+/// Hint: the tag reads an interface that `--fault` forces to a value.
 std::string hint_of_fault(const WaitOwners& cell, const signals::Tag& tag) {
   const auto at = cell.setup.options.faults.find(tag.interface);
   if (at == cell.setup.options.faults.end()) return {};
@@ -100,7 +100,7 @@ std::string hint_of_fault(const WaitOwners& cell, const signals::Tag& tag) {
                      cell.data.store.find(tag.name)->text(), tag.interface, at->second);
 }
 
-/// Who waits for an outfeed waits for a part that comes to rest there.
+/// Hint: a wait for an outfeed needs a part that comes to rest there.
 std::string hint_of_outfeed(const WaitOwners& cell, const description::Outfeed& outfeed) {
   const auto& states = cell.machine.snapshot().world.parts;
   const auto is_in = [&](const Vec3& p) {
@@ -124,7 +124,7 @@ std::string hint_of_outfeed(const WaitOwners& cell, const description::Outfeed& 
   return {};
 }
 
-/// Why the gripper of this robot holds nothing.
+/// Why this robot's gripper holds nothing.
 std::string hint_of_gripper(const WaitOwners& cell, std::size_t robot) {
   constexpr double kGravity = 9.81;
   const CellRobot& arm = *cell.setup.robots[robot];
@@ -156,7 +156,7 @@ std::string hint_of_gripper(const WaitOwners& cell, std::size_t robot) {
   return {};
 }
 
-/// Who waits for this tag, which is False or 0, waits for a gripper that holds something.
+/// Hint for a tag that is False or 0 because a gripper holds nothing.
 std::string hint_of_gripper(const WaitOwners& cell, const signals::Tag& tag) {
   constexpr std::string_view kEnd = "/tool/part_present";
   const data::Value* value = cell.data.store.find(tag.name);

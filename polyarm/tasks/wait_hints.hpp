@@ -1,5 +1,5 @@
 #pragma once
-/// Why a wait may be in vain, for people.
+/// Hints for people: why a wait may never end.
 #include <span>
 #include <string>
 #include <vector>
@@ -15,7 +15,7 @@ class Programs;
 class Task;
 struct CellSetup;
 
-/// What a wait may need.
+/// The parts of the cell that hints need.
 struct WaitOwners {
   const CellSetup& setup;
   const Machine& machine;
@@ -24,12 +24,12 @@ struct WaitOwners {
   const Programs& programs;
 };
 
-/// Why a wait for one of these names may be in vain: the feeder is empty or nobody has asked it, the vacuum
-/// is off, the gripper is away from every part, the part is too heavy. Empty: nothing is known. Cell thread.
+/// Why a wait for one of these names may never end: the feeder is empty or was not triggered, the vacuum is
+/// off, the gripper is far from every part, the part is too heavy. Empty if no reason is known. Cell thread.
 std::string hint_of_wait(const WaitOwners& cell, std::span<const std::string> names);
-/// The same for what the program and the PLC wait for now.
+/// The same for the present waits of the program and the PLC.
 std::string hint_of_wait(const WaitOwners& cell);
-/// Adds that to a time-out of `task`; leaves other problems as they are.
+/// Adds the hint to a timeout of `task`; does not change other problems.
 void explain_timeout(const WaitOwners& cell, const Task& task, Problem& problem);
 
 }  // namespace polyarm::cell
