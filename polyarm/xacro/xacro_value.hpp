@@ -1,5 +1,5 @@
 #pragma once
-/// Values of expressions in xacro and launch files: the Python types that they use. For this room and
+/// Values of expressions in xacro and launch files: the Python types that they use. Used by this room and by
 /// `ros_files`.
 #include <cstdint>
 #include <functional>
@@ -27,7 +27,8 @@ struct XacroFunction {
   std::string name;
 };
 
-/// none, bool, int, float, str, list (also for sets), tuple, dict, a name space of properties, or a function.
+/// A Python value: None, bool, int, float, str, list (also for sets), tuple, dict, a name space of
+/// properties, or a function.
 struct XacroValue {
   std::variant<std::monostate, bool, std::int64_t, double, std::string, std::shared_ptr<XacroList>,
                std::shared_ptr<XacroDict>, const XacroScope*, XacroFunction>
