@@ -74,8 +74,8 @@ struct XacroNames {
   std::function<bool(const XacroScope* space, const std::string& name, XacroValue& out)> member;
 };
 
-/// Evaluates the text inside ${…}. Throws Error without a place for faults. An expression cannot run code,
-/// cannot read files except through `function`, and always terminates.
+/// Evaluates the text inside ${…}. Throws an Error without a place. An expression cannot run code, can read
+/// files only through `function`, and always terminates.
 XacroValue evaluate_expression(std::string_view text, const XacroNames& names);
 
 }  // namespace polyarm::description
