@@ -65,7 +65,7 @@ static RobotModel read_entry(const fs::path& file) {
   Problems found;
   RobotModel out = read_urdf(read_file(file, bounds::kXmlBytes), file.string(), found);
   if (found.has_errors()) out.hardware.clear();  // this fault was shown when the robot was added
-  for (const Link& link : out.links)             // the user added the robot together with its meshes
+  for (const Link& link : out.links)             // the user added it with its meshes, so they may be read
     for (const auto* shapes : {&link.visuals, &link.collisions})
       for (const Shape& shape : *shapes) reach().allow_reading(shape.mesh_path);
   return out;
