@@ -24,7 +24,7 @@ double ease(double s) {
 /// One end of the skin that connects two housings.
 struct Mouth {
   Vec3 at;
-  Vec3 way;           ///< unit, along the loft from its beginning to its end
+  Vec3 way;           ///< unit, in the loft's direction at this end
   double across = 0;  ///< half the size along the loft's x
   double other = 0;   ///< half the size along its y
   double corner = 1;
