@@ -148,7 +148,6 @@ class Writer {
   }
 
   // --- robots
-  // -------------------------------------------------------------------------------------------------
 
   /// `at`: pose of its root link in the body that carries it.
   void robot(std::size_t r, const Pose& at) {
@@ -270,7 +269,6 @@ class Writer {
   }
 
   // --- the scene
-  // ------------------------------------------------------------------------------------------------
 
   void fixtures(const description::Scene& scene) {
     for (std::size_t f = 0; f < scene.fixtures.size(); ++f)
@@ -313,7 +311,7 @@ class Writer {
     line("</body>");
   }
 
-  // --- pairs that are excluded from collision checks ------------------------------------------------------
+  // --- pairs that are excluded from collision checks
 
   void excludes(std::size_t r) {
     const description::RobotModel& model = *context_.robots[r].model;

@@ -377,7 +377,6 @@ class UrdfReader : private XmlReader {
   }
 
   // --- <polyarm>, written by write_urdf
-  // -----------------------------------------------------------------------------------------
 
   void read_facts(const XMLElement& e) {
     Provenance& p = model_.provenance;

@@ -68,7 +68,6 @@ Body computed(const Shape& shape) {
 }
 
 // --- the cache
-// -----------------------------------------------------------------------------------------------
 
 std::string to_text(const Body& body) {
   std::string out =
@@ -173,7 +172,6 @@ Body made(const Shape& shape, const fs::path& cache) {
 }
 
 // --- several bodies
-// ----------------------------------------------------------------------------------------------
 
 /// Shapes with the same mesh and scale, and therefore the same body.
 struct Job {
