@@ -113,7 +113,10 @@ function Restore({ taken, onDone }: { taken: string[]; onDone: () => void }) {
   );
 }
 
-/** Asks for the project name of a backup. The default is the name of its file if no project has it. */
+/**
+ * Asks for the project name of a backup. The default is the file's name, with a number if a project has that
+ * name.
+ */
 function RestoreDialog({ file, taken, onClose, onDone }: { file: File; taken: string[]; onClose: () => void; onDone: () => void }) {
   const [name, setName] = useState(() => nameFor(file.name, taken));
   const problem = name !== '' && !goodName(name) ? t('cell.badName') : taken.includes(name) ? t('cell.nameTaken') : '';
