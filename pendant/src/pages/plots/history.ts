@@ -77,8 +77,8 @@ export class History {
   }
 
   /**
-   * The values at that time: from the last row before it, if that is recent enough. Null if nothing was
-   * measured.
+   * The values at that time: from the last row that is not later, if it is at most `longest` s older. Null if
+   * nothing was measured.
    */
   at(time: number, names: string[], longest = 0.5): (number | null)[] {
     const after = this.find(time);

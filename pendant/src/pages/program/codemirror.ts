@@ -107,8 +107,8 @@ function toggled(hooks: EditorHooks, view: EditorView, at: number, event: MouseE
 }
 
 /**
- * The start of the line that is drawn at this height. CodeMirror estimates line positions too low until it
- * has measured a newly opened text, so a press would reach a later line.
+ * The start of the line that is drawn at this height. Until CodeMirror has measured a newly opened text, it
+ * underestimates the height of its lines, so a press would reach a later line.
  */
 function shownAt(view: EditorView, y: number): number | null {
   for (const line of view.contentDOM.querySelectorAll('.cm-line')) {
