@@ -19,8 +19,8 @@ namespace polyarm::drivers {
 ///     freeze                    states are frozen from then on
 ///     slow=MS                   one read takes this long (default 50)
 ///
-/// Without a joint, the first one is used. Cycles count from the component's activation, so that a component
-/// that was recovered gets its faults again. apply…(): control thread, nothing allocates.
+/// Without a joint, the first one is used. Cycles count from the component's activation, so a recovered
+/// component gets its faults again. apply…(): control thread, no allocation.
 class Injection {
  public:
   /// Throws Error("bad-value") with the valid forms. `joints`: names of the joints in the order of

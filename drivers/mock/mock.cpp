@@ -217,7 +217,8 @@ std::vector<hardware::InterfaceDescription> MockComponent::command_interfaces() 
   return commands_;
 }
 
-/// Separates the joints that only follow a position; commands store what they drive.
+/// Moves the joints that only follow a position command into followers_, and maps each command to the part
+/// that it drives.
 void MockComponent::part_followers() {
   part_of_command_.assign(commands_.size(), kMovesNothing);
   std::vector<Part> others;

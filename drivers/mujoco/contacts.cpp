@@ -82,7 +82,7 @@ bool ContactReader::is_finding(const Owner& a, const Owner& b, const mjContact& 
   return false;
 }
 
-/// Null if newer ones have replaced it.
+/// The finding of a touching pair; null if newer findings have overwritten it.
 hardware::Contact* ContactReader::finding_of(const Pair& pair, hardware::WorldState& out) noexcept {
   constexpr int kMost = hardware::WorldState::kMaxFindings;
   if (pair.finding < 0 || pair.finding + kMost < out.finding_count) return nullptr;
@@ -116,7 +116,7 @@ void ContactReader::note(const Owner& a, const Owner& b, double depth, const Vec
   if (free) *free = {a.name, b.name, step_, number, depth};
 }
 
-/// Call it after all contacts of a step.
+/// Ends the findings of pairs that have separated. Call it after all contacts of a step.
 void ContactReader::let_go_of_clear_pairs(hardware::WorldState& out) noexcept {
   for (Pair& pair : pairs_) {
     if (pair.finding < 0 || step_ - pair.last <= kClearSteps) continue;

@@ -20,7 +20,7 @@ class ContactReader {
   ContactReader(std::size_t robots, std::size_t parts);
 
   void read(const ModelView& view, Parts& parts, Nanoseconds now, hardware::WorldState& out) noexcept;
-  /// Robot `r` now holds another part (or none): the present contacts of that part are allowed.
+  /// Robot `r` now holds another part (or none). The part's present contacts are allowed.
   void forgive(std::size_t robot) noexcept;
   /// The part that both fingers of robot `r` touched in the last step, or -1.
   int between_fingers(std::size_t robot) const noexcept { return gripped_[robot]; }

@@ -108,7 +108,7 @@ class Writer {
       line("<geom name=\"{}\" {} friction=\"{:.17g} 0.005 0.0001\"{}/>", name, what, friction, priority);
   }
 
-  /// The convex pieces of meshes, each once for each place where it is.
+  /// The convex pieces of all meshes, repeated for every shape that uses a mesh.
   void meshes() {
     out_ += "<asset>\n";
     for (std::size_t r = 0; r < context_.robots.size(); ++r) {
@@ -148,7 +148,6 @@ class Writer {
   }
 
   // --- robots
-  // -------------------------------------------------------------------------------------------------
 
   /// `at`: pose of its root link in the body that carries it.
   void robot(std::size_t r, const Pose& at) {
@@ -270,7 +269,6 @@ class Writer {
   }
 
   // --- the scene
-  // ------------------------------------------------------------------------------------------------
 
   void fixtures(const description::Scene& scene) {
     for (std::size_t f = 0; f < scene.fixtures.size(); ++f)
@@ -299,7 +297,7 @@ class Writer {
     const double scale = body.mass > 0 ? part.mass / body.mass : 0;
     body.mass = part.mass;
     for (double& x : body.inertia) x = std::max(x * scale, 0.0);
-    // In the part's own axes instead of the principal ones, so that a slot can take the shape of any part.
+    // In the part's own axes instead of the principal axes, so that a slot can take the shape of any part.
     line("<inertial pos=\"0 0 0\" mass=\"{:.17g}\" diaginertia=\"{:.17g} {:.17g} {:.17g}\"/>", body.mass,
          body.inertia[0], body.inertia[3], body.inertia[5]);
     geom(slot_name(i), part.shape, {}, part.friction);
@@ -313,7 +311,7 @@ class Writer {
     line("</body>");
   }
 
-  // --- pairs that are excluded from collision checks ------------------------------------------------------
+  // --- pairs that are excluded from collision checks
 
   void excludes(std::size_t r) {
     const description::RobotModel& model = *context_.robots[r].model;

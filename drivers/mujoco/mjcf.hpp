@@ -46,7 +46,7 @@ Rigid rigid_links(const description::RobotModel& model);
 /// True if the robot stands on the floor instead of being bolted down. One of its <ros2_control> blocks then
 /// has `<param name="base">free</param>`, and its links may touch the floor.
 bool stands_free(const hardware::RobotInstance& robot);
-/// The robot among `robots` that `on NAME` of this one names; null: none.
+/// The robot that carries this one (it was placed `on NAME`); null if this robot is not on another one.
 const hardware::RobotInstance* carrier_of(const hardware::RobotInstance& robot,
                                           std::span<const hardware::RobotInstance> robots);
 

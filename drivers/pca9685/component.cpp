@@ -46,7 +46,6 @@ Pca9685Component::~Pca9685Component() {
 }
 
 // --- life cycle
-// -----------------------------------------------------------------------------------------------
 
 CallbackReturn Pca9685Component::on_init(const hardware::ComponentContext& context) {
   name_ = context.name;
@@ -147,7 +146,6 @@ void Pca9685Component::close() noexcept {
 }
 
 // --- cycles
-// ---------------------------------------------------------------------------------------------------
 
 ReturnType Pca9685Component::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
   const std::lock_guard guard(mutex_);
@@ -229,7 +227,6 @@ ReturnType Pca9685Component::stop_for_failure() noexcept {
 }
 
 // --- what went wrong
-// ------------------------------------------------------------------------------------------
 
 void Pca9685Component::note(Trouble trouble, std::uint8_t step, std::uint8_t where, std::uint8_t value,
                             int error) noexcept {

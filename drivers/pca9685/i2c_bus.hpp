@@ -25,8 +25,8 @@ struct BusFailure {
   int error = 0;  ///< errno
 };
 
-/// Opens the device at a 7-bit address; null, with `failure` filled in, if that fails. Sends nothing on the
-/// bus.
+/// Opens the device at a 7-bit address. If that fails, returns null and fills in `failure`. Sends nothing on
+/// the bus.
 using BusOpener = std::function<std::unique_ptr<I2cBus>(const std::string& path, std::uint8_t address,
                                                         BusFailure& failure)>;
 

@@ -247,7 +247,8 @@ class Reader {
                                 std::max(least, 20.0), kMostWatchdog * 1e3, " ms (at least two writes)"));
   }
 
-  /// A motor that does not exist, or a misspelt key: a silently ignored parameter would cause wrong motion.
+  /// Reports parameters of motors that do not exist and misspelt keys: silently ignoring one would cause
+  /// wrong motion.
   void superfluous() {
     std::vector<std::string> known;
     for (const DriverParameter& r : kOfBoard) known.emplace_back(r.name);

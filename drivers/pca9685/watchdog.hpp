@@ -1,5 +1,6 @@
 #pragma once
-/// The watchdog's action for a board (drivers/watchdog). The chip keeps its last duty indefinitely.
+/// The watchdog's action for a motor board (see drivers/watchdog). It is needed because the chip keeps its
+/// last duty indefinitely.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -23,8 +24,8 @@ std::vector<std::string> words_of(const WatchdogSettings& settings);
 bool settings_from(int argc, char** argv, WatchdogSettings& settings);
 
 /// Turns motors off until the chip has confirmed it. After a hang of the driver it also puts the chip to
-/// sleep, so that a pending duty of the driver moves nothing when the driver continues. Returns the exit code
-/// of the process.
+/// sleep, so that a duty that the driver still had pending cannot move anything. Returns the exit code of the
+/// process.
 int watch(const WatchdogSettings& settings, int socket, const BusOpener& open);
 
 }  // namespace polyarm::drivers

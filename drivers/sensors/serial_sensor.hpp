@@ -16,10 +16,10 @@ namespace polyarm::sensors {
 
 inline constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// Shared behaviour of sensors on a serial port: one sensor for each component, states only, NaN for unknown
-/// values. on_configure opens the port and waits until the device has identified itself; on_activate reopens
-/// a lost port; read() takes what has arrived and never waits. A lost port is an error. A silent device is no
-/// error: its states become NaN, and reason() reports it.
+/// Shared behaviour of sensors on a serial port: each component has one sensor, with states only, and NaN for
+/// unknown values. on_configure opens the port and waits until the device has identified itself; on_activate
+/// reopens a lost port; read() takes what has arrived and never waits. A lost port is an error. A silent
+/// device is not an error: its states become NaN, and reason() reports it.
 class SerialSensor : public hardware::Component {
  public:
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
@@ -94,12 +94,12 @@ class SerialSensor : public hardware::Component {
   std::span<const char* const> interfaces_;
   Clock clock_;
   std::string component_, robot_, sensor_, path_;
-  std::vector<std::size_t> offered_;  ///< of interfaces_, in the order of the states
-  std::vector<double> values_;        ///< of interfaces_
+  std::vector<std::size_t> offered_;  ///< indices into interfaces_, in the order of the states
+  std::vector<double> values_;        ///< one for each entry of interfaces_
   serial::Port port_;
   std::array<std::uint8_t, 512> buffer_{};
   std::atomic<std::uint32_t> fault_{0};  ///< Fault, and the errno above it
-  std::string said_;                     ///< why opening failed
+  std::string said_;                     ///< why opening the port failed
 };
 
 }  // namespace polyarm::sensors

@@ -53,14 +53,15 @@ void UbxReader::skip(std::size_t count) noexcept {
   drop(count);
 }
 
-/// For a complete message.
+/// True if the checksum of the complete message at `at` is correct.
 bool UbxReader::sums_fit(std::size_t at) const noexcept {
   const std::size_t whole = kHead + length(at) + kSums;
   const auto expected = sums(std::span(bytes_).subspan(at + 2, whole - 4));
   return bytes_[at + whole - 2] == expected[0] && bytes_[at + whole - 1] == expected[1];
 }
 
-/// After an incomplete start: true if the last byte completed a message anyway. Then the start was false.
+/// Called after an incomplete message start. True if the last byte completes a message that begins later; the
+/// earlier start was then false.
 bool UbxReader::ends_inside() noexcept {
   for (std::size_t at = 1; at + kHead + kSums <= size_; ++at) {
     if (bytes_[at] != kBegin1 || bytes_[at + 1] != kBegin2) continue;

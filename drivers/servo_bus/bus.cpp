@@ -28,7 +28,7 @@ Outcome outcome_of(serial::Status status) {
 }  // namespace
 
 void ServoBus::open(const serial::PortOptions& options, Nanoseconds answer_timeout) {
-  port_.close();  // our own port would be found in use
+  port_.close();  // else our own lock would make the port appear in use
   take(serial::Port(options), options.baud, answer_timeout);
 }
 

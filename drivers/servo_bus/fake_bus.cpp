@@ -449,7 +449,8 @@ void FakeBus::answer_fast(const std::vector<std::uint8_t>& ids, std::uint16_t ad
               0x55};
   for (const std::uint8_t id : ids) {
     const auto found = servos_.find(id);
-    if (found == servos_.end() || mischief_.silent.contains(id)) break;  // the servos after it wait in vain
+    if (found == servos_.end() || mischief_.silent.contains(id)) break;  // the servos after it never get
+                                                                         // their turn
     frame.push_back(status(found->second));
     frame.push_back(id);
     frame.insert(frame.end(), found->second.table.begin() + address,

@@ -1,7 +1,7 @@
 #pragma once
-/// A simulated far side: servos with register tables behind a pty, with answers identical to a real bus. For
-/// tests, and for trying an arm without hardware. It implements the protocols independently, so that a fault
-/// of the driver does not cancel out.
+/// A simulated far side for tests and for trying an arm without hardware: servos with register tables behind
+/// a pty, with the same answers as a real bus. It implements the protocols independently of the driver, so
+/// that an error of the driver cannot hide.
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
@@ -40,8 +40,8 @@ struct Traffic {
   std::uint64_t instructions = 0, answers = 0;
 };
 
-/// Servos on a pty, served by a thread. Servos move towards their goals by `step` with each instruction on
-/// the bus, so the result depends on the traffic, not on the clock.
+/// Servos on a pty, served by a thread. With each instruction on the bus, servos move towards their goals by
+/// `step`. So the result depends on the traffic, not on the clock.
 class FakeBus {
  public:
   /// `link`: a path to link to the pty; may be empty. Throws Error("fake-failed").
@@ -53,8 +53,8 @@ class FakeBus {
   const std::string& path() const { return path_; }
   void set(int id, const Register& reg, std::int32_t value);
   std::int32_t get(int id, const Register& reg);
-  /// Waits until `is` accepts the register, changed by traffic or the servos' watchdogs; false after a
-  /// minute.
+  /// Waits until `is` accepts the value of the register, which traffic or the servos' watchdogs may change.
+  /// Returns false after a minute.
   bool wait(int id, const Register& reg, const std::function<bool(std::int32_t)>& is);
   /// Waits for this total number of instructions; false after a minute.
   bool wait_for_instructions(std::uint64_t count);

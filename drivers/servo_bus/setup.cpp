@@ -66,7 +66,7 @@ class Reader {
     wrong(key, *text(key), "a whole number");
     return std::nullopt;
   }
-  /// The same, or the default.
+  /// The given value, else the default.
   double number(const std::string& key) const { return given(key).value_or(fallback(key)); }
   int whole(const std::string& key) const {
     return given_whole(key).value_or(static_cast<int>(fallback(key)));
@@ -112,7 +112,7 @@ class Reader {
   Problems& problems_;
 };
 
-/// Beside the description, or in the working directory; empty: not found.
+/// Finds the calibration file beside the description or in the working directory; empty: not found.
 std::filesystem::path find_calibration(const std::string& given, const hardware::ComponentContext& context) {
   std::error_code ignored;
   for (const hardware::RobotInstance& robot : context.robots)
@@ -123,7 +123,7 @@ std::filesystem::path find_calibration(const std::string& given, const hardware:
   return std::filesystem::exists(given, ignored) ? std::filesystem::path(given) : std::filesystem::path();
 }
 
-/// joint → its values, from the file that `polyarm setup` has written.
+/// The values of each joint, from the file that `polyarm setup` has written.
 std::map<std::string, Values> read_calibration(const hardware::ComponentContext& context,
                                                const Family& family, const Values& bus, Problems& problems) {
   std::map<std::string, Values> out;
@@ -255,7 +255,7 @@ void merge(std::vector<Declared>& joints, const Values& bus, const std::map<std:
                        "there is no parameter " + joint.name + "." + key + did_you_mean(key, known));
 }
 
-/// s between two writes.
+/// The time between two writes, s.
 double write_period(const hardware::ComponentContext& context) {
   double out = seconds(context.period);
   for (const hardware::RobotInstance& robot : context.robots)

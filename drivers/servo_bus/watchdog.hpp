@@ -1,5 +1,6 @@
 #pragma once
-/// The watchdog's action for a servo bus (drivers/watchdog). Most servos keep their last speed indefinitely.
+/// The watchdog's action for a servo bus (see drivers/watchdog). It is needed because most servos keep their
+/// last speed indefinitely.
 #include <string>
 #include <vector>
 
@@ -10,7 +11,7 @@ namespace polyarm::servo_bus {
 inline constexpr const char* kServoWatchdog = "polyarm_servo_watchdog";
 
 struct WatchdogSettings {
-  std::string family = {}, port = {};  ///< the port is already open; its name only appears in process lists
+  std::string family = {}, port = {};  ///< the port is already open; the name is only for process lists
   int baud = 0, answer_ms = 0;
   int timeout_ms = 0;  ///< without a heartbeat
   int give_up_ms = 60'000;

@@ -23,7 +23,7 @@ namespace polyarm::watchdog {
 
 namespace {
 constexpr int kStartTimeout_ms = 10'000, kEndTimeout_ms = 2'000;
-/// Number of consecutive heartbeats that may find the queue full.
+/// After this many consecutive heartbeats that find the queue full, the watchdog counts as hung.
 constexpr int kUnheard = 4;
 
 /// Heartbeats per watchdog timeout.

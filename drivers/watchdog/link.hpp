@@ -9,7 +9,8 @@
 
 namespace polyarm::watchdog {
 
-/// The path of a program: beside this driver, as a module or linked in. Empty: not found.
+/// Finds a program beside this driver, which may be a module or linked in. Returns its path; empty if not
+/// found.
 std::string find_program(const char* name);
 
 enum class Health : std::uint8_t {
@@ -56,9 +57,9 @@ class Link {
   /// Call it once in each cycle.
   Health beat() noexcept;
   Health listen() noexcept;  ///< checks for messages
-  /// Closes the socket: the watchdog makes the device safe, however long that takes, and ends.
+  /// Closes the socket. The watchdog then makes the device safe, however long that takes, and ends.
   void abandon() noexcept;
-  /// Ends it and waits for that, two seconds at most.
+  /// Ends the watchdog and waits for its end, two seconds at most.
   void stop() noexcept;
   int process() const noexcept { return process_; }
 

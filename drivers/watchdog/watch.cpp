@@ -91,7 +91,8 @@ class Watch {
     return poll(&asked, 1, 0) > 0 && (asked.revents & POLLHUP) != 0;
   }
 
-  /// While the driver lives, until the driver takes care of it; after its end within the time limit.
+  /// Repeats the attempts until the device is safe or the driver takes over. After the driver has ended,
+  /// gives up after `give_up_ms`. Returns true if the device is safe.
   bool stop_at_any_cost() {
     Clock::time_point end = Clock::now() + milliseconds(patience_.give_up_ms);
     for (;;) {

@@ -1,7 +1,7 @@
 #pragma once
-/// The process that makes a device safe when the driving process hangs or has died. A handler within the
-/// driving process does not suffice, because SIGKILL and SIGSTOP leave it no time. This process has the
-/// device and one end of a socket, nothing else; the driver defines how the device is made safe.
+/// The watchdog process: makes a device safe when the driving process hangs or has died. A handler inside the
+/// driving process is not enough, because SIGKILL and SIGSTOP leave it no time. The watchdog has only the
+/// device and one end of a socket; the driver defines how to make the device safe.
 #include <charconv>
 #include <cstring>
 #include <functional>
@@ -11,7 +11,7 @@ namespace polyarm::watchdog {
 /// Messages on the socket (SOCK_SEQPACKET), one byte each; `ready` is followed by the process id.
 enum class Word : char {
   arm = 'A',        ///< heartbeats are expected from now on
-  beat = 'B',       ///<
+  beat = 'B',       ///< one heartbeat
   disarm = 'D',     ///< the driver has made the device safe or takes care of it; heartbeats end
   make_safe = 'S',  ///< the driver cannot make it safe: the watchdog does, until it is done or the driver
                     ///< sends another word
@@ -28,7 +28,7 @@ enum class Attempt {
   hopeless  ///< the device no longer exists
 };
 
-/// The functions that make a device safe. Each is one attempt and may wait for the device.
+/// The functions that make a device safe. Each call is one attempt and may wait for the device.
 struct MakingSafe {
   std::function<Attempt()> stop;
   /// After a trip, once the device is stopped: closes the device to commands that the driver still had

@@ -12,6 +12,6 @@ import { startTheme } from './state/settings';
 startTheme();
 startKeys();
 connect();
-// The picture is large: it is fetched beside the page that shows it.
+// The 3D picture is a large chunk: it is loaded in parallel with the page that shows it.
 if (['run', 'move'].includes(pageId.peek())) import('./view3d/picture').catch(() => undefined);
 render(<App />, document.getElementById('app')!);

@@ -59,13 +59,13 @@ std::vector<fs::path> robot_files(const std::vector<fs::path>& folders) {
 
 }  // namespace
 
-/// A robot file, or a description that a user has added; its warnings were shown at that time.
+/// Reads a robot file, or a description that a user has added. Its warnings were shown when it was added.
 static RobotModel read_entry(const fs::path& file) {
   if (file.extension() != ".urdf") return read_robot_file(file);
   Problems found;
   RobotModel out = read_urdf(read_file(file, bounds::kXmlBytes), file.string(), found);
-  if (found.has_errors()) out.hardware.clear();  // the fault was shown when the robot was added
-  for (const Link& link : out.links)             // its user has added it with the meshes that it names
+  if (found.has_errors()) out.hardware.clear();  // this fault was shown when the robot was added
+  for (const Link& link : out.links)             // the user added it with its meshes, so they may be read
     for (const auto* shapes : {&link.visuals, &link.collisions})
       for (const Shape& shape : *shapes) reach().allow_reading(shape.mesh_path);
   return out;
@@ -158,7 +158,7 @@ void add_srdf_beside(const fs::path& description, RobotModel& model, Problems& w
   const fs::path file = srdf_beside(description);
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return;
-  // The user did not name this file, so its faults do not reject the robot. MoveIt also logs such lines and
+  // The user did not name this file, so its faults do not reject the robot. MoveIt too logs such lines and
   // continues.
   Problems lines, whole;
   collect(whole, [&] { read_srdf(read_file(file, bounds::kXmlBytes), file.string(), model, lines); });
@@ -177,7 +177,7 @@ static std::string naming(const std::vector<fs::path>& callers) {
   return "name what includes it: " + join(names, ", ");
 }
 
-/// A file that defines parts of robots but no robot: names what to use instead.
+/// The error for a file that defines parts of robots but no robot. It names the file to use instead.
 static Error only_macros(const fs::path& path, const std::vector<std::string>& macros) {
   const auto callers = files_that_include(path);
   return Error(Problem{"only-macros",
@@ -186,7 +186,7 @@ static Error only_macros(const fs::path& path, const std::vector<std::string>& m
                        callers.empty() ? "name the description that includes it" : naming(callers)});
 }
 
-/// A description file, expanded first if it is xacro; locations then refer to the expanded text.
+/// Reads a description file, after expanding it if it is xacro. Locations then refer to the expanded text.
 static RobotModel read_description(const fs::path& path, Problems& warnings,
                                    const std::map<std::string, std::string>& arguments) {
   const std::string text = read_file(path);

@@ -24,15 +24,16 @@ struct CatalogueEntry {
 
 class Catalogue {
  public:
-  /// Robots of earlier folders hide those of the same name in later ones. Missing folders are ignored.
+  /// If several folders have a robot of the same name, the earlier folder has priority. Missing folders are
+  /// ignored.
   explicit Catalogue(std::vector<std::filesystem::path> folders) : folders_(std::move(folders)) {}
 
-  /// Every robot, by name. Reads files that the user's index does not contain (catalogue_index.hpp); throws
+  /// All robots, by name. Reads the files that are not in the user's index (catalogue_index.hpp). Throws
   /// Error for an unreadable file.
   std::vector<CatalogueEntry> entries() const;
   std::vector<std::string> names() const;
-  /// The file of the robot `maker/model`, or of `model` alone if that is unique. Reads no file; for a
-  /// complete name it looks for that file only.
+  /// The file of the robot `maker/model`, or of `model` alone if that is unique. Reads no file. For a
+  /// complete name it only checks for that file.
   std::optional<std::filesystem::path> find(const std::string& name) const;
   /// The robot `maker/model`, or `model` alone if that is unique. Throws Error("unknown-robot") with similar
   /// names.

@@ -33,7 +33,7 @@ std::string state_of(const fs::path& file) {
                      static_cast<std::int64_t>(now.st_mtim.tv_sec), now.st_mtim.tv_nsec);
 }
 
-/// An index belongs to the build that made it; the next build may read files differently.
+/// The index belongs to the build that made it, because the next build may read files differently.
 std::string first_line() {
   return "polyarm: catalogue-index/1 " + state_of("/proc/self/exe");
 }
@@ -57,7 +57,9 @@ std::string line_of(const CatalogueEntry& entry, const std::string& state) {
                                                 entry.mass_estimated ? kEstimated : "stated"};
   std::string out;
   for (const std::string& field : fields) {
-    if (field.find_first_of("\t\n\r") != std::string::npos) return {};  // such a robot is read every time
+    if (field.find_first_of("\t\n\r") != std::string::npos) return {};  // the index cannot store this field,
+                                                                        // so the robot's file is read every
+                                                                        // time
     if (!out.empty()) out += kBetween;
     out += field;
   }
@@ -88,7 +90,7 @@ CatalogueIndex::CatalogueIndex(fs::path file) : file_{std::move(file)} {
     if (lines.empty() || lines.front() != first_line()) return;
     for (std::size_t i = 1; i < lines.size(); ++i)
       lines_.emplace(lines[i].substr(0, lines[i].find(kBetween)), lines[i]);
-  } catch (const Error&) {  // it is rebuilt
+  } catch (const Error&) {  // the index is rebuilt
     lines_.clear();
   }
 }

@@ -16,15 +16,17 @@ class CatalogueIndex {
   /// Polyarm.
   explicit CatalogueIndex(std::filesystem::path file);
 
-  /// Empty if the index does not have the robot file in its present state.
+  /// Empty if the index does not have this version of the robot file.
   std::optional<CatalogueEntry> find(const std::filesystem::path& robot);
   void add(const CatalogueEntry& entry);
-  /// Writes the entries found or added since construction, if any were added. An unwritable disk is no error.
+  /// Writes the entries that were found or added since construction, if any were added. An unwritable disk is
+  /// not an error.
   void save() const;
 
  private:
   std::filesystem::path file_;
-  std::map<std::string, std::string> lines_, used_;  ///< by path: its line; the lines that save() writes
+  std::map<std::string, std::string> lines_, used_;  ///< by path: all lines of the index; the lines that
+                                                     ///< save() writes
   bool added_ = false;
 };
 

@@ -60,7 +60,7 @@ bool wanted(const CatalogueEntry& robot, const CatalogueQuery& query) {
 
 using Key = std::function<double(const CatalogueEntry&)>;
 
-/// The sort keys; robots without the figure come last in both orders.
+/// The sort keys. Robots without the figure come last in both orders.
 const std::map<std::string, Key>& sort_keys() {
   static const std::map<std::string, Key> keys = {
       {"axes", [](const CatalogueEntry& r) { return r.axes; }},

@@ -25,7 +25,7 @@ enum class BareNumber { exactly, at_least };
 /// names it in errors. Throws Error("bad-range").
 Range parse_range(std::string_view text, const std::string& what, Dimension dimension, BareNumber bare);
 
-/// A robot that does not state a figure is in no range of it.
+/// A query for robots. A robot that does not state a figure never matches a range of it.
 struct CatalogueQuery {
   std::string text;   ///< part of the name or the model, case-insensitive; empty: any
   std::string maker;  ///< the maker or its folder; case, blanks and underscores are ignored; empty: any

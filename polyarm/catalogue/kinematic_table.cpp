@@ -30,7 +30,7 @@ struct DhRow {
   double a, alpha, d, theta;
 };
 
-/// The parameter to which the joint's value is added is optional.
+/// Reads a row of a DH table. The parameter to which the joint's value is added is optional.
 DhRow read_dh(const Yaml& row, JointType type) {
   const bool slides = type == JointType::prismatic;
   DhRow out{
@@ -110,7 +110,7 @@ void each_row(const Yaml& rows, Problems& problems, Step step) {
 
 KinematicTable read_dh_table(bool modified, const Yaml& rows, const Pose& flange, Problems& problems) {
   KinematicTable out;
-  Pose pending;  // the part of the previous row behind its joint
+  Pose pending;  // the part of the previous row after its joint
   each_row(rows, problems, [&](const Yaml& row) {
     TableJoint joint;
     joint.type = row_type(row);
@@ -155,7 +155,7 @@ Shape capsule_to(const Vec3& end, double radius) {
   return out;
 }
 
-/// The vector from a link's frame to the end of the link: the next moving joint, else the furthest fixed one.
+/// The vector from a link's frame to the end of the link: the next moving joint, else the farthest fixed one.
 Vec3 way_on(const RobotModel& model, int link) {
   Vec3 furthest;
   for (const Joint& joint : model.joints) {

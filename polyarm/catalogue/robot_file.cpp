@@ -1,4 +1,4 @@
-/// robots/<maker>/<model>.yaml, read into a model.
+/// Reads robots/<maker>/<model>.yaml into a model.
 #include <algorithm>
 #include <cmath>
 
@@ -36,7 +36,7 @@ std::optional<double> optional_positive(const Yaml& yaml, Dimension dimension) {
   return value;
 }
 
-/// Positions within a kilometre, so that nothing overflows later.
+/// A position. It must be within a kilometre, so that nothing overflows later.
 Vec3 place(const Yaml& yaml) {
   const Vec3 out = yaml.vec3();
   if (!(std::max({std::abs(out.x), std::abs(out.y), std::abs(out.z)}) < 1000))
@@ -71,7 +71,7 @@ JointLimits read_limits(const Yaml& yaml, bool slides) {
   return out;
 }
 
-/// The data of a joint apart from its position.
+/// Reads the data of a joint apart from its position.
 void read_joint_facts(const Yaml& yaml, Joint& joint) {
   joint.limits = read_limits(yaml, joint.type == JointType::prismatic);
   joint.damping = yaml["damping"].number(Dimension::none, 0);
@@ -98,7 +98,7 @@ NamedJoint read_joint(const Yaml& yaml, Problems& problems) {
   return out;
 }
 
-/// Adds a link that the table implies, unless it exists.
+/// Adds a link that a table implies, if it does not exist.
 void imply_link(RobotModel& model, const std::string& name) {
   if (model.find_link(name) >= 0) return;
   model.links.emplace_back();
@@ -116,7 +116,7 @@ void add_fixed(std::vector<NamedJoint>& joints, const std::string& parent, const
   joints.push_back(std::move(out));
 }
 
-/// Joints and links of a Denavit-Hartenberg or screw table; flange and tool0 at its end.
+/// Reads the joints and links of a Denavit-Hartenberg or screw table. Adds flange and tool0 at its end.
 std::vector<NamedJoint> read_table_joints(const Yaml& yaml, RobotModel& model, Problems& problems) {
   const TableKind kind = table_kind(yaml["kinematics"]);
   const Yaml rows = yaml.required("joints");
@@ -210,7 +210,7 @@ void read_provenance(const Yaml& yaml, RobotModel& model) {
   p.notes = yaml["notes"].texts();
 }
 
-/// The joint's value; it must be within its limits.
+/// Reads a joint's value; it must be within the joint's limits.
 double read_joint_value(const Yaml& yaml, const Joint& joint) {
   const double value = yaml.number(joint.type == JointType::prismatic ? Dimension::length : Dimension::angle);
   if (value < joint.limits.lower.value_or(value) || value > joint.limits.upper.value_or(value))
@@ -263,7 +263,8 @@ ControllerAxis read_controller_axis(const Yaml& yaml, bool slides, const RobotMo
   return out;
 }
 
-/// Joints that `display` does not name show their own value.
+/// Reads how the maker's controller displays the joints. Joints that `display` does not name show their own
+/// value.
 void read_controller_axes(const Yaml& yaml, RobotModel& model, Problems& problems) {
   if (!yaml.defined()) return;
   yaml.check_keys({"source", "display"}, problems);

@@ -12,12 +12,12 @@ namespace polyarm::description {
 /// $XDG_CONFIG_HOME/polyarm/robots, else ~/.config/polyarm/robots; empty without a home folder.
 std::filesystem::path user_robot_folder();
 
-/// Adds all reasons against adding a robot to the catalogue: nothing moves, revolute or prismatic joints
+/// Adds all reasons why a robot cannot be added to the catalogue: nothing moves, revolute or prismatic joints
 /// without limits, duplicate names of joints or links, a named state of the wrong size.
 void check_for_catalogue(const RobotModel& model, Problems& problems);
 
-/// Completes a description: absolute mesh paths, a home (all zeros, moved inside the limits) and a source;
-/// adds a note for each.
+/// Completes a description: makes mesh paths absolute, and adds a home (all zeros, moved inside the limits)
+/// and a source. Adds a note for each.
 void complete_for_catalogue(RobotModel& model, const std::filesystem::path& source);
 
 /// Writes `folder/<maker>/<model>.urdf`, which reads back equal. `name` is maker/model in lower-case letters,

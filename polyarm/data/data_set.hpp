@@ -1,5 +1,5 @@
 #pragma once
-/// The names and values of one data file, in the order of the file. No locks: one thread at a time.
+/// The names and values of one data file, in the order of the file. Unsynchronised: one thread at a time.
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -23,8 +23,8 @@ class DataSet {
  public:
   /// Appends the name, or changes the value of an existing one in place.
   void set(const std::string& name, Value value, Location where = {});
-  /// Puts a name of the set into a group; an empty text removes it from its group. No effect if the set does
-  /// not have the name.
+  /// Puts a name of the set into a group; an empty text removes it from its group. Does nothing if the set
+  /// does not have the name.
   void set_group(const std::string& name, std::string group);
   const Entry* find(const std::string& name) const;
   const Value* value(const std::string& name) const;
@@ -41,7 +41,7 @@ class DataSet {
   std::unordered_map<std::string, std::size_t> index_;
 };
 
-/// A data set that starts a program names its script and, if it has one, its file of points.
+/// The script and the file of points that a data set names. A data set that names a script starts a program.
 struct ScriptInformation {
   std::string script_file;
   std::optional<std::string> point_file;

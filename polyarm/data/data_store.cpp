@@ -180,8 +180,8 @@ static_assert(DataStore::kMostNames == bounds::kDataNames && DataStore::kMostKep
               DataStore::kChangesKept == bounds::kChangesKept);
 
 namespace {
-/// The number of values that a change keeps; 64 bytes of text count as one. The values of a change never
-/// change.
+/// The number of values in a change, as counted towards kMostKept; 64 bytes of text count as one value. It is
+/// constant, because the values of a change are never modified.
 std::size_t weight(const Change& change) {
   std::size_t out = 1;
   for (const std::optional<Value>* value : {&change.old, &change.now})

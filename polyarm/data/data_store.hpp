@@ -43,8 +43,8 @@ struct Change {
 /// Properties of a name in addition to its value.
 struct NameFacts {
   bool tag = false;
-  bool forced = false;          ///< the value is forced; values set meanwhile wait behind it
-  Nanoseconds changed_at = -1;  ///< cell time of the last change; -1: never changed
+  bool forced = false;          ///< the value is forced; values set meanwhile take effect at release()
+  Nanoseconds changed_at = -1;  ///< cell time of the last change, ns; -1: never changed
   std::string changed_by;
   std::vector<std::string> sets;
 };
@@ -52,9 +52,9 @@ struct NameFacts {
 class DataStore {
  public:
   static constexpr std::size_t kChangesKept = 1024;
-  /// Limit of the values in all kept changes, so that changes of long lists do not use unlimited memory.
+  /// The most values in all kept changes. Bounds the memory when long lists change often.
   static constexpr std::size_t kMostKept = 500'000;
-  /// The largest number of names of a cell; more are refused.
+  /// The largest number of names of a cell; the store refuses more.
   static constexpr std::size_t kMostNames = 50'000;
 
   /// Sets the time stamp of the next changes.
@@ -72,11 +72,12 @@ class DataStore {
   bool is_tag(const std::string& name) const;
   std::optional<TagRole> tag_role(const std::string& name) const;
 
-  /// Loads the data set `set` (the name of its file). Names that came only from its former content and are no
-  /// longer in it are removed; all others stay. State tags keep their value, which becomes pending for the
+  /// Loads the data set `set` (the name of its file). Removes names that came only from the former content of
+  /// this set and are not in the new one. State tags keep their value, which becomes a pending write to the
   /// file.
   void load(const std::string& set, const DataSet& content, const std::string& who);
-  /// Takes over values that another program wrote to `set`'s file. They are not pending for that file.
+  /// Takes over values that another program wrote to `set`'s file. They do not become pending writes to that
+  /// file.
   void take_outside(const std::string& set, const std::vector<std::pair<std::string, Value>>& values,
                     const std::string& who);
   std::vector<std::string> sets() const;
@@ -110,7 +111,7 @@ class DataStore {
     Value value;
     std::vector<std::size_t> sets;
     std::optional<TagRole> tag;
-    std::optional<Value> behind;  ///< the value without forcing
+    std::optional<Value> behind;  ///< the value that release() restores; empty: not forced
     Nanoseconds changed_at = -1;
     std::string changed_by;
     std::string group;

@@ -28,7 +28,7 @@ std::vector<std::string> file_names_in(const fs::path& folder) {
 }
 
 namespace {
-/// For a script name, a data file of the same name is not a candidate.
+/// Finds a script. A data file of the same name is not a candidate.
 fs::path find_script(const std::string& name, const fs::path& folder, const Location& named_at) {
   std::error_code ignored;
   const fs::path script = folder / (name + ".script");

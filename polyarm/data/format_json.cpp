@@ -97,7 +97,8 @@ std::optional<std::vector<double>> named_numbers(const Record& record,
 
 std::optional<Value> typed_record(const Record& record, std::string& why);
 
-/// Converts a plain JSON or YAML value to its meaning; empty, with the reason in `why`, if it has none.
+/// Converts a plain JSON or YAML value to a typed value. Returns empty, with the reason in `why`, if that is
+/// not possible.
 std::optional<Value> typed(const Value& plain, std::string& why) {
   if (const Record* record = plain.as_record()) return typed_record(*record, why);
   if (!plain.as_list()) return plain;

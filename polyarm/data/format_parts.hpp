@@ -15,7 +15,7 @@ std::string quoted(const std::string& text);
 
 /// x y z roll pitch yaw, or x y z qx qy qz qw if the point was written that way.
 std::vector<double> numbers_of(const Point& point);
-/// From six or seven numbers; normalises a quaternion. Empty if they are no pose.
+/// From six or seven numbers; normalises a quaternion. Empty if the numbers are not a pose.
 std::optional<Point> point_from(const std::vector<double>& numbers);
 
 // Each reads valid entries into `out` and reports the others in `problems`.

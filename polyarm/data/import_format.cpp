@@ -112,7 +112,7 @@ bool keeps_as_joint_name(const std::string& joint) {
   return !joint.empty() && joint.find_first_of(" \t\r\n,#") == std::string::npos;
 }
 
-/// True if it has no form of its own but fits on one line.
+/// True if the format has no key for the value, so that it is written as a literal: `Value: …`.
 bool is_awkward(const Value& value) {
   if (value.as_list() || value.as_record()) return true;
   if (const std::string* text = value.as_text())
@@ -280,7 +280,7 @@ class ImportReader {
     if (value.empty()) error(line, value, "no-name", "a name is missing after 'Name:'", "write `Name: Home`");
   }
 
-  /// Warns of a name without a value.
+  /// Warns if a name has no value.
   void finish_name() {
     if (name_.empty() || name_used_) return;
     problems_.warning("no-value", {out_.file_, static_cast<int>(name_line_) + 1, 1},
@@ -315,7 +315,7 @@ class ImportReader {
     format_broken_ = false;
   }
 
-  /// For the name whose value precedes or follows.
+  /// Reads a `Group:` line. It applies to the name whose value comes before or after it.
   void read_group(const std::string& line, std::string_view value) {
     if (name_.empty())
       return error(line, value, "no-name", "this group has no name", "write a line `Name: …` before it");
@@ -349,7 +349,7 @@ class ImportReader {
     name_used_ = true;
   }
 
-  /// Reads the facts after the numbers of a point.
+  /// Reads the facts of a taught point, which follow its numbers.
   bool read_taught(const std::string& line, std::string_view facts) {
     Taught taught;
     std::string why;

@@ -30,7 +30,7 @@ struct PointFormat {
   friend bool operator==(const PointFormat&, const PointFormat&) = default;
 };
 
-/// A data file kept as text, so that a new value changes only its own line.
+/// The text of a data file. A new value changes only its own line.
 class ImportFile {
  public:
   /// Reads all valid lines and reports the others, with file, line and column.
@@ -39,9 +39,9 @@ class ImportFile {
   static ImportFile load(const std::string& path);
 
   const std::string& file() const { return file_; }
-  /// The values that a reader of text() would get.
+  /// The values that parse() would read from text().
   const DataSet& values() const { return values_; }
-  /// Changes the line of `name`, or appends name and value. No effect if the value is equal. Throws
+  /// Changes the line of `name`, or appends name and value. Does nothing if the value is equal. Throws
   /// Error("cannot-keep") for a value that this format cannot hold: a list, a text with a line break.
   void set(const std::string& name, const Value& value);
   /// Puts a name of the file into a group by a line `Group:` above its value; an empty text removes it from
@@ -83,7 +83,7 @@ void check_can_keep(const std::string& name, const Value& value, const std::stri
 /// Throws Error("bad-group") unless `group` is one line of at most 64 bytes without #.
 void check_group(const std::string& group);
 
-/// A sentence that explains why `content` is no text file (a pickle, NUL bytes), or empty.
+/// A sentence that explains why `content` is not a text file (a pickle, NUL bytes), or empty.
 std::optional<std::string> why_not_text(std::string_view content);
 
 }  // namespace polyarm::data

@@ -13,8 +13,8 @@
 namespace polyarm::data {
 
 std::string literal(const Value& value);
-/// The value that the whole of `text` denotes. Lengths are metres and angles radians unless a unit is given.
-/// Empty, with the reason in `why`, if it is no value.
+/// Parses the whole of `text` as a value. Lengths are metres and angles radians unless a unit is given.
+/// Returns empty, with the reason in `why`, if the text is not a value.
 std::optional<Value> parse_literal(std::string_view text, std::string& why);
 
 /// The facts of a taught point, as written after its numbers in a file: `frame = "table", tool = …`; empty if

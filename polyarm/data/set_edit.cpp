@@ -27,7 +27,8 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-/// Held by one writer at a time among those that edit sets in a folder; leaves no file behind.
+/// A lock on a folder for programs that edit its data sets. One writer holds it at a time; it leaves no file
+/// behind.
 class FolderLock {
  public:
   FolderLock(const fs::path& path, int patience_ms) {
@@ -39,7 +40,7 @@ class FolderLock {
                           {}});
     const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(patience_ms);
     while (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
-      if (errno != EWOULDBLOCK && errno != EINTR) return;  // a file system without locks
+      if (errno != EWOULDBLOCK && errno != EINTR) return;  // this file system does not support locks
       if (std::chrono::steady_clock::now() > until) {
         ::close(fd_);
         throw Error(Problem{"in-use",

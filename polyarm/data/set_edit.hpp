@@ -1,7 +1,7 @@
 #pragma once
-/// Edits the file of a data set without ever losing data: one writer at a time, the file is at any moment
-/// either old or new, and its former content is kept in `.state/history/<file>/` beside it. Reads and writes
-/// the disk; waits for other writers.
+/// Edits the file of a data set without losing data: one writer at a time; at any moment the file is either
+/// old or new; its former content is kept in `.state/history/<file>/` beside it. Reads and writes the disk,
+/// and waits for other writers.
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -14,10 +14,10 @@ namespace polyarm::data {
 /// The number of earlier versions that are kept for each file.
 constexpr std::size_t kVersionsKept = 200;
 
-/// Runs `change` on the present content of the file (an empty set if there is no file) and writes the result,
-/// while other programs that use this function wait. `what` is stored with the former version. Writes nothing
-/// if nothing changed. Throws Error: "in-use" if another writer does not finish within `patience_ms`; the
-/// problems of the file, which then stays unchanged; "unwritable".
+/// Calls `change` with the present content of the file (an empty set if there is no file) and writes the
+/// result. Other programs that use this function wait meanwhile. `what` is stored with the former version.
+/// Writes nothing if nothing changed. Throws Error: "in-use" if another writer does not finish within
+/// `patience_ms`; the problems of the file, which then stays unchanged; "unwritable".
 ImportFile edit_set(const std::filesystem::path& path, const std::string& what,
                     const std::function<void(ImportFile&)>& change, int patience_ms = 5000);
 

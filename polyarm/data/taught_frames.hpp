@@ -23,8 +23,8 @@ struct TaughtTool {
 /// R_i t + p_i = c for all i, least squares for t and c. Throws Error("bad-points") if the poses do not
 /// determine it.
 TaughtTool tool_from_poses(std::span<const Pose> poses);
-/// The form in which data files keep it: a pose in `tool0`, so that it cannot be mistaken for a place in the
-/// world.
+/// The tool as data files store it: a pose in the frame `tool0`, so that it cannot be mistaken for a place in
+/// the world.
 Point point_of(const TaughtTool& tool);
 
 }  // namespace polyarm::data

@@ -1,4 +1,5 @@
 #pragma once
+/// Writes the text of a large value in short pieces. One thread at a time.
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -8,7 +9,7 @@
 
 namespace polyarm::data {
 
-/// Writes the text of a value (as Value::text()) in pieces, so that no call takes long. One thread at a time.
+/// Writes the text of a value, the same as Value::text(), piece by piece, so that no call takes long.
 class Telling {
  public:
   explicit Telling(Value of) : value_{std::move(of)} {}

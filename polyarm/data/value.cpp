@@ -140,7 +140,7 @@ Value::Value(Record value) : kind_{Kind::record} {
   content_.shared = new Held<Record>(std::move(value));
 }
 
-/// The last owner deletes it.
+/// Releases this copy's share of the content. The last owner deletes the content.
 void Value::let_go() noexcept {
   constexpr std::size_t kLarge = 64;
   Shared* shared = content_.shared;
@@ -193,7 +193,7 @@ void Value::replaced(Extent before, Extent after) {
   content_.shared->extent.store(packed(now), std::memory_order_relaxed);
 }
 
-/// Grows in few large steps, because moving costs more than unused memory.
+/// Grows in few large steps, because moving the parts costs more than unused memory.
 void Value::append(Value part) {
   constexpr std::size_t kSmall = 256, kTimes = 4;
   const Extent before = extent(), more = part.extent();
@@ -245,7 +245,7 @@ std::string Value::excerpt(std::size_t bytes) const {
   return out.substr(0, bytes) + "…";
 }
 
-// Text in pieces.
+// Writing text in pieces.
 
 void Telling::open(const Value& whole) {
   open_.push_back({&whole, 0});
@@ -294,7 +294,7 @@ bool Telling::go_on(std::string& out, std::size_t bytes) {
   return open_.empty();
 }
 
-// Release in steps.
+// Releasing memory in steps.
 
 Remains::Keeping::Keeping(Remains& remains) : before_{std::exchange(keeping, &remains)} {}
 Remains::Keeping::~Keeping() {

@@ -48,8 +48,8 @@ struct Taught {
   friend bool operator==(const Taught&, const Taught&) = default;
 };
 
-/// A pose of the tool centre point, in the world unless a frame is named, and whether it was written as a
-/// quaternion.
+/// A pose of the tool centre point, in the world unless a frame is named. It also stores whether the pose was
+/// written with a quaternion.
 struct Point {
   Pose pose;
   bool quaternion_given = false;
@@ -72,8 +72,9 @@ struct Record {
   const Value* find(std::string_view field) const;
 };
 
-/// Holds booleans and numbers directly. Larger content is stored separately and shared between copies, which
-/// only read it. Several threads may read and destroy copies at once; a single Value belongs to one thread.
+/// A value of any kind. Booleans and numbers are stored inside. Larger content is stored separately and
+/// shared between copies, which only read it. Several threads may read and destroy copies at the same time;
+/// one Value object belongs to one thread.
 class Value {
  public:
   Value() noexcept = default;
@@ -134,7 +135,7 @@ class Value {
   /// A list with known extent.
   Value(List value, Extent known);
 
-  /// As assignment, for values stored directly.
+  /// The same as assignment, for numbers and booleans.
   void set(const Number& number) noexcept {
     if (is_shared()) let_go();
     content_.number = number;
@@ -148,9 +149,9 @@ class Value {
   /// True if the content is stored separately, so that copies can share it.
   bool is_shared() const { return kind_ > Kind::number; }
 
-  /// The number itself, for changes; nullptr if it is no number.
+  /// The number itself, to change it in place; nullptr for other kinds.
   Number* own_number() { return kind_ == Kind::number ? &content_.number : nullptr; }
-  /// True if no copy shares the content.
+  /// True if no other copy shares the content.
   bool is_alone() const {
     return !is_shared() || content_.shared->users.load(std::memory_order_acquire) == 1;
   }
@@ -158,11 +159,11 @@ class Value {
   bool is_same(const Value& other) const {
     return is_shared() && kind_ == other.kind_ && content_.shared == other.content_.shared;
   }
-  /// The values of a list or record, for replacement by others of the same extent; makes its own copy if
-  /// others share them. nullptr for other kinds.
+  /// The values of a list or record, to replace them by values of the same extent. Makes its own copy if
+  /// other values share the content. nullptr for other kinds.
   List* own_parts();
-  /// Updates the extent after a part of own_parts() was replaced by one of another extent. The depth stays
-  /// that of the deepest part since it was counted.
+  /// Updates the extent after a part of own_parts() was replaced by one of another extent. The depth does not
+  /// shrink: it stays the largest depth since it was counted.
   void replaced(Extent before, Extent after);
   /// Appends `part` to a list; copies the list only if it is shared.
   void append(Value part);

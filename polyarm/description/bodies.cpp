@@ -64,7 +64,7 @@ bool is_identity(const Inertial& inertial) {
   return inertial.inertia == std::array<double, 6>{1, 0, 0, 1, 0, 1};
 }
 
-/// No real robot has this effort in all its joints.
+/// True for efforts that no real robot has in all its joints.
 bool is_placeholder_effort(double effort) {
   return effort == 1 || effort == 1000 || effort >= 9999;
 }

@@ -14,10 +14,10 @@ bool has_body(const std::vector<Shape>& shapes);
 /// nothing.
 std::vector<std::string> links_without_body(const RobotModel& model);
 
-/// For each link: true if it may touch the floor because its robot rolls or stands on it. For a robot with
-/// two wheels or more: wheels, the links that carry them, and the links rigidly connected to the root
-/// (casters). A wheel is a link with a cylinder or sphere on a continuous joint with a horizontal axis, and
-/// it carries no other joint. For a robot without wheels: every link if it stands free, else none.
+/// For each link: true if it may touch the floor because its robot rolls or stands on it. If the robot has
+/// two wheels or more, these are the wheels, the links that carry them, and the links rigidly connected to
+/// the root (casters). A wheel is a link with a cylinder or sphere, on a continuous joint with a horizontal
+/// axis, that carries no other joint. For a robot without wheels: all links if it stands free, else none.
 std::vector<char> links_on_the_floor(const RobotModel& model, bool stands_free);
 
 /// Sentences about efforts, inertias and masses that are the same round number everywhere, as exporters and

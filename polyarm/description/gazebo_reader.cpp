@@ -54,7 +54,7 @@ void GazeboReader::controllers(const Element& plugin, RobotModel& model) {
   }
 }
 
-/// Applies to every link without its own values.
+/// Reads an element that applies to every link without its own values.
 bool GazeboReader::whole_robot(const Element& e, RobotModel& model) {
   const std::string_view tag = e.Name();
   if (tag != "self_collide" && tag != "selfCollide") return false;

@@ -27,10 +27,10 @@ class GazeboReader : private XmlReader {
   void pass_over(const Element& e);
 
   std::vector<const Element*> elements_;
-  std::vector<std::string> passed_over_;  ///< "<plugin> (line 12)", the first of each tag
+  std::vector<std::string> passed_over_;  ///< "<plugin> (line 12)", the first element of each ignored tag
   std::vector<std::string> tags_;
   Location first_;
-  std::vector<std::string> weightless_;  ///< links
+  std::vector<std::string> weightless_;  ///< links without gravity
   Location first_weightless_;
 };
 

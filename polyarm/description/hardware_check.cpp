@@ -10,8 +10,8 @@ namespace polyarm::description {
 
 namespace {
 
-/// A fault that some release of ROS 2 accepts is repaired with a warning, so that the rest of the robot
-/// works; any other fault is a problem.
+/// Checks the hardware of a robot. A fault that some release of ROS 2 accepts is repaired with a warning, so
+/// that the rest of the robot works. Any other fault is a problem.
 class HardwareCheck {
  public:
   HardwareCheck(const RobotModel& model, Problems& problems, Problems& warnings)
@@ -54,7 +54,8 @@ class HardwareCheck {
  private:
   using Owners = std::map<std::string, std::string>;
 
-  /// A <sensor> and a <gpio> of one name, or two blocks, may name the same interface: the first counts.
+  /// Ensures that every interface exists once. If a <sensor> and a <gpio> with the same name, or two blocks,
+  /// name the same interface, the first one counts.
   void once(const ComponentInfo& component, std::vector<InterfaceInfo>& interfaces, const std::string& kind,
             Owners& owners) {
     std::erase_if(interfaces, [&](const InterfaceInfo& interface) {
@@ -168,11 +169,12 @@ class HardwareCheck {
   const RobotModel& model_;
   Problems& problems_;
   Problems& warnings_;
-  std::vector<std::string> joints_;  ///< that are suggested
+  std::vector<std::string> joints_;  ///< names to suggest for unknown joints
   Suggestions suggest_;
-  std::map<std::string, int> next_name_;  ///< by the name that several have: the number of the next
+  std::map<std::string, int> next_name_;  ///< for each repeated name: the number that makes the next one
+                                          ///< unique
   std::set<std::string> blocks_;
-  Owners states_, commands_;  ///< "joint/position", and the element that has it
+  Owners states_, commands_;  ///< "joint/position" and the element that declares it
 };
 
 }  // namespace

@@ -14,15 +14,15 @@ struct NamedJoint {
 };
 
 /// Connects joints and links: checks names, finds the root, sorts parents before children (otherwise in the
-/// file's order), fills parent_joint, mimic and actuated. Adds the faults: unknown or duplicate names (with
-/// the nearest name), a link with two parents, several roots, cycles. A <mimic> that cannot be followed (the
-/// joint is missing or does not have exactly one value, a cycle) is a warning, and its joint becomes
+/// file's order), and fills parent_joint, mimic and actuated. Adds the faults: unknown or duplicate names
+/// (with the nearest name), a link with two parents, several roots, cycles. A <mimic> that cannot be followed
+/// (the joint is missing or does not have exactly one value, or a cycle) is a warning, and its joint becomes
 /// independent. Returns false if the model is unusable.
 bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Location& file, Problems& problems,
                   Problems& warnings);
 
-/// Gives links without mass an estimate from their collision shapes (or a small body, if they have none and
-/// move), repairs impossible tensors, and notes both in the provenance.
+/// Gives links without mass an estimate from their collision shapes. A moving link without a shape gets a
+/// small body. Repairs impossible tensors. Notes each change in the provenance.
 void complete_inertials(RobotModel& model, Problems& warnings);
 
 /// Mass properties of the shapes at a density, kg/m³.

@@ -150,13 +150,13 @@ struct TransmissionInfo {
   Location where;
 };
 
-/// Hz; 0: the rate of the control loop
+/// One `<ros2_control>` block.
 struct HardwareInfo {
   std::string name, type, plugin, group;
   std::map<std::string, std::string> parameters;
   std::vector<ComponentInfo> components;
   Location where;
-  int rw_rate = 0;            ///< Hz; 0 means that of the control loop
+  int rw_rate = 0;            ///< Hz; 0: the rate of the control loop
   bool is_async = false;      ///< runs on its own thread
   int thread_priority = 0;    ///< SCHED_FIFO priority of that thread; 0: not stated, normal scheduling
   std::vector<int> affinity;  ///< CPUs of that thread; empty: any
@@ -216,11 +216,12 @@ struct RobotModel {
   std::vector<GroupInfo> groups;
   std::vector<EndEffectorInfo> end_effectors;
   Provenance provenance;
-  /// In the order of `actuated`; empty if it is not certain.
+  /// How the maker's controller displays the joints, in the order of `actuated`; empty if not known for
+  /// certain.
   std::vector<ControllerAxis> controller_axes;
   /// Pairs of links (indices, smaller first) that are excluded from collision checks.
   std::vector<std::array<int, 2>> allowed_collisions;
-  /// How the robot differs from the look of its maker's family: "style" and colours, see shapes/style.hpp.
+  /// The robot's changes to the look of its maker's family: "style" and colours, see shapes/style.hpp.
   std::map<std::string, std::string> look;
 
   int find_link(std::string_view link) const;    ///< -1 if there is none

@@ -17,7 +17,7 @@ namespace polyarm::description {
 namespace {
 
 constexpr double kDensity = 500;  // kg/m³, for a part without a mass
-/// Larger values are faults, for example a missing unit. m, m/s, m/s², kg.
+/// Larger values are probably mistakes, for example a missing unit. m, m/s, m/s², kg.
 constexpr double kFarthest = bounds::kSceneMetres, kFastest = bounds::kSceneSpeed,
                  kHardest = bounds::kSceneAcceleration, kHeaviest = bounds::kSceneMass;
 constexpr double kLongestWay = bounds::kMoverSeconds;  // s; a dry run waits for it
@@ -35,13 +35,13 @@ double amount(const Yaml& y, Dimension of, double fallback, double most, const c
 double length(const Yaml& y, double fallback) {
   return amount(y, Dimension::length, fallback, kFarthest, "m");
 }
-/// For a list or a single number.
+/// Checks a list or a single number.
 void require_near(const Yaml& y) {
   if (y.is_map()) return;
   for (const Yaml& each : y.items())
     if (each.is_scalar()) bounded(each.number(Dimension::length), each, kFarthest, "m");
 }
-/// For the keys that give position and size.
+/// Checks the keys that give position and size.
 void require_near(const Yaml& y, const std::vector<std::string>& keys) {
   for (const std::string& key : keys) require_near(y[key]);
 }

@@ -19,13 +19,14 @@ struct LinkPair {
   PairReason reason = PairReason::never;
 };
 
-/// adjacent: no colliding link lies between them. default_state: they touch at `home` (at zero without one).
-/// always: they touch in more than 95 % of the samples. never: in none. Joint states are uniform within the
-/// limits (±π, ±1 m if there are none); mimic joints follow. The same seed gives the same pairs. A mesh
-/// counts as its convex pieces (hulls::make_bodies); a mesh without pieces occurs only in adjacent pairs.
+/// Finds the pairs that need no check. adjacent: no link with a collision shape lies between them.
+/// default_state: they touch at `home` (at zero if there is no home). always: they touch in more than 95 % of
+/// the samples. never: in none. Joint states are uniform within the limits (±π or ±1 m if there are none);
+/// mimic joints follow. The same seed gives the same pairs. A mesh counts as its convex pieces
+/// (hulls::make_bodies); a mesh without pieces occurs only in adjacent pairs.
 std::vector<LinkPair> needless_pairs(const RobotModel& model, int samples = 10'000, std::uint32_t seed = 1);
 
-/// Whether two links touch at a state of all actuated joints; empty if a shape is unknown.
+/// True if two links touch at a state of all actuated joints; empty if a shape is unknown.
 std::optional<bool> links_touch(const RobotModel& model, int first, int second, std::span<const double> q);
 
 }  // namespace polyarm::description

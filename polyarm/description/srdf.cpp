@@ -61,8 +61,8 @@ class SrdfReader : private XmlReader {
     return out;
   }
 
-  /// The same for a joint; joints to the world are ignored without a message, because the cell places the
-  /// robot.
+  /// The same for a joint. Joints to the world are ignored without a message, because the cell defines where
+  /// the robot is.
   int joint(const Element& e) {
     const std::string name = attribute(e, "name");
     const int out = name.empty() ? -1 : model_.find_joint(name);
@@ -115,7 +115,8 @@ class SrdfReader : private XmlReader {
     return draft;
   }
 
-  /// Small files can say much: groups of groups, chains, each link with all others.
+  /// Counts members and pairs, because a small file can define very many: groups of groups, chains, all pairs
+  /// of links.
   void count(std::size_t entries) {
     if ((counted_ += entries) > bounds::kSrdfMembers)
       throw Error(Problem{"too-large",
@@ -260,7 +261,7 @@ class SrdfReader : private XmlReader {
     for (const bool enable : {false, true})
       for_each(robot, enable ? "enable_collisions" : "disable_collisions", [&](const Element& e) {
         const int one = collision_link(e, "link1"), other = collision_link(e, "link2");
-        count(1 + model_.links.size() / 128);  // which are looked through
+        count(1 + model_.links.size() / 128);  // searching the links has a cost too
         if (one < 0 || other < 0 || one == other) return;
         if (enable)
           pairs.erase({std::min(one, other), std::max(one, other)});
@@ -281,7 +282,7 @@ class SrdfReader : private XmlReader {
 
   RobotModel& model_;
   std::vector<std::string> links_, joints_, names_of_groups_;
-  std::vector<std::string> moving_;  ///< joints that are suggested
+  std::vector<std::string> moving_;  ///< names to suggest for unknown joints
   std::size_t counted_ = 0;
   std::map<std::string, Draft> drafts_;
   std::set<std::string> virtual_;

@@ -12,10 +12,10 @@ namespace polyarm::description {
 
 /// Adds the content of the SRDF to the model: groups (joints, links, chains, subgroups), end effectors, pairs
 /// with disabled collisions, and group states as named states. A state with only some of the joints takes the
-/// others from an existing state of the same name, else from "home", else zero (or the limit nearest to it).
-/// Unknown joints, links and groups in groups and states are errors; unknown links in disable_collisions are
-/// warnings; both with the nearest name. Throws Error if the text is no SRDF; faults inside are skipped and
-/// added to `problems`.
+/// others from an existing state of the same name, else from "home", else zero (or the limit nearest to
+/// zero). Unknown joints, links and groups in groups and states are errors; unknown links in
+/// disable_collisions are warnings; both name the nearest known name. Throws Error if the text is not SRDF;
+/// faults inside are skipped and added to `problems`.
 void read_srdf(std::string_view text, const std::string& file, RobotModel& model, Problems& problems);
 
 /// The model's groups, their named states, end effectors and `pairs` as SRDF that reads back equal. A group

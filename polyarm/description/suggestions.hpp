@@ -1,6 +1,6 @@
 #pragma once
-/// Suggests the nearest names for the first wrong names of a file. Each is compared with every known name, so a file
-/// with ten thousand of either would take seconds; a person needs no more. Private to the room.
+/// Suggests the nearest names, but only for the first unknown names of a file. Each unknown name is compared
+/// with every known name, so a file with ten thousand of either would take seconds. Private to the room.
 #include <concepts>
 #include <string>
 #include <string_view>
@@ -12,7 +12,7 @@ namespace polyarm::description {
 
 class Suggestions {
  public:
-  /// As did_you_mean(). `names` may be a function that returns them.
+  /// Works like did_you_mean(). `names` may be a function that returns the names.
   template <class Names>
   std::string operator()(std::string_view wrong, const Names& names) {
     if (given_ >= bounds::kSuggestions) return {};

@@ -96,7 +96,7 @@ class ArmEnd {
     return branches > 1 || called == 1;
   }
 
-  /// True for a bar of a linkage that a joint nearer to the base moves; fingers follow only fingers.
+  /// True if a joint nearer to the base moves this bar of a linkage. Fingers follow only fingers.
   bool follows_the_arm(const Joint& joint) const {
     if (!joint.mimic || joint.mimic->joint < 0) return false;
     const Joint& leader = model_.joints[at(joint.mimic->joint)];
@@ -118,7 +118,7 @@ class ArmEnd {
     return out;
   }
 
-  /// Fixed fingers and sensors are no end of an arm.
+  /// The deepest link of the body that can be the end of the arm. Fixed fingers and sensors cannot.
   int deepest(int body) const {
     std::array<int, 2> best{body, -1};
     for (const auto& [link, depth] : rigid_with(body))
@@ -126,8 +126,8 @@ class ArmEnd {
     return best[0];
   }
 
-  /// On the body that carries fingers, the link whose name denotes the point between them, else the link that
-  /// carries the fingers.
+  /// For the body that carries fingers: the link whose name means the point between the fingers, else the
+  /// link that carries the fingers.
   int point_held(int body) const {
     const std::vector<std::array<int, 2>> links = rigid_with(body);
     for (const Words words : {Words(kPoints), Words(kFrames), Words(kEnds)}) {

@@ -11,12 +11,13 @@ namespace polyarm::description {
 
 /// The names of the built-in tools: none, suction_cup, parallel_gripper.
 const std::vector<std::string>& built_in_tools();
-/// A built-in tool, or the file `name` (or `name.yaml`) in `folder` (`polyarm: tool/1`). Throws Error with
-/// similar names.
+/// A built-in tool, or the tool file `name` (or `name.yaml`) in `folder` (`polyarm: tool/1`). Throws Error
+/// with similar names.
 Tool find_tool(const std::string& name, const std::string& folder);
 /// Reads a tool file's content.
 Tool read_tool(const Yaml& yaml, const std::string& name);
-/// The values that a tool file does not state although motion depends on them; empty for built-in tools.
+/// A warning about values that a tool file does not state although motion depends on them; empty for built-in
+/// tools.
 std::optional<Problem> missing_in_tool(const std::string& name, const std::string& folder);
 
 }  // namespace polyarm::description

@@ -56,14 +56,14 @@ class UrdfReader : private XmlReader {
   }
 
  private:
-  /// Throws all problems if the robot itself is faulty.
+  /// Throws all problems if the robot itself has errors.
   void give_up_if_wrong() {
     if (!problems_.has_errors()) return;
     for (const Problem& fault : hardware_faults_.list()) problems_.add(fault);
     problems_.throw_if_errors();
   }
 
-  /// Kinematics needs one value for each joint; these have none or several.
+  /// Warns of joints without a value or with several: kinematics needs one value for each joint.
   void warn_of_free_joints(const Location& where) {
     for (const Joint& joint : model_.joints)
       if (joint.type == JointType::planar || joint.type == JointType::floating)
@@ -84,8 +84,8 @@ class UrdfReader : private XmlReader {
     return nullptr;
   }
 
-  /// A description of hardware only (such as the JetBot of the ROS 2 tutorials): each joint gets a link
-  /// without shape and turns without limits.
+  /// Completes a description of hardware only (such as the JetBot of the ROS 2 tutorials): each joint gets a
+  /// link without shape and turns without limits.
   void stand_in(const Location& where) {
     for (const HardwareInfo& hardware : model_.hardware)
       for (const ComponentInfo& component : hardware.components) {
@@ -311,7 +311,7 @@ class UrdfReader : private XmlReader {
     const XMLElement* a = e.FirstChildElement("axis");
     if (!a || !joint.moves()) return;
     const Vec3 given = vector(*a, "xyz", {1, 0, 0});
-    const double length = std::hypot(given.x, given.y, given.z);  // does not overflow on the way
+    const double length = std::hypot(given.x, given.y, given.z);  // hypot: the squares cannot overflow
     if (!(length > 1e-9) || !std::isfinite(length))
       return error(*a, "zero-axis", "the axis of the joint '" + joint.name + "' has no direction");
     if (std::abs(length - 1) < 1e-12)
@@ -353,7 +353,7 @@ class UrdfReader : private XmlReader {
       if (const auto stated = number(l, name); stated && *stated > 0) *value = *stated;
   }
 
-  /// A range of size zero, which is the format's default, means no range.
+  /// Reads soft limits. A range of size zero, which is the format's default, means no range.
   void soft_limits(const XMLElement& e, Joint& joint) {
     const XMLElement* s = e.FirstChildElement("safety_controller");
     if (!s || !joint.moves()) return;
@@ -377,7 +377,6 @@ class UrdfReader : private XmlReader {
   }
 
   // --- <polyarm>, written by write_urdf
-  // -----------------------------------------------------------------------------------------
 
   void read_facts(const XMLElement& e) {
     Provenance& p = model_.provenance;
@@ -473,7 +472,7 @@ class UrdfReader : private XmlReader {
   RobotModel model_;
   std::vector<NamedJoint> joints_;
   std::set<std::string> passed_over_, link_names_;
-  std::map<std::string, std::filesystem::path> packages_;  ///< found so far
+  std::map<std::string, std::filesystem::path> packages_;  ///< the packages found so far
   const XMLElement* facts_ = nullptr;  ///< <polyarm>: facts that URDF cannot express
 };
 

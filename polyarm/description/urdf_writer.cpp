@@ -201,7 +201,7 @@ class UrdfWriter {
     write_parameters(transmission.parameters);
     xml_.CloseElement();
   }
-  /// The form of ROS 1.
+  /// Writes a transmission in the form of ROS 1.
   void write_robot_transmission(const TransmissionInfo& transmission) {
     open("transmission", {{"name", transmission.name}});
     write_text("type", transmission.plugin);
@@ -219,7 +219,7 @@ class UrdfWriter {
     xml_.CloseElement();
   }
 
-  /// Facts that URDF cannot express, in an element that other readers ignore.
+  /// Writes facts that URDF cannot express, in an element that other readers ignore.
   void write_facts(const RobotModel& model) {
     const Provenance& p = model.provenance;
     Attributes attributes{{"version", "1"}};

@@ -13,7 +13,7 @@
 
 namespace polyarm::description {
 
-/// Base class of the readers, private to this room. Unusable input goes to `problems`, ignored input to
+/// Base class of the readers, private to this room. Unusable input is added to `problems`, ignored input to
 /// `warnings`; both may be the same list.
 class XmlReader {
  protected:

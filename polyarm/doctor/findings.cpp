@@ -160,7 +160,7 @@ void judge_devices(const Machine& m, Findings& out) {
                    "sudo modprobe i2c-dev  # on a Raspberry Pi: sudo raspi-config nonint do_i2c 0"});
 }
 
-/// Ports that robots and tools use to reach a cell.
+/// A port that robots and tools use to reach a cell.
 struct KnownPort {
   int number;
   bool udp;

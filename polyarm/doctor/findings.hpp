@@ -1,5 +1,6 @@
 #pragma once
-/// Judges a machine: good, a note, or a problem. Pure functions of the collected data; any thread.
+/// Judges a machine: each finding is good, a note, or a problem. Pure functions of the collected data; any
+/// thread.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -11,7 +12,7 @@ namespace polyarm::doctor {
 enum class Grade { ok, note, problem };
 const char* name(Grade grade);
 
-/// The use that a finding affects: any cell, a cell with real devices, or one with real-time demands.
+/// What a finding affects: any cell, a cell with real devices, or a cell with real-time demands.
 enum class Concern { simulation, hardware, real_time };
 const char* name(Concern concern);
 
@@ -20,7 +21,7 @@ struct Finding {
   Concern concern = Concern::simulation;
   std::string topic;  ///< "kernel", "serial port"
   std::string text;   ///< one line
-  std::string mend;   ///< a command; every problem has one, a note may have one
+  std::string mend;   ///< a command that solves it; every problem has one, a note may have one
 };
 
 /// The installed parts of Polyarm.

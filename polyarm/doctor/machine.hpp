@@ -12,7 +12,7 @@
 
 namespace polyarm::doctor {
 
-/// The place to examine. Everything comes from files below `root`, except the access rights to devices.
+/// Where to read from. Everything comes from files below `root`, except the access rights to devices.
 struct Place {
   std::filesystem::path root = "/";
   std::map<std::string, std::string> environment;
@@ -65,7 +65,7 @@ struct Machine {
   std::map<std::string, std::string> ros;  ///< ROS variables that are set
 };
 
-/// Never throws: unreadable values are left out.
+/// Never throws: values that cannot be read stay empty.
 Machine look_at(const Place& place);
 
 /// Properties of the clock: its resolution, and the wake-up delay of a thread with a period of one

@@ -13,8 +13,8 @@ namespace polyarm::doctor {
 struct TrialOptions {
   double seconds = 5;      ///< duration of reading
   double rate = 100;       ///< Hz
-  bool move = false;       ///< moves each joint with a position command a little way and back, one after the
-                           ///< other
+  bool move = false;       ///< moves each joint that has a position command a little and back, one joint
+                           ///< after the other
   double distance = 0.05;  ///< of that move, rad or m
   std::function<bool()> stop = [] { return false; };  ///< called in each cycle; true ends the trial cleanly
 };
@@ -36,7 +36,7 @@ struct Trial {
   std::string reason;   ///< its warning at the end, without a failure
   double configure_ms = 0;
   std::uint64_t reads = 0, late = 0;
-  double read_us_p50 = 0, read_us_p99 = 0, read_us_max = 0;  ///< duration of a read
+  double read_us_p50 = 0, read_us_p99 = 0, read_us_max = 0;  ///< duration of one read
   double write_us_p99 = 0;                                   ///< 0 without movement
   double gap_ms_p50 = 0, gap_ms_p99 = 0, gap_ms_max = 0;     ///< between two updates from the device
   std::vector<TriedState> states;

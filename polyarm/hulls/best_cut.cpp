@@ -9,12 +9,12 @@ namespace polyarm::hulls {
 
 namespace {
 
-constexpr std::size_t kTriangles = 300;  // that a cut is judged by
-constexpr double kLeastGain = 0.02;      // part of its volume that a cut must save
+constexpr std::size_t kTriangles = 300;  // sample size for comparing cuts
+constexpr double kLeastGain = 0.02;      // fraction of its volume that a cut must save
 constexpr std::array kOffsets = {0.25, 0.5, 0.75};
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// What stands for a mesh while cuts are compared.
+/// A reduced copy of a mesh, for comparing cuts.
 struct Sample {
   std::vector<Triangle> triangles;
   std::vector<Vec3> points;  ///< the outermost ones
@@ -47,7 +47,7 @@ double volume_of(const Sides& sides) {
   return volume_of(sides.below) + volume_of(sides.above);
 }
 
-/// One direction in which a mesh may be cut, and its extent there, m.
+/// One direction in which a mesh may be cut, and the mesh's extent in it, m.
 struct Way {
   Vec3 direction;
   double from = 0, to = 0;
@@ -70,7 +70,7 @@ std::vector<Way> ways_across(const std::vector<Vec3>& corners, double least) {
   return out;
 }
 
-/// The least volume that one cut through the middle leaves.
+/// The smallest volume that one cut through the middle can leave.
 double volume_cut_once(const Sample& sample, double least) {
   double out = volume_of(sample);
   for (const Way& way : ways_across(sample.corners(), least))
@@ -106,7 +106,7 @@ void refine(Choice& choice, const Sample& sample, double least) {
     }
 }
 
-/// The cut through the middle after which one more cut of each half leaves least volume.
+/// The cut through the middle after which one more cut of each half leaves the smallest volume.
 Choice choice_before_another(const Sample& sample, const std::vector<Way>& ways, double least) {
   Choice out;
   for (const Way& way : ways) {
@@ -118,7 +118,7 @@ Choice choice_before_another(const Sample& sample, const std::vector<Way>& ways,
   return out;
 }
 
-/// One triangle to its sides.
+/// Adds a triangle to its side; cuts it if the plane crosses it.
 void cut(const Triangle& triangle, const Plane& plane, Halves& out) {
   std::array<double, 3> height{};
   for (std::size_t k = 0; k < 3; ++k) height[k] = dot(plane.normal, triangle[k]) - plane.offset;

@@ -1,5 +1,6 @@
 #pragma once
-/// Where to cut a mesh so that the hulls of both sides have least volume. Any thread; deterministic.
+/// Finds where to cut a mesh so that the hulls of both sides have the smallest volume. Any thread;
+/// deterministic.
 #include <vector>
 
 #include "polyarm/hulls/hull.hpp"
@@ -11,17 +12,17 @@ struct Halves {
   std::vector<Triangle> below, above;
 };
 
-/// Sorts triangles by their side. Those that the plane meets are cut.
+/// Sorts triangles by their side of the plane. Triangles that cross the plane are cut.
 Halves cut(const std::vector<Triangle>& triangles, const Plane& plane);
 
 struct BestCut {
-  Plane plane;         ///< a zero normal: the mesh is too small to be cut
-  bool saves = false;  ///< it saves volume worth a piece
+  Plane plane;         ///< a zero normal: the mesh is too small to cut
+  bool saves = false;  ///< the saved volume is worth one more piece
 };
 
-/// Tries planes across the principal axes of the hull and across x, y and z. Where none saves volume, it
-/// looks one cut further: a tube has to be cut twice before a cut pays. `least`: no half is thinner than
-/// this, m.
+/// Tries planes across the principal axes of the hull and across x, y and z. If none saves volume, it looks
+/// one cut further: a tube, for example, must be cut twice before a cut saves volume. `least`: smallest
+/// thickness of a half, m.
 BestCut best_cut(const std::vector<Triangle>& triangles, const Hull& hull, double least);
 
 }  // namespace polyarm::hulls

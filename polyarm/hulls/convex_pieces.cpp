@@ -11,10 +11,11 @@ namespace polyarm::hulls {
 
 namespace {
 
-constexpr std::size_t kSamples = 160;  // on each piece, for its excess
-constexpr double kJoined = 1.01;       // pieces are joined if their hull has at most so much more volume
-constexpr int kBlindCuts = 1;          // in a row that may save nothing
-constexpr double kLeastPart = 0.02;    // part of the extent that is not cut off
+constexpr std::size_t kSamples = 160;  // on each piece, to measure its excess
+constexpr double kJoined = 1.01;       // largest volume of a joined piece's hull, relative to the volumes of
+                                       // its parts
+constexpr int kBlindCuts = 1;          // consecutive cuts that may save nothing
+constexpr double kLeastPart = 0.02;    // smallest part that is cut off, relative to the extent
 
 std::vector<Vec3> corners_of(const std::vector<Triangle>& triangles) {
   std::vector<Vec3> out;
@@ -33,7 +34,7 @@ double area_of(const Hull& hull, const std::array<std::uint32_t, 3>& face) {
   return norm(cross(hull.corners[face[1]] - a, hull.corners[face[2]] - a)) / 2;
 }
 
-/// Points that are spread evenly over the surface of a hull; the same ones each time.
+/// Points evenly spread over the surface of a hull; always the same points.
 std::vector<Vec3> samples_on(const Hull& hull, std::size_t count) {
   double area = 0;
   for (const auto& face : hull.faces) area += area_of(hull, face);
@@ -57,7 +58,7 @@ std::vector<Vec3> samples_on(const Hull& hull, std::size_t count) {
   return out;
 }
 
-/// True if something outside can come near the point: a ray from it meets nothing.
+/// True if another object can touch the point from outside: a ray from the point meets no triangle.
 bool is_open(const TriangleTree& tree, const Vec3& point) {
   for (const double x : {-1.0, 0.013, 1.0})
     for (const double y : {-1.01, 0.017, 0.99})
@@ -98,8 +99,8 @@ class Cutter {
     std::vector<Triangle> triangles;
     Hull hull;
     Excess excess;
-    bool whole = false;  ///< no cut helps
-    int blind = 0;       ///< cuts above it that saved nothing
+    bool whole = false;  ///< no cut of this part helps
+    int blind = 0;       ///< number of consecutive cuts before it that saved nothing
   };
 
   Part part(std::vector<Triangle> triangles) const {
@@ -132,7 +133,7 @@ class Cutter {
     return sum / area;
   }
 
-  /// False if no cut of any part helps.
+  /// Cuts the part with the largest excess. Returns false if no cut of any part helps.
   bool cut_worst() {
     for (;;) {
       Part* worst = nullptr;
@@ -156,7 +157,7 @@ class Cutter {
     }
   }
 
-  /// Joins pieces whose hull is hardly larger than they are.
+  /// Joins pieces if the hull of both is hardly larger than the pieces.
   void merge() {
     for (std::size_t a = 0; a < parts_.size(); ++a)
       for (std::size_t b = a + 1; b < parts_.size();) {

@@ -1,9 +1,9 @@
 #pragma once
-/// A mesh as a few convex pieces that together contain all its triangles: a body for physics. Lengths in
-/// metres, in the frame of the mesh. Any thread; deterministic.
+/// Divides a mesh into a few convex pieces that together contain all its triangles: a body for physics.
+/// Lengths in metres, in the frame of the mesh. Any thread; deterministic.
 ///
-/// The mesh is cut in two by a plane, again and again, where that saves most volume, and each piece is the
-/// hull of its triangles. So open, inverted or overlapping meshes need no repair.
+/// A plane cuts the mesh in two, repeatedly, where the cut saves most volume. Each piece is the hull of its
+/// triangles. Therefore open, inverted or overlapping meshes need no repair.
 #include <cstddef>
 #include <vector>
 
@@ -15,19 +15,19 @@ namespace polyarm::hulls {
 struct PieceOptions {
   std::size_t most_pieces = 16;
   std::size_t most_corners = 64;  ///< of each piece
-  /// Pieces are cut until the mean excess is below this part of the mesh's largest extent.
+  /// Parts are cut until the mean excess is below this fraction of the mesh's largest extent.
   double wanted_excess = 0.006;
 };
 
 struct ConvexPieces {
   std::vector<Hull> pieces;
-  double size = 0;  ///< the diagonal of the mesh's box, m
-  /// How far the surface of the pieces lies from the mesh, m, by samples over that surface. What lies inside
-  /// of the mesh, or inside of another piece, counts as 0.
+  double size = 0;  ///< diagonal of the mesh's bounding box, m
+  /// The distance of the pieces' surface from the mesh, m, measured at samples on that surface. Samples
+  /// inside the mesh or inside another piece count as 0.
   double mean_excess = 0, largest_excess = 0;
 };
 
-/// Throws Error("bad-mesh") if there is no triangle or a corner is not finite.
+/// Throws Error("bad-mesh") if there is no triangle or if a corner is not finite.
 ConvexPieces convex_pieces(const std::vector<Triangle>& triangles, const PieceOptions& options = {});
 
 }  // namespace polyarm::hulls

@@ -19,7 +19,7 @@ Plane plane_of(const Hull& hull, const std::array<std::uint32_t, 3>& face) {
   const Vec3 &a = hull.corners[face[0]], &b = hull.corners[face[1]], &c = hull.corners[face[2]];
   const Vec3 normal = cross(b - a, c - a);
   const double length = norm(normal);
-  if (!(length > 0)) return {{0, 0, 0}, 0};  // a sliver bounds nothing
+  if (!(length > 0)) return {{0, 0, 0}, 0};  // a degenerate triangle bounds nothing
   return {(1 / length) * normal, dot((1 / length) * normal, a)};
 }
 
@@ -43,7 +43,7 @@ double volume_of(const Hull& hull) {
   return out;
 }
 
-/// Qhull's state and the file that takes its messages, which nobody reads.
+/// Qhull's state, and the file that swallows its messages.
 class Qhull {
  public:
   Qhull() : quiet_(std::fopen("/dev/null", "w"), std::fclose) { qh_zero(&state_, quiet_.get()); }
@@ -55,7 +55,7 @@ class Qhull {
   Qhull(const Qhull&) = delete;
   Qhull& operator=(const Qhull&) = delete;
 
-  /// False where there is no hull.
+  /// Returns false if Qhull finds no hull.
   bool run(std::vector<coordT>& coordinates) {
     if (!quiet_) return false;
     char command[] = "qhull Qt Pp";
@@ -71,7 +71,7 @@ class Qhull {
       if (is_new) out.corners.push_back({v->point[0], v->point[1], v->point[2]});
       return at->second;
     };
-    qhT* qh = &state_;  // the name that the library's loops use
+    qhT* qh = &state_;  // Qhull's loop macros need this name
     facetT* facet = nullptr;
     FORALLfacets {
       std::array<std::uint32_t, 3> face{};
@@ -81,7 +81,7 @@ class Qhull {
         if (count < 3) face[count] = corner(vertex);
         ++count;
       }
-      if (count != 3) continue;  // all are triangles by the option Qt
+      if (count != 3) continue;  // the option Qt makes all facets triangles
       const Vec3 &a = out.corners[face[0]], &b = out.corners[face[1]], &c = out.corners[face[2]];
       const Vec3 outward{facet->normal[0], facet->normal[1], facet->normal[2]};
       if (dot(cross(b - a, c - a), outward) < 0) std::swap(face[1], face[2]);
@@ -109,7 +109,7 @@ Hull box_along(const Axes& axes) {
   return out;
 }
 
-/// Makes thin extents as wide as kThinnest; returns the points that this adds.
+/// Widens thin extents to kThinnest; returns the points that it adds.
 std::vector<Vec3> thicken(std::span<const Vec3> points, Axes& axes) {
   std::vector<Vec3> out;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -144,7 +144,8 @@ std::vector<std::size_t> outermost(std::span<const Vec3> points, const Axes& axe
   return out;
 }
 
-/// How much a hull must grow about its middle to contain the points, and the outermost point of each face.
+/// The factor by which a hull must grow about its centre to contain the points, and the outermost point of
+/// each face.
 struct Shortfall {
   double scale = 1;
   std::vector<std::size_t> outside;

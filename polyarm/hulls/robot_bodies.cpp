@@ -28,7 +28,7 @@ using description::ShapeKind;
 
 namespace {
 
-/// Change this when the pieces of the same mesh change.
+/// Change this whenever the pieces of the same mesh change.
 constexpr std::string_view kFormat = "polyarm-bodies/1";
 constexpr std::size_t kMostCached = 512;
 constexpr std::size_t kLargestCached = 4 << 20;  // bytes
@@ -68,7 +68,6 @@ Body computed(const Shape& shape) {
 }
 
 // --- the cache
-// -----------------------------------------------------------------------------------------------
 
 std::string to_text(const Body& body) {
   std::string out =
@@ -81,7 +80,8 @@ std::string to_text(const Body& body) {
   return out + "end\n";
 }
 
-/// Reads numbers that spaces separate; `good` is false after the first that is none or too large.
+/// Reads numbers separated by spaces. `good` becomes false at the first word that is not a number or is too
+/// large.
 class Numbers {
  public:
   explicit Numbers(std::string_view text) : text_(text) {}
@@ -108,7 +108,7 @@ class Numbers {
   std::string_view text_;
 };
 
-/// False if the text is no whole body.
+/// Returns false if the text is not a complete body.
 bool from_text(std::string_view text, Body& out) {
   const std::string first = std::string(kFormat) + "\n";
   if (!text.starts_with(first)) return false;
@@ -171,15 +171,14 @@ Body made(const Shape& shape, const fs::path& cache) {
   return out;
 }
 
-// --- many of them
-// ----------------------------------------------------------------------------------------------
+// --- several bodies
 
-/// Shapes that have the same body.
+/// Shapes with the same mesh and scale, and therefore the same body.
 struct Job {
   std::vector<Shape*> shapes;
   Body body;
   Problems problems;
-  bool done = false;  ///< the cache had it, or it failed
+  bool done = false;  ///< found in the cache, or failed
 };
 
 std::function<void(std::size_t)>& listener_to_making() {
@@ -199,7 +198,7 @@ std::vector<Job> jobs_of(const std::vector<Shape*>& shapes) {
   return out;
 }
 
-/// Takes the meshes that were not found out of the jobs: one warning for all.
+/// Removes the jobs whose mesh file was not found, and adds one warning for all of them.
 void warn_of_missing(std::vector<Job>& jobs, std::vector<Problem>& warnings) {
   std::vector<std::string> missing;
   std::erase_if(jobs, [&](const Job& job) {
@@ -214,7 +213,7 @@ void warn_of_missing(std::vector<Job>& jobs, std::vector<Problem>& warnings) {
       {"no-mesh", {}, what, "give the folder of their package in POLYARM_PACKAGES", Severity::warning});
 }
 
-/// Calls `step` for each job, side by side on the processors that there are.
+/// Calls `step` for each job, in parallel on all processors.
 template <typename Step>
 void for_each(std::vector<Job>& jobs, Step step) {
   std::atomic<std::size_t> next{0};

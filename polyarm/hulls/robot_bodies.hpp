@@ -1,5 +1,5 @@
 #pragma once
-/// Gives the collision meshes of robots and scenes a body: convex pieces that contain the mesh.
+/// Gives the collision meshes of robots and scenes a body for physics: convex pieces that contain the mesh.
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -21,22 +21,23 @@ struct BodyReport {
 
 struct BodiesMade {
   std::vector<BodyReport> reports;
-  std::vector<Problem> warnings;  ///< one for each mesh without a body: missing, broken or too large
+  std::vector<Problem> warnings;  ///< one for each mesh without a body, because its file is missing, broken
+                                  ///< or too large
 };
 
-/// Where this user's bodies are kept; empty without a home.
+/// The folder in which this user's bodies are cached; empty without a home folder.
 std::filesystem::path bodies_cache();
 
-/// `listener` is called before bodies are computed, which may take minutes, with the number of their meshes;
-/// not for bodies that the cache has. One for the process; set it before the first make_bodies.
+/// Sets a process-wide listener. It is called with the number of meshes before bodies are computed, which may
+/// take minutes; not for cached bodies. Set it before the first make_bodies.
 void listen_to_making(std::function<void(std::size_t meshes)> listener);
 
 /// Fills `pieces` of each collision mesh of the robot. Meshes of the same file and scale are computed once,
-/// side by side on the processors that there are. `cache`: a folder of the user that keeps results by the
-/// content of the mesh; an empty path disables it. Slow, reads the disk: any thread except those of a cell.
+/// in parallel on all processors. `cache`: a folder of the user that stores results by the content of the
+/// mesh; an empty path disables it. Slow, reads the disk: any thread except those of a cell.
 BodiesMade make_bodies(description::RobotModel& model, const std::filesystem::path& cache);
-/// The same for single shapes, such as those of a tool or a fixture. Shapes that are no mesh stay as they
-/// are.
+/// The same for single shapes, such as those of a tool or a fixture. Shapes that are not meshes do not
+/// change.
 BodiesMade make_bodies(const std::vector<description::Shape*>& shapes, const std::filesystem::path& cache);
 
 }  // namespace polyarm::hulls

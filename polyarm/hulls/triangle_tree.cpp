@@ -8,7 +8,7 @@ namespace polyarm::hulls {
 
 namespace {
 
-constexpr std::uint32_t kLeaf = 6;  // triangles
+constexpr std::uint32_t kLeaf = 6;  // largest number of triangles in a leaf
 constexpr std::size_t kDeepest = 64;
 
 double part(const Vec3& v, int axis) {
@@ -75,7 +75,7 @@ Vec3 nearest_point(const Triangle& triangle, const Vec3& p) {
   const double va = d3 * d6 - d5 * d4;
   if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b);
   const double sum = va + vb + vc;
-  if (!(sum > 0)) return a;  // without area
+  if (!(sum > 0)) return a;  // a triangle without area
   return a + (vb / sum) * ab + (vc / sum) * ac;
 }
 
@@ -96,7 +96,7 @@ std::uint32_t TriangleTree::build(std::uint32_t begin, std::uint32_t end) {
   if (end - begin <= kLeaf) return index;
   const Vec3 size = node.upper - node.lower;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const std::uint32_t half = begin + (end - begin) / 2;  // halves: the depth stays logarithmic
+  const std::uint32_t half = begin + (end - begin) / 2;  // equal halves keep the depth logarithmic
   const auto key = [&](const Triangle& t) { return part(t[0], axis) + part(t[1], axis) + part(t[2], axis); };
   std::nth_element(triangles_.begin() + begin, triangles_.begin() + half, triangles_.begin() + end,
                    [&](const Triangle& a, const Triangle& b) { return key(a) < key(b); });
@@ -125,7 +125,7 @@ double TriangleTree::distance(const Vec3& point) const {
     const bool left_first = squared_distance_to_box(left.lower, left.upper, point) <=
                             squared_distance_to_box(right.lower, right.upper, point);
     open[count++] = left_first ? node.right : index + 1;
-    open[count++] = left_first ? index + 1 : node.right;  // taken next
+    open[count++] = left_first ? index + 1 : node.right;  // visited next
   }
   return std::sqrt(best);
 }

@@ -1,10 +1,10 @@
 #pragma once
 /// Common data representation (CDR), as used by ROS 2 on the wire and in MCAP: XCDR version 1, plain.
 ///
-/// A payload is a header of four bytes (0, byte order, two of options) followed by the fields, each aligned
-/// to its size, counted from the end of the header. A text is its length including the NUL, the bytes, NUL; a
-/// sequence is its length and the elements. Source: DDS-XTypes 1.3, 7.4.3; OMG formal/2008-01-04 (DDSI-RTPS
-/// 2.1), 10.2.
+/// A payload is a header of four bytes (0, byte order, two option bytes) followed by the fields. Each field
+/// is aligned to its size, counted from the end of the header. A text is its length including the NUL, the
+/// bytes, and NUL. A sequence is its length and the elements. Source: DDS-XTypes 1.3, 7.4.3; OMG
+/// formal/2008-01-04 (DDSI-RTPS 2.1), 10.2.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -86,8 +86,8 @@ enum class CdrError {
 const char* name(CdrError error);
 
 /// Reads a payload of either byte order. Any thread. After the first error it reads nothing more: outputs
-/// stay unchanged and `error()` reports the error. A length never makes it allocate more than the payload
-/// has bytes for.
+/// stay unchanged and `error()` reports the error. A wrong length cannot make it allocate more than the
+/// payload could fill.
 class CdrReader {
  public:
   explicit CdrReader(std::span<const std::byte> payload);

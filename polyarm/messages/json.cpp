@@ -15,7 +15,7 @@ using nlohmann::json;
 
 namespace {
 
-/// Calls `with` with a value of the C++ type for numbers of this kind.
+/// Calls `with` with a value of the C++ number type for this kind.
 template <class With>
 void with_number(FieldKind kind, With with) {
   switch (kind) {

@@ -1,4 +1,5 @@
-# The room of messages: most of it is made by a program of ours from interfaces.list, which the build runs first.
+# The messages library. A generator program, which the build compiles first, makes most of it from
+# interfaces.list.
 find_package(OpenSSL REQUIRED)
 set(messages ${PROJECT_SOURCE_DIR}/polyarm/messages)
 set(made ${PROJECT_BINARY_DIR}/generated/polyarm/messages)
@@ -9,7 +10,7 @@ target_include_directories(polyarm_message_model PUBLIC ${PROJECT_SOURCE_DIR})
 target_link_libraries(polyarm_message_model PRIVATE OpenSSL::Crypto)
 add_executable(polyarm_message_generator ${messages}/generator/main.cpp)
 target_link_libraries(polyarm_message_generator PRIVATE polyarm_message_model)
-if(CMAKE_BUILD_TYPE STREQUAL "Release")  # it reads one list once
+if(CMAKE_BUILD_TYPE STREQUAL "Release")  # it only reads one list, once per build
   target_compile_options(polyarm_message_model PRIVATE -O0)
   target_compile_options(polyarm_message_generator PRIVATE -O0)
 endif()

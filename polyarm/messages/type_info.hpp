@@ -1,5 +1,5 @@
 #pragma once
-/// Type information of a message beyond its C++ struct. Constants: any thread.
+/// Type information of a message beyond its C++ struct. Constant: any thread.
 #include <cstdint>
 #include <span>
 #include <string_view>

@@ -13,12 +13,13 @@ namespace {
 using trajectory::MotionLimits;
 using trajectory::MotionState;
 
-constexpr double kToFullSpeed = 0.5, kToFullAcceleration = 0.2;  // s, if the controller states no limits
-constexpr double kAnySpeed = 1, kAnyTurning = 2;                 // m/s and rad/s, the same
+constexpr double kToFullSpeed = 0.5, kToFullAcceleration = 0.2;  // s, to use if the controller states no
+                                                                 // limits
+constexpr double kAnySpeed = 1, kAnyTurning = 2;                 // m/s and rad/s, to use in the same case
 constexpr double kGain = 2;                                      // 1/s
-constexpr double kOfPeriod = 0.1;                                // the gain times the period is at most this
+constexpr double kOfPeriod = 0.1;                                // largest product of gain and period
 constexpr double kHere = 1e-3, kHereTurned = 3e-3;               // m and rad: arrived
-constexpr double kPatience = 3;                                  // s after the planned end before the move
+constexpr double kPatience = 3;                                  // s after the planned end; the move then
                                                                  // fails
 
 double stated(double value, double fallback) {
@@ -115,11 +116,11 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
   time_ += dt * rate * pace_;
   std::array<MotionState, 1> state;
   motion_.sample(time_, state);
-  // The controller follows this command at the share that applies to everything.
+  // The command does not include the share: the controller applies it to every command.
   const double asked = state[0].velocity + gain_ * (state[0].position - done);
   const double speed = std::clamp(asked, -most, most);
-  pace_ = speed == asked ? 1 : most / std::abs(asked);  // the plan waits while the base lags behind at full
-                                                        // speed
+  pace_ = speed == asked ? 1 : most / std::abs(asked);  // the plan's time runs slower while the base lags
+                                                        // behind at full speed
   if (time_ >= motion_.duration()) {
     const double off = move_.amount - done;
     late_ += dt * rate;

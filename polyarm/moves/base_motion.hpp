@@ -20,10 +20,10 @@ struct BaseMove {
   double duration = 0;      ///< s, minimum
 };
 
-/// Moves from rest to rest within velocity, acceleration and jerk limits, with feedback from the odometry of
-/// the base's controller and commands through its cmd_vel; a straight move stays on its line. If the
+/// Moves from rest to rest within velocity, acceleration and jerk limits. Feedback comes from the odometry of
+/// the base's controller; commands go through its cmd_vel. A straight move stays on its line. If the
 /// controller states no acceleration, full speed takes half a second; if it states no jerk, full acceleration
-/// takes 0.2 s. On hold the base stops; on resume it does the rest from where it is. Cell thread only.
+/// takes 0.2 s. On hold the base stops; on resume it continues from where it is. Cell thread only.
 class BaseMotion {
  public:
   enum class State { running, done, failed, discarded };
@@ -35,8 +35,8 @@ class BaseMotion {
   /// Returns its id, which counts up from 1. Throws Error("busy") during another move, and
   /// Error("no-odometry").
   std::uint64_t start(const BaseMove& move);
-  /// Call it in every tick. `running`: the loop is neither held nor in a fault. `share`: of the planned
-  /// speed, [0, 1].
+  /// Call it in every tick. `running`: the loop is neither held nor in a fault. `share`: fraction of the
+  /// planned speed, [0, 1].
   void tick(Nanoseconds now, bool running, double share);
   /// Discards the present move; the base stops within its limits.
   void drop();

@@ -21,13 +21,13 @@ using paths::PolynomialPath;
 using paths::PoseDerivatives;
 
 constexpr double kThere = 1e-4;          // m and rad: tolerance for a seed at the start of the path
-constexpr double kShare = 0.3;           // of the tolerance, at the checked places between nodes
+constexpr double kShare = 0.3;           // fraction of the tolerance, at the checked places between nodes
 constexpr double kShortest = 1e-6;       // smallest step, as a fraction of the path's piece
 constexpr int kMostFailures = 1000;      // rejected steps of one piece
-constexpr double kLeast = 1e-9;          // smallest step
-constexpr double kMostCorrection = 0.3;  // rad or m, from a joint's predicted value
-constexpr double kBeyond = 1e-9;         // rad or m, of a joint beyond its limits
-constexpr int kLooks = 64;               // samples of a piece that may touch a limit
+constexpr double kLeast = 1e-9;          // smallest step that is used at all
+constexpr double kMostCorrection = 0.3;  // rad or m, largest correction of a joint's predicted value
+constexpr double kBeyond = 1e-9;         // rad or m, tolerance beyond a joint's limits
+constexpr int kLooks = 64;               // samples of a piece that may reach a limit
 constexpr double kFast = 50;             // rad per metre: a faster joint is near a singularity
 constexpr std::size_t kPowers = PolynomialPath::kCoefficients;
 constexpr std::array<double, 3> kBetween{0.5, 0.2, 0.8};  // checked places of a piece
@@ -145,7 +145,8 @@ class Follower {
     const std::vector<double> expected = next.q;
     if (!arrive(there, expected, next)) return false;
     if (arm_.columns() <= 6) return true;
-    // Of all joint states there, takes the one that the rates at both ends predict.
+    // Of all joint states for this pose, chooses the one closest to the prediction from the rates at both
+    // ends.
     for (std::size_t k = 0; k < arm_.columns(); ++k) {
       const auto &a = node.rates.d, &b = next.rates.d;
       next.q[arm_.joints()[k]] =
@@ -271,7 +272,7 @@ class Follower {
   const kinematics::Chain& chain_;
   const paths::CartesianPath& path_;
   const FollowOptions& options_;
-  double offset_;  // added to places in errors
+  double offset_;  // added to the places in errors
   ArmDerivatives arm_;
   std::unique_ptr<ik::InverseKinematics> solver_;  // created on demand
   std::vector<double> coefficients_;               // of the piece under construction

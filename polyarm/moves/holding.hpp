@@ -1,5 +1,5 @@
 #pragma once
-/// Which joints of a robot cannot hold it at rest. kg, m, N m (N for sliding joints). Any thread.
+/// Finds the joints of a robot that cannot hold it at rest. kg, m, N m (N for sliding joints). Any thread.
 #include <cstddef>
 #include <vector>
 
@@ -13,8 +13,8 @@ struct Overload {
   double torque = 0, limit = 0;  ///< N m or N
 };
 
-/// The overloads at `q`, in the order of RobotModel::actuated, without joints that others mimic. Implausible masses do
-/// not count, as in physics. Empty where the tree cannot be built.
+/// The overloads at `q`, in the order of RobotModel::actuated, without joints that others mimic. Implausible
+/// masses do not count, as in physics. Empty if the tree cannot be built.
 std::vector<Overload> overloads_at(const description::RobotModel& model, const Pose& T_world_base,
                                    const Payload& payload, const std::vector<double>& q);
 

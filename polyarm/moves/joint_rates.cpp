@@ -9,11 +9,11 @@
 namespace polyarm::moves {
 namespace {
 
-constexpr int kSteps = 12;          // of Newton's method; from nearby three suffice
+constexpr int kSteps = 12;          // of Newton's method; from a nearby start three are enough
 constexpr double kSettled = 1e-13;  // m and rad
 constexpr double kEnough = 1e-10;   // accepted if rounding stops the iteration
-constexpr double kNone = 1e-9;      // relative to the largest singular value: counts as zero
-constexpr double kAlong = 1e-6;     // relative part of the path's direction that a singularity blocks
+constexpr double kNone = 1e-9;      // relative to the largest singular value: smaller values count as zero
+constexpr double kAlong = 1e-6;     // fraction of the path's direction that a singularity may block
 constexpr int kMost = static_cast<int>(kinematics::Chain::kMostMoving);
 
 using Six = Eigen::Matrix<double, 6, 1>;
@@ -28,7 +28,7 @@ Six six(const Vec3& linear, const Vec3& angular) {
   return (Six() << linear.x, linear.y, linear.z, angular.x, angular.y, angular.z).finished();
 }
 
-/// Solves J x = b: exactly, for the smallest x, or by least squares.
+/// Solves J x = b: exactly, with the smallest x, or by least squares, depending on the number of joints.
 class Solver {
  public:
   explicit Solver(const Eigen::Map<const Columns>& J) : J_(J) {
@@ -76,7 +76,7 @@ std::array<double, 6> tcp_error(const ArmDerivatives& arm, const Pose& target) n
   const std::array<Vec3, 3>& r = arm.rotation();
   const Vec3 x = target.rotation * Vec3{1, 0, 0}, y = target.rotation * Vec3{0, 1, 0}, z = cross(x, y);
   Vec3 turn = 0.5 * (cross(r[0], x) + cross(r[1], y) + cross(r[2], z));
-  // Beyond a right angle that sum decreases again: sets it to at least 1 there.
+  // Beyond a right angle the length of that sum decreases again; there it is set to 1.
   if (dot(r[0], x) + dot(r[1], y) + dot(r[2], z) < 1) turn = normalized(turn);
   return {way.x, way.y, way.z, turn.x, turn.y, turn.z};
 }

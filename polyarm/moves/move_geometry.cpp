@@ -25,7 +25,7 @@ namespace {
 
 using Values = std::vector<double>;
 using PathPtr = std::shared_ptr<const Path>;
-constexpr int kSamples = 32;  // between two points of a spline
+constexpr int kSamples = 32;  // per interval between two points of a spline
 
 class Geometry {
  public:
@@ -101,7 +101,7 @@ class Geometry {
   void pass_points(const Path& path, std::size_t first, std::span<const paths::JointWaypoint> points,
                    std::vector<double>& ends) const {
     std::size_t knot = 0;
-    for (std::size_t i = 1; i < points.size(); ++i) {  // points that repeat the previous one have no knot
+    for (std::size_t i = 1; i < points.size(); ++i) {  // a point that repeats the previous one has no knot
       if (knot + 1 < path.breaks().size() && is_at(path, path.breaks()[knot + 1], points[i].q)) ++knot;
       ends[i] = path.breaks()[knot];
       for (int k = 1; k < kSamples && ends[i] > ends[i - 1]; ++k) {
@@ -132,7 +132,7 @@ class Geometry {
     }
     paths::CartesianSections path = builder.build();
     paths::PathSections joints = joints_along(r_.robot.chain, path, q_);
-    if (last < run.last) return;  // only checks whether it is possible
+    if (last < run.last) return;  // called only to check whether the moves are possible
     take_warnings(path.warnings, run);
     double begin = 0;
     auto follow = joints.sections.begin();
@@ -165,7 +165,7 @@ class Geometry {
     }
   }
 
-  /// The first move that is impossible after those before it.
+  /// The first move that is impossible after the moves before it.
   std::size_t culprit(const MoveRun& run) {
     for (std::size_t last = run.first; last < run.last; ++last) {
       MoveRun part = run;
@@ -190,10 +190,10 @@ class Geometry {
     return out;
   }
 
-  /// Warnings of a run's geometry; it knows the moves by name.
+  /// Assigns the warnings of a run's geometry to its moves. The texts identify the moves by name.
   void take_warnings(std::vector<Problem>& warnings, const MoveRun& run) {
     for (Problem& warning : warnings) {
-      if (warning.code == "waypoint-repeated") continue;  // a move to the present place is no fault
+      if (warning.code == "waypoint-repeated") continue;  // a move to the present position is not a fault
       std::size_t move = run.first;
       while (move < run.last && warning.what.find(r_.moves[move].end().name + " is ") == std::string::npos)
         ++move;

@@ -1,5 +1,5 @@
 #pragma once
-/// The data that the steps of a plan of moves exchange: geometry (MoveGeometry), joins (MoveJoins) and time
+/// The data that the steps of planning exchange: geometry (MoveGeometry), joins (MoveJoins) and time
 /// (MoveTiming). Private to this room; not for the control cycle.
 #include <cstddef>
 #include <memory>
@@ -24,7 +24,7 @@ struct MovePart {
   std::shared_ptr<const paths::Path> joints, translation, rotation;
   double from = 0, to = 0, scale = 1;
   std::vector<MoveSpan> moves;
-  bool joins = false;  ///< belongs to two moves over its whole length
+  bool joins = false;  ///< belongs to two moves along its whole length
   bool curve = false;  ///< a spline of joint moves
 };
 

@@ -59,8 +59,8 @@ struct PlannedMotion {
   std::vector<timing::ActiveLimit> active;  ///< the limiting rows along the path; rows beyond the joints:
                                             ///< `bounds`
   std::vector<std::string> bounds;
-  /// The joints' accelerations are reduced to this fraction of their limits so that no torque exceeds its
-  /// limit; without it `torque_joint` would.
+  /// To keep all torques within their limits, the joints' accelerations are reduced to this fraction of their
+  /// limits. Without that, the torque of `torque_joint` would be too high.
   double torque_share = 1;
   std::size_t torque_joint = 0;
 };
@@ -68,7 +68,7 @@ struct PlannedMotion {
 struct MovePlan {
   std::vector<PlannedMotion> motions;            ///< empty if every move ends where it begins
   std::vector<double> end;                       ///< joint state
-  std::vector<trajectory::MotionLimits> limits;  ///< of the joints; the paths keep them
+  std::vector<trajectory::MotionLimits> limits;  ///< limits of the joints, which the paths keep
   struct Warning {
     std::size_t move;
     Problem problem;  ///< "blend-shrunk"

@@ -27,8 +27,8 @@ using Values = std::vector<double>;
 using PathPtr = std::shared_ptr<const Path>;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr int kSamples = 32;          // for a spline of joint moves
-constexpr int kTorqueRounds = 4;      // of reducing the acceleration because of torques
-constexpr double kTorqueRoom = 0.99;  // and a margin each time, because the times shift
+constexpr int kTorqueRounds = 4;      // rounds of reducing the acceleration because of torques
+constexpr double kTorqueRoom = 0.99;  // a margin in each round, because the times shift
 constexpr double kJerkOf = 10;        // per s: jerk per acceleration, if only the acceleration is stated
 
 class MoveTimer {
@@ -49,7 +49,7 @@ class MoveTimer {
       const double begin = joints->length();
       const std::vector<MoveSpan> pieces =
           part.joins ? std::vector<MoveSpan>{part.moves.front()} : alike(part.moves);
-      for (const MoveSpan& span : pieces) {  // a bound changes only at a break
+      for (const MoveSpan& span : pieces) {  // a bound can only change at a break
         const double from = std::max(span.from, part.from), to = std::min(span.to, part.to);
         if (!(to > from)) continue;
         joints->append(part.joints, from, to, part.scale);
@@ -75,7 +75,7 @@ class MoveTimer {
   }
 
  private:
-  /// The parameter speeds of a joint move that the joint limits allow, and additional bounds of the move.
+  /// The parameter speeds that the joint limits allow in a joint move, and additional bounds of the move.
   struct Pace {
     double speed = kInfinite, acceleration = kInfinite, jerk = kInfinite;
   };
@@ -94,7 +94,7 @@ class MoveTimer {
     Values q(limits_.size()), first(q.size());
     double speed = kInfinite, acceleration = kInfinite, jerk = kInfinite, fastest = 0;
     const double from = std::max(span.from, part.from), to = std::min(span.to, part.to);
-    const int places = part.curve ? kSamples : 1;  // a line has the same values everywhere
+    const int places = part.curve ? kSamples : 1;  // a line has the same derivatives everywhere
     for (int k = 0; k < places; ++k) {
       part.joints->at(from + (to - from) * (k + 0.5) / places, {q, first, {}, {}});
       for (std::size_t j = 0; j < first.size(); ++j) {
@@ -199,8 +199,8 @@ class MoveTimer {
     motion.path = timing::TimedPath(std::move(joints), std::move(timing.profile));
   }
 
-  /// Checks torques. If some exceed their limits, reduces `limits` for another round; after some rounds
-  /// stretches the profile.
+  /// Checks torques. If some exceed their limits, reduces `limits` for another round. After some rounds it
+  /// stretches the profile instead.
   bool lighten(const PathPtr& joints, timing::SpeedProfile& profile, int round,
                std::vector<MotionLimits>& limits, PlannedMotion& motion) const {
     if (!r_.robot.torques) return false;

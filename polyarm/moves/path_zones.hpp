@@ -51,8 +51,8 @@ class ParameterPath final : public paths::Path {
   std::shared_ptr<const paths::Path> path_;
 };
 
-/// A path of the TCP as one of three values: its position, m; or its angular velocity with respect to the
-/// parameter and the derivatives of that (`q` is then 0).
+/// A path of the TCP as a path of three values: its position, m; or its angular velocity with respect to the
+/// parameter and the derivatives of the angular velocity (`q` is then 0).
 class PosePath final : public paths::Path {
  public:
   PosePath(std::shared_ptr<const paths::CartesianPath> path, TcpPart part)

@@ -41,9 +41,9 @@ struct RobotFacts {
 /// The same robot with another TCP.
 std::shared_ptr<const RobotFacts> with_chain(const RobotFacts& robot, kinematics::Chain chain);
 
-/// The joint state for a pose, coming from `current`: within limits, in the configuration nearest to the
-/// present one; ties are ranked from home. Throws Error("unreachable" | "limit") that states the distance,
-/// angle or joint at fault; `what` names the point.
+/// The joint state for a pose: within limits, and in the configuration nearest to `current`; ties are ranked
+/// by distance from home. Throws Error("unreachable" | "limit") that states the distance, angle or joint at
+/// fault; `what` names the point.
 std::vector<double> joints_for(const RobotFacts& robot, const Pose& tcp_in_world,
                                std::span<const double> current, const std::string& what);
 /// Throws Error("limit") with joint, value and limit if a joint state violates a limit.

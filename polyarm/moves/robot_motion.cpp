@@ -14,11 +14,11 @@ static_assert(RobotMotion::kSecondsAhead == bounds::kSecondsAhead);
 namespace {
 /// Number of outcomes of discarded moves that are kept for queries.
 constexpr std::size_t kMostKept = 4 * RobotMotion::kMostWaiting;
-/// Moves in step begin this long after the last of them is ready, because the other robots are handled in the
-/// next tick.
+/// Synchronised moves of several robots begin this long after the last of them is ready, because the other
+/// robots are handled in the next tick.
 constexpr Nanoseconds kInStepAhead = 10'000'000;
 
-/// True if the next move is on the same path.
+/// True if the next move continues on the same path.
 bool goes_on(const Move& move) {
   return move.blend > 0 || move.through;
 }
@@ -64,13 +64,14 @@ bool RobotMotion::is_far_ahead() const {
   return false;
 }
 
-/// Plans moves in order, from the end of the previous ones, as far as something ends the blending.
+/// Plans the waiting moves, from the end of the moves before them, up to the first move that does not blend
+/// into the next.
 void RobotMotion::plan() {
   if (job_ || waiting_.empty()) return;
   auto last =
       std::find_if(waiting_.begin(), waiting_.end(), [](const Waiting& w) { return !goes_on(w.move); });
-  if (const auto& step = waiting_.front().step)  // plans all of them together; they stop where their moves
-                                                 // require it
+  if (const auto& step = waiting_.front().step)  // plans all moves of the step together; they stop where the
+                                                 // moves require it
     last = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& w) { return w.step != step; });
   else if (last == waiting_.end() && waiting_.size() < kMostWaiting)
     return;
@@ -120,7 +121,7 @@ void RobotMotion::collect() {
   planned_ = job->plan.end;
   if (job->step) {
     ++job->step->planned_;
-    if (job->plan.motions.empty()) ++job->step->ready_;  // it is already there
+    if (job->plan.motions.empty()) ++job->step->ready_;  // the robot is already at the end
     job->step->longest_ = std::max(job->step->longest_, job->plan.duration());
   }
   const double total = job->plan.duration();
@@ -131,7 +132,7 @@ void RobotMotion::collect() {
                       std::move(job->followers[i]), job->with, job->step, i == 0, false, share, job->options,
                       nullptr});
   }
-  // Moves without a way arrive together with the moves before them.
+  // Moves of zero length finish together with the moves before them.
   if (!ready_.empty())
     ready_.back().last_id = last;
   else if (goal_ != 0)
@@ -140,7 +141,8 @@ void RobotMotion::collect() {
     settled_ = last;
 }
 
-/// True if all moves in step with this one are ready; then stretches it to their duration.
+/// True if the moves of all robots of the step are ready. Then stretches this robot's moves to the longest
+/// duration.
 bool RobotMotion::in_step(Ready& ready, Nanoseconds now) {
   InStep& step = *ready.step;
   if (step.failed_) {
@@ -176,7 +178,7 @@ void RobotMotion::hand_over(Nanoseconds now) {
   goal->ends = ready_.front().ends = std::make_shared<std::atomic<bool>>(false);
   if (ready_.front().step && ready_.front().leads) goal->start = ready_.front().step->start_;
   const std::uint64_t id = goal->id;
-  if (!controller_.follow(goal)) {  // tries again in the next tick
+  if (!controller_.follow(goal)) {  // refused for now: try again in the next tick
     ready_.front().follower = std::move(goal->planned);
     return;
   }
@@ -198,7 +200,8 @@ void RobotMotion::watch() {
   } else if (status.finished.load(std::memory_order_acquire) >= goal_) {
     goal_ = 0;
     settled_ = active_.last_id;
-    if (active_.ends->load(std::memory_order_relaxed)) {  // the next move begins where it was stopped
+    if (active_.ends->load(std::memory_order_relaxed)) {  // stopped early: the next move begins where the
+                                                          // robot stopped
       const timing::TimedPath& path = active_.motion.path;
       std::size_t hint = 0;
       planned_.resize(path.joints());
@@ -220,7 +223,7 @@ void RobotMotion::end(std::uint64_t id) {
   if (goal_ != 0 && active_.last_id >= id) active_.ends->store(true, std::memory_order_relaxed);
 }
 
-/// All moves from `first` on.
+/// Gives all moves from `first` on this outcome.
 void RobotMotion::end_badly(std::uint64_t first, MoveState outcome) {
   for (std::uint64_t id = first; id <= last_id_; ++id)
     if (!ended_badly_.contains(id)) ended_badly_[id] = outcome;

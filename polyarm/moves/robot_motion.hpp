@@ -27,8 +27,8 @@ struct Travel {
   double covered = 0, left = 0, elapsed = 0, remaining = 0;
 };
 
-/// Moves of several robots that begin in the same cycle and end together, at the pace of the slowest. Created
-/// with the number of robots, and shared by all their moves. Cell thread only.
+/// Synchronises moves of several robots: they begin in the same cycle and end together, at the pace of the
+/// slowest. Created with the number of robots, and shared by all their moves. Cell thread only.
 class InStep {
  public:
   explicit InStep(std::size_t members) : members_(members) {}
@@ -44,41 +44,41 @@ class InStep {
 };
 
 /// A queue of moves that run one after the other, with blends where requested. Cell thread only; planning is
-/// posted to the cell's executor. A move that blends into the next waits for that one, or for close(); so the
-/// moves of one run of a program form one path, however many there are.
+/// posted to the cell's executor. A move that blends into the next waits for the next move, or for close().
+/// So the moves of one run of a program form one path, whatever their number.
 class RobotMotion {
  public:
   /// Runs a job, immediately or on another thread.
   using Post = std::function<void(std::function<void()>)>;
   /// The largest number of moves that wait for planning.
   static constexpr std::size_t kMostWaiting = 1000;
-  /// The largest number of moves a program may be ahead: waiting, being planned, ready and under way.
+  /// The largest number of moves that a program may queue ahead: waiting, being planned, ready and under way.
   static constexpr std::size_t kMostAhead = 1000;
-  /// It also waits while motions of more than this time are ready, s, if there are two at least: a long motion
-  /// takes about 0.1 MB a second.
+  /// A program also waits while at least two motions are ready and take more than this time together, s. The
+  /// limit is needed because a long motion takes about 0.1 MB per second.
   static constexpr double kSecondsAhead = 60;
 
   /// All arguments must outlive this object and the posted jobs.
   RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryController& controller, Post post)
       : robot_(robot), controller_(controller), post_(std::move(post)) {}
 
-  /// True if a program may queue another move now; else it waits until one has arrived.
+  /// True if a program may queue another move now; else the program waits until a move has finished.
   bool has_room() const {
     return waiting_.size() < kMostWaiting && last_id_ - settled_ < kMostAhead && !is_far_ahead();
   }
   /// Returns the move's id, which counts up from 1. `with`: the robot with another TCP (null: unchanged);
   /// only moves with the same TCP blend. Throws Error("busy") if there is no room.
-  /// `step`: waits for the moves of the other robots. Consecutive moves with the same step are one motion of
-  /// the robot, and blend with no others.
+  /// `step`: waits for the moves of the other robots of the step. Consecutive moves with the same step are
+  /// one motion of the robot; they do not blend with other moves.
   std::uint64_t queue(Move move, std::shared_ptr<const RobotFacts> with = nullptr,
                       std::shared_ptr<InStep> step = nullptr);
-  /// Ends the blending: no move follows that the last one could blend into.
+  /// Ends the blending: the last move does not wait for a next move.
   void close();
   /// Call it in every tick with the cell's time: plans, hands over the next motion, and detects arrivals.
   void tick(Nanoseconds now);
   /// Discards everything that has not been handed over.
   void drop();
-  /// Stops a move on its path as soon as the limits allow, and drops the moves after it. They count as done
+  /// Stops a move on its path as fast as the limits allow, and drops the moves after it. They count as done
   /// when the robot is at standstill.
   void end(std::uint64_t id);
 
@@ -151,9 +151,9 @@ class RobotMotion {
     std::unique_ptr<timing::PathFollower> follower;
     std::shared_ptr<const RobotFacts> with;
     std::shared_ptr<InStep> step;
-    bool leads = false;  ///< first motion of those in step
-    bool waits = false;  ///< waits for the others, and is counted
-    double share = 0;    ///< of the total duration of those in step
+    bool leads = false;  ///< the first motion of the robot in the step
+    bool waits = false;  ///< waits for the other robots, and is counted
+    double share = 0;    ///< fraction of the total duration of the step's motions
     MovePlanOptions options;
     std::shared_ptr<std::atomic<bool>> ends;
   };

@@ -48,7 +48,7 @@ TcpRates::TcpRates(const kinematics::Chain& chain)
 paths::PoseDerivatives TcpRates::at(std::span<const double> q, std::span<const double> first,
                                     std::span<const double> second,
                                     std::span<const double> third) const noexcept {
-  Pose moved;  // from the position at zero, for the body behind the axes so far
+  Pose moved;  // motion since joint zero, for the body after the axes so far
   Twist twist;
   for (const kinematics::Chain::Axis& axis : axes_) {
     const std::size_t j = axis.joint;

@@ -32,8 +32,8 @@ enum class TcpPart { translation, rotation };
 
 /// The TCP's way as a path of three values over the parameter of the joints' path. translation: its position,
 /// m. rotation: `first` is the angular velocity with respect to the parameter, `second` and `third` its
-/// derivatives; no values have these derivatives, so q is 0. Const after construction: any thread, no
-/// allocation in at().
+/// derivatives; q is 0, because no orientation value has these derivatives. Const after construction: any
+/// thread, no allocation in at().
 class TcpPath final : public paths::Path {
  public:
   /// `joints`: a path of chain.joints() values, at most Chain::kMaxJoints.

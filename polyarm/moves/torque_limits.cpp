@@ -14,11 +14,12 @@ namespace polyarm::moves {
 
 namespace {
 
-constexpr double kEvery = 0.004;     // s
+constexpr double kEvery = 0.004;     // s between two checked places
 constexpr std::size_t kLeast = 200;  // number of places
 constexpr double kWithin = 1e-6;     // relative: tolerance at the limit
 constexpr int kRandomPlaces = 256;
-constexpr double kLeastShare = 0.05;  // of the acceleration; below this the motion slows down instead
+constexpr double kLeastShare = 0.05;  // smallest fraction of the acceleration; below it the motion slows down
+                                      // instead
 
 /// The model with a point mass at its tool link.
 description::RobotModel carrying(description::RobotModel model, const Payload& payload) {
@@ -28,7 +29,7 @@ description::RobotModel carrying(description::RobotModel model, const Payload& p
   description::Inertial both = before;
   both.mass = before.mass + payload.mass;
   both.center = (1 / both.mass) * (before.mass * before.center + payload.mass * payload.center);
-  const auto add = [&](double mass, const Vec3& from) {  // Steiner's theorem: from a point at `from` to the
+  const auto add = [&](double mass, const Vec3& from) {  // Steiner's theorem: moves a mass at `from` to the
                                                          // common centre
     const Vec3 r = from - both.center;
     both.inertia[0] += mass * (r.y * r.y + r.z * r.z);
@@ -90,7 +91,7 @@ void TorqueLimits::leave_out_what_holds_not_itself(const description::RobotModel
     for (std::size_t j = 0; j < n; ++j) {
       const description::Joint& joint = model.joints[static_cast<std::size_t>(model.actuated[j])];
       const double low = joint.limits.lower.value_or(-M_PI), high = joint.limits.upper.value_or(M_PI);
-      // Uses the engine's own numbers, so that every standard library gives the same values.
+      // Builds the number from the engine's bits, so that every standard library gives the same values.
       const double share = static_cast<double>(engine() >> 11) * 0x1p-53;
       q[j] = low + (high - low) * share;
     }

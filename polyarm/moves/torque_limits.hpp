@@ -20,7 +20,7 @@ struct Payload {
   Vec3 center;      ///< centre of gravity in tool0, m
   bool operator==(const Payload&) const = default;
 };
-/// The sum of both.
+/// The sum of two loads.
 Payload joined(const Payload& a, const Payload& b);
 
 /// Checks joint torques against effort limits, by inverse dynamics of rigid bodies: no friction, no inertia
@@ -50,7 +50,7 @@ class TorqueLimits {
     std::optional<Load> most;       ///< the torque with the largest excess over its limit
     std::optional<Load> too_heavy;  ///< a load that a joint cannot even hold at rest
   };
-  /// Checks at least every 4 ms, and at 200 places.
+  /// Checks a place at least every 4 ms, and at least 200 places.
   Judgement judge(const timing::TimedPath& path) const;
 
  private:

@@ -134,7 +134,7 @@ std::optional<Workspace::Violation> first_violation(const Workspace& workspace,
       return Workspace::Violation{workspace.zones()[workspace.zone_of(boundary)].name,
                                   -workspace.distance(boundary, there).distance, there, next};
     }
-    // Advances by the way that the TCP needs to get there at twice its present speed.
+    // Advances by the distance over which the TCP, at twice its present speed, reaches the boundary.
     const double speed = std::max(norm(there - at) / (next - s), 1e-9);
     step = std::min(std::max(along.clearance(there).first, 0.0) / (2 * speed), along.length() / 200);
     s = next;

@@ -66,15 +66,15 @@ class Workspace {
   std::vector<Boundary> boundaries_;
 };
 
-/// The first place at which the TCP leaves the workspace while the joints follow `path`; empty if it does
-/// not. If it is outside at the beginning it may return, and counts as a violation where it goes deeper. The
-/// step size follows the distance and the speed of the TCP, at least a 20000th of the path. Allocates little;
-/// any thread.
+/// The first place at which the TCP leaves the workspace while the joints follow `path`; empty if it does not
+/// leave. If the TCP is outside at the beginning, it may return; a violation is then a place where it goes
+/// deeper. The step size depends on the distance and the speed of the TCP, and is at least a 20000th of the
+/// path. Allocates little; any thread.
 std::optional<Workspace::Violation> first_violation(const Workspace& workspace,
                                                     const kinematics::Chain& chain, const paths::Path& path,
                                                     double tolerance = 1e-6);
 
-/// A violation as Error("workspace"): `what` names the move, `share` is the fraction of its way.
+/// A violation as Error("workspace"). `what` names the move, `share` is the fraction of its path.
 Error leaves_workspace(const Workspace::Violation& found, const std::string& what, double share);
 /// Throws that error for the first violation of a path.
 void check_workspace(const Workspace& workspace, const kinematics::Chain& chain, const paths::Path& path,

@@ -26,8 +26,8 @@ bool finite(const Quaternion& q) {
   return std::isfinite(square) && std::abs(square - 1) < 1e-3;
 }
 
-/// The length of the parameter from one pose to the other: metres, or radians if the TCP only rotates; 0 if
-/// they are equal.
+/// The parameter length between two poses: metres, or radians if the TCP only rotates; 0 if the poses are
+/// equal.
 double measure(const Pose& a, const Pose& b) {
   const double metres = norm(b.position - a.position), turn = angle_between(a.rotation, b.rotation);
   if (metres <= kSame && turn <= kSame) return 0;
@@ -45,10 +45,10 @@ Vec3 at_most(const Vec3& v, double length) {
   return n > length ? length / n * v : v;
 }
 
-/// Rates and their derivatives at every pose, from the parabola through it and its neighbours. If the
-/// neighbours rotate by very different amounts for their distance, the parabola overshoots. Therefore no rate
-/// exceeds 1.5 times the slower mean rate beside it, and no change of rate exceeds twice the slower rate per
-/// interval.
+/// The rates and their derivatives at every pose, from the parabola through the pose and its neighbours. The
+/// parabola overshoots if the neighbours rotate by very different amounts for their distance. Therefore no
+/// rate exceeds 1.5 times the slower mean rate beside it, and no change of rate exceeds twice the slower rate
+/// per interval.
 std::vector<BodyRate> spline_rates(std::span<const Vec3> turns, std::span<const double> gaps) {
   const std::size_t last = turns.size();
   std::vector<BodyRate> out(last + 1);

@@ -14,8 +14,9 @@
 
 namespace polyarm::paths {
 
-/// A path over the parameter s in [0, length()]: position and angular velocity are continuous up to the
-/// second and first derivative, so joints that follow it are continuous to the second derivative.
+/// A path over the parameter s in [0, length()]. Position is continuous up to the second derivative and
+/// angular velocity up to the first, so joints that follow the path are continuous up to the second
+/// derivative.
 ///
 /// s is the TCP's way in metres, exactly on lines and arcs, nearly on splines and in corners (in a corner the
 /// derivative of the position by s is below 1, down to the cosine of half the turn). On a line that is
@@ -31,10 +32,10 @@ class CartesianPath {
   /// The ends of the pieces, where the third derivative jumps, in ascending order, including 0 and length().
   std::span<const double> breaks() const noexcept { return breaks_; }
   std::size_t pieces() const noexcept { return parts_.size(); }
-  /// Values on piece `i`, from breaks()[i] to breaks()[i + 1], at its ends too.
+  /// Values on piece `i`, from breaks()[i] to breaks()[i + 1], including both ends.
   PoseDerivatives on_piece(std::size_t i, double s) const noexcept;
 
-  /// Appends the part of `piece` from x = `offset` on, with length `length` > 0.
+  /// Appends the part of `piece` that begins at x = `offset` and has the length `length` > 0.
   void append(const PosePiece& piece, double offset, double length);
 
  private:
@@ -57,7 +58,7 @@ struct Corner {
   /// stops there, unless the next segment continues with the same derivatives up to the second. Beside a
   /// segment on which the TCP only rotates, the segment's radians count as well.
   double radius = 0;
-  std::string name;  ///< for messages; empty: "waypoint 3", counted from the start as 0
+  std::string name;  ///< for messages; empty: "waypoint 3", where 0 is the start
 };
 
 struct CartesianSections {
@@ -95,7 +96,7 @@ class CartesianPathBuilder {
   /// rates of the parabola through three neighbours, reduced where neighbours rotate at very different rates.
   CartesianPathBuilder& spline(std::span<const Pose> through, const Corner& corner = {});
 
-  /// The parameter at the end of the segments so far; corners do not change it.
+  /// The parameter at the end of the segments so far, which corners do not change.
   double length() const noexcept;
   /// Throws Error with all faults: "bad-number", "bad-radius", "no-arc" (points on a line, or a repeated
   /// point), "no-axis", "no-waypoints", "turn-too-large" (of a spline, above 3 rad).

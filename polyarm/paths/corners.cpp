@@ -1,4 +1,4 @@
-// Corners of Cartesian paths: how far they may be rounded, and the resulting paths.
+// Corners of Cartesian paths: how far each may be rounded, and the resulting paths.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,9 +10,11 @@
 namespace polyarm::paths {
 namespace {
 
-constexpr double kRounding = 1e-13;    // relative: a shorter rest of a segment between two corners is omitted
+constexpr double kRounding = 1e-13;    // relative: a segment that is shorter than this between its two
+                                       // corners is omitted
 constexpr double kEqual = 1e-9;        // relative difference at which derivatives count as equal
-constexpr double kBack = 1e-3;         // length of the sum at which derivatives count as opposite
+constexpr double kBack = 1e-3;         // length of the sum of unit derivatives at which they count as
+                                       // opposite
 constexpr double kWidestCorner = 2.5;  // rad, from a corner's middle to its ends
 constexpr double kLess = 0.8;          // factor for the next attempt after a corner that is too wide
 constexpr int kTries = 60;

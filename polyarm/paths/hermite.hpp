@@ -25,7 +25,7 @@ constexpr std::array<T, 6> hermite5(const Jet<T>& a, const Jet<T>& b, double len
           6.0 * d - 3.0 * v0 - 3.0 * v1 - a0 + a1};
 }
 
-/// Degree 7: the third derivative too.
+/// Degree 7: also the third derivative at both ends.
 template <typename T>
 constexpr std::array<T, 8> hermite7(const Jet<T>& a, const Jet<T>& b, double length) {
   const double square = length * length, cube = square * length;

@@ -9,9 +9,9 @@
 
 namespace polyarm::paths {
 
-/// The caller ensures that the parts fit together: up to the second derivative where the path is passed, in
-/// the values where it stops. Built on any thread; then const, at() allocates nothing. Shares ownership of
-/// its paths.
+/// The caller ensures that the parts fit together: continuous up to the second derivative where the path does
+/// not stop, equal values where it stops. Built on any thread; then const, and at() allocates nothing. Shares
+/// ownership of its paths.
 class JoinedPath final : public Path {
  public:
   explicit JoinedPath(std::size_t joints) : joints_(joints) {}

@@ -13,10 +13,12 @@ namespace polyarm::paths {
 namespace {
 
 constexpr double kSameWaypoint = 1e-9;   // in the joint norm: nearer waypoints are the same
-constexpr double kTurnsBack = 1e-3;      // length of the sum at which directions count as opposite
-constexpr double kStraight = 1e-12;      // difference at which directions count as equal
-constexpr double kLineRounding = 1e-13;  // relative: a shorter rest of a line between two corners is omitted
-constexpr int kBisections = 16;          // to convert a radius at the TCP into one of joints
+constexpr double kTurnsBack = 1e-3;      // length of the sum of unit directions at which they count as
+                                         // opposite
+constexpr double kStraight = 1e-12;      // length of the difference at which directions count as equal
+constexpr double kLineRounding = 1e-13;  // relative: a line that is shorter than this between its two corners
+                                         // is omitted
+constexpr int kBisections = 16;          // steps to convert a radius at the TCP into one of joints
 constexpr int kSamples = 16;             // points of a corner at which the distance at the TCP is measured
 constexpr std::size_t kPowers = PolynomialPath::kCoefficients;
 
@@ -111,7 +113,7 @@ class Lines {
   void add(const JointWaypoint& waypoint, std::size_t index, bool last) {
     const std::string name = name_of(waypoint, index);
     const double way = points_.empty() ? 1 : norm_of(difference(points_.back().q, waypoint.q));
-    // A very small single move is still a move.
+    // A path of one very small move is still a move.
     if (way <= kSameWaypoint && !(last && way > 0 && points_.size() == 1)) {
       out_.warnings.push_back({"waypoint-repeated",
                                {},
@@ -173,7 +175,7 @@ class Lines {
         q[j] = polynomial_at(corner(i, j, d).data(), 6, static_cast<double>(k) / kSamples, 2 * d).value;
       most = std::max(most, options_.tcp_distance(q, points_[i].q));
     }
-    // A margin, because it may be slightly more between the samples.
+    // Adds a margin, because the distance may be slightly larger between the samples.
     return most * (1 + 1.0 / (kSamples * kSamples));
   }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// A path of polynomial pieces; lines, splines and the inverse kinematics of Cartesian paths produce it.
+/// A path of polynomial pieces. Lines, splines and the inverse kinematics of Cartesian paths produce it.
 /// Joint values in rad or m.
 #include <cstddef>
 #include <span>
@@ -13,7 +13,7 @@ namespace polyarm::paths {
 enum class PieceJoin { third_jumps, third_continues };
 
 /// Polynomials of degree at most kDegree, one for each joint in each piece. The caller ensures that the
-/// pieces fit together. Thread: built on any thread; then const, at() allocates nothing.
+/// pieces fit together. Built on any thread; then const, and at() allocates nothing.
 class PolynomialPath final : public Path {
  public:
   static constexpr std::size_t kDegree = 7, kCoefficients = kDegree + 1;

@@ -7,7 +7,7 @@
 namespace polyarm::paths {
 namespace {
 
-constexpr std::size_t kTerms = 20;  // of the series below: exact to the last digit up to two turns
+constexpr std::size_t kTerms = 20;  // terms of the series below: exact to the last digit up to two turns
 
 /// (-1)^k / (2k + first)!
 constexpr std::array<double, kTerms> series(int first) {

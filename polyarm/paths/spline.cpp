@@ -9,7 +9,7 @@
 namespace polyarm::paths {
 namespace {
 
-constexpr int kRounds = 4;  // of measuring the pieces; the lengths then agree to some percent
+constexpr int kRounds = 4;  // rounds of measuring the pieces; the lengths then agree to a few percent
 
 class Fit {
  public:
@@ -68,7 +68,7 @@ class Fit {
     return std::sqrt(sum);
   }
 
-  /// Second derivatives from the tridiagonal equations of continuity, then first ones.
+  /// First the second derivatives, from the tridiagonal equations of continuity; then the first derivatives.
   void solve(std::span<const double> gaps, std::size_t d, CubicSpline& out) const {
     const std::size_t last = count_ - 1;
     std::vector<double> upper(count_, 0.0), right(count_, 0.0);
@@ -104,7 +104,7 @@ CubicSpline cubic_spline(std::span<const double> points, std::size_t dimensions,
   for (std::size_t i = 0; i < gaps.size(); ++i) gaps[i] = at_least(i, gaps[i]);
   CubicSpline spline = fit.through(gaps);
   for (int round = 0; round < kRounds && gaps.size() > 1; ++round) {
-    // A piece that reverses may be much longer than its chord: this bounds it.
+    // A piece that reverses may be much longer than its chord. This limits its length.
     for (std::size_t i = 0; i < gaps.size(); ++i)
       gaps[i] = at_least(i, std::clamp(fit.length_of(spline, i, gaps[i]), chords[i], 2 * chords[i]));
     spline = fit.through(gaps);

@@ -1,6 +1,6 @@
 #pragma once
-/// The cubic spline through points, with knots as far apart as the curve between them is long. Any thread;
-/// allocates.
+/// The cubic spline through points, with knot intervals equal to the lengths of the curve between the points.
+/// Any thread; allocates.
 #include <cstddef>
 #include <span>
 #include <vector>

@@ -21,10 +21,10 @@ double ease(double s) {
   return s * s * (3 - 2 * s);
 }
 
-/// One end of the skin between two housings.
+/// One end of the skin that connects two housings.
 struct Mouth {
   Vec3 at;
-  Vec3 way;           ///< unit, along the loft from its beginning to its end
+  Vec3 way;           ///< unit, in the loft's direction at this end
   double across = 0;  ///< half the size along the loft's x
   double other = 0;   ///< half the size along its y
   double corner = 1;
@@ -68,7 +68,7 @@ class LinkBuilder {
 
   Pose frame(const End& end) const { return frame_along(end.origin, end.axis); }
 
-  /// What turns about a joint's axis: a drum, or cheeks around the other body's drum.
+  /// Adds the housing of a joint: a drum, or cheeks around the other body's drum.
   void housing(const End& end, bool in) {
     const double r = end.radius;
     if (end.fit == Fit::outer) {
@@ -84,7 +84,7 @@ class LinkBuilder {
       else
         solid_.drum(frame(end), end.from + tight, end.to - tight, r, style_.edge * r * 0.6,
                     style_.edge * r * 0.6, paint_);
-      // The axle reaches into the cheeks, so that there is no gap to look through.
+      // The axle reaches into the cheeks, so that no gap is visible.
       const double axle = 0.72 * std::min(r, end.other_radius),
                    cheek = std::min(into, 0.16 * (end.to - end.from));
       solid_.drum(frame(end), end.from - cheek * 0.5, end.to + cheek * 0.5, axle, 0, 0, style_.joint);
@@ -96,7 +96,8 @@ class LinkBuilder {
   void stacked(const End& end, bool in) {
     const double r = end.radius, gap = kSeam * std::min(r, end.other_radius);
     const bool ends_at_meet = std::abs(end.to - end.meet) < std::abs(end.from - end.meet);
-    const double side = ends_at_meet ? -1 : 1;  // from the plane where both meet into this body
+    const double side = ends_at_meet ? -1 : 1;  // direction along the axis from the meeting plane into this
+                                                // body
     const double far = ends_at_meet ? end.from : end.to, length = end.to - end.from;
     const bool covered = !end.along && style_.build != Build::servo;
     const double dome = covered ? std::min(style_.dome * r, 0.3 * length) : 0;
@@ -108,17 +109,17 @@ class LinkBuilder {
       solid_.drum(frame(end), begin, stop, r, 0.05 * r, edge, paint_);
     if (covered) cover(end, stop, side, dome);
     if (in) return;
-    // The dark ring between both housings; it belongs to this body and reaches into the other one.
+    // The dark ring between the two housings. It belongs to this body and reaches into the other one.
     const double slim = 0.955 * std::min(r, end.other_radius);
     solid_.drum(frame(end), end.meet - 2.5 * gap, end.meet + 2.5 * gap, slim, 0, 0, style_.joint);
   }
 
-  /// The cover on the free face of a housing at `at`, `side` pointing out of it.
+  /// The cover on the free face of a housing at `at`; `side` points outwards.
   void cover(const End& end, double at, double side, double height) {
     const double r = style_.cap_size * end.radius;
     if (height < 1e-4) return;
     const double sunk = at - side * 0.4 * height;
-    // The top of a cast turret is part of the casting.
+    // The top cover of a cast turret has the colour of the casting.
     const bool turret = style_.build == Build::cast && rank_.depth == 1 && &end == &body_.in;
     solid_.drum(frame(end), sunk, at + side * height, r, 0, std::min(0.75 * height, 0.3 * r),
                 turret ? paint_ : style_.cap);
@@ -140,7 +141,7 @@ class LinkBuilder {
     solid_.box(at, {2.5 * r, 2 * r, std::abs(stop - begin)}, 0.12 * r, style_.cap);
   }
 
-  // --- the skin between two housings
+  // --- the skin that connects two housings
 
   Mouth mouth(const End& end, const Vec3& way, const Vec3& x, bool begins) const {
     Mouth out;
@@ -162,7 +163,7 @@ class LinkBuilder {
     out.other = style_.tube * extent(end, y);
     out.corner = style_.corner;
     if (style_.build == Build::cobot || style_.build == Build::soft) {
-      // A tube.
+      // almost round: a tube
       const double round = std::min(out.across, out.other);
       out.across = std::min(out.across, 1.15 * round);
       out.other = std::min(out.other, 1.15 * round);
@@ -199,7 +200,7 @@ class LinkBuilder {
     if (out.fit == Fit::outer) cheek_arms(out, -way, length, b);
   }
 
-  /// The loft's x: the axis of an end that the body runs across.
+  /// The loft's x direction: the joint axis of an end that the body runs across.
   static Vec3 across_of(const End& in, const End& out, const Vec3& way) {
     for (const End* end : {&in, &out})
       if (!end->along && std::abs(dot(end->axis, way)) < 0.9) return end->axis;
@@ -216,7 +217,8 @@ class LinkBuilder {
   void skin(const Mouth& a, const Mouth& b, const Vec3& x) {
     const double chord = norm(b.at - a.at);
     if (chord < 1e-4) return;
-    // How far the skin swings out: little around a sharp bend, so that it stays within the housings.
+    // The length of the curve's end tangents. Short at a sharp bend, so that the skin stays within the
+    // housings.
     const double length = chord * std::max(0.35, 0.5 + 0.5 * dot(a.way, b.way));
     std::vector<Section> sections;
     for (std::size_t k = 0; k <= kSteps; ++k) {
@@ -241,7 +243,7 @@ class LinkBuilder {
     return style_.build == Build::cast ? 0.07 : style_.build == Build::soft ? 0.04 : 0;
   }
 
-  /// The two arms of a fork from the cheeks at `end` to the web that begins at `web`.
+  /// The two arms of a fork, from the cheeks at `end` to the web that begins at `web`.
   void cheek_arms(const End& end, const Vec3& way, double length, const Mouth& web) {
     const double reach = std::min(clearance(end) + 0.45 * end.radius, 0.75 * length);
     for (const auto& [from, to] : {std::pair{end.from, end.inner_from}, std::pair{end.inner_to, end.to}}) {
@@ -252,7 +254,7 @@ class LinkBuilder {
     }
   }
 
-  /// Nothing fits between the cheeks: the arms lead on to the other end.
+  /// For bodies without room for a web between the cheeks: extends the arms to the other end.
   void bridge(const End& in, const End& out, const Vec3& way, double length) {
     for (const End* end : {&in, &out}) {
       if (end->fit != Fit::outer) continue;
@@ -288,7 +290,7 @@ class LinkBuilder {
     solid_.drum(frame(end), end.to - 0.05 * r, end.to + 0.004 * r, 0.4 * r, 0, 0, style_.joint);
   }
 
-  /// A body that carries nothing: a finger or a jaw.
+  /// A body without outgoing joints: a finger or a jaw.
   void finger() {
     const Vec3 size = body_.high - body_.low;
     const double edge = 0.25 * std::min({size.x, size.y, size.z});
@@ -298,7 +300,7 @@ class LinkBuilder {
                paint_);
   }
 
-  /// A rod that is long enough for its way.
+  /// A rod that is long enough for the joint's travel.
   void slider() {
     const End& in = body_.in;
     double tip = 0;
@@ -306,7 +308,7 @@ class LinkBuilder {
       const double at = dot(end.origin - in.origin, in.axis);
       if (std::abs(at) > std::abs(tip)) tip = at;
     }
-    if (body_.out.empty()) return;  // a finger
+    if (body_.out.empty()) return;  // no rod: it is a finger
     const double side = tip > 0 ? -1 : 1;
     const double back = side * (std::min(travel_, 3.0) + 1.6 * in.radius) + (std::abs(tip) < 1e-6 ? 0 : tip);
     const double slim = std::min(in.radius, 0.6 * in.other_radius);
@@ -321,7 +323,7 @@ class LinkBuilder {
 
   // --- the base
 
-  /// Plinth, pedestal and, where the outline is longer to one side, the box for the connectors.
+  /// Plinth and pedestal, and the box for the connectors if the outline is longer on one side.
   void base() {
     if (body_.out.empty()) return finger();
     const End& end = body_.out.front();
@@ -340,10 +342,10 @@ class LinkBuilder {
   }
 
   struct Foot {
-    Vec3 at;          ///< below the axis
+    Vec3 at;          ///< on the joint's axis, at the bottom of the body
     Vec3 x;           ///< towards the longer side
-    double half = 0;  ///< what the outline reaches to every side
-    double rear = 0;  ///< what it reaches to the longer side
+    double half = 0;  ///< how far the outline reaches on every side
+    double rear = 0;  ///< how far the outline reaches on the longer side
   };
 
   Foot foot_of(const End& end, const Vec3& axis) const {
@@ -353,7 +355,7 @@ class LinkBuilder {
                         i & 4 ? body_.low.z : body_.high.z};
       lowest = std::min(lowest, dot(corner - end.origin, axis));
     }
-    // A base that was not measured begins in the frame of its link.
+    // Without a measured outline the base begins in the frame of its link at the latest.
     if (!body_.measured) lowest = std::min(lowest, dot(-end.origin, axis));
     Foot out{end.origin + lowest * axis, {1, 0, 0}, 1e9, 0};
     for (const Vec3& side : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {

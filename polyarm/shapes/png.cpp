@@ -7,7 +7,7 @@
 
 #include "polyarm/shapes/render.hpp"
 
-/// PNG with a palette. Source: W3C's Portable Network Graphics specification, third edition.
+/// Writes PNG with a palette. Source: W3C's Portable Network Graphics specification, third edition.
 namespace polyarm::shapes {
 
 namespace {
@@ -31,7 +31,7 @@ struct Count {
   std::size_t pixels;
 };
 
-/// Halves the box of colours with the longest side again and again (median cut).
+/// Chooses colours by median cut: repeatedly halves the box of colours with the longest side.
 std::vector<Color> palette_of(std::vector<Count> counts, std::size_t most) {
   struct Part {
     std::size_t from, to;

@@ -9,14 +9,14 @@ namespace polyarm::shapes {
 
 namespace {
 
-constexpr double kEyeDistance = 4.2;  // in radii of what is shown
-constexpr int kShadow = 96;           // cells of the shadow on the floor, per direction
+constexpr double kEyeDistance = 4.2;  // in radii of the scene
+constexpr int kShadow = 96;           // cells of the floor's shadow map in each direction
 constexpr double kMargin = 1.04;
 
 struct Eye {
   Vec3 at, right, up, ahead;
-  double scale = 1, x = 0, y = 0;  // pixels per unit of the image plane, and where its middle is
-  /// Pixel x, y and depth.
+  double scale = 1, x = 0, y = 0;  // pixels per unit of the image plane, and its centre in pixels
+  /// Projects a point: pixel x, pixel y, and depth.
   Vec3 see(const Vec3& p) const {
     const Vec3 to = p - at;
     const double depth = dot(to, ahead);
@@ -36,7 +36,7 @@ double encoded(double c) {
   return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
 }
 
-/// Light from the sky, the floor and three lamps.
+/// The lighting model: sky, floor and three lamps.
 class Light {
  public:
   explicit Light(const Eye& eye)
@@ -57,7 +57,7 @@ class Light {
     }
     const double metal = part.metallic;
     const double edge = std::pow(1 - std::max(0.0, dot(normal, to_eye)), 4.0);
-    // What a smooth surface mirrors: a bright sky above a grey floor.
+    // The reflection on a smooth surface: a bright sky above a grey floor.
     const Vec3 mirror = 2 * dot(normal, to_eye) * normal - to_eye;
     const double around = 0.30 + 0.55 * std::clamp(0.5 + 1.2 * mirror.z, 0.0, 1.0);
     Vec3 out;
@@ -116,7 +116,7 @@ class Canvas {
       }
   }
 
-  /// Lays `opacity` of black over what is empty.
+  /// Puts black with this opacity on a pixel that is still empty.
   void shade(int x, int y, double opacity) {
     const auto at = static_cast<std::size_t>(y * width_ + x);
     if (alpha_[at] == 0) alpha_[at] = static_cast<float>(opacity);
@@ -125,7 +125,7 @@ class Canvas {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  /// Every `samples`² pixels become one.
+  /// Averages blocks of `samples`² pixels.
   Picture picture(int samples) const {
     Picture out{width_ / samples, height_ / samples, {}};
     out.rgba.resize(static_cast<std::size_t>(4 * out.width * out.height));
@@ -170,7 +170,7 @@ void each_position(std::span<const Placed> things, Use use) {
       for (const auto& p : part.positions) use(thing.pose * vec(p));
 }
 
-/// How dark the floor is: what lies low above a cell darkens it and its surroundings.
+/// The shadow on the floor: objects near the floor darken the cell below them and its neighbours.
 class Shadow {
  public:
   Shadow(std::span<const Placed> things, double floor, const Box& box) : floor_(floor) {
@@ -235,7 +235,7 @@ Eye eye_for(const Box& box, const View& view) {
   return out;
 }
 
-/// Sizes the picture to what the eye sees of the things.
+/// Sizes the picture to the visible extent of the objects.
 std::pair<int, int> frame(Eye& eye, std::span<const Placed> things, int size) {
   double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
   each_position(things, [&](const Vec3& p) {

@@ -19,10 +19,10 @@ using description::ShapeKind;
 
 namespace {
 
-/// Change it with whatever changes the shapes, so that browsers fetch them anew.
+/// Change this whenever the shapes change, so that browsers load them again.
 constexpr const char* kFormat = "shapes/1";
 
-/// For each body how many joints lead to it, and from there to the end of its branch.
+/// For each body: the number of joints from the base to it, and to the tip of the arm.
 std::vector<Rank> ranks(const Skeleton& skeleton) {
   std::map<int, std::size_t> by_joint;
   for (std::size_t b = 0; b < skeleton.bodies.size(); ++b)
@@ -31,7 +31,7 @@ std::vector<Rank> ranks(const Skeleton& skeleton) {
   for (std::size_t b = 0; b < out.size(); ++b)
     for (const End& end : skeleton.bodies[b].out)
       if (end.joint >= 0) out[by_joint.at(end.joint)].depth = out[b].depth + 1;
-  // The joint that leads to the flange counts; fingers beyond it do not.
+  // The tip is the body with the flange; fingers beyond it do not count.
   int tip = 0;
   for (std::size_t b = 0; b < out.size(); ++b)
     if (skeleton.bodies[b].has_flange) tip = out[b].depth;

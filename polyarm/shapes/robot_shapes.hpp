@@ -1,6 +1,7 @@
 #pragma once
-/// What a robot looks like, apart from what it collides with: shapes made from its kinematics, its measured
-/// outlines and the style of its maker's family. m, in the links' frames, z up as in URDF. Pure; any thread.
+/// The visible shapes of a robot, independent of its collision shapes. They are built from its kinematics,
+/// its measured outlines and the style of its maker's family. m, in the links' frames, z up as in URDF. No
+/// side effects; any thread.
 #include <string>
 #include <vector>
 
@@ -16,8 +17,8 @@ struct LinkShape {
   meshes::Mesh mesh;
 };
 
-/// True if the robot brings no look of its own: its visuals are capsules, or there are none. A robot with a
-/// mesh, box, cylinder or sphere as a visual is drawn as its author wants it.
+/// True if the robot has no visual shapes of its own: its visuals are capsules, or it has none. A robot with
+/// a mesh, box, cylinder or sphere as a visual is drawn as its author defined it.
 bool has_no_look(const description::RobotModel& model);
 
 /// One entry per rigid body, in the frame of one of its links; never empty for a robot with a moving joint.
@@ -27,10 +28,10 @@ std::vector<LinkShape> robot_shapes(const description::RobotModel& model, Proble
 /// The links that robot_shapes gives a shape.
 std::vector<int> links_with_shapes(const description::RobotModel& model);
 
-/// The same as glTF 2.0, binary, with one node per link; the same robot gives the same bytes.
+/// The same shapes as binary glTF 2.0, with one node per link. The same robot gives the same bytes.
 std::string robot_glb(const description::RobotModel& model);
 
-/// 16 hexadecimal digits that change with everything that robot_glb depends on.
+/// A hash of everything that robot_glb depends on: 16 hexadecimal digits.
 std::string shapes_hash(const description::RobotModel& model);
 
 }  // namespace polyarm::shapes

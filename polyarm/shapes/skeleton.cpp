@@ -17,9 +17,10 @@ using description::ShapeKind;
 
 namespace {
 
-constexpr double kThin = 0.012;      // least radius, relative to the reach
-constexpr double kCollar = 0.55;     // length of a housing that the body runs along, relative to its radius
-constexpr double kCheek = 0.13;      // least thickness of a cheek, relative to the joint's width
+constexpr double kThin = 0.012;      // smallest radius, relative to the reach
+constexpr double kCollar = 0.55;     // length of a housing whose body runs along the axis, relative to its
+                                     // radius
+constexpr double kCheek = 0.13;      // smallest thickness of a cheek, relative to the joint's width
 constexpr double kMostLength = 4.5;  // of a housing, relative to its radius
 
 struct Bounds {
@@ -47,7 +48,7 @@ void add_shape(Bounds& bounds, const Pose& pose, const Shape& shape) {
   }
 }
 
-/// Lengths of the segments of an axis that lie within a box, and how far the box reaches around the axis.
+/// The extent of a body's box along a joint's axis, and its radius around that axis.
 struct Around {
   double from = 0, to = 0, radius = 0;
 };
@@ -73,7 +74,8 @@ Around around(const RigidBody& body, const Vec3& origin, const Vec3& axis) {
     }
   }
   std::sort(reaches.begin(), reaches.end());
-  // The nearest side is the housing's own, unless the axis lies outside of the box or at its edge.
+  // The nearest side of the box gives the housing's radius, unless the axis lies outside the box or at its
+  // edge.
   std::size_t k = 0;
   while (k + 1 < reaches.size() && reaches[k] < 0.3 * reaches[k + 1]) ++k;
   out.radius = reaches.empty() ? 0 : reaches[k];
@@ -99,7 +101,7 @@ class Maker {
   }
 
  private:
-  /// Walks the tree. `pose`: of `link` in the frame of the link that begins its body.
+  /// Walks the tree of links. `pose`: pose of `link` in the frame of the first link of its body.
   void gather(int link, int body, const Pose& pose) {
     if (body < 0) {
       body = static_cast<int>(out_.bodies.size());
@@ -188,12 +190,13 @@ class Maker {
     }
   }
 
-  /// An outline in another unit, or of something else, is far larger than the arm.
+  /// False for outlines that are far larger than the arm: they have another unit, or belong to something
+  /// else.
   bool believable(const description::Outline& outline) const {
     return std::max(norm(outline.lower), norm(outline.upper)) < 1.5 * out_.reach + 0.3;
   }
 
-  /// Bounds for bodies without any shape, from the places of their joints.
+  /// Gives bodies without any shape bounds around the positions of their joints.
   void bound() {
     for (RigidBody& body : out_.bodies) {
       const Vec3 size = body.high - body.low;
@@ -210,7 +213,8 @@ class Maker {
     }
   }
 
-  /// True if the body leads from one end to the other rather along `axis` than across it.
+  /// True if the direction from one end of the body to the other is closer to `axis` than to its normal
+  /// plane.
   static bool runs_along(const RigidBody& body, const Vec3& origin, const Vec3& axis, double radius,
                          bool out) {
     Vec3 way{};
@@ -236,7 +240,7 @@ class Maker {
     const double least = kThin * out_.reach;
     p.radius = std::max({a.radius, 0.5 * b.radius, least});
     c.radius = std::max({b.radius, 0.42 * a.radius, least});
-    // A long box around an axis at its edge says little about the housing.
+    // If the axis is at the edge of a long box, the box says little about the housing: limit the radius.
     p.radius = std::min(p.radius, 1.8 * c.radius);
     c.radius = std::min(c.radius, 1.8 * p.radius);
     p.other_radius = c.radius;
@@ -246,7 +250,7 @@ class Maker {
     const double low = std::max(a.from, b.from), high = std::min(a.to, b.to);
     const double slim = std::min(a.to - a.from, b.to - b.from);
     const bool overlap = high - low > 0.35 * slim;
-    // Each reaches beyond the other one, to different sides.
+    // True if each body extends beyond the other one, on opposite sides.
     const bool shifted = (b.to - a.to) * (b.from - a.from) > 0 &&
                          std::min(std::abs(b.to - a.to), std::abs(b.from - a.from)) > 0.1 * slim;
     if (forks_ && overlap && !shifted && !p.along && !c.along && !p.slides)
@@ -255,7 +259,8 @@ class Maker {
       stack(p, c, a, b, parent, child);
   }
 
-  /// One body between the cheeks of the other: the wider one is outside; the longer one where they are alike.
+  /// One body between the cheeks of the other. The wider body is outside; if both are about equally wide, the
+  /// longer one.
   static void nest(End& p, End& c, const Around& a, const Around& b, const RigidBody& parent,
                    const RigidBody& child) {
     const double wide_p = a.to - a.from, wide_c = b.to - b.from;
@@ -287,7 +292,7 @@ class Maker {
     }
   }
 
-  /// Side by side. They meet in the middle of what they share, or of the gap between them.
+  /// Side by side. The bodies meet in the middle of their overlap, or of the gap between them.
   static void stack(End& p, End& c, const Around& a, const Around& b, const RigidBody& parent,
                     const RigidBody& child) {
     const double low = std::max(a.from, b.from), high = std::min(a.to, b.to);
@@ -301,10 +306,11 @@ class Maker {
       if (std::abs(far) > 1e-6) side = far > 0 ? 1 : -1;
     }
     double meet = (low + high) / 2;
-    // A gap: a measured body ends where it ends.
+    // Across a gap, the two meet where the measured body ends.
     if (low > high && parent.measured != child.measured)
       meet = child.measured ? (side > 0 ? b.from : b.to) : (side > 0 ? a.to : a.from);
-    // One within the other: the child of a body that runs along the axis begins where it begins.
+    // If the child's extent lies within that of a parent that runs along the axis, they meet where the child
+    // begins.
     if (high > low && p.along && b.from >= a.from && b.to <= a.to) meet = side > 0 ? b.from : b.to;
     const auto housing = [&](End& end, double direction, const Around& box) {
       const double far = direction > 0 ? std::max(box.to, meet) : std::min(box.from, meet);
@@ -319,7 +325,7 @@ class Maker {
     housing(p, -side, a);
   }
 
-  /// The plate that tools are screwed on: ends in the flange's plane.
+  /// The plate for tools. It ends in the flange's plane.
   void fit_flange(RigidBody& body) const {
     End& end = body.out.back();
     const Around box = around(body, end.origin, end.axis);
@@ -337,8 +343,8 @@ class Maker {
   const RobotModel& model_;
   const bool forks_;
   Skeleton out_;
-  std::vector<std::vector<std::pair<int, Pose>>> members_;  // of each body: links and their poses
-  std::map<int, std::size_t> child_;                        // by joint: its body
+  std::vector<std::vector<std::pair<int, Pose>>> members_;  // of each body: its links and their poses
+  std::map<int, std::size_t> child_;                        // by joint: the body that it moves
 };
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint32_t kAround = 28;  // segments around an axis
 constexpr std::uint32_t kCorner = 6;   // points on each corner of a section
 constexpr std::uint32_t kEdge = 3;     // segments across a rounded edge
-constexpr double kLeast = 1e-5;        // m; anything smaller is not drawn
+constexpr double kLeast = 1e-5;        // m; smaller features are not drawn
 
 std::array<float, 3> point(const Vec3& p) {
   return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
@@ -26,7 +26,7 @@ std::uint32_t add(MeshPart& part, const Vec3& p) {
   return static_cast<std::uint32_t>(part.positions.size() - 1);
 }
 
-/// Joins two closed loops of `count` points each that begin at `a` and `b`.
+/// Connects two closed loops of `count` points each, which begin at `a` and `b`.
 void band(MeshPart& part, std::uint32_t a, std::uint32_t b, std::uint32_t count) {
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t j = (i + 1) % count;
@@ -35,7 +35,7 @@ void band(MeshPart& part, std::uint32_t a, std::uint32_t b, std::uint32_t count)
   }
 }
 
-/// Closes a loop by a fan; `up`: the loop is anticlockwise as seen from outside.
+/// Closes a loop with a fan. `up`: the loop is anticlockwise seen from outside.
 void lid(MeshPart& part, std::uint32_t loop, std::uint32_t count, const Vec3& center, bool up) {
   const std::uint32_t middle = add(part, center);
   for (std::uint32_t i = 0; i < count; ++i) {

@@ -1,6 +1,6 @@
 #pragma once
-/// The vocabulary that a robot's look is written in: turned profiles, lofts through rounded sections, rounded
-/// boxes. Lengths in m, in the frame of the link. Pure; any thread.
+/// The elements from which a robot's look is built: turned profiles, lofts through rounded sections, rounded
+/// boxes. Lengths in m, in the frame of the link. No side effects; any thread.
 #include <array>
 #include <span>
 #include <vector>
@@ -17,7 +17,7 @@ struct Paint {
   float metallic = 0;
 };
 
-/// A point of a turned profile: its distance from the axis and its place along it.
+/// A point of a turned profile: its distance from the axis and its position along the axis.
 struct Ring {
   double radius = 0, at = 0;
 };
@@ -26,18 +26,18 @@ struct Ring {
 struct Section {
   Pose frame;
   double half_x = 0, half_y = 0;
-  double corner = 0;  ///< radius of its corners; as large as the smaller half makes round ends
+  double corner = 0;  ///< radius of its corners; a value equal to the smaller half size makes round ends
 };
 
 /// Collects the surfaces of one link, one mesh part per paint.
 class Solid {
  public:
-  /// A body of revolution about z of `frame`, closed where the first and last ring have no radius.
+  /// A body of revolution about z of `frame`. An end is closed if its ring has no radius.
   void turn(const Pose& frame, std::span<const Ring> profile, const Paint& paint);
-  /// A cylinder from `from` to `to` on z of `frame`; its edges are rounded, each by its own radius.
+  /// A cylinder on z of `frame`, from `from` to `to`. Each end has its own edge radius.
   void drum(const Pose& frame, double from, double to, double radius, double edge_from, double edge_to,
             const Paint& paint);
-  /// A skin through the sections; its ends are flat.
+  /// A skin through the sections, with flat ends.
   void loft(std::span<const Section> sections, const Paint& paint);
   /// A box centred on `frame`, its edges rounded by `edge`.
   void box(const Pose& frame, const Vec3& size, double edge, const Paint& paint);
@@ -50,7 +50,7 @@ class Solid {
   std::vector<meshes::MeshPart> parts_;
 };
 
-/// A frame at `at` with z along `z`, and x as near to `x` as that allows.
+/// A frame at `at` with z along `z`, and x as close to `x` as possible.
 Pose frame_along(const Vec3& at, const Vec3& z, const Vec3& x);
 /// A frame at `at` with z along `z`.
 Pose frame_along(const Vec3& at, const Vec3& z);

@@ -23,11 +23,11 @@ constexpr Paint kWhite = paint(0xF2F2F0, 0.38f), kPearl = paint(0xE4E5E3, 0.42f)
                 kGrey = paint(0x8B9299, 0.5f), kSlate = paint(0x4B5157, 0.5f), kDark = paint(0x2A2D31, 0.5f),
                 kBlack = paint(0x17181A, 0.45f);
 
-/// A family: the first row whose maker and part of the model's name fit is used.
+/// A family of robots. The first row that matches the maker and the model's name is used.
 struct Row {
   const char* name;
-  const char* maker;   ///< as in the catalogue; empty fits nobody
-  const char* models;  ///< beginnings of names, separated by '|'; empty fits all
+  const char* maker;   ///< as in the catalogue; empty matches no maker
+  const char* models;  ///< beginnings of model names, separated by '|'; empty matches all
   Build build;
   Paint base, body, fore, wrist, joint, cap;
   double edge, tube, corner, cap_size, dome;
@@ -156,7 +156,7 @@ bool fits(std::string_view models, std::string_view model) {
   return false;
 }
 
-/// A robot whose first two axes stand upright and whose last slide does, too.
+/// True if all joint axes are vertical, exactly one joint is prismatic and at least two are revolute.
 bool is_scara(const description::RobotModel& model) {
   int upright = 0, sliding = 0;
   for (const int j : model.actuated) {
@@ -210,7 +210,7 @@ std::optional<Paint> read_color(const std::string& text) {
   return paint(rgb);
 }
 
-/// The paint that a key of `look` sets; null if it is no such key.
+/// The paint that a key of `look` changes; null for other keys.
 Paint* paint_of(Style& style, const std::string& key) {
   if (key == "base") return &style.base;
   if (key == "body") return &style.body;

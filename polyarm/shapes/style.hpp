@@ -1,6 +1,6 @@
 #pragma once
-/// How the arms of a maker look: proportions, colours and finish of a family, in our own words from public
-/// knowledge. Pure; any thread.
+/// The look of a maker's arms: proportions, colours and finish of a family, described from public knowledge.
+/// No side effects; any thread.
 #include <string>
 #include <vector>
 
@@ -10,7 +10,7 @@
 
 namespace polyarm::shapes {
 
-/// How links are built.
+/// The way in which links are built.
 enum class Build {
   cobot,  ///< round joint housings, tubes between them
   cast,   ///< turret, castings with motor covers, slim forearm
@@ -33,8 +33,8 @@ struct Style {
   double dome = 0.12;     ///< height of the covers, relative to the housing's radius
 };
 
-/// The style of a robot: of its maker's family, changed by RobotModel::look. Unknown styles and colours in
-/// `look` are reported and otherwise ignored.
+/// The style of a robot: that of its maker's family, changed by RobotModel::look. Unknown styles and colours
+/// in `look` are reported and otherwise ignored.
 Style style_of(const description::RobotModel& model, Problems& problems);
 
 /// The names of all styles, for `look: {style: …}`.

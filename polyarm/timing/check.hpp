@@ -1,5 +1,5 @@
 #pragma once
-/// Checks how near a profile on a path comes to its limits, at every place. Part of timing.hpp; not for the
+/// Checks how close a profile on a path comes to its limits, at every place. Part of timing.hpp; not for the
 /// control cycle.
 #include <algorithm>
 #include <array>
@@ -19,8 +19,8 @@ struct Check {
   std::vector<PieceUse> use;        // of each piece
   std::vector<ActiveLimit> active;  // the limiting rows along the path
   double stretch = 0;               // the factor of time that brings the highest row to its limit
-  double peak[3] = {0, 0, 0};       // for each kind
-  PathMotion worst;                 // where that row is highest
+  double peak[3] = {0, 0, 0};       // the highest value for each kind
+  PathMotion worst;                 // the motion where that row is highest
   Ratios worst_ratio;
   std::size_t worst_kind = 0;
 
@@ -66,7 +66,7 @@ class Checker {
   }
 
  private:
-  static constexpr std::size_t kAtOnce = 256;  // samples, to fit into the L1 cache
+  static constexpr std::size_t kAtOnce = 256;  // samples; they fit into the L1 cache
   struct Times {
     double from, to;
   };
@@ -123,7 +123,8 @@ class Checker {
   std::vector<double> s_;
   std::vector<PathMotion> motion_;
   std::vector<Ratios> ratio_;
-  std::vector<std::size_t> ends_, of_;  // for each stretch: the index after its last sample; its piece
+  std::vector<std::size_t> ends_, of_;  // for each stretch: the index after its last sample; the index of its
+                                        // piece
 };
 
 }  // namespace polyarm::timing

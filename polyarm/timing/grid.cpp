@@ -30,7 +30,7 @@ double length_of(const PathRows& rows, std::size_t row, std::size_t place, Order
 struct RowLimits {
   double velocity, acceleration, jerk;
 };
-/// The lower limit if they differ.
+/// The limits of a row; the lower limit if the two sides differ.
 RowLimits limits_of(const PathRows& rows, std::size_t row) {
   if (row >= rows.joints()) {
     const NormLimit& n = rows.norm(row - rows.joints());
@@ -83,7 +83,7 @@ double turning(const PathRows& rows, std::size_t place) {
   return one > 0 ? std::max(two / one, std::sqrt(three / one)) : 0;
 }
 
-constexpr std::size_t kCells = 8;  // per stretch between breaks, for a first look at the path
+constexpr std::size_t kCells = 8;  // per stretch between breaks, for the first evaluation of the path
 constexpr std::size_t kFewestCells = 128;
 
 /// From rest at constant jerk, k equal steps of time have intervals proportional to 1, 4, 9 …: k³/3 + k²/2 +
@@ -185,9 +185,9 @@ void limit_accelerations(const PathRows& rows, std::vector<double>& b) {
 
 namespace {
 
-constexpr double kSlow = 1.6;  // of the time in which jerk adds half of the speed
+constexpr double kSlow = 1.6;  // relative to the time in which jerk adds half of the speed
 
-/// The allowed length of the grid's intervals at every place of `rows`.
+/// The largest allowed interval of the grid at every place of `rows`.
 std::vector<double> spacings(const PathRows& rows, const std::vector<double>& b, double ramp_step,
                              const GridRequest& request) {
   const std::size_t n = rows.places();
@@ -232,7 +232,8 @@ double first_step(const PathRows& rows, std::size_t end) {
   return std::clamp(0.5 * ramp.jerk * step * step * step, 1e-7 * length, 1e-2 * length);
 }
 
-/// A stretch with interval lengths `from` and `to` at its ends; the length changes linearly in between.
+/// A cell of the grid with interval lengths `from` and `to` at its ends. The length changes linearly in
+/// between.
 struct Cell {
   double width, from, to;
 
@@ -275,7 +276,7 @@ std::vector<double> nodes(const PathRows& rows, const std::vector<double>& spaci
 
 namespace {
 
-constexpr double kRampRounding = 1.5;  // of the duration of a ramp of acceleration
+constexpr double kRampRounding = 1.5;  // relative to the duration of a ramp of acceleration
 
 /// Smooths b over s where the acceleration would jump: takes the minimum, then the mean speed over the
 /// duration of a ramp of acceleration. The ends stay.
@@ -317,7 +318,7 @@ void round_corners(const PathRows& rows, std::vector<double>& b) {
 }  // namespace
 
 std::vector<double> slow_places(PathRows& rows) {
-  constexpr double kMuch = 8;  // ratio of ṡ²
+  constexpr double kMuch = 8;  // ratio of ṡ² that makes a place slow
   constexpr std::array kParts{0.1, 0.37, 0.63, 0.9};
   std::vector<double> ends{0}, places, lowest;
   for (const double s : rows.path().breaks())

@@ -15,10 +15,11 @@ struct TimingGrid {
 /// Properties of the requested grid.
 struct GridRequest {
   double start_speed, end_speed, fineness;
-  /// The guess has no corners. The solver is fast from it, except if speeds differ by a factor of hundreds.
+  /// The guess has no corners. The solver is fast from such a guess, except if speeds differ by a factor of
+  /// hundreds.
   bool rounded;
-  /// Intervals also follow the time in which jerk multiplies the speed, so that speeds that differ by
-  /// hundreds are far apart.
+  /// Intervals also follow the time in which jerk multiplies the speed, so that places whose speeds differ by
+  /// a factor of hundreds are many nodes apart.
   bool slow_places;
 };
 
@@ -26,8 +27,8 @@ struct GridRequest {
 /// constant jerk: s ~ k³). Neighbouring intervals differ by at most a factor of about 1.5.
 TimingGrid timing_grid(PathRows& rows, const GridRequest& request);
 
-/// The middles of pieces between breaks that must be passed much more slowly than the parts before and after:
-/// a stop there costs little time.
+/// The middles of pieces between breaks where the path is much slower than before and after. A stop there
+/// costs little time.
 std::vector<double> slow_places(PathRows& rows);
 
 /// The highest ṡ² that velocity limits allow at a place of `rows`.

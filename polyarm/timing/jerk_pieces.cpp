@@ -6,10 +6,10 @@
 namespace polyarm::timing {
 namespace {
 
-/// Of the root in a piece's time, relative to the mean speed of its ends. From rest at constant jerk it is
+/// Smallest root in a piece's time, relative to the mean speed of its ends. From rest at constant jerk it is
 /// 1/3.
 constexpr double kLeastRoot = 0.05;
-constexpr double kLeastMargin = 0.01;   // of that root's square, for a sound motion
+constexpr double kLeastMargin = 0.01;   // smallest square of that root, for a sound motion
 constexpr double kBeforeBreak = 1e-14;  // relative to the length of the path
 
 }  // namespace
@@ -158,7 +158,8 @@ SpeedProfile profile_of(NodeMotion& m, std::span<const double> breaks) {
     while (next < breaks.size() && breaks[next] < m.s[k]) ++next;
     const double speed = std::sqrt(m.b[k]);
     double time = pieces.piece(k).time;
-    // Ends just before a break, so that its last moment is always computed on this side.
+    // Ends the piece just before a break, so that its last moment is always computed on this side of the
+    // break.
     if (next < breaks.size() && breaks[next] == m.s[k] && k + 1 < m.s.size())
       time -= std::min(kBeforeBreak * m.s.back() / speed, 1e-9 * time);
     const double jerk = (m.a[k] - m.a[k - 1]) / time;

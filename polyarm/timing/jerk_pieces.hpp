@@ -20,8 +20,8 @@ struct NodeMotion {
 /// Derivatives with respect to b and a of the previous node and b and a of the next node.
 using ByNodes = std::array<double, 4>;
 
-/// The motion between two nodes. `gap`: the residual of the equation,
-/// b₁ - b₀ - (a₀ + a₁)Δs - h²(a₁² - a₀²)/12, which is (v₁ - v₀ - (a₀ + a₁)h/2)(v₁ + v₀).
+/// The motion between two nodes. `gap`: the residual of the equation, b₁ - b₀ - (a₀ + a₁)Δs - h²(a₁² -
+/// a₀²)/12, which equals (v₁ - v₀ - (a₀ + a₁)h/2)(v₁ + v₀).
 struct JerkPiece {
   double time = 0, jerk = 0, gap = 0;
   ByNodes time_by{}, jerk_by{}, gap_by{};
@@ -35,11 +35,11 @@ class JerkPieces {
 
   /// Evaluates the pieces at the present nodes.
   void evaluate();
-  /// Removes the gaps with the smallest changes around each, and evaluates: one step of Newton's method.
+  /// Removes the gaps with the smallest change around each, then evaluates: one step of Newton's method.
   void close();
   /// The largest gap relative to the squared speeds there.
   double worst_gap() const;
-  /// True if all gaps are negligible and every piece is passed forwards, with some margin.
+  /// True if all gaps are negligible and every piece moves forwards, with some margin.
   bool sound() const;
   double duration() const;
 
@@ -49,8 +49,8 @@ class JerkPieces {
   /// The derivative of a node's speed by its b; 0 at rest.
   double speed_by(std::size_t node) const { return per_v_[node]; }
 
-  /// Finds the directions that keep every gap: direction i, from 1 to count() - 2, changes only nodes i and i
-  /// + 1.
+  /// Finds the directions that keep every gap. Direction i, from 1 to count() - 2, changes only the nodes i
+  /// and i + 1.
   void find_directions();
   /// The change of b and a of nodes i and i + 1 in direction `i`; zeros if there is no such direction.
   const ByNodes& direction(std::size_t i) const { return directions_[i]; }
@@ -73,7 +73,8 @@ class JerkPieces {
 /// The same motion with an additional node in the middle of each piece marked in `which`.
 NodeMotion halved(const NodeMotion& motion, const JerkPieces& pieces, const std::vector<char>& which);
 
-/// The motion after the distance `way`, which is passed between the times `begin` and `end` of constant jerk.
+/// The motion after the distance `way`, which it reaches between the times `begin` and `end` at constant
+/// jerk.
 PathMotion after_way(const PathMotion& motion, double way, double end, double begin = 0);
 
 /// The profile of a motion without gaps, on a path with `breaks`.

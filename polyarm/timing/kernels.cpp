@@ -1,6 +1,6 @@
 #include "polyarm/timing/kernels.hpp"
 
-// Before a loop whose arrays do not overlap.
+// Tells the compiler that the arrays of the next loop do not overlap.
 #ifdef __clang__
 #define POLYARM_INDEPENDENT _Pragma("clang loop vectorize(assume_safety)")
 #else

@@ -14,7 +14,7 @@ TimedPath not_empty(TimedPath path) {
   return path;
 }
 
-/// Distance in time to the goal at which a step back ends, s of the plan; and its deceleration, per s.
+/// A step back ends this close to its goal, s of the plan; and its deceleration, per s.
 constexpr double kNear = 1e-4, kSlowingDown = 0.5;
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
-/// Follows a planned path in the control cycle: the timed path, the limits of its joints, and the present
-/// place on it. Radians or metres, seconds.
+/// Follows a planned path in the control cycle: holds the timed path, the limits of its joints, and the
+/// present place on the path. Radians or metres, seconds.
 #include <span>
 #include <vector>
 
@@ -10,8 +10,8 @@
 
 namespace polyarm::timing {
 
-/// Create it outside the cycle, hand it to the control thread, and free it outside the cycle. Not movable:
-/// the override refers to its path.
+/// Create it outside the cycle, hand it to the control thread, and free it outside the cycle. It cannot be
+/// moved, because the override refers to its path.
 class PathFollower {
  public:
   /// `limits`: of every joint, at least those that the path was timed with; `period_s`: of the control cycle,
@@ -26,8 +26,8 @@ class PathFollower {
   std::size_t joints() const noexcept { return path_.joints(); }
   double period() const noexcept { return period_; }
 
-  /// Call it before the first cycle: places the path at its start, and sets this factor immediately if the
-  /// path begins at rest.
+  /// Call it before the first cycle. Sets the place to the start of the path, and the factor to `target` at
+  /// once if the path begins at rest.
   void begin(double target) noexcept;
   /// One control cycle towards the factor `target` in [-1, 1]: 1 as planned, 0 held, negative backwards. No
   /// joint exceeds its limits. `immediate`: stops as fast as kHarder times the acceleration (and its square

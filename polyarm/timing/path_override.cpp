@@ -9,8 +9,9 @@
 namespace polyarm::timing {
 namespace {
 
-/// Fractions of a limit for choosing and for accepting f''; the rest covers what may lie between two looks.
-/// If the plan itself uses more, nothing is added.
+/// Fractions of a limit for choosing and for accepting f''. The rest covers what may happen between two
+/// checked times. If the plan itself uses more than the fraction, it may keep that, but gets nothing in
+/// addition.
 struct Room {
   double share;
   double most(double own, double limit) const noexcept {
@@ -19,14 +20,14 @@ struct Room {
   static constexpr double kRounding = 1e-9;
 };
 constexpr Room kChosen{0.999}, kAccepted{0.9997};
-constexpr double kBetween = 2e-4;  // of a limit: what may lie between two looks
-// Bounds of the factor's rates where the joints hardly move and allow anything: 0 to 1 in about 20 ms.
+constexpr double kBetween = 2e-4;  // of a limit: for what may happen between two checked times
+// Limits of the factor's rates where the joints hardly move and would allow anything: 0 to 1 in about 20 ms.
 constexpr double kMostRate = 50, kMostBend = 20000;
-constexpr double kMostLooks = 32;  // in addition to the table's nodes, in one step
+constexpr double kMostLooks = 32;  // checked times in one step, in addition to the table's nodes
 constexpr double kSpacing = 1e-3;  // s of the plan between two rows of the table
-/// Reductions of a bend that both ends of a step allow, because something in between may allow less.
+/// Reductions of a bend that both ends of a step allow, because a time in between may allow less.
 constexpr double kALittleLess[] = {0, 0.003};
-constexpr double kSameFactor = 1e-12;  // of factors
+constexpr double kSameFactor = 1e-12;  // factors that differ less are equal
 constexpr double kNearlyThere = 1e-6;  // factor difference at which a way's end counts as the target
 constexpr double kLeastBoldness = 1.0 / 64;
 constexpr std::size_t kPushSteps = 12, kLeastPush = 4, kMostPush = 256;  // cycles
@@ -66,7 +67,7 @@ PathOverride::State PathOverride::during(const State& s, double bend, double t) 
           s.factor + t * (s.rate + t * bend / 2), s.rate + t * bend};
 }
 
-/// The time after `s` at which the plan's time is `at`, if it is `end` after `t` s.
+/// The time, in s after `s`, at which the plan's time is `at`, if the plan's time is `end` after `t` s.
 double PathOverride::when(const State& s, double bend, double at, double t, double end) const noexcept {
   double x = t * (at - s.time) / (end - s.time);
   for (int newton = 0; newton < 2; ++newton) {
@@ -145,8 +146,8 @@ bool PathOverride::within(const Rows* rows, double factor, double rate, double b
   return *std::max_element(std::begin(over), std::end(over)) <= 0;
 }
 
-/// The number of parts of `t` s at this f'' for which the jerk is nearly linear between two looks: from the
-/// second time derivative of the rows, with a planned acceleration and jerk at their limits.
+/// The number of parts of `t` s at this f'' in which the jerk is nearly linear. Derived from the second time
+/// derivative of the rows, with the planned acceleration and jerk at their limits.
 double PathOverride::looks(const State& s, const State& end, double bend, double t) const noexcept {
   const double f = std::max(std::abs(s.factor), std::abs(end.factor)), most = std::abs(bend);
   const double rate = std::max(std::abs(s.rate), std::abs(end.rate));
@@ -154,8 +155,8 @@ double PathOverride::looks(const State& s, const State& end, double bend, double
   return std::ceil(t * std::sqrt(curve / (8 * kBetween)));
 }
 
-/// True if the limits hold for `t` s of this f'': checks both ends, enough places between, and every node of
-/// the table that is passed.
+/// True if the limits hold for `t` s of this f''. Checks both ends, enough times between them, and every node
+/// of the table that is passed.
 bool PathOverride::keeps(const State& s, double bend, double t) noexcept {
   const State end = during(s, bend, t);
   if (end.factor > 1 + kSameFactor || end.factor < -back_ - kSameFactor) return false;
@@ -192,8 +193,8 @@ bool PathOverride::keeps_nearly(const State& s, double& bend, double t, double d
   return false;
 }
 
-/// A way to a steady factor: `push` cycles in `direction` as far as the rows allow, then as soon as they
-/// allow. False if that exceeds the limits.
+/// Finds a way to a steady factor: `push` cycles in `direction` as fast as the rows allow, then to rest as
+/// soon as they allow. False if that exceeds the limits.
 bool PathOverride::recover(State s, Way& way, double direction, std::size_t push) noexcept {
   way.steps = 0;
   way.cycles = (push + kPushSteps - 1) / kPushSteps;
@@ -235,7 +236,7 @@ void PathOverride::take(double bend, const Way& way) noexcept {
   motion_.step = motion_.cycle = 0;
 }
 
-/// One cycle of the known way; steady if nothing is left of it.
+/// Follows the known way for one cycle. Keeps the factor if the way is finished.
 void PathOverride::follow_way_out() noexcept {
   Motion& m = motion_;
   const bool any = m.step < m.out.steps;
@@ -246,7 +247,7 @@ void PathOverride::follow_way_out() noexcept {
   if (m.step == m.out.steps) m.at.rate = 0, m.at.factor = m.out.end;
 }
 
-/// Two cycles that end at the target, if the rows allow them.
+/// Tries to reach the target in two cycles, if the rows allow it.
 bool PathOverride::arrive(double target) noexcept {
   const State& s = motion_.at;
   const double t = period_, first = (target - s.factor - 1.5 * t * s.rate) / (t * t);
@@ -258,7 +259,7 @@ bool PathOverride::arrive(double target) noexcept {
   return true;
 }
 
-/// Finds an f'' towards the target that can be taken back, or that leads past an obstacle.
+/// Finds an f'' towards the target after which a way to a steady factor exists, or a way past an obstacle.
 bool PathOverride::attempt(double target) noexcept {
   Motion& m = motion_;
   const double direction = sign(target - m.out.end), t = period_;
@@ -276,7 +277,7 @@ bool PathOverride::attempt(double target) noexcept {
       m.boldness = std::min(1.0, 2 * m.boldness);
       return true;
     }
-    if (safe) {  // reduces it by what the end lies beyond, because the way passes that on
+    if (safe) {  // the way ends beyond the target: reduces f'' by the part that causes it
       more -= direction * beyond / (t * (t / 2 + t * double(tried_.steps * tried_.cycles)));
       continue;
     }
@@ -287,8 +288,8 @@ bool PathOverride::attempt(double target) noexcept {
   return false;
 }
 
-/// Continues for some cycles as far as the rows allow, then to a steady factor. Too few cycles do not pass
-/// the obstacle, too many pass the target; searches the number in between.
+/// Continues for some cycles as far as the rows allow, then to a steady factor. With too few cycles it does
+/// not pass the obstacle, with too many it passes the target; searches for the number in between.
 bool PathOverride::push_past(double bend, double direction, double target) noexcept {
   Motion& m = motion_;
   if (!keeps_nearly(m.at, bend, period_, direction)) return false;
@@ -326,7 +327,7 @@ void PathOverride::advance(double target, bool immediate) noexcept {
   const bool settled = m.at.rate == 0 && std::abs(m.at.factor - target) <= kSameFactor;
   const bool leads_there = m.step < m.out.steps && std::abs(target - m.out.end) <= kNearlyThere;
   if (settled) m.at.factor = m.out.end = target, m.boldness = 1;
-  // A motion that ends within this cycle can hardly change any more, and nothing is checked in between.
+  // A motion that ends within this cycle can hardly change any more, and nothing is checked within the cycle.
   const bool ends = m.at.time + period_ * (m.at.factor + period_ / 2 * m.at.rate) >= path_.duration();
   if (settled || leads_there || ends || !(arrive(target) || attempt(target))) follow_way_out();
   if (m.at.time <= 0 && m.at.factor < 0) {  // back at the start, where the plan rests

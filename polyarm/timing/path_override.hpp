@@ -19,19 +19,19 @@ struct StoppingWay {
   bool known = true;  ///< false: no standstill after a hundred thousand cycles
 };
 
-/// The place on a timed path in the control cycle, and the factor at which its time runs: 1 as planned, 0
-/// held, negative backwards. In each cycle the second derivative of the factor is constant, so the joints
-/// have limited jerk. The joints follow q(τ), with τ' = f:
+/// The place on a timed path in the control cycle, and the factor at which the path's time runs: 1 as
+/// planned, 0 held, negative backwards. In each cycle the second derivative of the factor is constant, so the
+/// joints have limited jerk. The joints follow q(τ), with τ' = f:
 ///   q' = q̇f, q'' = q̈f² + q̇f', q''' = q⃛f³ + 3q̈ff' + q̇f''
 /// (q̇, q̈, q⃛ as planned). A plan within the limits keeps them at any constant f in [0, 1].
 ///
 /// Method: every change of f can be cancelled. There is always a known way from the present state to a steady
 /// f that keeps every limit; it is followed if nothing better is found. Each cycle tries a larger f'' towards
 /// the target: first as much as the rows above allow, then less. The f'' is accepted if a way to a steady f
-/// exists from its end and does not pass the target. If this fails, a limit may be in the way for a short
-/// time only: then a way that continues with a large f'' for some cycles is tried as well. Ways are simulated
-/// in steps of one cycle, or of several if they are long, on a table of the rows. So a cycle needs a bounded
-/// number of look-ups, reacts immediately, and never enters a state that it could not leave.
+/// exists after it and does not pass the target. If this fails, the cause may be a limit that applies only
+/// for a short time. Then a way that continues with a large f'' for some cycles is tried as well. Ways are
+/// simulated in steps of one cycle, or of several if they are long, on a table of the rows. So a cycle needs
+/// a limited number of look-ups, reacts immediately, and never enters a state that it cannot leave. See
 /// docs/decisions/0010-timing.md.
 ///
 /// Control thread. advance() allocates nothing, throws nothing, and takes at most kMostTries + kMostPushes
@@ -48,7 +48,7 @@ class PathOverride {
   /// path. Throws Error "wrong-size", "bad-limit".
   PathOverride(const TimedPath& path, std::span<const trajectory::MotionLimits> limits, double period);
 
-  /// Starts at `time` of the plan, at a steady `factor`: for a path that is already being followed, or at
+  /// Starts at `time` of the plan with a steady `factor`. For a path that is already being followed, or at
   /// standstill.
   void begin(double time, double factor) noexcept;
   /// One cycle towards `target` in [-1, 1] (clamped; NaN counts as 0). Backwards it is limited by the joints'
@@ -81,11 +81,11 @@ class PathOverride {
     std::size_t steps = 0, cycles = 1;
     double end = 0;
   };
-  /// The moving state, and the rest of the known way to a steady factor.
+  /// The state of the motion, and the rest of the known way to a steady factor.
   struct Motion {
     State at;
     Way out;
-    std::size_t step = 0, cycle = 0;  // the next ones of that way
+    std::size_t step = 0, cycle = 0;  // index of the next step and cycle of that way
     double boldness = 1;
     std::size_t push = 16;  // cycles for which a way continues with a large f''
     bool hard = false;

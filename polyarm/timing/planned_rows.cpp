@@ -7,11 +7,13 @@ namespace polyarm::timing {
 namespace {
 
 constexpr double kSide = 1e-9;  // s; offset at which one side of a jump is evaluated
-/// Of a limit: nodes are added until rows are linear between them to this, or until this many halvings.
+/// Nodes are added until the rows are linear between them to this fraction of a limit, or until this many
+/// halvings.
 constexpr double kClose = 1e-4;
 constexpr int kMostHalvings = 5;
 constexpr double kNoLimit = 1e300;     // for unused entries
-constexpr std::size_t kMost = 40'000;  // nodes, without those of jumps; longer plans have larger intervals
+constexpr std::size_t kMost = 40'000;  // largest number of nodes, without those of jumps; longer plans have
+                                       // larger intervals
 
 std::vector<double> jumps_of(const TimedPath& path) {
   std::vector<double> all{0, path.duration()};
@@ -136,7 +138,8 @@ void PlannedRows::between(std::size_t node, double t, Rows* out) const noexcept 
   const double length = times_[next] - times_[node];
   const double share = length > 0 ? std::clamp((t - times_[node]) / length, 0.0, 1.0) : 0;
   const Rows *from = at(node), *to = at(next);
-  // A velocity with linear acceleration deviates by this much; the factor's second derivative amplifies it.
+  // The velocity deviates this much from linear, because its acceleration is linear; the factor's second
+  // derivative amplifies the deviation.
   const double bent = length * share * (1 - share) / 2;
   for (std::size_t b = 0; b < blocks_; ++b)
     for (std::size_t i = 0; i < kWidth; ++i) {

@@ -1,5 +1,5 @@
 #pragma once
-/// The joint motion of a timed path in a table that a control cycle can search cheaply. Radians or metres,
+/// The joint motion of a timed path as a table that a control cycle can search cheaply. Radians or metres,
 /// seconds.
 #include <cstddef>
 #include <span>
@@ -25,15 +25,15 @@ class PlannedRows {
     double high[kWidth], low[kWidth], jerk[kWidth];
   };
 
-  /// `spacing`: the largest distance of nodes, s. They are closer where the rows are curved; the error in
-  /// between is about 1e-4 of a joint's limits.
+  /// `spacing`: largest distance between nodes, s. Nodes are closer where the rows are curved; the error
+  /// between nodes is about 1e-4 of a joint's limits.
   PlannedRows(const TimedPath& path, std::span<const trajectory::MotionLimits> limits, double spacing);
 
   std::size_t blocks() const noexcept { return blocks_; }
   std::size_t nodes() const noexcept { return times_.size(); }
   double time(std::size_t node) const noexcept { return times_[node]; }
   const Rows* at(std::size_t node) const noexcept { return rows_.data() + node * blocks_; }
-  /// The node at or before `t`; of a pair the second one. `hint`: a node near it.
+  /// The node at or before `t`; the second node of a pair. `hint`: a node close to it.
   std::size_t before(double t, std::size_t hint) const noexcept;
   /// blocks() rows at `t` (within the path's time); `t` lies in the interval that begins at `node`.
   void between(std::size_t node, double t, Rows* out) const noexcept;

@@ -9,10 +9,11 @@
 namespace polyarm::timing {
 namespace {
 
-constexpr double kTighter = 1e-4;    // more than the excess requires, so that one round removes it
+constexpr double kTighter = 1e-4;    // tightens more than the excess requires, so that one round removes it
 constexpr double kMuchSlack = 0.97;  // use of a scale below which rows do not bind
 
-/// Maps a problem on a grid to the one on the grid with a node more in each piece marked in `halve`.
+/// Maps the points of a problem on a grid to the refined grid, which has one node more in each piece marked
+/// in `halve`.
 PointOrigins origins_of(const SpeedProblem& before, const SpeedProblem& now, const std::vector<char>& halve) {
   const std::size_t pieces = halve.size() - 1;
   std::vector<std::size_t> node, piece{0};  // for each node: the previous node, or beyond them the middle
@@ -99,7 +100,7 @@ void TimingProblem::look(const NodeMotion& m, const JerkPieces& pieces, std::vec
   }
 }
 
-/// The path motion at the places of this motion.
+/// Computes the path motion at the places of this motion.
 void TimingProblem::pass(const NodeMotion& m, const JerkPieces& pieces) {
   Passing& p = passing_;
   for (auto* list : {&p.speed, &p.square, &p.cube, &p.acceleration, &p.product})
@@ -127,7 +128,7 @@ void TimingProblem::pass(const NodeMotion& m, const JerkPieces& pieces) {
   }
 }
 
-/// For one component of the rows, by kind.
+/// Computes the values of one component of the rows, by kind.
 void TimingProblem::values_of(std::size_t c) {
   kernels::Pieces m{.pieces = count_, .jerk = passing_.jerk.data()};
   kernels::PathRow row;
@@ -185,7 +186,7 @@ void TimingProblem::fill_velocity() {
 }
 
 void TimingProblem::fill_acceleration() {
-  // After each node; also before it, where rows jump.
+  // Places after each node, and before it where rows jump.
   std::vector<std::size_t> nodes, places;
   for (std::size_t k = 1; k < count_; ++k) {
     nodes.push_back(k), places.push_back(begin_of(k + 1));
@@ -242,8 +243,8 @@ void TimingProblem::fill(LimitRows& plain, LimitRows& norm, const std::vector<st
   }
 }
 
-/// How far the rows of a kind are below their scales in each piece, if it is much: then a lower scale changes
-/// nothing.
+/// How far the rows of a kind are below their scales in each piece, if the distance is large. There, a lower
+/// scale changes nothing.
 std::vector<double> TimingProblem::slacks(const LimitRows& rows, const std::vector<PieceUse>& use,
                                           std::size_t norm, std::size_t kind) const {
   const std::size_t pieces = use.size() - 1;

@@ -1,5 +1,5 @@
 #pragma once
-/// The rows of limits on a grid of a path, and how near a motion comes to them between its nodes. Part of
+/// The rows of limits on a grid of a path, and how close a motion comes to them between its nodes. Part of
 /// timing.hpp; not for the control cycle.
 #include <array>
 #include <cstddef>
@@ -18,8 +18,8 @@ class TimingProblem {
   TimingProblem(PathRows& rows, const std::vector<double>& s);
 
   const SpeedProblem& speeds() const { return speeds_; }
-  /// The use of the limits by `motion` in each piece (from 1): at five places, between them by the polynomial
-  /// through them, and the possible error of that.
+  /// The use of the limits by `motion` in each piece (from 1): at five places; between them by the polynomial
+  /// through these; and the possible error of the polynomial.
   void look(const NodeMotion& motion, const JerkPieces& pieces, std::vector<PieceUse>& out);
   /// Lowers the scales of rows in pieces that exceed their limits, by slightly more than the excess.
   void tighten(const std::vector<PieceUse>& use);
@@ -30,7 +30,7 @@ class TimingProblem {
   static constexpr std::size_t kPlaces = kernels::kPlaces;
 
   void set_up(const std::vector<double>& s);
-  /// The first places of all pieces come first, then the second places, and so on.
+  /// Order of the places: first the first places of all pieces, then the second places, and so on.
   std::size_t place(std::size_t piece, std::size_t i) const { return i * count_ + piece - 1; }
   std::size_t begin_of(std::size_t piece) const { return place(piece, 0); }
   std::size_t middle_of(std::size_t piece) const { return place(piece, kPlaces / 2); }
@@ -56,7 +56,7 @@ class TimingProblem {
     std::vector<double> speed, square, cube, acceleration, product, jerk, way, end, times;
   } passing_;
   std::array<std::vector<double>, 3> value_, norm_;
-  /// By plain row or norm and by kind, for all pieces: see kernels::Peaks.
+  /// By row type (plain or norm) and by kind, for all pieces: see kernels::Peaks.
   struct Peaks {
     std::vector<double> most, above, rows, row;
   };

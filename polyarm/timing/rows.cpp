@@ -53,7 +53,7 @@ namespace {
 
 constexpr std::size_t kBlock = 64;
 
-/// Some places at a time: the motion there, and for each kind the highest use and its row.
+/// Evaluates a few places at a time: the motion there, and for each kind the highest use and its row.
 struct Block {
   std::size_t count = 0;
   double speed[kBlock], square[kBlock], cube[kBlock], acceleration[kBlock], product[kBlock], jerk[kBlock];

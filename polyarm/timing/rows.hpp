@@ -1,5 +1,5 @@
 #pragma once
-/// Limits as rows at places of a path, and how near a profile comes to them. Part of timing.hpp; not for the
+/// Limits as rows at places of a path, and how close a profile comes to them. Part of timing.hpp; not for the
 /// control cycle.
 #include <array>
 #include <cstddef>
@@ -51,7 +51,7 @@ struct PieceUse {
   std::array<std::array<double, 3>, 2> most{};
   /// The same at the rows of the problem only.
   std::array<std::array<double, 3>, 2> rows{};
-  /// For both, with an estimate for the peaks between places; and the one with the higher `most`.
+  /// For both together, with an estimate for the peaks between places; and the one with the higher `most`.
   std::array<double, 3> above{};
   std::array<std::size_t, 3> row{};
 
@@ -65,13 +65,13 @@ struct PieceUse {
   }
 };
 
-/// For each kind the highest value of any row over its limit, and the row.
+/// For each kind: the highest value of any row, relative to its limit, and that row.
 struct Ratios {
   double value[3] = {0, 0, 0};
   std::size_t row[3] = {0, 0, 0};
 };
 
-/// At every place of `rows`, for the motion there (one per place).
+/// Computes the ratios at every place of `rows`, for the motion there (one per place).
 void ratios(const PathRows& rows, std::span<const PathMotion> motion, std::vector<Ratios>& out);
 
 }  // namespace polyarm::timing

@@ -50,13 +50,13 @@ class SpeedSolver::Solver {
       for (const SolverRows& r : rows_) r.measure(gap, residual);
       out.converged = gap < precision * pieces_.duration() && residual < allowed;
       if (out.converged && (out.iterations > 0 || !going_on)) break;
-      // Steps that overshoot repeatedly: caused by the rows' own curvature, which is left out.
+      // Repeated overshooting comes from the curvature of the rows, which the linearisation leaves out.
       if (residual > 2 * last_residual && residual > 0.1 * allowed)
         damping_ = std::max(0.25, damping_ / 2);
       else
         damping_ = std::min(1.0, 1.3 * damping_);
       last_residual = residual;
-      // Never nearer to the limits than requested: the optimum within that depends little on the scales.
+      // Stays as far from the limits as requested: within that, the optimum depends little on the scales.
       const double centre = std::max(keep * gap, kCentre * precision * pieces_.duration()) / double(sides);
       system_.clear();
       add_duration();
@@ -141,8 +141,8 @@ class SpeedSolver::Solver {
   std::vector<double> step_;
   FiveDiagonals system_;
   std::vector<SolverRows> rows_;
-  double damping_ = 1;  // of steps
-  int stuck_ = 0;       // steps without progress
+  double damping_ = 1;  // factor of the steps
+  int stuck_ = 0;       // number of steps without progress
   bool again_ = false;
 };
 

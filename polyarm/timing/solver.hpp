@@ -57,7 +57,7 @@ class SpeedSolver {
   /// Keeps references to both; the caller may change scales between calls. `motion`: positive speeds inside;
   /// its ends are fixed.
   SpeedSolver(const SpeedProblem& problem, NodeMotion& motion);
-  /// Starts with the results of `before` for points that come from its grid.
+  /// Starts with the results of `before` for the points that come from its grid.
   SpeedSolver(const SpeedProblem& problem, NodeMotion& motion, const SpeedSolver& before,
               const PointOrigins& origins);
   ~SpeedSolver();

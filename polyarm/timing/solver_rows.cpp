@@ -10,7 +10,8 @@ namespace {
 // Velocity rows keep this fraction of the products of other rows, so that a stated speed is met closely.
 constexpr double kVelocityShare = 0.3;
 constexpr double kSlackOfExcess = 0.3;  // initial slack of a row that exceeds its limit
-constexpr std::size_t kLists = 9;       // of a symmetric matrix of three and a right side, or of a gradient
+constexpr std::size_t kLists = 9;       // lists of a symmetric 3 × 3 matrix and a right side, or of a
+                                        // gradient
 
 template <typename T>
 std::array<T*, kLists> lists(std::vector<std::remove_const_t<T>>& all, std::size_t length) {
@@ -93,7 +94,7 @@ kernels::Row SolverRows::row(std::size_t r) const {
           &low_.slack[begin], &low_.multiplier[begin], Real(limits_.low[r])};
 }
 
-/// s⃛, ṡ·s̈ and ṡ³ at both ends of each piece.
+/// The bases s⃛, ṡ·s̈ and ṡ³ at both ends of each piece.
 void SolverRows::jerk_bases(const NodeMotion& m, const JerkPieces& p) {
   const std::size_t pieces = p.count();
   for (std::size_t k = 1; k <= pieces; ++k) {
@@ -117,7 +118,7 @@ void SolverRows::jerk_bases(const NodeMotion& m, const JerkPieces& p) {
   }
 }
 
-/// b at nodes; acceleration rows also have s̈ before it.
+/// The basis b at nodes; for acceleration rows, s̈ comes before it.
 void SolverRows::node_bases(const NodeMotion& m, const JerkPieces& p) {
   const std::size_t of_b = kind_ == RowKind::acceleration ? 1 : 0;
   for (std::size_t i = 0; i < limits_.node.size(); ++i) {
@@ -129,7 +130,7 @@ void SolverRows::node_bases(const NodeMotion& m, const JerkPieces& p) {
   }
 }
 
-/// The same at half of a piece's way: from the cubic b(s) through both ends.
+/// The same at the middle of a piece's way, from the cubic b(s) through both ends.
 void SolverRows::middle_bases(const NodeMotion& m, const JerkPieces& p) {
   const std::size_t nodes = limits_.node.size(), of_b = kind_ == RowKind::acceleration ? 1 : 0;
   for (std::size_t k = 1; k <= limits_.points - nodes; ++k) {
@@ -233,7 +234,7 @@ void SolverRows::go(double complementarity, double primal, double dual) {
   });
 }
 
-/// A norm's row: the components along the present direction of its vector.
+/// Sets a norm's row to the components along the present direction of its vector.
 void SolverRows::aim_norms() {
   std::size_t from = 0;
   for (std::size_t r = 0; r < limits_.component_end.size(); from = limits_.component_end[r++])
@@ -253,7 +254,7 @@ void SolverRows::aim_norms() {
     }
 }
 
-/// A norm's curvature: that of |y| is (1 - n nᵀ)/|y|.
+/// Adds a norm's curvature: the second derivative of |y| is (1 - n nᵀ)/|y|.
 void SolverRows::bend_norms() {
   const std::size_t n = limits_.points;
   std::size_t from = 0;

@@ -89,8 +89,9 @@ class SolverRows {
 
   const LimitRows& limits_;
   RowKind kind_;
-  std::size_t points_;  // of the limits at construction: they may be on a finer grid since
-  double weight_ = 1;   // of the product of slack and multiplier
+  std::size_t points_;  // number of points of the limits at construction; the limits may have a finer grid
+                        // since then
+  double weight_ = 1;   // weight of the product of slack and multiplier
   mutable Side high_, low_;
   mutable std::vector<Real> value_;
   std::vector<Real> scale_, m_, basis_, turn_;

@@ -104,7 +104,7 @@ void joints_on_path(const paths::Path& path, const PathMotion& m, std::span<doub
 
 namespace {
 
-/// Halves a piece of time until a quintic follows it closely.
+/// Halves a piece of time until a quintic follows it closely enough.
 class Pieces {
  public:
   Pieces(const TimedPath& timed, double tolerance)

@@ -17,7 +17,7 @@ struct PathMotion {
   double s = 0, speed = 0, acceleration = 0, jerk = 0;
 };
 
-/// `t` seconds later, under the same jerk.
+/// The motion `t` seconds later, at the same jerk.
 inline PathMotion after(const PathMotion& m, double t) noexcept {
   const trajectory::JerkState end = after(trajectory::JerkState{m.s, m.speed, m.acceleration}, t, m.jerk);
   return {end.p, end.v, end.a, m.jerk};
@@ -37,7 +37,8 @@ class SpeedProfile {
   /// Starts at `start`; pieces of zero duration are skipped.
   explicit SpeedProfile(const PathMotion& start) : state_(start) {}
   void append(double duration, double jerk);
-  /// The same with a known end: uses `end` instead of the sum, which avoids the rounding of many pieces.
+  /// The same with a known end: uses `end` instead of the sum, which avoids the rounding errors of many
+  /// pieces.
   void append(double duration, double jerk, const PathMotion& end);
 
   double duration() const noexcept { return duration_; }

@@ -18,19 +18,20 @@
 namespace polyarm::timing {
 namespace {
 
-// Excess that stretching the time removes, more with each round; less with norms, because their speeds may be
-// stated.
+// Excess that stretching the time removes; more is accepted with each round. It is smaller with norms,
+// because their speeds may be stated by the user.
 constexpr double kEnough = 1e-4, kEnoughOfNorms = 2e-5;
 constexpr double kHalve = 0.03;  // excess above which a piece is halved instead of slowed down
 constexpr std::size_t kFinalSamples = 60, kCloseSamples = 32;  // of each piece
-constexpr double kUnsure = 3e-5;          // of a limit: a larger uncertainty between places is checked again
+constexpr double kUnsure = 3e-5;          // of a limit: a place with a larger uncertainty is checked again
 constexpr double kUneven = 0.3;           // ratio of the squared speeds at the ends of a piece
 constexpr double kFailed = 1.05;          // stretch above which another first guess is worth its time
 constexpr double kFailedStretch = 1.005;  // the same for stretches between stops, which are short
-// Iterations times nodes above which it is not, unless the motion is unusable (kHopeless).
+// Iterations times nodes above which another guess is not worth its time, unless the motion is unusable
+// (kHopeless).
 constexpr double kDear = 3e4, kHopeless = 2;
 constexpr int kTightenings = 12;     // rounds of solving and tightening
-constexpr double kPrecision = 0.04;  // of the solver: the duration then differs by a fiftieth of it
+constexpr double kPrecision = 0.04;  // of the solver; the duration is then within a fiftieth of this value
 constexpr double kMargin = 3e-7;     // distance from limits at the end, for rounding and peaks between
                                      // samples
 
@@ -72,7 +73,7 @@ void check_request(const paths::Path& path, std::span<const trajectory::MotionLi
 
 class Timer {
  public:
-  /// `may_stop`: if no guess gives a sound motion, one that stops on the way is accepted.
+  /// `may_stop`: if no guess gives a sound motion, a motion that stops on the way is accepted.
   Timer(const paths::Path& path, std::span<const trajectory::MotionLimits> limits,
         const TimingOptions& options, bool may_stop = true)
       : o_(options), rows_(path, limits, options.norms), limits_(limits), may_stop_(may_stop) {}
@@ -100,7 +101,7 @@ class Timer {
   }
 
  private:
-  /// Tries other guesses while they are worth their time; the best result is kept.
+  /// Tries other guesses while they are worth their time. Keeps the best result.
   void guess_again() {
     if (check_.stretch > kFailed && may_stop_) stop_at_slow_places();
     const bool known = std::isfinite(stopping_.duration());
@@ -130,7 +131,7 @@ class Timer {
       return timing.grid.empty() ? std::numeric_limits<double>::infinity() : timing.profile.duration();
     }
   };
-  /// Stops at places that the path must pass very slowly anyway: each stretch goes from rest to rest.
+  /// Stops at places that the path must pass very slowly anyway. Each stretch then goes from rest to rest.
   void stop_at_slow_places() {
     std::vector<double> places = slow_places(rows_);
     if (places.empty()) return;
@@ -186,7 +187,7 @@ class Timer {
     for (std::size_t k = 1; k + 1 < motion_.s.size(); ++k)
       motion_.a[k] = (motion_.b[k + 1] - motion_.b[k - 1]) / (motion_.s[k + 1] - motion_.s[k - 1]) / 2;
   }
-  /// The motion on the grid, `factor` times faster than the result, its profile and the check of it.
+  /// Computes the motion on the grid, `factor` times faster than the result, its profile and its check.
   void solve(double factor) {
     motion_.b.front() = o_.start_speed * o_.start_speed * factor * factor;
     motion_.b.back() = o_.end_speed * o_.end_speed * factor * factor;
@@ -254,7 +255,7 @@ class Timer {
     out.fit(rows_.path().length());
     return out;
   }
-  /// The factor of time that brings a value of a kind to its limit.
+  /// The factor of time that brings a value of this kind to its limit.
   static double root(double value, std::size_t kind) {
     return kind == 0 ? value : kind == 1 ? std::sqrt(value) : std::cbrt(value);
   }
@@ -278,7 +279,7 @@ class Timer {
         const bool more = use_[k].above[kind] > powers[kind];
         unsure = unsure || (more && use_[k].above[kind] > use_[k].highest(kind) + kUnsure);
       }
-      // Places are even in s; where the speed changes much, that is far from even in time.
+      // Places are evenly spaced in s. Where the speed changes much, that is far from even in time.
       const double b = motion_.b[k - 1], next = motion_.b[k];
       if (unsure || std::min(b, next) < kUneven * std::max(b, next)) pieces.push_back(k - 1);
     }
@@ -316,8 +317,8 @@ class Timer {
         check_.active.push_back(active);
     }
   }
-  /// A piece that begins within rounding of a break may have been evaluated on the wrong side of it: the
-  /// evaluation of every piece between its breaks is final.
+  /// A piece that begins within rounding of a break may have been evaluated on the wrong side of the break.
+  /// The evaluation of every piece between its breaks is final.
   void look_at_all() {
     Check all;
     checker_.look(timing_.profile, kCloseSamples, all);
@@ -329,7 +330,8 @@ class Timer {
     timing_.active = std::move(check_.active);
     return std::move(timing_);
   }
-  /// If the tangent of a path is constant, its fastest motion is that of a single axis.
+  /// If the tangent of the path is constant, the fastest motion is that of a single axis. Returns false
+  /// otherwise.
   bool straight() {
     const double length = rows_.path().length();
     std::vector<double> s;

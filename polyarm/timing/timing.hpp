@@ -14,11 +14,11 @@
 
 namespace polyarm::timing {
 
-/// Bounds on the length of a vector that moves along the path: the tool's velocity (m/s) or angular velocity
-/// (rad/s) and its next two time derivatives. `path` has the components of the vector as joints: at() gives
-/// in `first` the components of dx/ds (for rotation: the angular velocity per path speed), in `second` and
-/// `third` its derivatives with respect to s; `q` is not used. Its length must be that of the timed path, and
-/// its breaks() among that path's or its own. Infinite: no bound.
+/// Limits of the length of a vector that moves along the path: the tool's velocity (m/s) or angular velocity
+/// (rad/s) and its next two time derivatives. `path` has the components of the vector as joints. Its at()
+/// gives in `first` the components of dx/ds (for rotation: the angular velocity per path speed), in `second`
+/// and `third` their derivatives with respect to s; `q` is not used. Its length must be that of the timed
+/// path, and its breaks() must be among that path's or its own. Infinite: no limit.
 struct NormLimit {
   const paths::Path* path = nullptr;
   double max_velocity = 0, max_acceleration = 0, max_jerk = 0;

@@ -111,7 +111,6 @@ void AxisPlan::find_first_at_rest(const AxisBounds& upwards, const AxisBounds& d
 }
 
 // --- all durations
-// ------------------------------------------------------------------------------------------
 
 void AxisPlan::list_times_of_velocity() noexcept {
   listed_ = true;
@@ -198,7 +197,6 @@ double AxisPlan::nearest(double t) const noexcept {
 }
 
 // --- the motion
-// ---------------------------------------------------------------------------------------------
 
 void AxisPlan::build(double duration, AxisMotion& out) noexcept {
   out.start(*from_);

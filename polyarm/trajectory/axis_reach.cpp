@@ -186,7 +186,6 @@ JerkPhases UpperReach::phases(double t) const noexcept {
 }
 
 // --- the first duration
-// -------------------------------------------------------------------------------------
 
 /// True if reach() passes a distance only once from the shortest duration on, if the acceleration does not
 /// pass zero at first: the slope then falls and rises, and must stay positive or begin negative.
@@ -286,7 +285,6 @@ double UpperReach::solve_held(double distance, Held held, double from, double to
 }
 
 // --- all durations
-// ------------------------------------------------------------------------------------------
 
 /// The time of the smallest slope. The slope falls and then rises: it falls only while the acceleration keeps
 /// its sign, until the ratio of its ends is 2 - sqrt(3) (or a quarter, if one of them is a limit).

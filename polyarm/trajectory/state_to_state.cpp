@@ -25,7 +25,7 @@ const char* name(MotionStatus status) noexcept {
   return "";
 }
 
-// --- motion of one axis -----------------------------------------------------------------------------------
+// --- motion of one axis
 
 namespace {
 MotionState passed(const MotionState& s, double t, double jerk) noexcept {
@@ -46,7 +46,7 @@ MotionState AxisMotion::at(double t) const noexcept {
   return passed(pieces_[i].state, t - pieces_[i].begin, pieces_[i].jerk);
 }
 
-// --- the plan ---------------------------------------------------------------------------------------------
+// --- the plan
 
 MotionStatus StateToState::plan(std::span<const MotionState> start, std::span<const MotionState> target,
                                 std::span<const MotionLimits> limits, const MotionOptions& options) noexcept {

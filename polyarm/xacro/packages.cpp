@@ -34,7 +34,7 @@ std::string declared_name(const fs::path& folder) {
   std::string text;
   Problems ignored;
   {
-    const AsUser user;  // the name of a package is no secret, and packages lie outside the cell's folder
+    const AsUser user;  // the name of a package is not secret, and packages may lie outside the cell's folder
     collect(ignored, [&] { text = read_file(file, kLargestManifest); });
   }
   tinyxml2::XMLDocument document;
@@ -55,9 +55,9 @@ bool is_ignored(const fs::path& folder) {
 
 constexpr int kMostFolders = 20'000, kDeepestPackage = 8;
 
-/// The packages below a folder by name, found as ROS build tools find them: at any depth, but not inside
-/// packages, hidden folders and ignored folders. Of several packages with one name the first one counts,
-/// nearest to the root.
+/// The packages below a folder by name. Searches as ROS build tools do: at any depth, but not inside
+/// packages, hidden folders and ignored folders. If several packages have the same name, the first one
+/// nearest to the root counts.
 class Workspace {
  public:
   explicit Workspace(fs::path root) : root_{std::move(root)} {}
@@ -103,7 +103,8 @@ class Workspace {
   int seen_ = 0;
 };
 
-/// The folder below `root` that is the package: by name, or at the next two levels.
+/// Finds the folder of the package at or below `root`: first by its name, then by package.xml in the next
+/// `levels` levels.
 fs::path find_below(const fs::path& root, const std::string& name, int levels) {
   std::error_code error;
   if (declared_name(root / name) == name) return root / name;
@@ -136,7 +137,7 @@ PackageSearch packages_near(const fs::path& file, const std::map<std::string, fs
   const auto find = [known, above, workspaces](const std::string& name) -> fs::path {
     if (const auto found = known.find(name); found != known.end()) return found->second;
     if (name.empty() || name.find('/') != std::string::npos || name == "..") return {};
-    bool inside = true;  // inside packages: a workspace is searched two levels deep, not the whole disk
+    bool inside = true;  // search two levels deep, but only below the nearest folders, not on the whole disk
     for (std::size_t i = 0; i < above.size() && i < 8; ++i) {
       const std::string own = declared_name(above[i]);
       if (own == name) return above[i];
@@ -215,7 +216,7 @@ bool in_set(std::string_view pattern, std::size_t& at, char letter) {
   return found != inverted;
 }
 
-/// Only patterns that begin with a '.' match names that do.
+/// A name that begins with '.' only matches a pattern that begins with '.'.
 bool name_matches(std::string_view pattern, std::string_view name) {
   if (name.starts_with('.') && !pattern.starts_with('.')) return false;
   std::size_t p = 0, n = 0, star = std::string_view::npos, resume = 0;
@@ -228,7 +229,7 @@ bool name_matches(std::string_view pattern, std::string_view name) {
                                                         : pattern[p] == '?' || pattern[p] == name[n])) {
       p = next + 1;
       ++n;
-    } else if (star != std::string_view::npos) {  // the last * takes one more letter
+    } else if (star != std::string_view::npos) {  // the last * matches one more letter
       p = star + 1;
       n = ++resume;
     } else {

@@ -63,7 +63,7 @@ class Expander : private XacroTexts {
     fs::path file;
     XacroScope* scope = nullptr;
   };
-  /// spend(), of work that has a place.
+  /// Calls spend(), and adds the present place to its error.
   void pay(std::size_t units) {
     try {
       spend(units);
@@ -72,7 +72,7 @@ class Expander : private XacroTexts {
     }
   }
 
-  /// What a copy of an element costs.
+  /// The cost of copying an element.
   static std::size_t size_of_xml(const XMLNode& node) {
     std::size_t out = 20 + std::strlen(node.Value() ? node.Value() : "") / 16;
     if (const XMLElement* e = node.ToElement())
@@ -115,7 +115,7 @@ class Expander : private XacroTexts {
   }
 
   void children(const XMLNode& in, XMLNode& out, Frame& frame) {
-    bool reads_comments = false;  // a comment before them requested it
+    bool reads_comments = false;  // a comment before the elements can switch this on
     for (const XMLNode* child = in.FirstChild(); child; child = child->NextSibling()) {
       if (const XMLElement* e = child->ToElement()) {
         element(*e, out, frame);
@@ -133,7 +133,7 @@ class Expander : private XacroTexts {
     }
   }
 
-  /// Keeps comments, except those directly above an xacro element, which describe it.
+  /// Copies comments, except those directly above an xacro element, which describe the macro code.
   void comment(const tinyxml2::XMLComment& note, XMLNode& out, Frame& frame, bool& reads_comments) {
     const std::string written = note.Value();
     if (written.find("xacro:eval-comments") != std::string::npos) {
@@ -146,7 +146,8 @@ class Expander : private XacroTexts {
     out.InsertEndChild(output_.NewComment(value.c_str()));
   }
 
-  /// True if only other comments and no empty line lie between.
+  /// True if the comment is directly above an xacro element, with only other comments and no empty line
+  /// between.
   bool is_about_xacro(const tinyxml2::XMLComment& note) {
     const XMLNode* above = &note;
     for (const XMLNode* next = note.NextSibling(); next; above = next, next = next->NextSibling()) {
@@ -162,7 +163,7 @@ class Expander : private XacroTexts {
     return false;
   }
 
-  /// XML name space declarations of a file or macro are copied to where its elements go.
+  /// Copies the XML name space declarations of a file or macro to where its elements go.
   void take_namespaces(const XMLElement& from, XMLNode& out) {
     XMLElement* into = out.ToElement();
     for (const tinyxml2::XMLAttribute* a = from.FirstAttribute(); into && a; a = a->Next())
@@ -372,10 +373,9 @@ class Expander : private XacroTexts {
     const Macro* found = find_macro(name, home);
     if (!found) unknown_macro(name, frame);
     if (steps_.size() > kDeepest) fail("the macro '" + name + "' leads deeper and deeper into itself");
-    pay(20 + 20 * found->parameters.size());  // they are copied, and each may be looked for
+    pay(20 + 20 * found->parameters.size());  // the parameters are copied, and each may be searched for
     const Macro macro = *found;
-    Frame outer{frame.file, home};  // arguments are evaluated where the macro is defined, if that is a name
-                                    // space
+    Frame outer{frame.file, home};  // arguments are evaluated in the macro's name space, if it has one
     if (home != frame.scope) {
       outer.scope = &new_scope(home);
       outer.scope->otherwise = frame.scope;

@@ -246,7 +246,7 @@ bool compare(const XacroValue& left, const std::string& sign, const XacroValue& 
 }
 
 XacroList items_of(const XacroValue& value) {
-  spend(1 + (value.text() ? 6 : 1) * length_of(value));  // a letter becomes a text of its own
+  spend(1 + (value.text() ? 6 : 1) * length_of(value));  // each letter becomes a text of its own
   if (value.list()) return *value.list();
   XacroList out;
   if (const XacroDict* dict = value.dict()) {

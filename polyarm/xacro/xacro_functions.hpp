@@ -1,6 +1,6 @@
 #pragma once
-/// Operators, functions and methods of xacro expressions. Private to this room. They throw Error without a
-/// place if an operation is invalid.
+/// Operators, functions and methods of xacro expressions. Private to this room. If an operation is invalid,
+/// they throw an Error without a place.
 #include <string>
 #include <vector>
 

@@ -22,7 +22,7 @@ struct XacroScope {
   struct Property {
     XacroValue value;
     bool raw = false;      // a text that is evaluated on first use
-    bool working = false;  // under evaluation
+    bool working = false;  // its evaluation has begun; a second use then means a cycle
   };
   struct Parameter {
     std::string name;
@@ -36,7 +36,7 @@ struct XacroScope {
     fs::path file;
   };
   XacroScope* parent = nullptr;
-  XacroScope* otherwise = nullptr;  // where properties are looked up that are in neither this scope nor its
+  XacroScope* otherwise = nullptr;  // the scope to search if a property is neither in this scope nor in its
                                     // parents
   bool is_space = false;
   std::map<std::string, Property> properties;
@@ -48,7 +48,7 @@ struct XacroScope {
 /// "a b:=2 c:=^|3 *origin": names and their defaults. Empty if the text is invalid.
 std::optional<std::vector<XacroScope::Parameter>> xacro_parameters(const std::string& text);
 
-/// Bounds: a larger description is a mistake or an attack.
+/// Limits. A description beyond them is a mistake or an attack.
 inline constexpr int kDeepest = 150;
 inline constexpr std::size_t kMostElements = 500'000;
 inline constexpr std::size_t kLongestText = 5'000'000;  // bytes
@@ -81,7 +81,7 @@ class XacroTexts {
 
   [[noreturn]] void fail(const std::string& what, const std::string& advice = {}) const;
 
-  /// Runs work that may throw without a place, and adds this place.
+  /// Runs `work`. If it throws an error without a place, adds the present place.
   template <typename Work>
   auto placed(const std::string& written, Work work) const {
     try {
@@ -106,14 +106,16 @@ class XacroTexts {
   XacroValue value_of_text(const std::string& text, XacroScope* scope);
   /// `$(arg x)`, `$(find p)`, `$(env V)`, `$(eval …)` and similar.
   XacroValue substitution(const std::string& inner, XacroScope* scope);
-  /// In $(eval …) arguments have priority, and an argument that is a number becomes a number.
+  /// The names for $(eval …): arguments have priority, and a text argument that looks like a number becomes
+  /// one.
   XacroNames eval_names(XacroScope* scope);
   /// xacro's own functions, for both `$(name …)` and `xacro.name(…)`.
   bool function(const std::string& name, const XacroList& a, XacroValue& out);
   int current_line() const { return steps_.back().line; }
-  /// Relative names start beside the file of the innermost include, even in a macro from another file.
+  /// Resolves a relative name from the file of the innermost include, even in a macro from another file.
   fs::path resolve(const std::string& name) const;
-  /// The file to read for a name. A package may keep it deeper in its sources than in its installation.
+  /// The file to read for a name. A package may have it deeper in its source folder than in its installed
+  /// folder.
   fs::path file_for(const std::string& name) const;
   XacroValue load_yaml(const std::string& name);
 

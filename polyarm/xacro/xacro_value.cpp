@@ -110,7 +110,7 @@ XacroValue literal_of(const XacroValue& value) {
   std::int64_t whole = 0;
   const auto read = std::from_chars(begin, end, whole);
   if (read.ptr == end)
-    return read.ec == std::errc() ? XacroValue(whole) : value;  // too long: it stays as it is
+    return read.ec == std::errc() ? XacroValue(whole) : value;  // too large for an integer: unchanged
   double number = 0;
   if (const auto real = std::from_chars(begin, end, number); real.ec == std::errc() && real.ptr == end)
     return number;

@@ -1,5 +1,5 @@
 #pragma once
-/// Values of expressions in xacro and launch files: the Python types that they use. For this room and
+/// Values of expressions in xacro and launch files: the Python types that they use. Used by this room and by
 /// `ros_files`.
 #include <cstdint>
 #include <functional>
@@ -27,7 +27,8 @@ struct XacroFunction {
   std::string name;
 };
 
-/// none, bool, int, float, str, list (also for sets), tuple, dict, a name space of properties, or a function.
+/// A Python value: None, bool, int, float, str, list (also for sets), tuple, dict, a name space of
+/// properties, or a function.
 struct XacroValue {
   std::variant<std::monostate, bool, std::int64_t, double, std::string, std::shared_ptr<XacroList>,
                std::shared_ptr<XacroDict>, const XacroScope*, XacroFunction>
@@ -73,8 +74,8 @@ struct XacroNames {
   std::function<bool(const XacroScope* space, const std::string& name, XacroValue& out)> member;
 };
 
-/// Evaluates the text inside ${…}. Throws Error without a place for faults. An expression cannot run code,
-/// cannot read files except through `function`, and always terminates.
+/// Evaluates the text inside ${…}. Throws an Error without a place. An expression cannot run code, can read
+/// files only through `function`, and always terminates.
 XacroValue evaluate_expression(std::string_view text, const XacroNames& names);
 
 }  // namespace polyarm::description

@@ -1,13 +1,14 @@
 #pragma once
-/// Counts what an expansion of xacro costs, whatever it spends it on: expressions, lists, texts, macros, includes and
-/// blocks. A unit takes some 20 ns. Without a common bound, a file of a kilobyte can multiply many small bounded
-/// costs. Private to the room.
+/// Counts the work of an xacro expansion: expressions, lists, texts, macros, includes and blocks. One unit
+/// takes about 20 ns. A common limit is needed because a file of one kilobyte can multiply many costs that
+/// are small and limited by themselves. Private to the room.
 #include <cstddef>
 #include <string_view>
 
 namespace polyarm::description {
 
-/// Work of this thread from here to the end of the scope. Within another one it continues that one's count.
+/// Counts the work of this thread until the end of the scope. Inside another XacroWork it continues that
+/// count.
 class XacroWork {
  public:
   XacroWork();
@@ -19,9 +20,9 @@ class XacroWork {
   bool outermost_;
 };
 
-/// Adds to the count. Throws Error("bad-expression") without a place beyond bounds::kXacroWork.
+/// Adds units to the count. Throws Error("bad-expression") without a place above bounds::kXacroWork.
 void spend(std::size_t units);
-/// Looking for a piece in a text, at worst.
+/// Adds the worst-case cost of searching for a piece in a text.
 inline void spend_on_search(std::string_view text, std::string_view piece) {
   spend(1 + text.size() / 16 + text.size() / 16 * (piece.size() / 16));
 }

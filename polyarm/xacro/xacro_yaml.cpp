@@ -31,7 +31,7 @@ bool one_of(const std::string& word, std::initializer_list<const char*> words) {
   return std::any_of(words.begin(), words.end(), [&](const char* other) { return word == other; });
 }
 
-/// "1_000", "-0x1F", "0b101", "017" (octal); empty if it is no integer of YAML 1.1.
+/// "1_000", "-0x1F", "0b101", "017" (octal); empty if the word is not an integer of YAML 1.1.
 std::optional<XacroValue> whole_number(std::string word) {
   std::erase(word, '_');
   const bool minus = word.starts_with('-');
@@ -114,7 +114,7 @@ class Reader {
       if (!is_merge(pair.first)) continue;
       if (!pair.second.IsSequence()) take_over(pair.second);
       for (std::size_t i = pair.second.IsSequence() ? pair.second.size() : 0; i > 0; --i)
-        take_over(pair.second[i - 1]);  // the first of them has priority
+        take_over(pair.second[i - 1]);  // the first map has priority
     }
     for (const auto& pair : node)
       if (!is_merge(pair.first)) set(scalar(pair.first), value(pair.second, depth + 1));

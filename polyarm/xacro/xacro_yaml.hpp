@@ -7,10 +7,10 @@
 
 namespace polyarm::description {
 
-/// Maps keep the order of their keys; of a duplicate key the last value counts; "<<" merges the keys of other
-/// maps. Plain words become numbers, booleans and nulls as in YAML 1.1. A value tagged !degrees, !radians,
-/// !meters, !millimeters, !foot or !inches is an expression for `evaluate`; it becomes radians or metres.
-/// `file` is used in messages. Throws Error with the place.
+/// Maps keep the order of their keys. If a key is repeated, its last value counts. "<<" merges the keys of
+/// other maps. Plain words become numbers, booleans and nulls as in YAML 1.1. A value tagged !degrees,
+/// !radians, !meters, !millimeters, !foot or !inches is an expression for `evaluate` and becomes radians or
+/// metres. `file` is the name in messages. Throws Error with the place.
 XacroValue read_yaml(const std::string& text, const std::string& file,
                      const std::function<XacroValue(const std::string& expression)>& evaluate);
 

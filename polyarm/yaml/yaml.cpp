@@ -18,14 +18,14 @@ namespace polyarm {
 struct Yaml::Data {
   std::shared_ptr<const YamlDocument> document;
   const YamlNode* node;
-  std::string key{};  ///< that it stands behind; of an item of a list the list's
+  std::string key{};  ///< the key of this node; for an item of a list the key of the list
 
   Yaml child(const YamlNode* of, const std::string& behind) const {
     Yaml out;
     out.data_ = std::make_shared<const Data>(Data{document, of, behind});
     return out;
   }
-  /// For messages: "'hardware'", or "this" where nobody knows the key.
+  /// The name of the node in messages: "'hardware'", or "this" for a node without a key.
   static std::string named(const std::shared_ptr<const Data>& data) {
     return data && !data->key.empty() ? "'" + data->key + "'" : "this";
   }
@@ -49,7 +49,7 @@ Yaml& Yaml::operator=(Yaml&&) noexcept = default;
 Yaml::~Yaml() = default;
 
 namespace {
-/// Unknown keys of one map that are named; of the others the number is told.
+/// The unknown keys of one map that are listed by name; the others are only counted.
 using bounds::kUnknownKeys;
 using Kind = YamlNode::Kind;
 
@@ -221,7 +221,7 @@ bool has_unit(const Yaml& value) {
   return !text.empty() && std::isalpha(static_cast<unsigned char>(text.back()));
 }
 
-/// Degrees where radians are meant turn a thing anywhere.
+/// An angle, rad. Throws if it is more than two turns and has no unit: it was probably meant in degrees.
 double turn_of(const Yaml& value) {
   const double out = value.number(Dimension::angle);
   if (std::abs(out) > 4 * std::numbers::pi && !has_unit(value))
@@ -231,7 +231,7 @@ double turn_of(const Yaml& value) {
   return out;
 }
 
-/// Likewise millimetres where metres are meant.
+/// A position, m. Throws if it is 100 m or more and has no unit: it was probably meant in millimetres.
 double place_of(const Yaml& value) {
   constexpr double kFar = 100;
   const double out = value.number(Dimension::length);
@@ -244,7 +244,7 @@ double place_of(const Yaml& value) {
 
 Vec3 three(const Yaml& list, double (*read)(const Yaml&)) {
   const std::vector<Yaml> v = list.items();
-  if (v.size() != 3) return list.vec3();  // says so
+  if (v.size() != 3) return list.vec3();  // throws an error with the size
   return {read(v[0]), read(v[1]), read(v[2])};
 }
 }  // namespace

@@ -39,9 +39,10 @@ class Yaml {
   std::vector<std::string> keys() const;  ///< in the order of the file
   Location key_location(std::string_view key) const;
   struct Entry;
-  /// The pairs of a map in file order, including duplicate keys; empty for other nodes.
+  /// The pairs of a map in file order, including duplicate keys; empty if this is not a map.
   std::vector<Entry> entries() const;
-  std::vector<Yaml> items() const;  ///< of a list; a scalar counts as a list of one; undefined as none
+  std::vector<Yaml> items() const;  ///< of a list; a scalar counts as a list of one item, undefined as an
+                                    ///< empty list
 
   /// The tag of the node ("!degrees"); empty if there is none.
   std::string tag() const;
@@ -58,7 +59,8 @@ class Yaml {
   /// A map with `xyz` or `at` (metres) and `rpy` (radians) or `quaternion` (x y z w), or a list of 3, 6 or 7.
   Pose pose() const;
 
-  /// For messages: "'hardware'", the key that the node stands behind; "a list of 2 values", what it is.
+  /// For messages: named() is the key of this node ("'hardware'"), kind() is what it contains ("a list of 2
+  /// values").
   std::string named() const;
   std::string kind() const;
 
@@ -73,7 +75,7 @@ class Yaml {
 struct Yaml::Entry {
   std::string key;
   Location where;  ///< of the key
-  Yaml value;      ///< may be undefined: `key:` with nothing behind it
+  Yaml value;      ///< undefined if the file has `key:` without a value
 };
 
 }  // namespace polyarm

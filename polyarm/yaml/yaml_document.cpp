@@ -14,14 +14,14 @@ namespace polyarm {
 namespace {
 constexpr std::size_t kMostYamlBytes = bounds::kYamlBytes, kMostYamlValues = bounds::kYamlValues;
 constexpr int kDeepestYaml = bounds::kYamlNesting;
-/// Maps with fewer entries are walked, which costs less than an index.
+/// Maps with fewer entries are searched linearly, which costs less than building an index.
 constexpr std::size_t kSmallMap = 16;
 
 Location marked_place(const YAML::Mark& mark, const std::string& file) {
   return mark.is_null() ? Location{file} : Location{file, mark.line + 1, mark.column + 1};
 }
 
-/// Refuses nesting beyond any file that people write, before recursion over it can exhaust the stack.
+/// Rejects nesting that is deeper than in any real file, before recursion over it can exhaust the stack.
 void check_yaml_depth(std::string_view text, const std::string& file) {
   int depth = 0, line = 1;
   for (const char c : text) {
@@ -33,7 +33,7 @@ void check_yaml_depth(std::string_view text, const std::string& file) {
   }
 }
 
-/// The first of so many lines that a tab indents, from 1; 0: none.
+/// The first of the first `lines` lines that is indented with a tab, counted from 1; 0: none.
 int line_with_tab(std::string_view text, int lines) {
   for (int line = 1; line <= lines && !text.empty(); ++line) {
     const std::string_view one = text.substr(0, text.find('\n'));
@@ -45,7 +45,7 @@ int line_with_tab(std::string_view text, int lines) {
   return 0;
 }
 
-/// Makes the nodes, and counts the values that the file has with every alias written out.
+/// Builds the nodes, and counts the values of the file as if every alias were written out.
 class YamlBuilder : public YAML::EventHandler {
  public:
   explicit YamlBuilder(YamlDocument& out) : out_(out) {}

@@ -32,7 +32,7 @@ struct YamlNode {
   struct Found {
     const YamlNode *key, *value;
   };
-  std::unique_ptr<std::unordered_map<std::string_view, Found>> found_;  ///< used for large maps
+  std::unique_ptr<std::unordered_map<std::string_view, Found>> found_;  ///< only for large maps
 };
 
 /// A document owns its nodes. Aliases share nodes; no node contains itself.

@@ -6,7 +6,8 @@
 namespace polyarm {
 
 namespace {
-/// `left`: nodes that are still looked at, since aliases may stand for many.
+/// `left`: the number of nodes that may still be visited. It bounds the work, because aliases can multiply
+/// nodes.
 void check_node(const Yaml& node, Problems& problems, int& left) {
   if (--left < 0) return;
   std::map<std::string, int> lines;

@@ -1,5 +1,5 @@
 #pragma once
-/// Keys that a map of a YAML file defines a second time.
+/// Finds keys that a map of a YAML file defines more than once.
 #include "polyarm/base/error.hpp"
 #include "polyarm/yaml/yaml.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Random moments on random paths of the TCP of arms at which a stop may be asked for.
+/// Random stop requests on random TCP paths of arms.
 #include <cstdint>
 #include <iterator>
 #include <memory>
@@ -17,7 +17,7 @@
 
 namespace polyarm::test {
 
-/// To tool0, else to the last link.
+/// The chain to tool0, else to the last link.
 inline kinematics::Chain chain_of(const std::string& name) {
   const auto model = description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load(name);
   for (std::size_t i = 0; i < model.links.size(); ++i)
@@ -25,7 +25,7 @@ inline kinematics::Chain chain_of(const std::string& name) {
   return kinematics::Chain(model, static_cast<int>(model.links.size()) - 1);
 }
 
-/// Random lines, arcs and splines of the TCP about a pose, with blends; limits that differ by joint.
+/// Random lines, arcs and splines of the TCP around a pose, with blends. Each joint has other limits.
 inline StopMoment moment_of_an_arm(std::uint64_t seed) {
   struct Robot {
     const char* name;
@@ -59,7 +59,7 @@ inline StopMoment moment_of_an_arm(std::uint64_t seed) {
       std::shared_ptr<const paths::Path> path =
           moves::joints_along(chain, builder.build().sections[0], robot.q);
       return moment_on(path, unequal_limits(engine, robot.q.size()), engine, seed % 4 < 2);
-    } catch (const Error&) {  // leads where this arm does not go
+    } catch (const Error&) {  // the arm cannot follow this path: draw another one
     }
   }
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The command at a pseudo-terminal, where a test types and reads.
+/// Runs the command at a pseudo-terminal, at which a test types and reads.
 #include <poll.h>
 #include <pty.h>
 #include <signal.h>
@@ -14,7 +14,7 @@
 
 namespace polyarm::test {
 
-/// A verb at a terminal.
+/// A verb of the command at a terminal.
 class AtTerminal {
  public:
   explicit AtTerminal(std::vector<std::string> arguments) {
@@ -33,7 +33,7 @@ class AtTerminal {
       execv(POLYARM_COMMAND, argv.data());
       _exit(127);
     }
-    terminal_ = terminal;  // kept open, so that its settings can be looked at when the verb has ended
+    terminal_ = terminal;  // kept open, so that a test can check its settings after the verb has ended
   }
   ~AtTerminal() {
     if (pid_ > 0) {
@@ -50,7 +50,7 @@ class AtTerminal {
     if (::write(master_, keys.data(), keys.size()) < 0) throw std::runtime_error("the terminal is gone");
   }
   void signal(int number) { kill(pid_, number); }
-  /// Reads until `text` has appeared since the last such call; false after a minute of silence.
+  /// Reads until `text` has appeared since the last such call; false after a minute without output.
   bool shows(const std::string& text) {
     for (;;) {
       if (const auto at = seen_.find(text); at != std::string::npos) {

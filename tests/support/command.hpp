@@ -1,4 +1,5 @@
 #pragma once
+/// Runs the built `polyarm` command in tests, with its input and output; and copies of the examples.
 #include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -53,7 +54,8 @@ class Command {
       ::close(in);
       std::vector<char*> argv{const_cast<char*>(POLYARM_COMMAND)};
       for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-      const std::string ours = "--allow=" POLYARM_SOURCE_DIR;  // cells of tests name robots of tests
+      const std::string ours = "--allow=" POLYARM_SOURCE_DIR;  // the cells of tests use robots of the source
+                                                               // tree
       if (!arguments.empty()) argv.insert(argv.begin() + 2, const_cast<char*>(ours.c_str()));
       argv.push_back(nullptr);
       ::execv(POLYARM_COMMAND, argv.data());
@@ -72,7 +74,7 @@ class Command {
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
 
-  /// As if a person typed it.
+  /// Types the text as if a person did.
   void type(const std::string& text) {
     if (::write(keyboard_, text.data(), text.size()) < 0) throw std::runtime_error("nobody can type");
   }
@@ -80,7 +82,7 @@ class Command {
   pid_t process() const { return pid_; }
   /// Reads until a line contains `text`; false at the end of the output.
   bool wait_for(const std::string& text) { return !line_with(text).empty(); }
-  /// That line; empty at the end of the output.
+  /// Reads until a line contains `text` and returns that line; empty at the end of the output.
   std::string line_with(const std::string& text) {
     char line[8192];
     while (std::fgets(line, sizeof line, out_)) {
@@ -89,11 +91,11 @@ class Command {
     }
     return {};
   }
-  /// Its output may wait for a reader in so many bytes (whole pages).
+  /// Sets the size of the output pipe, bytes (whole pages). The command then blocks when a reader is late.
   void shrink_output(int bytes) {
     if (::fcntl(::fileno(out_), F_SETPIPE_SZ, bytes) < 0) throw std::runtime_error("no such pipe");
   }
-  /// Whether it ends within some tenths of a second although nobody reads what it says.
+  /// True if the command ends within this many tenths of a second although nobody reads its output.
   bool ends_unread(int tenths) {
     for (; tenths > 0; --tenths) {
       siginfo_t info{};
@@ -104,7 +106,7 @@ class Command {
     }
     return false;
   }
-  /// Nobody reads any more, as behind `| head`.
+  /// Closes the reading end, like `| head` when it has ended.
   void stop_reading() {
     std::fclose(out_);
     out_ = nullptr;
@@ -123,7 +125,7 @@ class Command {
 
  private:
   pid_t pid_ = -1;
-  int keyboard_ = -1;  ///< the near side of the terminal
+  int keyboard_ = -1;  ///< the test's side of the terminal
   std::FILE* out_ = nullptr;
   Finished finished_;
 };
@@ -132,8 +134,8 @@ inline Finished run_command(const std::vector<std::string>& arguments) {
   return Command(arguments).wait();
 }
 
-/// A copy of an example in a temporary folder, removed at the end. A folder takes one run at a time, so a test that
-/// runs an example runs a copy: other tests may run the same example beside it.
+/// A copy of an example in a temporary folder, removed at the end. A folder can be used by one run at a time,
+/// and other tests may run the same example, so each test runs a copy.
 class ExampleCopy {
  public:
   explicit ExampleCopy(const std::string& example) {

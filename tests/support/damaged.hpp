@@ -1,13 +1,13 @@
 #pragma once
-/// Texts as they might come from a broken disk, a merge or a bad day.
+/// Damages texts at random, as a broken disk, a bad merge or a mistake might.
 #include <random>
 #include <string>
 #include <vector>
 
 namespace polyarm::test {
 
-/// `text` after one to six changes: something taken out (up to `longest` characters), one of `pieces` or some
-/// of the text itself put in, a character replaced.
+/// `text` after one to six changes: removes up to `longest` characters, inserts one of `pieces` or a part of
+/// the text, or replaces a character.
 inline std::string damaged(std::string text, const std::vector<std::string>& pieces, std::size_t longest,
                            std::mt19937& random) {
   const auto pick = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };

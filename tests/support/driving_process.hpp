@@ -1,5 +1,5 @@
 #pragma once
-/// A driver in a process of its own, which tests stop, kill and speak to line by line.
+/// A driver in its own process, which tests stop, kill and command line by line.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -14,7 +14,7 @@ namespace polyarm::test {
 
 class DrivingProcess {
  public:
-  /// Program and its words.
+  /// `words`: the program and its arguments.
   explicit DrivingProcess(std::vector<std::string> words) {
     int in[2], out[2];
     if (pipe2(in, O_CLOEXEC) != 0 || pipe2(out, O_CLOEXEC) != 0) throw std::runtime_error("pipe");

@@ -1,4 +1,5 @@
 #pragma once
+/// A temporary folder for a test.
 #include <stdlib.h>
 
 #include <filesystem>
@@ -8,7 +9,7 @@
 
 namespace polyarm::test {
 
-/// A folder of its own, gone at the end.
+/// Creates a new folder and deletes it at the end.
 class Folder {
  public:
   Folder() {

@@ -1,5 +1,5 @@
 #pragma once
-/// The JetBot on the mock, as a cell's files: quick enough that a test can drive it about.
+/// Writes a cell with the JetBot on the mock, fast enough for tests that drive it.
 #include <string>
 
 #include "tests/support/folder.hpp"
@@ -30,7 +30,7 @@ base:
     cmd_vel_timeout: 0.5
 )";
 
-/// `urdf`: of the example's; `more`: what else the robot's entry has ("xyz: [1, 0, 0]").
+/// `urdf`: a description of the example. `more`: additional keys of the robot's entry ("xyz: [1, 0, 0]").
 inline void write_jetbot_cell(const Folder& folder, const std::string& program,
                               const std::string& urdf = "jetbot.urdf.xacro", const std::string& more = {}) {
   folder.write("controllers.yaml", kJetBotControllers);

@@ -1,5 +1,6 @@
 #pragma once
-/// How much of their limits joints use on a timed path that is passed at a changing speed: at every extremum.
+/// Computes how much of their limits joints use on a timed path whose speed factor changes: at every
+/// extremum.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -11,16 +12,15 @@
 
 namespace polyarm::test {
 
-/// A cycle of PathOverride: where on the planned time it begins, factor and rate there, and the bend that
-/// holds throughout.
+/// One cycle of PathOverride: its start on the planned time, factor and rate there, and the constant bend.
 struct FactorCycle {
   double time, factor, rate, bend, period;
-  double harder = 1;  ///< of an immediate stop: times the acceleration, and its square times the jerk
+  double harder = 1;  ///< of an immediate stop: factor for the acceleration, and its square for the jerk
 };
 
-/// Velocities, accelerations and jerks as they are (by the chain rule, in closed form), on both sides of
-/// every jump. Between jumps they are smooth: looked at in `looks` places, and wherever a place is no lower
-/// than those beside it and near its limit, the extremum between these is searched for to the last bits.
+/// Evaluates velocities, accelerations and jerks exactly (chain rule, closed form) on both sides of every
+/// jump. Between jumps they are smooth: they are sampled at `looks` times. Around each sample that is a local
+/// maximum close to its limit, a search finds the extremum to the last bits.
 class LimitExtrema {
  public:
   LimitExtrema(const timing::TimedPath& path, std::span<const trajectory::MotionLimits> limits,
@@ -29,13 +29,13 @@ class LimitExtrema {
     for (const timing::SpeedProfile::Piece& piece : path.profile().pieces()) jumps_.push_back(piece.begin);
     for (const double s : path.path().breaks()) jumps_.push_back(path.profile().time_at(s));
     std::sort(jumps_.begin(), jumps_.end());
-    // The same jump of path and profile, but for rounding.
+    // Removes jumps of path and profile that are the same except for rounding.
     jumps_.erase(std::unique(jumps_.begin(), jumps_.end(), [](double a, double b) { return b - a < kSame; }),
                  jumps_.end());
     for (auto* v : {&q_, &v_, &a_, &j_}) v->resize(limits_.size());
   }
 
-  /// The highest share of a limit in this cycle.
+  /// The highest fraction of a limit in this cycle.
   double most(const FactorCycle& cycle) {
     cycle_ = cycle;
     const double end = at(cycle.period);
@@ -47,20 +47,21 @@ class LimitExtrema {
     std::sort(ends.begin(), ends.end());
     double out = 0;
     for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
-      // A jump's own side is a little beside it.
+      // One side of a jump is evaluated slightly beside it.
       const double f = std::abs(cycle.factor + ends[k] * (cycle.rate + ends[k] * cycle.bend / 2));
       const double side = std::min(2 * kSame / std::max(f, 1e-3), (ends[k + 1] - ends[k]) / 4);
       out = std::max(out, between(ends[k] + side, ends[k + 1] - side));
     }
     return out;
   }
-  /// What it was that came highest since the beginning: a joint, and of which derivative (1 to 3).
+  /// The row with the highest use so far: its joint, and its derivative (1 to 3).
   std::size_t joint() const { return joint_; }
   int derivative() const { return derivative_; }
 
  private:
   static constexpr double kSame = 4e-9;  // s of the plan
-  static constexpr double kNear = 0.98;  // of a limit: below, no extremum between two looks reaches it
+  static constexpr double kNear = 0.98;  // of a limit: below this, no extremum between two samples reaches
+                                         // the limit
 
   double at(double t) const {
     return cycle_.time + t * (cycle_.factor + t * (cycle_.rate / 2 + t * cycle_.bend / 6));
@@ -74,7 +75,7 @@ class LimitExtrema {
     }
     return (low + high) / 2;
   }
-  /// Shares of all joints' limits at `t` into shares_, three for each joint.
+  /// Computes the fractions of all joints' limits at `t` into shares_, three for each joint.
   const std::vector<double>& look(double t) {
     const double f = cycle_.factor + t * (cycle_.rate + t * cycle_.bend / 2),
                  g = cycle_.rate + t * cycle_.bend;
@@ -110,7 +111,7 @@ class LimitExtrema {
       }
     return out;
   }
-  /// By golden sections.
+  /// Finds a peak by golden-section search.
   double peak(std::size_t row, double low, double high) {
     constexpr double kGolden = 0.6180339887498949;
     double a = high - kGolden * (high - low), b = low + kGolden * (high - low);

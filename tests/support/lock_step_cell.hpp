@@ -1,4 +1,5 @@
 #pragma once
+/// A whole cell that tests step tick by tick, with mock hardware that can fail and block.
 #include <unistd.h>
 
 #include <algorithm>
@@ -26,7 +27,7 @@ namespace polyarm::test {
 
 using Json = nlohmann::json;
 
-/// Where a callback waits until a test lets it go on.
+/// A gate at which a callback waits until the test opens it.
 class Gate {
  public:
   void close() {
@@ -60,11 +61,11 @@ class Gate {
   int passed_ = 0;
 };
 
-/// The mock, which fails to be read when it is told to, and whose life cycle goes through a gate.
+/// The mock with faults: read() fails on request, and its life cycle callbacks wait at gates.
 class FailingMock : public drivers::MockComponent {
  public:
   static inline std::atomic<bool> fails{false};
-  static inline std::atomic<double> pushed{0};  ///< what is measured of the first joint is off by this, rad
+  static inline std::atomic<double> pushed{0};  ///< offset of the first joint's measured position, rad
   static inline Gate configuring, initialising, erring;
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override {
     initialising.pass();
@@ -86,13 +87,14 @@ class FailingMock : public drivers::MockComponent {
   }
 };
 
-/// An arm of six axes with mock hardware enough for most cells.
+/// A six-axis arm with mock hardware, enough for most cells.
 inline const std::string kSixAxes = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
 
-/// The arm of examples/r6bot on the mock, with controllers as given, stepped in lock-step.
+/// A cell in lock-step. By default the arm of examples/r6bot on the mock, with the given controllers.
 class LockStepCell {
  public:
-  /// `worked_from_outside`: as on the wall clock, where the cell waits for others and its worker is a thread.
+  /// `worked_from_outside`: as with the wall clock, where the cell waits for others and its worker is a
+  /// thread.
   explicit LockStepCell(const std::string& controllers, bool worked_from_outside = false,
                         Nanoseconds patience = 60'000'000'000) {
     FailingMock::fails = false;
@@ -110,7 +112,7 @@ class LockStepCell {
         description::Catalogue({}), options, observer_);
     cell_->loop().begin();
   }
-  /// Any description, on what it declares.
+  /// Any description, with the hardware that it declares.
   LockStepCell(const std::filesystem::path& description, const std::string& controllers) {
     cell::CellOptions options;
     options.lock_step = true;
@@ -121,7 +123,7 @@ class LockStepCell {
     cell_ = std::make_unique<OpenCell>(file, description::Catalogue({}), options, observer_);
     cell_->loop().begin();
   }
-  /// A cell file of the test's own; `robots`: folders of a catalogue.
+  /// A cell file of the test. `robots`: folders of the catalogue.
   explicit LockStepCell(const cell::CellFile& file, const std::vector<std::filesystem::path>& robots = {}) {
     cell::CellOptions options;
     options.lock_step = true;
@@ -130,20 +132,20 @@ class LockStepCell {
     cell_ = std::make_unique<OpenCell>(file, description::Catalogue(robots), options, observer_);
     cell_->loop().begin();
   }
-  /// The same as `options` say, in lock-step.
+  /// The same with these options, in lock-step.
   LockStepCell(const cell::CellFile& file, cell::CellOptions options) {
     options.lock_step = true;
     cell_ = std::make_unique<OpenCell>(file, description::Catalogue({}), std::move(options), observer_);
     cell_->loop().begin();
   }
   ~LockStepCell() { end(); }
-  /// The cell is gone; what it told stays.
+  /// Destroys the cell; its notes remain.
   void end() {
     if (cell_) cell_->loop().end();
     cell_.reset();
   }
 
-  /// One tick of the cell, and the cycles until the next.
+  /// One tick of the cell, and the cycles up to the next tick.
   void tick() {
     const Nanoseconds until = cell_->loop().cycle().time + cell::Cell::kTick;
     cell_->tick(cell_->loop().cycle().time);
@@ -154,7 +156,7 @@ class LockStepCell {
       tick();
   }
 
-  /// Gives a request; its answers come into the list.
+  /// Sends a request. Its answers are appended to the returned list.
   std::shared_ptr<std::vector<Json>> give(const std::string& line, const void* from = nullptr) {
     auto answers = std::make_shared<std::vector<Json>>();
     cell_->requests().handle(
@@ -169,20 +171,22 @@ class LockStepCell {
   std::shared_ptr<std::vector<Json>> give(const Json& request, const void* from = nullptr) {
     return give(request.dump(-1, ' ', false, Json::error_handler_t::replace), from);
   }
-  /// Steps until the last answer is there (at most 20 s of cell time) and returns it whole.
+  /// Sends a request, steps until the last answer has arrived (at most 20 s of cell time), and returns that
+  /// answer.
   Json ask(const Json& request) {
     const auto answers = give(request);
     for (int ticks = 0; ticks < 30'000 && (answers->empty() || answers->back().value("more", false));
          ++ticks) {
-      if (ticks > 1'000) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // a worker reads files
+      if (ticks > 1'000) std::this_thread::sleep_for(std::chrono::milliseconds(1));  // a worker may be
+                                                                                     // reading files
       hardware::Hardware& hardware = cell_->loop().hardware();
-      for (std::size_t i = 0; i < hardware.size(); ++i)  // callbacks may run on threads of their own
+      for (std::size_t i = 0; i < hardware.size(); ++i)  // callbacks may run on their own threads
         if (const hardware::Transition* pending = hardware.pending(i)) pending->wait(60'000'000'000);
       tick();
     }
     return answers->empty() ? Json() : answers->back();
   }
-  /// The result; the refusal where there is none, so that a test shows it.
+  /// The result of a request; for a refused request the whole answer, so that a failing test shows it.
   Json result(const Json& request) {
     const Json answer = ask(request);
     return answer.value("ok", false) ? answer["result"] : answer;
@@ -199,7 +203,7 @@ class LockStepCell {
     return NAN;
   }
   OpenCell& cell() { return *cell_; }
-  /// How many notes have said this so far.
+  /// The number of notes so far that contain this text.
   int told(const std::string& part) const {
     return static_cast<int>(
         std::count_if(observer_.notes.begin(), observer_.notes.end(),

@@ -1,5 +1,5 @@
 #pragma once
-/// Readers and clients of others, from npm: tests/recording/peers.
+/// Readers and clients of other projects from npm, in tests/recording/peers.
 #include <gtest/gtest.h>
 #include <stdio.h>
 #include <sys/wait.h>
@@ -28,7 +28,7 @@ inline Shell shell(const std::string& command) {
   return out;
 }
 
-/// Where the packages are; empty with a reason where they cannot be had.
+/// Installs the packages and returns their folder; empty, with the reason in `why`, if that is not possible.
 inline std::filesystem::path peers(std::string& why) {
   const std::filesystem::path source = std::filesystem::path(POLYARM_SOURCE_DIR) / "tests/recording/peers";
   const std::filesystem::path made =
@@ -43,7 +43,7 @@ inline std::filesystem::path peers(std::string& why) {
     if (entry.is_regular_file())
       std::filesystem::copy_file(entry.path(), made / entry.path().filename(),
                                  std::filesystem::copy_options::overwrite_existing, error);
-  // Programs of tests may come here together.
+  // Several test programs may install at the same time: the lock lets one do it.
   const Shell got = shell("cd '" + made.string() +
                           "' && flock .lock sh -c 'test -f node_modules/.package-lock.json || "
                           "timeout 300 npm ci --no-audit --no-fund'");

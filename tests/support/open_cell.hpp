@@ -1,5 +1,5 @@
 #pragma once
-/// A cell with its inside open, for tests that step it and look into it.
+/// A cell whose internals are accessible, for tests that step it and inspect it.
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/inside/inside.hpp"
 #include "polyarm/inside/view.hpp"

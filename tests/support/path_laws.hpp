@@ -1,5 +1,5 @@
 #pragma once
-/// What holds of every path: derivatives that are those of what is derived, and no jump up to the second.
+/// Laws of every path: its derivatives are correct, and there is no jump up to the second derivative.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ inline PathPoint point_at(const paths::Path& path, double s) {
   return p;
 }
 
-/// Central differences against derivatives, at `samples` places between every two breaks.
+/// Compares the derivatives with central differences at `samples` places between every two breaks.
 inline void expect_derivatives(const paths::Path& path, int samples = 5, double tolerance = 1e-5) {
   const auto breaks = path.breaks();
   for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
@@ -46,8 +46,8 @@ inline void expect_derivatives(const paths::Path& path, int samples = 5, double 
   }
 }
 
-/// No jump of value, first or second derivative at any break: `tolerance` is relative to the largest value
-/// that each has near there. Ends of the path do not count.
+/// Checks that value, first and second derivative do not jump at any break. `tolerance` is relative to the
+/// largest value of each near the break. The ends of the path do not count.
 inline void expect_continuous(const paths::Path& path, double tolerance = 1e-8) {
   const auto breaks = path.breaks();
   ASSERT_GE(breaks.size(), 2u);

@@ -1,5 +1,5 @@
 #pragma once
-/// A pty pair: the far side of a serial line in tests. What is opened at path() is a tty like any other.
+/// A pty pair: the far side of a serial line in tests. The port at path() is a normal tty.
 #include <fcntl.h>
 #include <poll.h>
 #include <termios.h>
@@ -25,10 +25,11 @@ class Pty {
         ::ptsname_r(master_, name, sizeof name) != 0)
       throw std::runtime_error("no pty");
     path_ = name;
-    slave_ = ::open(name, O_RDWR | O_NOCTTY | O_CLOEXEC);  // held, so that a closed port is no hang-up here
+    slave_ = ::open(name, O_RDWR | O_NOCTTY | O_CLOEXEC);  // kept open, so that closing a port does not hang
+                                                           // up the pty
     termios raw{};
     if (slave_ < 0 || ::tcgetattr(slave_, &raw) != 0) throw std::runtime_error("no pty");
-    ::cfmakeraw(&raw);  // nothing is echoed before the port is opened
+    ::cfmakeraw(&raw);  // nothing is echoed before a port is opened
     if (::tcsetattr(slave_, TCSANOW, &raw) != 0) throw std::runtime_error("no pty");
   }
   ~Pty() {
@@ -41,7 +42,7 @@ class Pty {
   const std::string& path() const { return path_; }
   int master() const { return master_; }
 
-  /// The far side is gone, as when a cable is pulled.
+  /// Closes the far side, as when a cable is unplugged.
   void hang_up() {
     if (master_ >= 0) ::close(std::exchange(master_, -1));
   }
@@ -55,7 +56,8 @@ class Pty {
   void write(std::initializer_list<std::uint8_t> bytes) {
     write(std::span<const std::uint8_t>(bytes.begin(), bytes.size()));
   }
-  /// What the port has sent: waits up to `timeout_ms` for the first byte, then takes what is there.
+  /// The bytes that the port has sent. Waits up to `timeout_ms` for the first byte, then takes all that have
+  /// arrived.
   std::vector<std::uint8_t> read(int timeout_ms = 5000) {
     pollfd watched{master_, POLLIN, 0};
     if (::poll(&watched, 1, timeout_ms) <= 0 || !(watched.revents & POLLIN)) return {};
@@ -64,7 +66,7 @@ class Pty {
     out.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
     return out;
   }
-  /// Exactly `count` bytes; fewer when they do not come in time.
+  /// Exactly `count` bytes; fewer if they do not arrive in time.
   std::vector<std::uint8_t> read_exactly(std::size_t count, int timeout_ms = 5000) {
     std::vector<std::uint8_t> out;
     pollfd watched{master_, POLLIN, 0};

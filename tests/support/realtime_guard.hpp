@@ -1,19 +1,20 @@
 #pragma once
+/// Counts what a thread must not do in the control cycle.
 #include <cstdint>
 #include <string>
 
 namespace polyarm::test {
 
-/// While one of these lives, the calling thread may not allocate, free, lock, wait, write or throw; what it
-/// does all the same is counted, not prevented. Link tests/support/realtime_guard.cpp into the program: it
-/// stands in front of the C library's functions. Sanitizers bring their own, so there the guard watches
-/// nothing (see watches()).
+/// While a guard exists, the calling thread may not allocate, free, lock, wait, write or throw. Violations
+/// are counted, not prevented. Link tests/support/realtime_guard.cpp into the program: it replaces functions
+/// of the C library. Sanitizers replace the same functions, so with them the guard watches nothing (see
+/// watches()).
 class RealtimeGuard {
  public:
   RealtimeGuard();
   ~RealtimeGuard();
   static bool watches();
-  /// What has been done since construction, "" if nothing: "malloc x3, pthread_mutex_lock x1".
+  /// The violations since construction: "malloc x3, pthread_mutex_lock x1"; "" if there are none.
   std::string violations() const;
 };
 

@@ -1,8 +1,8 @@
 #pragma once
-/// The shortest duration from state to state by trying profiles out, to judge the generator by. Nothing of it
-/// is shared: there reachable displacements are found in closed form, here many cruise velocities and
-/// accelerations are tried, roots between two of them bisected, and each profile is run and judged. What it
-/// finds can be done; that there is nothing shorter it does not say.
+/// Finds the shortest duration from state to state by trying profiles, to judge the generator. The two share
+/// nothing: the generator uses reachable displacements in closed form; this search tries many cruise
+/// velocities and accelerations, bisects roots between two of them, and runs and checks each profile. Every
+/// duration that it finds is possible; it cannot prove that there is no shorter one.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -26,7 +26,7 @@ class SlowAxis {
     const auto take = [&](const Profile& p) {
       if (p.duration() < best && keeps(p)) best = p.duration();
     };
-    // Over a peak velocity, at which the axis cruises where that is a limit.
+    // Profiles with a peak velocity; if that is the limit, the axis cruises there.
     each_pair([&](int first, int second) {
       scan(
           l_.min_velocity, l_.max_velocity, [&](double v) { return peak(v, 0, first, second); }, take);
@@ -37,12 +37,12 @@ class SlowAxis {
         const double left = (to_.position - from_.position - p.end.position) / v;
         if (p.valid && left >= 0) take(peak(v, left, first, second));
       });
-    // Without passing through zero acceleration.
+    // Profiles whose acceleration does not pass through zero.
     scan(
         l_.min_acceleration, l_.max_acceleration, [&](double a) { return direct(a); }, take);
     return best;
   }
-  /// Whether a profile was found that takes exactly `duration`.
+  /// True if a profile was found that takes exactly `duration`.
   bool can(double duration) const {
     bool found = false;
     each_pair([&](int first, int second) {
@@ -86,8 +86,8 @@ class SlowAxis {
       for (int second = 0; second < kWays; ++second) each(first, second);
   }
 
-  /// From the profile's end to velocity `v` and acceleration `a`, the `way`-th of: over an acceleration above
-  /// both (two roots), held at the upper limit, and the three mirrored. Invalid where it does not exist.
+  /// Adds a change to velocity `v` and acceleration `a` in one of six ways: over a peak acceleration above
+  /// both (two roots), with the upper limit held, and the three mirrored. Invalid if that way does not exist.
   void change(Profile& p, double v, double a, int way) const {
     const double sign = way < 3 ? 1 : -1, j = l_.max_jerk;
     const double a0 = sign * p.end.acceleration, a1 = sign * a, dv = sign * (v - p.end.velocity);
@@ -108,7 +108,7 @@ class SlowAxis {
   }
   static void invalid(Profile& p) { p.valid = false; }
 
-  /// To velocity `v` without acceleration, on at it for `cruise`, and to the target.
+  /// To velocity `v` at zero acceleration, cruise there for `cruise`, then to the target.
   Profile peak(double v, double cruise, int first, int second) const {
     Profile p = begin();
     change(p, v, 0, first);
@@ -117,7 +117,7 @@ class SlowAxis {
     change(p, to_.velocity, to_.acceleration, second);
     return p;
   }
-  /// To acceleration `a`, which is held until the target's velocity comes out.
+  /// To acceleration `a`, which is held so that the target's velocity results.
   Profile direct(double a) const {
     Profile p = begin();
     const auto turn = [&](double to) {
@@ -140,7 +140,7 @@ class SlowAxis {
     return p;
   }
 
-  /// Takes every profile between `low` and `high` that ends at the target's position.
+  /// Calls `take` with every profile between `low` and `high` that ends at the target's position.
   template <typename Make, typename Take>
   void scan(double low, double high, Make make, Take take) const {
     const double distance = to_.position - from_.position;
@@ -166,7 +166,7 @@ class SlowAxis {
     take(make((low + high) / 2));
   }
 
-  /// Runs the profile: does it arrive within the limits?
+  /// Runs the profile. True if it arrives at the target and stays within the limits.
   bool keeps(const Profile& p) const {
     if (!p.valid) return false;
     const double room = 1e-9;
@@ -192,8 +192,8 @@ class SlowAxis {
   trajectory::MotionLimits l_;
 };
 
-/// All axes together: the longest of the shortest durations, or the next one that all can take, in steps of
-/// half a per cent; infinite if there is none within five times that.
+/// All axes together: the longest of the shortest durations, or the next duration that all axes can take, in
+/// steps of half a percent; infinite if there is none up to five times the longest.
 inline double slow_synchronised(std::span<const trajectory::MotionState> from,
                                 std::span<const trajectory::MotionState> to,
                                 std::span<const trajectory::MotionLimits> limits) {

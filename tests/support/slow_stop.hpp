@@ -1,5 +1,5 @@
 #pragma once
-/// How soon a timed path can come to rest at all: a search that takes seconds, to measure by.
+/// Searches for the fastest possible stop on a timed path. It takes seconds; tests compare with it.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -13,11 +13,11 @@
 
 namespace polyarm::test {
 
-/// The shortest stop found from `time` on the plan at the steady `factor`, s. In layers of `step` s eleven
-/// f'' between the lowest and the highest that the rows leave are tried from every state, and those that
-/// change nothing or end at a steady f; of states with nearly the same f and f' one is kept, that which has
-/// come the least far. Rows are looked at where steps begin and end and in their middle, with limits a little
-/// higher, so that it errs on the fast side.
+/// The shortest stop found from `time` of the plan at the steady `factor`, s. The search proceeds in layers
+/// of `step` s. From every state it tries eleven f'' between the lowest and the highest that the rows allow,
+/// and also those that change nothing or end at a steady f. Of states with nearly equal f and f' it keeps the
+/// one that has advanced least. Rows are checked at the beginning, middle and end of each step, with slightly
+/// higher limits, so the result is rather too fast than too slow.
 class SlowStop {
  public:
   SlowStop(const timing::TimedPath& path, std::span<const trajectory::MotionLimits> limits,
@@ -67,7 +67,7 @@ class SlowStop {
     for (int i = 0; i <= 10 && low <= high; ++i) out.push_back(low + (high - low) * i / 10);
     return out;
   }
-  /// What the rows leave an f'' that has acted for `t` s.
+  /// Narrows the range of f'' to what the rows allow after it has acted for `t` s.
   void narrow(const State& s, double t, double& low, double& high) {
     const State in = after(s, 0, t);
     look(in.time);
@@ -100,7 +100,7 @@ class SlowStop {
     }
     return true;
   }
-  /// To rest with one f'' from here, where that can be; else a long time.
+  /// The time to rest with one constant f'' from here; `longest` if that is not possible.
   double landing(const State& s, double longest) {
     if (!(s.rate < 0) || !(s.factor > 0)) return longest;
     const double t = -2 * s.factor / s.rate, bend = -s.rate / t;

@@ -1,12 +1,12 @@
 #pragma once
-/// A slow optimiser of time on a path, to judge the fast one by. Nothing of it is shared: here b = ṡ² is a
-/// quadratic B-spline over s (there: ṡ one over time), rows hold at several places of every interval, and a
-/// primal barrier is followed from a motion that is slow enough, through motions that all keep the rows.
+/// A slow optimiser of the time on a path, to judge the fast one. The two share nothing: here b = ṡ² is a
+/// quadratic B-spline over s (there: ṡ is one over time), the rows are enforced at several places of every
+/// interval, and a primal barrier method starts from a slow motion and keeps all rows throughout.
 ///
-/// With s̈ = b'/2 and s⃛ = √b b''/2 the rows of velocity and acceleration are linear in b, and that of jerk is
-/// |q' b''/2 + 3/2 q'' b' + q''' b| ≤ J/√b, whose right side is convex: in its place the tangent gives
+/// With s̈ = b'/2 and s⃛ = √b b''/2 the rows of velocity and acceleration are linear in b, and that of jerk
+/// is |q' b''/2 + 3/2 q'' b' + q''' b| ≤ J/√b, whose right side is convex. Replacing it by its tangent gives
 /// convex problems within the true one (Yuille and Rangarajan, The Concave-Convex Procedure, 2003; Boyd and
-/// Vandenberghe, Convex Optimization, 2004, chapter 11). From rest to the first knot, and from the last one
+/// Vandenberghe, Convex Optimization, 2004, chapter 11). From rest to the first knot, and from the last knot
 /// to rest, the jerk is constant: s ~ t³, so b = 3/4 s b' there.
 #include <algorithm>
 #include <array>
@@ -22,8 +22,8 @@ namespace polyarm::test {
 
 struct SlowOptions {
   std::size_t intervals = 500;
-  double precision = 1e-4;  ///< of the duration, relative: where the barrier ends
-  int rounds = 3;           ///< of choosing knots evenly in time and solving again
+  double precision = 1e-4;  ///< relative precision of the duration at which the barrier method ends
+  int rounds = 3;           ///< number of rounds that place the knots evenly in time and solve again
 };
 
 class SlowTiming {
@@ -34,7 +34,7 @@ class SlowTiming {
     for (auto& list : d_) list.resize(n_);
   }
 
-  /// From rest to rest, s, after all that was exceeded between the places was removed by time.
+  /// The duration from rest to rest, s, stretched to remove every excess between the places.
   double duration() {
     double best = std::numeric_limits<double>::infinity();
     std::vector<double> even;
@@ -52,10 +52,11 @@ class SlowTiming {
   }
 
  private:
-  static constexpr std::size_t kPlaces = 5;  // of rows, in each interval
+  static constexpr std::size_t kPlaces = 5;  // places of rows in each interval
   static constexpr std::size_t kQuadrature = 4;
 
-  /// A row at a place: within [low, high] of k · c, c three coefficients; of jerk times √b.
+  /// A row at a place: k · c must be within [low, high], for three coefficients c; for jerk, within that
+  /// range times 1/√b.
   struct Row {
     std::array<double, 3> k;
     double low, high;
@@ -63,8 +64,8 @@ class SlowTiming {
   };
   struct Place {
     std::size_t interval;
-    std::array<double, 3> b;  // of the coefficients
-    double ceiling;           // of b, by velocities
+    std::array<double, 3> b;  // weights of the coefficients
+    double ceiling;           // largest b that the velocity limits allow
     std::vector<Row> rows;
   };
 
@@ -91,14 +92,15 @@ class SlowTiming {
     return {first, -first - last, last};
   }
   std::size_t intervals() const { return knot_.size() - 1; }
-  /// Coefficients of interval i: c_[i], c_[i + 1], c_[i + 2].
+  /// The dot product with the coefficients of interval i: c_[i], c_[i + 1], c_[i + 2].
   double dot(const std::array<double, 3>& k, const std::vector<double>& c, std::size_t i) const {
     return k[0] * c[i] + k[1] * c[i + 1] + k[2] * c[i + 2];
   }
 
   void look(double s) { path_.at(s, {d_[0], d_[1], d_[2], d_[3]}); }
 
-  /// From all nodes, breaks of the path taken in; the first and the last interval are those of constant jerk.
+  /// Sets the knots to the nodes and the breaks of the path. The first and the last interval have constant
+  /// jerk.
   void set_knots(std::vector<double> nodes) {
     const double length = path_.length();
     for (const double b : path_.breaks())
@@ -140,7 +142,7 @@ class SlowTiming {
     }
     return out;
   }
-  /// The highest b at the end of the way from rest.
+  /// The highest b at the end of the constant-jerk way from rest.
   double end_ceiling(int end, double way) {
     double most = std::numeric_limits<double>::infinity();
     const double sign = end == 0 ? 1 : -1;
@@ -168,7 +170,7 @@ class SlowTiming {
   }
   double time_of(const std::vector<double>& c) const {
     const auto root = [](double b) {
-      return b > 0 ? std::sqrt(b) : 0.0;  // at rest for ever
+      return b > 0 ? std::sqrt(b) : 0.0;  // zero speed: the duration is infinite
     };
     double sum = 3 * first_ / root(c.front()) + 3 * last_ / root(c.back());
     for (std::size_t i = 0; i < intervals(); ++i)
@@ -178,7 +180,7 @@ class SlowTiming {
   }
   double time() const { return time_of(c_); }
 
-  /// Infinite outside the rows. `weight`: of the time.
+  /// The barrier function: infinite outside the rows. `weight`: of the time.
   double barrier(const std::vector<double>& c, double weight) const {
     constexpr double kOut = std::numeric_limits<double>::infinity();
     double sum = weight * time_of(c);
@@ -200,7 +202,7 @@ class SlowTiming {
     return sum;
   }
 
-  /// Gradient and a Hessian without what is not convex, of five diagonals, of the free coefficients.
+  /// Gradient and Hessian (five diagonals, without its non-convex part) of the free coefficients.
   void derivatives(double weight) {
     for (auto* v : {&g_, &h0_, &h1_, &h2_}) v->assign(c_.size(), 0.0);
     const auto add = [&](std::size_t i, const std::array<double, 3>& k, double slope, double curve) {
@@ -227,7 +229,7 @@ class SlowTiming {
         const double v = dot(r.k, c_, p.interval), by = r.jerk ? root : 1;
         for (const double limit : {r.high, r.low}) {
           const double sign = limit > 0 ? 1 : -1, left = sign * (limit * by - v);
-          std::array<double, 3> k;  // of -left
+          std::array<double, 3> k;  // gradient of -left
           for (std::size_t a = 0; a < 3; ++a) k[a] = sign * (r.k[a] - (r.jerk ? limit * fall * p.b[a] : 0));
           add(p.interval, k, 1 / left, 1 / (left * left));
         }
@@ -235,7 +237,7 @@ class SlowTiming {
     }
     fold();
   }
-  /// The ends follow their neighbours.
+  /// Eliminates the end coefficients, which follow their neighbours.
   void fold() {
     const std::size_t n = c_.size();
     g_[1] += front_ * g_[0];
@@ -243,7 +245,7 @@ class SlowTiming {
     g_[n - 2] += back_ * g_[n - 1];
     h0_[n - 2] += 2 * back_ * h1_[n - 2] + back_ * back_ * h0_[n - 1], h1_[n - 3] += back_ * h2_[n - 3];
   }
-  /// Solves H x = -g for the free ones by LDLᵀ.
+  /// Solves H x = -g for the free coefficients by LDLᵀ.
   std::vector<double> newton() {
     const std::size_t n = c_.size(), last = n - 2;
     std::vector<double> x(n, 0.0), d = h0_, l1 = h1_, l2 = h2_;
@@ -279,7 +281,7 @@ class SlowTiming {
       if (weight >= end) break;
     }
   }
-  /// b of a start from rest and a stop, slow enough for all rows.
+  /// Sets b for a motion from rest to rest that is slow enough for all rows.
   void begin() {
     const std::size_t n = knot_.size() + 1;
     c_.assign(n, 0.0);
@@ -311,7 +313,7 @@ class SlowTiming {
     return false;
   }
 
-  /// By how much longer it has to take for what rows exceed between the places.
+  /// The factor of time that removes the excess of rows between the places.
   double stretch() {
     double most = 0;
     for (std::size_t i = 0; i < intervals(); ++i)
@@ -332,7 +334,7 @@ class SlowTiming {
     return std::max(most, 1e-9);
   }
 
-  /// Nodes between which equal times pass.
+  /// Nodes with equal times between them.
   std::vector<double> even_in_time() const {
     std::vector<double> at{0, first_}, when{0, 3 * first_ / std::sqrt(c_.front())};
     for (std::size_t i = 0; i < intervals(); ++i) {
@@ -359,7 +361,7 @@ class SlowTiming {
     return out;
   }
 
-  // Gauss and Legendre's, four places.
+  // Gauss-Legendre quadrature with four points.
   static constexpr std::array<double, kQuadrature> kAbscissa = {0.06943184420297371, 0.33000947820757187,
                                                                 0.66999052179242813, 0.93056815579702629};
   static constexpr std::array<double, kQuadrature> kWeight = {0.17392742256872693, 0.32607257743127307,

@@ -1,5 +1,5 @@
 #pragma once
-/// Random cases from state to state, and how far a motion is from what was asked for.
+/// Random cases from state to state, and the error of a motion.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -21,7 +21,7 @@ class Draw {
   double even(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
   double logarithmic(double low, double high) { return std::exp(even(std::log(low), std::log(high))); }
   bool coin() { return even(0, 1) < 0.5; }
-  /// From which an axis can stay within its limits, and to which it can come within them.
+  /// A random state from which an axis can stay within its limits, and which it can reach within them.
   MotionState state(const MotionLimits& l, double position) {
     const double v = even(l.min_velocity, l.max_velocity);
     const double room = std::sqrt(2 * l.max_jerk * std::min(v - l.min_velocity, l.max_velocity - v));
@@ -32,7 +32,7 @@ class Draw {
   std::mt19937_64 engine_;
 };
 
-/// A family of limits, and how far its moves go.
+/// A family of limits, and the range of its distances.
 struct Kind {
   const char* name;
   double velocity[2], acceleration[2], jerk[2], distance[2];
@@ -67,9 +67,9 @@ inline MotionState passed(const MotionState& s, double t, double jerk) {
   return {s.position + t * (s.velocity + t * (s.acceleration / 2 + t * jerk / 6)),
           s.velocity + t * (s.acceleration + t * jerk / 2), s.acceleration + t * jerk};
 }
-/// By how much, relative to the limits, a motion exceeds them anywhere: accelerations are extreme at the ends
-/// of pieces, velocities there and where the acceleration is zero. Beyond what an acceleration changes by in
-/// the last digit of the time.
+/// The largest relative excess of a motion over its limits. Accelerations are extreme at the ends of pieces;
+/// velocities there and where the acceleration is zero. Tolerates the change of acceleration in the last
+/// digit of the time.
 inline double excess(const AxisMotion& m, const MotionLimits& l) {
   double worst = 0;
   for (std::size_t k = 0; k < m.pieces(); ++k) {
@@ -85,8 +85,8 @@ inline double excess(const AxisMotion& m, const MotionLimits& l) {
   }
   return worst;
 }
-/// How far the last piece ends from the target, relative to what was moved, and to the limits; beyond what
-/// an acceleration changes by in the last digit of the time.
+/// The error of the motion's end: position relative to the distances of the motion, velocity and acceleration
+/// relative to the limits. Tolerates the change of acceleration in the last digit of the time.
 inline double miss(const AxisMotion& m, const MotionState& from, const MotionState& to,
                    const MotionLimits& l) {
   const std::size_t last = m.pieces() - 1;

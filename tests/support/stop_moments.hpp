@@ -1,5 +1,5 @@
 #pragma once
-/// Random moments on random timed paths at which a stop may be asked for.
+/// Random stop requests on random timed paths.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -18,7 +18,7 @@ struct StopMoment {
   double time, factor;
 };
 
-/// Velocities of 1.5 to 4.5 rad/s, reached within 1/8 to 1/2 s, accelerations within 1/30 to 1/5 s.
+/// Velocities of 1.5 to 4.5 rad/s; full speed is reached in 1/8 to 1/2 s, full acceleration in 1/30 to 1/5 s.
 inline std::vector<trajectory::MotionLimits> unequal_limits(std::mt19937_64& engine, std::size_t joints) {
   std::uniform_real_distribution<double> draw(0, 1);
   std::vector<trajectory::MotionLimits> out;
@@ -29,7 +29,7 @@ inline std::vector<trajectory::MotionLimits> unequal_limits(std::mt19937_64& eng
   return out;
 }
 
-/// Every other one at full speed.
+/// A random time on the path; at full speed or at a random factor.
 inline StopMoment moment_on(std::shared_ptr<const paths::Path> path,
                             std::vector<trajectory::MotionLimits> limits, std::mt19937_64& engine,
                             bool full_speed) {
@@ -40,7 +40,7 @@ inline StopMoment moment_on(std::shared_ptr<const paths::Path> path,
   return out;
 }
 
-/// Six joints with unequal limits: a spline (even seeds), or lines with corners of curves.
+/// Six joints with different limits: a spline (even seeds), or lines with rounded corners.
 inline StopMoment random_moment(std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::uniform_real_distribution<double> draw(0, 1);

@@ -14,7 +14,7 @@
 
 namespace polyarm::test {
 
-/// Polynomials between breaks: coefficients[piece][joint][power of s from the piece's begin].
+/// Polynomials between breaks: coefficients[piece][joint][power of s, from the start of the piece].
 class PolynomialPath final : public paths::Path {
  public:
   using Coefficients = std::vector<std::vector<std::vector<double>>>;
@@ -55,7 +55,7 @@ class PolynomialPath final : public paths::Path {
   std::size_t joints_, terms_ = 0;
 };
 
-/// A natural cubic spline through points; s runs over the sum of the chords' lengths.
+/// A natural cubic spline through points; s runs over the sum of the chord lengths.
 inline std::shared_ptr<const paths::Path> cubic_spline(const std::vector<std::vector<double>>& points) {
   const std::size_t n = points.size() - 1, joints = points.front().size();
   std::vector<double> s{0};
@@ -87,7 +87,7 @@ inline std::shared_ptr<const paths::Path> cubic_spline(const std::vector<std::ve
   return std::make_shared<PolynomialPath>(s, c);
 }
 
-/// Through random points within ±spread.
+/// A spline through random points within ±spread.
 inline std::shared_ptr<const paths::Path> random_spline(std::size_t joints, std::size_t points,
                                                         std::uint64_t seed, double spread = 1.5) {
   std::mt19937_64 engine(seed);
@@ -143,8 +143,8 @@ inline std::shared_ptr<const paths::Path> straight_line(const std::vector<double
   return std::make_shared<PolynomialPath>(std::vector<double>{0, length}, c);
 }
 
-/// Lines through points with corners cut over `cut` on both sides by a quartic in s that has no curvature at
-/// its ends.
+/// Lines through points. Each corner is rounded over `cut` on both sides by a quartic in s whose curvature is
+/// zero at its ends.
 inline std::shared_ptr<const paths::Path> blended_lines(const std::vector<std::vector<double>>& points,
                                                         double cut) {
   const std::size_t joints = points.front().size();
@@ -168,7 +168,7 @@ inline std::shared_ptr<const paths::Path> blended_lines(const std::vector<std::v
     if (i + 2 == points.size()) break;
     double unused = 0;
     const std::vector<double> next = direction(i + 1, unused);
-    // q'' = k x (h - x), which turns d into next over h and ends on the next line.
+    // q'' = k x (h - x), which turns the direction d into next over h and ends on the next line.
     const double h = 2 * cut;
     std::vector<std::vector<double>> blend(joints);
     for (std::size_t j = 0; j < joints; ++j) {

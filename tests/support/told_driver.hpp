@@ -1,5 +1,5 @@
 #pragma once
-/// The other end of a DrivingProcess: a driver that does as it is told on standard input, line by line.
+/// The other end of a DrivingProcess: a driver that obeys commands on standard input, line by line.
 #include <poll.h>
 #include <unistd.h>
 
@@ -17,7 +17,7 @@ inline void tell(const std::string& line) {
   std::fflush(stdout);
 }
 
-/// Brings a component to work, and tells `working` or why not.
+/// Configures and activates a component, and reports `working` or the reason of the refusal.
 inline bool start(hardware::Component& component, const std::string& working) {
   using hardware::CallbackReturn;
   const bool works = component.on_configure() == CallbackReturn::success &&
@@ -26,21 +26,22 @@ inline bool start(hardware::Component& component, const std::string& working) {
   return works;
 }
 
-/// The line told, if there is one within a period of the loop; the pace of the loop is the wait.
+/// The next command if it arrives within one period of the loop, else empty. This wait sets the pace of the
+/// loop.
 inline std::string heard(int period_ms) {
   pollfd waiting{STDIN_FILENO, POLLIN, 0};
   if (poll(&waiting, 1, period_ms) <= 0) return {};
   char buffer[64];
   const ssize_t n = ::read(STDIN_FILENO, buffer, sizeof buffer);
-  if (n <= 0) std::_Exit(9);  // the test is gone
+  if (n <= 0) std::_Exit(9);  // the test has ended
   std::string line(buffer, static_cast<std::size_t>(n));
   if (line.back() == '\n') line.pop_back();
   return line;
 }
 
-/// Ends the process in the way that the word names. True: the caller is to return, which is a way, too.
+/// Ends the process in the way that the word names. Returns true for "return": the caller must then return.
 inline bool is_to_return(const std::string& word) {
-  if (word == "exit") std::exit(0);  // without the caller's destructors
+  if (word == "exit") std::exit(0);  // without destructors of the caller
   if (word == "abort") std::abort();
   if (word == "throw") throw std::runtime_error("nobody catches this");
   if (word == "crash") *static_cast<volatile int*>(nullptr) = 1;

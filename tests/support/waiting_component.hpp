@@ -1,6 +1,6 @@
 #pragma once
-/// A component that waits for a device: in its read and write it may wait, lock and write to the system, but
-/// neither allocate nor throw.
+/// Checks components that wait for a device. Their read and write may wait, lock and write to the system, but
+/// must not allocate or throw.
 #include <gtest/gtest.h>
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace polyarm::test {
 
-/// Reads and writes so many cycles under the guard; true when nothing was allocated, freed or thrown.
+/// Reads and writes for this many cycles under the guard. Succeeds if nothing was allocated, freed or thrown.
 inline ::testing::AssertionResult neither_allocates_nor_throws(hardware::Component& component, int cycles,
                                                                std::span<double> states,
                                                                std::span<const double> commands) {

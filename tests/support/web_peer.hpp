@@ -1,5 +1,5 @@
 #pragma once
-/// The far side of the pendant's port: a plain client of HTTP and WebSockets on a socket of its own.
+/// The far side of the pendant's port: a plain HTTP and WebSocket client on its own socket.
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <poll.h>
@@ -34,7 +34,7 @@ class WebPeer {
   WebPeer& operator=(const WebPeer&) = delete;
   bool connected = false;
 
-  /// As when its process is killed.
+  /// Closes the socket without a goodbye, as when the process is killed.
   void hang_up() {
     if (fd_ >= 0) ::close(fd_);
     fd_ = -1;
@@ -48,7 +48,7 @@ class WebPeer {
     }
     return true;
   }
-  /// Takes what comes within the time; false at the end.
+  /// Reads what arrives within the time; false at the end of the connection.
   bool listen(int patience_ms = 0) {
     pollfd waiting{fd_, POLLIN, 0};
     if (closed_) return false;
@@ -59,7 +59,7 @@ class WebPeer {
     closed_ = n <= 0;
     return n > 0;
   }
-  /// Everything until the other side closes, or for so long.
+  /// Reads until the other side closes, or until the time is over.
   std::string rest(int patience_ms = 20'000) {
     while (listen(patience_ms) && !heard.empty()) {
     }
@@ -69,7 +69,7 @@ class WebPeer {
   int descriptor() const { return fd_; }
 
   std::string host() const { return "localhost:" + std::to_string(port_); }
-  /// A whole request on its own connection; the answer with its head.
+  /// Sends a request on its own connection and returns the answer with its head.
   static std::string fetch(std::uint16_t port, const std::string& target,
                            const std::vector<std::string>& headers = {}, const std::string& method = "GET",
                            const std::string& body = "") {
@@ -89,7 +89,7 @@ class WebPeer {
     return answer.size() > 12 ? std::atoi(answer.c_str() + 9) : 0;
   }
 
-  /// Asks for a WebSocket; the status that comes back: 101 when there is one.
+  /// Requests a WebSocket. Returns the status of the answer: 101 on success.
   int upgrade(const std::vector<std::string>& headers, const std::string& target = "/ws") {
     std::string text =
         "GET " + target +
@@ -109,7 +109,7 @@ class WebPeer {
     heard.erase(0, end == std::string::npos ? heard.size() : end + 4);
     return out;
   }
-  /// One frame with a mask of zeros.
+  /// One frame, masked with zeros.
   static std::string frame(const std::string& data, int opcode = 1) {
     std::string out(1, static_cast<char>(0x80 | opcode));
     if (data.size() < 126) {
@@ -131,7 +131,7 @@ class WebPeer {
     int opcode = 0;
     std::string data;
   };
-  /// Takes the whole messages out of what was heard.
+  /// Takes the complete messages out of the received bytes.
   void take() {
     for (;;) {
       if (heard.size() < 2) return;
@@ -161,13 +161,13 @@ class WebPeer {
                                               : 1005;
     }
   }
-  /// The newest event of that name; null: none.
+  /// The newest event of that name; null if there is none.
   Json event(const std::string& name) const {
     for (auto each = events.rbegin(); each != events.rend(); ++each)
       if ((*each)["event"] == name) return *each;
     return {};
   }
-  /// The last answer with that id; null: none.
+  /// The last answer with that id; null if there is none.
   Json answer(int id) const {
     for (auto each = answers.rbegin(); each != answers.rend(); ++each)
       if (each->is_object() && each->value("id", Json()) == id) return *each;

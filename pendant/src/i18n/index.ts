@@ -1,4 +1,4 @@
-/** One table per language, in parts by page. A key that is missing in a language is an error of the type checker. */
+/** One table per language, in parts by page. The type checker rejects a language with a missing key. */
 import { computed } from '@preact/signals';
 import { settings } from '../state/settings';
 import { en } from './en';
@@ -24,19 +24,22 @@ export function t(key: Key, values: Record<string, string | number> = {}): strin
   return text.replace(/\{(\w+)\}/g, (whole, name: string) => (name in values ? String(values[name]) : whole));
 }
 
-/** The text of a word of the cell (`state.running`), or the word itself where no table knows it. */
+/** The text of a word of the cell (`state.running`), or the word itself if no table has it. */
 export function word(prefix: string, value: string): string {
   const key = `${prefix}.${value}` as Key;
   return key in en ? t(key) : value;
 }
 
-/** A day and time (s since 1970) as the language writes it, where the browser's is the same as its owner does. */
+/**
+ * A date and time (s since 1970), in the format of the browser's user if the browser has the page's language,
+ * else in the format of the page's language.
+ */
 export function moment(seconds: number): string {
   const own = navigator.language?.toLowerCase().startsWith(language.value);
   return new Date(1000 * seconds).toLocaleString(own ? navigator.language : language.value, { dateStyle: 'medium', timeStyle: 'short' });
 }
 
-/** A number as the language writes it. */
+/** A number in the format of the page's language. */
 export function number(value: number, digits: number): string {
   if (!Number.isFinite(value)) return '–';
   const text = value.toFixed(digits);

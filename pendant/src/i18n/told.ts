@@ -1,6 +1,6 @@
 /**
- * What the cell tells in English for terminals, as the page says it: by code and values in the page's
- * language, without advice to type commands. Without a text for the code, the cell's own words are shown.
+ * Translates what the cell reports in English for terminals into the page's language, by code and values and
+ * without advice to type commands. If a code has no text, the cell's own words are shown.
  */
 import {type Key, language, number, t, word} from '.';
 import {jointText} from '../ui/format';
@@ -16,18 +16,18 @@ export interface Problem {
   facts?: Facts;
 }
 
-/** Of a request that was refused, or of what else was thrown. */
+/** The problem of a refused request, or of any other thrown value. */
 export const problemOf = (error: unknown): Problem => (error as {problem?: Problem}).problem ??
     {code: '', what: error instanceof Error ? error.message : String(error)};
 
 export interface Told {
   text: string;
-  /** What the cell said itself, where `text` does not say it. */
+  /** The cell's own words, if `text` does not contain them. */
   detail: string;
   advice: string;
 }
 
-/** The sentence of these codes says all that matters: the cell's own words add only advice for a terminal. */
+/** Codes whose sentence is complete. The cell's own words would only add advice for a terminal. */
 export const kSaysAll = new Set([
   'asked-already', 'discarded', 'disarmed', 'has-ended', 'held', 'moving', 'motion-held', 'no-cell',
   'no-control', 'no-fault', 'no-program', 'no-role', 'no-speed', 'not-asked', 'not-begun', 'not-held', 'not-paused',
@@ -35,14 +35,14 @@ export const kSaysAll = new Set([
   'stopping', 'wrong-state'
 ]);
 
-/** What the page finds itself: there are no words of the cell for it. */
+/** Problems that the page itself finds. The cell has no words for them. */
 const kOfPage = new Set(['not-connected', 'no-answer']);
 
 const known = (key: string): key is Key => key in en;
 
 // --- values
 
-/** `fixture table`, `part cube`: as contacts name bodies. */
+/** The words for a body as contacts name it: `fixture table`, `part cube`. */
 export function bodyWords(name: string): string {
   const found = /^(fixture|part|the part held by) (.+)$/.exec(name);
   if (found)
@@ -64,7 +64,10 @@ function valueWords(name: string, value: string|number): string {
   return name === 'a' || name === 'b' ? bodyWords(value) : value;
 }
 
-/** By the names that texts use: without units, and `who` for what a fault blames. */
+/**
+ * The values under the names that texts use: without units, and `who` for the component or controller at
+ * fault.
+ */
 function namesOf(facts: Facts): Record<string, string> {
   const out = Object.fromEntries(Object.entries(facts).map(
       ([name, value]) => [name.replace(/_(m|rad|s)$/, ''), valueWords(name, value)]));
@@ -72,7 +75,7 @@ function namesOf(facts: Facts): Record<string, string> {
   return who ? {...out, who} : out;
 }
 
-/** The text of `key` with all its values; null where there is no such text, or a value of it is missing. */
+/** The text of `key` with all its values; null if there is no such text, or if a value is missing. */
 function filled(key: string, names: Record<string, string>): string|null {
   if (!known(key)) return null;
   const lacks = [...en[key].matchAll(/\{(\w+)\}/g)].some(([, name]) => !(name! in names));
@@ -81,17 +84,14 @@ function filled(key: string, names: Record<string, string>): string|null {
 
 // --- causes and problems
 
-/** Why the cell does not run, by its code; without one that is known, in the cell's own words. */
+/** Why the cell does not run. If the code is unknown, the cell's own words. */
 export function causeWords(code: string, own = '', facts: Facts = {}): string {
   if (code === 'none') return '';
   return filled(`cause.${code}`, namesOf(facts)) ??
       (known(`told.${code}`) ? t(`told.${code}` as Key) : plain(own || code));
 }
 
-/**
- * The sentence with the values that came with the code, the most exact one that they fill; null where the
- * page has none.
- */
+/** The most specific sentence of the code for which all values are present; null if the page has none. */
 function sentence(code: string, facts: Facts): string|null {
   const names = namesOf(facts);
   const variants = [
@@ -105,9 +105,9 @@ function sentence(code: string, facts: Facts): string|null {
 }
 
 /**
- * Returns the text of a problem. If the cell sent the values, the sentence of the code contains them. If not,
- * English shows the cell's own sentence; other languages show the sentence of the code, and the cell's below it
- * unless the sentence says all.
+ * The text of a problem. If the cell sent the values, it is the sentence of the code with the values.
+ * Otherwise English shows the cell's own sentence; other languages show the sentence of the code, and the
+ * cell's sentence below it unless the code is in kSaysAll.
  */
 export function problemWords({code, what, advice, facts = {}}: Problem): Told {
   const own = kOfPage.has(code) ? '' : plain(what);
@@ -123,13 +123,13 @@ export function problemWords({code, what, advice, facts = {}}: Problem): Told {
   return {text: first, detail: first === own || kSaysAll.has(code) ? '' : own, advice: todo};
 }
 
-/** In one line, with what the cell said itself in brackets. */
+/** The problem in one line, with the cell's own words in brackets. */
 export function problemLine(problem: Problem): string {
   const {text, detail} = problemWords(problem);
   return detail ? `${text} (${detail})` : text;
 }
 
-/** A line of the log. In English the cell's own words have everything. */
+/** A line of the log. English shows the cell's own words, which are complete. */
 export function lineWords(line: {text: string; code?: string; facts?: Facts}): string {
   const own = plain(line.text);
   if (!line.code || language.value === 'en') return own;
@@ -140,12 +140,12 @@ export function lineWords(line: {text: string; code?: string; facts?: Facts}): s
   return kSaysAll.has(line.code) ? said : `${said} (${own})`;
 }
 
-// --- what only a terminal can do
+// --- advice for a terminal
 
-// A path may hold the name, too: /home/me/polyarm-cells/arm.stl.
+// The lookbehind excludes paths such as /home/me/polyarm-cells/arm.stl.
 const kCommand = /(?<![\w./-])polyarm [a-z]+(?<!runs)\b|(?:^|[\s('`])--[a-z]|\btypes? ['`]/;
 
-/** Without what only a terminal can do: each clause that says so goes. */
+/** Removes each clause with advice that only works at a terminal. */
 export function plain(text: string): string {
   if (!kCommand.test(text)) return text;
   const outside = text.replace(/\s*\(([^()]*)\)/g, (whole, inside: string) => {

@@ -1,4 +1,4 @@
-/** The pages, in their order. A page is loaded when it is first opened. */
+/** The pages, in their order. Each page is loaded when it is first opened. */
 import type { ComponentType } from 'preact';
 import type { Key } from '../i18n';
 import type { IconName } from '../ui/Icon';
@@ -8,7 +8,7 @@ export interface Page {
   label: Key;
   icon: IconName;
   load: () => Promise<{ default: ComponentType }>;
-  /** The page of the documentation that is about it, below /help/. */
+  /** The page of the documentation about this page, below /help/. */
   help: string;
 }
 

@@ -1,4 +1,4 @@
-/** One strip for what went wrong and nobody has looked at yet; after a contact it leads back. */
+/** A strip for problems that nobody has acknowledged. After a contact it shows the steps of recovery. */
 import { effect } from '@preact/signals';
 import { type Key, number, t } from '../i18n';
 import { bodyWords, problemWords } from '../i18n/told';
@@ -11,7 +11,10 @@ import { Icon } from '../ui/Icon';
 import { Alarms } from './Alarms';
 import { go, pageId } from './route';
 
-/** Who brings the cell back after a contact or a fault has seen it. */
+/**
+ * An operator who brings the cell back after a contact or a fault has seen its alarm. These are the previous
+ * states.
+ */
 let stood = false;
 let wanted = false;
 effect(() => {
@@ -46,21 +49,21 @@ export function AlarmStrip() {
   );
 }
 
-/** What comes next on the way out of a fault; '' once the cell runs again. */
+/** The next step after a fault; '' once the cell runs again. */
 function afterFault(): string {
   const { next } = ways.value;
   const step = ({ recover: 'do.fault', activate: 'do.fault.activate', arm: 'do.disarmed', resume: 'do.fault.resume' } as Record<string, Key>)[next];
   return step ? t(step) : '';
 }
 
-/** The cell stands because something touched what it should not. */
+/** True if the cell does not run because of an unexpected contact. */
 export function afterContact(): boolean {
   const now = status.value;
   if (!now || !['held', 'fault', 'stopping'].includes(now.state)) return false;
   return now.causeCode === 'contact' || contactSince();
 }
 
-/** The newest error is a contact that nobody has gone on after. */
+/** True if the newest error is a contact that nobody has acknowledged. */
 function contactSince(): boolean {
   const last = alarms.value.filter((each) => each.severity === 'error').pop();
   return last?.code === 'contact' && !last.seen;
@@ -81,10 +84,10 @@ export function depthWords(metres: number): string {
   return number(mm, Math.min(6, 1 - Math.floor(Math.log10(mm))));
 }
 
-/** Out of a contact, step by step; each step that can be taken now has its key. */
+/** The steps of recovery after a contact. Each step that is possible now has its key. */
 function WayBack() {
   const now = status.value!;
-  // A step that the state forbids is not shown; a page without control sees the others, and cannot press them.
+  // A step that the state forbids is not shown. A page without control shows the other steps disabled.
   const { next, nextBlocked, discard: forget, back: backwards } = waysOf({ status: now, mayMove: true, pausing: pausing.value });
   const held = now.state === 'held';
   const may = mayMove.value;
@@ -99,7 +102,7 @@ function WayBack() {
     now.contacts.touching ? 'contact.away' : 'contact.clear',
     'contact.resume',
   ];
-  /** The step that comes now; a phone has room for that one alone. */
+  /** The index of the present step. A phone shows only this step. */
   const at = now.state === 'fault' || now.motionLeft ? 0 : now.contacts.touching ? 1 : 2;
   return (
     <section class="alarm-strip error way-back" role="alert" aria-label={t('contact.title')}>

@@ -6,7 +6,7 @@ import { clockTime } from '../ui/format';
 import { Button, Empty } from '../ui/controls';
 import { Dialog } from '../ui/Dialog';
 
-/** What went wrong, newest first, with cause and remedy. */
+/** All alarms, newest first, with cause and remedy. */
 export function Alarms({ onClose }: { onClose: () => void }) {
   const seen = () => markSeen(() => true);
   const list = [...alarms.value].reverse();

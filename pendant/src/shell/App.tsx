@@ -82,7 +82,7 @@ function Broken({ again }: { again: () => void }) {
   );
 }
 
-/** A page that throws takes only itself away: Stop and the bars stay. */
+/** Catches the errors of a page, so that Stop and the bars stay usable. */
 class Guard extends Component<{ children: ComponentChildren }, { failed: boolean }> {
   override state = { failed: false };
   override componentDidCatch(error: unknown): void {

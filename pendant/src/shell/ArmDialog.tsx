@@ -1,4 +1,7 @@
-/** A person compares where the joints are measured with where they are expected; only then the drives go on. */
+/**
+ * Compares the measured joint positions with the expected ones. The drives switch on only after the user has
+ * confirmed.
+ */
 import { useState } from 'preact/hooks';
 import { t } from '../i18n';
 import { attempt, cell, complain, mayMove, request } from '../state/cell';
@@ -17,7 +20,7 @@ export function ArmDialog({ onClose }: { onClose: () => void }) {
   const robots = cell.value?.robots ?? [];
   const jointOf = (name: string) => robots.flatMap((robot) => robot.joints.map((joint) => ({ robot: robot.name, joint }))).find(({ joint }) => joint.interface === name);
   const unit = (name: string) => jointOf(name)?.joint.unit ?? 'rad';
-  /** As Move names it; with the robot where there are several. */
+  /** The joint's name as on the Move page, with the robot if there are several. */
   const title = (name: string) => {
     const found = jointOf(name);
     return found ? [robots.length > 1 && found.robot, jointTitle(found.joint.name)].filter(Boolean).join(': ') : name;

@@ -1,4 +1,4 @@
-/** Says on the pages that move something what nothing checks for contacts. */
+/** On pages that move something: lists the bodies whose contacts nothing checks. */
 import { t } from '../i18n';
 import { problemWords } from '../i18n/told';
 import { status } from '../state/cell';

@@ -1,4 +1,7 @@
-/** Who has control: the button that says it, the dialog that changes it, and the question when another wants it. */
+/**
+ * Control of the cell: the button that shows who has it, the dialog to take or release it, and the question
+ * when another client asks for it.
+ */
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../i18n';
 import { answerAsked, asked, connected, holder, releaseControl, takeControl, waiting, youHold } from '../state/cell';
@@ -38,7 +41,7 @@ export function ControlButton() {
   );
 }
 
-/** A strip for pages that move the robot: says that this page only watches, and how to change that. */
+/** A strip on pages that move the robot: says that this page has no control, and how to take it. */
 export function WatchOnly() {
   if (!connected.value || youHold.value) return null;
   return <Watching />;
@@ -108,7 +111,7 @@ export function ControlQuestion() {
   );
 }
 
-/** Whole seconds until `until` (performance.now()), drawn again as they go by. */
+/** Whole seconds until `until` (performance.now()). Renders again every second. */
 function useSecondsLeft(until: number | null): number {
   const [now, setNow] = useState(() => performance.now());
   useEffect(() => {

@@ -39,10 +39,10 @@ export function Header() {
   );
 }
 
-/** The one before is not named as if it were there. */
+/** While there is no cell, the header does not show the previous one. */
 const noCell = () => status.value?.state === 'no cell';
 
-/** The robot is named by what it is; where there are several, by its name in the cell, too. */
+/** The model of the robot; if there are several, also its name in the cell. */
 function title(): string {
   const it = robot.value;
   if (!it || noCell()) return '';
@@ -76,7 +76,7 @@ function AlarmsButton() {
   );
 }
 
-/** Opens the documentation, in a tab of its own, at what the open page is about. */
+/** Opens the documentation of the open page in a new tab. */
 function HelpLink() {
   const page = pages.find((each) => each.id === pageId.value) ?? pages[0]!;
   return (

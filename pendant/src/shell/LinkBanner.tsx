@@ -3,11 +3,11 @@ import { link } from '../state/cell';
 import { signal } from '@preact/signals';
 import { Icon } from '../ui/Icon';
 
-/** The first connection takes longer than it should; later ones are always told. */
+/** True after the time that a first connection normally takes. Later losses are shown immediately. */
 const late = signal(false);
 setTimeout(() => (late.value = true), 1500);
 
-/** Says that what is shown is old. Not shown in the first moments, before anything could have been lost. */
+/** Warns that the shown values are old. Hidden during the first connection, when there are no values yet. */
 export function LinkBanner() {
   const state = link.value;
   if (state === 'open' || (state === 'connecting' && !late.value)) return null;

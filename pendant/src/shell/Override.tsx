@@ -1,4 +1,4 @@
-/** How fast everything goes, in percent of what is planned; on a phone folded behind its value. */
+/** The override: speed in percent of the plan. On a phone the slider is hidden behind its value. */
 import { signal } from '@preact/signals';
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../i18n';
@@ -6,14 +6,14 @@ import { setOverride } from '../state/actions';
 import { mayMove, status } from '../state/cell';
 import { Slider } from '../ui/controls';
 
-/** What was asked for and the cell has not told yet: the next press of an arrow key goes on from there. */
+/** The requested value, until the cell reports it. The next press of an arrow key continues from it. */
 const wanted = signal<number | null>(null);
 const kTellsWithinMs = 1500;
 let forget: ReturnType<typeof setTimeout> | undefined;
 let latest = -1;
 let underway = false;
 
-/** The newest value goes out as soon as the one before was answered. */
+/** Sends the newest value as soon as the previous request was answered. */
 export function wantOverride(percent: number): void {
   wanted.value = latest = percent;
   clearTimeout(forget);

@@ -1,4 +1,4 @@
-/** What the program asks a person (`wait user`), over whatever page is open, until it is answered. */
+/** Shows a question of the program to the user (`wait user`), over any page, until it is answered. */
 import { useState } from 'preact/hooks';
 import { t } from '../i18n';
 import { attempt, mayMove, program } from '../state/cell';
@@ -9,7 +9,7 @@ export function ProgramQuestion() {
   const asked = program.value?.question;
   const [text, setText] = useState('');
   if (typeof asked !== 'string') return null;
-  // The second line is about the answer: the default, or why the latest one was refused.
+  // The second line belongs to the answer: the default, or why the last answer was refused.
   const [question, note] = asked.split('\n');
   const answer = async () => {
     if (await attempt('program.answer', { text })) setText('');

@@ -1,4 +1,6 @@
-/** Always at the bottom: the state in words, the modes, the speed, pause and resume, and Stop. */
+/**
+ * The bar at the bottom of every page: the state in words, the modes, the speed, pause and resume, and Stop.
+ */
 import { type Key, t } from '../i18n';
 import { discard, goOn, hold, recover, setProfile, stop } from '../state/actions';
 import { connected, mayMove, programRuns, status, ways } from '../state/cell';
@@ -100,7 +102,7 @@ const kNext: Record<Next, { label: Key; icon: IconName; tone: Tone; press: () =>
   activate: { label: 'state.activate', icon: 'power', tone: 'warn', press: activateAll },
 };
 
-/** The one thing that a person may want next: pause what goes, resume what is paused, recover, arm, activate. */
+/** The most likely next action: pause, resume, recover, arm or activate. */
 function Go() {
   const { next, nextBlocked, resumesToo, discard: forget, discards } = ways.value;
   const { label, icon, tone, press } = kNext[next];
@@ -122,8 +124,8 @@ function Go() {
 }
 
 /**
- * In its corner at its size whatever else is shown. Without a connection or a cell it says that it does nothing, and
- * is still tried.
+ * Always in the same corner at the same size. Without a connection or a cell it says that it has no effect,
+ * but still sends the request.
  */
 export function StopButton() {
   const dead: Key | null = !connected.value ? 'stop.offline' : status.value?.state === 'no cell' ? 'stop.noCell' : null;
@@ -144,7 +146,7 @@ export function StopButton() {
         void stop();
       }}
       onClick={(e) => {
-        // A pointer has stopped at its press already; what remains are clicks that no pointer made.
+        // A pointer has already stopped at its press. This handles clicks without a pointer.
         if (e.detail === 0) void stop();
       }}
     >

@@ -1,4 +1,4 @@
-/** How this screen looks and is called, as two groups of fields; nothing of it changes the cell. */
+/** The look and the name of this screen, as two groups of fields. They do not change the cell. */
 import { languages, t } from '../i18n';
 import { type Language, settings, type Theme } from '../state/settings';
 import { Field, Segmented, Select, Toggle } from '../ui/controls';

@@ -1,4 +1,4 @@
-/** Switching on what is not active, hardware and then the controllers that fell with it. */
+/** Activates inactive hardware, then the controllers that failed with it. */
 import { t } from '../i18n';
 import { complain, mayMove, request, status, ways } from '../state/cell';
 import { ask } from '../ui/ask';

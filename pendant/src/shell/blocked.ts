@@ -1,9 +1,9 @@
-/** Why a key cannot be pressed, in few words. */
+/** Short reasons why a key is disabled. */
 import {type Key, t} from '../i18n';
 import {problemWords} from '../i18n/told';
 import type {Blocked} from '../state/ways';
 
-/** What to do first, by what the cell says is in the way. */
+/** What to do first, by the code of the cell's reason. */
 const kFirst: Record<string, Key> = {
   disarmed: 'why.armFirst',
   fault: 'why.recoverFirst',
@@ -15,7 +15,7 @@ const kFirst: Record<string, Key> = {
   stopping: 'why.stopping',
 };
 
-/** '' where it can be pressed. Who has no control reads that elsewhere. */
+/** '' if the key is enabled. The lack of control is reported elsewhere. */
 export function blockedWords(blocked: Blocked): string {
   if (blocked === '' || blocked === 'why.control') return '';
   if (typeof blocked === 'string') return t(blocked);

@@ -1,4 +1,4 @@
-/** Keys that hold everywhere. Escape stops whenever something goes on, before anything else sees it. */
+/** Keys that work on every page. Escape stops if anything is running, before any other handler sees it. */
 import {pages} from '../pages';
 import {pauseOrGoOn, somethingGoesOn, stop} from '../state/actions';
 

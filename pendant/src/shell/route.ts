@@ -1,4 +1,4 @@
-/** Which page is open: the part of the address after #/. */
+/** The open page: the part of the address after #/. */
 import { signal } from '@preact/signals';
 import { pages } from '../pages';
 

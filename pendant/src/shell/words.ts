@@ -1,4 +1,4 @@
-/** The state of the cell in a word, with its colour and sign. */
+/** The state of the cell in a word, with its colour and icon. */
 import { type Key, t } from '../i18n';
 import { causeWords } from '../i18n/told';
 import { link, pausing, status } from '../state/cell';
@@ -9,7 +9,7 @@ export interface StateWord {
   text: string;
   tone: 'good' | 'busy' | 'warn' | 'bad' | 'off';
   icon: IconName;
-  /** Why it is so, where there is something to say. */
+  /** The reason for the state, if there is one to report. */
   why: string;
 }
 
@@ -48,7 +48,7 @@ function runningWord(): StateWord {
   return word(t('state.ready'), 'good', 'check');
 }
 
-/** What goes on in a cell that runs; null where nothing does. */
+/** The activity of a running cell; null if there is none. */
 function goingWord(): StateWord|null {
   const now = status.value!;
   const word = (text: string, tone: StateWord['tone'], icon: IconName) => ({text, tone, icon, why: ''});

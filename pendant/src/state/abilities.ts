@@ -1,4 +1,4 @@
-/** Which requests the cell knows: what it cannot do is not offered. */
+/** The requests that the cell supports. The page does not offer anything else. */
 import { effect, signal } from '@preact/signals';
 import { connected, fetchJson } from './cell';
 
@@ -12,5 +12,5 @@ effect(() => {
   );
 });
 
-/** True where nobody knows yet. */
+/** True if the request is supported, or if the list is not known yet. */
 export const able = (request: string): boolean => known.value === null || known.value.size === 0 || known.value.has(request);

@@ -1,4 +1,4 @@
-/** What a person does to the cell as a whole. */
+/** Actions on the cell as a whole. */
 import {t} from '../i18n';
 import type { RequestError } from '../wire/connection';
 
@@ -7,7 +7,7 @@ import {dropSteps} from './jog';
 import {toast} from './toasts';
 import {canBe} from './ways';
 
-/** Stops whatever moves. Needs no control; tried by every way there is. */
+/** Stops all motion. Needs no control, and is sent even if the cell seems silent. */
 export async function stop(): Promise<void> {
   dropSteps();
   try {
@@ -24,10 +24,10 @@ export async function discard(): Promise<void> {
   const motion = ways.peek().discards === 'motion';
   if ((await attempt('control.discard')) && motion) toast({ kind: 'info', text: t('told.discarded') });
 }
-/** What is paused goes on: what is held along its path, else the program that a step or a breakpoint has paused. */
+/** Continues: a held motion along its path, else the program that a step or a breakpoint has paused. */
 export const goOn = () => (status.peek()?.state === 'held' ? resume() : attempt('program.go'));
 export const back = () => attempt('control.back', {time: 0.5});
-/** What the key for pause and resume does now: nothing where neither can be. */
+/** The action of the key for pause and resume. Does nothing if neither is possible. */
 export function pauseOrGoOn(): void {
   const {next, nextBlocked} = ways.peek();
   if (!canBe(nextBlocked)) return;
@@ -37,14 +37,17 @@ export function pauseOrGoOn(): void {
     void hold();
 }
 
-/** One statement: of a program that runs, what is under way is gone through to its end; so it is where that is held. */
+/**
+ * Executes one statement. A running program finishes its present statement and pauses; so does a held one
+ * after it resumes.
+ */
 export async function step(how: 'over' | 'into' | 'out' = 'over'): Promise<void> {
   const now = status.peek();
   if (!now?.program || !canBe(ways.peek().step)) return;
   const paused = now.program.paused;
   if (!paused || now.state === 'held') pausing.value = true;
   try {
-    // Answered when it stands, however long that takes.
+    // The answer comes when the program has paused. No timeout.
     const done = paused ? request('program.step', { how }, 0) : request('program.pause', {}, 0);
     if (now.state === 'held') await resume();
     await done;
@@ -57,7 +60,7 @@ export async function step(how: 'over' | 'into' | 'out' = 'over'): Promise<void>
 export const setOverride = (percent: number) => attempt('control.override', { percent });
 export const setProfile = (name: string) => attempt('profile', { name });
 
-/** Would a stop change anything? Then the key stops even where it would else close a dialog. */
+/** True if a stop would change anything. Escape then stops, even if it would otherwise close a dialog. */
 export function somethingGoesOn(): boolean {
   const now = status.peek();
   if (!now) return false;

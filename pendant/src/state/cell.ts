@@ -1,4 +1,7 @@
-/** The cell as signals: connection, status, control, tags, parts, alarms, log. Pages read these and call `actions`. */
+/**
+ * The cell as signals: connection, status, control, tags, parts, alarms, log. Pages read these signals and
+ * call `actions`.
+ */
 import {computed, effect, signal} from '@preact/signals';
 
 import {type Key, t} from '../i18n';
@@ -32,23 +35,23 @@ export const cell = signal<CellInfo | null>(null);
 export const status = signal<Status | null>(null);
 export const holder = signal<Holder | null>(null);
 export const youHold = signal(false);
-/** Who asks for the control that is ours, and until when (performance.now()). */
+/** The client that asks for this page's control, and until when (performance.now()). */
 export const asked = signal<{ client: number; name: string; until: number } | null>(null);
-/** This page runs on the machine of the cell, and may take control without asking. */
+/** True if this page runs on the computer of the cell, and may take control without asking. */
 export const mayForce = signal(false);
-/** We have asked for control and wait for an answer until then. */
+/** This page has asked for control and waits for an answer until then. */
 export const waiting = signal<{ name: string; until: number } | null>(null);
 export const tags = signal<Record<string, TagValue>>({});
 export const parts = signal<Record<string, PartPose>>({});
 export const plans = signal<Record<string, Plan>>({});
 export const alarms = signal<Alarm[]>([]);
 export const log = signal<LogLine[]>([]);
-/** The whole program state as it comes (tasks, variables); the short one is `status.program`. */
+/** The complete state of the program (tasks, variables). `status.program` is the summary. */
 export const program = signal<Json | null>(null);
 export const jogEvents = signal<JogEvent | null>(null);
-/** A pause or a step was asked for, and the statement under way goes on until its end. */
+/** True after a request to pause or step, until the present statement has ended. */
 export const pausing = signal(false);
-/** The robot that Move and the 3D view look at. */
+/** The robot that the Move page and the 3D view show. */
 export const robotName = signal('');
 
 export const robot = computed<RobotInfo | null>(() => {
@@ -56,20 +59,20 @@ export const robot = computed<RobotInfo | null>(() => {
   return robots.find((r) => r.name === robotName.value) ?? robots[0] ?? null;
 });
 export const connected = computed(() => link.value === 'open' && status.value !== null);
-/** May this page move the robot now? */
+/** True if this page may move the robot now. */
 export const mayMove = computed(() => connected.value && youHold.value);
-/** What a person can do now: every key is drawn from it. */
+/** The possible actions. Every key is drawn from them. */
 export const ways =
     computed(() => waysOf({status: status.value, mayMove: mayMove.value, pausing: pausing.value}));
-/** Why the robot that Move looks at cannot be jogged; '' where it can. */
+/** Why the robot of the Move page cannot be jogged; '' if it can. */
 export const jogBlocked = computed(() => ways.value.jog(robot.value?.name ?? ''));
-/** A program is under way and neither paused nor waiting to be started. */
+/** True if a program is running: neither paused nor waiting to be started. */
 export const programRuns = computed(() => {
   const it = status.value?.program;
   return !!it && !it.ended && !it.ready && !it.paused;
 });
 export const unseenAlarms = computed(() => alarms.value.filter((a) => !a.seen).length);
-/** Tags whose values somebody forces. */
+/** The names of forced tags. */
 export const forced = computed(() => Object.keys(tags.value).filter((name) => tags.value[name]!.forced).sort());
 
 const kLogLines = 2000;
@@ -81,10 +84,10 @@ let connection: Connection | null = null;
 export type RequestName = keyof Requests;
 export type Args<Name extends RequestName> = Requests[Name]['args'];
 export type Answer<Name extends RequestName> = Requests[Name]['answer'];
-/** Arguments may be left out where none is needed. */
+/** Arguments may be omitted if none is required. */
 type Rest<Name extends RequestName> = object extends Args<Name> ? [args?: Args<Name>, timeout?: number] : [args: Args<Name>, timeout?: number];
 
-/** Arguments and answer have the types that the cell has for them (wire/requests.ts). */
+/** Sends a request. The types of arguments and answer are those of the cell (wire/requests.ts). */
 export function request<Name extends RequestName>(name: Name, ...[args, timeout]: Rest<Name>): Promise<Answer<Name>> {
   if (!connection) return Promise.reject(new RequestError(name, { code: 'not-connected', what: t('link.lost') }));
   return connection.request<Answer<Name>>(name, (args ?? {}) as Json, timeout);
@@ -97,7 +100,7 @@ export function stream<Name extends RequestName>(name: Name, args: Args<Name>, e
   return connection.stream<Answer<Name>>(name, args as Json, each);
 }
 
-/** Asks, and says in a toast what went wrong. True where it was done. */
+/** Sends a request and shows an error as a toast. Returns true on success. */
 export async function attempt<Name extends RequestName>(name: Name, ...rest: Rest<Name>): Promise<boolean> {
   try {
     await request(name, ...rest);
@@ -108,7 +111,7 @@ export async function attempt<Name extends RequestName>(name: Name, ...rest: Res
   }
 }
 
-/** A person stopped it or canceled it: that is an answer to what they pressed, and no error. */
+/** Codes for motions that a person stopped or cancelled. That is information, not an error. */
 const kByPerson = new Set(['discarded', 'stopped', 'overtaken']);
 export const isByPerson = (code: string): boolean => kByPerson.has(code);
 
@@ -125,7 +128,7 @@ export function complain(error: unknown): void {
   } else toast({ kind: 'error', text: String(error) });
 }
 
-/** The server tells a place as an object, or as words. */
+/** The server sends a location as an object or as text. */
 function placeOf(where: unknown): string {
   if (typeof where === 'string') return where;
   const { file, line } = (where ?? {}) as { file?: string; line?: number };
@@ -146,18 +149,21 @@ export async function loadCell(): Promise<void> {
   document.title = `${cell.value.name} · Polyarm`;
 }
 
-/** This page was connected before. */
+/** True if this page was connected before. */
 let greeted = false;
-/** The greeting of this connection is over: control is where it stays until somebody changes that. */
+/**
+ * True once the greeting of this connection is done. Control then stays where it is until somebody changes
+ * it.
+ */
 const settled = signal(false);
-/** It had control when the connection was last there. */
+/** True if this page had control when the connection was last open. */
 let heldBefore = false;
 effect(() => {
   if (settled.value && status.value !== null) heldBefore = youHold.value;
 });
 
 async function greet(): Promise<void> {
-  const again = greeted, hadControl = heldBefore;  // as they were, since answers and events change both
+  const again = greeted, hadControl = heldBefore;  // copies, because answers and events change both
   try {
     const hello = await request('session.hello', { name: settings.clientName.value });
     client.value = Number(hello.client ?? -1);
@@ -167,8 +173,8 @@ async function greet(): Promise<void> {
     youHold.value = hello.you_hold === true;
     await request('session.watch', { rate: kFrameRate });
     greeted = true;
-    // A cell that nobody controls is taken by who opens the page; one that has a holder is only watched. After a
-    // lost connection the page that had control takes it again, and pages that only watched go on watching.
+    // A page takes control when it opens if no client has it; otherwise it only watches. After a lost
+    // connection the page that had control takes it again, and the others only watch.
     if (!holder.value && settings.takeWhenFree.value && (!again || hadControl)) await takeControl(false);
     settled.value = true;
   } catch (error) {
@@ -200,29 +206,29 @@ export async function answerAsked(give: boolean): Promise<void> {
   await attempt('session.answer', { give });
 }
 
-/** Some alarms were looked at: they are not announced any more. */
+/** Marks alarms as seen. They are not announced any more. */
 export function markSeen(which: (alarm: Alarm) => boolean): void {
   alarms.value = alarms.peek().map((each) => (which(each) ? { ...each, seen: true } : each));
 }
 
-/** The first state is asked for; changes come by themselves. A cell without a program refuses. */
+/** Requests the first state; later changes come as events. A cell without a program refuses. */
 async function loadProgram(): Promise<void> {
   const now = await request('program').catch(() => null);
   if (now && !program.peek()) program.value = now as unknown as Json;
 }
 
-/** The newest alarm when this page came; -1 while that is not known. */
+/** The number of the newest alarm before this page connected; -1 while unknown. */
 let lastOld = -1;
 /**
- * The alarms of the connection before. The cell sends all of its alarms again after a connection; a process that
- * was started anew does not have these.
+ * The alarms before the last reconnection. The cell sends all its alarms again after a connection; a
+ * restarted process does not have these.
  */
 let alarmsBefore: Alarm[] = [];
 const isSame = (a: Alarm, b: Alarm) => a.number === b.number && a.time === b.time && a.what === b.what;
 
 type Event = Json & { event: string };
 const events: Record<string, (event: Event) => void> = {
-  // A cell that begins has a layout of its own: all that is known of the one before is asked for anew.
+  // A new cell sends its own layout. The page then requests everything again.
   layout: (e) => {
     takeLayout(new Layout(Number(e.id), e.fields as Field[]));
     plans.value = {};
@@ -254,7 +260,7 @@ const events: Record<string, (event: Event) => void> = {
   log: (e) => {
     const lines = e.lines as LogLine[];
     const last = log.value[log.value.length - 1]?.number ?? -1;
-    // After a reconnect the history comes again; a new cell counts from the beginning.
+    // After a reconnection the history is sent again. A new cell starts numbering from the beginning.
     const again = lines.length > 0 && lines[0]!.number <= last;
     const known = again && lines[lines.length - 1]!.number < last ? [] : log.value;
     log.value = [...known, ...lines.filter((line) => known.length === 0 || line.number > last)].slice(-kLogLines);
@@ -262,7 +268,7 @@ const events: Record<string, (event: Event) => void> = {
   alarm: (e) => {
     const alarm = readAlarm(e);
     if (alarms.value.some((each) => isSame(each, alarm))) return;
-    // Those from before this page came are listed, and announced where the cell stands for one of them.
+    // Alarms from before this page connected are listed. They are announced only if the cell does not run.
     const old = lastOld < 0 || alarm.number <= lastOld;
     const known = alarmsBefore.find((each) => isSame(each, alarm));
     alarm.seen = known?.seen || isByPerson(alarm.code) || (old && status.peek()?.state === 'running');
@@ -299,7 +305,7 @@ const events: Record<string, (event: Event) => void> = {
   },
 };
 
-/** More events for pages; those who asked before are told first. */
+/** Adds a handler for an event of a page. Handlers are called in the order in which they were added. */
 export function onEvent(name: string, take: (event: Json) => void): void {
   const before = events[name];
   events[name] = (event) => {
@@ -329,7 +335,7 @@ function changeLink(state: LinkState): void {
   asked.value = null;
   waiting.value = null;
   plans.value = {};
-  // What is not current is not shown.
+  // Old values are not shown.
   tags.value = {};
   program.value = null;
   pausing.value = false;

@@ -1,10 +1,10 @@
-/** Cycle times as the cell tells them, whatever this page has slept through. */
+/** Cycle times as the cell reports them, independent of what this page has missed. */
 import { computed, effect, signal } from '@preact/signals';
 import { status } from './cell';
 
-/** Of the newest whole pass, s; NaN before. */
+/** Duration of the last complete pass, s; NaN before the first. */
 export const lastCycle = computed(() => status.value?.program?.lastPass ?? NaN);
-/** Mean of the last few that this page has seen, s. */
+/** Mean of the last passes that this page has seen, s. */
 export const meanCycle = signal(NaN);
 
 const kKept = 20;

@@ -1,4 +1,4 @@
-/** How the loop, the hardware and the controllers are doing: asked for once a second while somebody looks. */
+/** The health of loop, hardware and controllers. Requested once a second while a component uses it. */
 import { effect, signal } from '@preact/signals';
 import type { Json } from '../wire/connection';
 import { type HealthNow, readHealth } from '../wire/health';
@@ -10,7 +10,7 @@ export interface Limit {
   claimed_by: string;
   limit: string;
   count: number;
-  /** Null: no number. */
+  /** Null: NaN or infinite. */
   asked: number | null;
   given: number | null;
   time_s: number;

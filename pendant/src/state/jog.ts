@@ -1,4 +1,7 @@
-/** The one motion by hand of this page, as signals; ended by everything that may mean that nobody holds the key any more. */
+/**
+ * The one manual motion of this page, as signals. It ends on every event after which the key may no longer be
+ * held.
+ */
 import { effect, signal } from '@preact/signals';
 import { Follower } from '../wire/follower';
 import { Jogger, type JogWire } from '../wire/jogger';
@@ -11,22 +14,22 @@ import { kept } from './settings';
 
 export type JogMode = 'joint' | 'base' | 'world' | 'tool' | 'user' | 'drive';
 
-/** Which key is held: `joint/2/+1`, `goto` …; empty when none. */
+/** The held key: `joint/2/+1`, `goto` …; empty if none. */
 export const heldKey = signal('');
-/** The key that is held and waits for steps of this page; empty: none. */
+/** The held key that waits until this page's steps are done; empty: none. */
 let waitsForSteps = '';
 export const heldBack = signal<{what: string; which: string}|null>(null);
 export const jogMode = kept<JogMode>('jogMode', 'joint');
 export const userFrame = kept<string>('userFrame', '');
-/** Share of the greatest jogging speed, percent. */
+/** Percent of the maximum jog speed. */
 export const jogSpeed = kept<number>('jogSpeed', 40);
-/** 0: as long as the key is held; else this step in mm and degrees. */
+/** 0: moves while the key is held; else the step in mm and degrees. */
 export const jogStep = kept<number>('jogStep', 0);
 
-/** A step of so many mm; turning takes at most 5°. */
+/** The angle of a step of this many mm; at most 5°. */
 export const stepDegrees = (step: number) => Math.min(step, 5);
 
-/** The arguments are the keys', made here and in the pages of Move. */
+/** The callers in this file and on the Move page choose the arguments. */
 const wire: JogWire = {
   request: (name, args) => request<'jog.begin' | 'jog.goto'>(name, args as Args<'jog.begin'>) as Promise<JogBegun>,
   tell: (name, args) => tell<'jog.beat' | 'jog.end'>(name, args),
@@ -59,7 +62,7 @@ export function jogArgs(axis: number | number[], direction: number): Json {
   };
 }
 
-/** A key goes down: a step, or motion until it goes up. */
+/** A key was pressed: makes a step, or moves until the key is released. */
 export function pressJog(axis: number, direction: 1 | -1): void {
   if (!mayMove.peek()) return;
   const key = `${jogMode.peek()}/${axis}/${direction}`;
@@ -79,7 +82,7 @@ export function pressJog(axis: number, direction: 1 | -1): void {
   });
 }
 
-/** A stick is pushed: `axis` are shares of the speed along and about x, y, z. */
+/** A stick was moved. `axis`: fractions of the speed along and about x, y, z. */
 export function pushJog(key: string, wish: number[]): void {
   const axis = jogMode.peek() === 'drive' ? [wish[0]!, wish[5]!] : wish;
   if (heldKey.peek() === key) return jogger.steer({ axis });
@@ -89,7 +92,7 @@ export function pushJog(key: string, wish: number[]): void {
   heldKey.value = key;
 }
 
-/** Goes where `jog.goto` says, by the way that the cell plans, as long as it is held. */
+/** Goes to the target of `jog.goto`, on the way that the cell plans, while the key is held. */
 export function pressGoTo(args: Json): void {
   if (!mayMove.peek()) return;
   release();
@@ -102,7 +105,7 @@ function followArgs(goal: Json): Json {
   return { robot: robot.peek()?.name ?? '', speed: jogSpeed.peek() / 100, ...goal };
 }
 
-/** The handle in the picture is held: the robot follows where it is dragged to. */
+/** The handle in the picture is held. The robot follows its target. */
 export function holdHandle(): void {
   if (!mayMove.peek()) return;
   release();
@@ -120,20 +123,23 @@ export function release(): void {
   follower.end();
 }
 
-/** Steps that were pressed and are not done yet. */
+/** Number of steps that were requested and are not done yet. */
 export const stepsToGo = signal(0);
 const kMostSteps = 20;
-/** Counts up when what waits is dropped. */
+/** Increases when waiting steps are dropped. */
 let round = 0;
 let last: Promise<void> = Promise.resolve();
 
-/** Each press counts: a step waits for those before it. What is refused, or let go of control, drops all that wait. */
+/**
+ * Every press counts: a step waits for those before it. A refused step, or the loss of control, drops all
+ * waiting steps.
+ */
 function step(axis: number, direction: number, key: string): void {
   if (stepsToGo.peek() >= kMostSteps) return toast({ kind: 'warning', text: t('move.queueFull', { most: kMostSteps }) });
   const joint = jogMode.peek() === 'joint';
   const turns = joint ? robot.peek()?.joints[axis]?.unit !== 'm' : axis >= 3;
   const amount = direction * (turns ? stepDegrees(jogStep.peek()) * (Math.PI / 180) : jogStep.peek() * 0.001);
-  // As it is asked for now, whatever is chosen meanwhile.
+  // The arguments at the time of the press; later changes of the settings do not apply.
   const { direction: _, ...args } = jogArgs(axis, direction) as Json & { direction: number };
   ++stepsToGo.value;
   const mine = round;
@@ -176,7 +182,7 @@ effect(() => {
     dropSteps();
   }
 });
-// A stop, whoever asks for it, ends what waits, too.
+// A stop by any client also drops the waiting steps.
 let stateBefore = '';
 effect(() => {
   const state = status.value?.state ?? '';

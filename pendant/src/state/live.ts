@@ -1,9 +1,12 @@
-/** The newest state frame. Pictures read it every animation frame; numbers on pages follow `beat`, ten times a second. */
+/**
+ * The newest state frame. Pictures read it in every animation frame; numbers on pages follow `beat`, ten
+ * times a second.
+ */
 import { signal } from '@preact/signals';
 import { type Frame, isLater, Layout } from '../wire/frames';
 
 export const layout = signal(new Layout(-1, []));
-/** Counts up at about 10 Hz while frames come: what shows numbers reads it and is drawn again. */
+/** Increases at about 10 Hz while frames arrive. Components that read it render again. */
 export const beat = signal(0);
 /** Cell time of the newest frame, s. */
 export const cellTime = signal(0);
@@ -35,25 +38,25 @@ export function newestFrame(): Frame | null {
   return newest;
 }
 
-/** Every frame as it comes, for plots and trails. Returns what ends it. */
+/** Calls the listener with every frame, for plots and trails. Returns a function that ends it. */
 export function onFrame(listener: Listener): () => void {
   listeners.add(listener);
   return () => listeners.delete(listener);
 }
 
-/** The newest value of a field; NaN where there is none. Inside a component it follows `beat`. */
+/** The newest value of a field; NaN if it does not exist. A component that calls it follows `beat`. */
 export function valueOf(name: string): number {
   beat.value;
   return valueNow(name);
 }
 
-/** The same without being drawn again. */
+/** The same without rendering again. */
 export function valueNow(name: string): number {
   const place = layout.peek().place(name);
   return place >= 0 && newest ? (newest.values[place] ?? NaN) : NaN;
 }
 
-/** A new connection counts frames from anew. */
+/** A new connection restarts the numbering of frames. */
 export function forgetFrames(): void {
   newest = null;
   beat.value++;

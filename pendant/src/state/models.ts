@@ -1,4 +1,4 @@
-/** What the pictures need, fetched once a connection: the robots' models and the scene. */
+/** The data of the pictures, loaded once per connection: the robots' models and the scene. */
 import { computed, effect, signal } from '@preact/signals';
 import type { Json } from '../wire/connection';
 import { readScene } from '../wire/read';
@@ -15,7 +15,7 @@ export const chains = computed<Record<string, Chain>>(() =>
 );
 export const chain = computed(() => chains.value[robot.value?.name ?? ''] ?? null);
 
-/** Points of the cell's data, in the world: each is a frame that a person may jog in. */
+/** Points of the cell's data, in the world. The user may jog in each of them as a frame. */
 export const frames = signal<({ name: string } & Pose)[]>([]);
 function loadFrames(): void {
   request('points').then(
@@ -39,7 +39,7 @@ effect(() => {
   void loadScene();
 });
 
-/** Again after the scene was reset or another one was opened. */
+/** Loads the scene again after it was reset or another one was opened. */
 export async function loadScene(): Promise<void> {
   const at = cell.peek()?.scene;
   if (!at) return;
@@ -50,7 +50,10 @@ export async function loadScene(): Promise<void> {
   }
 }
 
-/** Places of the robot's joints as they follow each other from base to TCP; those that do not lead there come last. */
+/**
+ * The indices of the robot's joints in the order from base to TCP. Joints that do not lead to the TCP come
+ * last.
+ */
 export function armOrder(info: RobotInfo): number[] {
   const way = chains.value[info.name]?.path().map((joint) => joint.name) ?? [];
   const rank = (i: number) => (way.includes(info.joints[i]!.name) ? way.indexOf(info.joints[i]!.name) : way.length + i);
@@ -64,7 +67,7 @@ const fields = computed(() => {
   return out;
 });
 
-/** Where the joints of a robot's model are now, by name; NaN for those that have no value. */
+/** The present joint values of a robot's model, by name; NaN if a joint has no value. */
 export function jointValues(robot: string): (joint: string) => number {
   const known = fields.value;
   return (joint) => valueNow(known.get(`${robot}/${joint}`) ?? '');
@@ -74,7 +77,10 @@ export function jointNow(robot: RobotInfo, index: number): number {
   return valueNow(`${robot.joints[index]?.interface ?? ''}/position`);
 }
 
-/** Where a base that drives is, as the frames tell it; null for one that is fixed. Everything else told of its robot is so as if it stood at `RobotInfo.base`. */
+/**
+ * The present pose of a mobile base from the frames; null for a fixed base. All other values of the robot are
+ * reported as if its base stood at `RobotInfo.base`.
+ */
 export function baseNow(robot: string): Pose | null {
   const of = (what: string) => valueNow(`${robot}/base/${what}`);
   const p: Pose['p'] = [of('position.x'), of('position.y'), of('position.z')];

@@ -5,18 +5,18 @@ import type { Vec3 } from '../wire/types';
 import { type Args, complain, connected, onEvent, request, type RequestName } from './cell';
 import { type NamedPose, pointsIn3d } from './preview';
 
-/** `pose` is in the point's own frame; `world`: where that is. */
+/** `pose` is in the point's own frame, `world` in the world. */
 export type DataValue = PointFacts;
 
 export const values = signal<DataValue[]>([]);
 export const pointsFile = signal('');
 export const dataFiles = signal<string[]>([]);
-/** False until the cell has told its data once. */
+/** False until the cell has sent its data once. */
 export const pointsKnown = signal(false);
 export const names = signal<KnownName[]>([]);
 
 export const isPlace = (kind: string) => kind === 'pose' || kind === 'joints';
-/** The TCP of a tool, a pose on the flange: no place to go to. */
+/** True for the TCP of a tool: a pose on the flange, which is not a place to move to. */
 export const isTool = (value: DataValue) => value.kind === 'pose' && value.taught?.frame === 'tool0';
 export const places = computed(() => values.value.filter((each) => isPlace(each.kind) && !isTool(each)));
 export const frameNames = computed(() => values.value.filter((each) => each.kind === 'pose' && !isTool(each)).map((each) => each.name));
@@ -44,8 +44,12 @@ export async function loadNames(): Promise<void> {
   }
 }
 
-/** Loads both now, and again whenever the cell says that they have changed. Returns what ends that. */
+/** Number of components that use followPoints(). */
 let users = 0;
+/**
+ * Loads points and names now, and again whenever the cell reports a change. Returns a function that ends
+ * this.
+ */
 export function followPoints(): () => void {
   ++users;
   const end = effect(() => {
@@ -73,13 +77,13 @@ export interface TeachWish {
   group?: string;
   replace?: boolean;
 }
-/** What went wrong is thrown. */
+/** Teaches a point. Throws the error of a refused request. */
 export async function teach(wish: TeachWish): Promise<void> {
   await request('points.teach', { ...wish });
   await Promise.all([loadPoints(), loadNames()]);
 }
 
-/** Change of any kind; says what was refused. */
+/** Sends any change of points, and shows an error. Returns true on success. */
 export async function changePoints<Name extends RequestName>(name: Name, args: Args<Name>): Promise<boolean> {
   try {
     await request<RequestName>(name, args);
@@ -91,7 +95,7 @@ export async function changePoints<Name extends RequestName>(name: Name, args: A
   }
 }
 
-/** May it be a name in a program and a data file? */
+/** True if the text may be a name in a program and a data file. */
 export function goodName(name: string): boolean {
   return /^[A-Za-z_]\w*$/.test(name) && !/^(and|or|not|mod|true|false)$/i.test(name);
 }

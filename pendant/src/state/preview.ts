@@ -1,4 +1,4 @@
-/** What pages lay into the robot's picture: points of a list, paths and problems of a dry run. */
+/** Data that pages add to the robot's picture: points of a list, paths and problems of a dry run. */
 import { signal } from '@preact/signals';
 import type { Pose, Vec3 } from '../wire/types';
 
@@ -20,7 +20,7 @@ export interface DryProblem {
 
 /** Poses in the world that are drawn as small frames with their names. */
 export const pointsIn3d = signal<NamedPose[]>([]);
-/** Those of them that are chosen on the page. */
+/** The names of those that are selected on the page. */
 export const chosenPoints = signal<string[]>([]);
 export const dryPaths = signal<DryPath[]>([]);
 export const problemsIn3d = signal<DryProblem[]>([]);

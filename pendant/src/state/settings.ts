@@ -1,16 +1,16 @@
-/** What this browser remembers: nothing of the cell, only how it is looked at. */
+/** Settings that this browser stores: how the page looks, never the cell itself. */
 import { effect, signal, type Signal } from '@preact/signals';
 
 const kPrefix = 'polyarm.';
 
-/** A signal that is kept in this browser. */
+/** A signal whose value this browser stores. */
 export function kept<T>(name: string, fallback: T): Signal<T> {
   let first = fallback;
   try {
     const text = localStorage.getItem(kPrefix + name);
     if (text !== null) first = JSON.parse(text) as T;
   } catch {
-    // No storage, or nonsense in it: the fallback holds.
+    // No storage or invalid content: the fallback applies.
   }
   const out = signal(first);
   effect(() => {
@@ -18,7 +18,7 @@ export function kept<T>(name: string, fallback: T): Signal<T> {
     try {
       localStorage.setItem(kPrefix + name, text);
     } catch {
-      // A private window may refuse; the page works without.
+      // The storage of a private window may be disabled; the page works without it.
     }
   });
   return out;

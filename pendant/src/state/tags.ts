@@ -1,4 +1,7 @@
-/** Tags with all that is known of them: what stands still is asked for, values come as events. Forces and simulations of this page. */
+/**
+ * Tags with all their properties: constant properties are requested, values come as events. Also the forces
+ * and simulations of this page.
+ */
 import { effect, signal } from '@preact/signals';
 import type { LinkState, TagState } from '../wire/requests';
 import { complain, connected, request, stream, tags } from './cell';
@@ -13,7 +16,7 @@ export async function loadTags(): Promise<void> {
   try {
     const answer = await request('tags.list');
     let all = answer.tags;
-    // Variables of data, which the list of tags leaves out, are tags of the events.
+    // Data variables are missing in the list of tags, but come as tags in events.
     const others = Object.keys(tags.peek()).filter((name) => !all.some((each) => each.name === name));
     if (others.length) all = [...all, ...(await request('tags.list', { names: others })).tags];
     tagInfos.value = all;
@@ -37,7 +40,7 @@ export function followTags(): () => void {
   };
 }
 
-/** What is known now: the event's values over the list's. */
+/** The present properties: values of the event replace those of the list. */
 export function tagNow(info: TagState): TagState {
   const live = tags.value[info.name];
   if (!live) return info;
@@ -56,10 +59,10 @@ export async function setTag(name: string, value: unknown): Promise<boolean> {
   }
 }
 
-// --- forces: they last as long as this page asks for them
+// --- forces: they last while this page renews them
 
 const forces = new Map<string, () => void>();
-/** Names that this page forces. */
+/** Names of the tags that this page forces. */
 export const forcedHere = signal<string[]>([]);
 
 export async function forceTag(name: string, value: unknown): Promise<void> {

@@ -12,7 +12,7 @@ const kMost = 4;
 const kShownMs = { ok: 3500, info: 5000, warning: 7000, error: 12_000 };
 let next = 1;
 
-/** Says something for some seconds; the same again is not stacked up. */
+/** Shows a message for some seconds. An identical message is not shown twice. */
 export function toast(what: Omit<Toast, 'id'>): void {
   const same = toasts.value.find((each) => each.text === what.text && each.kind === what.kind);
   const id = same?.id ?? next++;

@@ -1,13 +1,13 @@
 /**
- * What a person can do now. Bar, strip, Run, Program and Move draw their keys from this and from nothing
- * else. Pure.
+ * The actions that are possible now. Bar, strip, Run, Program and Move draw their keys only from this. No
+ * side effects.
  */
 import type {Key} from '../i18n';
 import type {Status, Why} from '../wire/types';
 
 /**
- * '' where it can be done; else why not, for the text below the key: a text of the page, or what the cell
- * says.
+ * '' if the action is possible; else the reason, for the text below the key: a text of the page, or the
+ * cell's reason.
  */
 export type Blocked = ''|Key|Why;
 export const canBe = (blocked: Blocked): boolean => blocked === '';
@@ -15,36 +15,36 @@ export const canBe = (blocked: Blocked): boolean => blocked === '';
 export type Next = 'pause'|'resume'|'recover'|'arm'|'activate';
 
 export interface Ways {
-  /** The one key at the right of the bar: what leads on from here. */
+  /** The main key at the right of the bar: the next step from the present state. */
   next: Next;
-  /** For that key. */
+  /** The reason for that key. */
   nextBlocked: Blocked;
-  /** Beside Activate: what is held may go on without the device. Null: it is not held. */
+  /** Beside Activate: a held motion may continue without the device. Null: no motion is held. */
   resumesToo: Blocked|null;
   /**
-   * Beside Resume: forget the rest of the motion, or what moved the robot meanwhile. Null: there is nothing
-   * to forget.
+   * Beside Resume: forget the rest of the motion, or accept a displacement of the robot. Null: there is
+   * nothing to forget.
    */
   discard: Blocked|null;
-  /** Which of both discard is about. */
+  /** Which of the two `discard` applies to. */
   discards: 'motion'|'push';
   back: Blocked;
   start: Blocked;
   step: Blocked;
-  /** Into and out of calls: of a paused program alone. */
+  /** Steps into and out of calls; only while the program is paused. */
   stepInto: Blocked;
   end: Blocked;
-  /** A program is under way: begun and not ended. Its keys are shown in place of Start. */
+  /** A program is running: started and not ended. Its keys replace Start. */
   going: boolean;
-  /** Of each robot. */
+  /** For each robot. */
   jog: (robot: string) => Blocked;
 }
 
 export interface Seen {
   status: Status|null;
-  /** Connected, and this page has control. */
+  /** The page is connected and has control. */
   mayMove: boolean;
-  /** A pause or step was asked for and is not there yet. */
+  /** A pause or step was requested and has not happened yet. */
   pausing: boolean;
 }
 
@@ -57,13 +57,13 @@ export function waysOf({status, mayMove, pausing}: Seen): Ways {
   const unarmed = !!now && !now.simulated && !now.armed;
   const cannot = now?.cannot ?? {};
   const none: Blocked = !now ? 'why.offline' : state === 'no cell' ? 'why.noCell' : '';
-  /** The first reason there is; who has no control cannot do it in any state. */
+  /** The first reason. Without control nothing is possible in any state. */
   const blocked = (...reasons: (Blocked|null|undefined|false)[]): Blocked =>
       none || (mayMove ? reasons.find((each): each is Blocked => !!each) || '' : 'why.control');
 
   const runs = state === 'running';
   const paused = going && program.paused;
-  /** Something is there to be paused, whatever else is wanting. */
+  /** Something can be paused, whatever else is missing. */
   const goesOn = runs && (now!.moving || (going && !paused));
   const wanting = (held || runs) && !goesOn;
   const next: Next = state === 'fault'    ? 'recover' :
@@ -79,8 +79,8 @@ export function waysOf({status, mayMove, pausing}: Seen): Ways {
   const pushed = cannot.resume?.code === 'moved-while-held';
   const forgets = held && !now!.moving && (now!.motionLeft || pushed);
   const statement = program && cannot.program;
-  // A held program goes on with its step: what holds the cell is no reason against it, what hinders Resume
-  // is.
+  // A held program resumes with its step. So the cause of the hold does not block the step; what blocks
+  // Resume does.
   const against = held ? (cannot.resume ?? (unarmed && 'why.armFirst')) : statement;
   const step = blocked(!going && 'why.noProgram', pausing && 'state.pausing', against);
   return {

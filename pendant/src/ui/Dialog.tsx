@@ -6,18 +6,20 @@ import { Button, type Tone } from './controls';
 
 interface DialogProps {
   title: string;
-  /** Undefined where it must be answered. */
+  /** Undefined if the dialog must be answered. */
   onClose?: () => void;
   actions?: ComponentChildren;
   wide?: boolean;
-  /** At the side, over the page's edge, rather than in its middle. */
+  /** Shown at the side of the page instead of in its middle. */
   side?: boolean;
-  /** What is behind stays clear to be seen. */
+  /** The page behind is not dimmed. */
   clear?: boolean;
   children?: ComponentChildren;
 }
 
-/** A modal dialog: the page behind is inert but for Stop, which is shown in it, too (see StopButton). */
+/**
+ * A modal dialog. The page behind it is inert except for Stop, which the dialog shows too (see StopButton).
+ */
 export function Dialog({ title, onClose, actions, wide, side, clear, children }: DialogProps) {
   const id = useId();
   const box = useRef<HTMLDivElement>(null);
@@ -60,7 +62,7 @@ export function Dialog({ title, onClose, actions, wide, side, clear, children }:
   );
 }
 
-/** Tab goes round inside the dialog and on to Stop, which stays reachable. */
+/** Tab cycles through the dialog's elements and Stop, which stays reachable. */
 function keepInside(event: KeyboardEvent, box: HTMLElement | null): void {
   if (!box) return;
   const all = [
@@ -79,11 +81,11 @@ export interface Question {
   action: string;
   tone?: Tone;
   onYes: () => void;
-  /** Reads signals; once it is false the question makes no sense any more, and closes. */
+  /** Reads signals. When it becomes false, the question is obsolete and the dialog closes. */
   still?: () => boolean;
 }
 
-/** A question with one way to say yes; closing it says no. */
+/** A question with one positive answer; closing it means no. */
 export function Confirm({ question, onClose }: { question: Question; onClose: () => void }) {
   useSignalEffect(() => {
     if (question.still && !question.still()) onClose();

@@ -1,4 +1,4 @@
-/** Drawn for this page, 24 × 24, in the colour of the text. */
+/** Icons of this page, 24 × 24, in the colour of the text. */
 const shapes = {
   run: 'M7 4.500v15l12-7.500z',
   pause: 'M8 5v14M16 5v14',

@@ -1,4 +1,4 @@
-/** Dialogs from anywhere: `ask(…)` shows a question over the page; `open(…)` any dialog. */
+/** Opens dialogs from anywhere: `ask(…)` a question, `open(…)` any dialog. */
 import { signal } from '@preact/signals';
 import type { ComponentChildren } from 'preact';
 import { Confirm, type Question } from './Dialog';

@@ -1,4 +1,7 @@
-/** Buttons and fields that every page uses. Labels are always text for a screen reader, targets at least 44 px. */
+/**
+ * Buttons and fields of all pages. Labels are always available as text for screen readers; targets are at
+ * least 44 px.
+ */
 import type { ComponentChildren } from 'preact';
 import { useId, useState } from 'preact/hooks';
 import { t } from '../i18n';
@@ -9,13 +12,13 @@ export type Tone = 'plain' | 'primary' | 'good' | 'warn' | 'danger' | 'quiet';
 interface ButtonProps {
   label: string;
   icon?: IconName;
-  /** Only the picture is shown; the label is still read out, as it is where a narrow page hides it. */
+  /** Shows only the icon. The label is still read out, also where a narrow page hides it. */
   bare?: boolean;
   tone?: Tone;
   big?: boolean;
   pressed?: boolean;
   disabled?: boolean;
-  /** Why it is disabled, or what it does: shown as a tip and read out. */
+  /** Why it is disabled, or what it does. Shown as a tooltip and read out. */
   title?: string;
   badge?: number;
   class?: string;
@@ -49,7 +52,7 @@ interface SegmentedProps<T extends string> {
   onChange: (value: T) => void;
 }
 
-/** One of a few, side by side. */
+/** A choice of a few options, side by side. */
 export function Segmented<T extends string>({ label, value, options, disabled, onChange }: SegmentedProps<T>) {
   const name = useId();
   return (
@@ -79,9 +82,9 @@ interface SliderProps {
   step?: number;
   unit?: string;
   disabled?: boolean;
-  /** While it is dragged. */
+  /** Called while the slider is dragged. */
   onInput?: (value: number) => void;
-  /** Once it is let go of. */
+  /** Called when the slider is released. */
   onChange?: (value: number) => void;
   shown?: string;
   hideLabel?: boolean;
@@ -219,7 +222,7 @@ export function Select(props: {
   );
 }
 
-/** A titled surface on a page. */
+/** A titled card on a page. */
 export function Card(props: { title?: string; actions?: ComponentChildren; class?: string; children: ComponentChildren }) {
   const id = useId();
   return (
@@ -235,7 +238,7 @@ export function Card(props: { title?: string; actions?: ComponentChildren; class
   );
 }
 
-/** What a page shows where there is nothing. */
+/** Shown where a page has no content. */
 export function Empty({ icon, text, children }: { icon: IconName; text: string; children?: ComponentChildren }) {
   return (
     <div class="empty">

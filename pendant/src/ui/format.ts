@@ -1,4 +1,4 @@
-/** Numbers as an operator reads them. The wire is SI; pages show mm, degrees, s. */
+/** Formats numbers for operators. The wire uses SI units; pages show mm, degrees and s. */
 import { number } from '../i18n';
 import { settings } from '../state/settings';
 
@@ -11,17 +11,17 @@ export function angle(rad: number, digits = 1): string {
 }
 export const angleUnit = () => (settings.degrees.value ? '°' : 'rad');
 
-/** A joint's value with its unit as the settings want it. */
+/** A joint's value with its unit, as chosen in the settings. */
 export function jointText(value: number, unit: string, digits = 1): string {
   return unit === 'm' ? `${mm(value, digits)} mm` : `${angle(value, digits)} ${angleUnit()}`;
 }
 
-/** As `shoulder_pan_joint` is read: “shoulder pan”. */
+/** A readable name: “shoulder pan” for `shoulder_pan_joint`. */
 export function jointTitle(name: string): string {
   return name.replace(/[_-]?joint[_-]?/gi, ' ').replace(/[_-]/g, ' ').trim() || name;
 }
 
-/** Seconds as 12.3 s, or 4:05 from a minute on, or 1:02:03. */
+/** Seconds as 12.3 s, as 4:05 from a minute on, or as 1:02:03. */
 export function duration(seconds: number): string {
   if (!Number.isFinite(seconds)) return '–';
   if (seconds < 60) return `${number(seconds, 1)} s`;
@@ -32,14 +32,17 @@ export function duration(seconds: number): string {
   return h > 0 ? `${h}:${pad(m)}:${pad(whole % 60)}` : `${m}:${pad(whole % 60)}`;
 }
 
-/** Cell time (s since it began) as 00:01:23.4, in the language's way of writing. */
+/** Cell time (s since it began) as 00:01:23.4, in the number format of the language. */
 export function clockTime(seconds: number): string {
   const pad = (n: number) => String(Math.floor(n)).padStart(2, '0');
   const rest = number(seconds % 60, 1).padStart(4, '0');
   return `${pad(seconds / 3600)}:${pad((seconds % 3600) / 60)}:${rest}`;
 }
 
-/** What a unit of the wire is shown in, and how many of that it is: mm for m, degrees for rad where those are chosen. */
+/**
+ * The unit of display for a unit of the wire, and the factor: mm for m; degrees for rad if degrees are
+ * chosen.
+ */
 export function shownIn(unit: string): { unit: string; factor: number } {
   const found = /^(rad|m)(\/s2?)?$/.exec(unit);
   if (!found || (found[1] === 'rad' && !settings.degrees.value)) return { unit, factor: 1 };
@@ -47,12 +50,12 @@ export function shownIn(unit: string): { unit: string; factor: number } {
   return found[1] === 'm' ? { unit: `mm${rate}`, factor: kMm } : { unit: `°${rate}`, factor: kDeg };
 }
 
-/** A value of a program with no more digits than are read: 0.68 for 0.6799999999999999. Texts stay as they are. */
+/** A program value with fewer digits: 0.68 for 0.6799999999999999. Texts do not change. */
 export function shortened(value: string): string {
   return value.replace(/"(?:[^"\\]|\\.)*"|(?<![\w.])-?\d+\.\d{5,}(?:e[-+]?\d+)?/g, (found) => (found.startsWith('"') ? found : String(Number(Number(found).toPrecision(6)))));
 }
 
-/** As few decimals as tell steps of so much apart. */
+/** The number of decimals that distinguishes steps of this size. */
 export function decimalsOf(step: number): number {
   for (let digits = 0; digits < 9; ++digits) {
     const scaled = step * 10 ** digits;

@@ -1,4 +1,6 @@
-/** Without WebGL: the robot as sticks, from the side and from above, with what stands around it. */
+/**
+ * The picture without WebGL: the robot as lines, from the side and from above, with the objects around it.
+ */
 import { useEffect, useRef } from 'preact/hooks';
 import { t } from '../i18n';
 import { cell, parts } from '../state/cell';
@@ -20,7 +22,7 @@ const sides: Side[] = [
 
 export function FlatView() {
   const canvas = useRef<HTMLCanvasElement>(null);
-  // Drawn again with the beat and whatever else it shows.
+  // Renders again with the beat and with the other signals that it reads.
   beat.value;
   const now = [cell.value, chains.value, scene.value, parts.value, darkNow.value];
   useEffect(() => {
@@ -88,7 +90,7 @@ function robots(): [Vec3, Vec3][] {
   return out;
 }
 
-/** The outlines of things as seen: their boxes, corner by corner. */
+/** The visible outlines of objects: their bounding boxes, corner by corner. */
 function boxes(): Vec3[][] {
   const out: Vec3[][] = [];
   for (const thing of scene.peek()?.things ?? []) {

@@ -1,4 +1,4 @@
-/** The robot's picture on a page: in 3D where there is WebGL, as sticks where there is none. */
+/** The robot's picture on a page: in 3D with WebGL, else as lines. */
 import { computed, effect, signal } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../i18n';
@@ -14,7 +14,7 @@ import type { CellPicture, Ghost, Handle, Layers } from './picture';
 import type { ViewName } from './stage';
 import './view.css';
 
-/** Shown over the plan that the cell tells: what a page previews. */
+/** A page's preview, shown instead of the plan from the cell. */
 export const preview = signal<{ robot: string; path: Vec3[]; joints: Record<string, number> | null } | null>(null);
 export const handle = signal<Handle | null>(null);
 const layers = kept<Layers>('layers', { trail: true, plan: true, frames: false, zones: true });
@@ -27,7 +27,7 @@ function webgl(): boolean {
   }
 }
 const canDraw = webgl();
-/** As texts tell them apart: a status without news draws nothing. */
+/** Compared as text, so that a status without changes redraws nothing. */
 const told = computed(() => JSON.stringify((status.value?.contacts.list ?? []).filter((each) => each.now)));
 const touching = computed(() => JSON.parse(told.value) as Touch[]);
 
@@ -84,7 +84,7 @@ function Picture({ onFail }: { onFail: () => void }) {
   );
 }
 
-/** Ties the picture to the signals and the frames; gives back what unties it. */
+/** Connects the picture to the signals and the frames. Returns the functions that disconnect it. */
 function follow(picture: CellPicture): (() => void)[] {
   const update = () => {
     picture.updateMovers(valueNow);
@@ -137,7 +137,7 @@ function showPlans(picture: CellPicture): void {
   }
 }
 
-/** A target as joints by name; the cell may tell them in the order of the robot's joints. */
+/** A target as joint values by name. The cell may send them as a list in the order of the robot's joints. */
 function ghostOf(name: string, joints: number[] | Record<string, number> | undefined): Ghost | null {
   if (!joints) return null;
   if (!Array.isArray(joints)) return { robot: name, joints };

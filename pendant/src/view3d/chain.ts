@@ -1,4 +1,7 @@
-/** The robot's tree as numbers: where links and joint axes are. For the flat picture, previews and singularities; no WebGL. */
+/**
+ * Kinematics of the robot: poses of links and joint axes. For the flat picture, previews and singularities;
+ * no WebGL.
+ */
 import type { ModelJoint, Pose, Quat, RobotModel, Vec3 } from '../wire/types';
 
 export const kIdentity: Quat = [0, 0, 0, 1];
@@ -28,7 +31,7 @@ export function aboutAxis([x, y, z]: Vec3, angle: number): Quat {
   return [x * s, y * s, z * s, Math.cos(angle / 2)];
 }
 
-/** Maps `b`, which is given in `a`, to where `a` is given. */
+/** T_ac = T_ab · T_bc: maps `b`, which is given in frame `a`, to the frame in which `a` is given. */
 export function compose(a: Pose, b: Pose): Pose {
   const p = rotate(a.q, b.p);
   return { p: [a.p[0] + p[0], a.p[1] + p[1], a.p[2] + p[2]], q: multiply(a.q, b.q) };
@@ -40,7 +43,7 @@ export function inverse(a: Pose): Pose {
   return { p: [-p[0], -p[1], -p[2]], q };
 }
 
-/** Roll, pitch, yaw (rad) of a rotation: turned about x, then y, then z of the fixed frame. */
+/** Roll, pitch, yaw (rad) of a rotation: about x, then y, then z of the fixed frame. */
 export function rollPitchYaw([x, y, z, w]: Quat): Vec3 {
   const pitch = Math.asin(Math.max(-1, Math.min(1, 2 * (w * y - z * x))));
   if (Math.abs(Math.abs(pitch) - Math.PI / 2) < 1e-6) return [2 * Math.atan2(x, w), pitch, 0];
@@ -70,7 +73,7 @@ export function valueOfJoint(joint: ModelJoint, values: (name: string) => number
 }
 
 export interface Solved {
-  /** Every link in the frame of the root. */
+  /** The pose of every link in the frame of the root. */
   links: Map<string, Pose>;
   tcp: Pose;
 }
@@ -113,7 +116,7 @@ export class Chain {
     return out;
   }
 
-  /** Lines from link to link, for a robot that is drawn as sticks. */
+  /** Lines from link to link, for a robot that is drawn as lines. */
   segments(solved: Solved): [Vec3, Vec3][] {
     const out: [Vec3, Vec3][] = [];
     for (const joint of this.order) {
@@ -126,7 +129,10 @@ export class Chain {
     return out;
   }
 
-  /** The joints that move the TCP, and for each the twist (rotation vector and velocity, root frame) that its unit of speed gives. */
+  /**
+   * The joints that move the TCP, and the columns of the Jacobian: the TCP's linear and angular velocity per
+   * unit of joint speed, in the root frame.
+   */
   private columns(solved: Solved): { moving: ModelJoint[]; linear: Vec3[]; angular: Vec3[] } {
     const moving = this.path().filter((joint) => joint.type !== 'fixed' && !joint.mimic);
     const linear: Vec3[] = [];
@@ -144,8 +150,9 @@ export class Chain {
   }
 
   /**
-   * How slowly the TCP can be moved in the direction that it likes least: the smallest singular value of the Jacobian,
-   * lengths taken relative to the reach. 0 in a singularity. NaN for arms with fewer than six joints, which have such directions always.
+   * The smallest singular value of the Jacobian, with lengths relative to the reach: how fast the TCP can
+   * move in its slowest direction. 0 at a singularity. NaN for arms with fewer than six joints, which always
+   * have such directions.
    */
   smallestGain(values: (name: string) => number): number {
     const { moving, linear, angular } = this.columns(this.solve(values));
@@ -160,7 +167,7 @@ export class Chain {
   }
 }
 
-/** Of a symmetric matrix, by Jacobi's rotations. Changes `m`. */
+/** The smallest eigenvalue of a symmetric matrix, by Jacobi's rotations. Changes `m`. */
 export function smallestEigenvalue(m: number[][]): number {
   const n = m.length;
   for (let sweep = 0; sweep < 24; ++sweep) {
@@ -192,7 +199,7 @@ export function smallestEigenvalue(m: number[][]): number {
   return Math.min(...m.map((row, i) => row[i]!));
 }
 
-/** The sum of the columns' outer products. */
+/** The sum of the outer products of the columns. */
 function gram(columns: number[][]): number[][] {
   return Array.from({ length: 6 }, (_, r) =>
     Array.from({ length: 6 }, (_, c) => columns.reduce((sum, column) => sum + column[r]! * column[c]!, 0)),

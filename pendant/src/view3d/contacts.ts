@@ -1,4 +1,4 @@
-/** What touches what it should not: both bodies in red, and a mark between them that says the pair and how deep. */
+/** Unexpected contacts: both bodies in red, and between them a mark with their names and the depth. */
 import * as THREE from 'three';
 
 import {number, t} from '../i18n';
@@ -15,7 +15,7 @@ export class Contacts {
   private readonly painted = new Map<THREE.Mesh, THREE.Material | THREE.Material[]>();
   private readonly look = new THREE.MeshStandardMaterial({ color: kRed, emissive: 0x5a0a0e, roughness: 0.5 });
 
-  /** `bodies`: what there is by the names that contacts use, `arm/forearm_link` or `table`. */
+  /** `bodies`: all bodies by the names that contacts use, `arm/forearm_link` or `table`. */
   show(touches: readonly Touch[], bodies: ReadonlyMap<string, THREE.Object3D>): void {
     for (const [mesh, material] of this.painted) mesh.material = material;
     this.painted.clear();
@@ -31,7 +31,7 @@ export class Contacts {
     for (const material of this.painted.values()) for (const each of [material].flat()) each.dispose();
   }
 
-  /** The meshes of a body, and not those of bodies that hang on it by a joint. */
+  /** Paints the meshes of a body, but not those of bodies that a joint connects to it. */
   private paint(body: THREE.Object3D | undefined): void {
     if (!body) return;
     const open = [body];

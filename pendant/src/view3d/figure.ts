@@ -1,4 +1,4 @@
-/** A robot as three's objects: links hang on joints, joints are turned by name. */
+/** A robot as three.js objects: links are children of joints, and joints are moved by name. */
 import * as THREE from 'three';
 import type { ModelJoint, RobotModel, Visual } from '../wire/types';
 import { jointPose, valueOfJoint } from './chain';
@@ -9,7 +9,7 @@ interface Turned {
   object: THREE.Object3D;
   value: number;
 }
-/** Less is not seen; rad, m. */
+/** Smaller changes are not visible; rad, m. */
 const kSeen = 1e-5;
 
 export class RobotFigure {
@@ -46,7 +46,7 @@ export class RobotFigure {
     this.addTool(ready);
   }
 
-  /** The tool's shapes stand in the frame of its link or of the TCP's. */
+  /** Adds the tool's shapes in the frame of their link or of the TCP's link. */
   private addTool(ready: () => void): void {
     const tool = this.model.tool as { visuals?: Visual[]; link?: string } | undefined;
     if (!tool?.visuals) return;
@@ -54,7 +54,7 @@ export class RobotFigure {
     for (const visual of tool.visuals) on.add(shape(visual, ready));
   }
 
-  /** True where that is seen. */
+  /** Returns true if the change is visible. */
   setJoints(values: (name: string) => number): boolean {
     let seen = false;
     for (const turned of this.turned) {
@@ -67,7 +67,7 @@ export class RobotFigure {
     return seen;
   }
 
-  /** Every mesh of it in one look; for the ghost. */
+  /** Gives every mesh of the robot the same material; for the ghost. */
   paint(look: THREE.Material): void {
     this.root.traverse((each) => {
       if (!(each instanceof THREE.Mesh)) return;

@@ -1,8 +1,8 @@
-/** Meshes as GLB: each file is fetched once; a link takes its node of it. */
+/** Loads meshes as GLB. Each file is loaded once; each link takes its node of it. */
 import * as THREE from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 
-/** What the files held, whose geometry all copies share. */
+/** The contents of the files. All copies share their geometry. */
 export const readFiles = new Set<THREE.Object3D>();
 const files = new Map<string, Promise<THREE.Object3D | null>>();
 
@@ -29,7 +29,7 @@ function file(address: string): Promise<THREE.Object3D | null> {
   return out;
 }
 
-/** A copy of a node (or all) of the file; it shares geometry with the others. */
+/** A copy of a node (or of everything) of the file. Copies share geometry. */
 export async function meshNode(address: string, node?: string): Promise<THREE.Object3D | null> {
   const all = await file(address);
   if (!all) return null;
@@ -37,7 +37,7 @@ export async function meshNode(address: string, node?: string): Promise<THREE.Ob
   return wanted?.clone(true) ?? null;
 }
 
-/** GLTFLoader makes names fit for its animations and keeps the first one aside. */
+/** Finds a node by its original name, which GLTFLoader sanitises for its animations and keeps in userData. */
 function findNode(all: THREE.Object3D, name: string): THREE.Object3D | null {
   let found: THREE.Object3D | null = null;
   const fitted = THREE.PropertyBinding.sanitizeNodeName(name);

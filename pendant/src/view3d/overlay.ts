@@ -1,4 +1,4 @@
-/** What pages lay into the picture: named points, paths and problems of a dry run. */
+/** Objects that pages add to the picture: named points, paths and problems of a dry run. */
 import * as THREE from 'three';
 import type { DryPath, DryProblem, NamedPose } from '../state/preview';
 import { axes, place } from './shapes';
@@ -44,7 +44,7 @@ export class Overlay {
   }
 }
 
-/** Takes everything out and gives its memory back. */
+/** Removes all objects and frees their memory. */
 export function empty(group: THREE.Group): void {
   group.traverse((each) => {
     if (each instanceof THREE.Mesh || each instanceof THREE.Line) {
@@ -59,7 +59,7 @@ export function empty(group: THREE.Group): void {
   group.clear();
 }
 
-/** A name that always faces whoever looks, as large on the screen from near and far. */
+/** A text that always faces the camera and has the same size on the screen at every distance. */
 export function label(text: string, strong: boolean, color = strong ? `#${kChosen.toString(16)}` : '#ffffff'): THREE.Sprite {
   const canvas = document.createElement('canvas');
   const pen = canvas.getContext('2d')!;

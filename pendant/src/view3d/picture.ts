@@ -1,4 +1,4 @@
-/** The cell in 3D: robots, scene, parts, frames, trail, plan, ghost, and the handle that the TCP is dragged by. */
+/** The cell in 3D: robots, scene, parts, frames, trail, plan, ghost, and the handle to drag the TCP. */
 import * as THREE from 'three';
 import { TransformControls } from 'three/examples/jsm/controls/TransformControls.js';
 import type { PartPose, Plan, Pose, RobotInfo, RobotModel, SceneInfo, SceneThing, Touch, Vec3 } from '../wire/types';
@@ -38,7 +38,7 @@ function stands(object: THREE.Object3D, { p, q }: Pose): boolean {
   return position.x === p[0] && position.y === p[1] && position.z === p[2] && quaternion.equals(new THREE.Quaternion(...q));
 }
 
-/** About how wide a robot's foot is, m. */
+/** The approximate width of a robot's foot, m. */
 function footOf(model: RobotModel): number {
   const way = model.joints.reduce((sum, joint) => sum + Math.hypot(...joint.origin.p), 0);
   return Math.min(0.5, Math.max(0.05, 0.06 * way + 0.02));
@@ -48,7 +48,10 @@ export class CellPicture {
   readonly stage: Stage;
   private readonly robots = new Map<string, RobotFigure>();
   private readonly ghosts = new Map<string, RobotFigure>();
-  /** Of each robot: the world as it was when its base stood at `base`. What its program and its points mean goes with the base. */
+  /**
+   * For each robot: the world as it was when its base was at `base`. The robot's program and points refer to
+   * it, so it moves with the base.
+   */
   private readonly grounds = new Map<string, { group: THREE.Group; base: Pose }>();
   private readonly things = new THREE.Group();
   private readonly zones = new THREE.Group();
@@ -63,16 +66,19 @@ export class CellPicture {
     color: 0x3d8bff,
     transparent: true,
     opacity: 0.34,
-    // Only its front is seen, not the housings within.
+    // Shows only its front surface, not the housings inside.
     depthWrite: true,
     roughness: 0.6,
-    // Behind what stands at the same place, so that both do not flicker.
+    // Drawn slightly behind objects at the same place, so that the two do not flicker.
     polygonOffset: true,
     polygonOffsetFactor: 2,
     polygonOffsetUnits: 8,
   });
   private readonly redraw = () => this.stage.redraw();
-  /** Meshes come later than what they belong to: the view takes them in as long as nobody has turned it. */
+  /**
+   * Meshes load later than the objects that they belong to. Fits the view to them unless the user has changed
+   * it.
+   */
   private readonly come = () => {
     if (this.framed && !this.stage.touched) this.fit(this.stage.view);
     this.redraw();
@@ -152,7 +158,7 @@ export class CellPicture {
     this.redraw();
   }
 
-  /** Points of a page's list; those that are chosen stand out. */
+  /** Shows points of a page's list and highlights the selected ones. */
   setPoints(points: readonly NamedPose[], chosen: readonly string[]): void {
     this.overlay.setPoints(points, chosen);
     this.redraw();
@@ -163,7 +169,7 @@ export class CellPicture {
     this.redraw();
   }
 
-  /** What touches what it should not: a red mark with pair and depth, and both bodies in red. */
+  /** Shows unexpected contacts: a red mark with names and depth, and both bodies in red. */
   setContacts(touches: readonly Touch[]): void {
     const bodies = new Map<string, THREE.Object3D>();
     for (const group of [this.things, this.zones]) for (const each of group.children) bodies.set(each.name, each);
@@ -172,7 +178,7 @@ export class CellPicture {
     this.redraw();
   }
 
-  /** Frames that have names. */
+  /** Shows named frames. */
   setFrames(frames: ({ name: string } & Pose)[]): void {
     dispose(this.frames);
     this.frames.clear();
@@ -185,7 +191,7 @@ export class CellPicture {
     this.redraw();
   }
 
-  /** The robot whose points, frames and dry runs are laid into the picture, and whose TCP the handle drags. */
+  /** Selects the robot whose points, frames and dry runs are shown, and whose TCP the handle drags. */
   setShown(robot: string): void {
     const ground = this.grounds.get(robot)?.group ?? this.stage.scene;
     for (const object of [this.overlay.group, this.frames, this.handle?.object]) if (object) ground.add(object);
@@ -213,7 +219,10 @@ export class CellPicture {
     this.redraw();
   }
 
-  /** Where everything is now; the TCP's trail grows by it. The TCP is told as if the base stood where it began; `base`: where it is. */
+  /**
+   * Updates the poses, and extends the TCP's trail. `tcp` is given as if the base were at its initial pose;
+   * `base`: its present pose.
+   */
   update(robot: string, values: (joint: string) => number, tcp: Vec3 | null, base?: Pose): void {
     const figure = this.robots.get(robot);
     if (!figure) return;
@@ -237,7 +246,7 @@ export class CellPicture {
     if (seen) this.redraw();
   }
 
-  /** Things on axes of machines, by the fields that tell where those stand. */
+  /** Moves objects on machine axes; the fields contain the positions of the axes. */
   updateMovers(values: (field: string) => number): void {
     for (const { object, home, axis, field } of this.carried) {
       const at = values(field);
@@ -262,7 +271,7 @@ export class CellPicture {
     this.redraw();
   }
 
-  /** The path that is planned, and where the robot will be at its end; null takes them away. */
+  /** Shows the planned path, and the robot at its end; null removes them. */
   setPlan(robot: string, plan: Plan | null): void {
     const before = this.paths.get(robot);
     if (before) dispose(before);
@@ -302,7 +311,10 @@ export class CellPicture {
     this.redraw();
   }
 
-  /** A handle at a pose as the shown robot's TCP has it that can be dragged along and about its axes; null takes it away. */
+  /**
+   * Shows a handle at a pose of the shown robot's TCP, which can be dragged along and about its axes; null
+   * removes it.
+   */
   setHandle(handle: Handle | null): void {
     if (!handle) {
       if (!this.handle) return;

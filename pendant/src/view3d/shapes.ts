@@ -1,11 +1,11 @@
-/** Shapes of the wire as three's objects. Metres, z up. */
+/** Shapes of the wire as three.js objects. Metres, z up. */
 import * as THREE from 'three';
 import { RoundedBoxGeometry } from 'three/examples/jsm/geometries/RoundedBoxGeometry.js';
 import type { Pose, Visual } from '../wire/types';
 import { meshNode, readFiles } from './meshes';
 
 const kPlain: [number, number, number, number] = [0.74, 0.77, 0.81, 1];
-/** Of the edges of boxes, m. */
+/** Edge radius of boxes, m. */
 const kRounding = 0.003;
 const materials = new Map<string, THREE.MeshStandardMaterial>();
 
@@ -42,7 +42,7 @@ function geometry(visual: Visual): THREE.BufferGeometry | null {
     }
     case 'sphere':
       return new THREE.SphereGeometry(radius, 28, 18);
-    // three's own lie along y.
+    // Cylinders of three.js lie along y.
     case 'cylinder':
       return new THREE.CylinderGeometry(radius, radius, length, 32).rotateX(Math.PI / 2);
     case 'capsule':
@@ -52,7 +52,7 @@ function geometry(visual: Visual): THREE.BufferGeometry | null {
   }
 }
 
-/** One shape at its place. A mesh comes later into the group that is given back; `ready` is called then. */
+/** One shape at its pose. A mesh is added to the returned group when it is loaded; `ready` is then called. */
 export function shape(visual: Visual, ready: () => void, edges = false): THREE.Object3D {
   const group = new THREE.Group();
   place(group, visual.origin);
@@ -73,7 +73,10 @@ export function shape(visual: Visual, ready: () => void, edges = false): THREE.O
   return group;
 }
 
-/** Gives back the graphics memory of what is shown no more. Materials that are shared, and meshes of files, stay. */
+/**
+ * Frees the graphics memory of an object that is no longer shown. Keeps shared materials and the meshes of
+ * files.
+ */
 export function dispose(object: THREE.Object3D): void {
   object.traverse((each) => {
     if (!(each instanceof THREE.Mesh || each instanceof THREE.Line)) return;
@@ -83,8 +86,9 @@ export function dispose(object: THREE.Object3D): void {
 }
 
 /**
- * The picture is gone. Whatever a renderer has drawn keeps that renderer, and with it the canvas and the page around it, until it is
- * disposed of; what later pictures share is given back, too, and comes anew with the first that draws it.
+ * Frees everything when the picture is removed. Each drawn object keeps a reference to its renderer, and with
+ * it the canvas and the page, until it is disposed of. Shared objects are freed too; the next picture uploads
+ * them again.
  */
 export function disposeAll(scene: THREE.Object3D): void {
   const all = (object: THREE.Object3D) =>
@@ -109,7 +113,7 @@ function outline(form: THREE.BufferGeometry): THREE.LineSegments {
   return out;
 }
 
-/** Three short axes in red, green, blue: x, y, z. */
+/** Three short axes in red, green and blue: x, y, z. */
 export function axes(size: number, opacity = 1): THREE.LineSegments {
   const out = new THREE.AxesHelper(size);
   out.setColors(0xe5484d, 0x2ea56a, 0x4d8dff);

@@ -1,4 +1,4 @@
-/** Renderer, camera, light and floor. Draws only when something has changed, and more plainly where the machine is slow. */
+/** Renderer, camera, light and floor. Draws only after a change, and with less detail on a slow computer. */
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { Floor, lightOfRoom } from './surroundings';
@@ -11,12 +11,12 @@ const kDirections: Record<ViewName, [number, number, number]> = {
   side: [0, -1, 0.02],
   top: [0.001, 0, 1],
 };
-/** A picture takes longer than this on average (ms): leave something out. */
+/** If a picture takes longer than this on average (ms), the detail is reduced. */
 const kSlow = 28;
-/** Never more than so much between two pictures of what moves, ms. */
+/** Longest pause between two pictures of something that moves, ms. */
 const kLongestRest = 200;
 
-/** Drawn by the processor: shadows would cost more than all else. */
+/** True if the processor renders. Shadows would then cost more than everything else. */
 function drawnBySoftware(gl: WebGLRenderingContext | WebGL2RenderingContext): boolean {
   const known = gl.getExtension('WEBGL_debug_renderer_info');
   const name = known ? String(gl.getParameter(known.UNMASKED_RENDERER_WEBGL)) : '';
@@ -28,11 +28,11 @@ export class Stage {
   readonly camera = new THREE.PerspectiveCamera(38, 1, 0.02, 200);
   readonly controls: OrbitControls;
   readonly renderer: THREE.WebGLRenderer;
-  /** A person has turned or moved the view. */
+  /** True after the user has turned or moved the view. */
   touched = false;
   readonly floor = new Floor();
   private readonly sun = new THREE.DirectionalLight(0xffffff, 1.5);
-  /** Where the processor draws, one light from above stands in for the room's. */
+  /** With software rendering, one light from above replaces the light of the room. */
   private readonly sky = new THREE.HemisphereLight(0xffffff, 0x8a94a0, 0);
   private room: THREE.Texture | null = null;
   private looked: { view: ViewName; box: THREE.Box3 } | null = null;
@@ -41,7 +41,7 @@ export class Stage {
   private running = true;
   private spent = 0;
   private drawn = 0;
-  /** When the last picture was begun, and how long pictures keep the machine busy (ms). */
+  /** Start time of the last picture; `busy`: the time that a picture takes, averaged (ms). */
   private begun = 0;
   private measured = true;
   private busy = 0;
@@ -84,10 +84,12 @@ export class Stage {
     this.dirty = true;
   }
 
-  /** A picture counts from its beginning to the next turn of the browser, which waits for the graphics. */
+  /**
+   * Draws a picture. Its time counts until the browser's next animation frame, which waits for the graphics.
+   */
   private draw(now: number): void {
     if (!this.measured) this.measure(now - this.begun);
-    // A machine that is slow at it gets as much time for everything else.
+    // On a slow computer, leaves as much time for other work as a picture takes.
     const rest = this.busy > kSlow ? Math.min(2 * this.busy, kLongestRest) : 0;
     if (!this.dirty || document.hidden || now - this.begun < rest) return;
     this.dirty = this.measured = false;
@@ -143,7 +145,7 @@ export class Stage {
     this.sun.intensity = this.room ? (dark ? 1.3 : 1.5) : dark ? 2.2 : 2.3;
   }
 
-  /** Looks at `box` from a side, so that all of it is seen. */
+  /** Points the camera at `box` from the given direction, so that all of it is visible. */
   look(view: ViewName, box: THREE.Box3): void {
     this.looked = { view, box: box.clone() };
     const sphere = box.isEmpty() ? new THREE.Sphere(new THREE.Vector3(0, 0, 0.4), 0.8) : box.getBoundingSphere(new THREE.Sphere());
@@ -157,12 +159,12 @@ export class Stage {
     this.redraw();
   }
 
-  /** From where it was looked at last. */
+  /** The direction of the last look(). */
   get view(): ViewName {
     return this.looked?.view ?? 'free';
   }
 
-  /** Goes along with what moves by so much. */
+  /** Moves the view by this vector, to follow a moving object. */
   follow(by: THREE.Vector3): void {
     for (const each of [this.controls.target, this.camera.position, this.sun.target.position, this.sun.position]) each.add(by);
     this.looked?.box.translate(by);
@@ -179,7 +181,7 @@ export class Stage {
     camera.updateProjectionMatrix();
   }
 
-  /** Arrow keys turn the view, + and − come closer and go away. True where the key was one of these. */
+  /** Arrow keys turn the view, + and − zoom. Returns true if it was one of these keys. */
   key(key: string): boolean {
     const offset = this.camera.position.clone().sub(this.controls.target);
     const round = new THREE.Spherical().setFromVector3(new THREE.Vector3(offset.x, offset.z, -offset.y));
@@ -210,7 +212,7 @@ export class Stage {
     this.room?.dispose();
     this.sun.dispose();
     this.renderer.dispose();
-    // Else the context stays until its canvas is collected, and a browser has few of them.
+    // Otherwise the context lives until its canvas is collected, and a browser has only a few contexts.
     this.renderer.forceContextLoss();
   }
 }

@@ -1,12 +1,15 @@
-/** What the robots stand in: light from all around, a floor with a scale, and soft shadows where things touch it. All of it is made here. */
+/**
+ * The surroundings of the robots: ambient light, a floor with a scale, and soft shadows below objects. All
+ * generated here.
+ */
 import * as THREE from 'three';
 
-/** Side of a small square and of a large one of the floor's grid, m. */
+/** Side lengths of the small and large squares of the floor's grid, m. */
 const kSmall = 0.1;
 const kLarge = 0.5;
 const kHalf = 4;
 
-/** A room with a bright ceiling and two windows, as the light of a scene. */
+/** A room with a bright ceiling and two windows, as ambient light for a scene. */
 export function lightOfRoom(renderer: THREE.WebGLRenderer): THREE.Texture {
   const room = new THREE.Scene();
   const panel = (color: number, strength: number, size: [number, number, number], at: [number, number, number]) => {
@@ -72,7 +75,7 @@ export class Floor {
     this.spot = softSpot();
   }
 
-  /** `shadows`: the renderer casts some, for which the floor needs a surface. */
+  /** `shadows`: the renderer casts shadows, for which the floor needs a surface. */
   set(height: number, dark: boolean, shadows: boolean): void {
     this.clear();
     this.group.position.z = height - 0.0015;
@@ -86,7 +89,7 @@ export class Floor {
     this.group.add(ground);
   }
 
-  /** A soft contact shadow on the floor at `at`, below an object of this radius (m). */
+  /** Adds a soft contact shadow on the floor at `at`, below an object of this radius (m). */
   addSpot(at: THREE.Vector3, radius: number): THREE.Mesh {
     const look = new THREE.MeshBasicMaterial({ map: this.spot, color: 0x000000, transparent: true, depthWrite: false, opacity: 0.5 });
     const out = new THREE.Mesh(new THREE.PlaneGeometry(3.4 * radius, 3.4 * radius), look);

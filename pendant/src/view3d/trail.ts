@@ -1,4 +1,4 @@
-/** The way that a TCP has come, fading. */
+/** The past path of a TCP, fading with time. */
 import * as THREE from 'three';
 import type { Vec3 } from '../wire/types';
 
@@ -20,7 +20,7 @@ export class Trail {
     form.setDrawRange(0, 0);
   }
 
-  /** True where that is seen. */
+  /** Adds a point. Returns true if the change is visible. */
   add(p: Vec3): boolean {
     const last = this.points[this.points.length - 1];
     if (last && Math.hypot(p[0] - last[0], p[1] - last[1], p[2] - last[2]) < kLeast) return false;

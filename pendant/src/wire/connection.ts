@@ -1,7 +1,7 @@
 /**
- * One WebSocket to the cell: requests by id, streams, events, binary frames; comes back by itself when it is lost.
- * A cell that sends frames and falls silent counts as lost, too, although its socket stays open.
- * Knows nothing of pages or of what the requests mean.
+ * One WebSocket to the cell: requests by id, streams, events, binary frames. Reconnects automatically. A cell
+ * that has sent frames and becomes silent counts as lost too, although its socket stays open. Knows nothing
+ * of pages or of the meaning of requests.
  */
 
 export interface Problem {
@@ -14,7 +14,7 @@ export interface Problem {
   all?: Problem[];
 }
 
-/** A request that was refused, or that was never answered. */
+/** A request that was refused or not answered. */
 export class RequestError extends Error {
   constructor(
     readonly request: string,
@@ -31,7 +31,7 @@ export class RequestError extends Error {
 export type Json = Record<string, unknown>;
 export type LinkState = 'connecting' | 'open' | 'lost' | 'refused';
 
-/** What of a WebSocket is used; tests hand in their own. */
+/** The used part of a WebSocket; tests pass their own. */
 export interface Socket {
   binaryType: string;
   readyState: number;
@@ -49,10 +49,10 @@ export interface ConnectionOptions {
   onEvent: (event: Json & { event: string }) => void;
   onFrame: (buffer: ArrayBuffer) => void;
   onState: (state: LinkState) => void;
-  /** ms until a lost connection is tried again, doubled up to `longestWait`. */
+  /** ms until the first attempt to reconnect; doubled after each attempt up to `longestWait`. */
   firstWait?: number;
   longestWait?: number;
-  /** ms after which a connection that is not open yet is given up. */
+  /** ms after which an attempt to connect is given up. */
   openWithin?: number;
   /** ms without any message after which a cell that has sent frames counts as lost. */
   silence?: number;
@@ -69,12 +69,17 @@ interface Open {
 }
 
 const kOpen = 1;
-/** How often silence is looked at, ms. Messages that a busy page has not taken yet come in between two looks. */
+/**
+ * Interval between two checks for silence, ms. Between two checks a busy page still takes its pending
+ * messages.
+ */
 const kLookEvery = 200;
 const kSilentLooks = 2;
-/** What a person asks for is sent to a silent cell only if it stops a motion. Nothing else is done late. */
+/**
+ * Requests that are sent even to a silent cell, because they stop a motion. No other request may act late.
+ */
 const kAlsoWhenSilent = new Set(['control.stop']);
-/** Close codes with which the server says that this page may not be here: waiting will not help. */
+/** Close codes by which the server refuses this page. Reconnecting would not help. */
 const kRefused = [4401, 4403, 1008];
 
 export class Connection {
@@ -106,7 +111,7 @@ export class Connection {
     this.socket?.close();
   }
 
-  /** Tries at once, where it would have waited. */
+  /** Reconnects immediately instead of waiting. */
   hurry(): void {
     if (this.ended || this.socket) return;
     clearTimeout(this.timer);
@@ -121,7 +126,7 @@ export class Connection {
     return this.isOpen || (this.socket?.readyState === kOpen && kAlsoWhenSilent.has(request));
   }
 
-  /** Asks and answers with the result. `timeout` in ms; 0 waits for ever. */
+  /** Sends a request and resolves with the result. `timeout` in ms; 0: none. */
   request<T = unknown>(request: string, args: Json = {}, timeout = 10_000): Promise<T> {
     return new Promise<T>((resolve, reject) => {
       this.ask({ request, resolve: resolve as (r: unknown) => void, reject }, args, timeout);
@@ -129,8 +134,8 @@ export class Connection {
   }
 
   /**
-   * A request that is answered again and again. `each` gets every answer; the promise resolves with the last.
-   * `stop` tells the server that no more is wanted.
+   * A request with several answers. `each` gets every answer; the promise resolves with the last one. `stop`
+   * ends the stream on the server.
    */
   stream<T = unknown>(request: string, args: Json, each: (result: T) => void): { done: Promise<T>; stop: () => void } {
     let id = 0;
@@ -152,7 +157,7 @@ export class Connection {
     };
   }
 
-  /** Says something that has no answer. False where nobody hears it. */
+  /** Sends a message that has no answer. Returns false if there is no connection. */
   tell(request: string, args: Json = {}): boolean {
     if (!this.canSend(request)) return false;
     this.socket!.send(JSON.stringify({ request, ...args }));
@@ -210,7 +215,10 @@ export class Connection {
     this.silentLooks = 0;
   }
 
-  /** The timer of a hidden page runs rarely, and that of a busy page late: one look alone proves nothing. */
+  /**
+   * Checks for silence. It takes two checks, because the timer of a hidden page runs rarely, and that of a
+   * busy page late.
+   */
   private look(): void {
     const late = this.watched && performance.now() - this.heardAt >= (this.options.silence ?? 1_500);
     this.silentLooks = late && this.options.mayBeSilent?.() !== true ? this.silentLooks + 1 : 0;
@@ -219,7 +227,7 @@ export class Connection {
     this.options.onState('lost');
   }
 
-  /** The cell is heard again: what was missed is asked for with a connection of its own. */
+  /** The silent cell sends again. Opens a new connection, which requests everything that was missed. */
   private begin(): void {
     const old = this.socket;
     this.forget();

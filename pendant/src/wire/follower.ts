@@ -1,11 +1,11 @@
 /**
- * A target that the robot follows as long as it is told again: `target` every 50 ms, each good for a little longer. When
- * nothing more comes, for whatever reason, the robot comes to rest by itself.
+ * Sends a target that the robot follows: `target` every 50 ms, each valid for slightly longer. If no more
+ * targets arrive, for any reason, the robot stops.
  */
 import type { Json } from './connection';
 
 export const kEveryMs = 50;
-/** Longer than one may be late, shorter than what a person would notice. */
+/** Validity of a target, s: longer than the usual delay of the next one, shorter than a person notices. */
 export const kGoodForS = 0.15;
 const kMostUnderway = 3;
 
@@ -34,7 +34,7 @@ export class Follower {
     this.send();
   }
 
-  /** Another target from now on. */
+  /** Changes the target. */
   set(target: Json): void {
     this.target = target;
   }

@@ -1,4 +1,7 @@
-/** State frames: u8 kind · u8 0 · u16 layout id · u32 sequence · f64 cell time (s) · f32 × fields, little-endian. */
+/**
+ * State frames: u8 kind · u8 0 · u16 layout id · u32 sequence · f64 cell time (s) · f32 × fields,
+ * little-endian.
+ */
 
 export const kStateFrame = 1;
 const kHeader = 16;
@@ -13,7 +16,7 @@ export interface Frame {
 
 const bigEndianHost = new Uint8Array(new Uint16Array([1]).buffer)[0] === 0;
 
-/** The frame in `buffer`, which it may keep a view of; null where it is none that is known. */
+/** Parses a frame. The result may refer to `buffer`. Null if it is not a state frame. */
 export function parseFrame(buffer: ArrayBuffer): Frame | null {
   if (buffer.byteLength < kHeader || (buffer.byteLength - kHeader) % 4 !== 0) return null;
   const head = new DataView(buffer);
@@ -23,7 +26,7 @@ export function parseFrame(buffer: ArrayBuffer): Frame | null {
   return { layout: head.getUint16(2, true), sequence: head.getUint32(4, true), time: head.getFloat64(8, true), values };
 }
 
-/** Is `sequence` later than `last`, across the wrap of 32 bits? */
+/** True if `sequence` is later than `last`, also across the 32-bit overflow. */
 export function isLater(sequence: number, last: number): boolean {
   return ((sequence - last) | 0) > 0;
 }
@@ -33,7 +36,7 @@ export interface Field {
   unit: string;
 }
 
-/** Names of fields to places in a frame. */
+/** Maps the names of fields to their indices in a frame. */
 export class Layout {
   private readonly places = new Map<string, number>();
   constructor(
@@ -42,7 +45,7 @@ export class Layout {
   ) {
     fields.forEach((field, i) => this.places.set(field.name, i));
   }
-  /** -1 where there is none. */
+  /** The index of a field; -1 if it does not exist. */
   place(name: string): number {
     return this.places.get(name) ?? -1;
   }

@@ -1,7 +1,10 @@
-/** What the cell says of its loop, as the page reads it. Nothing here throws. */
+/** Reads the cell's data about its loop. Nothing here throws. */
 import type { Json } from './connection';
 
-/** Times in microseconds; `buckets`: how many were not longer than `to`, and longer than the bucket before. */
+/**
+ * Times in microseconds. `buckets`: the number of times up to `to` that are longer than the limit of the
+ * bucket before.
+ */
 export interface Times {
   p50: number;
   p99: number;
@@ -30,7 +33,7 @@ export interface HealthNow {
   parts: Part[];
   fallen: {component: string; cause: string; cause_code: string}[];
 }
-/** Whatever the unit the cell tells it in (…_ns, …_us, or none for us). */
+/** Accepts all units that the cell may send (…_ns, …_us, or none for us). */
 export function readTimes(value: unknown): Times | null {
   if (!value || typeof value !== 'object') return null;
   const got = value as Json;
@@ -71,7 +74,7 @@ export function readHealth(got: Json): HealthNow {
   };
 }
 
-/** Neighbouring buckets put together until there are at most `most`, from the first that has any to the last. */
+/** Merges neighbouring buckets into at most `most` bars, from the first non-empty bucket to the last. */
 export function bars(times: Times, most: number): { from: number; to: number; count: number }[] {
   const used = times.buckets.filter((each) => each.count > 0);
   if (used.length === 0) return [];

@@ -1,6 +1,6 @@
 /**
- * Motion by hand over the wire: begin, a beat every 50 ms while it is held, end. Whatever goes wrong ends it, and only a
- * new press begins anew. At most one motion at a time.
+ * Manual motion over the wire: begin, a beat every kBeatMs while the key is held, end. Any error ends it, and
+ * only a new press starts it again. At most one motion at a time.
  */
 import type { Json } from './connection';
 import type { JogBegun } from './requests';
@@ -13,7 +13,7 @@ export interface JogWire {
 }
 
 export interface JogMotion {
-  /** The request that begins it and its arguments. */
+  /** The request that starts the motion, and its arguments. */
   request: 'jog.begin' | 'jog.goto';
   args: Json;
 }
@@ -26,7 +26,10 @@ export class Jogger {
 
   constructor(
     private readonly wire: JogWire,
-    /** Told when it begins to be held, and when it has ended (with what was wrong, where something was). */
+    /**
+     * Called when the key begins to be held, and when the motion has ended (with the error, if there was
+     * one).
+     */
     private readonly onChange: (held: boolean, error?: unknown) => void,
   ) {}
 
@@ -44,7 +47,7 @@ export class Jogger {
     try {
       const answer = await this.wire.request(motion.request, motion.args);
       if (press !== this.press || !this.active) {
-        // Let go of before the answer came.
+        // The key was released before the answer came.
         this.wire.tell('jog.end', { jog: answer.jog });
         return;
       }
@@ -56,7 +59,7 @@ export class Jogger {
     }
   }
 
-  /** Another speed or direction for what goes on, with the next beat. */
+  /** Changes speed or direction with the next beat. */
   steer(change: Json): void {
     this.change = { ...this.change, ...change };
   }
@@ -67,7 +70,7 @@ export class Jogger {
     this.over();
   }
 
-  /** The cell says that a motion has ended. True where it is the one that is held. */
+  /** The cell reports the end of a motion. Returns true if it is the present one. */
   ended(jog: number): boolean {
     if (!this.active || this.jog !== jog) return false;
     this.over();

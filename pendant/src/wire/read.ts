@@ -1,4 +1,7 @@
-/** From what the server says to what the pages read. Missing fields become harmless ones; nothing here throws. */
+/**
+ * Converts messages of the server to the page's types. Missing fields get harmless values; nothing here
+ * throws.
+ */
 import type {Alarm, CellInfo, Contacts, Facts, Holder, JogEvent, PartPose, Plan, ProgramStatus, Quat, SceneInfo, SceneThing, Status, Touch, Vec3, Visual, Why} from './types';
 import type { Json } from './connection';
 import type { ProgramOverview } from './requests';
@@ -88,7 +91,7 @@ export function readStatus(event: Json, client: number): Status {
   };
 }
 
-/** A joint without limits comes with null for them. */
+/** The cell sends null for the missing limits of a joint. */
 export function readCell(got: Json): CellInfo {
   const cell = got as unknown as CellInfo;
   for (const robot of cell.robots)
@@ -116,7 +119,7 @@ export function readScene(got: Json): SceneInfo {
   };
 }
 
-/** A region between two corners, shown from its bottom up. */
+/** A box between two corners. */
 function region(kind: string, each: Json): SceneThing {
   const lower = each.lower as Vec3;
   const upper = each.upper as Vec3;
@@ -139,7 +142,7 @@ export function readPart(each: Json): PartPose {
   };
 }
 
-/** The ways that robots are on, by robot; who is not named stands. */
+/** The planned paths by robot. A robot without an entry has no plan. */
 export function readPlans(event: Json): Record<string, Plan> {
   const plans = Object.entries((event.plans ?? {}) as Record<string, Json>);
   return Object.fromEntries(

@@ -1,4 +1,4 @@
-/** What the server says, as the page reads it. Lengths in m, angles in rad, quaternions x y z w. */
+/** The page's types for the server's messages. Lengths in m, angles in rad, quaternions x y z w. */
 
 export type Vec3 = [number, number, number];
 export type Quat = [number, number, number, number];
@@ -23,22 +23,22 @@ export interface ProgramStatus {
   state: ProgramState;
   paused: boolean;
   ended: boolean;
-  /** It stands ready, and was not started yet. */
+  /** True if the program is loaded and has not been started. */
   ready: boolean;
-  /** Of what stands ready, to start that and nothing else; empty when it has begun. */
+  /** The hash of a program that is ready, so that Start runs this version only; empty after the start. */
   hash: string;
   line: number;
   /** The statement at that line. */
   source: string;
-  /** Of the outermost loop. */
+  /** Number of passes of the outermost loop. */
   passes: number;
-  /** The newest whole one, s of cell time; NaN before. */
+  /** Duration of the last complete pass, s of cell time; NaN before the first. */
   lastPass: number;
-  /** Why it failed, with its place. */
+  /** Why it failed, with the place. */
   problem: string;
 }
 
-/** Two that touched and should not have; lengths in m, in the world. */
+/** An unexpected contact of two bodies; lengths in m, in the world. */
 export interface Touch {
   a: string;
   b: string;
@@ -48,16 +48,16 @@ export interface Touch {
   text: string;
 }
 export interface Contacts {
-  /** False: nothing in this cell finds contacts. */
+  /** False: nothing in this cell checks for contacts. */
   checked: boolean;
   touching: boolean;
-  /** Bodies whose contacts nothing finds: in the cell's own sentences, and by code. */
+  /** Bodies whose contacts are not checked: the cell's sentence and its code. */
   unchecked: {code: string; what: string; facts: Facts}[];
-  /** Newest last. */
+  /** Oldest first. */
   list: Touch[];
 }
 
-/** Why something cannot be done. */
+/** The reason why something is not possible. */
 export interface Why {
   code: string;
   what: string;
@@ -66,18 +66,18 @@ export interface Why {
 }
 
 export interface Status {
-  /** `no cell` between two cells. */
+  /** `no cell` while a cell is replaced by another one. */
   state: RunState | 'no cell';
   cause: string;
   moving: boolean;
-  /** Is there something of a motion that Resume would go on with? */
+  /** True if Resume would continue a motion. */
   motionLeft: boolean;
   armed: boolean;
   simulated: boolean;
   profile: string;
-  /** The TCP is kept slow: by the profile, or as the first run after arming. */
+  /** The TCP speed is reduced: by the profile, or in the first run after arming. */
   reduced: boolean;
-  /** Percent of the planned speed that is asked, and that is allowed. */
+  /** Requested and allowed percent of the planned speed. */
   override: number;
   allowed: number;
   holder: Holder | null;
@@ -85,31 +85,34 @@ export interface Status {
   clients: number;
   program: ProgramStatus | null;
   failure: string;
-  /** Hardware that is not active. */
+  /** Hardware that is not active, and inactive controllers that could move a robot. */
   inactive: string[];
-  /** Why it does not run, in one word for programs; 'none' or '' where it runs. */
+  /** The cause why it does not run, as a code; 'none' or '' while it runs. */
   causeCode: string;
   /** Values of that cause. */
   causeFacts: Facts;
   contacts: Contacts;
-  /** What cannot be done now and why, by request (resume, discard, back …); what is not named can be. */
+  /**
+   * The requests that are not possible now, with the reason (resume, discard, back …). All others are
+   * possible.
+   */
   cannot: Record<string, Why>;
-  /** The same of jogging, by robot. */
+  /** The same for jogging, by robot. */
   cannotJog: Record<string, Why>;
-  /** Robots that somebody moves by hand. */
+  /** Robots that somebody jogs. */
   jogged: string[];
 }
 
 export interface JointInfo {
-  /** As in the model. */
+  /** The name in the model. */
   name: string;
-  /** Before /position in names of fields. */
+  /** The prefix of the joint's fields, before /position. */
   interface: string;
   type: 'revolute' | 'continuous' | 'prismatic' | string;
   lower: number;
   upper: number;
   velocity: number;
-  /** False for joints beside the way to the TCP. */
+  /** False for joints that do not move the TCP. */
   moves_tcp?: boolean;
   unit: 'rad' | 'm' | string;
 }
@@ -119,7 +122,7 @@ export interface RobotInfo {
   id: string;
   title: string;
   base: Pose;
-  /** It has wheels that somebody can drive. */
+  /** True if it has wheels that can be jogged. */
   drives?: boolean;
   joints: JointInfo[];
   model: string;
@@ -138,13 +141,13 @@ export interface CellInfo {
 
 export interface Visual {
   shape: 'capsule' | 'box' | 'cylinder' | 'sphere' | 'mesh' | string;
-  /** Box: its three sides. */
+  /** Box: the lengths of its sides. */
   size?: Vec3;
   radius?: number;
   length?: number;
   origin: Pose;
   color?: [number, number, number, number];
-  /** One GLB a robot; `node` in it holds the link's meshes, in the link's frame. */
+  /** One GLB file per robot. `node` contains the link's meshes, in the link's frame. */
   mesh?: string;
   node?: string;
   scale?: Vec3;
@@ -185,7 +188,7 @@ export interface SceneThing {
 }
 
 export interface SceneInfo {
-  /** Height of the floor; null where there is none. */
+  /** Height of the floor; null if there is none. */
   floor: number | null;
   things: SceneThing[];
   movers: { name: string; axis: Vec3; field: string }[];
@@ -202,9 +205,9 @@ export interface TagValue {
 
 export interface PartPose extends Pose {
   name: string;
-  /** False while it waits in a feeder or was taken away. */
+  /** False while it waits in a feeder or was removed. */
   here: boolean;
-  /** It was in the cell and an outfeed has taken it away. */
+  /** True if an outfeed has removed it from the cell. */
   taken: boolean;
   /** The robot that holds it. */
   heldBy: string;
@@ -228,7 +231,7 @@ export interface Alarm {
   advice: string;
   facts: Facts;
   severity: 'error' | 'warning';
-  /** Set by the page: has somebody seen it? */
+  /** Set by the page: the user has seen it. */
   seen?: boolean;
 }
 
@@ -242,9 +245,9 @@ export interface JogEvent {
   robot: string;
   jog: number;
   over: boolean;
-  /** Not over: what holds it back; over: why. */
+  /** During a motion: what holds it back. At its end: the reason. */
   why: string;
   text: string;
-  /** The joint or the zone that holds it back; '' where neither does. */
+  /** The joint or the zone that holds it back; '' if neither does. */
   which: string;
 }

@@ -27,14 +27,14 @@ const std::map<std::string, Primitive>& primitives() {
   return all;
 }
 
-/// The hidden member of a struct without fields; it exists only on the wire.
+/// The hidden member of a struct without fields. It exists only on the wire.
 const char* const kNothing = "structure_needs_at_least_one_member";
 
 /// An entry of the list: a name and its lines, separated at ---.
 struct Entry {
   std::string package, kind, name;
   std::vector<Type> parts{1};
-  std::string distribution;  ///< "": all without a form of their own
+  std::string distribution;  ///< "": all distributions without their own entry
 };
 
 class Reader {
@@ -156,7 +156,7 @@ class Reader {
     add(full + "_FeedbackMessage", {"", {}, {id, {full + "_Feedback", "feedback", Shape::single, 0, "", 0}}});
   }
 
-  /// The types of a distribution and every type that uses one of them, in the order of the list.
+  /// The types that differ in a distribution and all types that use one of them, in the order of the list.
   std::vector<Type> with_users(const std::map<std::string, Type>& varied) const {
     std::vector<Type> out;
     std::set<std::string> names;

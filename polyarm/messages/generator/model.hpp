@@ -29,8 +29,8 @@ struct Type {
   std::vector<Field> fields;
 };
 
-/// Types in the order of their use; and by distribution, the types that differ in it, with all types that use
-/// them.
+/// The types in the order of their use. For each distribution: the types that differ in it, and all types
+/// that use them.
 struct Interfaces {
   std::vector<Type> types;
   std::map<std::string, std::vector<Type>> of_distributions;

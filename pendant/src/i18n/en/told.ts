@@ -1,6 +1,5 @@
 /**
- * What the cell tells by a code: causes of stops, sentences with the values that come with a code, what to
- * do about it.
+ * Sentences for what the cell reports by a code: causes of stops, problems with their values, and remedies.
  */
 export const told = {
   // by `cause_code`
@@ -22,7 +21,7 @@ export const told = {
   'cause.program-hold': 'The program holds the cell: {reason}',
   'cause.connected': 'The real robot has just been connected',
   'cause.run-failed': 'The run failed',
-  // if the cell sent the values of the sentence
+  // used if the cell sent the values of the sentence
   'with.fault': 'The cell is in a fault: {cause}',
   'with.fault.who': '{cause}: {who}',
   'with.contact': '{a} touched {b}, {depth} deep',
@@ -53,7 +52,7 @@ export const told = {
   'body.held': 'the part held by {name}',
   'body.floor': 'floor',
   'body.something': 'something',
-  // what to do
+  // remedies
   'do.disarmed': 'Press Compare and arm',
   'do.unverified': 'Compare them with the maker\'s data first',
   'do.fault': 'Press Recover; repair the device on the page Health if it failed',

@@ -1,4 +1,4 @@
-/** Every robot there is, by picture; one is chosen for the cell. */
+/** All robots with their pictures, to choose one for the cell. */
 import { signal } from '@preact/signals';
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';

@@ -1,4 +1,7 @@
-/** Simulated or on the real robot: what would be connected is shown first, and a person arms it. */
+/**
+ * Switches between simulation and the real robot. It first shows what would be connected; then a person arms
+ * the robot.
+ */
 import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { problemWords } from '../../i18n/told';
@@ -46,7 +49,7 @@ async function connect(real: boolean): Promise<void> {
   await restart(t('cell.starting'), t(real ? 'cell.connected' : 'cell.started'), 'cell.connect', { real }, () => (status.peek()?.simulated === real ? t('cell.notConnected') : ''));
 }
 
-/** What would be connected. Nothing has been touched before it is agreed to. */
+/** Shows what would be connected. Nothing is connected before the user agrees. */
 function ConnectDialog({ onClose }: { onClose: () => void }) {
   const [found, setFound] = useState<CellConnectAnswer | null>(null);
   const [asked, setAsked] = useState(false);

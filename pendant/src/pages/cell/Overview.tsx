@@ -1,4 +1,4 @@
-/** What cell this is, what it runs on, and putting it back to its beginning. */
+/** Shows the name of the cell and its system, and resets the cell. */
 import { useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
 import { plain } from '../../i18n/told';
@@ -17,7 +17,7 @@ interface Found {
   line: number;
 }
 
-/** The cell could not be built: another one is opened, or this one again. */
+/** Shown if the cell could not be built: opens another cell, or the same one again. */
 function NoCell({ onProjects }: { onProjects: () => void }) {
   return (
     <Card title={t('cell.noneOpen')}>

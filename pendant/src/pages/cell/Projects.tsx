@@ -1,4 +1,4 @@
-/** Cells that can be opened; saving a copy; one zip out and in. */
+/** The list of cells to open; saves a copy; downloads and restores a cell as a zip file. */
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { cell, complain, mayMove, request, status } from '../../state/cell';
@@ -19,13 +19,13 @@ interface Project {
   recent: boolean;
 }
 
-/** Copies have one title: their names tell them apart. */
+/** If copies have the same title, their names distinguish them. */
 const titleOf = (project: Project, all: Project[]) =>
   project.title && all.some((each) => each !== project && each.title === project.title) ? `${project.title} (${project.name})` : project.title || project.name;
 
 const goodName = (name: string) => /^[\w][\w-]{0,59}$/.test(name);
 
-/** A name for what a file holds: `cell (1).zip` is `cell`, or `cell2` where there is one of that name. */
+/** A project name for a file: `cell` for `cell (1).zip`, or `cell2` if `cell` exists. */
 function nameFor(file: string, taken: string[]): string {
   const plain = file.replace(/\.zip$/i, '').replace(/\s*\(\d+\)$/, '').replace(/[^\w-]+/g, '_').replace(/^[-_]+/, '').slice(0, 50) || 'project';
   for (let i = 1; ; ++i) {
@@ -97,12 +97,12 @@ export function Projects() {
   );
 }
 
-/** `taken`: names of the projects there are. */
+/** `taken`: the names of the existing projects. */
 function Restore({ taken, onDone }: { taken: string[]; onDone: () => void }) {
   const input = useRef<HTMLInputElement>(null);
   const choose = (from: HTMLInputElement) => {
     const file = from.files?.[0];
-    from.value = ''; // the same file may be chosen again
+    from.value = ''; // so that the same file can be chosen again
     if (file) open((close) => <RestoreDialog file={file} taken={taken} onClose={close} onDone={onDone} />);
   };
   return (
@@ -113,7 +113,10 @@ function Restore({ taken, onDone }: { taken: string[]; onDone: () => void }) {
   );
 }
 
-/** Under which name a backup becomes a project: that of its file, where no project has it. */
+/**
+ * Asks for the project name of a backup. The default is the file's name, with a number if a project has that
+ * name.
+ */
 function RestoreDialog({ file, taken, onClose, onDone }: { file: File; taken: string[]; onClose: () => void; onDone: () => void }) {
   const [name, setName] = useState(() => nameFor(file.name, taken));
   const problem = name !== '' && !goodName(name) ? t('cell.badName') : taken.includes(name) ? t('cell.nameTaken') : '';

@@ -1,4 +1,7 @@
-/** What a cell wants to reach beyond its folder, shown before it is opened. Hosts and secrets are allowed here; native code and files at a terminal. */
+/**
+ * Shows what a cell wants to access outside its folder, before it is opened. Hosts and secrets are allowed
+ * here; native code and files only at a terminal.
+ */
 import { useEffect, useState } from 'preact/hooks';
 import { type Key, t } from '../../i18n';
 import { plain, problemWords, type Told } from '../../i18n/told';
@@ -15,9 +18,11 @@ type Reach = CellReachAnswer;
 const kPatienceMs = 20_000;
 const ask = (folder: string, allow?: string[]) => request('cell.reach', allow ? { folder, allow } : { folder }, kPatienceMs);
 
-/** What a person may allow on this page. */
+/** True if the user may allow it on this page. */
 const open = (each: Wanted) => !each.allowed && (each.kind === 'host' || each.kind === 'secret');
-/** Devices are reached with the real robot alone, which asks for itself. */
+/**
+ * Devices are not counted, because they are used only with the real robot, which has a question of its own.
+ */
 const refused = (each: Wanted) => !each.allowed && each.kind !== 'device';
 
 export async function wantsMore(folder: string): Promise<boolean> {
@@ -30,7 +35,7 @@ export async function wantsMore(folder: string): Promise<boolean> {
 interface Props {
   folder: string;
   name: string;
-  /** Undefined where the cell is not to be opened: it is asked what it may reach, alone. */
+  /** Undefined if the cell is not to be opened and the dialog only asks about access. */
   onOpen?: () => void;
   onClose: () => void;
 }

@@ -1,4 +1,4 @@
-/** How this screen looks and is called; nothing of it changes the cell. */
+/** Settings of this screen: its look and its name. They do not change the cell. */
 import { t } from '../../i18n';
 import { Looks, Screen } from '../../shell/ScreenSettings';
 import { settings } from '../../state/settings';

@@ -1,4 +1,4 @@
-/** The cell as a whole: which robot, simulated or real, projects, settings. */
+/** The page of the whole cell: its robot, simulation or real robot, projects, settings. */
 import { signal } from '@preact/signals';
 import { t } from '../../i18n';
 import { WatchOnly } from '../../shell/Control';

@@ -1,4 +1,4 @@
-/** Requests after which the cell begins anew: the connection stays, the cell is away for a moment. */
+/** Requests that restart the cell. The connection stays open; the cell is unavailable for a moment. */
 import type { Args, RequestName } from '../../state/cell';
 import { signal } from '@preact/signals';
 import { t } from '../../i18n';
@@ -8,11 +8,14 @@ import { loadScene } from '../../state/models';
 import { toast } from '../../state/toasts';
 import { ask } from '../../ui/ask';
 
-/** What is being done, in words; '' nothing. */
+/** The present operation, in words; '' if there is none. */
 export const restarting = signal('');
 const kPatienceMs = 30_000;
 
-/** True when the new cell is there, and `wrong` says of it that nothing is. */
+/**
+ * Sends a request that restarts the cell. Returns true when the new cell is running and `wrong` reports no
+ * problem.
+ */
 export async function restart<Name extends RequestName>(what: string, done: string, name: Name, args: Args<Name>, wrong: () => string = () => ''): Promise<boolean> {
   if (restarting.value) return false;
   restarting.value = what;
@@ -31,7 +34,7 @@ export async function restart<Name extends RequestName>(what: string, done: stri
   }
 }
 
-/** A cell that begins tells a layout of its own. */
+/** Waits for the layout of the new cell, which differs from the one before. */
 function newLayout(before: number): Promise<void> {
   return new Promise((resolve) => {
     const until = performance.now() + 10_000;
@@ -43,7 +46,7 @@ function newLayout(before: number): Promise<void> {
   });
 }
 
-/** Puts parts, data and program back to their beginning, after a question. */
+/** Resets parts, data and program to their initial state, after a question. */
 export function askReset(): void {
   const reset = async () => {
     await restart(t('cell.resetting'), t('cell.wasReset'), 'cell.reset', {});

@@ -1,4 +1,4 @@
-/** The robots there are, and finding one among them. Pure. */
+/** The robots of the catalogue, and a search among them. No side effects. */
 
 export interface CatalogueEntry {
   id: string;
@@ -6,7 +6,7 @@ export interface CatalogueEntry {
   model: string;
   title: string;
   axes: number;
-  /** m, kg; nothing where no sheet says it. */
+  /** m, kg; null if the data sheet does not state it. */
   reach: number | null;
   payload: number | null;
   mass?: number | null;
@@ -16,7 +16,7 @@ export interface Wish {
   words: string;
   maker: string;
   axes: string;
-  /** At least, m and kg; '' does not matter. */
+  /** Minimum values, m and kg; '' means any. */
   reach: string;
   payload: string;
   order: 'name' | 'reach' | 'payload';
@@ -25,7 +25,7 @@ export const kNoWish: Wish = { words: '', maker: '', axes: '', reach: '', payloa
 
 const atLeast = (value: number | null | undefined, wanted: string) => wanted === '' || (value ?? -Infinity) >= Number(wanted);
 
-/** Robots that fit every wish; those without a figure fit none about it. */
+/** The robots that match all criteria. A robot without a figure does not match a criterion for it. */
 export function fitting(all: CatalogueEntry[], wish: Wish): CatalogueEntry[] {
   const words = wish.words.toLowerCase().split(/[\s_/]+/).filter(Boolean);
   const found = all.filter((each) => {

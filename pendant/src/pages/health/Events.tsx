@@ -53,7 +53,7 @@ type Level = 'all' | 'warning' | 'error' | 'log';
 const words = signal('');
 const level = kept<Level>('health.level', 'all');
 
-/** Lines of that level (`warning` has errors, too) that have every word. */
+/** The log lines of that level (`warning` includes errors) that contain every word of the filter. */
 export function filterLog(lines: LogLine[], which: Level, text: string): LogLine[] {
   const wanted = text.toLowerCase().split(/\s+/).filter(Boolean);
   return lines.filter((line) => {

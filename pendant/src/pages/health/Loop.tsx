@@ -1,4 +1,4 @@
-/** The control loop: how often it ran late, how long its cycles take, and what of it takes how much. */
+/** The control loop: late cycles, cycle times, and the time that each part takes. */
 import { number, t, word } from '../../i18n';
 import { cell } from '../../state/cell';
 import { health, type Limit, limits } from '../../state/health';
@@ -12,7 +12,8 @@ export function Loop() {
   const now = health.value;
   if (!now) return <Loading />;
   const period = now.rate > 0 ? 1e6 / now.rate : NaN;
-  // Those that were left out are late, too: of a machine that stood still there may be more of them than of those done.
+  // Skipped cycles count as late too. If the computer was suspended, there may be more of them than of
+  // executed cycles.
   const share = now.cycles > 0 ? Math.min(100, (100 * now.late) / now.cycles) : 0;
   return (
     <>
@@ -59,7 +60,7 @@ function Histogram({ title, note, times }: { title: string; note: string; times:
 function Bars({ times, title }: { times: Times; title: string }) {
   const list = bars(times, kBars);
   const most = Math.max(...list.map((each) => each.count), 1);
-  // Rare long cycles matter more than frequent short ones: the height is of the logarithm.
+  // Logarithmic height, because rare long cycles matter more than frequent short ones.
   const height = (count: number) => (count === 0 ? 0 : 6 + (94 * Math.log10(1 + count)) / Math.log10(1 + most));
   const words = t('health.words', { p50: us(times.p50), p99: us(times.p99), max: us(times.max) });
   return (
@@ -137,7 +138,7 @@ function Parts() {
   );
 }
 
-/** Limits of joints that took hold of commands, each with why that happens and what helps. */
+/** Joint limits that clamped commands, each with its cause and remedy. */
 function Limits() {
   const list = limits.value;
   return (
@@ -148,7 +149,7 @@ function Limits() {
   );
 }
 
-/** What a number of the interface is shown as: joint values in the units that are chosen. */
+/** A value of the interface in its unit of display. Joint values use the units of the settings. */
 function inItsUnit(interfaceName: string, value: number | null): string {
   if (value === null) return t('health.noNumber');
   const quantity = interfaceName.slice(interfaceName.lastIndexOf('/') + 1);

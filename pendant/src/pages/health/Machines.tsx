@@ -1,4 +1,4 @@
-/** Hardware and controllers: their states, who uses what, and taking them to another state. */
+/** Hardware components and controllers: their states, claimed interfaces, and changes of state. */
 import type { Args, RequestName } from '../../state/cell';
 import { useEffect, useState } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
@@ -21,7 +21,9 @@ async function change<Name extends RequestName>(name: Name, args: Args<Name>): P
   await loadHealth();
 }
 
-/** What fell with the component does not begin by itself: a person is asked. */
+/**
+ * Recovers a component. The controllers that failed with it do not restart automatically: the user is asked.
+ */
 async function recover(name: string): Promise<void> {
   try {
     const { fallen } = await request('hardware.recover', { name });
@@ -125,7 +127,7 @@ interface Plan {
   stop: string[];
 }
 
-/** Which controllers are to be active; what would happen is told before. */
+/** Chooses the active controllers. Shows the effects before the switch. */
 function SwitchDialog({ onClose }: { onClose: () => void }) {
   const [list] = useState<Controller[]>(() => controllers.peek().filter((each) => each.state === 'active' || each.state === 'inactive'));
   const [on, setOn] = useState(() => new Set(list.filter((each) => each.state === 'active').map((each) => each.name)));

@@ -1,4 +1,4 @@
-/** How the cell is doing: loop, hardware, controllers, limits that took hold, alarms, log. */
+/** The health of the cell: loop, hardware, controllers, active limits, alarms, log. */
 import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';
 import { alarms } from '../../state/cell';

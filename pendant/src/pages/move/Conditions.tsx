@@ -1,4 +1,7 @@
-/** One line that says what holds the robot back, or soon will: what the cell says while it moves, else what is near. */
+/**
+ * One line about what restricts the robot: the restriction that the cell reports during a motion, else a
+ * limit or singularity nearby.
+ */
 import { computed } from '@preact/signals';
 import { t } from '../../i18n';
 import { connected, jogBlocked, robot } from '../../state/cell';
@@ -11,11 +14,14 @@ import { jointTitle } from '../../ui/format';
 import { nearLimit, roomTo } from './axes';
 import { heldWords } from './held';
 
-/** Below the first the TCP is slowed down, below the second it hardly moves (of Chain.smallestGain). */
+/**
+ * Values of Chain.smallestGain. Near a singularity (below kNear) the cell slows the TCP down; below kAt the
+ * TCP hardly moves.
+ */
 const kNear = 0.09;
 const kAt = 0.01;
 
-/** 0 far from every singularity, 1 in one; NaN where there is no telling. */
+/** 0 far from every singularity, 1 at a singularity; NaN if unknown. */
 export const singularity = computed(() => {
   beat.value;
   if (!connected.value) return NaN;

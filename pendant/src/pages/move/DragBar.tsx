@@ -1,4 +1,4 @@
-/** Dragging the TCP by a handle in the picture: the robot follows as long as the handle is held. */
+/** Drags the TCP by a handle in the picture. The robot follows while the handle is held. */
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';

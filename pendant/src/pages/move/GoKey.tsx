@@ -1,4 +1,4 @@
-/** The way to a place: looked along by the cell and shown first, then gone as long as the key is held. */
+/** Moves to a goal: the cell plans the way, the page shows it, and the robot moves while the key is held. */
 import type { PlanPreviewAnswer } from '../../wire/requests';
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
@@ -18,11 +18,11 @@ import { blockedWords } from '../../shell/blocked';
 import { canBe } from '../../state/ways';
 import './go.css';
 
-/** In the world, or by joints' names. */
+/** A pose in the world, or joint values by name. */
 export type Goal = { joints: Record<string, number> } | { pose: Pose };
 
 interface Dry {
-  /** The wish that it was asked for. */
+  /** The request, as text, to which this result belongs. */
   of: string;
   ok: boolean;
   reason?: Problem;
@@ -31,18 +31,21 @@ interface Dry {
   joints?: Record<string, number>;
 }
 
-/** Shorter than that there is no way to speak of, s: a few tenths of a millimetre, which a motion by hand may leave. */
+/**
+ * Shorter ways count as already there, s. They cover a few tenths of a millimetre, which a manual motion may
+ * leave.
+ */
 const kThere = 0.1;
 const kWaitMs = 150;
 
-/** Null: there is nowhere to go yet. */
+/** `goal`: null if there is no goal yet. */
 export function GoKey({ goal }: { goal: Goal | null }) {
   const [way, setWay] = useState<'joint' | 'line'>('joint');
   const [dry, setDry] = useState<Dry | null>(null);
   const args: Json | null = goal && robot.value ? { robot: robot.value.name, kind: way, ...goal } : null;
   const moving = heldKey.value === 'goto';
   const held = heldWords();
-  // Looked at anew where the robot was moved meanwhile.
+  // Reading the beat plans the way again after the robot has moved.
   beat.value;
   const now = jointValues(robot.value?.name ?? '');
   const from = (robot.value?.joints ?? []).map((joint) => Math.round(100 * now(joint.name))).join(' ');
@@ -56,7 +59,7 @@ export function GoKey({ goal }: { goal: Goal | null }) {
     const timer = setTimeout(() => {
       request('jog.goto', { ...args, dry: true }).then(
         (answer) => {
-          const { ok, path, seconds, joints } = answer as PlanPreviewAnswer;  // as it is with `dry`
+          const { ok, path, seconds, joints } = answer as PlanPreviewAnswer;  // the answer of a request with `dry`
           if (gone) return;
           setDry({ ok, path, seconds, joints, of: wish });
           preview.value = ok ? { robot: robot.peek()!.name, path, joints } : null;

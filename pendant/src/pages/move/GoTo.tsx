@@ -1,4 +1,7 @@
-/** Going to joint values, a pose or a taught point: shown first, then gone to as long as the button is held. */
+/**
+ * Goes to joint values, a pose or a taught point. Shows the way first; the robot moves while the button is
+ * held.
+ */
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { request as ask, robot } from '../../state/cell';

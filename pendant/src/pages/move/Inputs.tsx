@@ -1,4 +1,4 @@
-/** Jogging with the keyboard and with a gamepad; each is switched on by hand, and only on this page. */
+/** Jogs with the keyboard or a gamepad. Each must be switched on by hand, and works only on this page. */
 import { signal } from '@preact/signals';
 import { useEffect, useLayoutEffect } from 'preact/hooks';
 import { t } from '../../i18n';
@@ -58,7 +58,7 @@ function inText(event: KeyboardEvent): boolean {
 
 function useKeyboard(): void {
   const on = keyboardOn.value;
-  // At once: a key that is pressed when the button is seen on has to move.
+  // A layout effect, so that a key works as soon as the button is shown as on.
   useLayoutEffect(() => {
     if (!on) return;
     let held = '';

@@ -1,4 +1,4 @@
-/** A row an axis: minus, the value with its bar, plus. Keys move while they are pressed. */
+/** One row per axis: minus, the value with its bar, plus. The robot moves while a key is pressed. */
 import type { ComponentChildren } from 'preact';
 import { t } from '../../i18n';
 import { jogBlocked } from '../../state/cell';
@@ -76,7 +76,7 @@ interface HoldProps {
   children: ComponentChildren;
 }
 
-/** Acts while it is held, by pointer or by space and enter. Whatever takes the pointer away lets it go. */
+/** Acts while it is held, by pointer or by space and enter. Losing the pointer for any reason releases it. */
 export function HoldButton(props: HoldProps) {
   const down = (e: PointerEvent) => {
     if (e.button !== 0 || props.disabled) return;
@@ -114,7 +114,9 @@ export function HoldButton(props: HoldProps) {
   );
 }
 
-/** Where a joint stands within its range; the ends are marked, and what is left to the nearer one is told. */
+/**
+ * The position of a joint within its range. The ends are marked, and the distance to the nearer one is shown.
+ */
 function JointBar({ axis }: { axis: Axis }) {
   const joint = axis.joint!;
   const { lower, upper } = joint;

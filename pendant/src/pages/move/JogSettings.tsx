@@ -1,4 +1,4 @@
-/** What is moved, in which frame, how fast and how far. */
+/** Jog settings: what moves, in which frame, how fast and how far. */
 import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';
 import { mayMove, robot } from '../../state/cell';
@@ -9,7 +9,7 @@ import { Segmented, Select, Slider } from '../../ui/controls';
 
 const kSteps = [0.1, 1, 10, 50];
 
-/** What a press moves by, as it is told for what is moved now. */
+/** The name of a step, in mm, degrees or both, depending on what is jogged. */
 function stepName(step: number): string {
   if (step === 0) return t('move.hold');
   const digits = step < 1 ? 1 : 0;
@@ -18,7 +18,7 @@ function stepName(step: number): string {
   return turnsOnly ? t('move.stepAngle', { deg }) : t('move.stepOf', { mm: number(step, digits), deg });
 }
 
-/** One's own frame needs to be there. */
+/** Changes the jog mode. For the mode `user`, selects a frame that exists. */
 export function chooseMode(mode: JogMode): void {
   const known = frames.peek();
   if (mode === 'user' && !known.some((frame) => frame.name === userFrame.peek())) userFrame.value = known[0]!.name;
@@ -27,7 +27,7 @@ export function chooseMode(mode: JogMode): void {
 
 export function JogSettings() {
   const known = frames.value;
-  // The frame that was chosen last may be one of another cell, or deleted.
+  // The selected frame may belong to another cell, or may have been deleted.
   useEffect(() => {
     if (jogMode.value === 'user' && known.length && !known.some((frame) => frame.name === userFrame.value)) chooseMode('user');
     if (jogMode.value === 'drive' && !robot.value?.drives) chooseMode('joint');
@@ -40,7 +40,7 @@ export function JogSettings() {
   ];
   if (robot.value?.drives) modes.push({ id: 'drive', name: t('move.drive') });
   if (known.length) modes.push({ id: 'user', name: t('move.user') });
-  // Two steps may turn by the same angle; joints that only turn are offered one of them.
+  // Two steps may turn by the same angle. If all joints turn, only one of them is offered.
   const steps = [0, ...kSteps].map((step) => ({ id: String(step), name: stepName(step) })).filter((each, i, all) => all.findIndex((other) => other.name === each.name) === i);
   return (
     <div class="jog-settings">

@@ -7,7 +7,7 @@ import { angle, angleUnit, jointText, mm, jointTitle } from '../../ui/format';
 import { rollPitchYaw } from '../../view3d/chain';
 import { inFrame, shownFrame, tcpPose } from './axes';
 
-/** What the keys do not show: the TCP while joints are moved, the joints while the TCP is. */
+/** The values that the keys do not show: the TCP while jogging joints, the joints while jogging the TCP. */
 export function Where() {
   return jogMode.value === 'joint' ? <Tcp /> : <Joints />;
 }

@@ -1,4 +1,4 @@
-/** The rows of keys: joints of the robot, or the six ways of the TCP. */
+/** The rows of jog keys: the joints of the robot, or the six directions of the TCP. */
 import {t} from '../../i18n';
 import {robot} from '../../state/cell';
 import {jogMode, userFrame} from '../../state/jog';
@@ -16,17 +16,20 @@ export interface Axis {
   value: number;
   unit: 'm' | 'rad';
   joint?: JointInfo;
-  /** What the cell counts it as. */
+  /** The axis number in requests to the cell. */
   index: number;
 }
 
-/** From its limit on, the share of a joint's range (at most 10°, 20 mm) in which it counts as near. */
+/**
+ * The distance from a limit below which a joint counts as near it: a fraction of its range, at most 10° or 20
+ * mm.
+ */
 export function nearLimit(joint: JointInfo): number {
   const range = joint.upper - joint.lower;
   return Math.min(0.08 * range, joint.unit === 'm' ? 0.02 : 0.175);
 }
 
-/** How far a joint is from the limit that it moves to; Infinity where it has none. */
+/** The distance of a joint from the limit in the direction of motion; Infinity if it has none. */
 export function roomTo(joint: JointInfo, value: number, direction: number): number {
   if (joint.type === 'continuous') return Infinity;
   const room = direction > 0 ? joint.upper - value : value - joint.lower;
@@ -39,7 +42,10 @@ export function tcpPose(): Pose {
   return { p: [at('x'), at('y'), at('z')], q: [at('qx'), at('qy'), at('qz'), at('qw')] };
 }
 
-/** The frame that positions are told in: that which is jogged in; the world, where that is the tool itself. */
+/**
+ * The frame in which positions are shown: the base for the modes joint, base and tool; the chosen frame; else
+ * the world.
+ */
 export function shownFrame(): { name: string; pose: Pose } {
   const world = { name: t('move.inWorld'), pose: { p: [0, 0, 0] as Vec3, q: [0, 0, 0, 1] as Quat } };
   if (jogMode.value === 'base' || jogMode.value === 'joint' || jogMode.value === 'tool')
@@ -57,7 +63,7 @@ export function inFrame(pose: Pose, frame: Pose): Pose {
   return { p, q: multiply(back, pose.q) };
 }
 
-/** How far a base has come from where it stood, m. */
+/** The distance between two poses of a base, m. */
 const gone = (from: Pose, to: Pose) => Math.hypot(...to.p.map((v, i) => v - from.p[i]!));
 
 export function axesNow(): Axis[] {

@@ -1,9 +1,9 @@
-/** What holds back the motion whose key is held, in words. */
+/** Describes what holds back the motion whose key is held. */
 import { type Key, t } from '../../i18n';
 import { heldBack, heldKey } from '../../state/jog';
 import {jointTitle} from '../../ui/format';
 
-/** '' where nothing does, or where no key is held. */
+/** '' if nothing holds it back, or if no key is held. */
 export function heldWords(): string {
   const told = heldKey.value !== '' ? heldBack.value : null;
   if (!told || told.what === 'speed') return '';

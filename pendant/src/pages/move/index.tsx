@@ -1,4 +1,4 @@
-/** Moving by hand: the picture beside the keys, what holds the robot back above them. */
+/** Manual motion: the picture beside the keys, and above them what restricts the robot. */
 import { t } from '../../i18n';
 import { cell, mayMove, robot, robotName } from '../../state/cell';
 import { open } from '../../ui/ask';

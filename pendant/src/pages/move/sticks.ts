@@ -1,8 +1,8 @@
-/** What a gamepad's sticks ask for. Buttons are those of the standard mapping. */
+/** Converts a gamepad's sticks into a jog command. Buttons are those of the standard mapping. */
 const kDead = 0.18;
 const kHoldButton = 5;
 
-/** What the sticks ask for, as shares of the speed; null while the button that allows motion is not held. */
+/** The jog command as fractions of the speed; null while the enabling button is not held. */
 export function sticks(pad: { axes: readonly number[]; buttons: readonly { pressed: boolean; value: number }[] }): number[] | null {
   if (!pad.buttons[kHoldButton]?.pressed) return null;
   const at = (i: number) => {

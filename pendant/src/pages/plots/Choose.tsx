@@ -1,4 +1,4 @@
-/** Which curves: the usual sets by one press, and any by search. */
+/** Chooses the curves: common sets with one press, any others by search. */
 import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { cell } from '../../state/cell';
@@ -45,7 +45,7 @@ export function ChooseDialog({ onClose }: { onClose: () => void }) {
   );
 }
 
-/** The sets whose curves there are. */
+/** The sets whose curves exist. */
 function sets(): { name: string; list: string[] }[] {
   const known = new Set(traces.value.map((each) => each.name));
   const out: { name: string; list: string[] }[] = [];

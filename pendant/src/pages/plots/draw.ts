@@ -1,4 +1,4 @@
-/** One plot by uPlot; its own chunk. */
+/** Draws one plot with uPlot. A chunk of its own. */
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { number } from '../../i18n';

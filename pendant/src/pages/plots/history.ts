@@ -1,4 +1,4 @@
-/** The last minutes of every field: a ring of rows. Pure. */
+/** The last minutes of every field, in a ring buffer of rows. No side effects. */
 
 export interface Slice {
   times: number[];
@@ -13,12 +13,12 @@ export class History {
   private next = 0;
   private count = 0;
 
-  /** `most`: rows that are kept. */
+  /** `most`: number of rows that are kept. */
   constructor(private readonly most: number) {
     this.times = new Float64Array(most);
   }
 
-  /** Other names forget what was kept of those that are gone. */
+  /** Changes the names. The history of removed names is dropped. */
   setNames(names: string[]): void {
     if (names.length === this.names.length && names.every((name, i) => name === this.names[i])) return;
     const before = this.places;
@@ -32,7 +32,7 @@ export class History {
     const last = this.count > 0 ? this.times[(this.next + this.most - 1) % this.most]! : -Infinity;
     if (time <= last) {
       if (time > last - 1) return;
-      // The cell has begun anew.
+      // The cell has restarted.
       this.clear();
     }
     this.times[this.next] = time;
@@ -54,7 +54,10 @@ export class History {
     return this.count > 0 ? this.times[(this.next + this.most - this.count) % this.most]! : NaN;
   }
 
-  /** Rows between two times, and one beyond each end so that lines reach the edge. What was not measured is null. */
+  /**
+   * The rows between two times, and one row beyond each end, so that lines reach the edge. Null where nothing
+   * was measured.
+   */
   slice(from: number, to: number, names: string[]): Slice {
     const places = names.map((name) => this.places.get(name) ?? -1);
     const times: number[] = [];
@@ -73,7 +76,10 @@ export class History {
     return { times, columns };
   }
 
-  /** Each value at that time: of the last row that is not later, which is not long before. Null where nothing was measured. */
+  /**
+   * The values at that time: from the last row that is not later, if it is at most `longest` s older. Null if
+   * nothing was measured.
+   */
   at(time: number, names: string[], longest = 0.5): (number | null)[] {
     const after = this.find(time);
     const exact = after < this.count && this.times[this.place(after)] === time;
@@ -85,12 +91,12 @@ export class History {
     });
   }
 
-  /** Where a row is in the ring. */
+  /** The index of a row in the ring. */
   private place(row: number): number {
     return (this.next + this.most - this.count + row) % this.most;
   }
 
-  /** Number of the first row that is not before `time`. */
+  /** The index of the first row that is not before `time`. */
   private find(time: number): number {
     let low = 0;
     let high = this.count;
@@ -105,7 +111,7 @@ export class History {
 
 const quoted = (text: string) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
 
-/** Comma-separated, a column a name; what was not measured is empty. */
+/** Comma-separated values, one column per name. A value that was not measured is empty. */
 export function csv(slice: Slice, titles: string[]): string {
   const head = ['time [s]', ...titles].map(quoted).join(',');
   const rows = slice.times.map((time, i) => [time.toFixed(6), ...slice.columns.map((column) => column[i] ?? '')].join(','));

@@ -1,4 +1,4 @@
-/** Curves of any field, tag or figure of the loop: commanded beside measured, pause, zoom, cursor, export. */
+/** Curves of any field, tag or loop figure: commanded beside measured values, pause, zoom, cursor, export. */
 import { signal } from '@preact/signals';
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
@@ -13,9 +13,9 @@ import { chosen, colourOf, history, isCommand, readable, record, shown, sliceOf,
 import type { Plot, View } from './draw';
 
 const seconds = kept<string>('plots.seconds', '15');
-/** Null while the newest is shown. */
+/** The paused time window; null while the newest values are shown. */
 const still = signal<{ from: number; to: number } | null>(null);
-/** Time under the cursor. */
+/** The time under the cursor. */
 const cursor = signal<number | null>(null);
 const kRedrawMs = 66;
 
@@ -57,7 +57,7 @@ export default function Page() {
   );
 }
 
-/** Paused, and the window so much wider or narrower about its middle. */
+/** Pauses, and scales the time window about its middle by the factor. */
 function zoom(factor: number): void {
   const { from, to } = view();
   const half = Math.max(0.02, ((to - from) * factor) / 2);
@@ -83,7 +83,7 @@ function exportCsv(): void {
   setTimeout(() => URL.revokeObjectURL(url), 1000);
 }
 
-/** One plot a unit. */
+/** One plot per unit. */
 function byUnit(list: Trace[]): { unit: string; list: Trace[] }[] {
   const out = new Map<string, Trace[]>();
   for (const each of list) out.set(each.unit, [...(out.get(each.unit) ?? []), each]);

@@ -1,4 +1,7 @@
-/** How much of its unit a plot shows at least: noise below it is drawn as the line that it is. Pure. */
+/**
+ * The smallest span of a plot's y axis for each unit, so that noise below it looks like a line. No side
+ * effects.
+ */
 
 const kLeast: Record<string, number> = {
   '°': 1, '°/s': 1, '°/s²': 10, rad: 0.02, 'rad/s': 0.02, 'rad/s2': 0.2,
@@ -7,7 +10,7 @@ const kLeast: Record<string, number> = {
 
 export const leastSpan = (unit: string) => kLeast[unit] ?? 1e-3;
 
-/** The ends of the y axis around what is drawn. A constant stands in the middle. */
+/** The ends of the y axis around the values. A constant value is in the middle. */
 export function padded(min: number | null, max: number | null, least: number): [number, number] {
   if (min === null || max === null || !Number.isFinite(min + max)) return [-least, least];
   const span = Math.max(max - min, least, 1e-6 * Math.max(Math.abs(min), Math.abs(max)));

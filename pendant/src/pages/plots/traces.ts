@@ -1,4 +1,7 @@
-/** What can be plotted and what is; colours; the ring that fills from the page's first opening on. */
+/**
+ * The curves that can be plotted and those that are; their colours; the history, recorded from the first
+ * opening of the page.
+ */
 import { computed } from '@preact/signals';
 import { type Key, t } from '../../i18n';
 import { cell, robot, tags } from '../../state/cell';
@@ -9,7 +12,7 @@ import { History, type Slice } from './history';
 
 export interface Trace {
   name: string;
-  /** That it is shown in, and how many of it one of the wire's is. */
+  /** The unit of display, and the factor from the wire's unit to it. */
   unit: string;
   factor: number;
 }
@@ -18,7 +21,7 @@ const kSeconds = 300;
 const kRate = 30;
 export const kMostTraces = 12;
 export const history = new History(kSeconds * kRate);
-/** Names of the traces that are shown; null: nobody has chosen yet. */
+/** Names of the shown traces; null: the user has not chosen yet. */
 export const chosen = kept<string[] | null>('plots.traces', null);
 
 const kTag = 'tag ';
@@ -29,13 +32,13 @@ const tagNames = computed(() =>
     .filter((name) => Number.isFinite(numberOf(tags.value[name]!.value)))
     .sort(),
 );
-/** Everything there is: fields of frames, and tags that are numbers or yes and no. */
+/** All traces: fields of state frames, and tags that are numbers or booleans. */
 export const traces = computed<Trace[]>(() => [
   ...layout.value.fields.map(({ name, unit }) => ({ name, ...shownIn(unit) })),
   ...tagNames.value.map((name) => ({ name: kTag + name, unit: '', factor: 1 })),
 ]);
 
-/** Those that are shown and exist; at first the first joint, measured and commanded. */
+/** The chosen traces that exist. By default the first joint, measured and commanded. */
 export const shown = computed<Trace[]>(() => {
   const known = new Map(traces.value.map((each) => [each.name, each]));
   const names = chosen.value ?? pairOf(robot.value?.joints[0]?.interface ?? '');
@@ -50,7 +53,7 @@ const partner = (name: string) => name.replace(/\/command_(\w+)$/, '/$1');
 const kDark = ['#6bb0ff', '#ffb454', '#5fd394', '#ff8a8f', '#d3a6ff', '#5ed8e6', '#f5e06e', '#ff9fd0'];
 const kLight = ['#0b5cc4', '#a85100', '#14703f', '#b3121d', '#7a2fb8', '#00707e', '#6b5c00', '#ab1f6e'];
 
-/** A command has the colour of what it commands, and is dashed. */
+/** A command has the colour of its measured value, and is dashed. */
 export function colourOf(name: string, all: Trace[], dark: boolean): string {
   const bases = [...new Set(all.map((each) => partner(each.name)))];
   const colours = dark ? kDark : kLight;
@@ -58,7 +61,7 @@ export function colourOf(name: string, all: Trace[], dark: boolean): string {
 }
 
 let recording = false;
-/** From now on until the page is left for good: what was while another page is shown is there, too. */
+/** Starts recording, until the page is closed. It continues while another page is shown. */
 export function record(): void {
   if (recording) return;
   recording = true;
@@ -70,13 +73,13 @@ export function record(): void {
   });
 }
 
-/** What was between two times, in the units that are shown. */
+/** The values between two times, in the units of display. */
 export function sliceOf(from: number, to: number, list: Trace[]): Slice {
   const { times, columns } = history.slice(from, to, list.map((each) => each.name));
   return { times, columns: columns.map((column, i) => (list[i]!.factor === 1 ? column : column.map((value) => (value === null ? null : value * list[i]!.factor)))) };
 }
 
-/** What each was at that time; null where nothing was measured. */
+/** The value of each trace at that time; null if nothing was measured. */
 export function valuesAt(time: number, list: Trace[]): (number | null)[] {
   return history.at(time, list.map((each) => each.name)).map((value, i) => (value === null ? null : value * list[i]!.factor));
 }
@@ -88,7 +91,10 @@ const kWhat: Record<string, Key> = {
   command_position: 'plots.commanded', command_velocity: 'plots.commandedSpeed', command_effort: 'plots.commandedTorque',
 };
 
-/** `arm/shoulder_pan_joint/command_position` as it is read: “shoulder pan, commanded”. The robot is said where there are several. */
+/**
+ * A readable name: “shoulder pan, commanded” for `arm/shoulder_pan_joint/command_position`. Includes the
+ * robot if there are several.
+ */
 export function readable(name: string): string {
   if (name.startsWith(kTag)) return t('plots.tag', { name: name.slice(kTag.length) });
   const parts = name.split('/');

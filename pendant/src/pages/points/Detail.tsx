@@ -1,4 +1,4 @@
-/** What is chosen: its numbers, and what can be done with it. */
+/** The chosen points: their values and the possible actions. */
 import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { able } from '../../state/abilities';
@@ -38,7 +38,7 @@ export function Detail() {
   );
 }
 
-// --- what can be done
+// --- actions
 
 function Actions({ list, only }: { list: DataValue[]; only: DataValue | null }) {
   const may = mayMove.value;
@@ -70,7 +70,7 @@ async function touchUp(value: DataValue): Promise<void> {
   if (await changePoints('points.teach', args)) toast({ kind: 'ok', text: t('points.touched', { name: value.name }) });
 }
 
-/** No question: it can be taken back. */
+/** Asks no question, because it can be undone. */
 async function remove(names: string[]): Promise<void> {
   for (const name of names) if (!(await changePoints('points.delete', { name }))) return;
   chosen.value = [];
@@ -112,7 +112,7 @@ function Rename({ value, onClose }: { value: DataValue; onClose: () => void }) {
   );
 }
 
-/** The numbers by hand, in the form that programs and files have. */
+/** Edits the values as text, in the form of programs and data files. */
 function Change({ value, onClose }: { value: DataValue; onClose: () => void }) {
   const [text, setText] = useState(() => literalOf(value));
   const go = async () => {
@@ -177,7 +177,7 @@ function Group({ list, onClose }: { list: DataValue[]; onClose: () => void }) {
   );
 }
 
-// --- its numbers
+// --- values
 
 function Numbers({ value }: { value: DataValue }) {
   const facts: [string, string][] = [

@@ -1,4 +1,6 @@
-/** A frame from three points that the tip of the tool touches: its origin, one on x, one on the side of y. */
+/**
+ * Teaches a frame from three points that the tool tip touches: its origin, one on x, one on the side of y.
+ */
 import { useEffect, useState } from 'preact/hooks';
 import { number, t } from '../../i18n';
 import { problemLine, problemOf } from '../../i18n/told';

@@ -1,4 +1,4 @@
-/** The points by their groups, each of which can be folded. */
+/** The points by group. Each group can be folded. */
 import { t } from '../../i18n';
 import { type DataValue, isTool, pointsKnown, values } from '../../state/points';
 import { Button, Empty, Loading } from '../../ui/controls';

@@ -1,4 +1,4 @@
-/** Says that somebody has written into the data files beside the page, and takes it over when a person says so. */
+/** Reports that another program has changed the data files, and loads the changes when the user agrees. */
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';

@@ -1,4 +1,4 @@
-/** Moves points by so much, along the axes of their frame or their own. */
+/** Moves points by an offset, along the axes of their frame or their own axes. */
 import { useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { changePoints } from '../../state/points';

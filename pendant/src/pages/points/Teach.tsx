@@ -1,4 +1,4 @@
-/** A new point where the robot stands now. */
+/** Teaches a new point at the robot's present position. */
 import { signal } from '@preact/signals';
 import { useState } from 'preact/hooks';
 import { t } from '../../i18n';

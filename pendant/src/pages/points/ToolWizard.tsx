@@ -1,4 +1,7 @@
-/** The TCP of a tool whose tip touches one place from four or more directions, with what is left over. */
+/**
+ * Teaches the TCP of a tool whose tip touches one place from four or more directions. Shows the remaining
+ * error.
+ */
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { problemLine, problemOf } from '../../i18n/told';
@@ -22,7 +25,7 @@ interface Answer {
   largest: number;
 }
 const kLeast = 4;
-/** Above this the poses do not touch one place. */
+/** m; above this error the poses did not touch the same place. */
 const kGood = 0.001;
 
 export function ToolWizard({ onClose }: { onClose: () => void }) {

@@ -1,4 +1,4 @@
-/** Which points are chosen, and how the list is narrowed and ordered. */
+/** The chosen points, and how the list is filtered and ordered. */
 import { computed, effect, signal } from '@preact/signals';
 import { t } from '../../i18n';
 import { type DataValue, groupNames, isPlace, isTool, values } from '../../state/points';
@@ -8,14 +8,14 @@ import { kept } from '../../state/settings';
 export const chosen = signal<string[]>([]);
 export const query = signal('');
 export const shownKind = signal<'points' | 'data'>('points');
-/** One group alone; null: all of them, an empty text: what is in none. */
+/** The name of the only group to show; null: all groups; an empty text: points without a group. */
 const wantedGroup = signal<string | null>(null);
 export const shownGroup = computed(() => {
   const name = wantedGroup.value;
   return name === null || name === '' || groupNames.value.includes(name) ? name : null;
 });
 export const showGroup = (name: string | null) => (wantedGroup.value = name);
-/** Keys of groups whose points are not shown. A search shows them all the same. */
+/** Keys of folded groups, whose points are hidden. A search shows their points too. */
 export const folded = kept<string[]>('points.folded', []);
 export function fold(key: string): void {
   folded.value = folded.value.includes(key) ? folded.value.filter((each) => each !== key) : [...folded.value, key];
@@ -25,7 +25,7 @@ effect(() => {
   chosenPoints.value = chosen.value;
 });
 
-/** Those whose name, group, file or text has every word of `words`. */
+/** The values whose name, group, file or frame contains every word of `words`. */
 export function found(all: DataValue[], words: string): DataValue[] {
   const wanted = words.toLowerCase().split(/\s+/).filter(Boolean);
   return all.filter((each) => {
@@ -40,7 +40,7 @@ export interface PointGroup {
   kind: 'group' | 'file' | 'tools';
   values: DataValue[];
 }
-/** By group, then those without one under their file, then tools. */
+/** Values by group, then those without a group by file, then tools. */
 export function grouped(list: DataValue[], toolsTitle: string): PointGroup[] {
   const out = new Map<string, PointGroup>();
   const kindOf = (each: DataValue) => (isTool(each) ? 'tools' : each.group ? 'group' : 'file');
@@ -61,7 +61,7 @@ export const shown = computed(() => {
 });
 export const chosenValues = computed(() => values.value.filter((each) => chosen.value.includes(each.name)));
 
-/** All of a group, or none of it where all were chosen. */
+/** Selects the whole group, or deselects it if all its points were selected. */
 export function chooseAll(group: PointGroup): void {
   const names = group.values.map((each) => each.name);
   const rest = chosen.value.filter((each) => !names.includes(each));

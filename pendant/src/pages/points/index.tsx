@@ -1,4 +1,4 @@
-/** Points: where the robot was taught to go; frames and tools; and the cell's other data. */
+/** Points: the taught positions of the robot, frames and tools, and the cell's other data. */
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { WatchOnly } from '../../shell/Control';
@@ -88,7 +88,7 @@ function Bar() {
   );
 }
 
-/** The options' ids are `=` and the group, or empty for all. */
+/** The ids of the options are `=` plus the group name, or empty for all groups. */
 function GroupFilter() {
   const now = shownGroup.value;
   return (

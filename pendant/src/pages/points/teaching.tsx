@@ -1,4 +1,7 @@
-/** What the wizards have touched so far: kept while the robot is moved on the page for that, which leads back to them. */
+/**
+ * The points that the wizards have recorded so far. They are kept while the user moves the robot on the Move
+ * page, which leads back to the wizard.
+ */
 import { signal } from '@preact/signals';
 import { t } from '../../i18n';
 import { go } from '../../shell/route';
@@ -10,10 +13,10 @@ import type { Pose, Vec3 } from '../../wire/types';
 export const kNoTouches: (Vec3 | null)[] = [null, null, null];
 export const touches = signal(kNoTouches);
 export const toolPoses = signal<Pose[]>([]);
-/** The wizard that waits while the robot is moved. */
+/** The wizard that waits while the user moves the robot. */
 export const waiting = signal<'frame' | 'tool' | null>(null);
 
-/** To the page that moves the robot, and from there back here. */
+/** A button that leads to the Move page and keeps the wizard waiting. */
 export function MoveButton({ kind }: { kind: 'frame' | 'tool' }) {
   const move = () => {
     waiting.value = kind;
@@ -33,7 +36,7 @@ async function goOn(kind: 'frame' | 'tool'): Promise<void> {
   }
 }
 
-/** On the page that moves the robot. */
+/** A banner on the Move page that leads back to the wizard. */
 export function WaitingWizard() {
   const kind = waiting.value;
   if (!kind) return null;

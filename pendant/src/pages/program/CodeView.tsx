@@ -1,4 +1,4 @@
-/** The text of a program in CodeMirror, which is loaded when it is first shown. */
+/** Shows a program's text in CodeMirror, which is loaded on first use. */
 import { effect, untracked } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../../i18n';
@@ -50,7 +50,7 @@ export function CodeView() {
   );
 }
 
-/** The editor follows the signals. */
+/** Updates the editor when the signals change. Returns functions that end the updates. */
 function tie(editor: ProgramEditor): (() => void)[] {
   let file = doc.fileName.peek();
   let first = true;
@@ -97,7 +97,7 @@ function phrases(): Record<string, string> {
   };
 }
 
-/** A breakpoint at the line of the cursor, for fingers. */
+/** Toggles a breakpoint at the cursor's line; for touch screens. */
 export function BreakpointButton() {
   const line = doc.atLine.value;
   return (

@@ -1,4 +1,7 @@
-/** What a person has to know about the file: it changed meanwhile, a draft was found, it runs with an older text. */
+/**
+ * Messages about the file: it was changed by another client, a draft was found, or it runs with an older
+ * text.
+ */
 import { useMemo, useState } from 'preact/hooks';
 import { moment, t } from '../../i18n';
 import { ask, open } from '../../ui/ask';
@@ -104,7 +107,7 @@ interface SideBySideProps {
 
 const kAround = 3;
 
-/** Both texts beside each other; where they differ each side can be chosen. */
+/** Both texts side by side. The user can choose a side for each difference. */
 export function SideBySide({ hunks, titles, choice, onChoose }: SideBySideProps) {
   let index = -1;
   return (

@@ -1,4 +1,4 @@
-/** Which file: open, new, save as, rename, delete; and its earlier versions. */
+/** File operations: open, new, save as, rename, delete; and earlier versions. */
 import { useEffect, useMemo, useState } from 'preact/hooks';
 import { moment, t } from '../../i18n';
 import { attempt, complain, mayMove, request } from '../../state/cell';

@@ -1,4 +1,7 @@
-/** Beside the program: begin, pause, step; where its tasks stand and their variables; what is wrong, by line. */
+/**
+ * The panel beside the program: start, pause, step; the tasks with their lines and variables; the problems by
+ * line.
+ */
 import type { Args, RequestName } from '../../state/cell';
 import { number, t, word } from '../../i18n';
 import { plain } from '../../i18n/told';
@@ -98,7 +101,7 @@ function Buttons() {
   );
 }
 
-/** For what is answered when the robot stands, however long that takes. */
+/** For requests whose answer comes when the robot is at standstill. No timeout. */
 async function longAttempt<Name extends RequestName>(name: Name, args: Args<Name>): Promise<void> {
   await request<RequestName>(name, args, 0).catch(complain);
 }
@@ -108,7 +111,7 @@ function beginDry(): void {
   void dryRun(doc.fileName.value, doc.text.value);
 }
 
-// --- begin at a line
+// --- start at a line
 
 interface Assumed {
   where: { file: string; line: number };
@@ -189,7 +192,7 @@ function Values({ title, values }: { title: string; values: { name: string; valu
   );
 }
 
-// --- what is wrong
+// --- problems
 
 function Problems() {
   const now = dry.value;
@@ -227,7 +230,7 @@ function Problems() {
   );
 }
 
-/** Only what was looked through is called right. */
+/** Says that the program is correct only after a check. */
 function Checked() {
   if (doc.fileName.value === '') return null;
   if (!doc.isProgram.value)

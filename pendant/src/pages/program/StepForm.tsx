@@ -1,4 +1,7 @@
-/** Forms for steps: the kind of a new one, and what a step says. The line that comes out is always shown, and can be written. */
+/**
+ * Forms to choose the kind of a new step and to edit a step. The resulting line is always shown and can be
+ * edited.
+ */
 import { useState } from 'preact/hooks';
 import { type Key, t } from '../../i18n';
 import { complain, mayMove, robot } from '../../state/cell';
@@ -42,7 +45,7 @@ const kKinds: Kind[] = [
   { label: 'step.kOther', icon: 'program', first: () => '' },
 ];
 
-/** Where a new step goes: behind the chosen one, else at the end. */
+/** Chooses the kind of a new step. It is inserted after the chosen step, else at the end. */
 export function openStepKinds(after: Statement | null): void {
   open((close) => (
     <Dialog title={t('step.add')} wide onClose={close}>
@@ -173,7 +176,7 @@ function MoveForm({ move, onChange }: { move: Move; onChange: (move: Move) => vo
   );
 }
 
-/** One of the usual values, none, or what stands there. */
+/** A choice of one of the usual values, none, or the present value. */
 function Choice(props: { label: string; value: string | null; options: string[]; none: string; onChange: (value: string | null) => void }) {
   const all = props.value !== null && !props.options.includes(props.value) ? [props.value, ...props.options] : props.options;
   return (
@@ -208,7 +211,7 @@ function PlaceField({ label, value, onChange }: { label: string; value: string; 
   );
 }
 
-/** A new point where the robot stands now. */
+/** Teaches a new point at the robot's present position. */
 function TeachHere({ taken, onTaught }: { taken: string[]; onTaught: (name: string) => void }) {
   const [name, setName] = useState<string | null>(null);
   if (name === null)

@@ -1,4 +1,7 @@
-/** The program as a list of steps for fingers: every step is a line of the text, and changes are changes of the text. */
+/**
+ * The program as a list of steps, for touch screens. Each step is a statement of the text; changing a step
+ * changes the text.
+ */
 import { useEffect, useRef, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { mayMove } from '../../state/cell';
@@ -47,7 +50,7 @@ export function StepsView() {
   );
 }
 
-/** On any line of the statement. */
+/** The first breakpoint on any line of the statement. */
 const breakpointOf = (step: Statement) => doc.breakpoints.value.find((line) => line >= step.line && line <= step.endLine);
 
 function Step({ step, live, chosen }: { step: Statement; live: boolean; chosen: boolean }) {

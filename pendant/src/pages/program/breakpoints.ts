@@ -1,11 +1,16 @@
-/** Breakpoints of the file that is open: they go with their lines while it is written, and the cell is told where they are. */
+/**
+ * Breakpoints of the open file. They move with their lines during editing, and the page reports their lines
+ * to the cell.
+ */
 import { diff } from './diff';
 
-/** Where a line of the text before is in the text after; 0: it is gone. */
+/** Maps a line of the old text to the new text; 0: the line was removed. */
 export type LineMap = (line: number) => number;
 
 export interface BreakpointOptions {
-  /** Tells the text as it is now, and where its breakpoints are; without lines the cell finds them. Answered with the lines. */
+  /**
+   * Sends the present text and its breakpoints; without lines the cell finds them. Resolves with the lines.
+   */
   tell: (name: string, text: string, lines?: number[]) => Promise<number[]>;
   toggle: (name: string, text: string, line: number, on: boolean) => Promise<number[]>;
   onLines: (lines: number[]) => void;
@@ -13,7 +18,10 @@ export interface BreakpointOptions {
   wait?: number;
 }
 
-/** By what both texts have in common; a line that was moved is found again, one written anew in its place is the line there. */
+/**
+ * Maps lines by what both texts have in common. A line that was moved is found again; a rewritten line is the
+ * line in its place.
+ */
 export function lineMap(before: string, after: string): LineMap {
   const hunks = diff(before, after);
   const numbered = (lines: string[], from: number) => lines.map((text, i) => ({ text: text.trim(), line: from + i })).filter((each) => each.text !== '');
@@ -37,7 +45,7 @@ export class BreakpointKeeper {
   private name = '';
   private text = '';
   private lines: number[] = [];
-  /** What the cell has told last; null: nothing yet. */
+  /** The lines that the cell reported last; null: none yet. */
   private told: number[] | null = null;
   private greeted = false;
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -58,7 +66,10 @@ export class BreakpointKeeper {
     this.heard(told);
   }
 
-  /** What the cell says of this file. It may mean another text of it, so it is told ours first. */
+  /**
+   * Takes the breakpoints that the cell reports for this file. They may refer to another version of the text,
+   * so the first time the page sends its own text.
+   */
   heard(told: number[] | null): void {
     this.told = told;
     if (!told) this.greeted = false;
@@ -98,7 +109,7 @@ export class BreakpointKeeper {
     this.settle();
   }
 
-  /** Nothing of ours is under way: what the cell has counts. */
+  /** If no request of this page is pending, the cell's breakpoints count. */
   private settle(): void {
     if (this.told && this.asking === 0 && this.timer === undefined) this.take(this.told);
   }

@@ -1,4 +1,7 @@
-/** CodeMirror with what a program needs. Its own chunk: loaded when a program is first shown as text. */
+/**
+ * CodeMirror with the extensions for programs. A chunk of its own, loaded when a program is first shown as
+ * text.
+ */
 import { autocompletion, closeBrackets, closeBracketsKeymap, type CompletionContext, type CompletionResult, completionKeymap } from '@codemirror/autocomplete';
 import { defaultKeymap, history, historyKeymap, indentWithTab, toggleComment } from '@codemirror/commands';
 import { bracketMatching, indentOnInput, indentUnit } from '@codemirror/language';
@@ -24,7 +27,7 @@ export interface EditorHooks {
   onBreakpoint: (line: number) => void;
 }
 
-// --- the live lines and the breakpoints
+// --- current lines and breakpoints
 
 const setLive = StateEffect.define<number[]>();
 const liveLine = Decoration.line({ class: 'cm-live' });
@@ -66,7 +69,10 @@ const breaks = StateField.define<Set<number>>({
   },
 });
 
-/** A line goes with its first letter; where all of it was replaced, or taken out, what both texts have in common says. */
+/**
+ * Maps the lines after a change. A line moves with its first character; if the whole line was replaced or
+ * removed, the common parts of both texts decide.
+ */
 function linesMoved(before: Text, changes: ChangeDesc, after: Text): LineMap {
   let byText: LineMap | null = null;
   return (number) => {
@@ -101,8 +107,8 @@ function toggled(hooks: EditorHooks, view: EditorView, at: number, event: MouseE
 }
 
 /**
- * Where the line begins that is drawn at this height. Until a text that was just opened has been measured, CodeMirror
- * takes its lines for lower than they are, and a press for one on a later line.
+ * The start of the line that is drawn at this height. Until CodeMirror has measured a newly opened text, it
+ * underestimates the height of its lines, so a press would reach a later line.
  */
 function shownAt(view: EditorView, y: number): number | null {
   for (const line of view.contentDOM.querySelectorAll('.cm-line')) {
@@ -112,7 +118,7 @@ function shownAt(view: EditorView, y: number): number | null {
   return null;
 }
 
-/** A number is as good as the mark beside it: both together are a target for a finger. */
+/** A press on a line number also toggles the breakpoint, which makes the target larger for a finger. */
 const numbers = (hooks: EditorHooks) => lineNumbers({ domEventHandlers: { mousedown: (view, block, event) => toggled(hooks, view, block.from, event as MouseEvent) } });
 
 // --- completion
@@ -172,7 +178,7 @@ const look = EditorView.theme({
   '.cm-matchingBracket': { outline: '1px solid var(--accent)' },
 });
 
-/** A text changed from outside is no change of the person's. */
+/** Marks a change from outside the editor, which is not an edit of the user. */
 const fromOutside = StateEffect.define<null>();
 
 export class ProgramEditor {
@@ -207,12 +213,12 @@ export class ProgramEditor {
     return EditorState.create({ doc: text, extensions });
   }
 
-  /** Another file: its history begins anew. */
+  /** Opens another file with an empty undo history. */
   open(text: string): void {
     this.view.setState(this.state(text));
   }
 
-  /** The same file with another text; it can be taken back. */
+  /** Replaces the text of the same file. The user can undo it. */
   take(text: string): void {
     const now = this.view.state.doc.toString();
     if (now === text) return;

@@ -1,4 +1,6 @@
-/** A condition taken apart as far as a form can show it: NAME, not NAME, NAME < VALUE. Pure. */
+/**
+ * Parses a condition into the forms that the form can show: NAME, not NAME, NAME < VALUE. No side effects.
+ */
 export type Comparison = 'true' | 'false' | '==' | '!=' | '<' | '<=' | '>' | '>=';
 
 export interface Condition {

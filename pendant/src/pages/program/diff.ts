@@ -1,16 +1,19 @@
-/** Two texts by lines: what both have, and where they differ. */
+/** Compares two texts by lines. */
 import { Change, diff as compare } from '@codemirror/merge';
 
 export interface Hunk {
   same: boolean;
   a: string[];
   b: string[];
-  /** First line of each side, from 1. */
+  /** First line of each side, counted from 1. */
   aLine: number;
   bLine: number;
 }
 
-/** The smallest set of changed lines, found by CodeMirror's diff; a simpler one if the texts are very different. */
+/**
+ * The smallest set of changed lines, from CodeMirror's diff; an approximate set if the texts are very
+ * different.
+ */
 export function diff(a: string, b: string): Hunk[] {
   const x = a.split('\n');
   const y = b.split('\n');
@@ -30,9 +33,12 @@ export function diff(a: string, b: string): Hunk[] {
   return out;
 }
 
-const kMostDistinct = 0xd7ff; // characters before the surrogates
+const kMostDistinct = 0xd7ff; // number of characters before the surrogates
 
-/** The library compares characters: each distinct line becomes one. Positions are numbers of lines, from 0. */
+/**
+ * CodeMirror's diff compares characters, so each distinct line becomes one character. Positions are line
+ * numbers, from 0.
+ */
 function changedLines(x: string[], y: string[]): readonly Change[] {
   const known = new Map<string, string>();
   const character = (line: string) => {
@@ -45,7 +51,7 @@ function changedLines(x: string[], y: string[]): readonly Change[] {
   return compare(one, other, { scanLimit: 5000, timeout: 500 });
 }
 
-/** The text that takes side `a` or `b` of each hunk that differs, in their order. */
+/** The text that takes side `a` or `b` of each difference, in their order. */
 export function merged(hunks: Hunk[], choice: ('a' | 'b')[]): string {
   let next = 0;
   return hunks.flatMap((hunk) => (hunk.same || choice[next++] === 'a' ? hunk.a : hunk.b)).join('\n');

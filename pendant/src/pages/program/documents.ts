@@ -1,4 +1,4 @@
-/** The program file that is open: its text, the file and draft behind it, what the checker says, earlier texts. */
+/** The open program file: its text, the file and draft behind it, the checker's problems, earlier texts. */
 import type { Args } from '../../state/cell';
 import { computed, effect, signal, untracked } from '@preact/signals';
 import { t } from '../../i18n';
@@ -32,25 +32,25 @@ export interface Problem {
 export const files = signal<FileInfo[]>([]);
 export const mainFile = signal<string | null>(null);
 export const chosenFile = kept<string>('program.file', '');
-/** Name of what is open; empty: nothing. */
+/** Name of the open file; empty: none. */
 export const fileName = signal('');
 export const text = signal('');
-/** The file as it was read or written last, and its hash ('' where there is no file yet). */
+/** The file as it was last read or written, and its hash ('' if there is no file yet). */
 export const savedText = signal('');
 export const base = signal('');
 export const draftState = signal<DraftState>('none');
-/** Whose draft this is and of when, where it was found and not written here. */
+/** Author and time of a draft that was found instead of written here. */
 export const foundDraft = signal<{ by: string; saved_s: number } | null>(null);
-/** What the file has become meanwhile, by somebody else's hand. */
+/** The file's new content if another client has changed it. */
 export const theirs = signal<{ text: string; hash: string } | null>(null);
 export const problems = signal<Problem[]>([]);
-/** Is `problems` about the text as it stands now? */
+/** True if `problems` belongs to the present text. */
 export const checked = signal(false);
-/** Counts up when the text was changed by something else than the editor. */
+/** Increases when something other than the editor changes the text. */
 export const revision = signal(0);
-/** The line that the person is at; steps and editor share it. */
+/** The user's current line; steps and editor share it. */
 export const atLine = signal(1);
-/** A line that is to be shown; whoever shows the text goes there and clears it. */
+/** A line to show. The view that shows the text scrolls there and clears it. */
 export const wantedLine = signal<number | null>(null);
 const undone: string[] = [];
 export const canUndo = signal(false);
@@ -59,7 +59,7 @@ export const dirty = computed(() => fileName.value !== '' && text.value !== save
 export const statements = computed<Statement[]>(() => statementsOf(text.value));
 export const programFiles = computed(() => files.value.filter((each) => each.kind === 'program' || each.kind === 'plc'));
 export const errors = computed(() => problems.value.filter((each) => each.severity === 'error').length);
-/** Is the file a program (and not data, points, a scene …)? */
+/** True if the file is a program, not data, points or a scene. */
 export const isProgram = computed(() => {
   const info = files.value.find((each) => each.name === fileName.value);
   return info ? info.kind === 'program' || info.kind === 'plc' : /\.script$/.test(fileName.value);
@@ -67,13 +67,13 @@ export const isProgram = computed(() => {
 
 export const sameFile = (a: string, b: string) => a !== '' && b !== '' && (a === b || a.endsWith(`/${b}`) || b.endsWith(`/${a}`));
 
-/** The program that runs, where it is this file. */
+/** The running program, if it is this file. */
 export const running = computed<ProgramStatus | null>(() => {
   const now = status.value?.program;
   if (!now || !sameFile(now.file, fileName.value)) return null;
   return !now.ready && (now.state === 'running' || now.state === 'waiting') ? now : null;
 });
-/** Does any program go on now? */
+/** True if any program is running. */
 export const anyRunning = computed(() => {
   const it = status.value?.program;
   return !!it && !it.ready && (it.state === 'running' || it.state === 'waiting');
@@ -99,18 +99,18 @@ export async function loadFiles(): Promise<void> {
   }
 }
 
-/** Opens what was open last, or the cell's program. */
+/** Opens the file that was open last, else the cell's program. */
 export async function openSomething(): Promise<void> {
   await loadFiles();
   if (fileName.value !== '') return;
-  // A new file that was never saved is a draft and in no list.
+  // A new file that was never saved is only a draft and is in no list.
   if (chosenFile.value !== '' && (await openFile(chosenFile.value, true))) return;
   const known = (name: string | null | undefined) => files.value.find((each) => each.name === name)?.name;
   const next = known(mainFile.value) ?? programFiles.value[0]?.name;
   if (next) await openFile(next);
 }
 
-/** True when it is open. `quiet`: it may be that there is none. */
+/** Returns true if the file is open. `quiet`: reports no error if the file does not exist. */
 export async function openFile(name: string, quiet = false): Promise<boolean> {
   keeper.flush();
   try {
@@ -154,7 +154,7 @@ function show(name: string, now: string, saved: string, hash: string): void {
   revision.value++;
 }
 
-/** A new file, which is a draft until it is saved. */
+/** Opens a new file, which is a draft until it is saved. */
 export function newFile(name: string, first: string): void {
   keeper.flush();
   show(name, first, '', '');
@@ -171,7 +171,10 @@ export async function closeDeleted(name: string): Promise<void> {
 
 // --- changes
 
-/** What the editor or the steps have made of it; `map`: where its lines went, where that is known exactly. */
+/**
+ * Takes a new text from the editor or the steps. `map`: the new positions of the lines, if they are known
+ * exactly.
+ */
 export function edit(next: string, map?: LineMap): void {
   if (next === text.value) return;
   text.value = next;
@@ -181,7 +184,7 @@ export function edit(next: string, map?: LineMap): void {
   else keeper.note({ name: fileName.value, text: next, base: base.value });
 }
 
-/** A change that is no typing: it can be taken back by `undo`. */
+/** Changes the text from outside the editor. `undo` can undo it. */
 export function change(next: string, line?: number): void {
   if (next === text.value) return;
   undone.push(text.value);
@@ -205,7 +208,7 @@ function dropDraft(): void {
   void request('files.draft', { name: fileName.value }).catch(() => undefined);
 }
 
-/** Back to the file as it is. */
+/** Discards the draft and returns to the saved file. */
 export function discardDraft(): void {
   if (theirs.value) {
     savedText.value = theirs.value.text;
@@ -225,7 +228,7 @@ async function lookAtTheirs(): Promise<void> {
   const answer = await request('files.read', { name: fileName.value });
   if (answer.hash === base.value) return;
   if (answer.text === text.value || text.value === savedText.value) {
-    // Nothing of ours is at stake: what is new is shown.
+    // There are no unsaved changes: shows the new content.
     const line = atLine.value;
     show(fileName.value, answer.text, answer.text, answer.hash);
     atLine.value = line;
@@ -233,7 +236,7 @@ async function lookAtTheirs(): Promise<void> {
   } else theirs.value = { text: answer.text, hash: answer.hash };
 }
 
-/** True when the file is as the text is. */
+/** Saves the file. Returns true if the file contains the text. */
 export async function save(): Promise<boolean> {
   const name = fileName.value;
   const now = text.value;
@@ -262,7 +265,7 @@ function written(now: string, hash: string): void {
   void loadFiles();
 }
 
-/** What of both texts is to count, written over what the file has become. */
+/** Writes the merged text over the file that another client has changed. */
 export async function saveMerged(next: string): Promise<void> {
   const other = theirs.value;
   if (!other) return;
@@ -298,13 +301,16 @@ async function check(name: string, now: string): Promise<void> {
     problems.value = answer.problems.filter((each) => each.file === '' || sameFile(each.file, name));
     checked.value = true;
   } catch {
-    // Not connected, or the cell is away: it is checked again with the next change.
+    // Not connected, or no cell: the next change checks again.
   }
 }
 
 const kCheckMs = 250;
 const kLookMs = 4000;
-/** While the page is open: checks, and looks whether the file has changed. Returns what ends it. */
+/**
+ * Call it while the page is open. Checks the text, and regularly checks whether the file has changed. Returns
+ * a function that ends it.
+ */
 export function follow(): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   const checking = effect(() => {
@@ -332,25 +338,25 @@ export function follow(): () => void {
   };
 }
 
-// --- running it
+// --- running the program
 
-/** What was shown is what begins: another text is refused. */
+/** The hash of the text that the user sees. The cell refuses to start another text. */
 export const shownHash = (): { hash?: string } => (base.value ? { hash: base.value } : {});
 
-/** Saves what is not saved, and begins. */
+/** Saves unsaved changes and starts the program. */
 export async function start(): Promise<void> {
   if (dirty.value && !(await save())) return;
   await attempt('program.from', { program: fileName.value, confirmed: true, ...shownHash() });
 }
 
-/** Has a task not ended yet? */
+/** True if the task has not ended. */
 export const goesOn = (task: { state: string }) => task.state === 'running' || task.state === 'waiting';
 
-/** Lines of this file that tasks stand at, as the text is now. */
+/** The lines of this file at which tasks are, in the present text. */
 export const liveLines = computed<number[]>(() => {
   const all = (program.value?.tasks as { where: { file: string; line: number }; source: string; state: string; paused: boolean }[] | undefined) ?? [];
   if (!anyRunning.value) return [];
-  // The one that stands paused first: it is what the text is moved to.
+  // A paused task comes first, because the view scrolls to the first line.
   const tasks = all.filter(goesOn).sort((a, b) => Number(b.paused) - Number(a.paused));
   const lines = text.value.split('\n');
   const out = new Set<number>();
@@ -362,7 +368,10 @@ export const liveLines = computed<number[]>(() => {
   return [...out];
 });
 
-/** The line that says `source`, nearest to `line`: the text may have changed since the program was begun. */
+/**
+ * The line that contains `source`, nearest to `line`. The text may have changed since the program was
+ * started.
+ */
 export function findLine(lines: string[], line: number, source: string): number | null {
   const wanted = source.trim();
   if (wanted === '') return line <= lines.length ? line : null;
@@ -386,7 +395,7 @@ interface Place {
 const ofThisFile = (all: Place[]) => all.filter((each) => sameFile(each.file, fileName.peek())).map((each) => each.line);
 const toldBreakpoints = () => (program.value ? ofThisFile((program.value.breakpoints as Place[] | undefined) ?? []) : null);
 
-/** Their lines in the text as it stands here. */
+/** The lines with breakpoints in the present text. */
 export const breakpoints = signal<number[]>([]);
 const marks = new BreakpointKeeper({
   tell: (name, now, lines) => askBreakpoints('program.edited', { name, text: now, ...(lines && { lines }) }),

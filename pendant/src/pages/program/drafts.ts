@@ -1,11 +1,11 @@
-/** Keeps what is written on the server within a second, and in this browser until the server has it. */
+/** Saves edits on the server within a second, and in this browser until the server has them. */
 
 export type DraftState = 'none' | 'kept' | 'keeping' | 'waiting';
 
 export interface Draft {
   name: string;
   text: string;
-  /** Hash of the file that it was begun on. */
+  /** Hash of the file from which the draft was started. */
   base: string;
 }
 
@@ -19,7 +19,7 @@ export interface DraftOptions {
   send: (draft: Draft) => Promise<unknown>;
   onState: (state: DraftState) => void;
   store: DraftStore;
-  /** ms after the last change, and at most after the first one that is not kept yet. */
+  /** `wait`: ms after the last change; `longest`: ms after the first unsaved change at most. */
   wait?: number;
   longest?: number;
   again?: number;
@@ -43,13 +43,13 @@ export class DraftKeeper {
     this.schedule(Math.max(0, Math.min(this.options.wait ?? 300, left)));
   }
 
-  /** Sends at once what is not kept yet. */
+  /** Sends unsaved changes now. */
   flush(): void {
     clearTimeout(this.timer);
     void this.push();
   }
 
-  /** What was noted of this file is no draft any more. */
+  /** Discards the draft of this file. */
   forget(name: string): void {
     if (this.newest?.name === name) {
       this.newest = null;
@@ -88,7 +88,7 @@ export class DraftKeeper {
 }
 
 const kPrefix = 'polyarm.draft.';
-/** In this browser. */
+/** The drafts in this browser's storage. */
 export const localDrafts: DraftStore = {
   get(name) {
     try {
@@ -101,14 +101,14 @@ export const localDrafts: DraftStore = {
     try {
       localStorage.setItem(kPrefix + draft.name, JSON.stringify(draft));
     } catch {
-      // A private window may refuse; the server's copy is what counts.
+      // The storage of a private window may be disabled; the copy on the server is enough.
     }
   },
   remove(name) {
     try {
       localStorage.removeItem(kPrefix + name);
     } catch {
-      // As above.
+      // The same.
     }
   },
 };

@@ -1,4 +1,4 @@
-/** The dry run: the program gone through without a robot, on the server; what it found by line, and the paths. */
+/** The dry run: the server runs the program without a robot. Its problems by line, and its paths. */
 import { signal } from '@preact/signals';
 import { complain, stream } from '../../state/cell';
 import { type DryPath, dryPaths, problemsIn3d } from '../../state/preview';
@@ -37,7 +37,7 @@ export async function dryRun(file: string, text: string): Promise<void> {
   }
 }
 
-/** A move that cannot be made is shown where the last one that can be has ended. */
+/** The place of a problem in the picture: the end of the last possible move before the line. */
 function endOf(result: DryResult, line: number) {
   const before = (result.paths ?? []).filter((path) => path.line <= line && path.points.length > 0);
   const last = before[before.length - 1];

@@ -1,9 +1,9 @@
-/** Changes of a program's text by whole statements. Pure: text in, text out. */
+/** Edits a program's text by whole statements. No side effects: text in, text out. */
 import { type Statement, statementsOf } from './statements';
 
 export interface Edited {
   text: string;
-  /** Line of the statement that was put or moved there. */
+  /** Line of the statement that was inserted or moved. */
   line: number;
 }
 
@@ -11,7 +11,7 @@ const kIndent = '  ';
 const blanks = (line: string) => /^\s*/.exec(line)![0];
 const lastOf = (s: Statement) => (s.opens ? s.blockEnd : s.endLine);
 
-/** Lines `from` to `to` moved sideways so that the first begins with `indent`. */
+/** Indents the lines so that the first one begins with `indent`. */
 function indented(lines: string[], indent: string): string[] {
   const own = blanks(lines[0] ?? '');
   return lines.map((line) => {
@@ -20,7 +20,9 @@ function indented(lines: string[], indent: string): string[] {
   });
 }
 
-/** How a statement is indented that comes behind `before` (null: at the top), inside of what that opens. */
+/**
+ * The indentation of a statement after `before` (null: at the top), or inside the block that `before` opens.
+ */
 function indentBehind(lines: string[], before: Statement | null, inside: boolean): string {
   if (!before) return '';
   const own = blanks(lines[before.line - 1] ?? '');
@@ -37,7 +39,7 @@ export function replaceStatement(text: string, statement: Statement, now: string
   return { text: lines.join('\n'), line: statement.line };
 }
 
-/** Puts `now` (one or more lines) behind `after`; inside of it where it opens a block. Null: at the top. */
+/** Inserts `now` (one or more lines) after `after`, or inside it if it opens a block. Null: at the top. */
 export function insertAfter(text: string, after: Statement | null, now: string): Edited {
   const lines = text.split('\n');
   const inside = after !== null && (after.opens || after.middle);
@@ -49,7 +51,7 @@ export function insertAfter(text: string, after: Statement | null, now: string):
   return { text: lines.join('\n'), line: at + 1 };
 }
 
-/** Behind the comments that a program begins with. */
+/** The first line after the comments at the beginning of a program. */
 function firstPlace(lines: string[]): number {
   let at = 0;
   while (at < lines.length && lines[at]!.trim().startsWith('#')) ++at;
@@ -62,7 +64,7 @@ export function appendStatement(text: string, now: string): Edited {
   return { text: `${[...before, ...now.split('\n')].join('\n')}\n`, line: before.length + 1 };
 }
 
-/** Takes the statement away, with the block that it opens; with `keepInside` only its own lines and its end. */
+/** Removes the statement with its block; with `keepInside` only the statement and the end of its block. */
 export function removeStatement(text: string, statement: Statement, keepInside = false): string {
   const lines = text.split('\n');
   if (!statement.opens || !keepInside) {
@@ -82,7 +84,7 @@ export function removeStatement(text: string, statement: Statement, keepInside =
     .join('\n');
 }
 
-/** Copies the statement, with its block, behind itself. */
+/** Inserts a copy of the statement, with its block, after it. */
 export function copyStatement(text: string, statement: Statement): Edited {
   const lines = text.split('\n');
   const last = lastOf(statement);
@@ -91,8 +93,9 @@ export function copyStatement(text: string, statement: Statement): Edited {
 }
 
 /**
- * One place up (-1) or down (1), with its block: in front of the statement above, or behind the one below. So it goes
- * into a block at its begin or end, and out of it. Null where there is no further place.
+ * Moves the statement with its block by one place: up (-1) in front of the statement above, or down (1) after
+ * the statement below. So it can enter a block at its beginning or end, and leave it. Null if it cannot move
+ * further.
  */
 export function moveStatement(text: string, statement: Statement, by: -1 | 1): Edited | null {
   const lines = text.split('\n');
@@ -114,7 +117,7 @@ export function moveStatement(text: string, statement: Statement, by: -1 | 1): E
   return settle(lines, statement.line + gap.length + theirs.length, mine.length);
 }
 
-/** Indents the moved lines as their new place asks. */
+/** Indents the moved lines for their new place. */
 function settle(lines: string[], line: number, count: number): Edited {
   const all = statementsOf(lines.join('\n'));
   const own = all.find((each) => each.line === line)!;
@@ -126,13 +129,13 @@ function settle(lines: string[], line: number, count: number): Edited {
   return { text: lines.join('\n'), line };
 }
 
-/** Are both in one block: does none that is less deep stand between them? */
+/** True if both are in the same block, with no less deep statement between them. */
 function sameBlock(all: Statement[], a: Statement, b: Statement): boolean {
   const [first, second] = a.line < b.line ? [a, b] : [b, a];
   return all.every((each) => each.line <= first.line || each.line >= second.line || each.depth >= a.depth);
 }
 
-/** The next name of that kind that nobody has: P1, P2 … */
+/** The first unused name with this stem: P1, P2 … */
 export function freeName(stem: string, taken: Iterable<string>): string {
   const names = new Set([...taken].map((name) => name.toLowerCase()));
   for (let i = 1; ; ++i) if (!names.has(`${stem}${i}`.toLowerCase())) return `${stem}${i}`;

@@ -1,4 +1,4 @@
-/** A program as text and as steps: writing, checking, running it, and looking on while it runs. */
+/** The Program page: a program as text and as steps; editing, checking, running, and watching it run. */
 import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';
 import { WatchOnly } from '../../shell/Control';
@@ -17,7 +17,7 @@ import { StepsView } from './StepsView';
 import { loadWords } from './words';
 
 const view = kept<'text' | 'steps'>('program.view', matchMedia('(pointer: coarse)').matches ? 'steps' : 'text');
-/** On a narrow screen one of both is shown. */
+/** A narrow screen shows only one of the two sides. */
 const side = kept<'program' | 'run'>('program.side', 'program');
 
 export default function Page() {

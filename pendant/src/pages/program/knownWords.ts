@@ -1,4 +1,4 @@
-/** The words of the language that colours and steps need. Pure. */
+/** The words of the language that colours and steps need. No side effects. */
 
 export interface LanguageWord {
   name: string;
@@ -19,7 +19,10 @@ export interface Language {
 }
 
 const word = (role: string) => (name: string) => ({ name, role, form: name, meaning: '', in_tests: false });
-/** Until the cell has told its own. A test compares them with the reference page, which is made from the parser's list. */
+/**
+ * Used until the cell has sent its own words. A test compares them with the reference page, which is
+ * generated from the parser's list.
+ */
 export const knownWords: Language = {
   words: [
     ...('load import set let include log moveto movej movel movec speedj speedl drive turn use wait while for if func ' +

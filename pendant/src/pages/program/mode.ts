@@ -1,15 +1,15 @@
-/** The language for CodeMirror: colours and blanks at the begin of a line, from the list of words. */
+/** The language mode for CodeMirror: colours and indentation, from the list of words. */
 import { HighlightStyle, indentService, StreamLanguage, type StringStream, syntaxHighlighting } from '@codemirror/language';
 import { tags } from '@lezer/highlight';
 import type { Language } from './knownWords';
 import { kMotionWords } from './statements';
 
 interface State {
-  /** Has the line's first word been seen? */
+  /** True after the line's first word. */
   begun: boolean;
 }
 
-/** One for each list of words: CodeMirror keeps every language that was ever defined. */
+/** One mode for each list of words, because CodeMirror keeps every language that was ever defined. */
 const made = new WeakMap<Language, StreamLanguage<State>>();
 
 export function mode(language: Language): StreamLanguage<State> {
@@ -60,7 +60,7 @@ function define(language: Language): StreamLanguage<State> {
   });
 }
 
-/** The colours are those of the page: both themes by the same names. */
+/** Uses the colour variables of the page, which exist in both themes. */
 export const colours = syntaxHighlighting(
   HighlightStyle.define([
     { tag: tags.keyword, color: 'var(--code-keyword)', fontWeight: '600' },
@@ -77,7 +77,7 @@ export const colours = syntaxHighlighting(
   ]),
 );
 
-/** A line stands two blanks deeper behind one that opens a block, and back where it ends one. */
+/** Indents a line by two blanks after a line that opens a block, and back for a line that ends a block. */
 export const indents = indentService.of((context, pos) => {
   const doc = context.state.doc;
   const line = doc.lineAt(pos);

@@ -1,4 +1,4 @@
-/** A statement in words, for the list of steps. */
+/** Describes a statement in words, for the list of steps. */
 import { type Key, t } from '../../i18n';
 import type { IconName } from '../../ui/Icon';
 import { kMoveWords, kSpeedWords, parseMove, type Statement } from './statements';
@@ -6,7 +6,7 @@ import { kMoveWords, kSpeedWords, parseMove, type Statement } from './statements
 export interface Sentence {
   icon: IconName;
   text: string;
-  /** Clauses of a move. */
+  /** The clauses of a move. */
   chips: string[];
 }
 
@@ -48,7 +48,7 @@ const kMoves: Record<string, Key> = {
   speedj: 'step.speedj',
   speedl: 'step.speedl',
 };
-/** Every statement that has words of its own here. */
+/** Every statement that has a sentence here. */
 export const kSaid = [...Object.keys(kPlain), ...Object.keys(kMoves), 'wait', 'on'];
 
 export function sentenceOf(statement: Statement): Sentence {

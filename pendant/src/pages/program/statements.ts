@@ -1,27 +1,30 @@
-/** A program's text as statements: where each begins and ends, how deep it stands, what it opens or ends. Pure. */
+/**
+ * Splits a program's text into statements: where each begins and ends, its depth, and which block it opens or
+ * ends. No side effects.
+ */
 
 export interface Statement {
-  /** First and last line, from 1. */
+  /** First and last line, counted from 1. */
   line: number;
   endLine: number;
   depth: number;
-  /** First word, lower case; '#' of a line that is only a comment. */
+  /** First word in lower case; '#' for a line that is only a comment. */
   word: string;
-  /** Without the comment, lines joined by a blank. */
+  /** The statement without its comment, with its lines joined by blanks. */
   text: string;
   comment: string;
   opens: boolean;
-  /** `else`, `elif`, `on error`: ends one part of a block and begins the next. */
+  /** For `else`, `elif`, `on error`: ends one part of a block and begins the next. */
   middle: boolean;
   closes: boolean;
-  /** Last line of the block that it opens; `endLine` where it opens none. */
+  /** Last line of the block that it opens; `endLine` if it opens none. */
   blockEnd: number;
 }
 
 const kOpeners = new Set(['while', 'for', 'if', 'func', 'try', 'task', 'together', 'when', 'lock', 'test']);
 const kCloser = /^end[a-z]*$/;
 
-/** Where the text stands outside of quotes and back-quotes. */
+/** The positions in the text outside of quotes and back-quotes. */
 function* unquoted(text: string): Generator<number> {
   let quote = '';
   for (let i = 0; i < text.length; ++i) {
@@ -35,13 +38,15 @@ function* unquoted(text: string): Generator<number> {
 }
 const depth = (c: string) => ('([{'.includes(c) ? 1 : ')]}'.includes(c) ? -1 : 0);
 
-/** The part of a line before its comment, and the comment without its sign. Quotes hide a '#'. */
+/**
+ * The part of a line before its comment, and the comment without the '#'. A '#' in quotes is not a comment.
+ */
 export function splitComment(line: string): [string, string] {
   for (const i of unquoted(line)) if (line[i] === '#') return [line.slice(0, i), line.slice(i + 1).trim()];
   return [line, ''];
 }
 
-/** How many brackets the text leaves open, texts in quotes not looked at. */
+/** The number of brackets that the text leaves open; ignores quoted texts. */
 function openBrackets(text: string): number {
   let open = 0;
   for (const i of unquoted(text)) open += depth(text[i]!);
@@ -91,10 +96,10 @@ export function statementsOf(text: string): Statement[] {
   return out;
 }
 
-// --- moves, taken apart and put together
+// --- parsing and writing moves
 
 export const kMoveWords = ['moveto', 'movej', 'movel', 'movec'];
-/** Velocities instead of a place; they have the clauses of moves. */
+/** Statements with velocities instead of a target. They have the clauses of moves. */
 export const kSpeedWords = ['speedj', 'speedl'];
 export const kMotionWords = [...kMoveWords, ...kSpeedWords, 'drive', 'turn'];
 export const kClauses = [
@@ -112,7 +117,7 @@ export interface Move {
   clauses: Clause[];
 }
 
-/** Where the text stands outside of brackets and quotes. */
+/** The positions in the text outside of brackets and quotes. */
 function* topLevel(text: string): Generator<number> {
   let open = 0;
   for (const i of unquoted(text)) {
@@ -122,7 +127,7 @@ function* topLevel(text: string): Generator<number> {
   }
 }
 
-/** The text between commas that no bracket holds. */
+/** Splits the text at commas outside of brackets. */
 export function splitTop(text: string): string[] {
   const out: string[] = [];
   let from = 0;
@@ -165,7 +170,7 @@ export function writeMove(move: Move): string {
   return `${move.word} ${[places, ...clauses].join(', ')}`;
 }
 
-/** The clause's value; null where it is not there, '' where it has none. */
+/** The clause's value; null if the clause is missing, '' if it has no value. */
 export function clauseOf(move: Move, word: string): string | null {
   return move.clauses.find((each) => each.word === word)?.value ?? null;
 }

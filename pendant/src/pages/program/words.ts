@@ -1,4 +1,4 @@
-/** The words of the language as the cell tells them; until it has, those that colours need. */
+/** The words of the language, from the cell; until the cell has sent them, the words that colours need. */
 import { signal } from '@preact/signals';
 import { request } from '../../state/cell';
 import { type Language, knownWords } from './knownWords';

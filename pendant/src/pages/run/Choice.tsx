@@ -1,4 +1,7 @@
-/** What Start begins: the cell's program, or the one that is open on the Program page; and what of it is not saved. */
+/**
+ * Chooses what Start runs: the cell's program, or the one open on the Program page. Shows whether it has
+ * unsaved changes.
+ */
 import { computed, signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';
@@ -10,29 +13,29 @@ import { shortName } from './Now';
 
 const asked = signal('');
 
-/** The program that is open on the Program page; empty: none, or it is no program that can be started. */
+/** The program open on the Program page; empty if there is none or if it cannot be started. */
 const written = computed(() => {
   const kind = doc.files.value.find((each) => each.name === doc.fileName.value)?.kind;
   return doc.isProgram.value && kind !== 'plc' ? doc.fileName.value : '';
 });
-/** The same where the cell has another one, or none. */
+/** The same, if the cell has another program or none; else empty. */
 const other = computed(() => {
   const it = status.value?.program;
   return it && doc.sameFile(it.file, written.value) ? '' : written.value;
 });
 const saved = computed(() => doc.base.value !== '');
 
-/** What Start begins instead of the cell's program; empty: that one. */
+/** The program that Start runs instead of the cell's program; empty: the cell's program. */
 export const chosen = computed(() => {
   const wanted = !status.value?.program || asked.value === other.value;
   return wanted && saved.value ? other.value : '';
 });
 
-/** Above the keys, while nothing runs. */
+/** Shown above the keys while no program runs. */
 export function Choice() {
   const it = status.value?.program;
   useEffect(() => {
-    // What was open before this page was loaded, so that it can be told.
+    // Opens the file that was open before this page was loaded, so that it can be offered.
     if (connected.value && doc.fileName.peek() === '' && doc.chosenFile.peek() !== '') void doc.openSomething();
   }, [connected.value]);
   if (it && !it.ended && !it.ready) return null;
@@ -66,7 +69,7 @@ export function Choice() {
   );
 }
 
-/** Where somebody else has changed the file meanwhile, the Program page asks what is to count. */
+/** Saves the file. If another client has changed it, the Program page asks which version to keep. */
 async function save(): Promise<void> {
   if (!(await doc.save()) && doc.theirs.peek()) go('program');
 }

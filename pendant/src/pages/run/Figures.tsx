@@ -5,7 +5,7 @@ import { beat, valueOf } from '../../state/live';
 import { scene } from '../../state/models';
 import { duration } from '../../ui/format';
 
-/** Parts that lie in a bin and are not held, or were taken away from the cell, of those there are. */
+/** `done`: the parts that lie in a bin and are not held, or were removed from the cell; `all`: all parts. */
 export function partsInBins(): { done: number; all: number } {
   const regions = (scene.value?.things ?? []).filter((thing) => thing.kind === 'bin');
   const all = Object.values(parts.value);

@@ -9,7 +9,10 @@ import { chosen } from './Choice';
 import { shortName } from './Now';
 import { readAgain, shownText } from './Text';
 
-/** One that stands ready begins, as its file is now; one that has ended, or was chosen here, anew from its file. */
+/**
+ * Starts the program. A loaded program that is ready starts from its saved file; one that has ended, or was
+ * chosen here, is loaded again.
+ */
 async function start(): Promise<void> {
   const it = status.peek()?.program;
   const name = chosen.peek() || it?.file;
@@ -23,8 +26,11 @@ async function start(): Promise<void> {
   if (!begun) ++readAgain.value;
 }
 
-/** Start in one big key; while it goes on, a step, and its end set apart. Pause and Resume are those of the bar. The keys are
- * other elements than Start, so that a press that began on Start is never a press on Step. */
+/**
+ * Start as one big key; while the program runs, a step key and a separate end key. Pause and Resume are in
+ * the bar. The keys are other elements than Start, so a press that began on Start never becomes a press on
+ * Step.
+ */
 export function Keys() {
   const it = status.value?.program;
   const now = ways.value;

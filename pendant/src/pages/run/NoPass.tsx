@@ -1,4 +1,6 @@
-/** Why a program that was started has ended at once: its loop did not hold, and what is needed for it. */
+/**
+ * Explains why a started program has ended at once: the condition of its loop was false, and what it needs.
+ */
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../../i18n';
 import { complain, mayMove, request, status } from '../../state/cell';
@@ -8,7 +10,7 @@ import { askReset, restarting } from '../cell/restart';
 import { outermostLoop, type Loop } from './loop';
 import { shortName } from './Now';
 
-/** Shown where the program has finished without a pass of its outermost loop. */
+/** Shown if the program has finished without a pass of its outermost loop. */
 export function NoPass() {
   const it = status.value?.program;
   const file = it && it.state === 'finished' && it.passes === 0 ? shortName(it.file) : '';

@@ -23,7 +23,7 @@ export function programWord(): { text: string; tone: string } {
   return { text: now.moving ? t('program.running') : word('program', it.state), tone: 'busy' };
 }
 
-/** The program's name and state, and the statement that it is at. */
+/** The program's name and state, and the current statement. */
 export function Now() {
   const it = status.value?.program;
   const state = programWord();
@@ -55,10 +55,10 @@ export function Now() {
   );
 }
 
-/** A person canceled the motion that the program waited for. */
+/** True if a person cancelled the motion that the program waited for. */
 const wasCanceled = () => isByPerson((program.value?.problem as { code?: string } | null | undefined)?.code ?? '');
 
-/** In the page's language where its code is known. */
+/** Why the program ended, in the page's language if its code is known. */
 function whyEnded(told: string): string {
   const problem = (program.value as Json | null)?.problem as { code: string; what: string } | null | undefined;
   if (!problem?.code) return plain(told);
@@ -77,11 +77,11 @@ interface TaskLine {
 
 function waits(task: TaskLine): string {
   if (task.paused) return t('program.paused');
-  // A cell that does not run waits for a person, whatever its program waits for.
+  // A held or faulted cell waits for a person, whatever its program waits for.
   return task.waits_for && status.value?.state === 'running' ? t('run.waitsFor', { what: word('wait', task.waits_for) }) : '';
 }
 
-/** What the task waits for; with several tasks, a line for each. */
+/** What the task waits for. With several tasks, one line for each. */
 function Tasks() {
   const tasks = ((program.value as Json | null)?.tasks ?? []) as TaskLine[];
   const going = tasks.filter((task) => task.state === 'running' || task.state === 'waiting');

@@ -6,12 +6,12 @@ import { base, fileName, sameFile } from '../program/documents';
 import { chosen } from './Choice';
 import { shortName } from './Now';
 
-/** The file whose text is shown, as it was read; '' where none could be. */
+/** The file whose text is shown, as it was read; '' if no file could be read. */
 export const shownText = signal({ file: '', hash: '' });
-/** Rises where the text is to be read anew: it was changed since. */
+/** Increases when the text must be read again, because it has changed. */
 export const readAgain = signal(0);
 
-/** The text of the program that runs or that Start begins, with the line that runs, kept in sight. */
+/** The text of the running program, or of the one that Start runs. The current line stays visible. */
 export function Text() {
   const program = status.value?.program;
   const going = !!program && !program.ended && !program.ready;
@@ -19,7 +19,7 @@ export function Text() {
   const [lines, setLines] = useState<string[]>([]);
   const list = useRef<HTMLOListElement>(null);
   const ended = !going;
-  const hash = sameFile(file, fileName.value) ? base.value : '';  // it may be saved from here
+  const hash = sameFile(file, fileName.value) ? base.value : '';  // changes when the file is saved here
   useEffect(() => {
     setLines([]);
     shownText.value = { file: '', hash: '' };

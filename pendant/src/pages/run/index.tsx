@@ -1,4 +1,4 @@
-/** Running a program: what it does now, in big letters, and the few keys that are needed for it. */
+/** The Run page: what the program does now, in large letters, and the few keys to control it. */
 import { t } from '../../i18n';
 import { RobotView } from '../../view3d/RobotView';
 import { WatchOnly } from '../../shell/Control';

@@ -1,10 +1,10 @@
-/** Pure: the loop whose passes are counted. */
+/** Finds the loop whose passes are counted. No side effects. */
 export interface Loop {
   line: number;
   source: string;
 }
 
-/** The first `while` of a program's text that has a condition; null without one. */
+/** The first `while` with a condition in a program's text; null if there is none. */
 export function outermostLoop(text: string): Loop | null {
   const lines = text.split('\n');
   for (const [i, each] of lines.entries()) {

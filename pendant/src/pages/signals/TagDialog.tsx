@@ -1,4 +1,4 @@
-/** One tag: all that is known of it, and what a person can do to it. */
+/** One tag: all its properties, and the actions on it. */
 import { useState } from 'preact/hooks';
 import { t, word } from '../../i18n';
 import { able } from '../../state/abilities';

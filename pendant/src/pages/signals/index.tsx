@@ -1,4 +1,4 @@
-/** Tags as they are now, with type, unit, direction, source and who changed them last; setting and forcing; links. */
+/** The present tags with type, unit, direction, source and last writer; setting and forcing tags; links. */
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
@@ -108,10 +108,10 @@ export function directionWord(direction: string): string {
   return direction.split(', ').map((each) => word('signals.dir', each)).join(', ');
 }
 
-/** Its kind of program, or the name of who was connected. */
+/** The last writer: its kind of program, or the name of the client. */
 export const whoText = (tag: TagState) => (tag.changed_by ? word('signals.by', tag.changed_by) : t('signals.cell'));
 
-/** Since when and by whom: `PLC, 3.2 s ago`. */
+/** When and by whom the tag was changed: `PLC, 3.2 s ago`. */
 export function changedText(tag: TagState): string {
   if (tag.changed_s === null) return t('signals.never');
   const ago = Math.max(0, cellTime.value - tag.changed_s);
