@@ -15,6 +15,10 @@
 #include "polyarm/joint_control/pid_controller.hpp"
 #include "polyarm/joint_control/simple_trajectory_controller.hpp"
 #include "polyarm/wheels/diff_drive_controller.hpp"
+#include "polyarm/wheels/mecanum_drive_controller.hpp"
+#include "polyarm/wheels/omni_wheel_drive_controller.hpp"
+#include "polyarm/wheels/steering_controllers.hpp"
+#include "polyarm/wheels/tricycle_controller.hpp"
 
 namespace polyarm::controllers {
 
@@ -42,6 +46,18 @@ std::vector<ControllerType>& types() {
        "tells the states of the joints (ros_control's name)"},
       {"diff_drive_controller/DiffDriveController", make<DiffDriveController>,
        "drives a base with wheels on two sides"},
+      {"bicycle_steering_controller/BicycleSteeringController", make<BicycleSteeringController>,
+       "drives a base with one traction wheel and one steering joint"},
+      {"tricycle_steering_controller/TricycleSteeringController", make<TricycleSteeringController>,
+       "drives a base with two traction wheels and one steering joint"},
+      {"ackermann_steering_controller/AckermannSteeringController", make<AckermannSteeringController>,
+       "drives a base with two traction wheels and two steering joints"},
+      {"tricycle_controller/TricycleController", make<TricycleController>,
+       "drives a base whose front wheel steers and drives"},
+      {"mecanum_drive_controller/MecanumDriveController", make<MecanumDriveController>,
+       "drives a base with four mecanum wheels, sideways too"},
+      {"omni_wheel_drive_controller/OmniWheelDriveController", make<OmniWheelDriveController>,
+       "drives a base with three or more omni wheels, sideways too"},
       {"imu_sensor_broadcaster/IMUSensorBroadcaster", make<ImuSensorBroadcaster>,
        "tells what an IMU measures"},
       {"imu_sensor_controller/ImuSensorController", make<ImuSensorBroadcaster>,

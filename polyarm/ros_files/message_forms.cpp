@@ -106,7 +106,7 @@ Input numbers_of(const Yaml& yaml) {
 /// Where the robot is: {x, y, yaw}.
 Input place_of(const Yaml& yaml) {
   if (!yaml.is_map()) refuse(yaml, "this is no place", "write {x: 0, y: 0, yaw: 0}");
-  check_keys(yaml, {"x", "y", "yaw"});
+  check_keys(yaml, {"x", "y", "z", "roll", "pitch", "yaw"});
   const auto at = [&](const char* key) { return yaml[key].number(Dimension::none, 0); };
   return controllers::Numbers{{at("x"), at("y"), at("yaw")}};
 }
@@ -204,6 +204,7 @@ constexpr Form kForms[] = {
     {"std_msgs/Float64", numbers_of},
     {"control_msgs/SpeedScalingFactor", numbers_of},
     {"control_msgs/SetOdometry", place_of},
+    {"std_srvs/Empty", [](const Yaml&) -> Input { return controllers::Numbers{}; }},
     {"control_msgs/DynamicJointState", named_of},
     {"control_msgs/DynamicInterfaceGroupValues", named_of},
     {"control_msgs/MultiDOFCommand", named_of},

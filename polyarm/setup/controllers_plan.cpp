@@ -151,7 +151,8 @@ class Planner {
   double robots_rate(const controllers::ControllerContext& context) const {
     std::string owner = context.robot;
     bool names_any = false;
-    for (const char* key : {"joints", "joint", "dof_names", "left_wheel_names"}) {
+    for (const char* key : {"joints", "joint", "dof_names", "left_wheel_names", "traction_joints_names",
+                            "traction_joint_name", "wheel_names", "front_left_wheel_command_joint_name"}) {
       if (names_any || !context.parameters.has(key)) continue;
       const std::vector<std::string> joints = context.parameters.list(key);
       if (joints.empty()) continue;
