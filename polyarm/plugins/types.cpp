@@ -1,12 +1,16 @@
 #include "polyarm/plugins/types.hpp"
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/broadcasters/battery_state_broadcaster.hpp"
+#include "polyarm/broadcasters/chained_filter.hpp"
 #include "polyarm/broadcasters/force_torque_sensor_broadcaster.hpp"
 #include "polyarm/broadcasters/gpio_command_controller.hpp"
 #include "polyarm/broadcasters/gps_sensor_broadcaster.hpp"
 #include "polyarm/broadcasters/imu_sensor_broadcaster.hpp"
 #include "polyarm/broadcasters/joint_state_broadcaster.hpp"
+#include "polyarm/broadcasters/magnetometer_broadcaster.hpp"
 #include "polyarm/broadcasters/pose_broadcaster.hpp"
+#include "polyarm/broadcasters/range_sensor_broadcaster.hpp"
 #include "polyarm/broadcasters/state_interfaces_broadcaster.hpp"
 #include "polyarm/joint_control/forward_command_controller.hpp"
 #include "polyarm/joint_control/gripper_action_controller.hpp"
@@ -70,6 +74,14 @@ std::vector<ControllerType>& types() {
        "tells where a satellite receiver is"},
       {"pose_broadcaster/PoseBroadcaster", make<PoseBroadcaster>,
        "tells where a sensor says that something is"},
+      {"range_sensor_broadcaster/RangeSensorBroadcaster", make<RangeSensorBroadcaster>,
+       "publishes a measured distance"},
+      {"magnetometer_broadcaster/MagnetometerBroadcaster", make<MagnetometerBroadcaster>,
+       "publishes a measured magnetic field"},
+      {"battery_state_broadcaster/BatteryStateBroadcaster", make<BatteryStateBroadcaster>,
+       "publishes the state of batteries"},
+      {"chained_filter_controller/ChainedFilter", make<ChainedFilter>,
+       "filters states and exports the results"},
       {"state_interfaces_broadcaster/StateInterfacesBroadcaster", make<StateInterfacesBroadcaster>,
        "tells any states"},
       {"gpio_controllers/GpioCommandController", make<GpioCommandController>,

@@ -221,12 +221,15 @@ nlohmann::json number(double value) {
 /// nothing is said.
 void put(nlohmann::json& out, const std::string& field, double value) {
   nlohmann::json* at = &out;
-  for (const std::string& word : split_words(field, ".")) {
+  const std::vector<std::string> words = split_words(field, ".");
+  for (const std::string& word : words) {
+    const bool last = &word == &words.back();
     const auto bracket = word.find('[');
     at = &(*at)[word.substr(0, bracket)];
     if (bracket == std::string::npos) continue;
     const double index = parse_number(word.substr(bracket + 1, word.size() - bracket - 2)).value_or(0);
-    while (at->size() <= static_cast<std::size_t>(index)) at->push_back(0.0);
+    while (at->size() <= static_cast<std::size_t>(index))
+      at->push_back(last ? nlohmann::json(0.0) : nlohmann::json::object());
     at = &(*at)[static_cast<std::size_t>(index)];
   }
   *at = number(value);
