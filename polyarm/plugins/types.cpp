@@ -12,6 +12,7 @@
 #include "polyarm/broadcasters/pose_broadcaster.hpp"
 #include "polyarm/broadcasters/range_sensor_broadcaster.hpp"
 #include "polyarm/broadcasters/state_interfaces_broadcaster.hpp"
+#include "polyarm/force/admittance_controller.hpp"
 #include "polyarm/joint_control/forward_command_controller.hpp"
 #include "polyarm/joint_control/gripper_action_controller.hpp"
 #include "polyarm/joint_control/joint_pid_controller.hpp"
@@ -62,6 +63,8 @@ std::vector<ControllerType>& types() {
        "drives a base with four mecanum wheels, sideways too"},
       {"omni_wheel_drive_controller/OmniWheelDriveController", make<OmniWheelDriveController>,
        "drives a base with three or more omni wheels, sideways too"},
+      {"admittance_controller/AdmittanceController", make<AdmittanceController>,
+       "makes joints yield to forces at a sensor; stands in a chain"},
       {"imu_sensor_broadcaster/IMUSensorBroadcaster", make<ImuSensorBroadcaster>,
        "tells what an IMU measures"},
       {"imu_sensor_controller/ImuSensorController", make<ImuSensorBroadcaster>,

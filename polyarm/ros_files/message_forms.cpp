@@ -77,6 +77,22 @@ Input goal_of(const Yaml& given) {
   return out;
 }
 
+/// One point, for a controller that knows its joints.
+Input point_of(const Yaml& yaml) {
+  check_keys(yaml, {"positions", "velocities", "accelerations", "effort", "time_from_start"});
+  controllers::TrajectoryMessage out;
+  trajectory::TrajectoryPoint& point = out.points.emplace_back();
+  const auto list = [&](const char* key) {
+    return yaml.has(key) ? yaml[key].numbers() : std::vector<double>{};
+  };
+  point.positions = list("positions");
+  point.velocities = list("velocities");
+  point.accelerations = list("accelerations");
+  if (point.positions.empty() && point.velocities.empty())
+    refuse(yaml, "the point has no positions", "write {positions: [0.1, 0.2]}");
+  return out;
+}
+
 Vec3 vector_of(const Yaml& yaml) {
   if (!yaml.defined()) return {};
   if (!yaml.is_map()) return yaml.vec3(Dimension::none);
@@ -92,6 +108,21 @@ Input twist_of(const Yaml& yaml) {
     refuse(yaml, "the twist has neither linear nor angular", "write {linear: {x: 0.2}, angular: {z: 0.1}}");
   controllers::Twist out{vector_of(twist["linear"]), vector_of(twist["angular"]), {}};
   if (yaml.has("twist")) out.stamp = stamp_of(yaml["header"]).value_or(0);
+  return out;
+}
+
+/// force.x … torque.z; a frame is one more name, "frame_id=NAME".
+Input wrench_of(const Yaml& yaml) {
+  check_keys(yaml, {"header", "wrench", "force", "torque"});
+  const Yaml wrench = yaml.has("wrench") ? yaml["wrench"] : yaml;
+  if (!wrench.has("force") && !wrench.has("torque"))
+    refuse(yaml, "the wrench has neither force nor torque", "write {force: {z: -5}}");
+  const Vec3 force = vector_of(wrench["force"]), torque = vector_of(wrench["torque"]);
+  controllers::NamedValues out{{"force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z"},
+                               {force.x, force.y, force.z, torque.x, torque.y, torque.z}};
+  if (!yaml.has("header") || !yaml["header"].has("frame_id")) return out;
+  const std::string frame = yaml["header"]["frame_id"].text();
+  if (!frame.empty()) out.names.push_back("frame_id=" + frame), out.values.push_back(0);
   return out;
 }
 
@@ -198,6 +229,8 @@ struct Form {
 constexpr Form kForms[] = {
     {"trajectory_msgs/JointTrajectory", [](const Yaml& y) -> Input { return trajectory_of(y); }},
     {"control_msgs/FollowJointTrajectory", goal_of},
+    {"trajectory_msgs/JointTrajectoryPoint", point_of},
+    {"geometry_msgs/WrenchStamped", wrench_of},
     {"geometry_msgs/Twist", twist_of},
     {"geometry_msgs/TwistStamped", twist_of},
     {"std_msgs/Float64MultiArray", numbers_of},
