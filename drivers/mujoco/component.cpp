@@ -30,6 +30,8 @@ void check_parts(const description::Scene& scene) {
 constexpr const char* kPoseNames[] = {"position.x",    "position.y",    "position.z",   "orientation.x",
                                       "orientation.y", "orientation.z", "orientation.w"};
 
+constexpr const char* kWrenchNames[] = {"force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z"};
+
 std::array<double, 7> pose_numbers(const Pose& p) {
   return {p.position.x, p.position.y, p.position.z, p.rotation.x, p.rotation.y, p.rotation.z, p.rotation.w};
 }
@@ -64,6 +66,12 @@ CallbackReturn MujocoComponent::on_init(const hardware::ComponentContext& contex
       for (std::size_t k = 0; k < at.size(); ++k)
         states_.push_back({facts.name + "/base/" + kPoseNames[k], at[k]});
     }
+    const std::vector<ForceSensor> sensors = force_sensors(facts);
+    robot.force_state = static_cast<int>(states_.size());
+    robot.force_sensors = sensors.size();
+    for (const ForceSensor& sensor : sensors)
+      for (const char* axis : kWrenchNames)
+        states_.push_back({facts.name + "/" + sensor.name + "/" + axis, 0.0});
     for (auto* values : {&robot.position, &robot.velocity, &robot.effort}) values->assign(robot.joints, NAN);
     if (robot.gripper->suction() || robot.gripper->parallel()) {
       const std::string tool = facts.name + "/tool/";
@@ -213,6 +221,8 @@ void MujocoComponent::change_model() noexcept {
   const std::size_t wanted = models_->index_for(parts_->awake());
   if (wanted != active_) {
     copy_robots(models_->view(active_), models_->view(wanted));
+    std::copy_n(models_->view(active_).d()->sensordata, view().m()->nsensordata,
+                models_->view(wanted).d()->sensordata);
     active_ = wanted;
   }
   parts_->lay_out(*models_, view());
@@ -239,6 +249,7 @@ void MujocoComponent::publish() noexcept {
 }
 
 ReturnType MujocoComponent::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  const mjtNum* wrench = view().d()->sensordata;
   for (std::size_t r = 0; r < robots_.size(); ++r) {
     const Robot& robot = robots_[r];
     const ModelView::Robot& at = view().robots[r];
@@ -252,6 +263,11 @@ ReturnType MujocoComponent::read(const hardware::Cycle& cycle, std::span<double>
       const double numbers[] = {q[0], q[1], q[2], q[4], q[5], q[6], q[3]};
       std::copy_n(numbers, 7, states.begin() + robot.base_state);
     }
+    // The models have no other sensors than these, three numbers of force and three of torque each. MuJoCo
+    // reports what the carrying link exerts; the sensor reports what acts on the link, as sensors of robots
+    // do.
+    for (std::size_t k = 0; k < 6 * robot.force_sensors; ++k)
+      states[static_cast<std::size_t>(robot.force_state) + k] = -*wrench++;
     if (robot.tool_state < 0) continue;
     states[static_cast<std::size_t>(robot.tool_state)] =
         robot.gripper->suction() ? robot.gripper->level() : robot.gripper->width(view());

@@ -16,9 +16,10 @@
 namespace polyarm::drivers {
 
 /// Robots, tools, parts and machines of a cell, simulated by MuJoCo. Offers position, velocity and effort
-/// commands and states for each actuated joint, and the interfaces of tools and scene (scene.hpp). A control
-/// period is divided into steps of at most 1 ms. Deterministic: one thread, no clock, the same inputs give
-/// the same bits.
+/// commands and states for each actuated joint, the wrench of force/torque sensors (a force on the robot
+/// beyond the sensor, and its weight, in the axes of the sensor's link), and the interfaces of tools and
+/// scene (scene.hpp). A control period is divided into steps of at most 1 ms. Deterministic: one thread, no
+/// clock, the same inputs give the same bits.
 class MujocoComponent : public hardware::Component {
  public:
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
@@ -48,6 +49,8 @@ class MujocoComponent : public hardware::Component {
     std::size_t first_state = 0, first_command = 0;  // position, velocity, effort of each joint in turn
     int tool_state = -1, tool_command = -1;
     int base_state = -1;                             // for a free-standing robot: the first of seven
+    int force_state = -1;                            // of six for each force sensor
+    std::size_t force_sensors = 0;
     std::vector<double> position, velocity, effort;  // commands, separated by kind
   };
   ModelView& view() noexcept { return models_->view(active_); }

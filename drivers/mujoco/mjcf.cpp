@@ -8,6 +8,7 @@
 #include <set>
 
 #include "polyarm/description/model_builder.hpp"
+#include "polyarm/hardware/force_sensor.hpp"
 
 namespace polyarm::drivers {
 
@@ -52,6 +53,10 @@ std::string geometry(const Shape& s, const Pose& at) {
   return {};
 }
 
+std::string site_name(std::size_t robot, std::size_t sensor) {
+  return fmt::format("force{}_{}", robot, sensor);
+}
+
 class Writer {
  public:
   Writer(const hardware::ComponentContext& context, double timestep, std::size_t slots,
@@ -87,7 +92,11 @@ class Writer {
     for (const auto& [a, b] : excluded_) line("<exclude body1=\"{}\" body2=\"{}\"/>", a, b);
     out_ += "</contact>\n<equality>\n";
     for (std::size_t r = 0; r < context_.robots.size(); ++r) couplings(r);
-    out_ += "</equality>\n</mujoco>\n";
+    out_ += "</equality>\n<sensor>\n";
+    for (std::size_t r = 0; r < context_.robots.size(); ++r)
+      for (std::size_t k = 0; k < force_sensors(context_.robots[r]).size(); ++k)
+        for (const char* kind : {"force", "torque"}) line("<{} site=\"{}\"/>", kind, site_name(r, k));
+    out_ += "</sensor>\n</mujoco>\n";
     return std::move(out_);
   }
 
@@ -173,6 +182,9 @@ class Writer {
       geom(link_name(r, index) + "_" + std::to_string(s), link.collisions[s], link.collisions[s].pose,
            link.contact.mu1.value_or(kLinkFriction),
            link.contact.mu1 && stands_free(context_.robots[r]));  // a caster slides on any floor
+    const std::vector<ForceSensor> sensors = force_sensors(context_.robots[r]);
+    for (std::size_t k = 0; k < sensors.size(); ++k)
+      if (sensors[k].link == index) line("<site name=\"{}\" size=\"0.001\"/>", site_name(r, k));
     if (index == model.tool_link()) tool(r);
     for (std::size_t j = 0; j < model.joints.size(); ++j)
       if (model.joints[j].parent_link == index) child(r, static_cast<int>(j));
@@ -409,6 +421,16 @@ const hardware::RobotInstance* carrier_of(const hardware::RobotInstance& robot,
   const auto carries = [&](const hardware::RobotInstance& each) { return each.name == robot.on; };
   const auto found = std::find_if(robots.begin(), robots.end(), carries);
   return robot.on.empty() || found == robots.end() ? nullptr : &*found;
+}
+
+std::vector<ForceSensor> force_sensors(const hardware::RobotInstance& robot) {
+  std::vector<ForceSensor> out;
+  for (const description::HardwareInfo& block : robot.hardware)
+    for (const description::ComponentInfo& component : block.components) {
+      const int link = hardware::force_sensor_link(*robot.model, component);
+      if (link >= 0) out.push_back({component.name, link});
+    }
+  return out;
 }
 
 bool stands_free(const hardware::RobotInstance& robot) {

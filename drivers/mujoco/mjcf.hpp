@@ -46,7 +46,14 @@ Rigid rigid_links(const description::RobotModel& model);
 /// True if the robot stands on the floor instead of being bolted down. One of its <ros2_control> blocks then
 /// has `<param name="base">free</param>`, and its links may touch the floor.
 bool stands_free(const hardware::RobotInstance& robot);
-/// The robot that carries this one (it was placed `on NAME`); null if this robot is not on another one.
+/// A force/torque sensor between a link and the one that carries it (hardware/force_sensor.hpp).
+struct ForceSensor {
+  std::string name;  ///< as the description has it
+  int link = -1;     ///< its axes and its origin are those of this link, which is not the root
+};
+std::vector<ForceSensor> force_sensors(const hardware::RobotInstance& robot);
+
+/// The robot among `robots` that `on NAME` of this one names; null: none.
 const hardware::RobotInstance* carrier_of(const hardware::RobotInstance& robot,
                                           std::span<const hardware::RobotInstance> robots);
 

@@ -232,6 +232,7 @@ Problems Machine::load_controller(const std::string& name, const std::string& ty
       planned.context.type = type;
       planned.context.parameters = std::move(parameters);
       planned.controller = controllers::make_controller(type, planned.context.parameters);
+      hand_models(*planned.controller, setup_.robots);
       planned.options = {};
       planned.options.lock_step = setup_.options.lock_step;
     } else {

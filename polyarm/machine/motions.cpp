@@ -23,7 +23,7 @@ void Motions::build(Worker& planner) {
                                       [&planner](std::function<void()> job) { planner.post(std::move(job)); })
                                 : nullptr);
     if (motions_.back()) motions_.back()->set_planned(robot->start);
-    controllers::DiffDriveController* wheels = base_controller_of(*robot, machine_.controllers());
+    controllers::BaseController* wheels = base_controller_of(*robot, machine_.controllers());
     bases_.push_back(wheels ? std::make_unique<moves::BaseMotion>(*wheels, seconds(machine_.period()))
                             : nullptr);
     places_.emplace_back(*robot, machine_.table(), wheels);

@@ -162,6 +162,7 @@ class Writer {
       if (!given.is_number()) refuse("a number", given);
       return given.get<T>();
     } else {
+      if (given.is_number_float()) return whole_number_of<T>(given);
       const bool sign = given.is_number_integer() && !given.is_number_unsigned();
       const bool whole = given.is_number_unsigned() ? std::in_range<T>(given.get<std::uint64_t>())
                                                     : sign && std::in_range<T>(given.get<std::int64_t>());
@@ -169,6 +170,16 @@ class Writer {
       return static_cast<T>(sign ? static_cast<T>(given.get<std::int64_t>())
                                  : static_cast<T>(given.get<std::uint64_t>()));
     }
+  }
+
+  /// 3.0 is 3: a cell's numbers have no type.
+  template <class T>
+  T whole_number_of(const json& given) const {
+    const double value = given.get<double>();
+    if (!(value >= -9e15 && value <= 9e15) || value != std::floor(value) ||
+        !std::in_range<T>(static_cast<std::int64_t>(value)))
+      refuse("a whole number that fits", given);
+    return static_cast<T>(static_cast<std::int64_t>(value));
   }
 
   CdrWriter out_;

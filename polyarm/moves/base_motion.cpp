@@ -19,7 +19,9 @@ constexpr double kAnySpeed = 1, kAnyTurning = 2;                 // m/s and rad/
 constexpr double kGain = 2;                                      // 1/s
 constexpr double kOfPeriod = 0.1;                                // largest product of gain and period
 constexpr double kHere = 1e-3, kHereTurned = 3e-3;               // m and rad: arrived
-constexpr double kPatience = 3;                                  // s after the planned end; the move then
+constexpr double kBack = 2, kSharpest = 0.5;                     // 1/m, of steered bases: curvature per rad
+                                                                 // off the line, and its maximum
+constexpr double kPatience = 3;                                  // s after the planned end before the move
                                                                  // fails
 
 double stated(double value, double fallback) {
@@ -27,15 +29,17 @@ double stated(double value, double fallback) {
 }
 }  // namespace
 
-BaseMotion::BaseMotion(controllers::DiffDriveController& controller, double period)
-    : controller_(controller), gain_(std::min(kGain, kOfPeriod / std::max(period, 1e-6))) {
-  for (const auto& output : controller.outputs())
-    if (output->name() == "odom" || output->name() == "~/odom") odometry_ = output.get();
-}
+BaseMotion::BaseMotion(controllers::BaseController& controller, double period)
+    : controller_(controller),
+      odometry_(controller.odometry_output()),
+      gain_(std::min(kGain, kOfPeriod / std::max(period, 1e-6))) {}
 
 std::uint64_t BaseMotion::start(const BaseMove& move) {
   if (active_) throw Error("busy", "the base is moving already", "one move of a base at a time");
-  if (!odometry_) throw Error("no-odometry", "the base's controller tells no odometry");
+  if (!odometry_) throw Error("no-odometry", "the base's controller publishes no odometry");
+  if (move.turns && !controller_.turns_on_the_spot())
+    throw Error("bad-move", "this base steers: it cannot turn on the spot",
+                "drive it, or send twists to its controller");
   const controllers::SpeedLimits& own =
       move.turns ? controller_.angular_limits() : controller_.linear_limits();
   double speed = stated(own.max_velocity, move.turns ? kAnyTurning : kAnySpeed);
@@ -139,8 +143,11 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
   }
   if (move_.turns) return send(0, speed);
   const double astray = begin_.heading - place_.heading;
+  // A steered base turns in proportion to its speed: the correction is a curvature.
   const double turn = stated(controller_.angular_limits().max_velocity, kAnyTurning) / 4;
-  send(speed, std::clamp(gain_ * astray, -turn, turn));
+  send(speed, controller_.turns_on_the_spot()
+                  ? std::clamp(gain_ * astray, -turn, turn)
+                  : std::abs(speed) * std::clamp(kBack * astray, -kSharpest, kSharpest));
 }
 
 void BaseMotion::drop() {

@@ -7,7 +7,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/time.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
-#include "polyarm/wheels/diff_drive_controller.hpp"
+#include "polyarm/wheels/base_controller.hpp"
 
 namespace polyarm::moves {
 
@@ -20,6 +20,7 @@ struct BaseMove {
   double duration = 0;      ///< s, minimum
 };
 
+/// A base that steers only drives straight.
 /// Moves from rest to rest within velocity, acceleration and jerk limits. Feedback comes from the odometry of
 /// the base's controller; commands go through its cmd_vel. A straight move stays on its line. If the
 /// controller states no acceleration, full speed takes half a second; if it states no jerk, full acceleration
@@ -29,11 +30,11 @@ class BaseMotion {
   enum class State { running, done, failed, discarded };
 
   /// The controller must outlive this object. `period`: of its updates, s.
-  BaseMotion(controllers::DiffDriveController& controller, double period);
-  const controllers::DiffDriveController& controller() const { return controller_; }
+  BaseMotion(controllers::BaseController& controller, double period);
+  const controllers::BaseController& controller() const { return controller_; }
 
-  /// Returns its id, which counts up from 1. Throws Error("busy") during another move, and
-  /// Error("no-odometry").
+  /// Returns its id, which counts up from 1. Throws Error("busy") during another move,
+  /// Error("no-odometry"), and Error("bad-move") for a turn of a base that steers.
   std::uint64_t start(const BaseMove& move);
   /// Call it in every tick. `running`: the loop is neither held nor in a fault. `share`: fraction of the
   /// planned speed, [0, 1].
@@ -57,7 +58,7 @@ class BaseMotion {
   void send(double linear, double angular);
   void end(State outcome);
 
-  controllers::DiffDriveController& controller_;
+  controllers::BaseController& controller_;
   controllers::Output* odometry_ = nullptr;
   double gain_;  // 1/s: feedback gain for the distance to the plan
   BaseMove move_;

@@ -11,7 +11,7 @@
 #include "polyarm/operation/way_planning.hpp"
 #include "polyarm/protocol/session.hpp"
 #include "polyarm/ros_files/message_forms.hpp"
-#include "polyarm/wheels/diff_drive_controller.hpp"
+#include "polyarm/wheels/base_controller.hpp"
 
 namespace polyarm::cell {
 
@@ -50,7 +50,7 @@ std::vector<double> shares_of(const protocol::Any& given, const std::optional<do
 std::string wheels_of(const Machine& machine, const std::string& robot) {
   for (const control::ListedController& listed : machine.controllers().list()) {
     const auto* wheels =
-        dynamic_cast<const controllers::DiffDriveController*>(machine.controllers().find(listed.name));
+        dynamic_cast<const controllers::BaseController*>(machine.controllers().find(listed.name));
     if (wheels && !wheels->command_interfaces().empty() &&
         wheels->command_interfaces().front().starts_with(robot + "/"))
       return listed.name;
@@ -190,9 +190,9 @@ void HeldMotions::drive(Motion& motion, const protocol::JogBegin& request) {
   const std::string& robot = cell_.setup.robots[robot_of(request.robot)]->entry.name;
   const std::string name = wheels_of(cell_.machine, robot);
   if (name.empty())
-    throw Error("no-base", "no diff_drive_controller drives '" + robot + "'", "jog its joints or its TCP");
+    throw Error("no-base", "no controller of wheels drives '" + robot + "'", "jog its joints or its TCP");
   const auto& wheels =
-      dynamic_cast<const controllers::DiffDriveController&>(*cell_.machine.controllers().find(name));
+      dynamic_cast<const controllers::BaseController&>(*cell_.machine.controllers().find(name));
   const std::vector<double> shares = shares_of(request.axis, request.direction, 2);
   const double speed = number_of(request.speed, "speed", 1, 0.001, 1);
   const auto stated = [](double limit) { return std::isfinite(limit) && limit > 0 ? limit : kAny; };

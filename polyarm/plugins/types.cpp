@@ -1,13 +1,18 @@
 #include "polyarm/plugins/types.hpp"
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/broadcasters/battery_state_broadcaster.hpp"
+#include "polyarm/broadcasters/chained_filter.hpp"
 #include "polyarm/broadcasters/force_torque_sensor_broadcaster.hpp"
 #include "polyarm/broadcasters/gpio_command_controller.hpp"
 #include "polyarm/broadcasters/gps_sensor_broadcaster.hpp"
 #include "polyarm/broadcasters/imu_sensor_broadcaster.hpp"
 #include "polyarm/broadcasters/joint_state_broadcaster.hpp"
+#include "polyarm/broadcasters/magnetometer_broadcaster.hpp"
 #include "polyarm/broadcasters/pose_broadcaster.hpp"
+#include "polyarm/broadcasters/range_sensor_broadcaster.hpp"
 #include "polyarm/broadcasters/state_interfaces_broadcaster.hpp"
+#include "polyarm/force/admittance_controller.hpp"
 #include "polyarm/joint_control/forward_command_controller.hpp"
 #include "polyarm/joint_control/gripper_action_controller.hpp"
 #include "polyarm/joint_control/joint_pid_controller.hpp"
@@ -15,6 +20,10 @@
 #include "polyarm/joint_control/pid_controller.hpp"
 #include "polyarm/joint_control/simple_trajectory_controller.hpp"
 #include "polyarm/wheels/diff_drive_controller.hpp"
+#include "polyarm/wheels/mecanum_drive_controller.hpp"
+#include "polyarm/wheels/omni_wheel_drive_controller.hpp"
+#include "polyarm/wheels/steering_controllers.hpp"
+#include "polyarm/wheels/tricycle_controller.hpp"
 
 namespace polyarm::controllers {
 
@@ -42,6 +51,20 @@ std::vector<ControllerType>& types() {
        "tells the states of the joints (ros_control's name)"},
       {"diff_drive_controller/DiffDriveController", make<DiffDriveController>,
        "drives a base with wheels on two sides"},
+      {"bicycle_steering_controller/BicycleSteeringController", make<BicycleSteeringController>,
+       "drives a base with one traction wheel and one steering joint"},
+      {"tricycle_steering_controller/TricycleSteeringController", make<TricycleSteeringController>,
+       "drives a base with two traction wheels and one steering joint"},
+      {"ackermann_steering_controller/AckermannSteeringController", make<AckermannSteeringController>,
+       "drives a base with two traction wheels and two steering joints"},
+      {"tricycle_controller/TricycleController", make<TricycleController>,
+       "drives a base whose front wheel steers and drives"},
+      {"mecanum_drive_controller/MecanumDriveController", make<MecanumDriveController>,
+       "drives a base with four mecanum wheels, sideways too"},
+      {"omni_wheel_drive_controller/OmniWheelDriveController", make<OmniWheelDriveController>,
+       "drives a base with three or more omni wheels, sideways too"},
+      {"admittance_controller/AdmittanceController", make<AdmittanceController>,
+       "makes joints yield to forces at a sensor; stands in a chain"},
       {"imu_sensor_broadcaster/IMUSensorBroadcaster", make<ImuSensorBroadcaster>,
        "tells what an IMU measures"},
       {"imu_sensor_controller/ImuSensorController", make<ImuSensorBroadcaster>,
@@ -54,6 +77,14 @@ std::vector<ControllerType>& types() {
        "tells where a satellite receiver is"},
       {"pose_broadcaster/PoseBroadcaster", make<PoseBroadcaster>,
        "tells where a sensor says that something is"},
+      {"range_sensor_broadcaster/RangeSensorBroadcaster", make<RangeSensorBroadcaster>,
+       "publishes a measured distance"},
+      {"magnetometer_broadcaster/MagnetometerBroadcaster", make<MagnetometerBroadcaster>,
+       "publishes a measured magnetic field"},
+      {"battery_state_broadcaster/BatteryStateBroadcaster", make<BatteryStateBroadcaster>,
+       "publishes the state of batteries"},
+      {"chained_filter_controller/ChainedFilter", make<ChainedFilter>,
+       "filters states and exports the results"},
       {"state_interfaces_broadcaster/StateInterfacesBroadcaster", make<StateInterfacesBroadcaster>,
        "tells any states"},
       {"gpio_controllers/GpioCommandController", make<GpioCommandController>,

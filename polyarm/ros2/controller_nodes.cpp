@@ -38,6 +38,11 @@ Json in_ros_shape(const std::string& type, Json message) {
     message["desired"] = message["reference"];  // Humble has both names
     message["actual"] = message["feedback"];
   }
+  if (type == "sensor_msgs/BatteryState") message["present"] = message["present"] != 0;
+  if (type == "control_msgs/BatteryStateArray")
+    for (Json& battery : message["battery_states"]) battery["present"] = battery["present"] != 0;
+  if (type == "control_msgs/SteeringControllerStatus")  // Humble's and Jazzy's name
+    message["linear_velocity_command"] = message["traction_command"];
   if (type == "geometry_msgs/TransformStamped") return {{"transforms", Json::array({std::move(message)})}};
   return message;
 }
@@ -172,7 +177,10 @@ class ControllerNode {
         for (const auto& robot : bridge_.cell().robots())
           outputs_.emplace_back(bridge_, ports_, bridge_.name(robot->entry.name + "/joint_states"), *output,
                                 robot->entry.name);
-      if (name == "odom" && only_base) outputs_.emplace_back(bridge_, ports_, bridge_.name(name), *output);
+      if ((name == "odom" || name == "odometry") && only_base)
+        outputs_.emplace_back(bridge_, ports_, bridge_.name("odom"), *output);
+      // Where ROS users remap the transform of a base to /tf.
+      if (name == "tf_odometry") outputs_.emplace_back(bridge_, ports_, bridge_.name("tf"), *output);
     }
   }
 
@@ -185,6 +193,8 @@ class ControllerNode {
             make_action_server(bridge_, {ports_, node_ + "/" + port.name, whole, controller_, port.name}));
       if (type == "control_msgs/FollowJointTrajectory") offer_query();
     }
+    if (port.name == "set_odometry") offer_service(port.name, "control_msgs/srv/SetOdometry");
+    if (port.name == "reset_odometry") offer_service(port.name, "std_srvs/srv/Empty");
     std::vector<std::string> types = port.types;
     std::erase_if(types, [&](const std::string& type) {
       return !bridge_.wire().find_type(type) || (port.action && bridge_.wire().find_type(type + "_Goal"));
@@ -202,7 +212,19 @@ class ControllerNode {
                                      }));
   }
 
-  /// Returns the trajectory's state at a given time; time 0 means now.
+  /// A service whose request goes to the input of the same name.
+  void offer_service(const std::string& port, const char* type) {
+    bridge_.service(ports_, node_ + "/" + port, type, [this, port](const Json& request, const Reply& reply) {
+      protocol::SendMessage sent;
+      sent.to = controller_ + "/" + port;
+      sent.message = protocol::Message(request);
+      bridge_.ask(std::move(sent), [reply](const protocol::Reply& replied) {
+        reply({{"success", !replied.refusal}, {"message", replied.refusal ? refusal_of(replied) : ""}});
+      });
+    });
+  }
+
+  /// Where its trajectory will be at a time; time 0 is now.
   void offer_query() {
     bridge_.service(
         ports_, node_ + "/query_state", "control_msgs/srv/QueryTrajectoryState",

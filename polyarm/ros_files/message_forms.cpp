@@ -78,6 +78,22 @@ Input goal_of(const Yaml& given) {
   return out;
 }
 
+/// One point, for a controller that knows its joints.
+Input point_of(const Yaml& yaml) {
+  check_keys(yaml, {"positions", "velocities", "accelerations", "effort", "time_from_start"});
+  controllers::TrajectoryMessage out;
+  trajectory::TrajectoryPoint& point = out.points.emplace_back();
+  const auto list = [&](const char* key) {
+    return yaml.has(key) ? yaml[key].numbers() : std::vector<double>{};
+  };
+  point.positions = list("positions");
+  point.velocities = list("velocities");
+  point.accelerations = list("accelerations");
+  if (point.positions.empty() && point.velocities.empty())
+    refuse(yaml, "the point has no positions", "write {positions: [0.1, 0.2]}");
+  return out;
+}
+
 Vec3 vector_of(const Yaml& yaml) {
   if (!yaml.defined()) return {};
   if (!yaml.is_map()) return yaml.vec3(Dimension::none);
@@ -96,6 +112,21 @@ Input twist_of(const Yaml& yaml) {
   return out;
 }
 
+/// force.x … torque.z; a frame is one more name, "frame_id=NAME".
+Input wrench_of(const Yaml& yaml) {
+  check_keys(yaml, {"header", "wrench", "force", "torque"});
+  const Yaml wrench = yaml.has("wrench") ? yaml["wrench"] : yaml;
+  if (!wrench.has("force") && !wrench.has("torque"))
+    refuse(yaml, "the wrench has neither force nor torque", "write {force: {z: -5}}");
+  const Vec3 force = vector_of(wrench["force"]), torque = vector_of(wrench["torque"]);
+  controllers::NamedValues out{{"force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z"},
+                               {force.x, force.y, force.z, torque.x, torque.y, torque.z}};
+  if (!yaml.has("header") || !yaml["header"].has("frame_id")) return out;
+  const std::string frame = yaml["header"]["frame_id"].text();
+  if (!frame.empty()) out.names.push_back("frame_id=" + frame), out.values.push_back(0);
+  return out;
+}
+
 Input numbers_of(const Yaml& yaml) {
   if (!yaml.is_map()) return controllers::Numbers{yaml.numbers()};
   check_keys(yaml, {"layout", "data", "factor", "header"});
@@ -107,7 +138,7 @@ Input numbers_of(const Yaml& yaml) {
 /// The pose of a mobile robot: {x, y, yaw}.
 Input place_of(const Yaml& yaml) {
   if (!yaml.is_map()) refuse(yaml, "this is no place", "write {x: 0, y: 0, yaw: 0}");
-  check_keys(yaml, {"x", "y", "yaw"});
+  check_keys(yaml, {"x", "y", "z", "roll", "pitch", "yaw"});
   const auto at = [&](const char* key) { return yaml[key].number(Dimension::none, 0); };
   return controllers::Numbers{{at("x"), at("y"), at("yaw")}};
 }
@@ -199,12 +230,15 @@ struct Form {
 constexpr Form kForms[] = {
     {"trajectory_msgs/JointTrajectory", [](const Yaml& y) -> Input { return trajectory_of(y); }},
     {"control_msgs/FollowJointTrajectory", goal_of},
+    {"trajectory_msgs/JointTrajectoryPoint", point_of},
+    {"geometry_msgs/WrenchStamped", wrench_of},
     {"geometry_msgs/Twist", twist_of},
     {"geometry_msgs/TwistStamped", twist_of},
     {"std_msgs/Float64MultiArray", numbers_of},
     {"std_msgs/Float64", numbers_of},
     {"control_msgs/SpeedScalingFactor", numbers_of},
     {"control_msgs/SetOdometry", place_of},
+    {"std_srvs/Empty", [](const Yaml&) -> Input { return controllers::Numbers{}; }},
     {"control_msgs/DynamicJointState", named_of},
     {"control_msgs/DynamicInterfaceGroupValues", named_of},
     {"control_msgs/MultiDOFCommand", named_of},
@@ -221,12 +255,15 @@ nlohmann::json number(double value) {
 /// zeros.
 void put(nlohmann::json& out, const std::string& field, double value) {
   nlohmann::json* at = &out;
-  for (const std::string& word : split_words(field, ".")) {
+  const std::vector<std::string> words = split_words(field, ".");
+  for (const std::string& word : words) {
+    const bool last = &word == &words.back();
     const auto bracket = word.find('[');
     at = &(*at)[word.substr(0, bracket)];
     if (bracket == std::string::npos) continue;
     const double index = parse_number(word.substr(bracket + 1, word.size() - bracket - 2)).value_or(0);
-    while (at->size() <= static_cast<std::size_t>(index)) at->push_back(0.0);
+    while (at->size() <= static_cast<std::size_t>(index))
+      at->push_back(last ? nlohmann::json(0.0) : nlohmann::json::object());
     at = &(*at)[static_cast<std::size_t>(index)];
   }
   *at = number(value);

@@ -13,6 +13,7 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/broadcasters/joint_state_broadcaster.hpp"
+#include "polyarm/force/robot_user.hpp"
 #include "polyarm/plugins/types.hpp"
 #include "polyarm/xacro/packages.hpp"
 #include "polyarm/xacro/xacro.hpp"
@@ -139,6 +140,7 @@ class Planner {
     planned.context.robot = robot;
     planned.context.parameters = std::move(parameters);
     planned.controller = controllers::make_controller(type, planned.context.parameters);
+    hand_models(*planned.controller, robots_);
     planned.options.lock_step = options_.lock_step;
     planned.options.budget = options_.budget;
     if (const double rate = robots_rate(planned.context); rate > 0) pace(planned.options, rate);
@@ -151,7 +153,8 @@ class Planner {
   double robots_rate(const controllers::ControllerContext& context) const {
     std::string owner = context.robot;
     bool names_any = false;
-    for (const char* key : {"joints", "joint", "dof_names", "left_wheel_names"}) {
+    for (const char* key : {"joints", "joint", "dof_names", "left_wheel_names", "traction_joints_names",
+                            "traction_joint_name", "wheel_names", "front_left_wheel_command_joint_name"}) {
       if (names_any || !context.parameters.has(key)) continue;
       const std::vector<std::string> joints = context.parameters.list(key);
       if (joints.empty()) continue;
@@ -276,6 +279,14 @@ class Planner {
 };
 
 }  // namespace
+
+void hand_models(controllers::Controller& controller, const CellRobots& robots) {
+  auto* user = dynamic_cast<controllers::RobotUser*>(&controller);
+  if (!user) return;
+  controllers::RobotUser::Models models;
+  for (const auto& robot : robots) models[robot->entry.name] = &robot->model;
+  user->set_models(std::move(models));
+}
 
 std::vector<PlannedController> plan_controllers(const ros_files::ControllersFile& described,
                                                 const CellRobots& robots, control::ControlLoop& loop,

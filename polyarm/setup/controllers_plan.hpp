@@ -30,6 +30,9 @@ struct PlannedController {
   bool start = true;
 };
 
+/// Hands the robots' models to a controller that needs kinematics. The robots outlive its configuration.
+void hand_models(controllers::Controller& controller, const CellRobots& robots);
+
 struct PlanOptions {
   std::vector<std::string> io_commands;  ///< command interfaces that tags drive
   bool lock_step = false;

@@ -163,11 +163,11 @@ controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot
   return nullptr;
 }
 
-controllers::DiffDriveController* base_controller_of(const CellRobot& robot,
-                                                     const control::ControllerManager& manager) {
+controllers::BaseController* base_controller_of(const CellRobot& robot,
+                                                const control::ControllerManager& manager) {
   const std::string own = robot.entry.name + "/";
   for (const auto& [controller, state] : manager.loaded()) {
-    auto* wheels = dynamic_cast<controllers::DiffDriveController*>(controller);
+    auto* wheels = dynamic_cast<controllers::BaseController*>(controller);
     if (wheels && !wheels->command_interfaces().empty() &&
         wheels->command_interfaces().front().starts_with(own))
       return wheels;

@@ -9,7 +9,7 @@
 #include "polyarm/setup/controllers_plan.hpp"
 #include "polyarm/setup/observer.hpp"
 #include "polyarm/setup/robots.hpp"
-#include "polyarm/wheels/diff_drive_controller.hpp"
+#include "polyarm/wheels/base_controller.hpp"
 
 namespace polyarm::cell {
 
@@ -30,8 +30,8 @@ controllers::JointTrajectoryController* trajectory_controller_of(const CellRobot
                                                                  const control::ControllerManager& manager,
                                                                  bool or_inactive = false);
 
-/// The controller that drives the robot's wheels; null if there is none.
-controllers::DiffDriveController* base_controller_of(const CellRobot& robot,
-                                                     const control::ControllerManager& manager);
+/// The controller that drives the wheels of the robot; null if none.
+controllers::BaseController* base_controller_of(const CellRobot& robot,
+                                                const control::ControllerManager& manager);
 
 }  // namespace polyarm::cell

@@ -28,13 +28,11 @@ Pose in_root(const description::RobotModel& model, const std::string& frame) {
 }  // namespace
 
 MovingBase::MovingBase(const CellRobot& robot, const hardware::InterfaceTable& table,
-                       controllers::DiffDriveController* wheels)
+                       controllers::BaseController* wheels)
     : start_(robot.entry.base) {
   if (const auto first = table.find_state(robot.entry.name + "/base/position.x"))
     first_state_ = static_cast<int>(*first);
-  if (!wheels) return;
-  for (const auto& output : wheels->outputs())
-    if (output->name() == "odom" || output->name() == "~/odom") output_ = output.get();
+  if (wheels) output_ = wheels->odometry_output();
   if (!output_) return;
   odometry_name_ = output_->texts["frame_id"];
   base_name_ = output_->texts["child_frame_id"];

@@ -7,7 +7,7 @@
 #include "polyarm/control/control_loop.hpp"
 #include "polyarm/hardware/interface_table.hpp"
 #include "polyarm/setup/robots.hpp"
-#include "polyarm/wheels/diff_drive_controller.hpp"
+#include "polyarm/wheels/base_controller.hpp"
 
 namespace polyarm::cell {
 
@@ -19,7 +19,7 @@ class MovingBase {
  public:
   /// `wheels` may be null.
   MovingBase(const CellRobot& robot, const hardware::InterfaceTable& table,
-             controllers::DiffDriveController* wheels);
+             controllers::BaseController* wheels);
 
   /// Sets the robot that carries this one; its address must not change.
   void set_carrier(const MovingBase& carrier) { carrier_ = &carrier; }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "polyarm/hardware/driver_loader.hpp"
+#include "polyarm/hardware/force_sensor.hpp"
 #include "polyarm/hardware/transmitted_component.hpp"
 #include "polyarm/setup/bodies.hpp"
 #include "polyarm/setup/robots.hpp"
@@ -135,8 +136,11 @@ class Components {
   void take_block(const CellRobot& robot, const HardwareBlock& block, WithTool with_tool) {
     const bool physics = block.driver == "mujoco";
     description::HardwareInfo joints = *block.info, rest = *block.info;
-    std::erase_if(rest.components, [](const auto& c) { return c.kind == "joint"; });
-    std::erase_if(joints.components, [](const auto& c) { return c.kind != "joint"; });
+    const auto played = [&](const auto& c) {
+      return c.kind == "joint" || hardware::force_sensor_link(robot.model, c) >= 0;
+    };
+    std::erase_if(rest.components, played);
+    std::erase_if(joints.components, [&](const auto& c) { return !played(c); });
     if (!physics || !joints.components.empty()) {
       Planned& planned =
           physics ? component(block.driver, block.driver)

@@ -240,7 +240,7 @@ std::size_t ProgramMoves::base_of(const program::Move& move, const Location& whe
   const std::size_t index = robot_of(move.robot, where);
   if (!arms_[index].robot.base)
     throw Error(Problem{"no-base", where,
-                        "no diff_drive_controller drives '" + arms_[index].robot.robot->entry.name + "'",
+                        "no controller of wheels drives '" + arms_[index].robot.robot->entry.name + "'",
                         "drive and turn move a base with wheels; an arm has movej, movel and their like"});
   return index;
 }

@@ -18,10 +18,41 @@ class RollingMean {
   double sum_ = 0;
 };
 
-/// Where a drive with two wheels (or two sides of wheels) has come to: x, y (m) and heading (rad, unbounded)
-/// in the frame in which it began. Arcs are integrated exactly. Functions that say so are real-time; an
-/// update with less than a microsecond, or with numbers that are not finite, is refused and changes nothing.
-class Odometry {
+/// Velocity of a base in its own frame: x ahead, y to the left (m/s), angular to the left (rad/s).
+struct PlanarTwist {
+  double x = 0, y = 0, angular = 0;
+  bool operator==(const PlanarTwist&) const = default;
+};
+
+/// Pose of a base: x, y (m) and heading (rad, unbounded) in the frame in which it began. Arcs are integrated
+/// exactly. Everything but configure() is real-time. An update with less than a microsecond, or with NaN or
+/// infinity, is refused and changes nothing.
+class PlanarOdometry {
+ public:
+  /// `window`: updates over which the reported velocity is averaged. Not real-time.
+  void configure(std::size_t window);
+
+  bool update(const PlanarTwist& measured, double dt) noexcept;
+  /// The reported velocity is `commanded`, without averaging.
+  bool update_open_loop(const PlanarTwist& commanded, double dt) noexcept;
+  void set_pose(double x, double y, double heading) noexcept;
+
+  double x() const noexcept { return x_; }
+  double y() const noexcept { return y_; }
+  double heading() const noexcept { return heading_; }
+  double linear() const noexcept { return twist_.x; }         ///< m/s, mean of the window
+  double lateral() const noexcept { return twist_.y; }        ///< m/s, mean of the window
+  double angular() const noexcept { return twist_.angular; }  ///< rad/s, mean of the window
+
+ private:
+  void integrate(double ahead, double aside, double turn) noexcept;
+  double x_ = 0, y_ = 0, heading_ = 0;
+  PlanarTwist twist_;
+  RollingMean x_mean_, y_mean_, angular_mean_;
+};
+
+/// Odometry of a drive with two wheels (or two sides of wheels).
+class Odometry : public PlanarOdometry {
  public:
   /// Metres; not real-time.
   void configure(double separation, double left_radius, double right_radius, std::size_t window);
@@ -30,21 +61,13 @@ class Odometry {
   void start(double left, double right) noexcept { left_ = left, right_ = right; }
   bool update_from_positions(double left, double right, double dt) noexcept;   ///< rad, s
   bool update_from_velocities(double left, double right, double dt) noexcept;  ///< rad/s, s
-  bool update_open_loop(double linear, double angular, double dt) noexcept;    ///< m/s, rad/s, s
-  void set_pose(double x, double y, double heading) noexcept;
-
-  double x() const noexcept { return x_; }
-  double y() const noexcept { return y_; }
-  double heading() const noexcept { return heading_; }
-  double linear() const noexcept { return linear_; }    ///< m/s, mean of the window
-  double angular() const noexcept { return angular_; }  ///< rad/s, mean of the window
+  bool update_open_loop(double linear, double angular, double dt) noexcept {   ///< m/s, rad/s, s
+    return PlanarOdometry::update_open_loop({linear, 0, angular}, dt);
+  }
 
  private:
-  void integrate(double distance, double turn) noexcept;
   double separation_ = 1, left_radius_ = 1, right_radius_ = 1;
   double left_ = 0, right_ = 0;
-  double x_ = 0, y_ = 0, heading_ = 0, linear_ = 0, angular_ = 0;
-  RollingMean linear_mean_, angular_mean_;
 };
 
 }  // namespace polyarm::controllers

@@ -383,7 +383,7 @@ TEST(Rehearsal, OneRobotIsMovedOnceInTogether) {
 }
 
 TEST(Rehearsal, AMoveOfABaseNeedsWheels) {
-  EXPECT_EQ(checked("drive 500mm\n").texts, "E1 no-base no diff_drive_controller drives 'arm'\n");
+  EXPECT_EQ(checked("drive 500mm\n").texts, "E1 no-base no controller of wheels drives 'arm'\n");
 }
 
 TEST(Rehearsal, AFrameOnARobotThatHasNotArrivedIsAnError) {

@@ -1,0 +1,140 @@
+/// Programs on bases that steer or have mecanum wheels, in lock-step on the mock.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "polyarm/setup/cell_file.hpp"
+#include "polyarm/wheels/base_controller.hpp"
+#include "tests/support/folder.hpp"
+#include "tests/support/lock_step_cell.hpp"
+
+namespace polyarm::cell {
+namespace {
+
+using test::Folder;
+using test::LockStepCell;
+
+/// A base with these wheels, and steering joints of ±1.4 rad.
+std::string urdf(const std::vector<std::string>& wheels, const std::vector<std::string>& steering) {
+  std::string links = "<link name=\"base_link\"/>", hardware;
+  const auto add = [&](const std::string& name, const char* type, const char* axis, const char* limit,
+                       const char* command) {
+    links += "<link name=\"" + name + "_link\"/><joint name=\"" + name + "\" type=\"" + type +
+             "\"><parent link=\"base_link\"/><child link=\"" + name + "_link\"/><axis xyz=\"" + axis +
+             "\"/><limit " + limit + "/></joint>";
+    hardware += "<joint name=\"" + name + "\"><command_interface name=\"" + command +
+                "\"/><state_interface name=\"position\"/><state_interface name=\"velocity\"/></joint>";
+  };
+  for (const std::string& name : wheels)
+    add(name, "continuous", "0 1 0", "velocity=\"50\" effort=\"30\"", "velocity");
+  for (const std::string& name : steering)
+    add(name, "revolute", "0 0 1", "lower=\"-1.4\" upper=\"1.4\" velocity=\"3\" effort=\"30\"", "position");
+  return "<robot name=\"base\">" + links +
+         "<ros2_control name=\"Base\" "
+         "type=\"system\"><hardware><plugin>mock_components/GenericSystem</plugin>"
+         "<param name=\"calculate_dynamics\">true</param></hardware>" +
+         hardware + "</ros2_control></robot>\n";
+}
+
+constexpr const char* kTricycle = R"(
+controller_manager:
+  ros__parameters: {update_rate: 100, base: {type: tricycle_steering_controller/TricycleSteeringController}}
+base:
+  ros__parameters:
+    traction_joints_names: [right, left]
+    steering_joints_names: [front]
+    wheelbase: 0.8
+    traction_track_width: 0.5
+    traction_wheels_radius: 0.1
+    linear.x: {max_velocity: 0.5, max_acceleration: 0.5}
+)";
+
+constexpr const char* kMecanum = R"(
+controller_manager:
+  ros__parameters: {update_rate: 100, base: {type: mecanum_drive_controller/MecanumDriveController}}
+base:
+  ros__parameters:
+    front_left_wheel_command_joint_name: fl
+    front_right_wheel_command_joint_name: fr
+    rear_right_wheel_command_joint_name: rr
+    rear_left_wheel_command_joint_name: rl
+    kinematics: {wheels_radius: 0.08, sum_of_robot_center_projection_on_X_Y_axis: 0.5}
+    linear.x: {max_velocity: 0.5, max_acceleration: 0.5}
+    linear.y: {max_velocity: 0.5, max_acceleration: 0.5}
+    angular.z: {max_velocity: 1.0, max_acceleration: 2.0}
+)";
+
+class WheeledBases : public ::testing::Test {
+ protected:
+  void start(const std::string& description, const std::string& controllers, const std::string& program) {
+    folder.write("base.urdf", description);
+    folder.write("controllers.yaml", controllers);
+    folder.write("go.script", program);
+    folder.write("cell.yaml",
+                 "polyarm: cell/1\nrobots:\n  base: {model: base.urdf, hardware: mock}\n"
+                 "controllers: controllers.yaml\nprogram: go\n");
+    cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()));
+  }
+  void start_tricycle(const std::string& program) {
+    start(urdf({"right", "left"}, {"front"}), kTricycle, program);
+  }
+  controllers::BaseController& base() {
+    return dynamic_cast<controllers::BaseController&>(*cell->cell().loop().controllers().find("base"));
+  }
+  bool ended() { return cell->cell().program()->ended(); }
+  double now() { return seconds(cell->cell().loop().cycle().time); }
+  void finish(double most = 60) {
+    while (!ended() && now() < most) cell->tick();
+    ASSERT_TRUE(ended());
+  }
+  std::string failure() { return cell->cell().program()->status().problem.value_or(Problem{}).text(); }
+  const controllers::PlanarOdometry& place() { return base().odometry(); }
+
+  Folder folder;
+  std::unique_ptr<LockStepCell> cell;
+};
+
+TEST_F(WheeledBases, ABaseThatSteersDrivesStraightBothWays) {
+  start_tricycle("drive 800mm\ndrive -300mm, speed 0.2m/s\n");
+  finish();
+  EXPECT_FALSE(cell->cell().program()->failed()) << failure();
+  EXPECT_NEAR(place().x(), 0.5, 0.003);
+  EXPECT_NEAR(place().y(), 0, 0.003);
+  EXPECT_NEAR(place().heading(), 0, 0.01);
+}
+
+TEST_F(WheeledBases, ABaseThatSteersRefusesToTurnOnTheSpot) {
+  start_tricycle("turn 90deg\n");
+  finish();
+  EXPECT_TRUE(cell->cell().program()->failed());
+  EXPECT_NE(failure().find("cannot turn on the spot"), std::string::npos) << failure();
+}
+
+TEST_F(WheeledBases, ABaseThatSteersTakesATwistAlongItsArc) {
+  start_tricycle("wait 60s\n");
+  const double v = 0.3, w = 0.2;
+  for (int k = 0; k < 1500; ++k) {
+    if (k % 50 == 0) base().receive("reference", controllers::Twist{{v, 0, 0}, {0, 0, w}, {}}, false);
+    cell->tick();
+  }
+  const double turn = place().heading();
+  EXPECT_GT(turn, 0.3);
+  EXPECT_NEAR(place().x(), v / w * std::sin(turn), 0.02);  // a little off: the steering takes its time
+  EXPECT_NEAR(place().y(), v / w * (1 - std::cos(turn)), 0.02);
+}
+
+TEST_F(WheeledBases, AMecanumBaseDrivesAndTurns) {
+  start(urdf({"fl", "fr", "rr", "rl"}, {}), kMecanum, "drive 500mm\nturn 90deg\ndrive 400mm\n");
+  finish();
+  EXPECT_FALSE(cell->cell().program()->failed()) << failure();
+  EXPECT_NEAR(place().x(), 0.5, 0.005);
+  EXPECT_NEAR(place().y(), 0.4, 0.005);
+  EXPECT_NEAR(place().heading(), std::numbers::pi / 2, 0.01);
+}
+
+}  // namespace
+}  // namespace polyarm::cell
