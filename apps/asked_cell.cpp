@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "apps/example_cell.hpp"
 #include "apps/options.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
@@ -153,8 +154,8 @@ bool is_robot(const std::string& named) {
 
 void AskedCell::add_to(CommandLine& app) {
   app.add_option("cell", cell,
-                 "folder with a cell.yaml, a cell file, a launch file of ROS 1, or a robot: a URDF, xacro or "
-                 "catalogue name");
+                 "folder with a cell.yaml, a cell file, the name of an example, a launch file of ROS 1, or a "
+                 "robot: a URDF, xacro or catalogue name");
   app.add_option("arguments", arguments, "NAME:=VALUE of a launch file or of a description in xacro");
   app.add_option("--description", description,
                  "a robot's URDF or xacro, or its catalogue name, instead of a cell");
@@ -165,6 +166,9 @@ std::optional<int> AskedCell::settle(const std::string& verb) {
   if (!description.empty() && cell.find(":=") != std::string::npos)
     arguments.insert(arguments.begin(), std::exchange(cell, ""));
   if (description.empty() && is_robot(cell)) description = std::exchange(cell, "");
+  std::error_code error;
+  if (!cell.empty() && description.empty() && !fs::exists(cell, error))
+    if (const auto own = own_copy_of_example(cell)) cell = own->string();
   const std::string named = cell.empty() ? description : cell;
   if (cell.empty() == description.empty()) {
     fmt::print(stderr,

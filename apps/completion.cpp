@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "apps/manual.hpp"
 #include "apps/options.hpp"
 
 namespace polyarm::apps {
@@ -60,12 +61,15 @@ void print_fish() {
 }  // namespace
 
 int run_completion(int argc, char** argv) {
-  CommandLine app("Prints shell completion", "polyarm completion");
+  CommandLine app("Prints shell completion, or the manual page", "polyarm completion");
   std::string shell = "bash";
-  app.add_option("shell", shell, "bash, zsh or fish")->one_of({"bash", "zsh", "fish"});
-  app.footer(examples({"source <(polyarm completion bash)"}));
+  app.add_option("shell", shell, "bash, zsh or fish; man: the manual page")
+      ->one_of({"bash", "zsh", "fish", "man"});
+  app.footer(examples({"source <(polyarm completion bash)", "polyarm completion man | man -l -"}));
   if (const auto code = app.parse(argc, argv)) return *code;
-  if (shell == "fish")
+  if (shell == "man")
+    fmt::print("{}", manual_page());
+  else if (shell == "fish")
     print_fish();
   else if (shell == "zsh")
     print_zsh();

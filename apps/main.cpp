@@ -56,7 +56,7 @@ const std::vector<Verb>& verbs() {
       {"doctor", "what of this machine is in the way of a cell, and how to mend it", run_doctor},
       {"drivers", "list the drivers, or try one on its device and write a report", run_drivers},
       {"far-side", "simulate the controller of a robot down to its bytes, with faults to order", run_far_side},
-      {"completion", "print shell completion (bash, zsh, fish)", run_completion},
+      {"completion", "print shell completion (bash, zsh, fish) or the manual page (man)", run_completion},
       {"version", "print the version", run_version},
   };
   return table;

@@ -1,6 +1,5 @@
 #include "drivers/watchdog/link.hpp"
 
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
@@ -16,6 +15,8 @@
 #include <filesystem>
 #include <utility>
 #include <vector>
+
+#include "polyarm/base/installation.hpp"
 
 extern char** environ;
 
@@ -87,14 +88,9 @@ bool spawn(const std::string& program, std::vector<std::string>& words, const st
 }  // namespace
 
 std::string find_program(const char* name) {
-  namespace fs = std::filesystem;
-  Dl_info self{};
-  if (dladdr(reinterpret_cast<void*>(&find_program), &self) == 0 || !self.dli_fname) return {};
   std::error_code error;
-  const fs::path here = fs::absolute(self.dli_fname, error).parent_path();
-  for (const fs::path& folder :
-       {here, here / "drivers", here.parent_path() / "drivers", here.parent_path() / "lib" / "polyarm"})
-    if (fs::exists(folder / name, error)) return (folder / name).string();
+  for (const auto& folder : installation::program_folders(reinterpret_cast<const void*>(&find_program)))
+    if (std::filesystem::exists(folder / name, error)) return (folder / name).string();
   return {};
 }
 

@@ -6,6 +6,7 @@
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/installation.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/catalogue/catalogue_index.hpp"
 #include "polyarm/catalogue/user_robots.hpp"
@@ -147,10 +148,8 @@ std::vector<fs::path> default_catalogue_folders() {
   std::error_code error;
   if (const fs::path own = user_robot_folder(); !own.empty() && fs::is_directory(own, error))
     out.push_back(own);
-  fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
-  for (int up = 0; up < 5 && !here.empty(); ++up, here = here.parent_path())
-    for (const fs::path& folder : {here / "robots", here / "share" / "polyarm" / "robots"})
-      if (fs::is_directory(folder / "universal_robots", error)) out.push_back(folder);
+  for (const fs::path& folder : installation::data_folders("robots", "universal_robots"))
+    out.push_back(folder);
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/installation.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/hardware/plugin_library.hpp"
 
@@ -39,14 +40,7 @@ std::vector<std::filesystem::path> driver_folders() {
   std::vector<std::filesystem::path> out;
   if (const char* from_user = std::getenv("POLYARM_DRIVERS"))
     for (const std::string& folder : split_words(from_user, ":")) out.emplace_back(folder);
-  std::error_code error;
-  const auto executable = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (!error) {
-    const auto here = executable.parent_path();
-    for (const auto& folder :
-         {here, here / "drivers", here.parent_path() / "drivers", here.parent_path() / "lib" / "polyarm"})
-      out.push_back(folder);
-  }
+  for (const auto& folder : installation::program_folders()) out.push_back(folder);
   return out;
 }
 

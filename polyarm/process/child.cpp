@@ -1,6 +1,5 @@
 #include "polyarm/process/child.hpp"
 
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
@@ -18,6 +17,7 @@
 #include <utility>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/installation.hpp"
 #include "polyarm/base/printable.hpp"
 
 extern char** environ;
@@ -32,17 +32,7 @@ constexpr int kOutOfTheWay = 64, kFirstHanded = 3;
 constexpr std::size_t kMostWords = 1000, kMostTold = 300;
 
 std::vector<fs::path> folders() {
-  Dl_info self{};
-  if (::dladdr(reinterpret_cast<void*>(&find_program), &self) == 0 || !self.dli_fname) return {};
-  std::error_code error;
-  fs::path file = fs::read_symlink("/proc/self/exe", error);
-  const fs::path module = fs::absolute(self.dli_fname, error);
-  std::vector<fs::path> out;
-  for (const fs::path& here : {module.parent_path(), file.parent_path()})
-    for (const fs::path& folder :
-         {here, here / "drivers", here.parent_path() / "drivers", here.parent_path() / "lib" / "polyarm"})
-      if (std::find(out.begin(), out.end(), folder) == out.end()) out.push_back(folder);
-  return out;
+  return installation::program_folders(reinterpret_cast<const void*>(&find_program));
 }
 
 class SpawnPlan {

@@ -1,0 +1,169 @@
+"""A simulated cell that this program steps: as fast as the machine allows, and repeatable."""
+import json
+import shutil
+import tempfile
+from collections import namedtuple
+
+import numpy as np
+
+from . import _polyarm
+from .errors import Error
+
+Event = namedtuple("Event", "time kind text where")
+
+
+class Cell:
+    """A whole cell in lock-step: robots, controllers, scene, PLC and program.
+
+    Nothing happens between two calls of step(). The same calls give the same numbers, bit for bit, on the same build and
+    machine. Several cells may live in one process, each used by one thread at a time. The files that a run writes go to a
+    temporary folder, so that processes share a cell's folder.
+    """
+
+    def __init__(self, path, robot="", hardware="", program="", start=False, allow_contact=False, answers=()):
+        """`path`: a folder with a cell.yaml, a cell file, a URDF, or a robot of the catalogue. `robot`, `hardware`,
+        `program`: as the options of `polyarm run`. `start`: the program begins at once, and the cell ends with it. Else
+        it waits for start_program(). Raises Error with everything that is wrong."""
+        self._folder = tempfile.mkdtemp(prefix="polyarm_")
+        self._ids = 0
+        try:
+            self._cell = _polyarm.LockStepCell(str(path), robot, hardware, program, self._folder, not start, allow_contact,
+                                               list(answers))
+        except BaseException:
+            self._remove_folder()
+            raise
+
+    period = property(lambda self: self._cell.period, doc="Seconds of one cycle of the control loop.")
+    time = property(lambda self: self._cell.time, doc="Cell time, s.")
+    state_names = property(lambda self: self._cell.state_names, doc="Names of state(), in its order.")
+    command_names = property(lambda self: self._cell.command_names, doc="Names of command(), in its order.")
+    loop_state = property(lambda self: self._cell.loop_state, doc="running, stopping, held, fault or backing.")
+    finished = property(lambda self: self._cell.finished, doc="True: the program has ended and the parts are at rest.")
+
+    def step(self, cycles=1):
+        """`cycles` of the control loop. Raises Error if the cell has failed, for example by a contact."""
+        if cycles < 0:
+            raise ValueError("cycles is negative")
+        self._cell.step(int(cycles))
+        self._raise_failure()
+
+    def run(self, seconds):
+        """As many cycles as `seconds` of cell time have."""
+        self.step(round(seconds / self.period))
+
+    def reset(self):
+        """The cell anew, from its files: time 0, robots at their start, variables as the files say."""
+        self._empty_folder()
+        self._cell.reset()
+
+    def states(self):
+        """The values of all state interfaces, as an array: measured by sensors and drives."""
+        return self._cell.states()
+
+    def commands(self):
+        """The values of all command interfaces, as an array. NaN: nobody commands it."""
+        return self._cell.commands()
+
+    def state(self, name):
+        """The value of one state interface: "arm/elbow_joint/position"."""
+        return self.states()[self._index(self.state_names, name)]
+
+    def command(self, name):
+        """The value of one command interface."""
+        return self.commands()[self._index(self.command_names, name)]
+
+    def ask(self, request, follow=False, patience=20.0, **arguments):
+        """The answer to a request of docs/control.md, as in `cell.ask("tags.set", name="Vacuum", value=True)`.
+
+        Cell time goes on until the answer is there, at most `patience` s. `follow`: to the last answer of a goal or a
+        move. Raises Error with the code of the refusal; code "no-answer" after `patience`.
+        """
+        self._ids += 1
+        line = json.dumps({"request": request, "id": str(self._ids), **arguments}, default=_plain)
+        text = self._cell.ask(line, str(self._ids), follow, patience)
+        answer = json.loads(text) if text else {"ok": False, "error": {
+            "code": "no-answer", "what": f"no answer to {request} within {patience} s of cell time", "advice": "",
+            "where": ""}}
+        if not answer["ok"]:
+            raise Error([{"severity": "error", **answer["error"]}])
+        return answer["result"]
+
+    def send(self, to, message):
+        """Sends a message to a controller, for example a list of numbers to a forward controller."""
+        if isinstance(message, (list, tuple, np.ndarray)):
+            message = {"data": [float(value) for value in message]}
+        return self.ask("send", to=to, message=message)
+
+    def tag(self, name):
+        """The value of a tag or variable."""
+        return self.ask("tags.list", names=[name])["tags"][0]["value"]
+
+    def set_tag(self, name, value):
+        """Changes a tag or variable."""
+        self.ask("tags.set", name=name, value=value)
+
+    def start_program(self, passes=None):
+        """Begins the program of the cell. `passes`: its outermost while ends after that many."""
+        return self.ask("program.start", **({} if passes is None else {"passes": passes}))
+
+    def run_program(self, passes=None, seconds=600.0):
+        """Begins the program and steps until it has ended. Raises Error if it fails, or after `seconds` of cell time.
+        Returns its status."""
+        self.start_program(passes)
+        end = self.time + seconds
+        while self.time < end:
+            self.run(0.02)
+            status = self.ask("program")
+            if status["state"] in ("finished", "stopped"):
+                return status
+            if status["state"] == "failed":
+                raise Error([{"severity": "error", **status["problem"]}])
+        raise Error([{"code": "too-long", "what": f"the program has not ended within {seconds} s of cell time",
+                      "advice": "give it more seconds, or passes", "where": "", "severity": "error"}])
+
+    def events(self):
+        """What has happened since the last call, oldest first, at most 10 000: Event(time, kind, text, where)."""
+        return [Event(*event) for event in self._cell.take_events()]
+
+    def close(self):
+        """Ends the cell and removes its temporary folder."""
+        self._cell = None
+        self._remove_folder()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def __del__(self):
+        self._remove_folder()
+
+    @staticmethod
+    def _index(names, name):
+        try:
+            return names.index(name)
+        except ValueError:
+            raise KeyError(f"there is no interface '{name}'; there are {', '.join(names[:8])} ...") from None
+
+    def _raise_failure(self):
+        code, text = self._cell.failure
+        if code:
+            raise Error([{"code": code, "what": text, "advice": "", "where": "", "severity": "error"}], text)
+
+    def _empty_folder(self):
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _remove_folder(self):
+        if getattr(self, "_folder", None) and shutil:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            self._folder = None
+
+
+def _plain(value):
+    """NumPy values as JSON."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{type(value).__name__} has no form in JSON")

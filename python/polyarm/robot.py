@@ -1,0 +1,98 @@
+"""Robots of the catalogue or of a description file, and their kinematics."""
+import numpy as np
+
+from . import _polyarm
+from .errors import Error
+
+
+def robots():
+    """The robots of the catalogue: dicts with name, maker, model, axes, reach_m, payload_kg and mass_kg."""
+    return _polyarm.catalogue()
+
+
+def pose(position=(0, 0, 0), rpy=None, quaternion=None):
+    """A pose as a 4 x 4 matrix. `rpy`: roll, pitch, yaw about fixed axes, as in URDF; `quaternion`: x y z w."""
+    if rpy is not None and quaternion is not None:
+        raise ValueError("state rpy or quaternion")
+    out = np.eye(4)
+    out[:3, 3] = position
+    if rpy is not None:
+        (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
+        out[:3, :3] = [[cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+                       [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+                       [-sp, cp * sr, cp * cr]]
+    if quaternion is not None:
+        q = np.asarray(quaternion, float)
+        x, y, z, w = q / np.linalg.norm(q)
+        out[:3, :3] = [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                       [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                       [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]
+    return out
+
+
+class Robot:
+    """An arm: its joints and the kinematics of its tool link.
+
+    Every function takes one joint state, shape (joints,), or any number of them, shape (..., joints); results have the
+    same leading shape. The functions release the interpreter's lock, so that threads run side by side.
+    """
+
+    def __init__(self, name, tip="", arguments=None):
+        """`name`: MAKER/MODEL, a URDF, a xacro or a robot file. `tip`: the link that carries the tool. `arguments`: of
+        the xacro. Raises Error."""
+        self._robot = _polyarm.Robot(str(name), tip, {k: str(v) for k, v in (arguments or {}).items()})
+
+    name = property(lambda self: self._robot.name)
+    joint_names = property(lambda self: self._robot.joint_names)
+    joints = property(lambda self: len(self._robot.joint_names), doc="The number of values of a joint state.")
+    lower = property(lambda self: np.array(self._robot.lower), doc="Lower limits; -inf: none.")
+    upper = property(lambda self: np.array(self._robot.upper), doc="Upper limits; inf: none.")
+    velocity = property(lambda self: np.array(self._robot.velocity), doc="Velocity limits; NaN: not stated.")
+    acceleration = property(lambda self: np.array(self._robot.acceleration), doc="NaN: not stated.")
+    jerk = property(lambda self: np.array(self._robot.jerk), doc="NaN: not stated.")
+    effort = property(lambda self: np.array(self._robot.effort), doc="Effort limits; NaN: not stated.")
+    home = property(lambda self: np.array(self._robot.start), doc="The state in which a simulation starts.")
+    named_states = property(lambda self: {k: np.array(v) for k, v in self._robot.named_states.items()})
+    reach = property(lambda self: self._robot.reach, doc="The largest distance of the tool from the base, m.")
+    ik_report = property(lambda self: self._robot.ik_report, doc="How poses are solved for this arm, and why.")
+    ik_complete = property(lambda self: self._robot.ik_complete, doc="True: ik_all() finds every solution.")
+    warnings = property(lambda self: self._robot.warnings, doc="What is doubtful in the description.")
+
+    def __repr__(self):
+        return f"<polyarm.Robot {self.name}: {self.joints} joints>"
+
+    def fk(self, q):
+        """The pose of the tool link: shape (..., 4, 4)."""
+        rows, shape = self._rows(q)
+        return self._robot.forward(rows).reshape(shape + (4, 4))
+
+    def jacobian(self, q, frame="world"):
+        """Velocity of the tool for each joint velocity: shape (..., 6, joints), linear rows first. `frame`: axes of the
+        "world" at the tool, of the tool ("body"), or the "space" Jacobian."""
+        rows, shape = self._rows(q)
+        return self._robot.jacobian(rows, frame).reshape(shape + (6, self.joints))
+
+    def ik(self, target, seed=None):
+        """The joint state nearest to `seed` (home) that reaches `target`, exactly and within limits.
+
+        One pose: raises Error ("unreachable", "limits", ...) with the reason. Many poses, shape (..., 4, 4): a row of
+        NaN where there is no solution. `seed`: one state for all, or one for each.
+        """
+        target = np.asarray(target, float)
+        seeds, _ = self._rows(self.home if seed is None else seed)
+        found, outcomes = self._robot.solve(target.reshape((-1, 4, 4)), seeds)
+        if target.ndim == 2 and outcomes[0] != "solved":
+            code, reason = self._robot.explain(target.reshape((1, 4, 4)), seeds)
+            raise Error([{"code": outcomes[0], "what": reason or code, "advice": "", "where": "", "severity": "error"}])
+        return found.reshape(target.shape[:-2] + (self.joints,))
+
+    def ik_all(self, target, seed=None):
+        """Every branch within limits that reaches one pose, nearest to `seed` first: shape (solutions, joints)."""
+        seeds, _ = self._rows(self.home if seed is None else seed)
+        return self._robot.solve_all(np.asarray(target, float).reshape((1, 4, 4)), seeds)
+
+    def _rows(self, q):
+        q = np.asarray(q, float)
+        if q.ndim == 0 or q.shape[-1] != self.joints:
+            raise ValueError(f"a joint state of {self.name} has {self.joints} values, not the shape {q.shape}")
+        return q.reshape((-1, self.joints)), q.shape[:-1]

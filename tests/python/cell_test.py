@@ -1,0 +1,151 @@
+"""Cells in lock-step: repeatable, several at once, told apart by their codes when they fail."""
+import concurrent.futures
+import unittest
+
+import numpy as np
+import polyarm
+from polyarm.gym import CellEnv
+from support import EXAMPLES, forward_cell
+
+PICK = EXAMPLES / "pick_and_place"
+
+
+class Cells(unittest.TestCase):
+    def cell(self, *arguments, **options):
+        cell = polyarm.Cell(*arguments, **options)
+        self.addCleanup(cell.close)
+        return cell
+
+    def test_time_goes_on_by_steps_alone(self):
+        cell = self.cell(PICK)
+        self.assertEqual(cell.time, 0)
+        cell.step(250)
+        self.assertAlmostEqual(cell.time, 250 * cell.period)
+        cell.run(0.5)
+        self.assertAlmostEqual(cell.time, 250 * cell.period + 0.5)
+        with self.assertRaises(ValueError):
+            cell.step(-1)
+
+    def test_a_waiting_program_moves_nothing(self):
+        cell = self.cell(PICK)
+        before = cell.state("arm/elbow_joint/position")
+        cell.run(1)
+        self.assertAlmostEqual(cell.state("arm/elbow_joint/position"), before, places=6)
+        self.assertEqual(cell.ask("program")["state"], "ready")
+
+    def test_the_program_runs_and_moves_the_parts(self):
+        cell = self.cell(PICK)
+        self.assertEqual(cell.run_program()["state"], "finished")
+        self.assertEqual(cell.tag("FeederLeft"), 0)
+        self.assertIn("line", {event.kind for event in cell.events()})
+        self.assertEqual(cell.events(), [])
+
+    def test_a_reset_repeats_the_run_bit_for_bit(self):
+        cell = self.cell(PICK)
+        runs = []
+        for _ in range(2):
+            cell.start_program()
+            values = []
+            for _ in range(40):
+                cell.step(100)
+                values.append(np.concatenate([cell.states(), cell.commands()]))
+            runs.append(np.array(values))
+            cell.reset()
+            self.assertEqual(cell.time, 0)
+        np.testing.assert_array_equal(runs[0], runs[1])
+        self.assertGreater(np.nanmax(np.ptp(runs[0], axis=0)), 0.1)
+
+    def test_cells_in_threads_do_not_disturb_each_other(self):
+        def trace(_):
+            with polyarm.Cell(PICK) as cell:
+                cell.start_program()
+                cell.run(3)
+                return cell.states()
+
+        with concurrent.futures.ThreadPoolExecutor(3) as pool:
+            first, *others = pool.map(trace, range(3))
+        for other in others:
+            np.testing.assert_array_equal(first, other)
+
+    def test_a_forward_controller_takes_numbers(self):
+        cell = self.cell(forward_cell(self))
+        cell.send("forward", [0.1, -0.2, 0.3, 0, 0, 0.05])
+        cell.run(1)
+        np.testing.assert_allclose([cell.state(f"arm/joint_{i}/position") for i in (1, 2, 3, 6)], [0.1, -0.2, 0.3, 0.05],
+                                   atol=1e-6)
+        self.assertAlmostEqual(cell.command("arm/joint_2/position"), -0.2)
+
+    def test_tags_are_read_and_set(self):
+        cell = self.cell(PICK)
+        self.assertFalse(cell.tag("Vacuum"))
+        cell.set_tag("Vacuum", True)
+        cell.run(0.01)
+        self.assertTrue(cell.tag("Vacuum"))
+
+    def test_a_refused_request_has_its_code(self):
+        cell = self.cell(PICK)
+        for code, request, arguments in [("unknown-request", "nonsense", {}), ("unknown-controller", "control.unload", {"name": "x"})]:
+            with self.assertRaises(polyarm.Error) as caught:
+                cell.ask(request, **arguments)
+            self.assertEqual(caught.exception.code, code)
+        with self.assertRaises(KeyError):
+            cell.state("arm/elbow/position")
+
+    def test_a_request_that_goes_on_gives_its_first_answer(self):
+        cell = self.cell("demo/r6bot")
+        self.assertIn("position", cell.ask("watch", name="joint_states"))
+        self.assertIn("position", cell.ask("watch", name="joint_states"))
+
+    def test_a_cell_that_cannot_be_built_says_everything(self):
+        with self.assertRaises(polyarm.Error) as caught:
+            polyarm.Cell(PICK, robot="universal_robots/nothing")
+        self.assertEqual(caught.exception.code, "unknown-robot")
+        with self.assertRaises(polyarm.Error):
+            polyarm.Cell("/nowhere")
+
+    def test_runs_leave_nothing_in_the_cells_folder(self):
+        before = sorted(PICK.rglob("*"))
+        with polyarm.Cell(PICK) as cell:
+            cell.start_program()
+            cell.run(2)
+        self.assertEqual(sorted(PICK.rglob("*")), before)
+
+
+class Environment(unittest.TestCase):
+    def env(self, **options):
+        joints = [f"arm/joint_{i}/position" for i in range(1, 7)]
+        env = CellEnv(forward_cell(self), "forward", joints, [-3] * 6, [3] * 6, **options)
+        self.addCleanup(env.close)
+        return env
+
+    def test_an_episode_is_truncated_and_begins_anew(self):
+        env = self.env(steps=3, reward=lambda observation, action, env: -np.abs(observation).sum())
+        observation, info = env.reset(seed=1)
+        self.assertEqual(info, {})
+        for i in range(3):
+            observation, reward, terminated, truncated, info = env.step(np.full(6, 0.01 * (i + 1)))
+            self.assertTrue(env.observation_space.contains(observation))
+            self.assertEqual((terminated, truncated), (False, i == 2))
+        self.assertLess(reward, 0)
+        again, _ = env.reset(seed=1)
+        self.assertEqual(env.cell.time, 0)
+        self.assertLess(np.abs(again).sum(), np.abs(observation).sum())
+
+    def test_an_action_outside_its_space_is_clipped(self):
+        env = self.env()
+        env.reset()
+        env.step(np.full(6, 1e9))
+        self.assertLessEqual(np.nanmax(np.abs(env.cell.commands())), 3)
+
+    def test_a_refusal_ends_the_episode_with_its_code(self):
+        env = self.env()
+        env.reset()
+        env.cell.ask("control.state", name="forward", state="inactive")
+        _, _, terminated, truncated, info = env.step(np.zeros(6))
+        self.assertTrue(terminated)
+        self.assertFalse(truncated)
+        self.assertTrue(info["error"])
+
+
+if __name__ == "__main__":
+    unittest.main()
