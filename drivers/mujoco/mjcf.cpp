@@ -8,7 +8,7 @@
 #include <set>
 
 #include "polyarm/description/model_builder.hpp"
-#include "polyarm/hardware/force_sensor.hpp"
+#include "polyarm/description/tools.hpp"
 
 namespace polyarm::drivers {
 
@@ -259,7 +259,7 @@ class Writer {
   }
 
   void finger(std::size_t r, const description::Tool& tool, int side) {
-    constexpr double kThickness = 0.008;
+    constexpr double kThickness = description::kFingerThickness;
     const double sign = side == 0 ? 1 : -1;
     Pose at = tool.tcp;
     at = at * Pose{{0, sign * tool.stroke / 2, 0}, {}};

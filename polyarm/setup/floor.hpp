@@ -7,8 +7,10 @@
 
 namespace polyarm::cell {
 
-/// Lowest point of a robot's moving links in the start state, m in the world. Uses collision shapes except
-/// meshes, which are not simulated. Infinite if there is none, and for a robot with a free base.
+/// True if physics lets the base of the robot stand on the floor by itself.
+bool stands_free(const CellRobot& robot);
+/// The lowest point, m in the world, of what a robot's joints move, where it starts: of shapes for collisions
+/// but meshes, which are not simulated. Infinite where there is none, and for a robot that stands free.
 double lowest_point(const CellRobot& robot);
 
 /// The scene of a cell without a scene file: a floor at z = 0. If a fixed robot starts below that (for
