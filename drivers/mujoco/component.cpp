@@ -107,6 +107,7 @@ CallbackReturn MujocoComponent::on_configure() {
   parts_->lay_out(*models_, view());
   machines_->lay_out(view());
   mj_forward(view().m(), view().d());
+  known_ = Known::kinematics;
   publish();
   return CallbackReturn::success;
 }
@@ -166,7 +167,7 @@ void MujocoComponent::take_commands(std::span<const double> commands) noexcept {
 void MujocoComponent::step() noexcept {
   mjModel* m = view().m();
   mjData* d = view().d();
-  mj_step1(m, d);
+  first_half_of_step(m, d, known_);
   contacts_->read(view(), *parts_, now_, world_);
   std::fill_n(acceleration_.begin(), m->nv, 0.0);
   for (std::size_t r = 0; r < robots_.size(); ++r) {
@@ -183,10 +184,11 @@ void MujocoComponent::step() noexcept {
   mj_kinematics(m, d);
   for (Robot& robot : robots_)
     robot.gripper->update(view(), *parts_, *contacts_, vec3(m->opt.gravity), timestep_);
-  machines_->step(view(), *parts_, timestep_);
+  known_ = machines_->step(view(), *parts_, timestep_) ? Known::nothing : Known::kinematics;
   if (parts_->changed()) change_model();
   failed_ |= d->warning[mjWARN_BADQACC].number > 0 || d->warning[mjWARN_BADQPOS].number > 0 ||
              d->warning[mjWARN_BADQVEL].number > 0;
+  if (failed_) known_ = Known::nothing;  // MuJoCo has reset what was not finite
   now_ += nanoseconds(timestep_);
 }
 
@@ -228,6 +230,7 @@ void MujocoComponent::change_model() noexcept {
   parts_->lay_out(*models_, view());
   machines_->lay_out(view());
   mj_kinematics(view().m(), view().d());
+  known_ = Known::kinematics;
 }
 
 void MujocoComponent::publish() noexcept {

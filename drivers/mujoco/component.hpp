@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "drivers/mujoco/contacts.hpp"
+#include "drivers/mujoco/first_half.hpp"
 #include "drivers/mujoco/grasp.hpp"
 #include "drivers/mujoco/machines.hpp"
 #include "drivers/mujoco/model_set.hpp"
@@ -69,6 +70,7 @@ class MujocoComponent : public hardware::Component {
   std::unique_ptr<ContactReader> contacts_;
   std::unique_ptr<Machines> machines_;
   std::size_t active_ = 0;
+  Known known_ = Known::nothing;  // of view()
   int substeps_ = 1;
   double timestep_ = 1e-3;
   std::vector<mjtNum> acceleration_, inertial_force_;

@@ -120,7 +120,8 @@ bool Machines::is_free(const Feeder& feeder, const Parts& parts) const noexcept 
   return true;
 }
 
-void Machines::step(ModelView& view, Parts& parts, double timestep) noexcept {
+bool Machines::step(ModelView& view, Parts& parts, double timestep) noexcept {
+  const bool moves = moving();
   for (std::size_t k = 0; k < movers_.size(); ++k) advance(k, movers_[k], view, parts, timestep);
   lay_out(view);
   for (Feeder& f : feeders_)
@@ -132,6 +133,7 @@ void Machines::step(ModelView& view, Parts& parts, double timestep) noexcept {
         parts.take_away(i);
         ++r.taken;
       }
+  return moves;
 }
 
 void Machines::read(const Parts& parts, std::span<double> states) const noexcept {

@@ -16,8 +16,9 @@ class Machines {
            std::vector<hardware::InterfaceDescription>& commands);
 
   void command(std::span<const double> commands) noexcept;
-  /// One physics step: movers advance and carry the objects on them, feeders and outfeeds act.
-  void step(ModelView& view, Parts& parts, double timestep) noexcept;
+  /// One physics step: movers advance and carry the objects on them, feeders and outfeeds act. True if a
+  /// mover advanced.
+  bool step(ModelView& view, Parts& parts, double timestep) noexcept;
   /// Copies the present positions of the movers into another model.
   void lay_out(ModelView& view) const noexcept;
   void read(const Parts& parts, std::span<double> states) const noexcept;

@@ -60,8 +60,8 @@ std::string site_name(std::size_t robot, std::size_t sensor) {
 class Writer {
  public:
   Writer(const hardware::ComponentContext& context, double timestep, std::size_t slots,
-         const BodyPairs& excluded)
-      : context_(context), timestep_(timestep), slots_(slots), excluded_(excluded) {}
+         const BodyPairs& excluded, Capacity capacity)
+      : context_(context), timestep_(timestep), slots_(slots), excluded_(excluded), capacity_(capacity) {}
 
   std::string write() {
     const description::Scene empty;
@@ -77,7 +77,7 @@ class Writer {
         "<default><geom condim=\"4\" friction=\"0.8 0.005 0.0001\" solref=\"0.004 1\" solimp=\"0.95 0.99 "
         "0.0005\"/>"
         "</default>\n",
-        timestep_, text(scene.gravity), 600 + 60 * scene.parts.size(), 120 + 12 * scene.parts.size());
+        timestep_, text(scene.gravity), capacity_.rows, capacity_.contacts);
     meshes();
     out_ += "<worldbody>\n";
     if (scene.floor)
@@ -401,6 +401,7 @@ class Writer {
   double timestep_;
   std::size_t slots_;
   const BodyPairs& excluded_;
+  Capacity capacity_;
   std::string out_;
 };
 
@@ -474,8 +475,8 @@ std::vector<Follower> followers(const description::RobotModel& model) {
 }
 
 std::string write_mjcf(const hardware::ComponentContext& context, double timestep, std::size_t slots,
-                       const BodyPairs& excluded) {
-  return Writer(context, timestep, slots, excluded).write();
+                       const BodyPairs& excluded, Capacity capacity) {
+  return Writer(context, timestep, slots, excluded, capacity).write();
 }
 
 }  // namespace polyarm::drivers

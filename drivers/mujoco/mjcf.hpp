@@ -65,11 +65,20 @@ struct Follower {
 };
 std::vector<Follower> followers(const description::RobotModel& model);
 
+/// How many contacts a world may have, and how many rows their constraints may take (four each, friction and
+/// limits of joints beside them). Parts at rest do not touch each other.
+struct Capacity {
+  int rows, contacts;
+};
+inline Capacity capacity_of(std::size_t slots) {
+  return {600 + 60 * static_cast<int>(slots), 120 + 12 * static_cast<int>(slots)};
+}
+
 /// The whole model with `slots` free bodies for moving parts. Parts at rest are mocap twins without degrees
 /// of freedom. In the model with one slot for each part, slot i has the shape and mass of part i. `excluded`:
 /// pairs of bodies of a robot that overlap at the start, because their enclosing shapes are loose.
 using BodyPairs = std::vector<std::pair<std::string, std::string>>;
 std::string write_mjcf(const hardware::ComponentContext& context, double timestep, std::size_t slots,
-                       const BodyPairs& excluded = {});
+                       const BodyPairs& excluded, Capacity capacity);
 
 }  // namespace polyarm::drivers

@@ -1,6 +1,10 @@
 #include "drivers/mujoco/model_set.hpp"
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 
 #include "drivers/mujoco/mjcf.hpp"
@@ -14,6 +18,34 @@ namespace {
 /// MuJoCo's errors and warnings must not end the process or print on the control thread. A warning appears in
 /// mjData::warning; an error would be a fault in our text and becomes the message of compile().
 void keep_quiet(const char*) {}
+
+#if mjVERSION_HEADER < 230
+/// The compiler makes data of the model's capacity three times and clears them, tens of megabytes. So a model
+/// is compiled with hardly any, and given its capacity here, as the compiler does.
+constexpr Capacity kWhileCompiling{100, 20};
+
+void give_capacity(mjModel& m, Capacity capacity) {
+  m.njmax = capacity.rows;
+  m.nconmax = capacity.contacts;
+  constexpr std::int64_t kLargestStack = std::int64_t{1} << 27;
+  const std::int64_t rows = m.njmax + m.neq + m.nv;
+  const std::int64_t objects =
+      m.nq + m.nv + m.nu + m.na + m.nbody + m.njnt + m.ngeom + m.nsite + m.neq + m.ntendon + m.nwrap;
+  m.nstack = static_cast<int>(std::clamp<std::int64_t>(5 * rows * rows + 20 * objects, 1000, kLargestStack));
+}
+
+/// Square matrices of all rows, which only other solvers than ours use. They were filled with zeros, and read
+/// as zeros again should anything read it.
+void give_back_unused(const mjModel& m, mjData& d) {
+  const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
+  const auto begin = reinterpret_cast<std::uintptr_t>(d.efc_AR_colind);
+  const std::uintptr_t end =
+      reinterpret_cast<std::uintptr_t>(d.efc_AR) +
+      sizeof(mjtNum) * static_cast<std::size_t>(m.njmax) * static_cast<std::size_t>(m.njmax);
+  const std::uintptr_t first = (begin + page - 1) / page * page, last = end / page * page;
+  if (first < last) ::madvise(reinterpret_cast<void*>(first), last - first, MADV_DONTNEED);
+}
+#endif
 
 mjModel* load(const std::string& text, std::string& reason) {
   auto vfs = std::make_unique<mjVFS>();
@@ -50,10 +82,17 @@ ModelSet::ModelSet(const hardware::ComponentContext& context, double timestep) {
   const std::size_t parts = context.scene ? context.scene->parts.size() : 0;
   compile(context, timestep, 0);
   find_overlaps(context);
-  views_.clear();
-  for (std::size_t slots = 0; slots < parts; slots = slots == 0 ? 1 : 2 * slots)
-    compile(context, timestep, slots);
-  compile(context, timestep, parts);
+  if (overlaps_.empty()) {
+    mj_resetData(views_[0].m(), views_[0].d());
+#if mjVERSION_HEADER < 230
+    give_back_unused(*views_[0].m(), *views_[0].d());
+#endif
+  } else {
+    views_.clear();
+    compile(context, timestep, 0);
+  }
+  for (std::size_t slots = 1; slots < parts; slots *= 2) compile(context, timestep, slots);
+  if (parts > 0) compile(context, timestep, parts);
 }
 
 void ModelView::place(std::size_t r, const std::vector<double>& positions) noexcept {
@@ -75,11 +114,19 @@ int ModelSet::name(const std::string& text) {
 void ModelSet::compile(const hardware::ComponentContext& context, double timestep, std::size_t slots) {
   ModelView view;
   std::string reason;
-  view.model.reset(load(write_mjcf(context, timestep, slots, overlaps_), reason));
+#if mjVERSION_HEADER < 230
+  view.model.reset(load(write_mjcf(context, timestep, slots, overlaps_, kWhileCompiling), reason));
+  if (view.model) give_capacity(*view.model, capacity_of(slots));
+#else
+  view.model.reset(load(write_mjcf(context, timestep, slots, overlaps_, capacity_of(slots)), reason));
+#endif
   if (!view.model)
     throw Error("physics-model", "MuJoCo does not accept this cell: " + reason,
                 "check masses, inertias and sizes of the robot's links and of the parts");
   view.data.reset(mj_makeData(view.model.get()));
+#if mjVERSION_HEADER < 230
+  give_back_unused(*view.model, *view.data);
+#endif
   view.slots = slots;
   find_places(context, view);
   find_owners(context, view);
