@@ -1,18 +1,16 @@
-#include "drivers/ur/far_side.hpp"
-
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
-#include <iostream>
 
 #include "apps/ending.hpp"
+#include "apps/far_sides.hpp"
 #include "apps/options.hpp"
 #include "polyarm/base/error.hpp"
-#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::apps {
@@ -21,13 +19,7 @@ namespace {
 
 std::atomic<bool> far_side_interrupted{false};
 
-struct FarSideArguments {
-  std::string maker, robot = "universal_robots/ur5e", address = "127.0.0.1", software = "5.15";
-  int port = 30004, dashboard = 29999, primary = 30001, secondary = 30002;
-  double rate = 0;
-  bool off = false, local = false;
-  std::vector<std::string> wires, orders;
-};
+}  // namespace
 
 /// Prints one event; also flushes, for pipes.
 void tell(const std::string& text) {
@@ -35,60 +27,31 @@ void tell(const std::string& text) {
   std::fflush(stdout);
 }
 
-ur::FarSideOptions options_of(const FarSideArguments& a) {
-  Problems warnings;
-  ur::FarSideOptions out;
-  out.machine.facts = ur::facts_of(description::load_robot(a.robot, open_catalogue(), warnings));
-  const auto parts = split_fields(a.software, '.');
-  const auto number = [&](std::size_t i) {
-    return i < parts.size() ? static_cast<int>(parse_number(parts[i]).value_or(-1)) : 0;
-  };
-  out.machine.major = number(0), out.machine.minor = number(1), out.machine.bugfix = number(2);
-  if (out.machine.major < 1 || out.machine.major > 255 || out.machine.minor < 0 || out.machine.minor > 255 ||
-      out.machine.bugfix < 0)
-    throw WrongUse("bad-value", "'" + a.software + "' is no version", "for example 5.15 or 3.15.4");
-  out.machine.on = !a.off;
-  out.machine.remote = !a.local;
-  out.address = a.address;
-  out.rtde = a.port, out.dashboard = a.dashboard, out.primary = a.primary, out.secondary = a.secondary;
-  out.rate = a.rate > 0 ? a.rate : out.machine.major >= 5 ? 500 : 125;
-  out.report = [](const std::string& text) { tell(text); };
-  return out;
-}
-
-void wire(ur::FarSide& far, const std::string& text) {
+std::pair<int, int> wire_of(const std::string& text, int lowest, int highest) {
   const std::size_t equals = text.find('=');
   const auto output = parse_number(text.substr(0, equals));
   const auto input = equals == std::string::npos ? std::nullopt : parse_number(text.substr(equals + 1));
-  if (!output || !input || *output < 0 || *output > 17 || *input < 0 || *input > 17)
+  const auto fits = [&](const std::optional<double>& n) { return n && *n >= lowest && *n <= highest; };
+  if (!fits(output) || !fits(input))
     throw WrongUse("bad-value", "'" + text + "' is not OUTPUT=INPUT",
-                   "numbers from 0 to 17, for example 0=0");
-  far.with([&](ur::Machine& machine) {
-    machine.wire_output(static_cast<int>(*output), static_cast<int>(*input));
-  });
+                   fmt::format("numbers from {} to {}, for example {}={}", lowest, highest, lowest, lowest));
+  return {static_cast<int>(*output), static_cast<int>(*input)};
 }
 
-void show(ur::FarSide& far) {
-  far.with([](ur::Machine& m) {
-    tell(fmt::format("{}, {}, {} control, q {:.4f}", ur::robot_mode_name(m.robot_mode()),
-                     ur::safety_mode_name(m.safety_mode()), m.remote() ? "remote" : "local",
-                     fmt::join(m.q(), " ")));
-  });
-}
-
-/// Executes a line from the terminal; a wrong line is answered and not fatal.
-void take_line(ur::FarSide& far, const std::string& line) {
-  const std::string word(trim(line));
-  if (word.empty()) return;
-  if (word == "state") return show(far);
-  try {
-    far.order(word);
-  } catch (const Error& e) {
-    tell(e.what());
-  }
-}
-
-void serve_until_stopped(ur::FarSide& far) {
+void serve_far_side(const std::function<void()>& show, const std::function<void(const std::string&)>& order) {
+  struct sigaction action {};
+  action.sa_handler = [](int) { far_side_interrupted = true; };
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaction(number, &action, nullptr);
+  const auto take_line = [&](const std::string& line) {
+    const std::string word(trim(line));
+    if (word.empty()) return;
+    if (word == "state") return show();
+    try {  // a wrong line is answered, not fatal
+      order(word);
+    } catch (const Error& e) {
+      tell(e.what());
+    }
+  };
   bool open = true;
   std::string text;
   while (!far_side_interrupted) {
@@ -100,53 +63,26 @@ void serve_until_stopped(ur::FarSide& far) {
     if (count > 0) text.append(bytes, static_cast<std::size_t>(count));
     if (text.size() > 4096) text.clear();
     for (std::size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1))
-      take_line(far, text.substr(0, end));
+      take_line(text.substr(0, end));
   }
 }
 
-int run(const FarSideArguments& a) {
-  ur::FarSide far(options_of(a));
-  for (const std::string& text : a.wires) wire(far, text);
-  for (const std::string& order : a.orders) far.order(order);
-  struct sigaction action {};
-  action.sa_handler = [](int) { far_side_interrupted = true; };
-  for (const int number : {SIGINT, SIGTERM, SIGHUP}) sigaction(number, &action, nullptr);
-  tell(fmt::format("{} with software {} at {}: RTDE {}, dashboard {}, primary {}, secondary {}", a.robot,
-                   a.software, a.address, far.rtde_port(), far.dashboard_port(), far.primary_port(),
-                   far.secondary_port()));
-  tell("type `state`, or a fault such as protective_stop; Ctrl-C ends it");
-  serve_until_stopped(far);
-  return kOk;
-}
-
-}  // namespace
-
 int run_far_side(int argc, char** argv) {
+  const auto is_maker = [](const char* text) { return text[0] != '-'; };
+  char** const maker = std::find_if(argv + 1, argv + argc, is_maker);
+  if (maker != argv + argc && std::string(*maker) == "ur") return run_far_side_ur(argc, argv);
+  if (maker != argv + argc && std::string(*maker) == "fanuc") return run_far_side_fanuc(argc, argv);
   CommandLine app(
       "Simulates the controller of a robot down to its bytes, for drivers and programs without a robot",
       "polyarm far-side");
-  FarSideArguments a;
-  app.add_option("maker", a.maker, "ur: Universal Robots")->required()->one_of({"ur"});
-  app.add_option("--robot", a.robot, "a robot of the maker in the catalogue")->capture_default_str();
-  app.add_option("--address", a.address, "address to listen at; 0.0.0.0: every network of this machine")
-      ->capture_default_str();
-  app.add_option("--port", a.port, "RTDE; 0 on any port: a free one")->range(0, 65535)->capture_default_str();
-  app.add_option("--dashboard-port", a.dashboard, "dashboard server")->range(0, 65535)->capture_default_str();
-  app.add_option("--primary-port", a.primary, "primary interface")->range(0, 65535)->capture_default_str();
-  app.add_option("--secondary-port", a.secondary, "secondary interface")
-      ->range(0, 65535)
-      ->capture_default_str();
-  app.add_option("--software", a.software, "version of the controller's software")->capture_default_str();
-  app.add_option("--rate", a.rate, "Hz; else 500, before software 5 125")->range(10.0, 500.0);
-  app.add_flag("--off", a.off, "the robot is switched off at the beginning");
-  app.add_flag("--local", a.local, "local control at the beginning");
-  app.add_option("--wire", a.wires, "OUTPUT=INPUT: the digital input follows the output; may be repeated");
-  app.add_option("--order", a.orders, "a fault from the beginning; may be repeated");
-  app.footer(examples({"polyarm far-side ur", "polyarm far-side ur --robot universal_robots/ur3e --wire 0=0",
-                       "polyarm far-side ur --order wrong_version"}) +
-             "\nFaults, typed or with --order, as KIND or KIND=NUMBER:\n" + ur::FarSide::kinds());
+  std::string name;
+  app.add_option("maker", name,
+                 "ur: Universal Robots; fanuc: FANUC; `polyarm far-side MAKER --help` has the rest")
+      ->required()
+      ->one_of({"ur", "fanuc"});
+  app.footer(examples({"polyarm far-side ur", "polyarm far-side fanuc --help"}));
   if (const auto code = app.parse(argc, argv)) return *code;
-  return run(a);
+  return kOk;
 }
 
 }  // namespace polyarm::apps

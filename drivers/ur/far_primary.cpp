@@ -7,8 +7,6 @@ namespace polyarm::ur {
 
 namespace {
 
-constexpr std::size_t kMostText = 1 << 20;
-
 /// A part of the robot state.
 void part(wire::Writer& out, std::uint8_t type, const wire::Writer& body) {
   out.u32(body.bytes().size() + 5).u8(type).append(body.bytes());
@@ -64,7 +62,7 @@ bool FarPrimary::take_script(Client& client, const std::string& text) {
 /// A program ends with a line "end" at the margin; any other line is a command of its own.
 bool FarPrimary::take(Client& client, Bytes bytes) {
   client.text.append(bytes.begin(), bytes.end());
-  if (client.text.size() > kMostText) return false;
+  if (client.text.size() > bounds::kFarSideScriptBytes) return false;
   for (;;) {
     const bool program = client.text.starts_with("def ") || client.text.starts_with("sec ");
     const std::size_t end = client.text.find(program ? "\nend\n" : "\n");

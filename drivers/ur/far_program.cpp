@@ -10,7 +10,6 @@ namespace polyarm::ur {
 
 namespace {
 
-constexpr std::size_t kMostScript = 1 << 20;
 constexpr double kFirstMessage = 2;     // s that the driver's own program waits for its first message
 constexpr double kExternalScale = 1e6;  // of External Control's numbers
 constexpr std::size_t kExternalBytes = 32;
@@ -65,7 +64,7 @@ bool FarProgram::open(const std::string& name) {
 
 std::string FarProgram::start(const std::string& text) {
   stop();
-  if (text.size() > kMostScript) return "the program is too long";
+  if (text.size() > bounds::kFarSideScriptBytes) return "the program is too long";
   text_ = text;
   opened_ = sockets_of(text);
   const std::size_t def = text.find("def ");

@@ -86,7 +86,7 @@ void FarRtde::set_up_outputs(Client& client, Bytes payload) {
   std::string types;
   bool known = !client.outputs.empty();
   for (const std::string& name : client.outputs) {
-    const FieldType* type = find_output(name);
+    const FieldType* type = machine_.reports_instead(name) ? find_type("DOUBLE") : find_output(name);
     types += (types.empty() ? "" : ",") + std::string(type ? type->name : "NOT_FOUND");
     known = known && type;
     if (type) client.output_recipe.add(*type);

@@ -10,8 +10,7 @@
 #include "drivers/ur/machine.hpp"
 #include "drivers/ur/rtde.hpp"
 #include "drivers/ur/script.hpp"
-#include "drivers/wire/tcp.hpp"
-#include "polyarm/base/error.hpp"
+#include "drivers/wire/service.hpp"
 
 namespace polyarm::ur {
 
@@ -29,44 +28,7 @@ struct FarFaults {
   std::string exception;       ///< the next program ends with this error
 };
 
-/// Clients of a listening socket, at most kMost of them; a further one is closed.
-template <typename Client>
-class Service {
- public:
-  static constexpr std::size_t kMost = 16;
-  void listen(const std::string& address, int port);
-  int port() const { return local_port_; }
-  int listener() const { return listener_.number(); }
-  std::vector<std::unique_ptr<Client>>& clients() { return clients_; }
-  /// Accepts, reads, and drops those that are gone or for which `take` returns false.
-  template <typename Arrived, typename Take>
-  void serve(Arrived arrived, Take take) {
-    while (Descriptor socket = wire::accept_tcp(listener_.number()))
-      if (clients_.size() < kMost) {
-        clients_.push_back(std::make_unique<Client>());
-        clients_.back()->socket = std::move(socket);
-        arrived(*clients_.back());
-      }
-    for (auto& client : clients_) client->gone = client->gone || !read(*client, take);
-    std::erase_if(clients_, [](const auto& client) { return client->gone; });
-  }
-  void drop_all() { clients_.clear(); }
-
- private:
-  template <typename Take>
-  static bool read(Client& client, Take& take) {
-    std::array<std::uint8_t, 4096> buffer;
-    for (;;) {
-      const wire::Received got = wire::receive(client.socket.number(), buffer);
-      if (got.got == wire::Got::nothing) return true;
-      if (got.got != wire::Got::bytes || !take(client, Bytes(buffer).first(got.count)) || client.gone)
-        return false;
-    }
-  }
-  Descriptor listener_;
-  int local_port_ = 0;
-  std::vector<std::unique_ptr<Client>> clients_;
-};
+using wire::Service;
 
 /// RTDE, protocol 1 and 2.
 class FarRtde {
@@ -211,13 +173,5 @@ class FarDashboard {
   FarPrimary& primary_;
   Service<Client> service_;
 };
-
-template <typename Client>
-void Service<Client>::listen(const std::string& address, int port) {
-  std::string why;
-  listener_ = wire::listen_tcp(address, port, why);
-  if (!listener_) throw Error("no-port", why, "choose another port, or end the program that uses it");
-  local_port_ = wire::local_port(listener_.number());
-}
 
 }  // namespace polyarm::ur

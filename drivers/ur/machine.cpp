@@ -164,6 +164,7 @@ std::vector<double> Machine::value(std::string_view name) const {
   const auto number = [](auto v) { return std::vector<double>{static_cast<double>(v)}; };
   const auto pose = [&] { return list(flange_pose(options_.facts.kinematics, q_)); };
   const bool emergency = safety_mode_ == system_emergency || safety_mode_ == robot_emergency;
+  if (const auto found = reported_.find(name); found != reported_.end()) return {found->second};
   if (name == "timestamp") return {time_};
   if (name == "actual_q") return list(q_);
   if (name == "target_q") return list(motion_ == Motion::servo ? target_ : q_);

@@ -75,6 +75,9 @@ class Machine {
   void wire_output(int output, int input) { wires_.emplace_back(output, input); }
   void digital_output(int bit, bool on);
   void push_by_hand(const Six& change);
+  /// RTDE declares an output as DOUBLE and reports this number, which may be none.
+  void report_instead(const std::string& output, double value) { reported_[output] = value; }
+  bool reports_instead(std::string_view output) const { return reported_.contains(output); }
 
   const MachineOptions& options() const { return options_; }
   const Six& q() const { return q_; }
@@ -100,7 +103,7 @@ class Machine {
   Program program_ = Program::none;
   std::uint64_t inputs_ = 0, outputs_ = 0;
   std::array<double, 2> analog_{};
-  std::map<std::string, double, std::less<>> registers_, asked_;
+  std::map<std::string, double, std::less<>> registers_, asked_, reported_;
   std::vector<std::pair<int, int>> wires_;
 };
 

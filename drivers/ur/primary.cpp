@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/pose.hpp"
 
 namespace polyarm::ur {
@@ -132,7 +133,7 @@ bool PrimaryStream::feed(wire::Bytes bytes, std::vector<PrimaryEvent>& events) {
     wire::Reader in(wire::Bytes(buffer_).subspan(at));
     const std::uint32_t size = in.u32();
     const std::uint8_t type = in.u8();
-    if (size < 5 || size > kMost) {
+    if (size < 5 || size > bounds::kPrimaryBytes) {
       broken_ = true;
       buffer_.clear();
       return false;

@@ -38,10 +38,9 @@ struct PrimaryEvent {
 /// The code of an error by which the controller refuses a program because it is in local control.
 inline constexpr int kReadOnly = 210;
 
-/// Finds packages in a stream. Allocates; bounded: a package of more than kMost bytes breaks the stream.
+/// Finds packages in a stream. Allocates; bounded: a package of more than bounds::kPrimaryBytes bytes breaks the stream.
 class PrimaryStream {
  public:
-  static constexpr std::size_t kMost = 1 << 20;
   /// Appends what was found. False: the stream is broken, until reset().
   bool feed(wire::Bytes bytes, std::vector<PrimaryEvent>& events);
   void reset() {

@@ -197,7 +197,7 @@ std::vector<std::string> split_names(std::string_view text) {
   while (!text.empty()) {
     const std::size_t end = std::min(text.find(','), text.size());
     out.emplace_back(text.substr(0, end));
-    if (out.size() > kMostFields) return {};
+    if (out.size() > bounds::kRtdeNames) return {};
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return out;

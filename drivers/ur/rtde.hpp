@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "drivers/wire/bytes.hpp"
+#include "polyarm/base/bounds.hpp"
 
 namespace polyarm::ur {
 
@@ -29,8 +30,6 @@ enum class PackageType : std::uint8_t {
 };
 
 inline constexpr std::size_t kHeader = 3;
-/// More names than the table has are refused.
-inline constexpr std::size_t kMostFields = 512;
 
 /// A type of a value, with its number of elements and the bytes of each.
 struct FieldType {
@@ -103,12 +102,12 @@ class FrameStream {
 
  private:
   std::size_t size() const noexcept { return static_cast<std::size_t>(buffer_[0]) << 8 | buffer_[1]; }
-  std::array<std::uint8_t, 65536> buffer_{};
+  std::array<std::uint8_t, bounds::kRtdeFrameBytes> buffer_{};
   std::size_t used_ = 0;
   bool broken_ = false;
 };
 
-/// "a,b,c" into words; empty on more than kMostFields.
+/// "a,b,c" into words; empty on more than bounds::kRtdeNames.
 std::vector<std::string> split_names(std::string_view text);
 
 /// A text message. Level: 0 exception, 1 error, 2 warning, 3 information.

@@ -116,6 +116,22 @@
   X(kLinkRefusals, 10, "values", "refused values of one link that are reported in a second",                  \
     "counted")
 
+#define POLYARM_BOUNDS_CONTROLLERS(X)                                                                           \
+  X(kRtdeFrameBytes, 1 << 16, "bytes", "one package of RTDE (Universal Robots)",                                \
+    "its length has no more bits; what does not decode ends the connection")                                    \
+  X(kRtdeNames, 512, "names", "values that one RTDE recipe names", "refused")                                   \
+  X(kPrimaryBytes, 1 << 20, "bytes", "one package of the primary interface (Universal Robots)",                 \
+    "the connection is closed")                                                                                 \
+  X(kRmiLineBytes, 1 << 16, "bytes", "one line of the Remote Motion Interface (FANUC)",                         \
+    "the connection is closed")                                                                                 \
+  X(kRmiNesting, 8, "levels", "brackets in such a line", "answered as unknown; the driver passes it over")      \
+  X(kRmiInstructions, 8, "instructions", "instructions that a simulated FANUC controller keeps",                \
+    "refused: 2556956")                                                                                         \
+  X(kStreamPacketBytes, 1024, "bytes", "one packet of Stream Motion (FANUC)", "the link ends; dropped by a simulated controller")\
+  X(kFarSideScriptBytes, 1 << 20, "bytes", "a program that a simulated UR controller takes",                    \
+    "the connection is closed")                                                                                 \
+  X(kFarSideClients, 16, "connections", "connections to one service of a simulated controller", "closed")
+
 #define POLYARM_BOUNDS_FILES(X)                                                                               \
   X(kYamlNesting, 64, "levels", "brackets within brackets in YAML", "refused: yaml-syntax")                   \
   X(kYamlBytes, 16 << 20, "bytes", "a YAML file", "refused: too-large")                                       \
@@ -186,6 +202,7 @@
   LIST("The page and its port", POLYARM_BOUNDS_PAGE) \
   LIST("ROS 2", POLYARM_BOUNDS_ROS2)                 \
   LIST("Links", POLYARM_BOUNDS_LINKS)                \
+  LIST("Robot controllers", POLYARM_BOUNDS_CONTROLLERS) \
   LIST("Files", POLYARM_BOUNDS_FILES)                \
   LIST("Programs and data", POLYARM_BOUNDS_PROGRAMS) \
   LIST("The control loop", POLYARM_BOUNDS_LOOP)

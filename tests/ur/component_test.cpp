@@ -1,5 +1,6 @@
 /// The driver against the simulated controller: states, commands, life cycle.
 #include <algorithm>
+#include <limits>
 
 #include "polyarm/kinematics/chain.hpp"
 #include "tests/support/realtime_guard.hpp"
@@ -148,6 +149,25 @@ TEST(UrComponent, NoChangeOfAnOutputIsLostWhenSeveralCyclesFollowQuickly) {
     ASSERT_TRUE(rig.runs(2, [](int) {}));
     for (int i = 0; i < 18; ++i)
       ASSERT_EQ(rig.state("io/digital_out_" + std::to_string(i)), on) << round << " " << i;
+  }
+}
+
+TEST(UrComponent, ADigitalWordOutOfRangeReadsAsNothingSwitched) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double word : {-1.0, -1e300, 1e300, 0x1p64, infinity, -infinity, std::nan("")}) {
+    UrRig rig;
+    rig.far().with([&](ur::Machine& machine) {
+      machine.report_instead("actual_digital_input_bits", word);
+      machine.report_instead("actual_digital_output_bits", 5);  // a word, though it comes as a DOUBLE
+      return 0;
+    });
+    ASSERT_TRUE(rig.start()) << rig.component.reason();
+    ASSERT_TRUE(rig.runs(3, [](int) {})) << word;
+    for (int i = 0; i < 18; ++i)
+      EXPECT_EQ(rig.state("io/digital_in_" + std::to_string(i)), 0) << word << " " << i;
+    EXPECT_EQ(rig.state("io/digital_out_0"), 1) << word;
+    EXPECT_EQ(rig.state("io/digital_out_1"), 0) << word;
+    EXPECT_EQ(rig.state("io/digital_out_2"), 1) << word;
   }
 }
 

@@ -219,8 +219,8 @@ TEST(Fuzz, ForeignBytesAreRefusedAndNothingElse) {
 
 TEST(Rtde, AListOfTooManyNamesIsRefused) {
   std::string names = "a";
-  for (std::size_t i = 1; i < kMostFields; ++i) names += ",a";
-  EXPECT_EQ(split_names(names).size(), kMostFields);
+  for (std::size_t i = 1; i < bounds::kRtdeNames; ++i) names += ",a";
+  EXPECT_EQ(split_names(names).size(), bounds::kRtdeNames);
   EXPECT_TRUE(split_names(names + ",a").empty());
 }
 

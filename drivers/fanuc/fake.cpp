@@ -1,0 +1,159 @@
+#include "drivers/fanuc/fake.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <thread>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::fanuc {
+
+using hardware::CallbackReturn;
+
+namespace {
+
+constexpr Nanoseconds kPatience = 5'000'000'000, kDisturbed = 20'000'000;
+
+MachineOptions machine_of(const hardware::RobotInstance& robot) {
+  MachineOptions out;
+  if (!robot.model) return out;
+  out.facts = facts_of(*robot.model);
+  for (std::size_t i = 0; i < std::min<std::size_t>(6, robot.initial_positions.size()); ++i)
+    out.start[i] = robot.initial_positions[i] * 180 / std::numbers::pi;
+  return out;
+}
+
+/// Moves the controller's clock while the driver ends, from answer to answer as while it runs: the clock of
+/// this machine says nothing about how fast a driver answers.
+class Stepper {
+ public:
+  explicit Stepper(FarSide& far)
+      : far_(far), thread_([this] {
+          while (!quit_) far_.step(kDisturbed);
+        }) {}
+  ~Stepper() {
+    quit_ = true;
+    thread_.join();
+    far_.hold_clock(false);
+  }
+
+ private:
+  FarSide& far_;
+  std::atomic<bool> quit_{false};
+  std::thread thread_;
+};
+
+std::pair<int, int> wire_of(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const auto output = parse_number(text.substr(0, equals));
+  const auto input = parse_number(equals == std::string::npos ? "" : text.substr(equals + 1));
+  const auto fits = [](const std::optional<double>& n) { return n && *n >= 1 && *n <= Machine::kPorts; };
+  if (!fits(output) || !fits(input))
+    throw Error("bad-value", "'" + text + "' in `wires` is not OUTPUT=INPUT",
+                "numbers from 1 to 512, for example 1=1");
+  return {static_cast<int>(*output), static_cast<int>(*input)};
+}
+
+}  // namespace
+
+FakeFanuc::~FakeFanuc() {
+  on_cleanup();
+}
+
+CallbackReturn FakeFanuc::on_init(const hardware::ComponentContext& context) {
+  if (context.robots.size() != 1) return FanucComponent::on_init(context);
+  FarSideOptions options;
+  options.machine = machine_of(context.robots.front());
+  options.stream = options.rmi = options.session = 0;
+  options.sampling_ms = static_cast<int>(std::lround(seconds(context.period) * 1000));
+  if (options.sampling_ms < 1 || std::abs(options.sampling_ms - seconds(context.period) * 1000) > 1e-6)
+    throw Error("bad-value", "a controller of FANUC has a whole number of milliseconds for a cycle",
+                "write `rate: 125` or `rate: 250` into the cell");
+  const auto given = [&](const char* name) {
+    const auto found = context.parameters.find(name);
+    return found == context.parameters.end() ? std::string() : found->second;
+  };
+  far_ = std::make_unique<FarSide>(options);
+  for (const std::string& text : split_words(given("wires"), " ,;")) {
+    const auto [output, input] = wire_of(text);
+    far_->with([&](Machine& machine) { machine.wire_output(output, input); });
+  }
+  for (const std::string& fault : split_words(given("faults"), " ,;")) {
+    const std::size_t at = fault.find('@');
+    const auto time = at == std::string::npos ? std::nullopt : parse_number(fault.substr(at + 1));
+    if (!time)
+      throw Error("bad-value", "'" + fault + "' in `faults` is not KIND@SECONDS", "for example e_stop@3");
+    faults_.push_back({fault.substr(0, at), *time});
+  }
+  hardware::ComponentContext own = context;
+  own.parameters["host"] = "127.0.0.1";
+  own.parameters["stream_port"] = std::to_string(far_->stream_port());
+  own.parameters["rmi_port"] = std::to_string(far_->rmi_port());
+  own.parameters["pace"] = "false";
+  own.parameters.try_emplace("settle", "0");
+  own.parameters.try_emplace("silence_ms",
+                             "10000");  // the clocks of this machine say nothing about a controller
+  own.parameters.try_emplace("loop_silence_ms", "10000");
+  own.parameters.erase("wires");
+  own.parameters.erase("faults");
+  return FanucComponent::on_init(own);
+}
+
+CallbackReturn FakeFanuc::on_activate() {
+  const CallbackReturn done = FanucComponent::on_activate();
+  if (done != CallbackReturn::success) return done;
+  far_->hold_clock(true);
+  disturbed_ = false;
+  stepped_ = true;
+  return done;
+}
+
+CallbackReturn FakeFanuc::on_deactivate() {
+  if (!stepped_.exchange(false)) return FanucComponent::on_deactivate();
+  const Stepper stepper(*far_);
+  return FanucComponent::on_deactivate();
+}
+
+CallbackReturn FakeFanuc::on_cleanup() {
+  if (!link()) return CallbackReturn::success;
+  if (!stepped_.exchange(false)) return FanucComponent::on_cleanup();
+  const Stepper stepper(*far_);
+  return FanucComponent::on_cleanup();
+}
+
+void FakeFanuc::order_what_is_due() noexcept {
+  for (Ordered& one : faults_)
+    if (!one.fault.empty() && since_ >= one.at) far_->order(std::exchange(one.fault, ""));
+}
+
+hardware::ReturnType FakeFanuc::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  if (stepped_) {
+    order_what_is_due();
+    since_ += seconds(cycle.period);
+    // A fault may keep the controller's packet back; then a command may wait for the next one.
+    const std::uint32_t before = far_->sent_sequence();
+    const bool answered = far_->step(disturbed_ ? kDisturbed : kPatience);
+    const std::uint32_t sent = far_->sent_sequence();
+    if (sent == before) link()->await(kDisturbed);
+    disturbed_ = !answered || sent == before || !await_packet(sent);
+  }
+  return FanucComponent::read(cycle, states);
+}
+
+/// Until the newest packet has the sequence: older ones may still be on their way.
+bool FakeFanuc::await_packet(std::uint32_t sequence) noexcept {
+  do {
+    link()->fetch();
+    if (link()->sample().status.sequence >= sequence) return true;
+  } while (link()->await(1'000'000'000) && link()->cause() == Cause::none);
+  return false;
+}
+
+std::string FakeFanuc::summary() const {
+  return "simulated controller, port " + std::to_string(far_->stream_port()) + ": " +
+         FanucComponent::summary();
+}
+
+}  // namespace polyarm::fanuc

@@ -1,0 +1,48 @@
+#pragma once
+/// The driver with a simulated controller of its own: `hardware: fanuc_fake` drives it over the real wires.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/fanuc/component.hpp"
+#include "drivers/fanuc/far_side.hpp"
+
+namespace polyarm::fanuc {
+
+/// The driver's parameters apply, except host and ports. `wires: 1=1 2=5` connects outputs to inputs, as
+/// OUTPUT=INPUT. `faults: KIND@SECOND …` orders faults of FarSide, in seconds since the first activation.
+/// While the component is active, the controller's clock stands still between two cycles of the loop, so that
+/// a run repeats itself, as fast as the machine can.
+class FakeFanuc : public FanucComponent {
+ public:
+  FakeFanuc() {
+    paced_ = false;
+    follows_ = true;
+  }
+  ~FakeFanuc() override;
+  hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
+  hardware::CallbackReturn on_activate() override;
+  hardware::CallbackReturn on_deactivate() override;
+  hardware::CallbackReturn on_cleanup() override;
+  hardware::CallbackReturn on_shutdown() override { return on_cleanup(); }
+  hardware::CallbackReturn on_error() override { return on_cleanup(); }
+  hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
+  bool real() const noexcept override { return false; }
+  std::string summary() const override;
+  FarSide& far_side() { return *far_; }
+
+ private:
+  void order_what_is_due() noexcept;
+  bool await_packet(std::uint32_t sequence) noexcept;
+  struct Ordered {
+    std::string fault;
+    double at = 0;
+  };
+  std::unique_ptr<FarSide> far_;
+  std::vector<Ordered> faults_;
+  double since_ = 0;
+  std::atomic<bool> stepped_{false};
+  bool disturbed_ = false;
+};
+
+}  // namespace polyarm::fanuc

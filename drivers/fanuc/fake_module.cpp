@@ -1,0 +1,3 @@
+#include "drivers/fanuc/fake.hpp"
+
+POLYARM_DRIVER(polyarm::fanuc::FakeFanuc)

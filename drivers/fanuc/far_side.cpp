@@ -1,0 +1,212 @@
+#include "drivers/fanuc/far_side.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+
+#include <algorithm>
+
+#include "polyarm/base/text.hpp"
+#include "polyarm/realtime/periodic.hpp"
+
+namespace polyarm::fanuc {
+
+namespace {
+
+struct Kind {
+  const char* name;
+  const char* meaning;
+};
+constexpr Kind kKinds[] = {
+    {"e_stop", "somebody presses the emergency stop"},
+    {"release", "it is released; the alarm stays until a reset"},
+    {"fence_open", "somebody opens the fence"},
+    {"fence_closed", "it is closed; the alarm stays until a reset"},
+    {"t1", "somebody enables the teach pendant: T1"},
+    {"t2", "the same: T2"},
+    {"auto", "the teach pendant is disabled: AUTO"},
+    {"contact", "a collaborative robot stops at a contact"},
+    {"motn", "the controller stops with the alarm MOTN-NUMBER (603: no command in time)"},
+    {"alarm", "it stops with the alarm SRVO-NUMBER (65: battery)"},
+    {"reset", "the RESET button"},
+    {"abort", "somebody aborts all programs"},
+    {"hold", "somebody holds the program of remote motion"},
+    {"continue", "it goes on"},
+    {"silent", "Stream Motion neither sends nor answers"},
+    {"late", "so many packets come late and together (10)"},
+    {"duplicate", "so many packets come twice (10)"},
+    {"reorder", "so many packets come after the next one (10)"},
+    {"garbage", "one packet is broken"},
+    {"deaf", "Stream Motion takes no commands"},
+    {"stuck", "the streaming program does not become ready"},
+    {"wrong_version", "Stream Motion has version 1"},
+    {"no_program", "STREAM_MOTN is not installed"},
+    {"refuse", "remote motion is refused"},
+    {"busy", "another program uses the Remote Motion Interface"},
+    {"mute", "the Remote Motion Interface gives no answers"},
+    {"terminate", "it ends the session, as after a long silence"},
+    {"close_rmi", "it closes its connections"},
+    {"power_off", "the controller loses its power"},
+    {"healthy", "ends silent, deaf, stuck, wrong_version, no_program, refuse, busy, mute and power_off"},
+};
+
+}  // namespace
+
+FarSide::FarSide(FarSideOptions options)
+    : options_(std::move(options)),
+      machine_(options_.machine),
+      stream_(machine_, faults_, options_.sampling_ms / 1000.0),
+      rmi_(machine_, faults_, stream_),
+      wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  stream_.set_version(options_.version);
+  stream_.listen(options_.address, options_.stream);
+  rmi_.listen(options_.address, options_.rmi, options_.session);
+  thread_ = std::thread([this] { run(); });
+}
+
+FarSide::~FarSide() {
+  quit_ = true;
+  ::eventfd_write(wake_.number(), 1);
+  thread_.join();
+}
+
+std::string FarSide::kinds() {
+  std::string out;
+  for (const Kind& kind : kKinds) {
+    std::string name = kind.name;
+    name.resize(18, ' ');
+    out += "  " + name + kind.meaning + "\n";
+  }
+  return out;
+}
+
+void FarSide::report(const std::string& text) const {
+  if (options_.report) options_.report(text);
+}
+
+void FarSide::order(const std::string& fault) {
+  const std::size_t equals = fault.find('=');
+  const std::string kind(trim(fault.substr(0, equals)));
+  double count = kind == "motn" ? 603 : kind == "alarm" ? 65 : 10;
+  if (equals != std::string::npos) count = parse_number(fault.substr(equals + 1)).value_or(-1);
+  std::vector<std::string> names;
+  for (const Kind& one : kKinds) names.emplace_back(one.name);
+  if (std::find(names.begin(), names.end(), kind) == names.end() || !(count >= 0 && count <= 1e6))
+    throw Error("bad-value", "'" + fault + "' is no fault of this controller" + did_you_mean(kind, names),
+                "KIND or KIND=NUMBER; the kinds are " + join(names, ", "));
+  const int number = static_cast<int>(count);
+  const std::lock_guard lock(mutex_);
+  order_by_hand(kind);
+  order_on_wires(kind, number);
+  std::string digits = std::to_string(number);
+  digits.insert(0, digits.size() < 3 ? 3 - digits.size() : 0, '0');
+  if (kind == "motn") machine_.alarm("MOTN-" + digits + " ST: ordered");
+  if (kind == "alarm") machine_.alarm("SRVO-" + digits + " ordered");
+  report("ordered: " + fault);
+}
+
+void FarSide::order_by_hand(const std::string& kind) {
+  const auto is = [&](const char* name) { return kind == name; };
+  if (is("e_stop") || is("release")) machine_.emergency(is("e_stop"));
+  if (is("fence_open") || is("fence_closed")) machine_.fence(is("fence_open"));
+  if (is("t1")) machine_.teach(TeachMode::t1);
+  if (is("t2")) machine_.teach(TeachMode::t2);
+  if (is("auto")) machine_.teach(TeachMode::automatic);
+  if (is("contact")) machine_.touch();
+  if (is("reset")) machine_.reset();
+  if (is("abort")) rmi_.abort();
+  if (is("hold") || is("continue")) rmi_.pause(is("hold"));
+  if (is("hold")) stream_.program(false);
+}
+
+void FarSide::order_on_wires(const std::string& kind, int number) {
+  const auto is = [&](const char* name) { return kind == name; };
+  if (is("silent") || is("power_off")) faults_.silent = true;
+  if (is("late")) faults_.late = number;
+  if (is("duplicate")) faults_.duplicate = number;
+  if (is("reorder")) faults_.reorder = number;
+  if (is("garbage")) faults_.garbage = true;
+  if (is("deaf")) faults_.deaf = true;
+  if (is("stuck")) faults_.stuck = true;
+  if (is("wrong_version")) faults_.old = true;
+  if (is("no_program")) faults_.no_stream = true;
+  if (is("refuse")) faults_.refuse = true;
+  if (is("busy")) faults_.busy = true;
+  if (is("mute")) faults_.mute = true;
+  if (is("terminate")) rmi_.terminate();
+  if (is("close_rmi") || is("power_off")) rmi_.drop();
+  if (is("power_off")) machine_.stop();
+  if (is("healthy")) faults_ = {};
+}
+
+void FarSide::hold_clock(bool on) {
+  const std::lock_guard lock(mutex_);
+  held_ = on;
+}
+
+bool FarSide::step(Nanoseconds patience) {
+  std::unique_lock lock(mutex_);
+  bool came = true;
+  if (patience > 0)
+    came = served_.wait_for(lock, std::chrono::nanoseconds(patience),
+                            [&] { return faults_.deaf || faults_.silent || !stream_.waits(); });
+  cycle();
+  return came;
+}
+
+std::uint32_t FarSide::sent_sequence() {
+  const std::lock_guard lock(mutex_);
+  return stream_.sent_sequence();
+}
+
+std::uint64_t FarSide::commands() {
+  const std::lock_guard lock(mutex_);
+  return stream_.commands();
+}
+
+bool FarSide::program_runs() {
+  const std::lock_guard lock(mutex_);
+  return stream_.program_runs();
+}
+
+std::uint64_t FarSide::instructions_done() {
+  const std::lock_guard lock(mutex_);
+  return rmi_.done();
+}
+
+void FarSide::cycle() {
+  rmi_.cycle(period());
+  stream_.cycle();
+}
+
+void FarSide::run() {
+  const auto period = nanoseconds(this->period());
+  Nanoseconds due = realtime::monotonic_now() + period;
+  std::vector<pollfd> polled;
+  std::vector<int> open;
+  while (!quit_) {
+    {
+      const std::lock_guard lock(mutex_);
+      open = {wake_.number(), stream_.descriptor()};
+      rmi_.descriptors(open);
+    }
+    polled.clear();
+    for (const int descriptor : open) polled.push_back({descriptor, POLLIN, 0});
+    const Nanoseconds left = std::clamp<Nanoseconds>(due - realtime::monotonic_now(), 0, period);
+    const timespec time{0, static_cast<long>(left)};
+    ::ppoll(polled.data(), polled.size(), &time, nullptr);
+    const std::lock_guard lock(mutex_);
+    stream_.serve();
+    rmi_.serve();
+    if (const bool runs = stream_.program_runs(); runs != ran_) {
+      ran_ = runs;
+      report(runs ? "STREAM_MOTN runs" : "STREAM_MOTN ended");
+    }
+    served_.notify_all();
+    const Nanoseconds now = realtime::monotonic_now();
+    if (now < due) continue;
+    due = std::max(due + period, now - 10 * period);
+    if (!held_) cycle();
+  }
+}
+
+}  // namespace polyarm::fanuc

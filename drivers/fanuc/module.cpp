@@ -1,0 +1,3 @@
+#include "drivers/fanuc/component.hpp"
+
+POLYARM_DRIVER(polyarm::fanuc::FanucComponent)

@@ -1,0 +1,157 @@
+#include "drivers/fanuc/shaper.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace polyarm::fanuc {
+
+namespace {
+
+constexpr double kSpeedMargin = 1.2;
+constexpr double kShare = 0.95;      // of the limits, for commands that the shaper makes itself
+constexpr double kSteady = 0.9;      // of the limits: a target that moves faster jumps
+constexpr double kTolerance = 1e-6;  // of a limit, for rounding
+constexpr double kStill = 1e-6;      // degrees/s
+
+double lerp(double a, double b, double t) noexcept {
+  return a + t * (b - a);
+}
+
+/// The smallest value of a table between two places among its steps.
+double smallest(const std::array<float, kLimitSteps>& table, double from, double to) noexcept {
+  const auto value = [&](double place) {
+    const auto low = static_cast<std::size_t>(place);
+    const std::size_t high = std::min(low + 1, kLimitSteps - 1);
+    return lerp(table[low], table[high], place - static_cast<double>(low));
+  };
+  double out = std::min(value(from), value(to));
+  for (auto i = static_cast<std::size_t>(std::ceil(from)); static_cast<double>(i) <= to; ++i)
+    out = std::min(out, static_cast<double>(table[i]));
+  return out;
+}
+
+}  // namespace
+
+void LimitTables::set(const LimitTable& table) noexcept {
+  if (table.axis < 1 || table.axis > 6) return;
+  const std::size_t axis = table.axis - 1, kind = static_cast<std::size_t>(table.kind);
+  tables_[axis][kind] = table;
+  missing_ &= ~(1u << (3 * axis + kind));
+}
+
+AxisLimits LimitTables::at(double speed, double load) const noexcept {
+  AxisLimits out;
+  load = std::clamp(load, 0.0, 1.0);
+  for (std::size_t axis = 0; axis < 6; ++axis)
+    for (std::size_t kind = 0; kind < 3; ++kind) {
+      const LimitTable& table = tables_[axis][kind];
+      const double last = kLimitSteps - 1, scale = last / table.max_speed;
+      const double from = std::clamp(speed / kSpeedMargin * scale, 0.0, last);
+      const double to = std::clamp(speed * kSpeedMargin * scale, 0.0, last);
+      out.of[kind][axis] = lerp(smallest(table.empty, from, to), smallest(table.loaded, from, to), load);
+    }
+  return out;
+}
+
+void Shaper::begin(const Six& at) noexcept {
+  at_ = wanted_ = at;
+  velocity_ = acceleration_ = wanted_velocity_ = {};
+  behind_ = 0;
+  axis_behind_ = 0;
+  shaped_ = 0;
+}
+
+bool Shaper::allows(std::size_t axis, double target, const AxisLimits& limits) noexcept {
+  const double velocity = (target - at_[axis]) / period_;
+  const double acceleration = (velocity - velocity_[axis]) / period_;
+  const double jerk = (acceleration - acceleration_[axis]) / period_;
+  const auto within = [&](double value, LimitKind kind) {
+    if (std::abs(value) <= limits.at(kind, axis) * (1 + kTolerance)) return true;
+    exceeded_[axis] = kind;
+    return false;
+  };
+  return within(velocity, LimitKind::velocity) && within(acceleration, LimitKind::acceleration) &&
+         within(jerk, LimitKind::jerk);
+}
+
+/// One period along the fastest motion to a target that moves on as it did, seen from that target; then cut
+/// so that no difference exceeds its limit.
+double Shaper::steer(std::size_t axis, const Moving& moving, const AxisLimits& limits) noexcept {
+  const double v = limits.at(LimitKind::velocity, axis), a = limits.at(LimitKind::acceleration, axis),
+               j = limits.at(LimitKind::jerk, axis);
+  const trajectory::MotionState start{at_[axis] - moving.position, velocity_[axis] - moving.velocity,
+                                      acceleration_[axis] - moving.acceleration};
+  const trajectory::MotionState target;
+  const trajectory::MotionLimits bound{kShare * v - moving.velocity, kShare * a - moving.acceleration,
+                                       kShare * j, -kShare * v - moving.velocity,
+                                       -kShare * a - moving.acceleration};
+  trajectory::MotionOptions options;
+  options.target = moving.brake ? trajectory::TargetKind::velocity : trajectory::TargetKind::position;
+  const auto status =
+      planner_.plan(std::span(&start, 1), std::span(&target, 1), std::span(&bound, 1), options);
+  double acceleration = 0;  // at the end of the period
+  if (status == trajectory::MotionStatus::ok)
+    acceleration = planner_.axis(0).at(period_).acceleration + moving.acceleration;
+  acceleration =
+      std::clamp(acceleration, acceleration_[axis] - j * period_, acceleration_[axis] + j * period_);
+  acceleration = std::clamp(acceleration, -a, a);
+  return at_[axis] + (velocity_[axis] + acceleration * period_) * period_;
+}
+
+/// How the target moves; one that jumps counts as at rest.
+Shaper::Moving Shaper::motion_of(std::size_t axis, double wanted, const AxisLimits& limits) const noexcept {
+  const double velocity = (wanted - wanted_[axis]) / period_;
+  const double acceleration = (velocity - wanted_velocity_[axis]) / period_;
+  const double v = kSteady * limits.at(LimitKind::velocity, axis),
+               a = kSteady * limits.at(LimitKind::acceleration, axis);
+  if (std::abs(velocity) > v || std::abs(wanted_velocity_[axis]) > v) return {wanted, 0, 0, false};
+  return {wanted_[axis], wanted_velocity_[axis], std::abs(acceleration) > a ? 0 : acceleration, false};
+}
+
+void Shaper::advance(std::size_t axis, double position) noexcept {
+  const double velocity = (position - at_[axis]) / period_;
+  acceleration_[axis] = (velocity - velocity_[axis]) / period_;
+  velocity_[axis] = velocity;
+  at_[axis] = position;
+}
+
+Six Shaper::next(const Six& wanted, const AxisLimits& limits) noexcept {
+  behind_ = 0;
+  bool all = true;
+  for (std::size_t i = 0; i < 6; ++i) {
+    double target = wanted[i];
+    if (!allows(i, target, limits)) {
+      target = steer(i, motion_of(i, wanted[i], limits), limits);
+      all = false;
+    }
+    advance(i, target);
+    if (const double off = std::abs(wanted[i] - target); off > behind_) {
+      behind_ = off;
+      axis_behind_ = i;
+    }
+  }
+  for (std::size_t i = 0; i < 6; ++i) wanted_velocity_[i] = (wanted[i] - wanted_[i]) / period_;
+  wanted_ = wanted;
+  if (!all) ++shaped_;
+  return at_;
+}
+
+Six Shaper::brake(const AxisLimits& limits) noexcept {
+  for (std::size_t i = 0; i < 6; ++i) {
+    double target = at_[i];  // at once, where that is within the limits
+    if (!allows(i, target, limits)) target = steer(i, {at_[i], 0, 0, true}, limits);
+    advance(i, target);
+  }
+  wanted_ = at_;
+  wanted_velocity_ = velocity_;
+  behind_ = 0;
+  return at_;
+}
+
+bool Shaper::still() const noexcept {
+  for (std::size_t i = 0; i < 6; ++i)
+    if (std::abs(velocity_[i]) > kStill || std::abs(acceleration_[i]) * period_ > kStill) return false;
+  return true;
+}
+
+}  // namespace polyarm::fanuc

@@ -1,0 +1,59 @@
+#pragma once
+/// The clients of a listening TCP socket, for simulated controllers. One thread; nothing here waits.
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/wire/bytes.hpp"
+#include "drivers/wire/tcp.hpp"
+#include "polyarm/base/bounds.hpp"
+#include "polyarm/base/error.hpp"
+
+namespace polyarm::wire {
+
+/// At most bounds::kFarSideClients clients; a further one is closed. `Client` has the members `socket` and
+/// `gone`.
+template <typename Client>
+class Service {
+ public:
+  /// Throws Error("no-port"). Port 0: any.
+  void listen(const std::string& address, int port) {
+    std::string why;
+    listener_ = listen_tcp(address, port, why);
+    if (!listener_) throw Error("no-port", why, "choose another port, or end the program that uses it");
+    local_port_ = wire::local_port(listener_.number());
+  }
+  int port() const { return local_port_; }
+  int listener() const { return listener_.number(); }
+  std::vector<std::unique_ptr<Client>>& clients() { return clients_; }
+  /// Accepts, reads, and drops those that are gone or for which `take` returns false.
+  template <typename Arrived, typename Take>
+  void serve(Arrived arrived, Take take) {
+    while (Descriptor socket = accept_tcp(listener_.number()))
+      if (clients_.size() < bounds::kFarSideClients) {
+        clients_.push_back(std::make_unique<Client>());
+        clients_.back()->socket = std::move(socket);
+        arrived(*clients_.back());
+      }
+    for (auto& client : clients_) client->gone = client->gone || !read(*client, take);
+    std::erase_if(clients_, [](const auto& client) { return client->gone; });
+  }
+  void drop_all() { clients_.clear(); }
+
+ private:
+  template <typename Take>
+  static bool read(Client& client, Take& take) {
+    std::array<std::uint8_t, 4096> buffer;
+    for (;;) {
+      const Received got = receive(client.socket.number(), buffer);
+      if (got.got == Got::nothing) return true;
+      if (got.got != Got::bytes || !take(client, Bytes(buffer).first(got.count)) || client.gone) return false;
+    }
+  }
+  Descriptor listener_;
+  int local_port_ = 0;
+  std::vector<std::unique_ptr<Client>> clients_;
+};
+
+}  // namespace polyarm::wire

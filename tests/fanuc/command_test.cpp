@@ -1,0 +1,87 @@
+/// The example and `polyarm far-side fanuc`, as users start them.
+#include "tests/support/command.hpp"
+
+#include <gtest/gtest.h>
+
+#include "polyarm/base/file.hpp"
+
+namespace polyarm {
+namespace {
+
+using test::Command;
+using test::ExampleCopy;
+using test::Finished;
+using test::run_command;
+
+void replace(std::string& text, const std::string& from, const std::string& to) {
+  ASSERT_NE(text.find(from), std::string::npos) << from;
+  text.replace(text.find(from), from.size(), to);
+}
+
+TEST(FanucExample, PlacesOverTheControllersWiresAndRepeatsItself) {
+  const ExampleCopy copy("fanuc_far_side");
+  const std::vector<std::string> line{"run", copy.path(), "--fast", "--json", "--no-socket"};
+  const Finished first = run_command(line);
+  ASSERT_EQ(first.exit_code, 0) << first.output;
+  EXPECT_EQ(first.result()["result"], "completed");
+  EXPECT_NE(first.output.find("Stream Motion 3 at 125 Hz"), std::string::npos) << first.output;
+  EXPECT_EQ(run_command(line).result()["trace_hash"], first.result()["trace_hash"]);
+}
+
+TEST(FanucExample, AFaultOfTheControllerEndsTheRunWithItsCause) {
+  const ExampleCopy copy("fanuc_far_side");
+  std::string text = read_file(copy.file("cell.yaml"));
+  replace(text, "wires: 1=1 ", "faults: fence_open@2\n      wires: 1=1 ");
+  write_file_atomically(copy.file("cell.yaml"), text);
+  const Finished ran = run_command({"run", copy.path(), "--fast", "--json", "--no-socket"});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_NE(ran.output.find("the fence of the controller"), std::string::npos) << ran.output;
+  EXPECT_NE(ran.output.find("close it"), std::string::npos) << "says what to do";
+}
+
+/// The number behind a word, in a line of the far side.
+std::string port_behind(const std::string& line, const std::string& word) {
+  const std::size_t at = line.find(word + " ");
+  if (at == std::string::npos) return {};
+  const std::size_t begin = at + word.size() + 1;
+  return line.substr(begin, line.find_first_not_of("0123456789", begin) - begin);
+}
+
+TEST(FanucExample, ACellInAnotherProcessIsArmedAndPlaces) {
+  Command far(
+      {"far-side", "fanuc", "--port", "0", "--rmi-port", "0", "--session-port", "0", "--wire", "1=1"});
+  const std::string line = far.line_with("Stream Motion ");
+  ASSERT_FALSE(port_behind(line, "Stream Motion").empty()) << line;
+  const ExampleCopy copy("fanuc_far_side");
+  std::string text = read_file(copy.file("cell.yaml"));
+  replace(text, "hardware: fanuc_fake", "hardware: fanuc\n    accept_unverified: true");
+  replace(text, "      wires: 1=1 ",
+          "      stream_port: " + port_behind(line, "Stream Motion") +
+              "\n      rmi_port: " + port_behind(line, "Remote Motion") +
+              "\n      silence_ms: 10000\n      loop_silence_ms: 10000\n      settle: 0.1\n      max_behind: "
+              "0.2\n      # ");
+  write_file_atomically(copy.file("cell.yaml"), text);
+  Command cell({"run", copy.path(), "--real", "--json", "--no-socket"},
+               test::Input::terminal);
+  if (cell.wait_for("nothing moves before a person types")) cell.type("arm\n");
+  const Finished ran = cell.wait();
+  EXPECT_EQ(ran.exit_code, 0) << ran.output;
+  EXPECT_EQ(ran.result()["result"], "completed");
+  far.signal(SIGTERM);
+  const Finished ended = far.wait();
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_NE(ended.output.find("STREAM_MOTN runs"), std::string::npos) << ended.output;
+}
+
+TEST(FanucFarSide, WrongOptionsAreRefused) {
+  EXPECT_EQ(run_command({"far-side", "kuka"}).exit_code, 2);
+  EXPECT_EQ(run_command({"far-side", "fanuc", "--protocol", "2"}).exit_code, 2);
+  EXPECT_EQ(run_command({"far-side", "fanuc", "--start", "1 2 3", "--port", "0"}).exit_code, 2);
+  EXPECT_EQ(run_command({"far-side", "fanuc", "--wire", "0=1", "--port", "0", "--rmi-port", "0"}).exit_code,
+            2);
+  const Finished base = run_command({"far-side", "fanuc", "--robot", "agilex/ranger", "--port", "0"});
+  EXPECT_NE(base.exit_code, 0) << base.output;
+}
+
+}  // namespace
+}  // namespace polyarm

@@ -1,0 +1,271 @@
+/// Everything that can end a link, with the words for it: the robot stands afterwards, and nothing moves it
+/// again.
+#include <thread>
+
+#include "tests/fanuc/rig.hpp"
+
+namespace polyarm {
+namespace {
+
+using test::FanucRig;
+using namespace test;
+
+struct FaultRow {
+  const char* order;
+  Cause cause;
+  const char* words;  ///< a part of the sentence
+};
+std::ostream& operator<<(std::ostream& out, const FaultRow& row) {
+  return out << row.order;
+}
+std::string test_name(const testing::TestParamInfo<FaultRow>& info) {
+  std::string out = info.param.order;
+  std::replace(out.begin(), out.end(), '=', '_');
+  return out;
+}
+
+/// The robot comes to a standstill, and stays there whatever happens next.
+void expect_standing(FanucRig& rig) {
+  for (int i = 0; i < 200; ++i) rig.far().step();
+  const Six at = rig.q();
+  for (int i = 0; i < 100; ++i) rig.far().step();
+  const Six later = rig.q();
+  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(later[j], at[j], 1e-6) << "joint " << j;
+}
+
+/// What a person does at the robot.
+void mend(FarSide& far) {
+  for (const char* order : {"release", "fence_closed", "auto", "reset", "healthy"}) far.order(order);
+}
+
+class WhileMoving : public testing::TestWithParam<FaultRow> {};
+INSTANTIATE_TEST_SUITE_P(
+    Faults, WhileMoving,
+    testing::Values(
+        FaultRow{"e_stop", Cause::emergency_stop, "release the button"},
+        FaultRow{"fence_open", Cause::fence, "fence"}, FaultRow{"t1", Cause::teach_mode, "teach pendant"},
+        FaultRow{"t2", Cause::teach_mode, "choose AUTO"}, FaultRow{"contact", Cause::contact, "contact"},
+        FaultRow{"motn=603", Cause::commands_late, "MOTN-603"},
+        FaultRow{"motn=611", Cause::limit, "MOTN-611"}, FaultRow{"alarm=65", Cause::alarm, "SRVO-065"},
+        FaultRow{"abort", Cause::program_stopped, "ended there without an alarm"},
+        FaultRow{"hold", Cause::program_stopped, "held by hand"},
+        FaultRow{"terminate", Cause::terminated, "ended the remote session"},
+        FaultRow{"close_rmi", Cause::rmi_closed, "closed the Remote Motion Interface"},
+        FaultRow{"power_off", Cause::rmi_closed, "switched off"},
+        FaultRow{"garbage", Cause::bad_data, "no packet of its protocols"}),
+    test_name);
+
+TEST_P(WhileMoving, IsNamedStandsAndDoesNotJumpWhenItIsRecovered) {
+  FanucRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  const double from = rig.command("J3/position");
+  int n = 0;
+  const auto move = [&](int) { rig.command("J3/position") = from + travel(++n, 0.003); };
+  ASSERT_TRUE(rig.runs(60, move));
+  rig.far().order(GetParam().order);
+  ASSERT_TRUE(rig.fails(400, move));
+  EXPECT_EQ(rig.component.cause(), GetParam().cause) << rig.component.reason();
+  const std::string said = rig.component.reason();
+  EXPECT_NE(said.find(GetParam().words), std::string::npos) << said;
+  EXPECT_NE(said.find("127.0.0.1"), std::string::npos) << "names the device: " << said;
+  expect_standing(rig);
+  mend(rig.far());
+  expect_standing(rig);  // what was mended moves nothing
+
+  ASSERT_TRUE(rig.configure()) << rig.component.reason();
+  EXPECT_EQ(rig.component.cause(), Cause::none);
+  expect_standing(rig);  // nor does a new connection
+  const Six before = rig.q();
+  rig.forget_jumps();
+  ASSERT_TRUE(rig.activate()) << rig.component.reason();
+  ASSERT_TRUE(rig.runs(50, [](int) {}));
+  EXPECT_LE(rig.largest_jump(), 1e-6) << "the first command is the measured position";
+  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], before[j], 1e-6);
+}
+
+class BeforeItMoves : public testing::TestWithParam<FaultRow> {};
+INSTANTIATE_TEST_SUITE_P(Faults, BeforeItMoves,
+                         testing::Values(FaultRow{"wrong_version", Cause::wrong_version, "version 1"},
+                                         FaultRow{"silent", Cause::stream_silent, "J519"},
+                                         FaultRow{"busy", Cause::rmi_busy, "another program"},
+                                         FaultRow{"mute", Cause::unreachable, "no answer"},
+                                         FaultRow{"no_program", Cause::rmi_refused, "R912"},
+                                         FaultRow{"refuse", Cause::rmi_refused, "remote motion"},
+                                         FaultRow{"stuck", Cause::not_ready, "ASBN_ENB"},
+                                         FaultRow{"e_stop", Cause::emergency_stop, "emergency stop"},
+                                         FaultRow{"fence_open", Cause::fence, "fence"},
+                                         FaultRow{"t1", Cause::teach_mode, "T1 or T2"}),
+                         test_name);
+
+TEST_P(BeforeItMoves, StartingIsRefusedInWordsAndWorksOnceItIsMended) {
+  FanucRig rig(Parameters{{"start_timeout", "0.4"}, {"connect_timeout", "0.5"}});
+  const Six before = rig.q();
+  rig.far().order(GetParam().order);
+  ASSERT_FALSE(rig.start());
+  EXPECT_EQ(rig.component.cause(), GetParam().cause) << rig.component.reason();
+  EXPECT_NE(rig.component.reason().find(GetParam().words), std::string::npos) << rig.component.reason();
+  rig.component.on_cleanup();
+  mend(rig.far());
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.runs(5, [](int) {}));
+  rig.component.on_cleanup();
+  const Six after = rig.q();
+  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(after[j], before[j], 1e-6) << "joint " << j;
+}
+
+TEST(FanucFaults, AnAlarmWhoseCauseIsGoneIsClearedByActivating) {
+  FanucRig rig;
+  ASSERT_TRUE(rig.configure()) << rig.component.reason();
+  rig.far().order("e_stop");
+  EXPECT_FALSE(rig.activate());
+  rig.far().order("release");  // nobody presses RESET
+  EXPECT_TRUE(rig.activate()) << rig.component.reason();
+  EXPECT_EQ(rig.component.cause(), Cause::none);
+}
+
+TEST(FanucFaults, ARefusedActivationLeavesTheComponentReading) {
+  FanucRig rig;
+  ASSERT_TRUE(rig.configure()) << rig.component.reason();
+  rig.far().order("t1");
+  EXPECT_FALSE(rig.activate());
+  EXPECT_EQ(rig.read(), ReturnType::ok) << "it is inactive, not broken";
+  rig.far().with([](fanuc::Machine& m) { return m.set_input(2, true), 0; });
+  const std::uint32_t sent = rig.far().sent_sequence();
+  while (rig.far().sent_sequence() < sent + 3) std::this_thread::yield();
+  while (rig.component.await_cycle(1'000'000'000) && rig.read() == ReturnType::ok)
+    if (rig.state("io/digital_in_2") == 1) break;
+  EXPECT_EQ(rig.state("io/digital_in_2"), 1);
+  rig.far().order("auto");
+  EXPECT_TRUE(rig.activate()) << rig.component.reason();
+}
+
+TEST(FanucFaults, AControllerThatIsNotThereIsNamed) {
+  fanuc::FanucComponent component;
+  std::string why;
+  int port = 0;
+  {
+    const Descriptor closing = wire::bind_udp("127.0.0.1", 0, why);
+    port = wire::local_port(closing.number());
+  }
+  component.on_init(fanuc_context(
+      {{"host", "127.0.0.1"}, {"stream_port", std::to_string(port)}, {"connect_timeout", "0.1"}}));
+  EXPECT_EQ(component.on_configure(), CallbackReturn::failure);
+  EXPECT_EQ(component.cause(), Cause::stream_silent);
+  EXPECT_NE(component.reason().find("127.0.0.1"), std::string::npos) << component.reason();
+}
+
+TEST(FanucFaults, AJumpOfTheCommandsIsNotSent) {
+  FanucRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.runs(20, [](int) {}));
+  rig.command("J5/position") += 0.3;
+  ASSERT_TRUE(rig.fails(5, [](int) {}));
+  EXPECT_EQ(rig.component.cause(), Cause::jump);
+  EXPECT_NE(rig.component.reason().find("joint 5"), std::string::npos) << rig.component.reason();
+  expect_standing(rig);
+  EXPECT_LE(rig.largest_jump(), 1e-6);
+}
+
+TEST(FanucFaults, AFirstCommandAwayFromTheMeasuredPositionIsNotSent) {
+  FanucRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  rig.command("J2/position") += 0.02;  // less than a step, more than a measurement
+  ASSERT_TRUE(rig.fails(5, [](int) {}));
+  EXPECT_EQ(rig.component.cause(), Cause::jump);
+}
+
+TEST(FanucFaults, TheControllerStopsTheRobotWhenCommandsEnd) {
+  FanucRig rig(Parameters{{"max_behind", "0.2"}});
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  const double from = rig.command("J1/position");
+  ASSERT_TRUE(rig.runs(60, [&](int i) { rig.command("J1/position") = from + travel(i, 0.003); }));
+  rig.far().order("deaf");  // as if the process were killed: no command arrives any more
+  for (int i = 0; i < 60; ++i) rig.far().step();
+  const Six at = rig.q();
+  for (int i = 0; i < 60; ++i) rig.far().step();
+  EXPECT_NEAR(rig.q()[0], at[0], 1e-6);
+  rig.far().order("healthy");
+  ASSERT_TRUE(rig.fails(300, [](int) {}));
+  EXPECT_EQ(rig.component.cause(), Cause::program_stopped) << rig.component.reason();
+}
+
+TEST(FanucFaults, ALoopThatFallsSilentIsBrakedByTheDriver) {
+  FanucRig rig(Parameters{{"loop_silence_ms", "300"}});  // the controller's clock stands still
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  for (int i = 0; i < 3 && rig.component.cause() == Cause::none; ++i) rig.cycle_once();
+  while (rig.component.cause() == Cause::none) std::this_thread::yield();  // it takes what it takes
+  EXPECT_EQ(rig.component.cause(), Cause::loop_silent) << rig.component.reason();
+  rig.component.on_error();
+  expect_standing(rig);
+}
+
+TEST(FanucFaults, SilenceOfTheControllerIsNamed) {
+  FanucRig rig(Parameters{{"silence_ms", "50"}});
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  rig.far().order("silent");
+  ASSERT_TRUE(rig.fails(100'000'000, [](int) {}));
+  EXPECT_EQ(rig.component.cause(), Cause::stream_silent) << rig.component.reason();
+  EXPECT_NE(rig.component.reason().find("check cable"), std::string::npos);
+}
+
+TEST(FanucFaults, PacketsOfAStrangerAreNotTaken) {
+  FarSide far(far_options());
+  std::string why;
+  const Descriptor owner = wire::connect_udp("127.0.0.1", far.stream_port(), why);
+  const Descriptor stranger = wire::connect_udp("127.0.0.1", far.stream_port(), why);
+  wire::send_datagram(owner.number(), fanuc::encode_start(3));
+  ASSERT_TRUE(wire::wait_readable(owner.number(), 5'000'000'000));
+  fanuc::Command command;
+  command.motion = true;
+  for (int i = 0; i < 50; ++i) wire::send_datagram(stranger.number(), fanuc::encode(command));
+  const std::uint32_t sent = far.sent_sequence();
+  while (far.sent_sequence() < sent + 5) std::this_thread::yield();
+  EXPECT_EQ(far.commands(), 0u);
+}
+
+/// Faults drawn at random, in every state: always named, always standing, never a jump.
+TEST(FanucFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
+  constexpr const char* kOrders[] = {"e_stop",    "fence_open", "t1",        "t2",      "contact",
+                                     "motn=603",  "motn=610",   "alarm=65",  "abort",   "hold",
+                                     "terminate", "close_rmi",  "power_off", "garbage", "duplicate=3",
+                                     "reorder=2", "late=3"};
+  std::uint32_t seed = 27;
+  const auto draw = [&](std::uint32_t n) {
+    seed = seed * 1664525u + 1013904223u;
+    return (seed >> 8) % n;
+  };
+  FanucRig rig(Parameters{{"connect_timeout", "1"}});
+  int named = 0;
+  for (int round = 0; round < 40; ++round) {
+    const std::string order = kOrders[draw(std::size(kOrders))];
+    if (!rig.configure()) {
+      ADD_FAILURE() << round << " " << rig.component.reason();
+      break;
+    }
+    rig.forget_jumps();
+    if (draw(4) == 0) rig.far().order(order);
+    if (rig.component.cause() == Cause::none && rig.activate()) {
+      const double from = rig.command("J6/position");
+      const double way = draw(2) ? 0.003 : -0.003;
+      const auto move = [&](int i) { rig.command("J6/position") = from + travel(i, way); };
+      const int before = static_cast<int>(draw(80));
+      bool alive = true;
+      int i = 0;
+      for (; alive && i < before; ++i) move(i), alive = rig.cycle_once() == ReturnType::ok;
+      if (alive) rig.far().order(order);
+      for (int k = 0; alive && k < 120; ++k, ++i) move(i), alive = rig.cycle_once() == ReturnType::ok;
+    }
+    if (rig.component.cause() != Cause::none) {
+      ++named;
+      EXPECT_GT(rig.component.reason().size(), 30u) << order;
+    }
+    EXPECT_LE(rig.largest_jump(), 0.008) << order;
+    rig.component.on_error();
+    mend(rig.far());
+    expect_standing(rig);
+  }
+  EXPECT_GT(named, 20);
+}
+
+}  // namespace
+}  // namespace polyarm
