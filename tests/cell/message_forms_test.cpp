@@ -142,6 +142,36 @@ TEST(MessageForms, NamedValuesInAllTheirForms) {
             std::vector<double>{1});
 }
 
+TEST(MessageForms, AWrenchWithItsFrameAndOnePoint) {
+  using controllers::NamedValues;
+  const auto wrench =
+      read<NamedValues>("{header: {frame_id: tool0}, wrench: {force: {z: -6}, torque: {x: 0.5}}}",
+                        "geometry_msgs/WrenchStamped");
+  ASSERT_EQ(wrench.names.size(), 7u);
+  EXPECT_EQ(wrench.names[2], "force.z");
+  EXPECT_EQ(wrench.values[2], -6);
+  EXPECT_EQ(wrench.values[3], 0.5);
+  EXPECT_EQ(wrench.names[6], "frame_id=tool0");
+  EXPECT_EQ(read<NamedValues>("{force: {x: 1}}", "geometry_msgs/WrenchStamped").names.size(), 6u);
+  const auto point = read<controllers::TrajectoryMessage>("{positions: [1, 2], velocities: [3, 4]}",
+                                                          "trajectory_msgs/JointTrajectoryPoint");
+  ASSERT_EQ(point.points.size(), 1u);
+  EXPECT_EQ(point.points[0].velocities, (std::vector<double>{3, 4}));
+  const auto place =
+      read<controllers::Numbers>("{x: 1, y: 2, z: 0, roll: 0, pitch: 0, yaw: 3}", "control_msgs/SetOdometry");
+  EXPECT_EQ(place.values, (std::vector<double>{1, 2, 3}));
+}
+
+TEST(MessageForms, AListOfMessagesComesOutAsOne) {
+  controllers::Output batteries("raw_battery_states", "control_msgs/BatteryStateArray",
+                                {"battery_states[0].voltage", "battery_states[1].voltage"});
+  batteries.draft().values = {24, 25};
+  batteries.publish(0);
+  batteries.fetch();
+  EXPECT_EQ(Json::parse(ros_files::message_json(batteries))["battery_states"],
+            Json::parse(R"([{"voltage": 24}, {"voltage": 25}])"));
+}
+
 TEST(MessageForms, GripperCommands) {
   const auto old = read<controllers::GripperCommand>("{command: {position: 0.04, max_effort: 5}}",
                                                      "control_msgs/GripperCommand");
@@ -190,6 +220,9 @@ TEST(MessageForms, RefusalsSayWhichKeyAndWhere) {
   says("{dof_names: [a], values: [1, 2]}", "control_msgs/MultiDOFCommand",
        "1 dof_names stand beside 2 values");
   says("3", "control_msgs/DynamicJointState", "no message of named values");
+  says("{force_: {x: 1}}", "geometry_msgs/WrenchStamped", "force_");
+  says("{header: {}}", "geometry_msgs/WrenchStamped", "neither force nor torque");
+  says("{}", "trajectory_msgs/JointTrajectoryPoint", "no positions");
   says("{max_effort: 1}", "control_msgs/GripperCommand", "position");
   says("{a: [}", kTrajectory, "not valid YAML");
   says(std::string(100'000, '['), kTrajectory, "nested");

@@ -60,6 +60,14 @@ TEST(MessageJson, ARefusalNamesTheField) {
   EXPECT_NE(refusal("std_msgs/String", 3).find("the message is 3"), std::string::npos);
 }
 
+TEST(MessageJson, AWholeNumberMayHaveAPoint) {
+  const TypeInfo& type = *find_type("std_msgs/UInt8");
+  EXPECT_EQ(from_json(type, {{"data", 3.0}}), from_json(type, {{"data", 3}}));
+  for (const double wrong : {3.5, -1.0, 256.0, 1e300})
+    EXPECT_NE(refusal("std_msgs/UInt8", {{"data", wrong}}).find("whole number that fits"), std::string::npos)
+        << wrong;
+}
+
 /// For every type there is: what CDR says of an empty message, JSON says too, and the other way round.
 TEST(MessageJson, GoesThereAndBackForEveryType) {
   for (const TypeInfo* type : types()) {
