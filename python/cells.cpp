@@ -1,5 +1,5 @@
-/// A simulated cell that a Python program steps. Everything in one thread: a mutex keeps other Python threads
-/// out while the interpreter's lock is released.
+/// A simulated cell that a Python program steps. The mutex keeps other Python threads out while the lock of
+/// the interpreter is released; whoever holds it never needs that lock.
 #include <pybind11/stl.h>
 
 #include <chrono>
@@ -132,9 +132,18 @@ class LockStepCell {
   std::vector<std::string> command_names() const {
     return named(table().command_names(), table().built_commands());
   }
-  Numbers states() const { return copied(table().states(), table().built_states()); }
-  Numbers commands() const { return copied(table().commands(), table().built_commands()); }
-  std::vector<Event> take_events() { return listener_.take(); }
+  Numbers states() const {
+    const std::lock_guard lock(mutex_);
+    return copied(table().states(), table().built_states());
+  }
+  Numbers commands() const {
+    const std::lock_guard lock(mutex_);
+    return copied(table().commands(), table().built_commands());
+  }
+  std::vector<Event> take_events() {
+    const std::lock_guard lock(mutex_);
+    return listener_.take();
+  }
   std::string loop_state() const { return control::name(loop().supervisor().state()); }
   bool finished() const { return inside().life->finished(); }
   /// Why the cell cannot go on: code and text; empty while it can.
@@ -188,7 +197,7 @@ class LockStepCell {
   Listener listener_;
   std::unique_ptr<cell::Cell> cell_;
   Nanoseconds next_tick_ = 0;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
 };
 }  // namespace
 

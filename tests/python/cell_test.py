@@ -1,5 +1,6 @@
 """Cells in lock-step: repeatable, several at once, told apart by their codes when they fail."""
 import concurrent.futures
+import multiprocessing
 import unittest
 
 import numpy as np
@@ -8,6 +9,14 @@ from polyarm.gym import CellEnv
 from support import EXAMPLES, forward_cell
 
 PICK = EXAMPLES / "pick_and_place"
+
+
+def states_after(seconds):
+    """In a process of its own."""
+    with polyarm.Cell(PICK) as cell:
+        cell.start_program()
+        cell.run(seconds)
+        return cell.states()
 
 
 class Cells(unittest.TestCase):
@@ -66,6 +75,30 @@ class Cells(unittest.TestCase):
             first, *others = pool.map(trace, range(3))
         for other in others:
             np.testing.assert_array_equal(first, other)
+
+    def test_processes_share_the_folder_of_a_cell(self):
+        with concurrent.futures.ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as pool:
+            first, second = pool.map(states_after, [2.0, 2.0])
+        np.testing.assert_array_equal(first, second)
+        np.testing.assert_array_equal(first, states_after(2.0))
+
+    def test_one_thread_reads_while_another_steps(self):
+        cell = self.cell(PICK)
+        cell.start_program()
+        with concurrent.futures.ThreadPoolExecutor(1) as pool:
+            stepping = pool.submit(cell.step, 2000)
+            while not stepping.done():
+                self.assertEqual(len(cell.states()), len(cell.state_names))
+                cell.events()
+            stepping.result()
+
+    def test_a_reset_that_fails_leaves_a_cell_that_says_so(self):
+        path = forward_cell(self)
+        cell = self.cell(path)
+        path.write_text("polyarm: cell/1\nrobots: {arm: {model: nothing/nowhere}}\n")
+        for call in (cell.reset, cell.step, cell.states):
+            with self.assertRaises(polyarm.Error):
+                call()
 
     def test_a_forward_controller_takes_numbers(self):
         cell = self.cell(forward_cell(self))
