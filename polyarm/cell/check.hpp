@@ -30,7 +30,8 @@ struct CheckResult {
 struct CheckOptions {
   bool dry = false;  ///< runs the program in lock-step; lists contacts, limits and parts by line
   std::uint64_t cycles = 0;
-  std::filesystem::path state_folder;  ///< folder for data files; empty: a temporary folder
+  std::function<void(double)> progress;  ///< called in the dry run with its time, s; null: nobody asks
+  std::filesystem::path state_folder;  ///< where data files are kept; empty: a temporary folder
 };
 
 /// Reads every file of the cell and collects all errors and warnings. Checks every point for reach and joint

@@ -130,6 +130,7 @@ class Stage : public program::Host {
 
   void queue(ProgramMoves::Prepared move, const Asked& asked);
   void plan(Arm& arm);
+  std::shared_ptr<moves::Obstacles> obstacles(const Arm& arm, const std::vector<moves::Move>& moves);
   static std::vector<double> end_of(const Arm& arm, std::size_t count);
   void stay(Arm& arm, std::vector<double> at);
   void fail_as_supposed(const Location& where);
@@ -170,7 +171,9 @@ class Stage : public program::Host {
   mutable bool here_known_ = true;  ///< false if a here() returned a position that may differ between runs
   mutable std::optional<program::Certainty> certainty_;
   std::set<std::pair<std::string, std::string>> told_;
-  mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< points that name a frame
+  mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< of points that name a frame
+  description::Scene fixed_scene_;
+  std::shared_ptr<SharedBodies> fixed_;  ///< of the robots and `fixed_scene_`
   Rehearsal out_;
 };
 

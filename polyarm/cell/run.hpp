@@ -1,5 +1,6 @@
 #pragma once
-/// Runs a cell until it ends, on the wall clock or in lock-step.
+/// Runs a cell to its end, on the wall clock or in lock-step.
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,8 +29,10 @@ struct RunOptions {
   bool console = true;       ///< read typed lines (resume, discard, stop, answers)
   /// How long to wait, on the wall clock, for a loop to end or a robot to stop, ns.
   Nanoseconds patience = 6'000'000'000;
-  std::vector<Door*> doors;  ///< served each tick beside the cell's own doors; must outlive the run
-  Nanoseconds started = 0;   ///< wall time of the user's command; 0: unknown
+  std::vector<Door*> doors;  ///< served each tick beside those that the cell names; they outlive the run
+  /// Called after each tick of the cell, with its time; null: nothing is.
+  std::function<void(Nanoseconds)> each_tick;
+  Nanoseconds started = 0;   ///< wall time at which the user gave the command; 0: unknown
 };
 
 /// Thread options for a run on the wall clock. Priority: the run's options, then the cell's `loop:`, then the

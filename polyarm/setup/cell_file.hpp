@@ -65,8 +65,9 @@ struct RobotEntry {
 struct MotionEntry {
   double speed = 1;                    ///< share of the limits, (0, 1]
   std::optional<double> seconds;       ///< every move takes at least this long
-  std::optional<double> thesis_scale;  ///< s per rad of joint-space distance; limits still apply
-  moves::TcpLimits tcp;                ///< for lines and arcs
+  std::optional<double> thesis_scale;  ///< s per rad of joint-space distance; limits still hold
+  moves::TcpLimits tcp;                ///< of lines and arcs
+  bool around = false;                 ///< joint moves go around obstacles unless the program says otherwise
 };
 
 /// Options of the control loop on the wall clock. Options that the machine refuses are reported and ignored.
@@ -102,7 +103,8 @@ struct CellFile {
       launched;  ///< from a launch file, instead of `controllers`
   MotionEntry motion;
   LoopEntry loop;
-  control::ContactStop contact_stop = control::ContactStop::path;  ///< reaction to a contact in physics
+  control::ContactStop contact_stop = control::ContactStop::path;  ///< what follows a contact in physics
+  double clearance = kClearance;  ///< m that should stay between a robot and everything else
   ProfileEntries profiles;
   std::vector<moves::WorkspaceZone> workspace;   ///< for all robots
   std::map<std::string, DoorOptions> doors;      ///< by module name

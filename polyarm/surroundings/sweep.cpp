@@ -270,6 +270,9 @@ struct Sweep::Work : SweepBodies {
 
   // --- pairs ----------------------------------------------------------------------------------------------
 
+  /// Links of one robot need no clearance: how near they are is how the robot is built.
+  double wanted(const Pair& pair) const { return pair.lever.empty() ? clearance_ : 0; }
+
   double motion(const Pair& pair) const {
     if (pair.lever.empty()) return body_motion_[pair.a] + body_motion_[pair.b];
     const Body &a = bodies_[pair.a], &b = bodies_[pair.b];
@@ -333,7 +336,7 @@ struct Sweep::Work : SweepBodies {
     const double way = pair.fresh ? 0 : motion(pair), start = pair.slack;
     if (!pair.fresh && way <= 0) return;
     pair.slack -= way;
-    if (pair.slack >= clearance_) return;
+    if (pair.slack >= wanted(pair)) return;
     const Distance here = distance(pair, now);
     const bool fresh = std::exchange(pair.fresh, false);
     if (!fresh) look_between(pair, now, {0, start}, {1, here.value}, way, mark_of, 0);
@@ -348,13 +351,13 @@ struct Sweep::Work : SweepBodies {
   /// Halves the way between two moments as long as something nearer than what is known could be on it.
   void look_between(Pair& pair, const Placed& now, Place from, Place to, double way, const MarkOf& mark_of,
                     int depth) {
-    double target = pair.open ? std::min(clearance_, pair.approach.distance) : clearance_;
+    double target = pair.open ? std::min(wanted(pair), pair.approach.distance) : wanted(pair);
     if (pair.excused) target = std::min(target, -kPressing);
     target = std::min(target, to.distance);
     if ((from.distance + to.distance - way) / 2 >= target - kResolution || depth >= kDeepest) return;
     const double s = (from.s + to.s) / 2;
     const Distance here = distance(pair, placed_between(now, s));
-    if (here.value < clearance_) offer(pair, here, time_before_ + s * (time_ - time_before_), mark_of);
+    if (here.value < wanted(pair)) offer(pair, here, time_before_ + s * (time_ - time_before_), mark_of);
     look_between(pair, now, from, {s, here.value}, way / 2, mark_of, depth + 1);
     look_between(pair, now, {s, here.value}, to, way / 2, mark_of, depth + 1);
   }
@@ -376,7 +379,7 @@ struct Sweep::Work : SweepBodies {
   }
 
   void offer(Pair& pair, const Distance& here, double time, const MarkOf& mark_of) {
-    if (here.value >= clearance_) {
+    if (here.value >= wanted(pair)) {
       close(pair, false);
       pair.excused = false;
       return;
