@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include "drivers/mujoco/mjcf.hpp"
 #include "polyarm/base/error.hpp"
@@ -91,8 +92,12 @@ CallbackReturn MujocoComponent::on_init(const hardware::ComponentContext& contex
 }
 
 CallbackReturn MujocoComponent::on_configure() {
-  int largest = 0;
-  for (std::size_t i = 0; i < models_->size(); ++i) largest = std::max(largest, models_->view(i).m()->nv);
+  int largest = 0, most_places = 0;
+  for (std::size_t i = 0; i < models_->size(); ++i) {
+    largest = std::max(largest, models_->view(i).m()->nv);
+    most_places = std::max(most_places, models_->view(i).m()->nq);
+  }
+  places_.assign(static_cast<std::size_t>(most_places), 0);
   acceleration_.assign(static_cast<std::size_t>(largest), 0);
   inertial_force_.assign(static_cast<std::size_t>(largest), 0);
   active_ = models_->index_for(parts_->awake());
@@ -179,12 +184,18 @@ void MujocoComponent::step() noexcept {
     robots_[r].servo->torques(view(), r, inertial_force_.data());
     robots_[r].gripper->push(view());
   }
+  std::copy_n(d->qpos, m->nq, places_.begin());
   mj_step2(m, d);
   parts_->pull(view(), timestep_);
-  mj_kinematics(m, d);
+  // What stands still keeps its poses and contacts.
+  const bool still =
+      std::memcmp(d->qpos, places_.data(), sizeof(mjtNum) * static_cast<std::size_t>(m->nq)) == 0 &&
+      quaternions_stay(m, d);
+  if (!still) mj_kinematics(m, d);
   for (Robot& robot : robots_)
     robot.gripper->update(view(), *parts_, *contacts_, vec3(m->opt.gravity), timestep_);
-  known_ = machines_->step(view(), *parts_, timestep_) ? Known::nothing : Known::kinematics;
+  known_ = still ? Known::positions : Known::kinematics;
+  if (machines_->step(view(), *parts_, timestep_)) known_ = Known::nothing;
   if (parts_->changed()) change_model();
   failed_ |= d->warning[mjWARN_BADQACC].number > 0 || d->warning[mjWARN_BADQPOS].number > 0 ||
              d->warning[mjWARN_BADQVEL].number > 0;

@@ -71,6 +71,7 @@ class MujocoComponent : public hardware::Component {
   std::unique_ptr<Machines> machines_;
   std::size_t active_ = 0;
   Known known_ = Known::nothing;  // of view()
+  std::vector<mjtNum> places_;    // qpos of the last first half of a step
   int substeps_ = 1;
   double timestep_ = 1e-3;
   std::vector<mjtNum> acceleration_, inertial_force_;

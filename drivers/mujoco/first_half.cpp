@@ -5,8 +5,6 @@
 
 namespace polyarm::drivers {
 
-#if mjVERSION_HEADER >= 220 && mjVERSION_HEADER < 230
-
 namespace {
 bool stays_as_it_is(const mjtNum* quaternion) noexcept {
   mjtNum again[4];
@@ -14,9 +12,9 @@ bool stays_as_it_is(const mjtNum* quaternion) noexcept {
   mju_normalize4(again);
   return std::memcmp(again, quaternion, sizeof again) == 0;
 }
+}  // namespace
 
-/// mj_kinematics normalizes quaternions, and the last bit of one that is normalized may change once more.
-bool would_stay_as_they_are(const mjModel* m, const mjData* d) noexcept {
+bool quaternions_stay(const mjModel* m, const mjData* d) noexcept {
   for (int i = 0; i < m->nmocap; ++i)
     if (!stays_as_it_is(d->mocap_quat + 4 * i)) return false;
   for (int i = 0; i < m->njnt; ++i) {
@@ -27,6 +25,9 @@ bool would_stay_as_they_are(const mjModel* m, const mjData* d) noexcept {
   return true;
 }
 
+#if mjVERSION_HEADER >= 220 && mjVERSION_HEADER < 230
+
+namespace {
 /// mj_fwdPosition after its first line, mj_kinematics.
 void rest_of_position_stage(const mjModel* m, mjData* d) noexcept {
   mj_comPos(m, d);
@@ -42,13 +43,16 @@ void rest_of_position_stage(const mjModel* m, mjData* d) noexcept {
 }  // namespace
 
 void first_half_of_step(const mjModel* m, mjData* d, Known known) noexcept {
-  if (mjcb_control || known == Known::nothing || !would_stay_as_they_are(m, d)) return mj_step1(m, d);
+  if (mjcb_control || known == Known::nothing || !quaternions_stay(m, d)) return mj_step1(m, d);
   const int resets = d->warning[mjWARN_BADQPOS].number + d->warning[mjWARN_BADQVEL].number;
   mj_checkPos(m, d);
   mj_checkVel(m, d);
   // Positions or velocities that are not finite reset the simulation.
-  if (d->warning[mjWARN_BADQPOS].number + d->warning[mjWARN_BADQVEL].number != resets) mj_kinematics(m, d);
-  rest_of_position_stage(m, d);
+  if (d->warning[mjWARN_BADQPOS].number + d->warning[mjWARN_BADQVEL].number != resets) {
+    mj_kinematics(m, d);
+    known = Known::kinematics;
+  }
+  if (known == Known::kinematics) rest_of_position_stage(m, d);
   mj_sensorPos(m, d);
   mj_energyPos(m, d);
   mj_fwdVelocity(m, d);

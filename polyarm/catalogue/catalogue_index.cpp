@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -25,17 +26,27 @@ constexpr const char* kEstimated = "estimated";
 /// path, state of the file, name, maker, model, axes, reach, payload, mass, estimated
 constexpr std::size_t kFields = 10;
 
-/// Size and time of a file; empty if it does not exist.
+/// Size, number and times of a file; empty if it does not exist. The time of its last change of any kind is
+/// among them, because a copy may keep the time of the content.
 std::string state_of(const fs::path& file) {
   struct stat now {};
   if (::stat(file.c_str(), &now) != 0) return {};
-  return fmt::format("{}.{}.{}.{}", static_cast<std::int64_t>(now.st_size), static_cast<std::uint64_t>(now.st_ino),
-                     static_cast<std::int64_t>(now.st_mtim.tv_sec), now.st_mtim.tv_nsec);
+  return fmt::format("{}.{}.{}.{}.{}.{}", static_cast<std::int64_t>(now.st_size),
+                     static_cast<std::uint64_t>(now.st_ino), static_cast<std::int64_t>(now.st_mtim.tv_sec),
+                     now.st_mtim.tv_nsec, static_cast<std::int64_t>(now.st_ctim.tv_sec), now.st_ctim.tv_nsec);
 }
 
-/// The index belongs to the build that made it, because the next build may read files differently.
-std::string first_line() {
-  return "polyarm: catalogue-index/1 " + state_of("/proc/self/exe");
+/// FNV-1a, 64 bits.
+std::uint64_t checksum(std::string_view text) {
+  std::uint64_t out = 14695981039346656037u;
+  for (const char c : text) out = (out ^ static_cast<unsigned char>(c)) * 1099511628211u;
+  return out;
+}
+
+/// An index belongs to the build that made it; the next build may read files differently. The checksum is that
+/// of all other lines.
+std::string first_line(std::string_view lines) {
+  return fmt::format("polyarm: catalogue-index/2 {} {:016x}", state_of("/proc/self/exe"), checksum(lines));
 }
 
 std::string text_of(const std::optional<double>& value) {
@@ -86,11 +97,14 @@ CatalogueIndex::CatalogueIndex(fs::path file) : file_{std::move(file)} {
   if (file_.empty()) return;
   try {
     const AsUser as_user;
-    const std::vector<std::string> lines = split_fields(read_file(file_, kLargestIndex), '\n');
-    if (lines.empty() || lines.front() != first_line()) return;
-    for (std::size_t i = 1; i < lines.size(); ++i)
-      lines_.emplace(lines[i].substr(0, lines[i].find(kBetween)), lines[i]);
-  } catch (const Error&) {  // the index is rebuilt
+    const std::string text = read_file(file_, kLargestIndex);
+    const std::size_t end = text.find('\n');
+    if (end == std::string::npos) return;
+    const std::string_view body = std::string_view(text).substr(end + 1);
+    if (text.substr(0, end) != first_line(body)) return;
+    for (const std::string& line : split_fields(body, '\n'))
+      lines_.emplace(line.substr(0, line.find(kBetween)), line);
+  } catch (const Error&) {  // it is rebuilt
     lines_.clear();
   }
 }
@@ -114,11 +128,13 @@ void CatalogueIndex::add(const CatalogueEntry& entry) {
 
 void CatalogueIndex::save() const {
   if (file_.empty() || !added_) return;
-  std::string text = first_line() + "\n";
-  for (const auto& [path, line] : used_) text += line + "\n";
+  std::string lines;
+  for (const auto& [path, line] : used_) lines += line + "\n";
+  const std::string text = first_line(lines) + "\n" + lines;
   std::error_code error;
   fs::create_directories(file_.parent_path(), error);
-  if (error || text.size() > kLargestIndex) return;
+  // A link would lead out of the cache folder.
+  if (error || text.size() > kLargestIndex || fs::is_symlink(fs::symlink_status(file_, error))) return;
   try {
     const AsUser as_user;
     write_file_atomically(file_, text, 0600);

@@ -29,21 +29,26 @@ std::vector<double> jumps_of(const TimedPath& path) {
 /// Makes the nodes of a table; adds nodes where the rows are curved.
 class NodeMaker {
  public:
-  using Values = std::vector<double>;
+  /// The rows at a time; their values are those of the maker until clear().
   struct Look {
     double time;
-    Values velocity, acceleration, jerk;
+    std::size_t at;
   };
 
   NodeMaker(const TimedPath& path, std::span<const trajectory::MotionLimits> limits)
-      : path_(path), limits_(limits) {}
+      : path_(path), limits_(limits), q_(limits.size()) {}
 
+  void clear() { values_.clear(); }
   Look look(double time, double at) {
-    Look out{time, Values(limits_.size()), Values(limits_.size()), Values(limits_.size())};
-    q_.resize(limits_.size());
-    path_.sample(at, q_, out.velocity, out.acceleration, out.jerk, hint_);
+    const Look out{time, values_.size()};
+    values_.resize(values_.size() + 3 * limits_.size());
+    path_.sample(at, q_, row(out, 0), row(out, 1), row(out, 2), hint_);
     return out;
   }
+  std::span<const double> velocity(const Look& of) { return row(of, 0); }
+  std::span<const double> acceleration(const Look& of) { return row(of, 1); }
+  std::span<const double> jerk(const Look& of) { return row(of, 2); }
+
   /// Fills the interval between two nodes; `from` is already in the list, `to` is appended.
   void fill(const Look& from, const Look& to, int halvings, std::vector<Look>& out) {
     const double middle = from.time + (to.time - from.time) / 2;
@@ -59,23 +64,25 @@ class NodeMaker {
   }
 
  private:
-  double error(const Look& from, const Look& to, const Look& between) const {
+  std::span<double> row(const Look& of, std::size_t which) {
+    return std::span(values_).subspan(of.at + which * limits_.size(), limits_.size());
+  }
+  double error(const Look& from, const Look& to, const Look& between) {
     double most = 0;
     for (std::size_t i = 0; i < limits_.size(); ++i) {
       const trajectory::MotionLimits& l = limits_[i];
-      const auto off = [&](const Values Look::*row) {
-        return std::abs(((from.*row)[i] + (to.*row)[i]) / 2 - (between.*row)[i]);
+      const auto off = [&](std::size_t which) {
+        return std::abs((row(from, which)[i] + row(to, which)[i]) / 2 - row(between, which)[i]);
       };
-      most = std::max({most, off(&Look::velocity) / std::min(l.max_velocity, -l.min_velocity),
-                       off(&Look::acceleration) / std::min(l.max_acceleration, -l.min_acceleration),
-                       off(&Look::jerk) / l.max_jerk});
+      most = std::max({most, off(0) / std::min(l.max_velocity, -l.min_velocity),
+                       off(1) / std::min(l.max_acceleration, -l.min_acceleration), off(2) / l.max_jerk});
     }
     return most;
   }
 
   const TimedPath& path_;
   std::span<const trajectory::MotionLimits> limits_;
-  Values q_;
+  std::vector<double> q_, values_;
   std::size_t hint_ = 0;
 };
 
@@ -101,6 +108,7 @@ PlannedRows::PlannedRows(const TimedPath& path, std::span<const trajectory::Moti
   for (std::size_t k = 0; k + 1 < jumps.size(); ++k) {
     const double begin = jumps[k], length = jumps[k + 1] - begin;
     const auto parts = std::max<std::size_t>(1, std::size_t(std::ceil(length / spacing)));
+    maker.clear();
     nodes.assign(1, maker.look(begin, begin + kSide));
     for (std::size_t i = 1; i <= parts; ++i) {
       const double t = begin + length * double(i) / double(parts);
@@ -108,11 +116,13 @@ PlannedRows::PlannedRows(const TimedPath& path, std::span<const trajectory::Moti
       maker.fill(from, i < parts ? maker.look(t, t) : maker.look(jumps[k + 1], jumps[k + 1] - kSide),
                  kMostHalvings, nodes);
     }
-    for (const NodeMaker::Look& n : nodes) add(n.time, n.velocity, n.acceleration, n.jerk);
+    for (const NodeMaker::Look& n : nodes)
+      add(n.time, maker.velocity(n), maker.acceleration(n), maker.jerk(n));
   }
   if (times_.empty()) {
     const NodeMaker::Look only = maker.look(0, 0);
-    for (int k = 0; k < 2; ++k) add(0, only.velocity, only.acceleration, only.jerk);
+    for (int k = 0; k < 2; ++k)
+      add(0, maker.velocity(only), maker.acceleration(only), maker.jerk(only));
   }
 }
 

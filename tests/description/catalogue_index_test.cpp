@@ -90,6 +90,40 @@ TEST_F(CatalogueIndexes, AreMadeAnewWhereTheyAreDamaged) {
   EXPECT_FALSE(CatalogueIndex(file()).find(robot()));
 }
 
+TEST_F(CatalogueIndexes, SayNothingWrongWhicheverByteIsDamaged) {
+  keep();
+  const std::string good = read_file(file());
+  for (std::size_t at = 0; at < good.size(); ++at) {
+    std::string damaged = good;
+    damaged[at] = static_cast<char>(damaged[at] ^ 1);
+    write(file(), damaged);
+    EXPECT_FALSE(CatalogueIndex(file()).find(robot())) << at;
+  }
+}
+
+TEST_F(CatalogueIndexes, ForgetAFileThatWasReplacedAtTheSameSizeAndTime) {
+  keep();
+  const fs::file_time_type time = fs::last_write_time(robot());
+  write(robot(), "a ROBOT");
+  fs::last_write_time(robot(), time);
+  EXPECT_FALSE(CatalogueIndex(file()).find(robot()));
+}
+
+TEST_F(CatalogueIndexes, AreNotWrittenThroughALink) {
+  write(folder_ / "precious", "do not touch");
+  fs::create_directories(file().parent_path());
+  fs::create_symlink(folder_ / "precious", file());
+  keep();
+  EXPECT_EQ(read_file(folder_ / "precious"), "do not touch");
+}
+
+TEST_F(CatalogueIndexes, AreNoErrorWhereNothingCanBeWritten) {
+  write(folder_ / "cache", "a file where the folder would be");
+  keep();
+  EXPECT_FALSE(CatalogueIndex(file()).find(robot()));
+  EXPECT_EQ(read_file(folder_ / "cache"), "a file where the folder would be");
+}
+
 TEST_F(CatalogueIndexes, LeaveOutWhatHasNoLineOfItsOwn) {
   CatalogueEntry odd = entry();
   odd.maker = "two\nlines";
