@@ -14,7 +14,8 @@ namespace polyarm::apps {
 std::string examples(std::initializer_list<const char*> lines);
 /// What is wrong with a name for --hardware, which takes declared, a driver of Polyarm, or VENDOR/TYPE.
 std::string wrong_hardware(const std::string& name);
-/// --plugins DIR, which may be repeated; load_plugins() takes the folders up before any other.
+/// --plugins DIR, which may be repeated; load_plugins() takes the folders up before any other, then knows the
+/// plugins that `polyarm plugin build` made.
 void add_plugin_option(CommandLine& app, std::vector<std::string>& folders);
 void load_plugins(const std::vector<std::string>& folders);
 /// NAME:=VALUE, as ROS writes the arguments of xacro and launch files. Throws WrongUse for anything else, and
