@@ -21,4 +21,31 @@ inline double normalize_angle(double a) {
 inline double shortest_angular_distance(double from, double to) {
   return normalize_angle(to - from);
 }
+/// The way from `from` to an angle that equals `to` and lies in [left, right], the shortest first; the limits
+/// may span more than a turn. False if `from` is outside, or if there is no such angle: then the shortest way
+/// without limits.
+inline bool shortest_angular_distance_with_large_limits(double from, double to, double left, double right,
+                                                        double& way) {
+  way = shortest_angular_distance(from, to);
+  if (left > right || from < left || from > right) return false;
+  const double first = to + 2 * kPi * std::ceil((left - to) / (2 * kPi));
+  bool found = false;
+  for (double at = first; at <= right; at += 2 * kPi) {
+    if (!found || std::abs(at - from) < std::abs(way)) way = at - from;
+    found = true;
+  }
+  return found;
+}
+/// The same for limits within one turn, which may wrap around: left > right.
+inline bool shortest_angular_distance_with_limits(double from, double to, double left, double right,
+                                                  double& way) {
+  const double start = normalize_angle(from);
+  if (right < left) right += 2 * kPi;
+  const double lifted = start < left ? start + 2 * kPi : start;
+  return shortest_angular_distance_with_large_limits(lifted, to, left, right, way);
+}
+inline double two_pi_complement(double a) {
+  if (a > 2 * kPi || a < -2 * kPi) a = std::fmod(a, 2 * kPi);
+  return a < 0 ? 2 * kPi + a : a > 0 ? -2 * kPi + a : 2 * kPi;
+}
 }  // namespace angles

@@ -29,11 +29,11 @@ class Clock {
   rcl_clock_type_t get_clock_type() const { return type_; }
   bool ros_time_is_active() const { return false; }
   bool started() const { return true; }
-  std::mutex& get_clock_mutex() { return mutex_; }
+  std::mutex& get_clock_mutex() { return *mutex_; }
 
  private:
   rcl_clock_type_t type_;
-  std::mutex mutex_;
+  std::shared_ptr<std::mutex> mutex_ = std::make_shared<std::mutex>();  ///< copies are the same clock
 };
 
 }  // namespace rclcpp

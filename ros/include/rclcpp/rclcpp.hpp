@@ -4,6 +4,7 @@
 #include <iostream>
 #include <memory>
 
+#include "polyarm_ros/standard.hpp"
 #include "rclcpp/duration.hpp"
 #include "rclcpp/executors.hpp"
 #include "rclcpp/logging.hpp"
