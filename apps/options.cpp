@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/plugins/built.hpp"
 #include "polyarm/plugins/plugins.hpp"
 #include "polyarm/setup/cell_file.hpp"
 
@@ -28,6 +29,7 @@ void add_plugin_option(CommandLine& app, std::vector<std::string>& folders) {
 
 void load_plugins(const std::vector<std::string>& folders) {
   for (const std::string& folder : folders) plugins::load_folder(folder);
+  plugins::register_built();
 }
 
 description::Catalogue open_catalogue() {

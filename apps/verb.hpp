@@ -36,6 +36,7 @@ int run_compare(int argc, char** argv);
 int run_language(int argc, char** argv);
 int run_new(int argc, char** argv);
 int run_plugins(int argc, char** argv);
+int run_plugin(int argc, char** argv);
 int run_robots(int argc, char** argv);
 int run_describe(int argc, char** argv);
 int run_fk(int argc, char** argv);

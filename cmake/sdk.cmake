@@ -55,3 +55,7 @@ foreach(header ${POLYARM_SDK_HEADERS})
   get_filename_component(room ${header} DIRECTORY)
   install(FILES ${PROJECT_SOURCE_DIR}/polyarm/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/polyarm/${room})
 endforeach()
+
+# What `polyarm plugin build` builds packages of ROS with: headers with ROS's names, CMake functions, lists.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/ros/ DESTINATION share/polyarm/ros)
+install(FILES ${PROJECT_SOURCE_DIR}/polyarm/messages/interfaces.list DESTINATION share/polyarm/ros)

@@ -6,6 +6,7 @@
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/hardware/force_sensor.hpp"
 #include "polyarm/hardware/transmitted_component.hpp"
+#include "polyarm/plugins/built.hpp"
 #include "polyarm/setup/bodies.hpp"
 #include "polyarm/setup/robots.hpp"
 
@@ -82,7 +83,8 @@ class Components {
 
   static std::unique_ptr<hardware::Component> make(const Planned& planned) {
     auto component = hardware::make_driver(planned.driver);
-    if (planned.driver == "mujoco") return component;  // physics works with joints only
+    if (planned.driver == "mujoco") return component;  // physics knows joints alone
+    if (plugins::is_built(planned.driver)) return component;  // as in ros2_control: its own transmissions
     return hardware::through_transmissions(std::move(component), planned.context);
   }
 

@@ -1,0 +1,158 @@
+/// `polyarm plugin`: hardware plugins of ros2_control, built from their source without ROS.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "apps/options.hpp"
+#include "apps/plugin_build.hpp"
+#include "polyarm/plugins/built.hpp"
+#include "polyarm/ros_packages/check.hpp"
+
+namespace polyarm::apps {
+
+namespace {
+namespace fs = std::filesystem;
+using ros_packages::Package;
+
+struct Asked {
+  const Package* package;
+  std::vector<ros_packages::PluginClass> hardware;
+};
+
+/// The packages with hardware classes. Says which others have plugins that are not built.
+std::vector<Asked> packages_with_hardware(const Workspace& workspace) {
+  std::vector<Asked> out;
+  for (const Package& package : workspace.asked) {
+    std::vector<ros_packages::PluginClass> classes = ros_packages::plugin_classes(package);
+    for (const auto& c : classes)
+      if (c.is_controller())
+        fmt::print("{}: {} is a controller: controllers of ROS are not built yet\n", package.name, c.name);
+    std::erase_if(classes, [](const auto& c) { return !c.is_hardware(); });
+    if (!classes.empty()) out.push_back({&package, std::move(classes)});
+  }
+  if (out.empty())
+    throw Error("no-plugin", "no package here describes a hardware plugin",
+                "its XML file has <class type=\"…\" "
+                "base_class_type=\"hardware_interface::SystemInterface\">, as pluginlib needs it");
+  return out;
+}
+
+void print_all(const std::vector<Problem>& problems) {
+  for (const Problem& problem : problems) fmt::print(stderr, "{}\n", problem.text());
+}
+
+int run_build(int argc, char** argv) {
+  CommandLine app(
+      "Builds the hardware plugins of a package or workspace for this Polyarm; needs cmake and a C++ "
+      "compiler, no ROS",
+      "polyarm plugin build");
+  std::string path;
+  PluginBuild build;
+  build.jobs = std::max(1u, std::thread::hardware_concurrency());
+  app.add_option("path", path, "a package's folder, or a workspace with packages in it")
+      ->required()
+      ->existing_folder();
+  app.add_flag("--simulated", build.simulated, "this hardware moves nothing real: it runs without --real");
+  app.add_option("--build-dir", build.scratch, "where to build (else in ~/.cache/polyarm/plugins)");
+  app.add_option("--jobs", build.jobs, "compilers side by side");
+  app.footer(
+      examples({"polyarm plugin build my_robot_hardware", "polyarm plugin build ros2_ws/src --simulated"}) +
+      "\nThe build runs the packages' own CMake files and compiles their code.\n"
+      "Exit codes: 0 all were built, 1 some were not, 2 wrong command line\n");
+  if (const auto code = app.parse(argc, argv)) return *code;
+  const ros_packages::Kit kit;
+  Problems problems;
+  const Workspace workspace = open_workspace(path, problems);
+  print_all(problems.list());
+  bool all = true;
+  for (const Asked& asked : packages_with_hardware(workspace)) {
+    try {
+      const fs::path module = build_plugin(*asked.package, workspace, kit, build);
+      fmt::print("built {}\n", module.string());
+      for (const auto& c : asked.hardware)
+        fmt::print("  <plugin>{}</plugin>{}\n", c.name,
+                   build.simulated ? "" : "  real hardware: run it with --real");
+    } catch (const Error& e) {
+      all = false;
+      print_all(e.problems());
+    }
+  }
+  return all ? kOk : kFailed;
+}
+
+int run_check_plugin(int argc, char** argv) {
+  CommandLine app(
+      "Says what a package needs that is not here: headers, packages, names of ROS that Polyarm does not "
+      "have",
+      "polyarm plugin check");
+  std::string path;
+  app.add_option("path", path, "a package's folder, or a workspace with packages in it")
+      ->required()
+      ->existing_folder();
+  app.footer(examples({"polyarm plugin check my_robot_hardware"}) +
+             "\nReads the sources; compiles and runs nothing.\nExit codes: 0 nothing is missing, 1 something "
+             "is, 2 wrong command line\n");
+  if (const auto code = app.parse(argc, argv)) return *code;
+  const ros_packages::Kit kit;
+  Problems problems;
+  const Workspace workspace = open_workspace(path, problems);
+  for (const Asked& asked : packages_with_hardware(workspace)) {
+    Problems of_package;
+    ros_packages::check_package(*asked.package, workspace.all, kit, of_package);
+    const auto missing = std::count_if(of_package.list().begin(), of_package.list().end(),
+                                       [](const Problem& p) { return p.severity == Severity::error; });
+    fmt::print("{}: {}\n", asked.package->name,
+               missing == 0 ? "nothing is missing" : fmt::format("{} missing", missing));
+    for (const Problem& problem : of_package.list()) problems.add(problem);
+  }
+  print_all(problems.list());
+  return problems.has_errors() ? kFailed : kOk;
+}
+
+int run_list(int argc, char** argv) {
+  CommandLine app("Lists the plugins that were built here", "polyarm plugin list");
+  if (const auto code = app.parse(argc, argv)) return *code;
+  const auto all = plugins::built_classes();
+  for (const auto& each : all) fmt::print("{:<44} {}\n", each.name, each.module.string());
+  if (all.empty()) fmt::print("nothing was built\n");
+  return kOk;
+}
+
+/// For the build files of packages: structs of their own interfaces.
+int run_interfaces_of_package(int argc, char** argv) {
+  CommandLine app(
+      "Writes C++ structs of .msg, .srv and .action files; without files, of those that Polyarm has",
+      "polyarm plugin interfaces");
+  std::string package, out;
+  std::vector<std::string> files;
+  app.add_option("--package", package, "the name of their package");
+  app.add_option("--out", out, "folder that gets PACKAGE/msg/name.hpp")->required();
+  app.add_option("file", files, "the files");
+  if (const auto code = app.parse(argc, argv)) return *code;
+  std::vector<ros_packages::Interface> all;
+  if (files.empty()) all = ros_packages::Kit().interfaces();
+  for (const std::string& file : files) all.push_back(ros_packages::read_interface(package, file));
+  ros_packages::write_headers(all, out);
+  return kOk;
+}
+}  // namespace
+
+int run_plugin(int argc, char** argv) {
+  const std::string word = argc > 1 ? argv[1] : "";
+  if (word == "build") return run_build(argc - 1, argv + 1);
+  if (word == "check") return run_check_plugin(argc - 1, argv + 1);
+  if (word == "list") return run_list(argc - 1, argv + 1);
+  if (word == "interfaces") return run_interfaces_of_package(argc - 1, argv + 1);
+  CommandLine app("Hardware plugins of ros2_control, built from their source without ROS", "polyarm plugin");
+  std::string verb;
+  app.add_option("verb", verb, "build, check, list or interfaces")
+      ->required()
+      ->one_of({"build", "check", "list", "interfaces"});
+  app.footer(examples({"polyarm plugin check my_robot_hardware", "polyarm plugin build my_robot_hardware",
+                       "polyarm plugin list"}));
+  if (const auto code = app.parse(argc, argv)) return *code;
+  return kUsage;
+}
+
+}  // namespace polyarm::apps

@@ -1,0 +1,152 @@
+#include "apps/plugin_build.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <sstream>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/sha256.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/hardware/plugin_library.hpp"
+#include "polyarm/plugins/built.hpp"
+#include "polyarm/ros_packages/check.hpp"
+#include "polyarm/ros_packages/module_code.hpp"
+
+extern char** environ;
+
+namespace polyarm::apps {
+
+namespace fs = std::filesystem;
+using ros_packages::Package;
+
+namespace {
+constexpr std::size_t kLargestLog = 64 << 20;
+
+fs::path cache_folder() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
+    return fs::path(cache) / "polyarm" / "plugins";
+  if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache/polyarm/plugins";
+  throw Error("no-home", "there is no place to build in: neither XDG_CACHE_HOME nor HOME is set",
+              "name one with --build-dir DIR");
+}
+
+/// Runs the program with its output appended to `log`; true if it ends with 0.
+bool run_logged(const std::vector<std::string>& words, const fs::path& log) {
+  std::vector<char*> argv;
+  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+  ::posix_spawn_file_actions_addopen(&actions, 1, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
+  ::posix_spawn_file_actions_adddup2(&actions, 1, 2);
+  pid_t child = 0;
+  const int failed = ::posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  if (failed)
+    throw Error("build-failed", fmt::format("'{}' cannot be started: {}", words[0], std::strerror(failed)),
+                "sudo apt install cmake g++");
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+/// The lines of the log that say what is wrong; at most `most`.
+std::vector<std::string> errors_in(const fs::path& log, std::size_t most) {
+  std::vector<std::string> out;
+  std::istringstream lines(read_file(log, kLargestLog));
+  for (std::string line; out.size() < most && std::getline(lines, line);) {
+    const bool tells =
+        line.find(": error:") != std::string::npos || line.find("fatal error:") != std::string::npos ||
+        line.find("polyarm-") != std::string::npos || line.find("undefined reference") != std::string::npos;
+    if (tells) out.emplace_back(trim(line));
+    if (line.starts_with("CMake Error") && std::getline(lines, line) && !trim(line).starts_with("polyarm-"))
+      out.emplace_back(line.empty() ? "CMake: an error" : "CMake: " + std::string(trim(line)));
+    else if (trim(line).starts_with("polyarm-") && !tells)
+      out.emplace_back(trim(line));
+  }
+  return out;
+}
+
+/// What check() finds, else the first errors of compiler and CMake.
+[[noreturn]] void fail(const Package& package, const Workspace& workspace, const ros_packages::Kit& kit,
+                       const fs::path& log) {
+  Problems problems;
+  ros_packages::check_package(package, workspace.all, kit, problems);
+  const bool explained = problems.has_errors();
+  for (const std::string& line : errors_in(log, explained ? 1 : 5))
+    problems.error("build-failed", {}, line, "");
+  problems.error("build-failed", {package.folder.string(), 0},
+                 "the package " + package.name + " was not built",
+                 "all that CMake and the compiler said is in " + log.string());
+  throw Error(problems.list());
+}
+
+std::vector<plugins::BuiltClass> classes_of(const hardware::PluginTable& table, const fs::path& module) {
+  std::vector<plugins::BuiltClass> out;
+  for (std::uint32_t i = 0; i < table.count; ++i) {
+    hardware::make_component(table.entries[i], module);  // the class is really in it
+    out.push_back({table.entries[i].name, module, table.entries[i].help});
+  }
+  return out;
+}
+
+/// Replaces the module at once: one that a running cell has open stays as it is.
+void install(const fs::path& made, const fs::path& module) {
+  fs::create_directories(module.parent_path());
+  write_file_atomically(module, read_file(made, std::size_t{256} << 20), 0755);
+}
+}  // namespace
+
+Workspace open_workspace(const std::string& path, Problems& problems) {
+  Workspace out;
+  out.asked = ros_packages::find_packages(path, problems);
+  out.all = out.asked;
+  if (out.asked.size() == 1)
+    for (Package& beside : ros_packages::packages_beside(out.asked.front(), problems))
+      out.all.push_back(std::move(beside));
+  return out;
+}
+
+fs::path build_plugin(const Package& package, const Workspace& workspace, const ros_packages::Kit& kit,
+                      const PluginBuild& build) {
+  const fs::path root = build.scratch.empty() ? cache_folder() : fs::absolute(build.scratch);
+  const fs::path folder = root / (package.name + "-" + sha256(package.folder.string()).substr(0, 8));
+  const fs::path log = folder / "build.log";
+  fs::create_directories(folder);
+  write_file_atomically(log, "");
+  const auto classes = ros_packages::plugin_classes(package);
+  const auto order = ros_packages::in_build_order(package, workspace.all);
+  ros_packages::ModuleOptions options{build.simulated, fs::read_symlink("/proc/self/exe"),
+                                      root / "interfaces", folder / "build"};
+  ros_packages::write_headers(kit.interfaces(), options.generated);
+  write_file_atomically(folder / "module.cpp", ros_packages::module_code(package, classes, order, options));
+  write_file_atomically(folder / "CMakeLists.txt",
+                        ros_packages::module_cmake(package, classes, order, kit, options));
+  const char* set = std::getenv("CMAKE_BUILD_TYPE");
+  const bool built =
+      run_logged({"cmake", "-S", folder, "-B", folder / "build",
+                  std::string("-DCMAKE_BUILD_TYPE=") + (set && *set ? set : "Release"), "-Wno-dev"},
+                 log) &&
+      run_logged({"cmake", "--build", folder / "build", "--target", "polyarm_ros_plugin", "-j",
+                  std::to_string(build.jobs)},
+                 log);
+  if (!built) fail(package, workspace, kit, log);
+  const fs::path made = folder / "build" / (package.name + ".so"),
+                 module = plugins::built_folder() / (package.name + ".so");
+  const hardware::PluginTable& table = hardware::open_plugin(made);
+  std::vector<plugins::BuiltClass> found = classes_of(table, made);
+  install(made, module);
+  plugins::record_built(module, found);
+  return module;
+}
+
+}  // namespace polyarm::apps

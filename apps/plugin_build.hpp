@@ -1,0 +1,29 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "polyarm/ros_packages/kit.hpp"
+#include "polyarm/ros_packages/package.hpp"
+
+namespace polyarm::apps {
+
+/// What a build is asked for.
+struct PluginBuild {
+  std::filesystem::path scratch;  ///< build trees; empty: in the cache of the user
+  bool simulated = false, verbose = false;
+  unsigned jobs = 2;
+};
+
+/// The packages of `path`, and for a single package those beside it, which it may need.
+struct Workspace {
+  std::vector<ros_packages::Package> asked, all;
+};
+Workspace open_workspace(const std::string& path, Problems& problems);
+
+/// Builds one package's hardware classes into a module, records and approves it. Returns the module. Throws
+/// Error("build-failed") with what is missing, by file and line, or with the compiler's first errors.
+std::filesystem::path build_plugin(const ros_packages::Package& package, const Workspace& workspace,
+                                   const ros_packages::Kit& kit, const PluginBuild& build);
+
+}  // namespace polyarm::apps

@@ -1,0 +1,255 @@
+#include "polyarm/ros_packages/check.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::ros_packages {
+
+namespace fs = std::filesystem;
+
+namespace {
+constexpr std::size_t kLargestSource = 4 << 20, kMostSources = 5'000, kMostProviders = 50;
+
+bool is_source(const fs::path& file) {
+  for (const char* ending : {".cpp", ".cc", ".cxx", ".c", ".hpp", ".h", ".hh", ".hxx"})
+    if (file.extension() == ending) return true;
+  return false;
+}
+bool of_tests(const fs::path& file) {
+  for (const fs::path& part : file)
+    for (const char* name : {"test", "tests", "gtest", "benchmark", "examples", "build", "install"})
+      if (part == name) return true;
+  return false;
+}
+
+std::vector<fs::path> sources_of(const Package& package) {
+  std::vector<fs::path> out;
+  std::error_code error;
+  auto at = fs::recursive_directory_iterator(package.folder, error);
+  for (; !error && at != fs::recursive_directory_iterator() && out.size() < kMostSources;
+       at.increment(error)) {
+    if (at->is_directory(error) && (at.depth() > kDeepest || at->path().filename().string().starts_with(".")))
+      at.disable_recursion_pending();
+    if (is_source(at->path()) && !of_tests(at->path().lexically_relative(package.folder)))
+      out.push_back(at->path());
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+struct Check {
+  const Package& package;
+  const std::vector<Package>& all;
+  const Kit& kit;
+  Problems& problems;
+  std::map<std::string, fs::path> own;  ///< headers of the workspace, by every tail of their path
+  std::set<std::string> declared;       ///< types that the workspace's code declares itself
+  std::set<std::string> reported, visited;
+  std::vector<fs::path> waiting;
+
+  void run() {
+    std::vector<const Package*> providers = in_build_order(package, all);
+    if (all.size() <= kMostProviders)  // build files also name folders of packages that package.xml does not
+      for (const Package& each : all) providers.push_back(&each);
+    for (const Package* each : providers) {
+      take_messages(*each);
+      for (const fs::path& file : sources_of(*each)) take_own(*each, file);
+    }
+    check_cmake(package.folder / "CMakeLists.txt");
+    for (waiting = hardware_sources(); !waiting.empty();) {
+      const fs::path file = waiting.back();
+      waiting.pop_back();
+      if (visited.insert(file.string()).second) collect(problems, [&] { check_source(file); });
+    }
+  }
+
+  /// What the build file lists for the libraries of the hardware; all sources if it is not that plain.
+  std::vector<fs::path> hardware_sources() const {
+    std::vector<fs::path> out;
+    std::error_code error;
+    if (!fs::exists(package.folder / "CMakeLists.txt", error)) return sources_of(package);
+    const std::string text = read_file(package.folder / "CMakeLists.txt", kLargestSource);
+    for (const PluginClass& c : plugin_classes(package)) {
+      if (!c.is_hardware() || c.library.empty()) continue;
+      for (auto at = text.find("add_library("); at != std::string::npos;
+           at = text.find("add_library(", at + 1)) {
+        const auto begin = at + 12, end = std::min(text.find(')', begin), text.size());
+        std::vector<std::string> words = split_words(text.substr(begin, end - begin));
+        if (words.empty() || (words[0] != c.library && words[0] != "${PROJECT_NAME}")) continue;
+        for (const std::string& word : words)
+          if (fs::is_regular_file(package.folder / word, error)) out.push_back(package.folder / word);
+      }
+    }
+    return out.empty() ? sources_of(package) : out;
+  }
+
+  void take_own(const Package& from, const fs::path& file) {
+    const fs::path inside = file.lexically_relative(from.folder);
+    std::string tail;
+    std::vector<fs::path> parts(inside.begin(), inside.end());
+    for (auto part = parts.rbegin(); part != parts.rend(); ++part) {
+      tail = tail.empty() ? part->string() : part->string() + "/" + tail;
+      own.emplace(tail, file);
+    }
+    std::istringstream code(read_file(file, kLargestSource));
+    for (std::string word, before; code >> word; before = word)
+      if (before == "class" || before == "struct" || before == "enum" || before == "namespace" ||
+          before == "using" || before == "char" || before == "double" || before == "void" ||
+          before == "define") {
+        std::string name;
+        for (const char c : word) {
+          if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_') break;
+          name += c;
+        }
+        declared.insert(name);
+      }
+  }
+  /// Headers that the build makes of the package's interfaces.
+  void take_messages(const Package& from) {
+    for (const char* kind : {"msg", "srv", "action"}) {
+      std::error_code error;
+      for (const auto& file : fs::directory_iterator(from.folder / kind, error))
+        own.emplace(from.name + "/" + kind + "/" + header_name(file.path().stem().string()) + ".hpp", "");
+    }
+  }
+
+  bool on_machine(const std::string& header) const {
+    std::error_code error;
+    for (const char* folder : {"/usr/include", "/usr/local/include", "/usr/include/x86_64-linux-gnu",
+                               "/usr/include/aarch64-linux-gnu", "/usr/include/eigen3", "/usr/include/c++/12",
+                               "/usr/include/c++/13", "/usr/include/c++/14", "/usr/include/c++/11"})
+      if (fs::exists(fs::path(folder) / header, error)) return true;
+    if (header.find('/') != std::string::npos) return false;
+    for (const auto& gcc : fs::directory_iterator("/usr/lib/gcc/x86_64-linux-gnu", error))
+      if (fs::exists(gcc.path() / "include" / header, error)) return true;
+    return header.find('.') == std::string::npos;  // the standard library of another compiler
+  }
+
+  void missing(const std::string& key, Location where, std::string what, const std::optional<Source>& source,
+               const std::string& otherwise) {
+    if (reported.insert(key).second)
+      problems.error("missing", std::move(where), std::move(what), source ? source->advice() : otherwise);
+  }
+
+  void check_source(const fs::path& file) {
+    const std::string code = read_file(file, kLargestSource);
+    std::istringstream lines(code);
+    int number = 0;
+    for (std::string line; std::getline(lines, line);) {
+      ++number;
+      check_include(file, number, line);
+      for (const char* space :
+           {"hardware_interface::", "rclcpp::", "rclcpp_lifecycle::", "realtime_tools::", "pluginlib::"})
+        check_names(file, number, line, space);
+    }
+  }
+
+  void check_include(const fs::path& file, int number, const std::string& line) {
+    const std::string_view text = trim(line);
+    if (!text.starts_with("#")) return;
+    const std::string_view rest = trim(text.substr(1));
+    if (!rest.starts_with("include")) return;
+    const auto begin = rest.find_first_of("<\""), end = rest.find_last_of(">\"");
+    if (begin == std::string_view::npos || end <= begin + 1) return;
+    std::string header(rest.substr(begin + 1, end - begin - 1));
+    std::error_code error;
+    if (fs::exists(file.parent_path() / header, error))
+      return waiting.push_back((file.parent_path() / header).lexically_normal());
+    header = fs::path(header).lexically_normal().string();
+    while (header.starts_with("../")) header.erase(0, 3);
+    if (const auto found = own.find(header); found != own.end()) {
+      if (!found->second.empty()) waiting.push_back(found->second);
+      return;
+    }
+    if (kit.has_header(header) || on_machine(header)) return;
+    const std::string folder = header.substr(0, header.find('/'));
+    const bool known = header.find('/') != std::string::npos && kit.has_package(folder);
+    missing(header, {file.string(), number}, "no header '" + header + "' is here",
+            kit.source_of_header(header),
+            known ? "Polyarm has the package " + folder +
+                        ", but not this header: leave it out, or tell Polyarm's makers"
+                  : "put the package that has it into the same workspace, or install it");
+  }
+
+  void check_names(const fs::path& file, int number, const std::string& line, const std::string& space) {
+    const auto comment = std::min(line.find("//"), line.size());
+    for (auto at = line.find(space); at < comment; at = line.find(space, at + 1)) {
+      if (at > 0 && (std::isalnum(static_cast<unsigned char>(line[at - 1])) || line[at - 1] == '_' ||
+                     line[at - 1] == '"'))
+        continue;
+      std::size_t end = at + space.size();
+      while (end < line.size() && (std::isalnum(static_cast<unsigned char>(line[end])) || line[end] == '_'))
+        ++end;
+      const std::string name = line.substr(at + space.size(), end - at - space.size());
+      const std::string package_name = space.substr(0, space.size() - 2);
+      if (name.empty() || declared.contains(name) || kit.words(package_name).contains(name)) continue;
+      missing(space + name, {file.string(), number}, "Polyarm has no " + space + name, std::nullopt,
+              "write this part without it, or tell Polyarm's makers");
+    }
+  }
+
+  void check_cmake(const fs::path& file) {
+    std::error_code error;
+    if (!fs::exists(file, error)) {
+      problems.error("missing", {package.folder.string(), 0}, "the package has no CMakeLists.txt",
+                     "only packages that are built with ament_cmake can be plugins");
+      return;
+    }
+    if (package.build_type == "catkin")
+      problems.error("missing", {(package.folder / "package.xml").string(), 1},
+                     "this is a package of ROS 1 (no <build_type>ament_cmake</build_type>)",
+                     "port it to ros2_control first: docs/ros-plugins.md says how");
+    std::istringstream lines(read_file(file, kLargestSource));
+    int number = 0;
+    for (std::string line; std::getline(lines, line);) {
+      ++number;
+      const std::string_view text = trim(line);
+      if (!text.starts_with("find_package")) continue;
+      const auto open = text.find('(');
+      if (open == std::string_view::npos || text.find("REQUIRED") == std::string_view::npos) continue;
+      const std::vector<std::string> words = split_words(text.substr(open + 1), " \t)");
+      if (!words.empty()) check_needed(file, number, words.front());
+    }
+  }
+  void check_needed(const fs::path& file, int number, const std::string& name) {
+    if (name.find('$') != std::string::npos || kit.has_package(name)) return;
+    if (std::any_of(all.begin(), all.end(), [&](const Package& p) { return p.name == name; }) ||
+        found_by_cmake(name))
+      return;
+    const auto source = kit.source_of_package(name);
+    if (reported.insert("package " + name).second)
+      problems.warning("missing", {file.string(), number},
+                       "no package '" + name + "' is here; the hardware may not need it",
+                       source ? source->advice() : "put it into the same workspace, or install it");
+  }
+  static bool found_by_cmake(const std::string& name) {
+    std::error_code error;
+    for (const char* folder :
+         {"/usr/lib/cmake", "/usr/lib/x86_64-linux-gnu/cmake", "/usr/lib/aarch64-linux-gnu/cmake",
+          "/usr/share", "/usr/share/cmake", "/usr/local/lib/cmake"})
+      for (const auto& each : fs::directory_iterator(folder, error)) {
+        const std::string at = each.path().filename().string();
+        if (lower(at) == lower(name) || lower(at).starts_with(lower(name) + "-"))
+          return folder != std::string("/usr/share") || fs::exists(each.path() / "cmake", error);
+      }
+    for (const auto& cmake : fs::directory_iterator("/usr/share", error))
+      if (cmake.path().filename().string().starts_with("cmake-") &&
+          fs::exists(cmake.path() / "Modules" / ("Find" + name + ".cmake"), error))
+        return name != "Boost" || fs::exists("/usr/include/boost", error);
+    return false;
+  }
+};
+}  // namespace
+
+void check_package(const Package& package, const std::vector<Package>& all, const Kit& kit,
+                   Problems& problems) {
+  Check{package, all, kit, problems, {}, {}, {}, {}, {}}.run();
+}
+
+}  // namespace polyarm::ros_packages

@@ -1,0 +1,198 @@
+#include "polyarm/ros_packages/package.hpp"
+
+#include <tinyxml2.h>
+
+#include <algorithm>
+#include <set>
+
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::ros_packages {
+
+namespace fs = std::filesystem;
+
+namespace {
+void parse(tinyxml2::XMLDocument& document, const fs::path& file) {
+  const std::string text = read_file(file, kLargestXml);
+  if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)
+    throw Error(
+        Problem{"bad-package", {file.string(), document.ErrorLineNum()}, "this is no XML", "mend the file"});
+}
+
+std::string text_of(const tinyxml2::XMLElement* element) {
+  return element && element->GetText() ? std::string(trim(element->GetText())) : std::string();
+}
+std::string attribute(const tinyxml2::XMLElement& element, const char* name) {
+  const char* text = element.Attribute(name);
+  return text ? std::string(trim(text)) : std::string();
+}
+
+bool left_out(const fs::path& folder) {
+  const std::string name = folder.filename().string();
+  if (name.empty() || name[0] == '.' || name == "build" || name == "install" || name == "log") return true;
+  std::error_code error;
+  for (const char* mark : {"COLCON_IGNORE", "AMENT_IGNORE", "CATKIN_IGNORE"})
+    if (fs::exists(folder / mark, error)) return true;
+  return false;
+}
+
+struct Search {
+  std::vector<Package>& out;
+  Problems& problems;
+  std::size_t folders = 0;
+
+  void look(const fs::path& folder, int depth) {
+    if (++folders > kMostFolders || out.size() >= kMostPackages || depth > kDeepest) return;
+    std::error_code error;
+    if (fs::is_regular_file(folder / "package.xml", error))
+      return collect(problems, [&] { out.push_back(read_package(folder / "package.xml")); });
+    std::vector<fs::path> below;
+    for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator();
+         at.increment(error))
+      if (at->is_directory(error) && !at->is_symlink(error)) below.push_back(at->path());
+    std::sort(below.begin(), below.end());
+    for (const fs::path& each : below)
+      if (!left_out(each)) look(each, depth + 1);
+  }
+};
+
+void add_in_order(const Package& package, const std::vector<Package>& all, std::set<std::string>& seen,
+                  std::vector<const Package*>& out) {
+  if (!seen.insert(package.name).second) return;
+  for (const Dependency& needed : package.dependencies) {
+    if (!needed.for_build) continue;
+    const auto found =
+        std::find_if(all.begin(), all.end(), [&](const Package& p) { return p.name == needed.name; });
+    if (found != all.end()) add_in_order(*found, all, seen, out);
+  }
+  out.push_back(&package);
+}
+
+void add_classes(const tinyxml2::XMLElement& library, const fs::path& file, std::vector<PluginClass>& out) {
+  for (auto* e = library.FirstChildElement("class"); e; e = e->NextSiblingElement("class")) {
+    PluginClass made;
+    made.type = attribute(*e, "type");
+    made.name = attribute(*e, "name");
+    if (made.name.empty()) made.name = made.type;
+    made.base = attribute(*e, "base_class_type");
+    if (made.base.empty()) made.base = attribute(*e, "base_class");
+    made.description = text_of(e->FirstChildElement("description"));
+    made.library = fs::path(attribute(library, "path")).filename().string();
+    if (made.library.starts_with("lib")) made.library.erase(0, 3);
+    made.where = {file.string(), e->GetLineNum()};
+    if (!made.type.empty()) out.push_back(std::move(made));
+  }
+}
+
+void read_classes(const fs::path& file, std::vector<PluginClass>& out) {
+  tinyxml2::XMLDocument document;
+  parse(document, file);
+  const tinyxml2::XMLElement* root = document.RootElement();
+  if (!root) return;
+  if (std::string_view(root->Name()) == "library") {
+    for (auto* e = root; e; e = e->NextSiblingElement("library")) add_classes(*e, file, out);
+  } else if (std::string_view(root->Name()) == "class_libraries") {
+    for (auto* e = root->FirstChildElement("library"); e; e = e->NextSiblingElement("library"))
+      add_classes(*e, file, out);
+  }
+}
+}  // namespace
+
+bool Package::has_cmake() const {
+  std::error_code error;
+  return fs::is_regular_file(folder / "CMakeLists.txt", error);
+}
+
+Package read_package(const fs::path& file) {
+  tinyxml2::XMLDocument document;
+  parse(document, file);
+  const tinyxml2::XMLElement* root = document.FirstChildElement("package");
+  Package out;
+  out.name = root ? text_of(root->FirstChildElement("name")) : "";
+  const bool plain =
+      out.name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") ==
+      std::string::npos;
+  if (out.name.empty() || !plain)
+    throw Error(Problem{"bad-package",
+                        {file.string(), root ? root->GetLineNum() : 1},
+                        "the file names no package",
+                        "write <package format=\"3\"><name>my_package</name>…"});
+  out.version = text_of(root->FirstChildElement("version"));
+  out.folder = file.parent_path();
+  for (auto* e = root->FirstChildElement(); e; e = e->NextSiblingElement()) {
+    const std::string tag = e->Name();
+    if (!tag.ends_with("depend")) continue;
+    const bool runs = tag == "exec_depend" || tag == "test_depend" || tag == "run_depend" ||
+                      tag == "doc_depend" || tag == "group_depend";
+    out.dependencies.push_back({text_of(e), e->GetLineNum(), !runs});
+  }
+  if (const auto* exports = root->FirstChildElement("export"))
+    out.build_type = text_of(exports->FirstChildElement("build_type"));
+  if (out.build_type.empty()) out.build_type = "catkin";  // ROS 1 writes nothing
+  return out;
+}
+
+std::vector<Package> find_packages(const fs::path& path, Problems& problems) {
+  std::vector<Package> out;
+  Search{out, problems}.look(fs::absolute(path).lexically_normal(), 0);
+  if (out.empty() && !problems.has_errors())
+    throw Error("no-package", "there is no package.xml in " + path.string() + " or below it",
+                "name the folder of a package, or of a workspace with packages in it");
+  return out;
+}
+
+std::vector<Package> packages_beside(const Package& package, Problems& problems) {
+  std::vector<Package> out;
+  const fs::path above = package.folder.parent_path();
+  std::error_code error;
+  for (auto at = fs::directory_iterator(above, error); !error && at != fs::directory_iterator();
+       at.increment(error)) {
+    if (out.size() >= kMostPackages) break;
+    if (at->path() != package.folder && fs::is_regular_file(at->path() / "package.xml", error) &&
+        !left_out(at->path()))
+      collect(problems, [&] { out.push_back(read_package(at->path() / "package.xml")); });
+    error.clear();
+  }
+  std::sort(out.begin(), out.end(), [](const Package& a, const Package& b) { return a.folder < b.folder; });
+  return out;
+}
+
+std::vector<const Package*> in_build_order(const Package& package, const std::vector<Package>& all) {
+  std::vector<const Package*> out;
+  std::set<std::string> seen;
+  add_in_order(package, all, seen, out);
+  return out;
+}
+
+bool PluginClass::is_hardware() const {
+  for (const char* each : {"SystemInterface", "ActuatorInterface", "SensorInterface"})
+    if (base == std::string("hardware_interface::") + each) return true;
+  return false;
+}
+bool PluginClass::is_controller() const {
+  return base.starts_with("controller_interface::");
+}
+
+std::vector<PluginClass> plugin_classes(const Package& package) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  auto at = fs::recursive_directory_iterator(package.folder, error);
+  for (std::size_t seen = 0; !error && at != fs::recursive_directory_iterator() && seen < kMostFolders;
+       at.increment(error), ++seen) {
+    if (at->is_directory(error) && (at.depth() >= 3 || left_out(at->path()))) at.disable_recursion_pending();
+    if (at->path().extension() == ".xml" && at->path().filename() != "package.xml")
+      files.push_back(at->path());
+  }
+  std::sort(files.begin(), files.end());
+  std::vector<PluginClass> out;
+  for (const fs::path& file : files) {
+    Problems ignored;  // files of other kinds end in .xml too
+    collect(ignored, [&] { read_classes(file, out); });
+  }
+  const auto of_others = [&](const PluginClass& c) { return !c.is_hardware() && !c.is_controller(); };
+  out.erase(std::remove_if(out.begin(), out.end(), of_others), out.end());
+  return out;
+}
+
+}  // namespace polyarm::ros_packages

@@ -1,0 +1,52 @@
+#pragma once
+/// Packages of ROS as they lie in a workspace: package.xml, and the plugin description files beside it. Files
+/// of strangers: sizes, depth and numbers are bounded. Any thread; reads disk.
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "polyarm/base/error.hpp"
+
+namespace polyarm::ros_packages {
+
+inline constexpr std::size_t kLargestXml = 1 << 20, kMostFolders = 20'000, kMostPackages = 2'000;
+inline constexpr int kDeepest = 8;
+
+struct Dependency {
+  std::string name;
+  int line = 0;
+  bool for_build = true;  ///< false: used when the robot runs, or by tests
+};
+
+struct Package {
+  std::string name, version, build_type;  ///< build_type: "ament_cmake", "ament_python", "catkin"
+  std::filesystem::path folder;
+  std::vector<Dependency> dependencies;
+  bool has_cmake() const;
+};
+
+/// Reads a package.xml. Throws Error("bad-package") with file and line.
+Package read_package(const std::filesystem::path& file);
+/// The packages in `path`: the package itself, or all below a workspace, in order of their folders. Folders
+/// with COLCON_IGNORE or AMENT_IGNORE, hidden ones, and build, install and log are left out. A package that
+/// cannot be read becomes a problem. Throws Error("no-package") if there is none.
+std::vector<Package> find_packages(const std::filesystem::path& path, Problems& problems);
+/// The packages above a single package folder that belong to the same workspace: those beside it. Empty for a
+/// workspace.
+std::vector<Package> packages_beside(const Package& package, Problems& problems);
+/// `package` behind the packages of `all` that it needs, each after those that it needs itself. Cycles are
+/// cut.
+std::vector<const Package*> in_build_order(const Package& package, const std::vector<Package>& all);
+
+/// A class of a plugin description file.
+struct PluginClass {
+  std::string name;  ///< as <plugin> in a robot's description has it
+  std::string type, base, description, library;
+  Location where;
+  bool is_hardware() const;
+  bool is_controller() const;
+};
+/// All of the package's plugin description files, in order of files and lines.
+std::vector<PluginClass> plugin_classes(const Package& package);
+
+}  // namespace polyarm::ros_packages

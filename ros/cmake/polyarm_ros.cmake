@@ -1,0 +1,58 @@
+# Builds packages of ROS 2 without ROS. `polyarm plugin build` writes a CMakeLists.txt that includes this file, names
+# the packages in the order of their dependencies, and ends with polyarm_ros_module.
+#
+# Set before: POLYARM_ROS_KIT (this folder's parent), POLYARM_ROS_HEADERS (Polyarm's own), POLYARM_ROS_GENERATED
+# (structs of messages), POLYARM_ROS_MESSAGES (their packages), POLYARM_ROS_COMMAND (the command).
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+if(NOT CMAKE_CXX_STANDARD)
+  set(CMAKE_CXX_STANDARD 17)
+endif()
+set(BUILD_TESTING OFF CACHE BOOL "tests of packages are not built" FORCE)
+set(ENV{ROS_DISTRO} jazzy)
+find_package(Threads REQUIRED)
+
+add_library(polyarm_ros INTERFACE)
+target_include_directories(polyarm_ros SYSTEM INTERFACE ${POLYARM_ROS_KIT}/include ${POLYARM_ROS_GENERATED})
+target_compile_features(polyarm_ros INTERFACE cxx_std_17)
+target_link_libraries(polyarm_ros INTERFACE Threads::Threads)
+
+include(${CMAKE_CURRENT_LIST_DIR}/packages.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/targets.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/ament.cmake)
+
+# polyarm_ros_package(NAME FOLDER): builds a package of the workspace.
+function(polyarm_ros_package name folder)
+  set(CMAKE_CXX_STANDARD 17)
+  add_subdirectory(${folder} ${CMAKE_BINARY_DIR}/${name} EXCLUDE_FROM_ALL)
+  set_property(GLOBAL PROPERTY POLYARM_ROS_FOLDER_${name} ${folder})
+endfunction()
+
+# polyarm_ros_module(PACKAGE OUT MAIN LIBRARIES…): links what the package's plugin descriptions name into one module.
+function(polyarm_ros_module package out main)
+  get_property(all GLOBAL PROPERTY POLYARM_ROS_LIBRARIES_${package})
+  set(libraries "")
+  foreach(library ${ARGN})
+    if(library IN_LIST all)
+      list(APPEND libraries ${library})
+    endif()
+  endforeach()
+  if(NOT libraries)
+    set(libraries ${all})
+  endif()
+  _add_library(polyarm_ros_plugin MODULE ${main})
+  set_target_properties(polyarm_ros_plugin PROPERTIES PREFIX "" OUTPUT_NAME ${out} CXX_STANDARD 20 CXX_STANDARD_REQUIRED ON)
+  target_include_directories(polyarm_ros_plugin SYSTEM PRIVATE ${POLYARM_ROS_HEADERS})
+  target_link_libraries(polyarm_ros_plugin PRIVATE polyarm_ros)
+  foreach(library ${libraries})
+    get_target_property(type ${library} TYPE)
+    if(type STREQUAL "STATIC_LIBRARY")
+      target_link_libraries(polyarm_ros_plugin PRIVATE -Wl,--whole-archive $<TARGET_FILE:${library}> -Wl,--no-whole-archive)
+      add_dependencies(polyarm_ros_plugin ${library})
+    endif()
+    target_link_libraries(polyarm_ros_plugin PRIVATE ${library})
+  endforeach()
+  target_link_options(polyarm_ros_plugin PRIVATE -Wl,--version-script=${POLYARM_ROS_KIT}/cmake/module.map)
+endfunction()

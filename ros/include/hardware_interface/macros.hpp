@@ -1,0 +1,15 @@
+#pragma once
+#include <stdexcept>
+#include <string>
+
+#ifdef _WIN32
+#define __PRETTY_FUNCTION__ __FUNCSIG__
+#endif
+#define THROW_ON_NULLPTR(pointer)                                                                 \
+  if (!pointer) {                                                                                 \
+    throw std::runtime_error(std::string(__PRETTY_FUNCTION__) + " failed: " #pointer " is null"); \
+  }
+#define THROW_ON_NOT_NULLPTR(pointer)                                                                 \
+  if (pointer) {                                                                                      \
+    throw std::runtime_error(std::string(__PRETTY_FUNCTION__) + " failed: " #pointer " is not null"); \
+  }

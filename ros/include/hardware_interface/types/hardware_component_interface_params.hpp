@@ -1,0 +1,2 @@
+#pragma once
+#include "hardware_interface/types/hardware_component_params.hpp"

@@ -1,0 +1,21 @@
+#pragma once
+/// A plugin's topics, services and actions lead nowhere: the ROS 2 door of Polyarm is not open to plugins.
+/// The first use of each name is logged once.
+#include <mutex>
+#include <set>
+#include <string>
+
+#include "polyarm_ros/log.hpp"
+
+namespace polyarm_ros {
+
+inline void say_closed(const std::string& node, const char* what, const std::string& name) {
+  static std::mutex mutex;
+  static std::set<std::string> said;
+  const std::lock_guard lock(mutex);
+  if (said.insert(what + name).second)
+    log_format(Severity::warn, node.c_str(), "the %s '%s' leads nowhere: plugins are not on the ROS 2 graph",
+               what, name.c_str());
+}
+
+}  // namespace polyarm_ros

@@ -1,0 +1,160 @@
+#pragma once
+/// What rclcpp::Node and LifecycleNode have in common.
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "rclcpp/client.hpp"
+#include "rclcpp/node_interfaces/node_interfaces.hpp"
+#include "rclcpp/publisher.hpp"
+#include "rclcpp/service.hpp"
+#include "rclcpp/subscription.hpp"
+
+namespace polyarm_ros {
+
+class NodeApi {
+ public:
+  NodeApi(const std::string& name, const std::string& name_space, const rclcpp::NodeOptions& options)
+      : core_(std::make_shared<rclcpp::node_interfaces::NodeCore>(name, name_space, options)) {}
+  NodeApi(const std::string& name, const rclcpp::NodeOptions& options) : NodeApi(name, "", options) {}
+  virtual ~NodeApi() = default;
+  NodeApi(const NodeApi&) = delete;
+  NodeApi& operator=(const NodeApi&) = delete;
+
+  const char* get_name() const { return core_->get_name(); }
+  const char* get_namespace() const { return core_->get_namespace(); }
+  const char* get_fully_qualified_name() const { return core_->get_fully_qualified_name(); }
+  std::string get_effective_namespace() const { return core_->get_namespace(); }
+  rclcpp::Logger get_logger() const { return core_->get_logger(); }
+  rclcpp::Clock::SharedPtr get_clock() const { return core_->get_clock(); }
+  rclcpp::Time now() const { return core_->get_clock()->now(); }
+  const rclcpp::NodeOptions& get_node_options() const { return core_->options(); }
+
+  using Core = rclcpp::node_interfaces::NodeCore::SharedPtr;
+  Core get_node_base_interface() const { return core_; }
+  Core get_node_clock_interface() const { return core_; }
+  Core get_node_logging_interface() const { return core_; }
+  Core get_node_parameters_interface() const { return core_; }
+  Core get_node_timers_interface() const { return core_; }
+  Core get_node_topics_interface() const { return core_; }
+  Core get_node_services_interface() const { return core_; }
+  Core get_node_graph_interface() const { return core_; }
+  Core get_node_waitables_interface() const { return core_; }
+  Core get_node_time_source_interface() const { return core_; }
+
+  rclcpp::CallbackGroup::SharedPtr create_callback_group(rclcpp::CallbackGroupType type, bool = true) {
+    return core_->create_callback_group(type);
+  }
+  template <typename Message, typename... Rest>
+  typename rclcpp::Subscription<Message>::SharedPtr create_subscription(const std::string& topic,
+                                                                        const rclcpp::QoS&, Rest&&...) {
+    return std::make_shared<rclcpp::Subscription<Message>>(get_name(), topic);
+  }
+  template <typename Type, typename Callback, typename... Rest>
+  typename rclcpp::Service<Type>::SharedPtr create_service(const std::string& name, Callback&&, Rest&&...) {
+    return std::make_shared<rclcpp::Service<Type>>(get_name(), name);
+  }
+  template <typename Type, typename... Rest>
+  typename rclcpp::Client<Type>::SharedPtr create_client(const std::string& name, Rest&&...) {
+    return std::make_shared<rclcpp::Client<Type>>(get_name(), name);
+  }
+  template <typename Rep, typename Ratio, typename Callback>
+  typename rclcpp::WallTimer<>::SharedPtr create_wall_timer(std::chrono::duration<Rep, Ratio> period,
+                                                            Callback callback,
+                                                            rclcpp::CallbackGroup::SharedPtr = nullptr,
+                                                            bool = true) {
+    auto timer = std::make_shared<rclcpp::WallTimer<>>(
+        std::chrono::duration_cast<std::chrono::nanoseconds>(period),
+        [callback](rclcpp::TimerBase& t) mutable {
+          if constexpr (std::is_invocable_v<Callback&, rclcpp::TimerBase&>)
+            callback(t);
+          else
+            callback();
+        });
+    core_->add_timer(timer);
+    return timer;
+  }
+  template <typename Rep, typename Ratio, typename Callback>
+  rclcpp::TimerBase::SharedPtr create_timer(std::chrono::duration<Rep, Ratio> period, Callback callback,
+                                            rclcpp::CallbackGroup::SharedPtr group = nullptr) {
+    return create_wall_timer(period, std::move(callback), group);
+  }
+
+  using Descriptor = rcl_interfaces::msg::ParameterDescriptor;
+  template <typename T>
+  auto declare_parameter(const std::string& name, const T& value, const Descriptor& descriptor = {},
+                         bool = false) {
+    const rclcpp::ParameterValue& set =
+        core_->declare_parameter(name, rclcpp::ParameterValue(value), descriptor);
+    if constexpr (std::is_convertible_v<T, std::string>)
+      return set.get<std::string>();
+    else
+      return set.get<T>();
+  }
+  template <typename T>
+  T declare_parameter(const std::string& name, const Descriptor& descriptor = {}, bool = false) {
+    return core_->declare_parameter(name, rclcpp::ParameterValue(T{}), descriptor).template get<T>();
+  }
+  const rclcpp::ParameterValue& declare_parameter(const std::string& name,
+                                                  const rclcpp::ParameterValue& value,
+                                                  const Descriptor& descriptor = {}, bool = false) {
+    return core_->declare_parameter(name, value, descriptor);
+  }
+  const rclcpp::ParameterValue& declare_parameter(const std::string& name, rclcpp::ParameterType,
+                                                  const Descriptor& descriptor = {}, bool = false) {
+    return core_->declare_parameter(name, rclcpp::ParameterValue{}, descriptor);
+  }
+  void undeclare_parameter(const std::string& name) { core_->undeclare_parameter(name); }
+  bool has_parameter(const std::string& name) const { return core_->has_parameter(name); }
+  rclcpp::Parameter get_parameter(const std::string& name) const { return core_->get_parameter(name); }
+  bool get_parameter(const std::string& name, rclcpp::Parameter& out) const {
+    return core_->get_parameter(name, out);
+  }
+  template <typename T>
+  bool get_parameter(const std::string& name, T& out) const {
+    rclcpp::Parameter found;
+    if (!core_->get_parameter(name, found)) return false;
+    out = found.get_value<T>();
+    return true;
+  }
+  template <typename T>
+  bool get_parameter_or(const std::string& name, T& out, const T& otherwise) const {
+    if (get_parameter(name, out)) return true;
+    out = otherwise;
+    return false;
+  }
+  std::vector<rclcpp::Parameter> get_parameters(const std::vector<std::string>& names) const {
+    return core_->get_parameters(names);
+  }
+  bool get_parameters(const std::string& prefix, std::map<std::string, rclcpp::Parameter>& out) const {
+    return core_->get_parameters_by_prefix(prefix, out);
+  }
+  auto set_parameter(const rclcpp::Parameter& p) { return core_->set_parameter(p); }
+  auto set_parameters(const std::vector<rclcpp::Parameter>& all) { return core_->set_parameters(all); }
+  auto set_parameters_atomically(const std::vector<rclcpp::Parameter>& all) {
+    return core_->set_parameters_atomically(all);
+  }
+  auto add_on_set_parameters_callback(rclcpp::node_interfaces::ParametersCallback callback) {
+    return core_->add_on_set_parameters_callback(std::move(callback));
+  }
+  void remove_on_set_parameters_callback(
+      const rclcpp::node_interfaces::OnSetParametersCallbackHandle* handle) {
+    core_->remove_on_set_parameters_callback(handle);
+  }
+
+  std::vector<std::string> get_node_names() const { return {core_->get_fully_qualified_name()}; }
+  std::map<std::string, std::vector<std::string>> get_topic_names_and_types() const { return {}; }
+  std::map<std::string, std::vector<std::string>> get_service_names_and_types() const { return {}; }
+  std::size_t count_publishers(const std::string&) const { return 0; }
+  std::size_t count_subscribers(const std::string&) const { return 0; }
+
+ private:
+  Core core_;
+};
+
+}  // namespace polyarm_ros

@@ -1,0 +1,4 @@
+#pragma once
+namespace rclcpp {
+enum class FutureReturnCode { SUCCESS, INTERRUPTED, TIMEOUT };
+}

@@ -1,0 +1,31 @@
+#pragma once
+#include "polyarm_ros/node_api.hpp"
+
+namespace rclcpp {
+
+class Node : public polyarm_ros::NodeApi, public std::enable_shared_from_this<Node> {
+ public:
+  RCLCPP_SMART_PTR_DEFINITIONS(Node)
+  explicit Node(const std::string& name, const NodeOptions& options = NodeOptions())
+      : NodeApi(name, options) {}
+  explicit Node(const std::string& name, const std::string& name_space,
+                const NodeOptions& options = NodeOptions())
+      : NodeApi(name, name_space, options) {}
+
+  template <typename Message, typename... Rest>
+  typename Publisher<Message>::SharedPtr create_publisher(const std::string& topic, const QoS&, Rest&&...) {
+    return std::make_shared<Publisher<Message>>(get_name(), topic);
+  }
+};
+
+template <typename Message, typename NodePointer, typename... Rest>
+auto create_publisher(NodePointer&& node, const std::string& topic, const QoS& qos, Rest&&...) {
+  return node->template create_publisher<Message>(topic, qos);
+}
+template <typename Message, typename NodePointer, typename Callback, typename... Rest>
+auto create_subscription(NodePointer&& node, const std::string& topic, const QoS& qos, Callback&& call,
+                         Rest&&...) {
+  return node->template create_subscription<Message>(topic, qos, std::forward<Callback>(call));
+}
+
+}  // namespace rclcpp

@@ -1,0 +1,188 @@
+#pragma once
+/// The views of a node. They are one class here, under the names of ROS.
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "rclcpp/callback_group.hpp"
+#include "rclcpp/clock.hpp"
+#include "rclcpp/exceptions.hpp"
+#include "rclcpp/logger.hpp"
+#include "rclcpp/node_options.hpp"
+#include "rclcpp/parameter.hpp"
+#include "rclcpp/timer.hpp"
+#include "rclcpp/utilities.hpp"
+
+namespace rclcpp::node_interfaces {
+
+using ParametersCallback =
+    std::function<rcl_interfaces::msg::SetParametersResult(const std::vector<Parameter>&)>;
+struct OnSetParametersCallbackHandle {
+  RCLCPP_SMART_PTR_DEFINITIONS(OnSetParametersCallbackHandle)
+  using OnParametersSetCallbackType = ParametersCallback;
+  ParametersCallback callback;
+};
+struct PostSetParametersCallbackHandle {
+  RCLCPP_SMART_PTR_DEFINITIONS(PostSetParametersCallbackHandle)
+};
+struct PreSetParametersCallbackHandle {
+  RCLCPP_SMART_PTR_DEFINITIONS(PreSetParametersCallbackHandle)
+};
+
+/// Name, clock, logger, parameters and timers of a node. Any thread.
+class NodeCore {
+ public:
+  RCLCPP_SMART_PTR_DEFINITIONS(NodeCore)
+
+  NodeCore(std::string name, std::string name_space, const NodeOptions& options)
+      : name_(std::move(name)),
+        space_(name_space.empty() ? "/" : std::move(name_space)),
+        options_(options),
+        logger_(name_),
+        clock_(std::make_shared<Clock>(RCL_ROS_TIME)) {
+    if (space_[0] != '/') space_ = "/" + space_;
+    if (options.automatically_declare_parameters_from_overrides())
+      for (const Parameter& p : options.parameter_overrides()) values_[p.get_name()] = p;
+  }
+
+  const char* get_name() const { return name_.c_str(); }
+  const char* get_namespace() const { return space_.c_str(); }
+  const char* get_fully_qualified_name() const { return full_.c_str(); }
+  Logger get_logger() const { return logger_; }
+  const char* get_logger_name() const { return logger_.get_name(); }
+  Clock::SharedPtr get_clock() const { return clock_; }
+  Context::SharedPtr get_context() const { return contexts::get_global_default_context(); }
+  const NodeOptions& options() const { return options_; }
+  CallbackGroup::SharedPtr create_callback_group(CallbackGroupType type, bool = true) {
+    return std::make_shared<CallbackGroup>(type);
+  }
+  CallbackGroup::SharedPtr get_default_callback_group() {
+    return create_callback_group(CallbackGroupType::Reentrant);
+  }
+
+  const ParameterValue& declare_parameter(const std::string& name, const ParameterValue& value,
+                                          const rcl_interfaces::msg::ParameterDescriptor& = {},
+                                          bool = false) {
+    const std::lock_guard lock(mutex_);
+    if (values_.count(name))
+      throw exceptions::ParameterAlreadyDeclaredException("parameter '" + name +
+                                                          "' has already been declared");
+    for (const Parameter& p : options_.parameter_overrides())
+      if (p.get_name() == name) return (values_[name] = p).get_parameter_value();
+    return (values_[name] = Parameter(name, value)).get_parameter_value();
+  }
+  bool has_parameter(const std::string& name) const {
+    const std::lock_guard lock(mutex_);
+    return values_.count(name) > 0;
+  }
+  void undeclare_parameter(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    values_.erase(name);
+  }
+  bool get_parameter(const std::string& name, Parameter& out) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = values_.find(name);
+    if (found == values_.end()) return false;
+    out = found->second;
+    return out.get_type() != ParameterType::PARAMETER_NOT_SET;
+  }
+  Parameter get_parameter(const std::string& name) const {
+    Parameter out;
+    if (!has_parameter(name))
+      throw exceptions::ParameterNotDeclaredException("parameter '" + name + "' is not declared");
+    if (!get_parameter(name, out))
+      throw exceptions::ParameterUninitializedException("parameter '" + name + "' is not initialized");
+    return out;
+  }
+  std::vector<Parameter> get_parameters(const std::vector<std::string>& names) const {
+    std::vector<Parameter> out;
+    for (const std::string& name : names) out.push_back(get_parameter(name));
+    return out;
+  }
+  bool get_parameters_by_prefix(const std::string& prefix, std::map<std::string, Parameter>& out) const {
+    const std::lock_guard lock(mutex_);
+    const std::string start = prefix.empty() ? "" : prefix + ".";
+    for (const auto& [name, value] : values_)
+      if (name.compare(0, start.size(), start) == 0) out[name.substr(start.size())] = value;
+    return !out.empty();
+  }
+  rcl_interfaces::msg::SetParametersResult set_parameters_atomically(const std::vector<Parameter>& all) {
+    rcl_interfaces::msg::SetParametersResult result;
+    result.successful = true;
+    for (const auto& each : callbacks_)
+      if (const auto alive = each.lock())
+        if (result = alive->callback(all); !result.successful) return result;
+    const std::lock_guard lock(mutex_);
+    for (const Parameter& p : all) values_[p.get_name()] = p;
+    return result;
+  }
+  std::vector<rcl_interfaces::msg::SetParametersResult> set_parameters(const std::vector<Parameter>& all) {
+    std::vector<rcl_interfaces::msg::SetParametersResult> out;
+    for (const Parameter& p : all) out.push_back(set_parameters_atomically({p}));
+    return out;
+  }
+  rcl_interfaces::msg::SetParametersResult set_parameter(const Parameter& p) {
+    return set_parameters_atomically({p});
+  }
+  OnSetParametersCallbackHandle::SharedPtr add_on_set_parameters_callback(ParametersCallback callback) {
+    auto handle = std::make_shared<OnSetParametersCallbackHandle>();
+    handle->callback = std::move(callback);
+    callbacks_.push_back(handle);
+    return handle;
+  }
+  void remove_on_set_parameters_callback(const OnSetParametersCallbackHandle* handle) {
+    for (auto& each : callbacks_)
+      if (each.lock().get() == handle) each.reset();
+  }
+  template <typename Callback>
+  PostSetParametersCallbackHandle::SharedPtr add_post_set_parameters_callback(Callback&&) {
+    return std::make_shared<PostSetParametersCallbackHandle>();
+  }
+  const std::map<std::string, Parameter> get_parameter_overrides() const {
+    std::map<std::string, Parameter> out;
+    for (const Parameter& p : options_.parameter_overrides()) out[p.get_name()] = p;
+    return out;
+  }
+
+  void add_timer(const TimerBase::SharedPtr& timer, const CallbackGroup::SharedPtr& = nullptr) {
+    const std::lock_guard lock(mutex_);
+    timers_.push_back(timer);
+  }
+  /// Runs the timers that are due; false if there was none.
+  bool run_timers() {
+    std::vector<TimerBase::SharedPtr> due;
+    {
+      const std::lock_guard lock(mutex_);
+      for (const auto& each : timers_)
+        if (auto timer = each.lock(); timer && timer->is_ready()) due.push_back(timer);
+    }
+    for (const auto& timer : due) timer->execute_callback();
+    return !due.empty();
+  }
+
+ private:
+  std::string name_, space_;
+  std::string full_ = space_ == "/" ? "/" + name_ : space_ + "/" + name_;
+  NodeOptions options_;
+  Logger logger_;
+  Clock::SharedPtr clock_;
+  mutable std::mutex mutex_;
+  std::map<std::string, Parameter> values_;
+  std::vector<std::weak_ptr<OnSetParametersCallbackHandle>> callbacks_;
+  std::vector<TimerBase::WeakPtr> timers_;
+};
+using NodeBaseInterface = NodeCore;
+using NodeClockInterface = NodeCore;
+using NodeLoggingInterface = NodeCore;
+using NodeParametersInterface = NodeCore;
+using NodeTimersInterface = NodeCore;
+using NodeTopicsInterface = NodeCore;
+using NodeServicesInterface = NodeCore;
+using NodeGraphInterface = NodeCore;
+using NodeWaitablesInterface = NodeCore;
+using NodeTimeSourceInterface = NodeCore;
+
+}  // namespace rclcpp::node_interfaces

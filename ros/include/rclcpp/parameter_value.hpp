@@ -1,0 +1,141 @@
+#pragma once
+/// A parameter's value: one of ROS's nine types.
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "rcl_interfaces/msg/parameter_descriptor.hpp"
+#include "rcl_interfaces/msg/parameter_type.hpp"
+#include "rcl_interfaces/msg/set_parameters_result.hpp"
+
+namespace rclcpp {
+
+enum class ParameterType : std::uint8_t {
+  PARAMETER_NOT_SET,
+  PARAMETER_BOOL,
+  PARAMETER_INTEGER,
+  PARAMETER_DOUBLE,
+  PARAMETER_STRING,
+  PARAMETER_BYTE_ARRAY,
+  PARAMETER_BOOL_ARRAY,
+  PARAMETER_INTEGER_ARRAY,
+  PARAMETER_DOUBLE_ARRAY,
+  PARAMETER_STRING_ARRAY
+};
+class ParameterTypeException : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+  ParameterTypeException(ParameterType, ParameterType) : std::runtime_error("parameter has another type") {}
+};
+
+class ParameterValue {
+ public:
+  using Variant = std::variant<std::monostate, bool, std::int64_t, double, std::string,
+                               std::vector<std::uint8_t>, std::vector<bool>, std::vector<std::int64_t>,
+                               std::vector<double>, std::vector<std::string>>;
+  ParameterValue() = default;
+  template <typename T>
+  explicit ParameterValue(const T& value) : value_(stored(value)) {}
+
+  ParameterType get_type() const { return static_cast<ParameterType>(value_.index()); }
+  template <typename T>
+  T get() const {
+    if constexpr (std::is_same_v<T, ParameterValue>) {
+      return *this;
+    } else if constexpr (std::is_same_v<T, bool>) {
+      return as<bool>();
+    } else if constexpr (std::is_enum_v<T>) {
+      return static_cast<T>(as<std::int64_t>());
+    } else if constexpr (std::is_integral_v<T>) {
+      return static_cast<T>(as<std::int64_t>());
+    } else if constexpr (std::is_floating_point_v<T>) {
+      if (const auto* whole = std::get_if<std::int64_t>(&value_)) return static_cast<T>(*whole);
+      return static_cast<T>(as<double>());
+    } else if constexpr (std::is_constructible_v<std::string, T> && !std::is_same_v<T, std::nullptr_t>) {
+      return as<std::string>();
+    } else {
+      using Element = typename T::value_type;
+      if constexpr (std::is_same_v<Element, int> || std::is_same_v<Element, long long>) {
+        const auto& all = as<std::vector<std::int64_t>>();
+        return T(all.begin(), all.end());
+      } else if constexpr (std::is_same_v<Element, float>) {
+        const auto& all = as<std::vector<double>>();
+        return T(all.begin(), all.end());
+      } else {
+        return as<T>();
+      }
+    }
+  }
+  template <ParameterType type>
+  decltype(auto) get() const {
+    return as<std::variant_alternative_t<static_cast<std::size_t>(type), Variant>>();
+  }
+  bool operator==(const ParameterValue& o) const { return value_ == o.value_; }
+  bool operator!=(const ParameterValue& o) const { return value_ != o.value_; }
+
+ private:
+  template <typename T>
+  static Variant stored(const T& v) {
+    if constexpr (std::is_same_v<T, bool>)
+      return v;
+    else if constexpr (std::is_enum_v<T>)
+      return static_cast<std::int64_t>(v);
+    else if constexpr (std::is_integral_v<T>)
+      return static_cast<std::int64_t>(v);
+    else if constexpr (std::is_floating_point_v<T>)
+      return static_cast<double>(v);
+    else if constexpr (std::is_convertible_v<T, std::string>)
+      return std::string(v);
+    else if constexpr (std::is_same_v<T, std::vector<int>>)
+      return std::vector<std::int64_t>(v.begin(), v.end());
+    else if constexpr (std::is_same_v<T, std::vector<float>>)
+      return std::vector<double>(v.begin(), v.end());
+    else
+      return v;
+  }
+  template <typename T>
+  const T& as() const {
+    if (const T* found = std::get_if<T>(&value_)) return *found;
+    throw ParameterTypeException("parameter has another type");
+  }
+  Variant value_;
+};
+
+class Parameter {
+ public:
+  Parameter() = default;
+  explicit Parameter(std::string name) : name_(std::move(name)) {}
+  Parameter(std::string name, ParameterValue value) : name_(std::move(name)), value_(std::move(value)) {}
+  template <typename T>
+  Parameter(std::string name, T value) : name_(std::move(name)), value_(value) {}
+  const std::string& get_name() const { return name_; }
+  ParameterType get_type() const { return value_.get_type(); }
+  std::string get_type_name() const { return std::to_string(static_cast<int>(get_type())); }
+  const ParameterValue& get_parameter_value() const { return value_; }
+  template <typename T>
+  T get_value() const {
+    return value_.get<T>();
+  }
+  template <ParameterType type>
+  decltype(auto) get_value() const {
+    return value_.get<type>();
+  }
+  bool as_bool() const { return value_.get<bool>(); }
+  std::int64_t as_int() const { return value_.get<std::int64_t>(); }
+  double as_double() const { return value_.get<double>(); }
+  std::string as_string() const { return value_.get<std::string>(); }
+  std::vector<bool> as_bool_array() const { return value_.get<std::vector<bool>>(); }
+  std::vector<std::int64_t> as_integer_array() const { return value_.get<std::vector<std::int64_t>>(); }
+  std::vector<double> as_double_array() const { return value_.get<std::vector<double>>(); }
+  std::vector<std::string> as_string_array() const { return value_.get<std::vector<std::string>>(); }
+  std::vector<std::uint8_t> as_byte_array() const { return value_.get<std::vector<std::uint8_t>>(); }
+
+ private:
+  std::string name_;
+  ParameterValue value_;
+};
+
+}  // namespace rclcpp

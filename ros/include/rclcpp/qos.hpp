@@ -1,0 +1,101 @@
+#pragma once
+/// Quality of service: kept, and without effect in a plugin.
+#include <cstddef>
+
+#include "rclcpp/duration.hpp"
+
+enum rmw_qos_history_policy_e {
+  RMW_QOS_POLICY_HISTORY_SYSTEM_DEFAULT,
+  RMW_QOS_POLICY_HISTORY_KEEP_LAST,
+  RMW_QOS_POLICY_HISTORY_KEEP_ALL
+};
+enum rmw_qos_reliability_policy_e {
+  RMW_QOS_POLICY_RELIABILITY_SYSTEM_DEFAULT,
+  RMW_QOS_POLICY_RELIABILITY_RELIABLE,
+  RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT
+};
+enum rmw_qos_durability_policy_e {
+  RMW_QOS_POLICY_DURABILITY_SYSTEM_DEFAULT,
+  RMW_QOS_POLICY_DURABILITY_TRANSIENT_LOCAL,
+  RMW_QOS_POLICY_DURABILITY_VOLATILE
+};
+enum rmw_qos_liveliness_policy_e {
+  RMW_QOS_POLICY_LIVELINESS_SYSTEM_DEFAULT,
+  RMW_QOS_POLICY_LIVELINESS_AUTOMATIC
+};
+using rmw_qos_history_policy_t = rmw_qos_history_policy_e;
+using rmw_qos_reliability_policy_t = rmw_qos_reliability_policy_e;
+using rmw_qos_durability_policy_t = rmw_qos_durability_policy_e;
+struct rmw_qos_profile_t {
+  rmw_qos_history_policy_e history = RMW_QOS_POLICY_HISTORY_KEEP_LAST;
+  std::size_t depth = 10;
+  rmw_qos_reliability_policy_e reliability = RMW_QOS_POLICY_RELIABILITY_RELIABLE;
+  rmw_qos_durability_policy_e durability = RMW_QOS_POLICY_DURABILITY_VOLATILE;
+};
+inline const rmw_qos_profile_t rmw_qos_profile_default{}, rmw_qos_profile_sensor_data{},
+    rmw_qos_profile_services_default{}, rmw_qos_profile_parameters{}, rmw_qos_profile_system_default{};
+
+namespace rclcpp {
+
+enum class HistoryPolicy { KeepLast, KeepAll, SystemDefault, Unknown };
+enum class ReliabilityPolicy { BestEffort, Reliable, SystemDefault, BestAvailable, Unknown };
+enum class DurabilityPolicy { Volatile, TransientLocal, SystemDefault, BestAvailable, Unknown };
+enum class LivelinessPolicy { Automatic, ManualByTopic, SystemDefault, BestAvailable, Unknown };
+
+struct QoSInitialization {
+  rmw_qos_history_policy_e history_policy = RMW_QOS_POLICY_HISTORY_KEEP_LAST;
+  std::size_t depth = 10;
+  static QoSInitialization from_rmw(const rmw_qos_profile_t& p) { return {p.history, p.depth}; }
+};
+struct KeepLast : QoSInitialization {
+  explicit KeepLast(std::size_t n, bool = true) { depth = n; }
+};
+struct KeepAll : QoSInitialization {
+  KeepAll() { history_policy = RMW_QOS_POLICY_HISTORY_KEEP_ALL; }
+};
+
+class QoS {
+ public:
+  QoS(const QoSInitialization& initial, const rmw_qos_profile_t& profile = {})
+      : profile_(profile) {  // NOLINT
+    profile_.depth = initial.depth;
+  }
+  QoS(std::size_t depth) { profile_.depth = depth; }  // NOLINT: implicit in ROS
+  QoS& history(HistoryPolicy) { return *this; }
+  QoS& keep_last(std::size_t depth) { return profile_.depth = depth, *this; }
+  QoS& keep_all() { return *this; }
+  QoS& reliability(ReliabilityPolicy) { return *this; }
+  QoS& reliability(rmw_qos_reliability_policy_e) { return *this; }
+  QoS& reliable() { return *this; }
+  QoS& best_effort() { return *this; }
+  QoS& durability(DurabilityPolicy) { return *this; }
+  QoS& durability(rmw_qos_durability_policy_e) { return *this; }
+  QoS& durability_volatile() { return *this; }
+  QoS& transient_local() { return *this; }
+  QoS& deadline(const Duration&) { return *this; }
+  QoS& lifespan(const Duration&) { return *this; }
+  QoS& liveliness(LivelinessPolicy) { return *this; }
+  std::size_t depth() const { return profile_.depth; }
+  const rmw_qos_profile_t& get_rmw_qos_profile() const { return profile_; }
+  rmw_qos_profile_t& get_rmw_qos_profile() { return profile_; }
+
+ private:
+  rmw_qos_profile_t profile_;
+};
+#define POLYARM_ROS_QOS_(NAME)                                        \
+  class NAME : public QoS {                                           \
+   public:                                                            \
+    NAME() : QoS(10) {}                                               \
+    explicit NAME(const QoSInitialization& initial) : QoS(initial) {} \
+  };
+POLYARM_ROS_QOS_(SensorDataQoS)
+POLYARM_ROS_QOS_(SystemDefaultsQoS)
+POLYARM_ROS_QOS_(ServicesQoS)
+POLYARM_ROS_QOS_(ParametersQoS)
+POLYARM_ROS_QOS_(ParameterEventsQoS)
+POLYARM_ROS_QOS_(ClockQoS)
+POLYARM_ROS_QOS_(RosoutQoS)
+POLYARM_ROS_QOS_(BestAvailableQoS)
+#undef POLYARM_ROS_QOS_
+
+}  // namespace rclcpp

@@ -1,0 +1,44 @@
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+
+#include "rclcpp/clock.hpp"
+
+namespace rclcpp {
+
+/// Runs in the executor that spins its node.
+class TimerBase {
+ public:
+  RCLCPP_SMART_PTR_DEFINITIONS(TimerBase)
+  TimerBase(std::chrono::nanoseconds period, std::function<void(TimerBase&)> call)
+      : period_(period), call_(std::move(call)), next_(std::chrono::steady_clock::now() + period) {}
+  virtual ~TimerBase() = default;
+  void cancel() { canceled_ = true; }
+  bool is_canceled() const { return canceled_; }
+  void reset() { next_ = std::chrono::steady_clock::now() + period_, canceled_ = false; }
+  bool is_ready() const { return !canceled_ && std::chrono::steady_clock::now() >= next_; }
+  bool is_steady() const { return true; }
+  std::chrono::nanoseconds time_until_trigger() const { return next_ - std::chrono::steady_clock::now(); }
+  void execute_callback() {
+    next_ = std::chrono::steady_clock::now() + period_;
+    if (call_) call_(*this);
+  }
+
+ private:
+  std::chrono::nanoseconds period_;
+  std::function<void(TimerBase&)> call_;
+  std::chrono::steady_clock::time_point next_;
+  std::atomic<bool> canceled_{false};
+};
+template <typename Functor = std::function<void()>>
+class WallTimer : public TimerBase {
+ public:
+  RCLCPP_SMART_PTR_DEFINITIONS(WallTimer<Functor>)
+  using TimerBase::TimerBase;
+};
+template <typename Functor = std::function<void()>>
+using GenericTimer = TimerBase;
+
+}  // namespace rclcpp

@@ -1,0 +1,2 @@
+#pragma once
+#include "realtime_tools/realtime_thread_safe_box.hpp"

@@ -1,0 +1,43 @@
+#pragma once
+/// A publisher for real-time code. The topic leads nowhere in a plugin, so no thread publishes.
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "rclcpp/publisher.hpp"
+
+namespace realtime_tools {
+
+template <class Message>
+class RealtimePublisher {
+ public:
+  using PublisherType = rclcpp::Publisher<Message>;
+  using PublisherSharedPtr = std::shared_ptr<PublisherType>;
+  using MessageType = Message;
+  using SharedPtr = std::shared_ptr<RealtimePublisher<Message>>;
+  using UniquePtr = std::unique_ptr<RealtimePublisher<Message>>;
+  using ConstSharedPtr = std::shared_ptr<const RealtimePublisher<Message>>;
+  RealtimePublisher() = default;
+  explicit RealtimePublisher(PublisherSharedPtr publisher) : publisher_(std::move(publisher)) {}
+  RealtimePublisher(PublisherSharedPtr publisher, const Message& first)
+      : msg_(first), publisher_(std::move(publisher)) {}
+  Message msg_;
+  bool trylock() { return mutex_.try_lock(); }
+  bool can_publish() const { return true; }
+  bool tryPublish(const Message&) { return true; }
+  bool try_publish(const Message&) { return true; }
+  void unlockAndPublish() { mutex_.unlock(); }
+  void lock() { mutex_.lock(); }
+  void unlock() { mutex_.unlock(); }
+  void stop() {}
+  const Message& get_msg() const { return msg_; }
+  std::mutex& get_mutex() { return mutex_; }
+
+ private:
+  std::mutex mutex_;
+  PublisherSharedPtr publisher_;
+};
+template <class Message>
+using RealtimePublisherSharedPtr = std::shared_ptr<RealtimePublisher<Message>>;
+
+}  // namespace realtime_tools

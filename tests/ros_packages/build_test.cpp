@@ -1,0 +1,87 @@
+/// `polyarm plugin build`: a package in ROS's style, built without ROS, in a cell.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "polyarm/base/error.hpp"
+#include "tests/support/command.hpp"
+#include "tests/support/folder.hpp"
+
+namespace polyarm {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A copy of tests/ros_packages/two_joints, and a home for what is built and approved.
+struct Workshop : testing::Test {
+  test::Folder place;
+  std::string package = (place.path() / "ws/two_joints").string();
+  void SetUp() override {
+    fs::create_directories(place.path() / "ws");
+    fs::copy(fs::path(POLYARM_SOURCE_DIR) / "tests/ros_packages/two_joints", package,
+             fs::copy_options::recursive);
+    ::setenv("XDG_CONFIG_HOME", (place.path() / "config").c_str(), 1);
+    ::setenv("XDG_DATA_HOME", (place.path() / "data").c_str(), 1);
+    ::setenv("XDG_CACHE_HOME", (place.path() / "cache").c_str(), 1);
+    ::setenv("CMAKE_BUILD_TYPE", "None", 1);
+  }
+  test::Finished run(const std::string& robot, std::vector<std::string> more = {}) {
+    place.write("cell/cell.yaml",
+                "polyarm: cell/1\nrate: 100\ncontrollers: controllers.yaml\n"
+                "robots: {arm: {model: robot.urdf, hardware: declared}}\nsend: {joint_trajectory_controller: "
+                "move.yaml}\n");
+    place.write("cell/robot.urdf", robot);
+    place.write("cell/controllers.yaml", read_file(package + "/controllers.yaml"));
+    place.write("cell/move.yaml", read_file(fs::path(POLYARM_SOURCE_DIR) / "templates/hardware/move.yaml"));
+    std::vector<std::string> words{"run", (place.path() / "cell").string(), "--fast", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return test::run_command(words);
+  }
+};
+
+TEST_F(Workshop, BuildsAPackageAndRunsItsHardwareInACell) {
+  const auto built = test::run_command({"plugin", "build", package, "--simulated"});
+  ASSERT_EQ(built.exit_code, 0) << built.output;
+  EXPECT_NE(built.output.find("<plugin>two_joints/TwoJoints</plugin>"), std::string::npos) << built.output;
+  EXPECT_FALSE(fs::exists(package + "/build"));  // nothing is written into the source
+
+  const std::string robot = read_file(package + "/robot.urdf");
+  const auto done = run(robot);
+  EXPECT_EQ(done.exit_code, 0) << done.output;
+  EXPECT_NE(done.output.find("two joints are active"), std::string::npos) << done.output;
+  EXPECT_NE(done.output.find("two_joints/TwoJoints, a ros2_control plugin"), std::string::npos)
+      << done.output;
+
+  // What it throws in a cycle is a fault with its words.
+  std::string faulty = robot;
+  faulty.replace(faulty.find("<plugin>"), 0, "<param name=\"throw_at\">50</param>");
+  const auto fault = run(faulty);
+  EXPECT_NE(fault.exit_code, 0) << fault.output;
+  EXPECT_NE(fault.output.find("the cable of two joints is cut"), std::string::npos) << fault.output;
+
+  // A module that changed since is not opened.
+  const fs::path module = place.path() / "data/polyarm/plugins/two_joints.so";
+  write_file_atomically(module, read_file(module) + "x");
+  const auto changed = run(robot);
+  EXPECT_NE(changed.exit_code, 0) << changed.output;
+  EXPECT_NE(changed.output.find("has changed since it was built"), std::string::npos) << changed.output;
+}
+
+TEST_F(Workshop, SaysWhatIsMissingInsteadOfTheCompilersPages) {
+  const std::string source = package + "/src/two_joints.cpp";
+  write_file_atomically(source, "#include <serial/serial.h>\n" + read_file(source));
+  const auto checked = test::run_command({"plugin", "check", package});
+  EXPECT_EQ(checked.exit_code, 1) << checked.output;
+  EXPECT_NE(checked.output.find("two_joints.cpp:1: error: no header 'serial/serial.h' is here"),
+            std::string::npos)
+      << checked.output;
+  const auto built = test::run_command({"plugin", "build", package});
+  EXPECT_EQ(built.exit_code, 1) << built.output;
+  EXPECT_NE(built.output.find("two_joints.cpp:1: error: no header 'serial/serial.h' is here"),
+            std::string::npos)
+      << built.output;
+  EXPECT_LT(std::count(built.output.begin(), built.output.end(), '\n'), 8) << built.output;
+}
+
+}  // namespace
+}  // namespace polyarm

@@ -1,0 +1,159 @@
+/// Packages, workspaces, plugin descriptions, interfaces and the check of what is missing.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "polyarm/ros_packages/check.hpp"
+#include "polyarm/ros_packages/module_code.hpp"
+#include "tests/support/folder.hpp"
+
+namespace polyarm::ros_packages {
+namespace {
+
+std::string manifest(const std::string& name, const std::string& depends = "") {
+  return "<package format=\"3\"><name>" + name + "</name><version>1.0.0</version>" + depends +
+         "<export><build_type>ament_cmake</build_type></export></package>";
+}
+const char* kPlugin =
+    "<library path=\"libdrive\"><class name=\"acme/Drive\" type=\"acme::Drive\" "
+    "base_class_type=\"hardware_interface::SystemInterface\"><description>a "
+    "drive</description></class></library>";
+
+TEST(Packages, OfAWorkspaceAreFoundBesideIgnoredAndBuiltOnes) {
+  const test::Folder place;
+  place.write("src/b/package.xml", manifest("b"));
+  place.write("src/a/package.xml", manifest("a"));
+  place.write("src/off/package.xml", manifest("off"));
+  place.write("src/off/COLCON_IGNORE", "");
+  place.write("install/c/package.xml", manifest("c"));
+  Problems problems;
+  const auto found = find_packages(place.path(), problems);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].name, "a");
+  EXPECT_EQ(found[1].name, "b");
+}
+
+TEST(Packages, ThatAreNoneAreRefusedWithTheirLine) {
+  const test::Folder place;
+  Problems problems;
+  EXPECT_THROW(find_packages(place.path(), problems), Error);
+  place.write("a/package.xml", "<package>\n<name>a\n");
+  place.write("b/package.xml", "<package><name>../b</name></package>");
+  find_packages(place.path(), problems);
+  ASSERT_EQ(problems.list().size(), 2u);
+  EXPECT_GT(problems.list()[0].where.line, 0);
+}
+
+TEST(Packages, AreBuiltAfterWhatTheyNeed) {
+  const test::Folder place;
+  place.write("a/package.xml", manifest("a", "<depend>b</depend><exec_depend>d</exec_depend>"));
+  place.write("b/package.xml", manifest("b", "<build_depend>c</build_depend>"));
+  place.write("c/package.xml", manifest("c", "<depend>a</depend>"));
+  place.write("d/package.xml", manifest("d"));
+  Problems problems;
+  const auto all = find_packages(place.path(), problems);
+  std::vector<std::string> names;
+  for (const Package* each : in_build_order(all[0], all)) names.push_back(each->name);
+  EXPECT_EQ(names, (std::vector<std::string>{"c", "b", "a"}));
+}
+
+TEST(PluginDescription, NamesClassesTheirLibraryAndTheirBase) {
+  const test::Folder place;
+  place.write("package.xml", manifest("acme"));
+  place.write("acme.xml", kPlugin);
+  place.write("other.xml", "<robot><joint/></robot>");
+  const auto classes = plugin_classes(read_package(place.path() / "package.xml"));
+  ASSERT_EQ(classes.size(), 1u);
+  EXPECT_EQ(classes[0].name, "acme/Drive");
+  EXPECT_EQ(classes[0].library, "drive");
+  EXPECT_TRUE(classes[0].is_hardware());
+}
+
+TEST(Interfaces, AreNamedAsRosNamesTheirFiles) {
+  EXPECT_EQ(header_name("Float64MultiArray"), "float64_multi_array");
+  EXPECT_EQ(header_name("UInt32"), "u_int32");
+  EXPECT_EQ(header_name("ColorRGBA"), "color_rgba");
+  EXPECT_EQ(header_name("MultiDOFCommand"), "multi_dof_command");
+  EXPECT_EQ(header_name("PointCloud2"), "point_cloud2");
+}
+
+TEST(Interfaces, BecomeStructsWithConstantsDefaultsAndArrays) {
+  const std::string code = header_code({"acme",
+                                        "msg",
+                                        "Wear",
+                                        "std_msgs/Header header\nfloat64[3] turns\nstring<=8[] names # many\n"
+                                        "uint8 WORN=1\nstring WHO = \"a # b\"\nfloat64 w 1.0\nOther other\n",
+                                        {}});
+  for (const char* part :
+       {"#include \"std_msgs/msg/header.hpp\"", "#include \"acme/msg/other.hpp\"",
+        "std::array<double, 3> turns{};", "std::vector<std::string> names{};",
+        "static constexpr std::uint8_t WORN = 1;", "static constexpr const char* WHO = \"a # b\";",
+        "double w{1.0};", "acme::msg::Other other{};"})
+    EXPECT_NE(code.find(part), std::string::npos) << part << "\n" << code;
+}
+
+TEST(Interfaces, OfServicesAndActionsHaveTheirParts) {
+  EXPECT_NE(
+      header_code({"a", "srv", "Set", "bool on\n---\nbool done", {}}).find("using Response = Set_Response;"),
+      std::string::npos);
+  EXPECT_NE(header_code({"a", "action", "Go", "int8 x\n---\n---\nint8 y", {}})
+                .find("using Feedback = Go_Feedback;"),
+            std::string::npos);
+}
+
+TEST(Interfaces, ThatAreNoneAreRefusedWithTheirLine) {
+  for (const char* text :
+       {"int8", "int8 9x", "a/b/c/d x", "int8 X=\");system(\"", "bool a\n---\n---", "x;y z", "int8 q};int"}) {
+    try {
+      header_code({"a", "srv", "Bad", text, {"Bad.srv", 1}});
+      ADD_FAILURE() << text;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.problems().front().code, "bad-interface") << text;
+      EXPECT_GT(e.problems().front().where.line, 0) << text;
+    }
+  }
+}
+
+TEST(Check, NamesMissingHeadersAndNamesOnceWithTheirPlaceAndAdvice) {
+  const test::Folder place;
+  place.write("acme/package.xml", manifest("acme"));
+  place.write("acme/acme.xml", kPlugin);
+  place.write("acme/CMakeLists.txt",
+              "find_package(Eigen3 REQUIRED)\nadd_library(drive SHARED src/drive.cpp)\n");
+  place.write("acme/include/acme/drive.hpp",
+              "#include <hardware_interface/system_interface.hpp>\n#include <nowhere/far.hpp>\n");
+  place.write("acme/src/drive.cpp",
+              "#include \"acme/drive.hpp\"\n#include <vector>\n#include <serial/serial.h>\n#include "
+              "<serial/serial.h>\n"
+              "// rclcpp::NotInACode\nrclcpp::Telepathy mind;\nrclcpp::Node* node;\n");
+  place.write("acme/src/other.cpp", "#include <ros/ros.h>\n");
+  Problems problems, found;
+  const auto all = find_packages(place.path(), problems);
+  check_package(all[0], all, Kit(), found);
+  std::vector<std::string> texts;
+  for (const Problem& p : found.list())
+    if (p.severity == Severity::error) texts.push_back(p.text());
+  ASSERT_EQ(texts.size(), 3u) << (texts.empty() ? "" : texts.back());
+  const auto has = [&](const std::string& part) {
+    return std::any_of(texts.begin(), texts.end(),
+                       [&](const std::string& t) { return t.find(part) != std::string::npos; });
+  };
+  EXPECT_TRUE(has("src/drive.cpp:3")) << texts[0];
+  EXPECT_TRUE(has("wjwwood/serial"));
+  EXPECT_TRUE(has("src/drive.cpp:6: error: Polyarm has no rclcpp::Telepathy"));
+  EXPECT_TRUE(has("drive.hpp:2: error: no header 'nowhere/far.hpp'"));
+}
+
+TEST(Module, NamesAreTextInItsCode) {
+  Package package;
+  package.name = "acme", package.version = "1\"; evil";
+  const std::vector<PluginClass> classes{
+      {"a/B\"", "a::B", "hardware_interface::SystemInterface", "line\nline", "", {}}};
+  const std::string code = module_code(package, classes, {&package}, {});
+  EXPECT_NE(code.find("\"1\\\"; evil\""), std::string::npos) << code;
+  EXPECT_NE(code.find("\"a/B\\\"\""), std::string::npos) << code;
+  EXPECT_NE(code.find("\"line line\""), std::string::npos) << code;
+}
+
+}  // namespace
+}  // namespace polyarm::ros_packages
