@@ -3,43 +3,15 @@
 
 #include <memory>
 
-#include "polyarm/collision/checker.hpp"
-#include "polyarm/collision/robot_body.hpp"
-#include "polyarm/collision/world.hpp"
 #include "polyarm/description/scene_file.hpp"
-#include "polyarm/hulls/robot_bodies.hpp"
 #include "polyarm/planning/planner.hpp"
 #include "polyarm/planning/pose_goals.hpp"
+#include "polyarm/surroundings/bodies.hpp"
 #include "python/robot.hpp"
 
 namespace polyarm::python {
 
 namespace {
-/// Meshes of fixtures get convex bodies, as those of robots.
-description::Scene with_bodies(const std::string& path, Problems& warnings) {
-  description::Scene scene = path.empty() ? description::Scene{} : description::read_scene(path, warnings);
-  std::vector<description::Shape*> meshes;
-  for (description::Fixture& fixture : scene.fixtures)
-    for (description::Shape& shape : fixture.shapes)
-      if (shape.kind == description::ShapeKind::mesh) meshes.push_back(&shape);
-  for (Problem& problem : hulls::make_bodies(meshes, hulls::bodies_cache()).warnings)
-    warnings.add(std::move(problem));
-  return scene;
-}
-
-std::shared_ptr<const collision::RobotBody> body_of(const Robot& robot, Problems& warnings) {
-  description::RobotModel model = robot.model();
-  for (Problem& problem : hulls::make_bodies(model, hulls::bodies_cache()).warnings)
-    warnings.add(std::move(problem));
-  auto out = std::make_shared<const collision::RobotBody>(model);
-  for (const std::string& link : out->without_body())
-    warnings.warning("no-body", {}, "link " + link + " has no known body: contacts with it are not found");
-  for (const std::string& pair : out->always_touching())
-    warnings.warning("always-in-contact", {},
-                     "the links " + pair + " always touch: this pair is not checked");
-  return out;
-}
-
 const char* code_of(planning::PlanOutcome outcome) {
   switch (outcome) {
     case planning::PlanOutcome::start_touches:
@@ -57,12 +29,22 @@ const char* code_of(planning::PlanOutcome outcome) {
 class Surroundings {
  public:
   Surroundings(std::shared_ptr<const Robot> robot, const std::string& scene, double clearance)
-      : robot_(std::move(robot)) {
-    collision::CheckerOptions options;
-    options.clearance = clearance;
-    checker_ = std::make_unique<const collision::Checker>(
-        body_of(*robot_, warnings_), collision::world_of(with_bodies(scene, warnings_)), options);
-    probe_ = std::make_unique<collision::Probe>(*checker_);
+      : robot_(std::move(robot)), model_(robot_->model()) {
+    if (!scene.empty()) scene_ = description::read_scene(scene, warnings_);
+    description::Tool no_tool;
+    surroundings::make_meshes(model_, no_tool, model_.name, warnings_);
+    surroundings::make_meshes(scene_, warnings_);
+    surroundings::Robot own;
+    own.model = &model_;
+    surroundings::Moment moment = surroundings::start_of(scene_);
+    moment.robots.push_back({Pose{}, std::vector<double>(robot_->joints(), 0.0)});
+    around_ = std::make_unique<surroundings::Surroundings>(std::vector{own}, scene_, moment, 0, clearance);
+    for (const std::string& name : surroundings::without_body(own, scene_))
+      warnings_.warning("no-body", {}, name + " has no known body: contacts with it are not found");
+    for (const std::string& pair : around_->checker().robot().always_touching())
+      warnings_.warning("always-in-contact", {},
+                        "the links " + pair + " always touch: this pair is not checked");
+    probe_ = &around_->probe();
   }
 
   std::vector<std::string> warnings() const {
@@ -105,8 +87,10 @@ class Surroundings {
  private:
   std::shared_ptr<const Robot> robot_;
   Problems warnings_;
-  std::unique_ptr<const collision::Checker> checker_;
-  std::unique_ptr<collision::Probe> probe_;
+  description::RobotModel model_;
+  description::Scene scene_;
+  std::unique_ptr<surroundings::Surroundings> around_;
+  collision::Probe* probe_ = nullptr;
 };
 }  // namespace
 

@@ -9,6 +9,7 @@
 
 #include "polyarm/description/model_builder.hpp"
 #include "polyarm/description/tools.hpp"
+#include "polyarm/hardware/force_sensor.hpp"
 
 namespace polyarm::drivers {
 
