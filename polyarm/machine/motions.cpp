@@ -37,7 +37,7 @@ void Motions::build(Worker& planner) {
     if (motions_.back())
       motions_.back()->set_look_around(
           [this, index = motions_.size() - 1] { return obstacles(index, moment()); });
-    controllers::DiffDriveController* wheels = base_controller_of(*robot, machine_.controllers());
+    controllers::BaseController* wheels = base_controller_of(*robot, machine_.controllers());
     bases_.push_back(wheels ? std::make_unique<moves::BaseMotion>(*wheels, seconds(machine_.period()))
                             : nullptr);
     places_.emplace_back(*robot, machine_.table(), wheels);
