@@ -105,7 +105,6 @@ CallbackReturn FakeFanuc::on_activate() {
   const CallbackReturn done = FanucComponent::on_activate();
   if (done != CallbackReturn::success) return done;
   far_->hold_clock(true);
-  disturbed_ = false;
   stepped_ = true;
   return done;
 }
@@ -132,12 +131,13 @@ hardware::ReturnType FakeFanuc::read(const hardware::Cycle& cycle, std::span<dou
   if (stepped_) {
     order_what_is_due();
     since_ += seconds(cycle.period);
-    // A fault may keep the controller's packet back; then a command may wait for the next one.
     const std::uint32_t before = far_->sent_sequence();
-    const bool answered = far_->step(disturbed_ ? kDisturbed : kPatience);
+    far_->step(kPatience);
     const std::uint32_t sent = far_->sent_sequence();
-    if (sent == before) link()->await(kDisturbed);
-    disturbed_ = !answered || sent == before || !await_packet(sent);
+    if (sent != before)
+      await_packet(sent);
+    else
+      link()->await(kDisturbed);  // a fault keeps the packet back
   }
   return FanucComponent::read(cycle, states);
 }

@@ -42,7 +42,6 @@ class FakeFanuc : public FanucComponent {
   std::vector<Ordered> faults_;
   double since_ = 0;
   std::atomic<bool> stepped_{false};
-  bool disturbed_ = false;
 };
 
 }  // namespace polyarm::fanuc
