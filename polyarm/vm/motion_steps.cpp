@@ -222,7 +222,7 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
   if (at_speed) {
     take_velocities(out, task.stack[velocities].value, *s.arguments.front(), s.motion, out.duration->value);
     out.duration.reset();
-    out.around = false;  // it goes where it is sent
+    out.around.reset();
   }
   out.step = task.step;
   const bool thesis = s.motion == Motion::moveto || s.moves_base();
