@@ -351,7 +351,7 @@ bool looks_around(const Request& request) {
   return request.around || !request.scene.empty();
 }
 
-Surroundings surroundings_of(const Request& request, const Setting& setting, Problems& problems) {
+PlanAround surroundings_of(const Request& request, const Setting& setting, Problems& problems) {
   description::Scene scene;
   scene.floor = false;
   if (!request.scene.empty()) {
@@ -369,12 +369,10 @@ Surroundings surroundings_of(const Request& request, const Setting& setting, Pro
                   "write 10mm");
     clearance = *given;
   }
-  if (setting.robots.size() > 1)
-    problems.warning("other-robots", {}, "the other robots of the cell are not obstacles of this plan");
-  return Surroundings(setting.facts(), setting.robot->tool, std::move(scene), clearance, problems);
+  return PlanAround(setting.robots, *setting.robot, scene, clearance, problems);
 }
 
-PlannedMotion from_moves_around(const Request& request, const Setting& setting, Surroundings& surroundings) {
+PlannedMotion from_moves_around(const Request& request, const Setting& setting, PlanAround& surroundings) {
   const kinematics::Chain& chain = setting.chain();
   const std::vector<double> start = start_of(request, setting);
   const NamedPlaces places{setting.facts(), setting.sets};
@@ -387,8 +385,7 @@ PlannedMotion from_moves_around(const Request& request, const Setting& setting, 
                           moves.size() == 1 ? "" : "s");
   describe_joints(out, chain, limits);
   if (speed.tcp > 0) out.tcp_speed_limit = speed.tcp;
-  for (Surroundings::Way& way :
-       surroundings.around(setting.facts(), start, moves, request.seed, request.seconds))
+  for (PlanAround::Way& way : surroundings.around(start, moves, request.seed, request.seconds))
     for (auto& section : way.path.sections) {
       plan_section(out, setting, std::move(section), limits, speed.tcp, acceleration.tcp);
       out.sections.back().name = way.name;
@@ -403,7 +400,7 @@ PlannedMotion planned(const Request& request, const Setting& setting, Problems& 
     return file ? from_file(request, setting, problems) : from_moves(request, setting, problems);
   if (file && request.around)
     throw Error("bad-value", "--around plans moves, not a trajectory file", "name moves: movej Pick");
-  Surroundings surroundings = surroundings_of(request, setting, problems);
+  PlanAround surroundings = surroundings_of(request, setting, problems);
   PlannedMotion out = request.around ? from_moves_around(request, setting, surroundings)
                       : file         ? from_file(request, setting, problems)
                                      : from_moves(request, setting, problems);

@@ -8,53 +8,13 @@
 #include <utility>
 
 #include "apps/plan_moves.hpp"
-#include "polyarm/hulls/robot_bodies.hpp"
 #include "polyarm/planning/pose_goals.hpp"
 
 namespace polyarm::apps {
 
 namespace {
 
-constexpr double kFingerThickness = 0.008;  // m, as in physics
-constexpr double kMeasureEvery = 0.005;     // s
-
-description::Shape pad(const description::Tool& tool, int side) {
-  description::Shape out;
-  out.size = {tool.finger_width, kFingerThickness, tool.finger_length};
-  out.pose = tool.tcp * Pose{{0, side * (tool.stroke + kFingerThickness) / 2, -tool.finger_length / 2}, {}};
-  return out;
-}
-
-/// The tool as a body of the robot; a parallel gripper is open.
-collision::AttachedBody body_of(const description::Tool& tool, int link) {
-  collision::AttachedBody out;
-  out.name = "tool " + tool.name;
-  out.link = link;
-  out.shapes = tool.body;
-  if (tool.gripper == description::GripperKind::parallel)
-    for (const int side : {-1, 1}) out.shapes.push_back(pad(tool, side));
-  return out;
-}
-
-void warn(Problems& problems, const std::string& what) {
-  problems.warning("no-body", {}, what + " has no known body: contacts with it are not found",
-                   "give it boxes, cylinders, spheres or capsules");
-}
-
-void make_bodies(description::RobotModel& model, description::Tool& tool, description::Scene& scene,
-                 Problems& problems) {
-  std::vector<description::Shape*> meshes;
-  const auto take = [&](std::vector<description::Shape>& shapes) {
-    for (description::Shape& shape : shapes)
-      if (shape.kind == description::ShapeKind::mesh && shape.pieces.empty()) meshes.push_back(&shape);
-  };
-  for (description::Link& link : model.links) take(link.collisions);
-  take(tool.body);
-  for (description::Fixture& fixture : scene.fixtures) take(fixture.shapes);
-  if (meshes.empty()) return;
-  for (Problem& problem : hulls::make_bodies(meshes, hulls::bodies_cache()).warnings)
-    problems.add(std::move(problem));
-}
+constexpr double kMeasureEvery = 0.005;  // s
 
 [[noreturn]] void refuse(const planning::Plan& plan, const std::string& move) {
   const char* code = "no-way";
@@ -93,40 +53,30 @@ std::vector<planning::JointState> goals_of(const moves::RobotFacts& robot, const
 
 }  // namespace
 
-Surroundings::Surroundings(const moves::RobotFacts& robot, const description::Tool& tool,
-                           description::Scene scene, double clearance, Problems& problems) {
-  description::RobotModel model = *robot.model;
-  description::Tool own = tool;
-  make_bodies(model, own, scene, problems);
-  collision::RobotBodyOptions options;
-  const int link = model.tool_link();
-  if (!own.body.empty() || own.gripper == description::GripperKind::parallel)
-    options.attached.push_back(body_of(own, link));
-  else if (own.name != "none")
-    warn(problems, "tool " + own.name);
-  const auto body = std::make_shared<const collision::RobotBody>(model, options);
-  for (const std::string& name : body->without_body()) warn(problems, "link " + name);
-  for (const std::string& pair : body->always_touching())
+PlanAround::PlanAround(const cell::CellRobots& robots, const cell::CellRobot& own,
+                       const description::Scene& scene, double clearance, Problems& problems)
+    : robot_(*own.facts), bodies_(cell::contact_bodies(robots, scene)) {
+  for (const Problem& problem : bodies_->warnings) problems.add(problem);
+  std::vector<surroundings::Robot> all = bodies_->robots;
+  surroundings::Moment moment = surroundings::start_of(scene);
+  std::size_t index = 0;
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    moment.robots.push_back({robots[r]->entry.base, robots[r]->start});
+    if (robots[r].get() == &own) index = r;
+  }
+  all[index].name.clear();
+  surroundings_ = std::make_unique<surroundings::Surroundings>(all, bodies_->scene, moment, index, clearance);
+  for (const std::string& pair : surroundings_->checker().robot().always_touching())
     problems.warning("always-in-contact", {},
                      "the links " + pair + " touch at home or nearly everywhere: this pair is not checked",
                      "correct their shapes, or state the pair in the SRDF");
-  for (const description::Fixture& fixture : scene.fixtures)
-    if (!fixture.shapes.empty() &&
-        std::all_of(fixture.shapes.begin(), fixture.shapes.end(), [](const auto& shape) {
-          return shape.kind == description::ShapeKind::mesh && shape.pieces.empty();
-        }))
-      warn(problems, "fixture " + fixture.name);
-  collision::CheckerOptions checks;
-  checks.T_world_base = robot.chain.base();
-  checks.clearance = clearance;
-  checker_ = std::make_unique<const collision::Checker>(body, collision::world_of(scene), checks);
-  probe_ = std::make_unique<collision::Probe>(*checker_);
 }
 
-std::vector<Surroundings::Way> Surroundings::around(const moves::RobotFacts& robot,
-                                                    const std::vector<double>& start,
-                                                    const std::vector<moves::Move>& moves, std::uint64_t seed,
-                                                    double seconds) {
+std::vector<PlanAround::Way> PlanAround::around(const std::vector<double>& start,
+                                                const std::vector<moves::Move>& moves, std::uint64_t seed,
+                                                double seconds) {
+  const moves::RobotFacts& robot = robot_;
+  collision::Probe& probe = surroundings_->probe();
   using Clock = std::chrono::steady_clock;
   std::vector<Way> out;
   std::vector<double> from = start;
@@ -143,9 +93,9 @@ std::vector<Surroundings::Way> Surroundings::around(const moves::RobotFacts& rob
     options.most_states = 200'000;
     const Clock::time_point end = Clock::now() + std::chrono::microseconds(std::llround(seconds * 1e6));
     options.stop = [end] { return Clock::now() > end; };
-    const planning::Plan plan = planning::plan(*probe_, query, options);
+    const planning::Plan plan = planning::plan(probe, query, options);
     if (plan.outcome != planning::PlanOutcome::found) refuse(plan, text);
-    const std::vector<double> radii = planning::corner_radii(*probe_, plan.waypoints, plan.exact);
+    const std::vector<double> radii = planning::corner_radii(probe, plan.waypoints, plan.exact);
     std::vector<paths::JointWaypoint> points;
     for (std::size_t k = 0; k < radii.size(); ++k) points.push_back({plan.waypoints[k], radii[k], {}});
     from = plan.waypoints.back();
@@ -160,14 +110,14 @@ std::vector<Surroundings::Way> Surroundings::around(const moves::RobotFacts& rob
   return out;
 }
 
-void Surroundings::measure(PlannedMotion& motion) {
+void PlanAround::measure(PlannedMotion& motion) {
   PlanState state(motion.joints.size());
   PlanClearance least;
   const auto steps = static_cast<std::size_t>(std::ceil(motion.duration / kMeasureEvery));
   for (std::size_t i = 0; i <= steps; ++i) {
     const double t = steps > 0 ? motion.duration * double(i) / double(steps) : 0;
     motion.at(t, state);
-    const collision::Contact contact = probe_->nearest(state.value[0]);
+    const collision::Contact contact = surroundings_->probe().nearest(state.value[0]);
     if (!(contact.distance < least.distance)) continue;
     least = {contact.distance, contact.first, contact.second, t, contact.on_second};
   }

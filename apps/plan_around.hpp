@@ -10,19 +10,19 @@
 #include "polyarm/description/scene.hpp"
 #include "polyarm/moves/move_plan.hpp"
 #include "polyarm/paths/joint_path.hpp"
-#include "polyarm/planning/planner.hpp"
+#include "polyarm/setup/bodies.hpp"
+#include "polyarm/surroundings/bodies.hpp"
 
 namespace polyarm::apps {
 
-/// The robot, its tool and the scene, compiled for checks.
-class Surroundings {
+/// One robot of a cell among everything else, for plans of the verb.
+class PlanAround {
  public:
-  /// Bodies of meshes are computed, or taken from the user's cache. Adds a warning for each link, tool or
-  /// fixture without a body. `clearance`: m. `scene` may be changed: its meshes get their pieces.
-  Surroundings(const moves::RobotFacts& robot, const description::Tool& tool, description::Scene scene,
-               double clearance, Problems& problems);
+  /// The other robots are at their starts. Bodies of meshes are computed, or taken from the user's cache.
+  /// Adds a warning for each link, tool or fixture without a body. `clearance`: m. Throws Error.
+  PlanAround(const cell::CellRobots& robots, const cell::CellRobot& own, const description::Scene& scene,
+             double clearance, Problems& problems);
 
-  collision::Probe& probe() { return *probe_; }
   /// A path around obstacles for each of `moves`, which must be joint moves, one behind the other; every
   /// section goes from stop to stop. Throws Error("start-in-contact" | "goal-in-contact" | "no-way" |
   /// "out-of-time" | "unreachable" | "bad-move") that names the move.
@@ -30,15 +30,16 @@ class Surroundings {
     std::string name;
     paths::PathSections path;
   };
-  std::vector<Way> around(const moves::RobotFacts& robot, const std::vector<double>& start,
-                          const std::vector<moves::Move>& moves, std::uint64_t seed, double seconds);
+  std::vector<Way> around(const std::vector<double>& start, const std::vector<moves::Move>& moves,
+                          std::uint64_t seed, double seconds);
   /// Measures the smallest clearance over the motion, every few ms. A contact is an error in the motion's
   /// problems.
   void measure(PlannedMotion& motion);
 
  private:
-  std::unique_ptr<const collision::Checker> checker_;
-  std::unique_ptr<collision::Probe> probe_;
+  const moves::RobotFacts& robot_;
+  std::shared_ptr<const cell::ContactBodies> bodies_;
+  std::unique_ptr<surroundings::Surroundings> surroundings_;
 };
 
 }  // namespace polyarm::apps

@@ -2,7 +2,7 @@
 # library, a stack that cannot jump over its end, and tables of addresses that are read-only once the program is loaded.
 # Rooms that only calculate, on numbers and not on foreign bytes, leave the guard and its nanoseconds out.
 set(POLYARM_HARDENED FALSE)
-set(POLYARM_RECKONING_ROOMS simd kinematics closed_form descent ik collision planning paths trajectory timing)
+set(POLYARM_RECKONING_ROOMS simd kinematics closed_form descent ik collision planning surroundings paths trajectory timing)
 set(POLYARM_RECKONING_OPTIONS "")
 if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT POLYARM_SANITIZE AND CMAKE_SYSTEM_NAME STREQUAL "Linux")
   set(POLYARM_HARDENED TRUE)

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "polyarm/description/model_builder.hpp"
+#include "polyarm/description/tools.hpp"
 
 namespace polyarm::drivers {
 
@@ -248,7 +249,7 @@ class Writer {
   }
 
   void finger(std::size_t r, const description::Tool& tool, int side) {
-    constexpr double kThickness = 0.008;
+    constexpr double kThickness = description::kFingerThickness;
     const double sign = side == 0 ? 1 : -1;
     Pose at = tool.tcp;
     at = at * Pose{{0, sign * tool.stroke / 2, 0}, {}};

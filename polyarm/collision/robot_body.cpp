@@ -150,14 +150,14 @@ void RobotBody::add_links(const RobotModel& model, const RobotBodyOptions& optio
 
 /// For each frame from the link to the base: the largest distance of the link's points from the frame's axis
 /// (slides: 1), by the triangle inequality over the frames between.
-std::vector<double> RobotBody::levers_by_frame(const LinkBody& link) const {
+std::vector<double> RobotBody::levers_by_frame(int own, std::span<const Ball> balls) const {
   std::vector<double> out(frames_.size(), 0);
   double axis_distance = 0, radius = 0;  // of the points, about the axis and about the origin of the frame
-  for (const Ball& ball : link.spheres) {
+  for (const Ball& ball : balls) {
     axis_distance = std::max(axis_distance, std::hypot(ball.center.x, ball.center.y) + ball.radius);
     radius = std::max(radius, norm(ball.center) + ball.radius);
   }
-  for (int k = link.frame; k >= 0; k = frames_[at(k)].parent) {
+  for (int k = own; k >= 0; k = frames_[at(k)].parent) {
     const JointFrame& frame = frames_[at(k)];
     out[at(k)] = frame.slides ? 1 : axis_distance;
     const Vec3& t = frame.at.position;
@@ -168,15 +168,38 @@ std::vector<double> RobotBody::levers_by_frame(const LinkBody& link) const {
   return out;
 }
 
+std::vector<double> RobotBody::levers_of(int own, std::span<const Ball> balls) const {
+  const std::vector<double> by_frame = levers_by_frame(own, balls);
+  std::vector<double> out(variables_, 0);
+  for (int k = own; k >= 0; k = frames_[at(k)].parent) {
+    const JointFrame& frame = frames_[at(k)];
+    if (frame.ratio != 0) out[frame.variable] += std::abs(frame.ratio) * by_frame[at(k)];
+  }
+  return out;
+}
+
+std::vector<double> RobotBody::pair_levers(int first_frame, std::span<const Ball> first, int second_frame,
+                                           std::span<const Ball> second) const {
+  std::vector<bool> above_first(frames_.size(), false), above_second(frames_.size(), false);
+  for (int k = first_frame; k >= 0; k = frames_[at(k)].parent) above_first[at(k)] = true;
+  for (int k = second_frame; k >= 0; k = frames_[at(k)].parent) above_second[at(k)] = true;
+  const std::vector<double> lever_first = levers_by_frame(first_frame, first),
+                            lever_second = levers_by_frame(second_frame, second);
+  std::vector<double> out(variables_, 0);
+  for (std::size_t k = 0; k < frames_.size(); ++k)
+    if (above_first[k] != above_second[k] && frames_[k].ratio != 0)
+      out[frames_[k].variable] +=
+          std::abs(frames_[k].ratio) * (above_first[k] ? lever_first[k] : lever_second[k]);
+  return out;
+}
+
 void RobotBody::find_levers() {
   for (const LinkBody& link : links_) {
-    const std::vector<double> by_frame = levers_by_frame(link);
-    std::vector<double> lever(variables_, 0);
+    const std::vector<double> lever = levers_of(link.frame, link.spheres);
     double reach = 0;
     for (const Ball& ball : link.spheres) reach = std::max(reach, norm(ball.center) + ball.radius);
     for (int k = link.frame; k >= 0; k = frames_[at(k)].parent) {
       const JointFrame& frame = frames_[at(k)];
-      if (frame.ratio != 0) lever[frame.variable] += std::abs(frame.ratio) * by_frame[at(k)];
       reach += norm(frame.at.position) + frame.travel;
     }
     levers_.insert(levers_.end(), lever.begin(), lever.end());
@@ -209,6 +232,11 @@ void add_pair(Pairs& pairs, int a, int b) {
 Pairs left_out(const RobotModel& model, const RobotBodyOptions& options, std::vector<std::string>& always) {
   Pairs out;
   for (const auto& pair : model.allowed_collisions) add_pair(out, pair[0], pair[1]);
+  const int links = static_cast<int>(model.links.size());
+  for (int a = 0; a < links; ++a)
+    for (int b = a + 1; b < links; ++b)
+      if (model.links[at(a)].contact.self_collide == false || model.links[at(b)].contact.self_collide == false)
+        add_pair(out, a, b);
   for (const description::LinkPair& pair : description::needless_pairs(model, options.samples)) {
     if (pair.reason == description::PairReason::never) continue;
     const bool is_new = out.insert({pair.first, pair.second}).second;
@@ -240,16 +268,7 @@ void RobotBody::find_pairs(const RobotModel& model, const RobotBodyOptions& opti
       if (!links_only && (touching.contains({static_cast<int>(b), first.link}) ||
                           touching.contains({static_cast<int>(a), second.link})))
         continue;
-      LinkPairBody pair{a, b, std::vector<double>(variables_, 0)};
-      std::vector<bool> above_first(frames_.size(), false), above_second(frames_.size(), false);
-      for (int k = first.frame; k >= 0; k = frames_[at(k)].parent) above_first[at(k)] = true;
-      for (int k = second.frame; k >= 0; k = frames_[at(k)].parent) above_second[at(k)] = true;
-      const std::vector<double> lever_first = levers_by_frame(first), lever_second = levers_by_frame(second);
-      for (std::size_t k = 0; k < frames_.size(); ++k)
-        if (above_first[k] != above_second[k] && frames_[k].ratio != 0)
-          pair.lever[frames_[k].variable] +=
-              std::abs(frames_[k].ratio) * (above_first[k] ? lever_first[k] : lever_second[k]);
-      pairs_.push_back(std::move(pair));
+      pairs_.push_back({a, b, pair_levers(first.frame, first.spheres, second.frame, second.spheres)});
     }
 }
 

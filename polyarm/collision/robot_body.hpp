@@ -78,6 +78,15 @@ class RobotBody {
   const std::vector<std::string>& always_touching() const noexcept { return always_; }
   /// Names of links that have shapes, but none that is known.
   const std::vector<std::string>& without_body() const noexcept { return unknown_; }
+  /// The joint frame that a link of the model is rigid with (-1: the base), and the link's pose in it.
+  int frame_of(int link) const noexcept { return frame_of_link_[static_cast<std::size_t>(link)]; }
+  const Pose& pose_in_frame(int link) const noexcept { return pose_in_frame_[static_cast<std::size_t>(link)]; }
+  /// How far any point of `balls`, which are rigid with a joint frame, goes per rad or m of each joint, m: by
+  /// variable.
+  std::vector<double> levers_of(int frame, std::span<const Ball> balls) const;
+  /// How far the distance of two bodies of this robot can change per rad or m of each joint, m: by variable.
+  std::vector<double> pair_levers(int first_frame, std::span<const Ball> first, int second_frame,
+                                  std::span<const Ball> second) const;
   /// Poses of all joint frames in the base. `out` has frames().size() poses.
   void place(std::span<const double> q, std::span<Pose> out) const noexcept;
   /// A bound on the distance of a link's points from the base's origin, m; may be infinite.
@@ -88,7 +97,7 @@ class RobotBody {
   void add_links(const description::RobotModel& model, const RobotBodyOptions& options);
   void find_levers();
   void find_pairs(const description::RobotModel& model, const RobotBodyOptions& options);
-  std::vector<double> levers_by_frame(const LinkBody& link) const;
+  std::vector<double> levers_by_frame(int frame, std::span<const Ball> balls) const;
 
   std::size_t variables_ = 0;
   std::vector<JointFrame> frames_;

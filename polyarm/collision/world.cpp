@@ -69,14 +69,4 @@ void World::add(const std::string& name, const HalfSpace& half_space) {
   add(std::move(obstacle));
 }
 
-World world_of(const description::Scene& scene) {
-  World out;
-  if (scene.floor) out.add("the floor", HalfSpace{{0, 0, 1}, scene.floor_height});
-  for (const description::Fixture& fixture : scene.fixtures)
-    for (const Shape& shape : fixture.shapes) out.add("fixture " + fixture.name, shape, fixture.pose);
-  for (const description::Part& part : scene.parts)
-    if (part.feeder.empty()) out.add("part " + part.name, part.shape, part.start);
-  return out;
-}
-
 }  // namespace polyarm::collision

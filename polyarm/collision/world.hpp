@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "polyarm/collision/convex_body.hpp"
-#include "polyarm/description/scene.hpp"
+#include "polyarm/description/robot_model.hpp"
 
 namespace polyarm::collision {
 
@@ -43,9 +43,5 @@ class World {
   void add(Obstacle obstacle);
   std::vector<Obstacle> obstacles_;
 };
-
-/// Fixtures (of movers: at position zero), parts that are present from the start, and the floor of a scene.
-/// Parts that a feeder brings are left out.
-World world_of(const description::Scene& scene);
 
 }  // namespace polyarm::collision

@@ -9,6 +9,9 @@
 
 namespace polyarm::description {
 
+/// Thickness of the finger pads of a parallel gripper, m; each lies outside of the gap.
+inline constexpr double kFingerThickness = 0.008;
+
 /// The names of the built-in tools: none, suction_cup, parallel_gripper.
 const std::vector<std::string>& built_in_tools();
 /// A built-in tool, or the file `name` (or `name.yaml`) in `folder` (`polyarm: tool/1`). Throws Error with

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/bodies.hpp"
-#include "polyarm/hulls/robot_bodies.hpp"
 #include "polyarm/moves/holding.hpp"
+#include "polyarm/setup/floor.hpp"
+#include "polyarm/surroundings/bodies.hpp"
 
 namespace polyarm::cell {
 
@@ -45,40 +47,65 @@ void add_robot(const CellRobot& robot, std::vector<Problem>& out) {
         {{"robot", name}, {"tool", robot.tool.name}}));
 }
 
-void make(const std::vector<description::Shape*>& shapes, const std::string& of, const Location& where,
-          Problems& problems) {
-  for (Problem& problem : hulls::make_bodies(shapes, hulls::bodies_cache()).warnings) {
-    problem.what = of + ": " + problem.what;
-    if (problem.where.file.empty()) problem.where = where;
-    problems.add(std::move(problem));
-  }
-}
 }  // namespace
 
 void make_robot_bodies(const CellRobots& robots, Problems& problems) {
   for (const auto& robot : robots) {
     if (!checks_contacts(*robot)) continue;
-    std::vector<description::Shape*> shapes;
-    for (description::Link& link : robot->model.links)
-      for (description::Shape& shape : link.collisions) shapes.push_back(&shape);
-    for (description::Shape& shape : robot->tool.body) shapes.push_back(&shape);
-    make(shapes, robot->entry.name, robot->entry.where, problems);
+    Problems found;
+    surroundings::make_meshes(robot->model, robot->tool, robot->entry.name, found);
+    for (Problem problem : found.list()) {
+      if (problem.where.file.empty()) problem.where = robot->entry.where;
+      problems.add(std::move(problem));
+    }
   }
 }
 
 void make_scene_bodies(const CellRobots& robots, description::Scene& scene, Problems& problems) {
-  if (std::none_of(robots.begin(), robots.end(), [](const auto& robot) { return checks_contacts(*robot); })) return;
-  for (description::Fixture& fixture : scene.fixtures) {
-    std::vector<description::Shape*> shapes;
-    for (description::Shape& shape : fixture.shapes) shapes.push_back(&shape);
-    make(shapes, "fixture " + fixture.name, {}, problems);
-  }
+  if (std::any_of(robots.begin(), robots.end(), [](const auto& robot) { return checks_contacts(*robot); }))
+    surroundings::make_meshes(scene, problems);
 }
 
 bool checks_contacts(const CellRobot& robot) {
   if (robot.blocks.empty()) return robot.driver == "mujoco";
   return std::any_of(robot.blocks.begin(), robot.blocks.end(),
                      [](const HardwareBlock& block) { return block.driver == "mujoco"; });
+}
+
+namespace {
+/// It stands free or has wheels, or is on a robot that does.
+bool can_move(const CellRobot& robot, const CellRobots& robots) {
+  const std::vector<char> rolling = description::links_on_the_floor(robot.model, false);
+  if (stands_free(robot) || std::find(rolling.begin(), rolling.end(), 1) != rolling.end()) return true;
+  return std::any_of(robots.begin(), robots.end(), [&](const auto& other) {
+    return other.get() != &robot && other->entry.name == robot.entry.on && can_move(*other, {});
+  });
+}
+}  // namespace
+
+std::shared_ptr<const ContactBodies> contact_bodies(const CellRobots& robots, const description::Scene& scene) {
+  const auto out = std::make_shared<ContactBodies>();
+  Problems problems;
+  out->scene = scene;
+  surroundings::make_meshes(out->scene, problems);
+  for (const auto& robot : robots) out->models.push_back(robot->model), out->tools.push_back(robot->tool);
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    const CellRobot& robot = *robots[r];
+    surroundings::make_meshes(out->models[r], out->tools[r], robot.entry.name, problems);
+    surroundings::Robot one{robot.entry.name, &out->models[r], &out->tools[r], -1, can_move(robot, robots), {}};
+    for (std::size_t i = 0; i < robots.size(); ++i)
+      if (!robot.entry.on.empty() && robots[i]->entry.name == robot.entry.on) one.on = static_cast<int>(i);
+    one.body = surroundings::robot_body(one);
+    out->robots.push_back(std::move(one));
+  }
+  std::set<std::string> without;
+  for (const surroundings::Robot& robot : out->robots)
+    for (const std::string& what : surroundings::without_body(robot, out->scene)) without.insert(what);
+  for (const std::string& what : without)
+    problems.warning("no-body", {}, what + " has no known body: contacts with it are not found",
+                     "give it boxes, cylinders, spheres or capsules");
+  out->warnings = problems.list();
+  return out;
 }
 
 std::vector<Problem> unchecked_bodies(const CellRobots& robots, const description::Scene& scene) {

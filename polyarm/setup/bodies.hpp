@@ -6,6 +6,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/description/scene.hpp"
 #include "polyarm/setup/robots.hpp"
+#include "polyarm/surroundings/bodies.hpp"
 
 namespace polyarm::cell {
 
@@ -16,6 +17,19 @@ bool checks_contacts(const CellRobot& robot);
 void make_robot_bodies(const CellRobots& robots, Problems& problems);
 /// The same for the fixtures of the scene, if physics plays a robot.
 void make_scene_bodies(const CellRobots& robots, description::Scene& scene, Problems& problems);
+
+/// Robots and scene of a cell as contacts see them, whatever its hardware. Copies, so that their meshes can get
+/// their pieces beside a running cell. Const once it is made: any thread.
+struct ContactBodies {
+  std::vector<description::RobotModel> models;
+  std::vector<description::Tool> tools;
+  description::Scene scene;
+  std::vector<surroundings::Robot> robots;  ///< in the order of the cell; refer to models and tools
+  std::vector<Problem> warnings;            ///< meshes that cannot be read, and bodies that are missing
+};
+/// Reads the disk; takes milliseconds, the first time for a mesh seconds. Throws Error for a robot that has too
+/// many bodies, or shapes that are not finite.
+std::shared_ptr<const ContactBodies> contact_bodies(const CellRobots& robots, const description::Scene& scene);
 /// One for each robot, tool and fixture that passes through everything: a warning of code no-contacts (robot,
 /// driver), links-without-body (robot, count, all, links), tool-without-body (robot, tool) or
 /// fixture-without-body (fixture).

@@ -33,13 +33,6 @@ double depth_of(const description::Shape& shape, const Vec3& up) {
   return 0;
 }
 
-bool stands_free(const CellRobot& robot) {
-  return std::any_of(robot.blocks.begin(), robot.blocks.end(), [](const HardwareBlock& block) {
-    const auto base = block.info->parameters.find("base");
-    return base != block.info->parameters.end() && base->second == "free";
-  });
-}
-
 /// Is there a joint that moves between the link and the root?
 bool moves(const description::RobotModel& model, std::size_t link) {
   for (int joint = model.links[link].parent_joint; joint >= 0;) {
@@ -51,6 +44,13 @@ bool moves(const description::RobotModel& model, std::size_t link) {
 }
 
 }  // namespace
+
+bool stands_free(const CellRobot& robot) {
+  return std::any_of(robot.blocks.begin(), robot.blocks.end(), [](const HardwareBlock& block) {
+    const auto base = block.info->parameters.find("base");
+    return base != block.info->parameters.end() && base->second == "free";
+  });
+}
 
 double lowest_point(const CellRobot& robot) {
   double lowest = std::numeric_limits<double>::infinity();

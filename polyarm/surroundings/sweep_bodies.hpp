@@ -1,0 +1,54 @@
+#pragma once
+/// The bodies that Sweep follows, and which of them may not touch. Private to this room. Metres.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "polyarm/surroundings/bodies.hpp"
+
+namespace polyarm::surroundings {
+
+enum class BodyKind { link, tool, fingers, part, fixture, floor };
+
+/// Convex pieces in the frame of their owner: a joint frame, a part, a fixture, the world.
+struct SweptBody {
+  std::string name;
+  BodyKind kind = BodyKind::link;
+  int robot = -1, frame = -1;  ///< of a robot
+  int part = -1, fixture = -1;
+  int link = -1;  ///< of the model
+  std::vector<collision::ConvexBody> pieces;
+  std::vector<collision::Ball> balls;  ///< of each piece
+  collision::Ball around;
+  std::vector<double> lever;               ///< of a robot: by variable
+  bool is_root = false, is_first = false;  ///< rigid with the root; behind the first joint
+  bool rolls = false;                      ///< may touch the floor
+  bool is_static = false;                  ///< floor, and fixtures without a mover
+
+  bool of_robot() const { return robot >= 0 && part < 0; }
+};
+
+/// All bodies of a cell. `robots` and `scene` outlive it.
+class SweepBodies {
+ public:
+  SweepBodies(std::vector<Robot> robots, const description::Scene& scene);
+
+ protected:
+  /// Two bodies, neither a part, that are not of one robot: may they not touch?
+  bool counts(const SweptBody& a, const SweptBody& b) const;
+
+  std::vector<Robot> robots_;
+  const description::Scene& scene_;
+  std::vector<std::shared_ptr<const collision::RobotBody>> models_;
+  std::vector<std::size_t> first_body_;       // of each robot
+  std::vector<std::vector<char>> near_tool_;  // of each robot, by link: what its tool may touch
+  std::vector<int> tool_frame_;
+  std::vector<SweptBody> bodies_;
+
+ private:
+  void add_robot(std::size_t r);
+  void add_fixture(std::size_t f);
+  bool may_meet(const SweptBody& a, const SweptBody& b) const;
+};
+
+}  // namespace polyarm::surroundings
