@@ -247,8 +247,9 @@ void Stage::queue(ProgramMoves::Prepared move, const Asked& asked) {
   if (arm.with != move.with) plan(arm);
   arm.with = move.with;
   for (moves::Move& one : move.moves) {
+    if (moves::bends(one)) plan(arm);  // it is planned alone
     arm.waiting.push_back({std::move(one), asked});
-    if (arm.waiting.back().first.blend <= 0) plan(arm);
+    if (arm.waiting.back().first.blend <= 0 || moves::bends(arm.waiting.back().first)) plan(arm);
   }
 }
 
@@ -262,7 +263,8 @@ void Stage::plan(Arm& arm) {
     for (const auto& [move, asked] : arm.waiting) moves.push_back(move);
     const moves::RobotFacts& facts = arm.with ? *arm.with : *arm.robot->facts;
     try {
-      moves::MovePlan plan = moves::plan_moves(facts, arm.at, moves, cell_.motions->plan_options());
+      moves::MovePlan plan = moves::plan_moves_around(facts, arm.at, moves, obstacles(arm, moves).get(),
+                                                      cell_.motions->plan_options());
       if (with_paths_) keep_paths(arm, facts, plan);
       for (const moves::MovePlan::Warning& warning : plan.warnings)
         tell(warning.problem, arm.waiting[warning.move].second, true);
@@ -282,6 +284,25 @@ void Stage::plan(Arm& arm) {
       arm.lost = true;
     }
   }
+}
+
+/// Fixtures that do not move, the floor and the other robots: what is there in every run. Null where no move
+/// goes around obstacles.
+std::shared_ptr<moves::Obstacles> Stage::obstacles(const Arm& arm, const std::vector<moves::Move>& moves) {
+  if (std::none_of(moves.begin(), moves.end(), [](const moves::Move& move) { return move.around; }))
+    return nullptr;
+  if (!fixed_) {
+    fixed_scene_ = cell_.setup.scene;
+    fixed_scene_.parts.clear();
+    std::erase_if(fixed_scene_.fixtures,
+                  [](const description::Fixture& fixture) { return !fixture.mover.empty(); });
+    fixed_ = std::make_shared<SharedBodies>(cell_.setup.robots, fixed_scene_);
+  }
+  surroundings::Moment moment;
+  for (const Arm& each : arms_) moment.robots.push_back({each.robot->entry.base, each.at});
+  AroundOptions options;
+  options.clearance = cell_.setup.file.clearance;
+  return obstacles_around(fixed_, std::move(moment), static_cast<std::size_t>(&arm - arms_.data()), options);
 }
 
 /// What a move sets on its way, by length or time, is set between its ends.

@@ -129,6 +129,7 @@ class Stage : public program::Host {
 
   void queue(ProgramMoves::Prepared move, const Asked& asked);
   void plan(Arm& arm);
+  std::shared_ptr<moves::Obstacles> obstacles(const Arm& arm, const std::vector<moves::Move>& moves);
   static std::vector<double> end_of(const Arm& arm, std::size_t count);
   void stay(Arm& arm, std::vector<double> at);
   void fail_as_supposed(const Location& where);
@@ -170,6 +171,8 @@ class Stage : public program::Host {
   mutable std::optional<program::Certainty> certainty_;
   std::set<std::pair<std::string, std::string>> told_;
   mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< of points that name a frame
+  description::Scene fixed_scene_;
+  std::shared_ptr<SharedBodies> fixed_;  ///< of the robots and `fixed_scene_`
   Rehearsal out_;
 };
 

@@ -19,9 +19,9 @@ bool is_comparison(Operator op) {
 }
 
 const char* spelling(Clause::Kind kind) {
-  static constexpr const char* kSpellings[] = {"robot",  "tool",  "frame", "payload",  "near",
-                                               "speed",  "accel", "blend", "duration", "exact",
-                                               "smooth", "until", "at"};
+  static constexpr const char* kSpellings[] = {"robot",  "tool",   "frame", "payload", "near",
+                                               "around", "speed",  "accel", "blend",   "duration",
+                                               "exact",  "smooth", "until", "at"};
   return kSpellings[static_cast<int>(kind)];
 }
 

@@ -85,6 +85,7 @@ struct Clause {
     frame,
     payload,
     near,
+    around,
     speed,
     accel,
     blend,

@@ -10,11 +10,11 @@ namespace polyarm::program {
 namespace {
 using Kind = Statement::Kind;
 
-constexpr std::array kClauses = {Clause::Kind::robot,   Clause::Kind::tool,   Clause::Kind::frame,
-                                 Clause::Kind::payload, Clause::Kind::near,   Clause::Kind::speed,
-                                 Clause::Kind::accel,   Clause::Kind::blend,  Clause::Kind::duration,
-                                 Clause::Kind::exact,   Clause::Kind::smooth, Clause::Kind::until,
-                                 Clause::Kind::at};
+constexpr std::array kClauses = {Clause::Kind::robot,    Clause::Kind::tool,  Clause::Kind::frame,
+                                 Clause::Kind::payload,  Clause::Kind::near,  Clause::Kind::around,
+                                 Clause::Kind::speed,    Clause::Kind::accel, Clause::Kind::blend,
+                                 Clause::Kind::duration, Clause::Kind::exact, Clause::Kind::smooth,
+                                 Clause::Kind::until,    Clause::Kind::at};
 
 std::optional<Clause::Kind> clause_at(const TokenCursor& cursor, std::size_t ahead) {
   for (const Clause::Kind kind : kClauses)

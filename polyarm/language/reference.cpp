@@ -107,7 +107,7 @@ statement = ( load | import ) NAME | include TEXT | log EXPR | CALL
           | task NAME block | together block | when EXPR block | on stop block
           | meet NAME [timeout EXPR [else block]] | lock NAME [timeout EXPR] block
           | test TEXT block | run [TEXT] | expect EXPR [timeout EXPR]
-clause    = [,] ( robot | tool | frame | payload | near | speed | accel | blend | duration ) EXPR | exact | smooth
+clause    = [,] ( robot | tool | frame | payload | near | around | speed | accel | blend | duration ) EXPR | exact | smooth
           | until EXPR [else block] | at ( start [+ EXPR] | end [- EXPR] ) set NAME = EXPR
 EXPR      = or < and < not < ( == != < <= > >= ) < ( + - ) < ( * / mod ) < unary - < ^ < .NAME (…) […]
 primary   = NUMBER[UNIT] | TEXT | true | false | NAME | ( EXPR ) | [ EXPR, … ] | { NAME = EXPR, … }

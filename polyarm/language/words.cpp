@@ -109,6 +109,13 @@ std::vector<Word> motion_words() {
        "# given P: point 0.4 0 0.3\n# given Home: joints\n"
        "movej P, near Home                       # expect move: joint P near {elbow: 0.5} exact",
        ""},
+      {"around", kClause, "around true, around false",
+       "A joint move goes around obstacles; a line or an arc stays as it is, and is refused before it hits "
+       "one.",
+       "# given P: point 0.4 0 0.3\nmovej P, around true                     # expect move: joint P around "
+       "true "
+       "exact",
+       ""},
       {"speed", kClause, "speed 500mm/s, 30deg/s, 50%",
        "Of the tool, of its turning or of the joints, or a share of what the robot can.",
        "# given P: point 0.4 0 0.3\nmovel P, speed 50%                       # expect move: line P speed 0.5 "

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/realtime/periodic.hpp"
 #include "polyarm/setup/controllers_start.hpp"
 
 namespace polyarm::cell {
@@ -12,6 +13,16 @@ namespace polyarm::cell {
 Motions::Motions(const CellSetup& setup, Machine& machine, Arming& arming, const ContactWatch& contacts,
                  Observer& observer)
     : setup_(setup), machine_(machine), arming_(arming), contacts_(contacts), observer_(observer) {}
+
+namespace {
+/// Without a scene file the floor is a guess of physics, and nothing to run into.
+std::shared_ptr<SharedBodies> bodies_of(const CellSetup& setup) {
+  if (!setup.file.scene.empty()) return std::make_shared<SharedBodies>(setup.robots, setup.scene);
+  const auto scene = std::make_shared<description::Scene>(setup.scene);
+  scene->floor = false;
+  return {new SharedBodies(setup.robots, *scene), [scene](const SharedBodies* bodies) { delete bodies; }};
+}
+}  // namespace
 
 void Motions::build(Worker& planner) {
   for (const auto& robot : setup_.robots) {
@@ -23,10 +34,18 @@ void Motions::build(Worker& planner) {
                                       [&planner](std::function<void()> job) { planner.post(std::move(job)); })
                                 : nullptr);
     if (motions_.back()) motions_.back()->set_planned(robot->start);
+    if (motions_.back())
+      motions_.back()->set_look_around(
+          [this, index = motions_.size() - 1] { return obstacles(index, moment()); });
     controllers::DiffDriveController* wheels = base_controller_of(*robot, machine_.controllers());
     bases_.push_back(wheels ? std::make_unique<moves::BaseMotion>(*wheels, seconds(machine_.period()))
                             : nullptr);
     places_.emplace_back(*robot, machine_.table(), wheels);
+  }
+  bodies_ = bodies_of(setup_);
+  for (const description::Mover& mover : setup_.scene.movers) {
+    const auto state = machine_.table().find_state("scene/" + mover.name + "/position");
+    movers_.push_back(state ? static_cast<int>(*state) : -1);
   }
   for (std::size_t i = 0; i < setup_.robots.size(); ++i)
     for (std::size_t k = 0; k < setup_.robots.size(); ++k)
@@ -107,6 +126,41 @@ Pose Motions::tcp(std::size_t robot) const {
   for (std::size_t j = 0; j < places.size() && j < q.size(); ++j)
     q[j] = places[j].state >= 0 ? snapshot.states[static_cast<std::size_t>(places[j].state)] : 0;
   return r.facts->chain.forward({q.data(), r.joints.size()});
+}
+
+surroundings::Moment Motions::moment() const {
+  const control::Snapshot& snapshot = machine_.snapshot();
+  surroundings::Moment out;
+  const std::vector<double> joints = machine_.joint_places().commanded(snapshot);
+  std::size_t next = 0;
+  for (std::size_t r = 0; r < setup_.robots.size(); ++r) {
+    const std::size_t count = setup_.robots[r]->joints.size();
+    const auto first = joints.begin() + static_cast<std::ptrdiff_t>(next);
+    out.robots.push_back({places_[r].moves() ? places_[r].pose(snapshot) : setup_.robots[r]->entry.base,
+                          {first, first + static_cast<std::ptrdiff_t>(count)}});
+    next += count;
+  }
+  for (std::size_t p = 0; p < snapshot.world.parts.size() && p < setup_.scene.parts.size(); ++p) {
+    const hardware::PartState& part = snapshot.world.parts[p];
+    out.parts.push_back({part.pose, part.in_world, part.held_by});
+  }
+  for (const int mover : movers_)
+    out.movers.push_back(mover < 0 ? 0 : snapshot.states[static_cast<std::size_t>(mover)]);
+  return out;
+}
+
+std::shared_ptr<moves::Obstacles> Motions::obstacles(std::size_t robot, surroundings::Moment moment) const {
+  AroundOptions options;
+  options.clearance = setup_.file.clearance;
+  if (!setup_.options.lock_step) {
+    constexpr Nanoseconds kPatience = 10'000'000'000;
+    const auto end = std::make_shared<Nanoseconds>(0);
+    options.stop = [end] {  // counted from its first call: other moves may be planned before
+      if (*end == 0) *end = realtime::monotonic_now() + kPatience;
+      return realtime::monotonic_now() > *end;
+    };
+  }
+  return obstacles_around(bodies_, std::move(moment), robot, std::move(options));
 }
 
 std::vector<Vec3> Motions::tcps() const {

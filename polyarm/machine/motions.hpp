@@ -12,6 +12,7 @@
 #include "polyarm/jog/jog_controller.hpp"
 #include "polyarm/joint_control/joint_trajectory_controller.hpp"
 #include "polyarm/machine/arming.hpp"
+#include "polyarm/machine/around.hpp"
 #include "polyarm/machine/contact_watch.hpp"
 #include "polyarm/machine/machine.hpp"
 #include "polyarm/moves/base_motion.hpp"
@@ -54,6 +55,13 @@ class Motions {
   /// Where the TCP is, in the world, as if the robot's base stood where the cell's file puts it.
   Pose tcp(std::size_t robot) const;
   std::vector<Vec3> tcps() const;
+
+  /// Where everything is now: joints as commanded, parts as a simulation tells.
+  surroundings::Moment moment() const;
+  /// Robots and scene as contacts see them; made at the first use.
+  const std::shared_ptr<SharedBodies>& bodies() const { return bodies_; }
+  /// What is around a robot at a moment, for its moves.
+  std::shared_ptr<moves::Obstacles> obstacles(std::size_t robot, surroundings::Moment moment) const;
 
   /// Moves end on their paths.
   void end();
@@ -98,6 +106,8 @@ class Motions {
   std::vector<std::unique_ptr<moves::RobotMotion>> motions_;
   std::vector<std::unique_ptr<moves::BaseMotion>> bases_;
   std::vector<MovingBase> places_;
+  std::vector<int> movers_;  // index of the state of each mover of the scene; -1: none
+  std::shared_ptr<SharedBodies> bodies_;
   std::vector<controllers::JointTrajectoryController*> followers_;
   std::set<std::string> reported_;  // warnings of moves; a loop says them once
   std::string profile_ = "full";

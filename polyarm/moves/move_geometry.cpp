@@ -61,6 +61,12 @@ class Geometry {
     return q;
   }
 
+  static double distance_of(const Values& a, const Values& b) {
+    Values way(a.size());
+    for (std::size_t j = 0; j < a.size(); ++j) way[j] = b[j] - a[j];
+    return norm_of(way);
+  }
+
   void joint_run(MoveRun& run) {
     std::vector<paths::JointWaypoint> points{{q_, 0, "the start"}};
     std::vector<double> ends{0};
@@ -69,16 +75,23 @@ class Geometry {
       try {
         const Pose* pose = std::get_if<Pose>(&target.at);
         const Values q = pose ? joints_for(r_.robot, *pose, points.back().q, target.name) : joints_of(target);
-        Values way(q.size());
-        for (std::size_t j = 0; j < q.size(); ++j) way[j] = q[j] - points.back().q[j];
-        ends.push_back(ends.back() + norm_of(way));
+        Values before = points.back().q;
+        double length = 0;
+        for (const Move::Corner& corner : r_.moves[i].over) {
+          check_joints(r_.robot, corner.at, target.name);
+          points.push_back({corner.at, corner.radius, {}});
+          length += distance_of(before, corner.at);
+          before = corner.at;
+        }
+        ends.push_back(ends.back() + length + distance_of(before, q));
         points.push_back({q, i == run.last ? 0 : r_.moves[i].blend, target.name});
       } catch (const Error& why) {
         throw MoveError(why, i);
       }
     }
     paths::JointPathOptions options;
-    options.tcp_distance = r_.distance;
+    // Corners of a way around obstacles have radii in joint space; such a move stands alone.
+    if (r_.moves[run.first].over.empty()) options.tcp_distance = r_.distance;
     const bool curve = goes_through(r_.moves[run.first]) && points.size() > 2;
     auto path = curve ? paths::joint_spline(points, options) : paths::joint_lines(points, options);
     if (curve) pass_points(*path.sections.front(), run.first, points, ends);

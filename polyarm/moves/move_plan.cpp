@@ -28,7 +28,8 @@ class Planner {
     for (std::size_t i = 0; i < r_.moves.size();) {
       std::size_t last = i;
       while (last + 1 < r_.moves.size() && belong_together(i, last)) ++last;
-      add(move_geometry(r_, i, last, q, plan_.warnings), i > 0 && r_.moves[i - 1].blend > 0);
+      add(move_geometry(r_, i, last, q, plan_.warnings),
+          i > 0 && r_.moves[i - 1].blend > 0 && r_.moves[i].over.empty() && r_.moves[i - 1].over.empty());
       i = last + 1;
     }
     close();
@@ -41,6 +42,7 @@ class Planner {
   bool belong_together(std::size_t first, std::size_t last) const {
     const Move& next = r_.moves[last + 1];
     if (is_cartesian(next) != is_cartesian(r_.moves[first])) return false;
+    if (!next.over.empty() || !r_.moves[last].over.empty()) return false;
     if (goes_through(r_.moves[first])) return goes_through(r_.moves[last]);
     return r_.moves[last].blend > 0 && !goes_through(next);
   }

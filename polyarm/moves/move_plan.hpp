@@ -37,6 +37,14 @@ struct Move {
   /// moves: consecutive ones, with the move after them, form one natural cubic spline in joint space. Ignored
   /// for the last move.
   bool through = false;
+  /// A joint move that goes around obstacles. It begins and ends at rest. RobotMotion has `over` filled before it
+  /// plans.
+  bool around = false;
+  struct Corner {
+    std::vector<double> at;  ///< a joint state on the way
+    double radius = 0;       ///< in the norm of joint space, rad or m: how far the path may leave it
+  };
+  std::vector<Corner> over;  ///< of a move around obstacles, in order; its target is not among them
   double speed = 1;               ///< fraction of the joints' velocity limits, or of the TCP's, (0, 1]
   double acceleration = 1;        ///< the same for acceleration and jerk
   double tcp_speed = 0;           ///< m/s, maximum; 0: as TcpLimits (a joint move: unlimited)

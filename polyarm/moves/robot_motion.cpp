@@ -33,7 +33,9 @@ std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> wi
   if (waiting_.size() >= kMostWaiting)
     throw Error("busy", "too many moves of " + robot_.name + " wait for being carried out",
                 "is the loop running?");
-  if (!waiting_.empty() && (step != waiting_.back().step || waiting_.back().with != with))
+  if (look_around_ && bends(move)) end_here(move);
+  if (!waiting_.empty() &&
+      (step != waiting_.back().step || waiting_.back().with != with || (look_around_ && bends(move))))
     end_here(waiting_.back().move);
   waiting_.push_back({++last_id_, std::move(move), std::move(with), std::move(step)});
   return last_id_;
@@ -67,6 +69,8 @@ bool RobotMotion::is_far_ahead() const {
 /// Plans moves in order, from the end of the previous ones, as far as something ends the blending.
 void RobotMotion::plan() {
   if (job_ || waiting_.empty()) return;
+  const bool alone = look_around_ && bends(waiting_.front().move);
+  if (alone && (goal_ != 0 || !ready_.empty())) return;  // what is around it may still change
   auto last =
       std::find_if(waiting_.begin(), waiting_.end(), [](const Waiting& w) { return !goes_on(w.move); });
   if (const auto& step = waiting_.front().step)  // plans all of them together; they stop where their moves
@@ -76,6 +80,7 @@ void RobotMotion::plan() {
     return;
   else if (last != waiting_.end())
     ++last;
+  if (alone) last = waiting_.begin() + 1;
   job_ = std::make_shared<Job>();
   job_->first_id = waiting_.front().id;
   job_->with = waiting_.front().with;
@@ -85,9 +90,12 @@ void RobotMotion::plan() {
   job_->period = controller_.period();
   for (auto w = waiting_.begin(); w != last; ++w) job_->moves.push_back(std::move(w->move));
   waiting_.erase(waiting_.begin(), last);
+  if (look_around_ &&
+      std::any_of(job_->moves.begin(), job_->moves.end(), [](const Move& m) { return m.around; }))
+    job_->obstacles = look_around_();
   post_([job = job_, &robot = facts(job_->with)] {
     try {
-      job->plan = plan_moves(robot, job->from, job->moves, job->options);
+      job->plan = plan_moves_around(robot, job->from, job->moves, job->obstacles.get(), job->options);
       for (const PlannedMotion& motion : job->plan.motions)
         job->followers.push_back(
             std::make_unique<timing::PathFollower>(motion.path, job->plan.limits, job->period));

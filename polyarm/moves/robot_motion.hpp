@@ -14,6 +14,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/joint_control/joint_trajectory_controller.hpp"
 #include "polyarm/moves/move_plan.hpp"
+#include "polyarm/moves/obstacles.hpp"
 #include "polyarm/moves/robot_facts.hpp"
 
 namespace polyarm::moves {
@@ -108,6 +109,9 @@ class RobotMotion {
   /// Applies to the next plans.
   void set_options(const MovePlanOptions& options) { options_ = options; }
   const MovePlanOptions& options() const { return options_; }
+  /// How moves around obstacles see what is around them when they are planned: such a move waits until the
+  /// moves before it have arrived. Null: they go straight.
+  void set_look_around(LookAround look) { look_around_ = std::move(look); }
   /// The options of the motion under way; null if there is none.
   const MovePlanOptions* options_under_way() const { return goal_ != 0 ? &active_.options : nullptr; }
   const RobotFacts& robot() const { return robot_; }
@@ -136,6 +140,7 @@ class RobotMotion {
     std::shared_ptr<InStep> step;  ///< used by the cell thread only
     std::vector<double> from;
     std::vector<Move> moves;
+    std::shared_ptr<Obstacles> obstacles;  ///< null: no move goes around them
     MovePlanOptions options;
     double period;
     MovePlan plan;
@@ -174,6 +179,7 @@ class RobotMotion {
   const RobotFacts& robot_;
   controllers::JointTrajectoryController& controller_;
   Post post_;
+  LookAround look_around_;
   MovePlanOptions options_;
   std::vector<double> planned_;
   std::deque<Waiting> waiting_;

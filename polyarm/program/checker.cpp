@@ -432,6 +432,13 @@ class Checker {
                 "");
         return;
       }
+      case Kinds::around: {
+        const Type type = clause.value ? infer(*clause.value) : kUnknown;
+        if (type.kind && *type.kind != Kind::boolean)
+          error("bad-type", clause.value->place, "'around' takes true or false, here is " + described(type),
+                "write `around true`");
+        return;
+      }
       case Kinds::blend:
         return check_quantity(clause, {D::length}, "20mm");
       case Kinds::duration:

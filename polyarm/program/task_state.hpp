@@ -68,6 +68,7 @@ struct Slot {
 struct MoveDefaults {
   std::optional<data::Number> speed, accel, blend, payload;
   bool exact = false;
+  std::optional<bool> around;
   std::string robot, tool, frame;
   std::optional<Pose> frame_pose;
 };

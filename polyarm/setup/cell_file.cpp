@@ -176,8 +176,9 @@ MotionEntry read_motion(const Yaml& yaml, Problems& problems) {
   MotionEntry motion;
   if (!yaml.defined()) return motion;
   yaml.check_keys({"speed", "seconds", "thesis_scale", "tcp_speed", "tcp_acceleration", "tcp_jerk",
-                   "turn_speed", "turn_acceleration", "turn_jerk"},
+                   "turn_speed", "turn_acceleration", "turn_jerk", "around"},
                   problems);
+  collect(problems, [&] { motion.around = yaml["around"].boolean(false); });
   if (yaml.has("seconds"))
     collect(problems, [&] { motion.seconds = yaml["seconds"].number(Dimension::time); });
   collect(problems, [&] { motion.speed = yaml["speed"].number(Dimension::none, 1); });
@@ -372,6 +373,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   cell.motion = read_motion(yaml["motion"], problems);
   cell.loop = read_loop(yaml["loop"], problems);
   cell.contact_stop = read_contact_stop(yaml["contacts"], problems);
+  cell.clearance = read_clearance(yaml["contacts"], problems);
   for (const DoorKind& kind : door_kinds())
     collect(problems, [&] { read_door(kind, yaml[kind.name], cell, problems); });
   collect(problems, [&] { cell.record = read_record(yaml["record"], cell.folder, problems); });

@@ -67,6 +67,7 @@ struct MotionEntry {
   std::optional<double> seconds;       ///< every move takes at least this long
   std::optional<double> thesis_scale;  ///< s per rad of joint-space distance; limits still hold
   moves::TcpLimits tcp;                ///< of lines and arcs
+  bool around = false;                 ///< joint moves go around obstacles unless the program says otherwise
 };
 
 /// How the control loop runs on the wall clock. What the machine refuses is told and does without.
@@ -103,6 +104,7 @@ struct CellFile {
   MotionEntry motion;
   LoopEntry loop;
   control::ContactStop contact_stop = control::ContactStop::path;  ///< what follows a contact in physics
+  double clearance = kClearance;  ///< m that should stay between a robot and everything else
   ProfileEntries profiles;
   std::vector<moves::WorkspaceZone> workspace;   ///< of all robots
   std::map<std::string, DoorOptions> doors;      ///< into it, by the names of their modules

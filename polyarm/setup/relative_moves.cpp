@@ -76,6 +76,7 @@ program::Move from_here(program::Move move, const data::Point& here, const CellR
   const data::Record by = *target.value.as_record();
   target.value =
       move.kind == program::Move::Kind::line ? line_target(by, here.pose) : joint_target(by, robot, joints);
+  move.around = false;  // it goes where it is sent
   return move;
 }
 

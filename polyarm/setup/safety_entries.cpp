@@ -64,13 +64,23 @@ moves::WorkspaceZone read_zone(const std::string& name, const Yaml& yaml, Proble
 control::ContactStop read_contact_stop(const Yaml& yaml, Problems& problems) {
   using control::ContactStop;
   if (!yaml.defined()) return ContactStop::path;
-  yaml.check_keys({"stop"}, problems);
+  yaml.check_keys({"stop", "clearance"}, problems);
   std::string stop = "1";
   collect(problems, [&] { stop = yaml["stop"].text("1"); });
   if (stop != "0" && stop != "1")
     problems.error("bad-value", yaml["stop"].where(), "contacts: stop is '" + stop + "'",
                    "1: on the path, as hard as the joints can; 0: each joint at once, the path is left");
   return stop == "0" ? ContactStop::cut : ContactStop::path;
+}
+
+double read_clearance(const Yaml& yaml, Problems& problems) {
+  double out = kClearance;
+  if (!yaml.has("clearance")) return out;
+  collect(problems, [&] { out = yaml["clearance"].number(Dimension::length); });
+  if (!(out >= 0) || out > kMostClearance)
+    problems.error("bad-value", yaml["clearance"].where(), "clearance is " + yaml["clearance"].text(),
+                   "a distance from 0 to 1 m, such as 5mm");
+  return out;
 }
 
 ProfileEntries read_profiles(const Yaml& cell, Problems& problems) {

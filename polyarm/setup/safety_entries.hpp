@@ -47,6 +47,9 @@ struct PayloadEntry {
 
 /// `contacts: {stop: 1}`: category 0 or 1 of the stop after a contact; absent: 1.
 control::ContactStop read_contact_stop(const Yaml& yaml, Problems& problems);
+/// `contacts: {clearance: 5mm}`: m that should stay between a robot and everything else.
+double read_clearance(const Yaml& yaml, Problems& problems);
+inline constexpr double kClearance = 0.005, kMostClearance = 1;
 /// `profile` and `profiles` of the cell file.
 ProfileEntries read_profiles(const Yaml& cell, Problems& problems);
 /// `workspace` of a cell or a robot.

@@ -181,6 +181,7 @@ std::vector<moves::Move> ProgramMoves::moves_of(const program::Move& move, const
               : move.kind == program::Move::Kind::line ? moves::MoveKind::line
                                                        : moves::MoveKind::arc;
   pace(move, made);
+  made.around = move.around.value_or(pace_.around);
   const bool curve = move.smooth && move.targets.size() > 1;
   if (curve) made.kind = moves::MoveKind::spline;
   const double blend = move.blend ? move.blend->value : 0;
@@ -287,6 +288,12 @@ program::Handle ProgramMoves::start(const program::Move& asked, const Location& 
   }
   if (const auto bad = bad_end(arm, arm.robot.motion->last_id())) throw Error(*bad->problem);
   auto [of, moves, facts] = prepare(move, where);
+  if (move.step.group != 0 && move.step.members > 1 && moves.size() > 1 &&
+      std::any_of(moves.begin(), moves.end(), [](const moves::Move& one) { return moves::bends(one); }))
+    throw Error(Problem{
+        "bad-move", where,
+        "in 'together' a move around obstacles has one point, here are " + std::to_string(moves.size()),
+        "write `around false`, or one point"});
   const auto step = step_of(move, index, where);
   Moves queued{index, arm.robot.motion->last_id() + 1, 0};
   for (moves::Move& one : moves) {

@@ -51,6 +51,8 @@ struct Move {
   std::optional<data::Number> payload;   ///< a mass: the load of the gripper
   /// joint: selects, among the configurations that reach a pose, the one nearest to these joints.
   std::optional<data::JointState> near;
+  /// joint: goes around obstacles; line, arc: refused if it hits one.
+  std::optional<bool> around;
   /// Stops at its last target: the program requests it, or states no blend.
   bool exact = true;
   bool smooth = false;  ///< line: one curve through all targets instead of lines between them

@@ -48,6 +48,14 @@ std::string name_in(const Value& value, const Clause& clause) {
                 {}};
 }
 
+bool boolean_in(const Value& value, const Clause& clause) {
+  if (const bool* out = value.as_boolean()) return *out;
+  throw Refused{
+      clause.value->place,
+      std::string("'") + spelling(clause.kind) + "' takes true or false, here is " + described(value),
+      std::string("write `") + spelling(clause.kind) + " true`"};
+}
+
 /// Applies a clause, of a move or for all following moves.
 template <typename Target>
 void take(Target& out, const Clause& clause, const Value& value) {
@@ -78,6 +86,9 @@ void take(Target& out, const Clause& clause, const Value& value) {
       break;
     case Kinds::blend:
       out.blend = quantity(value, clause, {Dimension::length}, "20mm");
+      break;
+    case Kinds::around:
+      out.around = boolean_in(value, clause);
       break;
     default:
       break;
@@ -175,6 +186,7 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
              : s.motion == Motion::movel || s.motion == Motion::speedl ? Move::Kind::line
                                                                        : Move::Kind::joint;
   out.speed = use.speed, out.accel = use.accel, out.blend = use.blend, out.payload = use.payload;
+  out.around = use.around;
   out.robot = use.robot, out.tool = use.tool, out.frame = use.frame, out.frame_pose = use.frame_pose;
   if (s.moves_base()) {
     const bool turns = s.motion == Motion::turn;
@@ -210,6 +222,7 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
   if (at_speed) {
     take_velocities(out, task.stack[velocities].value, *s.arguments.front(), s.motion, out.duration->value);
     out.duration.reset();
+    out.around.reset();
   }
   out.step = task.step;
   const bool thesis = s.motion == Motion::moveto || s.moves_base();

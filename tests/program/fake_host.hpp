@@ -141,6 +141,7 @@ class FakeHost : public Host {
       if (value) out += std::string(" ") + word + " " + data::Value(*value).text();
     };
     number("payload", move.payload);
+    if (move.around) out += *move.around ? " around true" : " around false";
     if (move.near) out += " near " + data::Value(*move.near).text();
     number("speed", move.speed), number("accel", move.accel);
     number("blend", move.blend), number("duration", move.duration);

@@ -35,6 +35,7 @@ TEST(ProgramMistakes, AMissingOrWrongUnitIsShownAsItShouldBe) {
                          Row{"movel A, blend 20", "(a length needs a unit: write 20mm)"},
                          Row{"movel A, duration 2", "(a time needs a unit: write 2s)"},
                          Row{"movel A, payload 3", "(a mass needs a unit: write 3kg)"},
+                         Row{"movel A, around 3", "(write `around true`)"},
                          Row{"movel A, payload 3mm", "(write a mass such as 2kg)"},
                          Row{"drive 500", "(a length needs a unit: write 500mm)"},
                          Row{"turn 90", "(an angle needs a unit: write 90deg)"},

@@ -26,7 +26,7 @@ export const knownWords: Language = {
       'return break continue stop hold try on raise retry task together meet lock when').split(' ').map(word('statement')),
     ...'elif else'.split(' ').map(word('branch')),
     ...('end endwhile endif endfor endfunc endtry endtask endtogether endlock endwhen endon endwait endmeet endmove endtest').split(' ').map(word('closer')),
-    ...'robot tool frame payload near speed accel blend duration exact smooth until at'.split(' ').map(word('clause')),
+    ...'robot tool frame payload near around speed accel blend duration exact smooth until at'.split(' ').map(word('clause')),
     ...'and or not mod true false'.split(' ').map(word('reserved')),
   ],
   functions: ('length abs min max round floor ceil sqrt sin cos tan asin acos atan atan2 pose quat joints offset tool_offset ' +

@@ -1,0 +1,39 @@
+#pragma once
+/// What is around the robots of a cell, for moves that go around obstacles.
+#include <functional>
+#include <memory>
+#include <mutex>
+
+#include "polyarm/moves/obstacles.hpp"
+#include "polyarm/setup/bodies.hpp"
+#include "polyarm/surroundings/bodies.hpp"
+
+namespace polyarm::cell {
+
+/// The bodies of a cell, made when somebody needs them: that reads the disk. Any thread.
+class SharedBodies {
+ public:
+  /// `robots` and `scene` outlive it.
+  SharedBodies(const CellRobots& robots, const description::Scene& scene) : robots_(robots), scene_(scene) {}
+  /// Throws Error as contact_bodies() does; then it tries again at the next call.
+  std::shared_ptr<const ContactBodies> get();
+
+ private:
+  const CellRobots& robots_;
+  const description::Scene& scene_;
+  std::mutex mutex_;
+  std::shared_ptr<const ContactBodies> made_;
+};
+
+struct AroundOptions {
+  double clearance = 0;  ///< m; less where start or goal are nearer to something
+  /// True ends a search; null: it ends after a number of samples alone, so that a run repeats itself.
+  std::function<bool()> stop;
+};
+
+/// Obstacles of robot `own` at a moment. A search has a fixed seed.
+std::shared_ptr<moves::Obstacles> obstacles_around(std::shared_ptr<SharedBodies> bodies,
+                                                   surroundings::Moment moment, std::size_t own,
+                                                   AroundOptions options);
+
+}  // namespace polyarm::cell
