@@ -16,6 +16,7 @@
 #include "polyarm/cell/cell.hpp"
 #include "polyarm/cell/rehearsal.hpp"
 #include "polyarm/cell/run.hpp"
+#include "polyarm/cell/swept_check.hpp"
 #include "polyarm/description/scene_file.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/inside/inside.hpp"
@@ -99,7 +100,10 @@ class Checker {
     make_robot_bodies(robots_, problems_);
     make_scene_bodies(robots_, scene_, problems_);
     result_.notes = file_.notes;
-    for (const auto& more : {sentences(unchecked_bodies(robots_, scene_)), physics_notes(robots_)})
+    std::vector<Problem> unchecked = unchecked_bodies(robots_, scene_);
+    if (options_.dry)  // finds contacts on any hardware
+      std::erase_if(unchecked, [](const Problem& problem) { return problem.code == "no-contacts"; });
+    for (const auto& more : {sentences(unchecked), physics_notes(robots_)})
       result_.notes.insert(result_.notes.end(), more.begin(), more.end());
   }
 
@@ -357,6 +361,7 @@ class Checker {
       if (!file.controllers.empty())
         for (const Problem& problem : listener.problems) problems_.add(problem);
       CellInside& inside = inside_of(cell);
+      for (Problem& problem : contacts_at_rest(inside)) problems_.add(std::move(problem));
       const Rehearsal found = rehearse(inside), of_plc = rehearse_plc(inside);
       for (const Problem& problem : found.problems.list()) problems_.add(problem);
       for (const Problem& problem : of_plc.problems.list()) problems_.add(problem);
@@ -385,9 +390,53 @@ class Checker {
       RunOptions run_options;
       run_options.fast = true;
       run_options.seconds = 3600;
+      SweptCheck swept(inside_of(cell));
+      run_options.each_tick = [&](Nanoseconds now) {
+        swept.look(now);
+        if (options_.progress) options_.progress(seconds(now));
+      };
       RunResult run = cell::run(cell, run_options, listener);
+      std::vector<Problem> found = swept.finish();
+      std::erase_if(found, [&](const Problem& problem) { return is_start_known(problem); });
+      std::erase_if(listener.problems, [&](const Problem& problem) { return is_told(problem, found); });
+      for (Problem& problem : found) problems_.add(std::move(problem));
+      note_clearance(swept);
       for (const Problem& problem : listener.problems) problems_.add(problem);
       for (const Problem& problem : run.problems) problems_.add(problem);
+    });
+  }
+
+  void note_clearance(const SweptCheck& swept) {
+    const auto& nearest = swept.nearest();
+    result_.notes.push_back(
+        nearest ? "the nearest of the dry run: " + surroundings::text_of(*nearest)
+                : fmt::format("every move of the dry run keeps {:g} mm of clearance", 1e3 * file_.clearance));
+  }
+
+  static bool is_same_pair(const Problem& a, const Problem& b) {
+    const auto named = [](const Problem& p, const char* key) {
+      const auto at =
+          std::find_if(p.facts.begin(), p.facts.end(), [&](const Fact& fact) { return fact.name == key; });
+      return at == p.facts.end() ? std::string() : std::get<std::string>(at->value);
+    };
+    return (named(a, "a") == named(b, "a") && named(a, "b") == named(b, "b")) ||
+           (named(a, "a") == named(b, "b") && named(a, "b") == named(b, "a"));
+  }
+
+  /// A contact at the start that was found before the dry run.
+  bool is_start_known(const Problem& problem) const {
+    return problem.what.find(" where it starts") != std::string::npos &&
+           std::any_of(problems_.list().begin(), problems_.list().end(), [&](const Problem& known) {
+             return known.code == "start-in-contact" && is_same_pair(problem, known);
+           });
+  }
+
+  /// A contact of physics that is among those of the swept check: the same two bodies in the same line.
+  static bool is_told(const Problem& problem, const std::vector<Problem>& found) {
+    if (problem.code != "contact") return false;
+    return std::any_of(found.begin(), found.end(), [&](const Problem& other) {
+      return other.code == "contact" && other.where.line == problem.where.line &&
+             is_same_pair(problem, other);
     });
   }
 

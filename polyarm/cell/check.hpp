@@ -30,6 +30,7 @@ struct CheckResult {
 struct CheckOptions {
   bool dry = false;  ///< run the program in lock-step and list contacts, limits and parts by line
   std::uint64_t cycles = 0;
+  std::function<void(double)> progress;  ///< called in the dry run with its time, s; null: nobody asks
   std::filesystem::path state_folder;  ///< where data files are kept; empty: a temporary folder
 };
 

@@ -330,6 +330,7 @@ class Runner {
 
   void after_tick(Nanoseconds now) {
     cell_.tick(now);
+    if (options_.each_tick) options_.each_tick(now);
     watch_state(now);
     watch_first_motion();
     const control::Snapshot& seen = cell_.machine.snapshot();

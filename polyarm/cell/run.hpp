@@ -1,5 +1,6 @@
 #pragma once
 /// Runs a cell to its end, on the wall clock or in lock-step.
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,8 @@ struct RunOptions {
   /// So long a loop that has been asked to end, or a robot to stop, is waited for on the wall clock, ns.
   Nanoseconds patience = 6'000'000'000;
   std::vector<Door*> doors;  ///< served each tick beside those that the cell names; they outlive the run
+  /// Called after each tick of the cell, with its time; null: nothing is.
+  std::function<void(Nanoseconds)> each_tick;
   Nanoseconds started = 0;   ///< wall time at which the user gave the command; 0: unknown
 };
 

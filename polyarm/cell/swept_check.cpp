@@ -1,0 +1,119 @@
+#include "polyarm/cell/swept_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "polyarm/inside/inside.hpp"
+#include "polyarm/setup/bodies.hpp"
+
+namespace polyarm::cell {
+
+using surroundings::Approach;
+
+namespace {
+
+Facts facts_of(const Approach& a) {
+  const bool contact = a.distance <= 0;
+  return {{"a", a.first},
+          {"b", a.second},
+          {contact ? "depth_m" : "distance_m", std::abs(a.distance)},
+          {"at_s", a.time}};
+}
+
+Problem problem_of(const Approach& a, const Location& where, double clearance) {
+  if (a.distance <= 0)
+    return {"contact",
+            where,
+            surroundings::text_of(a),
+            a.at_start ? "move the base of the robot, the obstacle, or where it starts (home)"
+                       : "move the points or the obstacle, or let the move go around it: `around true`",
+            Severity::error,
+            facts_of(a)};
+  return {"clearance",
+          where,
+          surroundings::text_of(a),
+          fmt::format("the cell wants {:g} mm (contacts: {{clearance: …}}): move the points or the obstacle",
+                      1e3 * clearance),
+          Severity::warning,
+          facts_of(a)};
+}
+
+}  // namespace
+
+SweptCheck::SweptCheck(const CellInside& cell)
+    : cell_(cell), bodies_(cell.motions->bodies()->get()), marks_{Location{}} {
+  sweep_ = std::make_unique<surroundings::Sweep>(bodies_->robots, bodies_->scene, cell.setup.file.clearance);
+}
+
+SweptCheck::~SweptCheck() = default;
+
+/// Where the program asked for the move under way of a robot.
+std::uint64_t SweptCheck::mark_of(std::size_t robot) {
+  const Motions& motions = *cell_.motions;
+  const Programs& programs = *cell_.programs;
+  Location where;
+  if (const moves::RobotMotion* motion = motions.motion(robot); motion && motion->under_way())
+    where = programs.place_of(*motion, motion->move_under_way());
+  if (where.file.empty() && programs.program()) where = programs.program()->status().where;
+  if (!(marks_.back().file == where.file && marks_.back().line == where.line)) marks_.push_back(where);
+  return marks_.size() - 1;
+}
+
+void SweptCheck::look(Nanoseconds now) {
+  sweep_->add(cell_.motions->moment(), seconds(now), [this](std::size_t robot) { return mark_of(robot); });
+}
+
+std::vector<Problem> SweptCheck::finish() {
+  sweep_->finish();
+  std::map<std::tuple<std::string, std::string, std::string>, const Approach*> worst;
+  std::vector<const Approach*> in_order;
+  for (const Approach& a : sweep_->approaches()) {
+    const auto [at, is_new] = worst.insert({{marks_[a.mark].text(), a.first, a.second}, &a});
+    if (!is_new && a.distance >= at->second->distance) continue;
+    at->second = &a;
+  }
+  for (const auto& [key, a] : worst) in_order.push_back(a);
+  std::sort(in_order.begin(), in_order.end(),
+            [](const Approach* a, const Approach* b) { return a->time < b->time; });
+  std::vector<Problem> out;
+  for (const Approach* a : in_order) {
+    if (!nearest_ || a->distance < nearest_->distance) nearest_ = *a;
+    out.push_back(problem_of(*a, marks_[a->mark], cell_.setup.file.clearance));
+  }
+  return out;
+}
+
+std::vector<Problem> contacts_at_rest(const CellInside& cell) {
+  const std::shared_ptr<const ContactBodies> bodies = cell.motions->bodies()->get();
+  std::vector<Problem> out;
+  surroundings::Moment start = surroundings::start_of(bodies->scene);
+  for (const auto& robot : cell.setup.robots) start.robots.push_back({robot->entry.base, robot->start});
+  for (const bool home : {false, true}) {
+    surroundings::Moment moment = start;
+    for (std::size_t r = 0; home && r < moment.robots.size(); ++r)
+      if (cell.setup.robots[r]->facts && !cell.setup.robots[r]->facts->home.empty())
+        moment.robots[r].joints = cell.setup.robots[r]->facts->home;
+    surroundings::Sweep sweep(bodies->robots, bodies->scene, 0);
+    sweep.add(moment, 0, {});
+    sweep.finish();
+    for (const Approach& a : sweep.approaches()) {
+      if (home && std::any_of(out.begin(), out.end(), [&](const Problem& p) {
+            return std::get<std::string>(p.facts[0].value) == a.first &&
+                   std::get<std::string>(p.facts[1].value) == a.second;
+          }))
+        continue;
+      out.push_back({home ? "home-in-contact" : "start-in-contact", cell.setup.robots[a.robot]->entry.where,
+                     fmt::format("{} is {:.2f} mm inside {} {}, at ({:.3f}, {:.3f}, {:.3f})", a.first,
+                                 -1e3 * a.distance, a.second, home ? "at home" : "where it starts", a.point.x,
+                                 a.point.y, a.point.z),
+                     "move the base of the robot, the obstacle, or its home", Severity::error, facts_of(a)});
+    }
+  }
+  return out;
+}
+
+}  // namespace polyarm::cell

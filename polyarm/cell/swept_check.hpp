@@ -1,0 +1,44 @@
+#pragma once
+/// Checks every move of a simulated run for contacts, whatever the hardware: swept, with proven edges.
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/surroundings/sweep.hpp"
+
+namespace polyarm::cell {
+
+struct CellInside;
+struct ContactBodies;
+
+/// Looks at the commanded joints of a cell in lock-step after each tick. Cell thread.
+class SweptCheck {
+ public:
+  /// Throws Error for a robot whose bodies are too many or not finite.
+  explicit SweptCheck(const CellInside& cell);
+  ~SweptCheck();
+
+  void look(Nanoseconds now);
+  /// At the end: one error for each contact of a pair in a line, "contact" {a, b, depth_m, at_s}, and one
+  /// warning for each pair in a line that came nearer than the clearance, "clearance" {a, b, distance_m,
+  /// at_s}.
+  std::vector<Problem> finish();
+  /// The nearest that anything came while it was below the clearance.
+  const std::optional<surroundings::Approach>& nearest() const { return nearest_; }
+
+ private:
+  std::uint64_t mark_of(std::size_t robot);
+
+  const CellInside& cell_;
+  std::shared_ptr<const ContactBodies> bodies_;
+  std::unique_ptr<surroundings::Sweep> sweep_;
+  std::vector<Location> marks_;
+  std::optional<surroundings::Approach> nearest_;
+};
+
+/// What the robots of a cell that has not begun are inside of, at their start and at home: one error each.
+std::vector<Problem> contacts_at_rest(const CellInside& cell);
+
+}  // namespace polyarm::cell
