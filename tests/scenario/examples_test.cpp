@@ -135,6 +135,30 @@ TEST(Carrier, TakesBoxesFromTableToTableOnABaseThatDrives) {
   }
 }
 
+TEST(OverAWall, WaysAreFoundTheSameEveryTime) {
+  const ExampleCopy copy("over_a_wall");
+  std::vector<nlohmann::json> results;
+  for (int i = 0; i < 2; ++i) {
+    const Finished run = run_command({"run", copy.path(), "--fast", "--json"});
+    ASSERT_EQ(run.exit_code, 0) << run.output.substr(run.output.size() > 3000 ? run.output.size() - 3000 : 0);
+    results.push_back(run.result());
+  }
+  for (const auto& part : results[0]["parts"]) EXPECT_EQ(part["state"], "placed") << part;
+  EXPECT_EQ(results[0]["parts"].size(), 3u);
+  EXPECT_EQ(results[0]["trace_hash"], results[1]["trace_hash"]);
+  const Finished taught = run_command({"run", copy.path(), "--fast", "--json", "--program", "job_taught"});
+  EXPECT_EQ(taught.exit_code, 0) << taught.output;
+}
+
+TEST(OverAWall, IsWithoutContactOnMockAsInPhysics) {
+  const ExampleCopy copy("over_a_wall");
+  for (const char* hardware : {"mock", "mujoco"}) {
+    const Finished checked = run_command({"check", copy.path(), "--dry", "--hardware", hardware});
+    EXPECT_EQ(checked.exit_code, 0) << checked.output;
+    EXPECT_NE(checked.output.find("0 errors"), std::string::npos) << checked.output;
+  }
+}
+
 TEST(TwoRobots, ShareATableWithoutTouchingEachOther) {
   const ExampleCopy copy("two_robots");
   const Finished run = run_command({"run", copy.path(), "--fast", "--json"});
