@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -361,7 +362,9 @@ class Checker {
       if (!file.controllers.empty())
         for (const Problem& problem : listener.problems) problems_.add(problem);
       CellInside& inside = inside_of(cell);
-      for (Problem& problem : contacts_at_rest(inside)) problems_.add(std::move(problem));
+      as_warning([&] {
+        for (Problem& problem : contacts_at_rest(inside)) problems_.add(std::move(problem));
+      });
       const Rehearsal found = rehearse(inside), of_plc = rehearse_plc(inside);
       for (const Problem& problem : found.problems.list()) problems_.add(problem);
       for (const Problem& problem : of_plc.problems.list()) problems_.add(problem);
@@ -390,20 +393,35 @@ class Checker {
       RunOptions run_options;
       run_options.fast = true;
       run_options.seconds = 3600;
-      SweptCheck swept(inside_of(cell));
+      std::optional<SweptCheck> swept;
+      as_warning([&] { swept.emplace(inside_of(cell)); });
       run_options.each_tick = [&](Nanoseconds now) {
-        swept.look(now);
+        if (swept) swept->look(now);
         if (options_.progress) options_.progress(seconds(now));
       };
       RunResult run = cell::run(cell, run_options, listener);
-      std::vector<Problem> found = swept.finish();
+      std::vector<Problem> found;
+      if (swept) found = swept->finish();
       std::erase_if(found, [&](const Problem& problem) { return is_start_known(problem); });
       std::erase_if(listener.problems, [&](const Problem& problem) { return is_told(problem, found); });
       for (Problem& problem : found) problems_.add(std::move(problem));
-      note_clearance(swept);
+      if (swept) note_clearance(*swept);
       for (const Problem& problem : listener.problems) problems_.add(problem);
       for (const Problem& problem : run.problems) problems_.add(problem);
     });
+  }
+
+  /// Robots with more bodies than can be checked are no error of the cell.
+  template <class Work>
+  void as_warning(const Work& work) {
+    try {
+      work();
+    } catch (const Error& e) {
+      Problem problem = e.problems().front();
+      problem.severity = Severity::warning;
+      problem.what = "contacts are not checked: " + problem.what;
+      problems_.add(std::move(problem));
+    }
   }
 
   void note_clearance(const SweptCheck& swept) {
