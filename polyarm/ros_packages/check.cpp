@@ -155,8 +155,10 @@ struct Check {
     if (!text.starts_with("#")) return;
     const std::string_view rest = trim(text.substr(1));
     if (!rest.starts_with("include")) return;
-    const auto begin = rest.find_first_of("<\""), end = rest.find_last_of(">\"");
-    if (begin == std::string_view::npos || end <= begin + 1) return;
+    const auto begin = rest.find_first_of("<\"");
+    if (begin == std::string_view::npos) return;
+    const auto end = rest.find(rest[begin] == '<' ? '>' : '"', begin + 1);  // a comment may follow
+    if (end == std::string_view::npos || end == begin + 1) return;
     std::string header(rest.substr(begin + 1, end - begin - 1));
     std::error_code error;
     if (fs::exists(file.parent_path() / header, error))

@@ -121,7 +121,7 @@ TEST(Check, NamesMissingHeadersAndNamesOnceWithTheirPlaceAndAdvice) {
   place.write("acme/CMakeLists.txt",
               "find_package(Eigen3 REQUIRED)\nadd_library(drive SHARED src/drive.cpp)\n");
   place.write("acme/include/acme/drive.hpp",
-              "#include <hardware_interface/system_interface.hpp>\n#include <nowhere/far.hpp>\n");
+              "#include <hardware_interface/system_interface.hpp>\n#include <nowhere/far.hpp>  // \"a comment\" > here\n");
   place.write("acme/src/drive.cpp",
               "#include \"acme/drive.hpp\"\n#include <vector>\n#include <serial/serial.h>\n#include "
               "<serial/serial.h>\n"
