@@ -14,7 +14,7 @@ using hardware::CallbackReturn;
 
 namespace {
 
-constexpr Nanoseconds kPatience = 5'000'000'000, kDisturbed = 20'000'000;
+constexpr Nanoseconds kPatience = 5'000'000'000, kDisturbed = 20'000'000, kAnswer = 50'000'000;
 
 MachineOptions machine_of(const hardware::RobotInstance& robot) {
   MachineOptions out;
@@ -67,6 +67,8 @@ CallbackReturn FakeFanuc::on_init(const hardware::ComponentContext& context) {
   FarSideOptions options;
   options.machine = machine_of(context.robots.front());
   options.stream = options.rmi = options.session = 0;
+  // A driver that is kept waiting while packets go on would answer many at once, more than the controller buffers.
+  options.patience = kAnswer;
   options.sampling_ms = static_cast<int>(std::lround(seconds(context.period) * 1000));
   if (options.sampling_ms < 1 || std::abs(options.sampling_ms - seconds(context.period) * 1000) > 1e-6)
     throw Error("bad-value", "a controller of FANUC has a whole number of milliseconds for a cycle",

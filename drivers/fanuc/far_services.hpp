@@ -48,6 +48,8 @@ class FarStream {
   bool ready() const;
   /// The last packet has no answer yet.
   bool waits() const { return started_ && client_answers_ && answered_ < sent_; }
+  /// The newest packet has no answer, also before the client's first one.
+  bool unanswered() const { return started_ && answered_ < sent_; }
   std::uint32_t sent_sequence() const { return sent_; }
   std::uint64_t commands() const { return commands_; }
   std::uint32_t version() const { return faults_.old ? 1 : version_; }

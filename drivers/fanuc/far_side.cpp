@@ -191,7 +191,8 @@ void FarSide::run() {
     }
     polled.clear();
     for (const int descriptor : open) polled.push_back({descriptor, POLLIN, 0});
-    const Nanoseconds left = std::clamp<Nanoseconds>(due - realtime::monotonic_now(), 0, period);
+    const Nanoseconds left = std::clamp<Nanoseconds>(due - realtime::monotonic_now(),
+                                                     options_.patience > 0 ? 1'000'000 : 0, period);
     const timespec time{0, static_cast<long>(left)};
     ::ppoll(polled.data(), polled.size(), &time, nullptr);
     const std::lock_guard lock(mutex_);
@@ -204,7 +205,8 @@ void FarSide::run() {
     served_.notify_all();
     const Nanoseconds now = realtime::monotonic_now();
     if (now < due) continue;
-    due = std::max(due + period, now - 10 * period);
+    if (!held_ && stream_.unanswered() && now < due + options_.patience) continue;
+    due = std::max(due + period, options_.patience > 0 ? now : now - 10 * period);
     if (!held_) cycle();
   }
 }

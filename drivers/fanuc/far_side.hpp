@@ -17,6 +17,7 @@ struct FarSideOptions {
   int stream = 60015, rmi = 16001, session = 16002;  ///< ports; 0: any
   int sampling_ms = 8;
   std::uint32_t version = 3;                       ///< of Stream Motion, 3 or 4
+  Nanoseconds patience = 0;  ///< the clock waits so long for the answer to a packet: for drivers on a loaded machine
   std::function<void(const std::string&)> report;  ///< what happens, for people; on its thread
 };
 

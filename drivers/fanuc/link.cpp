@@ -96,6 +96,10 @@ void Link::take_stream(Nanoseconds now) {
   const auto status = decode_status(Bytes(bytes).first(got.count));
   if (!status) return note(Cause::bad_data);
   const std::uint64_t before = current_.count;
+  // The loop's first command counts if it came before this packet. Looked at before the loop sees the packet,
+  // so that a run repeats itself.
+  const bool answers = phase_ != Phase::idle && phase_ != Phase::ending && fault_ == 0 && suspected_ == 0;
+  if (answers && !commanded_) commanded_ = commands_.fetch();
   take_status(*status, now);
   if (current_.count != before) answer(*status);
 }
@@ -132,7 +136,6 @@ void Link::take_status(const Status& status, Nanoseconds now) {
 void Link::answer(const Status& status) {
   if (phase_ == Phase::idle) return send_idle(status);
   if (phase_ == Phase::ending || fault_ != 0 || suspected_ != 0) return send_ending(status);
-  if (!commanded_) commanded_ = commands_.fetch();  // its first command came before this packet
   if (!commanded_) return send_next(shaper_.at(), true, false, status.sequence);  // until the loop commands
   if (current_.answered + 1 != status.sequence)
     send_next(shaper_.brake(limits_.at(speed_, settings_.load)), true, false, status.sequence - 1);

@@ -179,7 +179,8 @@ class Judge {
         chain_(model, static_cast<int>(model.links.size()) - 1),
         poses_(model.links.size()) {}
 
-  Bracket distance(const std::vector<double>& q) {
+  /// `own`: also between the links of the robot.
+  Bracket distance(const std::vector<double>& q, bool own = true) {
     chain_.link_poses(q, poses_);
     Bracket out{1e9, 1e9};
     const auto take = [&](const std::vector<Placed>& a, const std::vector<Placed>& b) {
@@ -194,7 +195,7 @@ class Judge {
       for (const NamedShape& o : world_) take(of(link), at_rest(o));
     }
     for (const LinkPairBody& pair : robot_.pairs())
-      take(of(robot_.links()[pair.first]), of(robot_.links()[pair.second]));
+      if (own) take(of(robot_.links()[pair.first]), of(robot_.links()[pair.second]));
     return out;
   }
 

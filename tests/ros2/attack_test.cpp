@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "tests/ros2/client.hpp"
+#include "tests/ros2/domain.hpp"
 #include "tests/ros2/rtps_fuzz.hpp"
 #include "tests/support/command.hpp"
 
@@ -148,7 +149,7 @@ class Attack : public ::testing::Test {
     EXPECT_TRUE(wait([&] { return states->latest()["position"] != first; })) << "it stands still";
   }
 
-  const std::uint32_t domain_ = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  const std::uint32_t domain_ = test::own_domain();
   const std::filesystem::path folder_ =
       std::filesystem::temp_directory_path() / ("polyarm_ros2_attack_" + std::to_string(::getpid()));
 };

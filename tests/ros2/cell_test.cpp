@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/ros2/domain.hpp"
 #include "tests/ros2/process.hpp"
 #include "tests/ros2/ros2_cell.hpp"
 #ifdef POLYARM_CYCLONE
@@ -333,7 +334,7 @@ TEST_F(Ros2Cell, AClientOnCycloneSendsGoalsAndSwitchesBesideOneOnFastDds) {
 
 /// The example with two wheels: driven by both kinds of twist, at its own name and at /cmd_vel.
 TEST(Ros2Jetbot, IsDrivenByTwistsWithAndWithoutStamp) {
-  const std::uint32_t domain = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  const std::uint32_t domain = test::own_domain();
   ::setenv("ROS_DOMAIN_ID", std::to_string(domain).c_str(), 1);
   const polyarm::test::ExampleCopy copy("jetbot");
   polyarm::test::Command command({"run", copy.path(), "--ros2", "--no-socket"});

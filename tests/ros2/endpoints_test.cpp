@@ -66,6 +66,8 @@ TEST(Ros2Example, JetbotHasOnTheWireWhatTheListSays) {
   wanted.publishes(base + "/cmd_vel_out", "geometry_msgs/msg/TwistStamped");
   wanted.hears(base + "/cmd_vel_unstamped", "geometry_msgs/msg/Twist", false);
   wanted.hears(base + "/set_odometry", "std_msgs/msg/Float64MultiArray");
+  wanted.serves(base + "/set_odometry", "control_msgs/srv/SetOdometry");
+  wanted.serves(base + "/reset_odometry", "std_srvs/srv/Empty");
   expect_on_the_wire(example.domain(), wanted);
 }
 

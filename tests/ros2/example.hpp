@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/ros2/client.hpp"
+#include "tests/ros2/domain.hpp"
 #include "tests/support/command.hpp"
 
 namespace polyarm::ros2::test {
@@ -28,7 +29,7 @@ class Example {
   std::uint32_t domain() const { return domain_; }
 
  private:
-  const std::uint32_t domain_ = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  const std::uint32_t domain_ = test::own_domain();
   std::optional<polyarm::test::ExampleCopy> copy_;
   std::optional<polyarm::test::Command> command_;
 

@@ -14,6 +14,7 @@
 #include "polyarm/messages/types.hpp"
 #include "polyarm/ros2/wire.hpp"
 #include "tests/ros2/client.hpp"
+#include "tests/ros2/domain.hpp"
 #include "tests/ros2/rmw_fast.hpp"
 
 namespace polyarm::ros2 {
@@ -27,7 +28,7 @@ using Payload = std::vector<std::byte>;
 
 ParticipantOptions here() {
   ParticipantOptions out;
-  out.domain = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  out.domain = test::own_domain();
   return out;
 }
 

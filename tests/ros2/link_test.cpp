@@ -13,6 +13,7 @@
 #include "polyarm/yaml/yaml.hpp"
 #include "tests/ros2/client.hpp"
 #ifdef POLYARM_CYCLONE
+#include "tests/ros2/domain.hpp"
 #include "tests/ros2/raw_cyclone.hpp"
 #endif
 
@@ -26,7 +27,7 @@ using test::json;
 using test::wait;
 
 std::uint32_t own_domain() {
-  return 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  return test::own_domain();
 }
 
 LinkEntry read_entry(const std::string& tags) {

@@ -10,6 +10,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/ros2/participant.hpp"
+#include "tests/ros2/domain.hpp"
 
 namespace polyarm::ros2 {
 namespace {
@@ -88,7 +89,7 @@ TEST(Ros2Options, ADistributionThatTheCellNamesIsKnown) {
 
 TEST(Ros2Options, APeerThatIsNobodyIsRefusedByName) {
   ParticipantOptions out;
-  out.domain = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  out.domain = test::own_domain();
   out.loopback = false;
   out.peers = {"localhost"};
   EXPECT_NO_THROW(Participant{out}) << "a name that has an address";

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/ros2/client.hpp"
+#include "tests/ros2/domain.hpp"
 #include "tests/support/command.hpp"
 
 namespace polyarm::ros2::test {
@@ -37,7 +38,7 @@ class OwnCell {
     return client->call(service, type, request);
   }
 
-  const std::uint32_t domain = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  const std::uint32_t domain = test::own_domain();
   std::optional<Client> client;
 
  private:

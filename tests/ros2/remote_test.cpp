@@ -21,6 +21,7 @@
 #include "polyarm/ros2/remote_participant.hpp"
 #include "polyarm/ros2/wire.hpp"
 #include "tests/ros2/client.hpp"
+#include "tests/ros2/domain.hpp"
 #include "tests/ros2/process.hpp"
 
 namespace polyarm::ros2::remote_tests {
@@ -39,7 +40,7 @@ constexpr const char* kString = "std_msgs::msg::dds_::String_";
 
 ParticipantOptions options() {
   ParticipantOptions out;
-  out.domain = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  out.domain = test::own_domain();
   return out;
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/ros2/client.hpp"
+#include "tests/ros2/domain.hpp"
 #include "tests/support/command.hpp"
 
 namespace polyarm::ros2 {
@@ -69,7 +70,7 @@ class Ros2Cell : public ::testing::Test {
     return out;
   }
 
-  const std::uint32_t domain_ = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  const std::uint32_t domain_ = test::own_domain();
   const std::filesystem::path folder_ =
       std::filesystem::temp_directory_path() / ("polyarm_ros2_" + std::to_string(::getpid()));
   std::optional<polyarm::test::Command> command_;

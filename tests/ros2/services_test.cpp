@@ -7,6 +7,7 @@
 #include <set>
 #include <string>
 
+#include "tests/ros2/domain.hpp"
 #include "tests/ros2/example.hpp"
 #include "tests/ros2/ros2_cell.hpp"
 #ifdef POLYARM_CYCLONE
@@ -193,7 +194,7 @@ tilting:
 pressing:
   ros__parameters: {frame_id: finger_link, interface_names: {force: {x: wrist/force.x}, torque: {z: wrist/torque.z}}}
 )";
-  const std::uint32_t domain = 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  const std::uint32_t domain = test::own_domain();
   ::setenv("ROS_DOMAIN_ID", std::to_string(domain).c_str(), 1);
   polyarm::test::Command command({"run", folder.string(), "--ros2", "--no-socket"});
   ASSERT_TRUE(command.wait_for("ROS 2: domain")) << command.wait().output;

@@ -16,6 +16,7 @@
 #include "polyarm/messages/types.hpp"
 #include "polyarm/realtime/periodic.hpp"
 #include "tests/ros2/client.hpp"
+#include "tests/ros2/domain.hpp"
 #include "tests/ros2/process.hpp"
 #ifdef POLYARM_CYCLONE
 #include "messages.h"
@@ -34,7 +35,7 @@ using test::wait;
 
 /// Each test has a domain of its own, so that those that run beside it are not met.
 std::uint32_t own_domain() {
-  return 20 + static_cast<std::uint32_t>(::getpid()) % 80;
+  return test::own_domain();
 }
 
 ParticipantOptions options() {

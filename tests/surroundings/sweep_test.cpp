@@ -234,7 +234,7 @@ TEST(Sweep, FindsTheSmallestDistanceOfAnyWay) {
     const description::RobotModel model = collision::random_robot(random, 6);
     description::Scene scene;
     scene.floor = false;
-    const auto shapes = collision::random_world(random, 0.9, 5);
+    const auto shapes = collision::random_world(random, 0.9, 14);
     for (const auto& named : shapes) scene.fixtures.push_back({named.name, {named.shape}, {}, {}, 0.8});
     Robot robot{"arm", &model, nullptr, -1, true, {}};
     robot.body = robot_body(robot);
@@ -253,13 +253,14 @@ TEST(Sweep, FindsTheSmallestDistanceOfAnyWay) {
       for (int s = 1; s <= kBetween; ++s) {
         std::vector<double> there = before;
         for (std::size_t j = 0; j < q.size(); ++j) there[j] += (q[j] - before[j]) * s / kBetween;
-        judged = std::min(judged, judge.distance(there).upper);
+        judged = std::min(judged, judge.distance(there, false).upper);
       }
       before = q;
     }
     sweep.finish();
     double found = 1e9;
-    for (const Approach& a : sweep.approaches()) found = std::min(found, a.distance);
+    for (const Approach& a : sweep.approaches())  // a robot keeps no clearance from itself
+      if (!a.first.starts_with("arm/") || !a.second.starts_with("arm/")) found = std::min(found, a.distance);
     if (judged < kClearance) {
       EXPECT_LE(found, judged + Sweep::kResolution + 1e-5) << "robot " << i;
     }
