@@ -37,7 +37,8 @@ std::unique_ptr<hardware::Component> make_built(const BuiltClass& built) {
   const std::string hash = sha256(bytes);
   if (!is_approved({"library", hash, {}}))
     throw Error(
-        "not-approved", built.module.string() + " has changed since it was built (sha256 " + hash + ")",
+        "plugin-not-approved",
+        built.module.string() + " has changed since it was built (sha256 " + hash + ")",
         "build it again with `polyarm plugin build`, or: polyarm plugins approve " + built.module.string());
   static std::map<std::string, const hardware::PluginTable*> open;  // a library is opened once
   const hardware::PluginTable*& table = open[hash];
