@@ -67,7 +67,7 @@ CallbackReturn FakeFanuc::on_init(const hardware::ComponentContext& context) {
   FarSideOptions options;
   options.machine = machine_of(context.robots.front());
   options.stream = options.rmi = options.session = 0;
-  // A driver that is kept waiting while packets go on would answer many at once, more than the controller buffers.
+  // A driver that falls behind would answer many packets at once, more than the controller buffers.
   options.patience = kAnswer;
   options.sampling_ms = static_cast<int>(std::lround(seconds(context.period) * 1000));
   if (options.sampling_ms < 1 || std::abs(options.sampling_ms - seconds(context.period) * 1000) > 1e-6)
@@ -82,13 +82,7 @@ CallbackReturn FakeFanuc::on_init(const hardware::ComponentContext& context) {
     const auto [output, input] = wire_of(text);
     far_->with([&](Machine& machine) { machine.wire_output(output, input); });
   }
-  for (const std::string& fault : split_words(given("faults"), " ,;")) {
-    const std::size_t at = fault.find('@');
-    const auto time = at == std::string::npos ? std::nullopt : parse_number(fault.substr(at + 1));
-    if (!time)
-      throw Error("bad-value", "'" + fault + "' in `faults` is not KIND@SECONDS", "for example e_stop@3");
-    faults_.push_back({fault.substr(0, at), *time});
-  }
+  faults_ = wire::parse_timed_orders(given("faults"), "e_stop@3");
   hardware::ComponentContext own = context;
   own.parameters["host"] = "127.0.0.1";
   own.parameters["stream_port"] = std::to_string(far_->stream_port());
@@ -125,8 +119,8 @@ CallbackReturn FakeFanuc::on_cleanup() {
 }
 
 void FakeFanuc::order_what_is_due() noexcept {
-  for (Ordered& one : faults_)
-    if (!one.fault.empty() && since_ >= one.at) far_->order(std::exchange(one.fault, ""));
+  for (wire::TimedOrder& one : faults_)
+    if (!one.order.empty() && since_ >= one.at) far_->order(std::exchange(one.order, ""));
 }
 
 hardware::ReturnType FakeFanuc::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {

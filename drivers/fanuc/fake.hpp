@@ -6,6 +6,7 @@
 
 #include "drivers/fanuc/component.hpp"
 #include "drivers/fanuc/far_side.hpp"
+#include "drivers/wire/orders.hpp"
 
 namespace polyarm::fanuc {
 
@@ -34,12 +35,8 @@ class FakeFanuc : public FanucComponent {
  private:
   void order_what_is_due() noexcept;
   bool await_packet(std::uint32_t sequence) noexcept;
-  struct Ordered {
-    std::string fault;
-    double at = 0;
-  };
   std::unique_ptr<FarSide> far_;
-  std::vector<Ordered> faults_;
+  std::vector<wire::TimedOrder> faults_;
   double since_ = 0;
   std::atomic<bool> stepped_{false};
 };

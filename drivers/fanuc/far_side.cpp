@@ -5,18 +5,14 @@
 
 #include <algorithm>
 
-#include "polyarm/base/text.hpp"
+#include "drivers/wire/orders.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::fanuc {
 
 namespace {
 
-struct Kind {
-  const char* name;
-  const char* meaning;
-};
-constexpr Kind kKinds[] = {
+constexpr wire::OrderKind kKinds[] = {
     {"e_stop", "somebody presses the emergency stop"},
     {"release", "it is released; the alarm stays until a reset"},
     {"fence_open", "somebody opens the fence"},
@@ -70,13 +66,7 @@ FarSide::~FarSide() {
 }
 
 std::string FarSide::kinds() {
-  std::string out;
-  for (const Kind& kind : kKinds) {
-    std::string name = kind.name;
-    name.resize(18, ' ');
-    out += "  " + name + kind.meaning + "\n";
-  }
-  return out;
+  return wire::order_list(kKinds);
 }
 
 void FarSide::report(const std::string& text) const {
@@ -84,16 +74,8 @@ void FarSide::report(const std::string& text) const {
 }
 
 void FarSide::order(const std::string& fault) {
-  const std::size_t equals = fault.find('=');
-  const std::string kind(trim(fault.substr(0, equals)));
-  double count = kind == "motn" ? 603 : kind == "alarm" ? 65 : 10;
-  if (equals != std::string::npos) count = parse_number(fault.substr(equals + 1)).value_or(-1);
-  std::vector<std::string> names;
-  for (const Kind& one : kKinds) names.emplace_back(one.name);
-  if (std::find(names.begin(), names.end(), kind) == names.end() || !(count >= 0 && count <= 1e6))
-    throw Error("bad-value", "'" + fault + "' is no fault of this controller" + did_you_mean(kind, names),
-                "KIND or KIND=NUMBER; the kinds are " + join(names, ", "));
-  const int number = static_cast<int>(count);
+  const auto [kind, given] = wire::parse_order(fault, kKinds);
+  const int number = given >= 0 ? given : kind == "motn" ? 603 : kind == "alarm" ? 65 : 10;
   const std::lock_guard lock(mutex_);
   order_by_hand(kind);
   order_on_wires(kind, number);

@@ -16,8 +16,8 @@ struct FarSideOptions {
   std::string address = "127.0.0.1";
   int stream = 60015, rmi = 16001, session = 16002;  ///< ports; 0: any
   int sampling_ms = 8;
-  std::uint32_t version = 3;                       ///< of Stream Motion, 3 or 4
-  Nanoseconds patience = 0;  ///< the clock waits so long for the answer to a packet: for drivers on a loaded machine
+  std::uint32_t version = 3;  ///< of Stream Motion, 3 or 4
+  Nanoseconds patience = 0;   ///< longest wait of the clock for the answer to a packet, ns
   std::function<void(const std::string&)> report;  ///< what happens, for people; on its thread
 };
 

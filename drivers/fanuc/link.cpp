@@ -44,26 +44,22 @@ void Link::command(bool move, const Six& joints) noexcept {
 }
 
 void Link::fail(Cause cause, int detail) noexcept {
-  std::uint64_t none = 0;
-  const auto word =
-      static_cast<std::uint64_t>(cause) | static_cast<std::uint64_t>(static_cast<std::uint32_t>(detail)) << 8;
-  fault_.compare_exchange_strong(none, word, std::memory_order_acq_rel);
+  fault_.set_first({cause, detail});
   ::eventfd_write(wake_.number(), 1);
   ::eventfd_write(cycle_.number(), 1);  // await() returns
 }
 
 void Link::note(Cause cause, int detail, const std::string& text) {
   const std::lock_guard lock(mutex_);
-  if (fault_ == 0) text_ = text;
+  if (!fault_) text_ = text;
   fail(cause, detail);
   changed_.notify_all();
 }
 
 std::string Link::reason() const {
-  const std::uint64_t fault = fault_.load(std::memory_order_acquire);
-  const std::uint64_t word = fault != 0 ? fault : refused_.load(std::memory_order_acquire);
+  const auto why = fault_ ? fault_.value() : refused_.value();
   const std::lock_guard lock(mutex_);
-  return sentence(static_cast<Cause>(word & 0xFF), static_cast<std::int32_t>(word >> 8), where(), text_);
+  return sentence(why.cause, why.detail, where(), text_);
 }
 
 void Link::wait() {
@@ -98,8 +94,7 @@ void Link::take_stream(Nanoseconds now) {
   const std::uint64_t before = current_.count;
   // The loop's first command counts if it came before this packet. Looked at before the loop sees the packet,
   // so that a run repeats itself.
-  const bool answers = phase_ != Phase::idle && phase_ != Phase::ending && fault_ == 0 && suspected_ == 0;
-  if (answers && !commanded_) commanded_ = commands_.fetch();
+  if (phase_ != Phase::idle && !brakes() && !commanded_) commanded_ = commands_.fetch();
   take_status(*status, now);
   if (current_.count != before) answer(*status);
 }
@@ -135,7 +130,7 @@ void Link::take_status(const Status& status, Nanoseconds now) {
 /// The loop's answer goes out when it comes; an answer that did not come is replaced by a step of a stop.
 void Link::answer(const Status& status) {
   if (phase_ == Phase::idle) return send_idle(status);
-  if (phase_ == Phase::ending || fault_ != 0 || suspected_ != 0) return send_ending(status);
+  if (brakes()) return send_ending(status);
   if (!commanded_) return send_next(shaper_.at(), true, false, status.sequence);  // until the loop commands
   if (current_.answered + 1 != status.sequence)
     send_next(shaper_.brake(limits_.at(speed_, settings_.load)), true, false, status.sequence - 1);
@@ -153,7 +148,7 @@ void Link::take_command(Nanoseconds now) {
   if (fresh || !commanded_) pacer_.command(now);
   if (phase_ != Phase::streaming) return;
   if (fresh && !std::exchange(commanded_, true)) pacer_.sent();  // the position that is held
-  if (!commanded_ || fault_ != 0 || suspected_ != 0) return;
+  if (!commanded_ || fault_ || suspected_ != 0) return;
   const bool open = current_.answered != current_.status.sequence;
   const bool ours = commands_.value().sequence == current_.status.sequence;
   if (settings_.follows ? !open || !ours : !pacer_.due()) return;
@@ -201,8 +196,7 @@ void Link::send_ending(const Status& status) {
 
 /// A packet that waited for the loop when the motion began to end.
 void Link::answer_what_is_left() {
-  const bool ends = phase_ == Phase::ending || fault_ != 0 || suspected_ != 0;
-  if (phase_ == Phase::idle || !ends || current_.answered == current_.status.sequence) return;
+  if (phase_ == Phase::idle || !brakes() || current_.answered == current_.status.sequence) return;
   send_ending(current_.status);
 }
 
@@ -260,14 +254,14 @@ void Link::judge_status(Nanoseconds now) {
 
 void Link::judge(Nanoseconds now) {
   if (now - heard_ > settings_.silence) note(Cause::stream_silent);
-  if (phase_ != Phase::streaming || fault_ != 0) return;
+  if (phase_ != Phase::streaming || fault_) return;
   judge_status(now);
-  if (fault_ == 0 && suspected_ == 0 && commanded_ && pacer_.silent(now)) note(Cause::loop_silent);
+  if (!fault_ && suspected_ == 0 && commanded_ && pacer_.silent(now)) note(Cause::loop_silent);
 }
 
 void Link::end(Nanoseconds now) {
   const std::lock_guard lock(mutex_);
-  if (phase_ == Phase::streaming && (stop_wanted_ || fault_ != 0)) {
+  if (phase_ == Phase::streaming && (stop_wanted_ || fault_)) {
     phase_ = Phase::ending;
     ending_since_ = now;
     suspected_ = 0;

@@ -13,6 +13,7 @@
 #include "drivers/fanuc/shaper.hpp"
 #include "drivers/fanuc/stream.hpp"
 #include "drivers/fanuc/words.hpp"
+#include "drivers/wire/cause_word.hpp"
 #include "drivers/wire/pacer.hpp"
 #include "drivers/wire/udp.hpp"
 #include "polyarm/realtime/latest.hpp"
@@ -81,11 +82,9 @@ class Link {
   void command(bool move, const Six& joints) noexcept;
   /// Call it before command(): the outputs go with that command.
   void outputs(const Outputs& outputs) noexcept { outputs_.write(outputs); }
-  Cause cause() const noexcept { return static_cast<Cause>(fault_.load(std::memory_order_acquire) & 0xFF); }
+  Cause cause() const noexcept { return fault_.cause(); }
   /// Why open() or start() was refused last; the link may be well.
-  Cause refused() const noexcept {
-    return static_cast<Cause>(refused_.load(std::memory_order_acquire) & 0xFF);
-  }
+  Cause refused() const noexcept { return refused_.cause(); }
   /// The driver itself found a cause: the robot is braked.
   void fail(Cause cause, int detail) noexcept;
 
@@ -142,6 +141,8 @@ class Link {
   void send_ending(const Status& status);
   void answer_what_is_left();
   void judge(Nanoseconds now);
+  /// Commands of the loop count no more: the robot is braked.
+  bool brakes() const noexcept { return phase_ == Phase::ending || fault_ || suspected_ != 0; }
   void judge_status(Nanoseconds now);
   void suspect(Nanoseconds now);
   void end(Nanoseconds now);
@@ -162,7 +163,7 @@ class Link {
   realtime::Latest<Sample> samples_;
   realtime::Latest<Wanted> commands_;
   realtime::Latest<Outputs> outputs_;
-  std::atomic<std::uint64_t> fault_{0}, refused_{0};  // cause, detail
+  wire::CauseWord<Cause> fault_, refused_;
 
   mutable std::mutex mutex_;  // the words and the phase; never the control thread's
   std::condition_variable changed_;

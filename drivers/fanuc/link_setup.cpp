@@ -18,11 +18,6 @@ constexpr Nanoseconds kPause = 50'000'000;
 constexpr int kFresh = 3;  // packets
 constexpr int kCalls = 3;  // of the streaming program: ending the previous one can drop the first call
 
-std::uint64_t word_of(Cause cause, int detail) {
-  return static_cast<std::uint64_t>(cause) | static_cast<std::uint64_t>(static_cast<std::uint32_t>(detail))
-                                                 << 8;
-}
-
 IoRow row_of(IoDirection direction, IoKind kind, const IoRange& range) {
   return {direction, static_cast<std::uint32_t>(kind), static_cast<std::uint32_t>(range.first),
           static_cast<std::uint32_t>(range.count)};
@@ -43,7 +38,7 @@ Link::Link(LinkSettings settings)
 bool Link::refuse(Cause cause, int detail, const std::string& text) {
   const std::lock_guard lock(mutex_);
   text_ = text;
-  refused_ = word_of(cause, detail);
+  refused_.set({cause, detail});
   return false;
 }
 
@@ -146,7 +141,8 @@ bool Link::begin_stream(bool with_outputs) {
 
 bool Link::open() {
   close();
-  refused_ = fault_ = 0;
+  fault_.clear();
+  refused_.clear();
   current_ = {};
   const bool fine = connect_stream() && read_limits() && connect_rmi() && begin_stream(false);
   if (!fine) {
@@ -283,8 +279,8 @@ bool Link::hold_ready() {
 
 bool Link::start() {
   if (!thread_.joinable()) return refuse(Cause::stream_silent);
-  if (fault_ != 0) return false;
-  refused_ = 0;
+  if (fault_) return false;
+  refused_.clear();
   halt_thread();
   for (int i = 0; i < kFresh; ++i) answer_one(kPause);  // what a person has just changed counts
   bool fine = check_state() && clear_alarms() && initialize();
@@ -308,10 +304,10 @@ bool Link::start() {
     phase_ = Phase::streaming;
   } else if (rmi_) {
     abort_program();
-    const std::uint64_t why = refused_;
+    const auto why = refused_.value();
     const std::string text = text_;
     begin_stream(false);
-    refuse(static_cast<Cause>(why & 0xFF), static_cast<std::int32_t>(why >> 8), text);
+    refuse(why.cause, why.detail, text);
   }
   run_thread();
   return fine;
@@ -330,8 +326,8 @@ void Link::stop() {
   halt_thread();
   phase_ = Phase::idle;
   abort_program();
-  if (fault_ != 0) return;
-  if (!begin_stream(false)) fault_ = refused_.load();
+  if (fault_) return;
+  if (!begin_stream(false)) fault_.set(refused_.value());
   run_thread();
 }
 

@@ -50,14 +50,7 @@ CallbackReturn FakeUr::on_init(const hardware::ComponentContext& context) {
     far_->with(
         [&](Machine& machine) { machine.wire_output(static_cast<int>(*output), static_cast<int>(*input)); });
   }
-  for (const std::string& fault : split_words(given("faults"), " ,;")) {
-    const std::size_t at = fault.find('@');
-    const auto time = at == std::string::npos ? std::nullopt : parse_number(fault.substr(at + 1));
-    if (!time)
-      throw Error("bad-value", "'" + fault + "' in `faults` is not KIND@SECONDS",
-                  "for example protective_stop@3");
-    faults_.push_back({fault.substr(0, at), *time});
-  }
+  faults_ = wire::parse_timed_orders(given("faults"), "protective_stop@3");
   hardware::ComponentContext own = context;
   own.parameters["host"] = "127.0.0.1";
   own.parameters["rtde_port"] = std::to_string(far_->rtde_port());
@@ -96,8 +89,8 @@ CallbackReturn FakeUr::on_cleanup() {
 
 hardware::ReturnType FakeUr::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
   if (stepped_) {
-    for (Ordered& one : faults_)
-      if (!one.fault.empty() && since_ >= one.at) far_->order(std::exchange(one.fault, ""));
+    for (wire::TimedOrder& one : faults_)
+      if (!one.order.empty() && since_ >= one.at) far_->order(std::exchange(one.order, ""));
     since_ += seconds(cycle.period);
     // A fault may keep the controller's package back; then a command may wait for the next one.
     const double before = far_->sent_time();

@@ -4,6 +4,7 @@
 
 #include "drivers/ur/component.hpp"
 #include "drivers/ur/far_side.hpp"
+#include "drivers/wire/orders.hpp"
 
 namespace polyarm::ur {
 
@@ -28,12 +29,8 @@ class FakeUr : public UrComponent {
 
  private:
   bool await_package(double sent) noexcept;
-  struct Ordered {
-    std::string fault;
-    double at = 0;
-  };
   std::unique_ptr<FarSide> far_;
-  std::vector<Ordered> faults_;
+  std::vector<wire::TimedOrder> faults_;
   double since_ = 0;
   std::atomic<bool> stepped_{false};
   bool disturbed_ = false;

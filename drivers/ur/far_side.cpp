@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "polyarm/base/text.hpp"
+#include "drivers/wire/orders.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::ur {
@@ -14,11 +14,7 @@ namespace {
 
 constexpr Nanoseconds kStateEvery = 100'000'000;
 
-struct Kind {
-  const char* name;
-  const char* meaning;
-};
-constexpr Kind kKinds[] = {
+constexpr wire::OrderKind kKinds[] = {
     {"protective_stop", "the robot stops and waits to be unlocked"},
     {"safeguard_stop", "somebody opened the guard"},
     {"emergency_stop", "somebody pressed the button"},
@@ -72,13 +68,7 @@ FarSide::~FarSide() {
 }
 
 std::string FarSide::kinds() {
-  std::string out;
-  for (const Kind& kind : kKinds) {
-    std::string name = kind.name;
-    name.resize(18, ' ');
-    out += "  " + name + kind.meaning + "\n";
-  }
-  return out;
+  return wire::order_list(kKinds);
 }
 
 void FarSide::report(const std::string& text) const {
@@ -93,18 +83,10 @@ void FarSide::end_program(const std::string& why) {
 }
 
 void FarSide::order(const std::string& fault) {
-  const std::size_t equals = fault.find('=');
-  const std::string kind(trim(fault.substr(0, equals)));
-  double count = 10;
-  if (equals != std::string::npos) count = parse_number(fault.substr(equals + 1)).value_or(-1);
-  std::vector<std::string> names;
-  for (const Kind& one : kKinds) names.emplace_back(one.name);
-  if (std::find(names.begin(), names.end(), kind) == names.end() || !(count >= 0 && count <= 1e6))
-    throw Error("bad-value", "'" + fault + "' is no fault of this controller" + did_you_mean(kind, names),
-                "KIND or KIND=NUMBER; the kinds are " + join(names, ", "));
-  const int number = static_cast<int>(count);
+  const auto [kind, given] = wire::parse_order(fault, kKinds);
+  const int number = given >= 0 ? given : 10;
   const std::lock_guard lock(mutex_);
-  const auto is = [&](const char* name) { return kind == name; };
+  const auto is = [&kind = kind](const char* name) { return kind == name; };
   if (is("protective_stop")) machine_.safety(protective_stop);
   if (is("safeguard_stop")) machine_.safety(safeguard_stop);
   if (is("emergency_stop")) machine_.safety(robot_emergency);

@@ -45,26 +45,22 @@ void Link::outputs(const Outputs& outputs) noexcept {
 }
 
 void Link::fail(Cause cause, int detail) noexcept {
-  std::uint64_t none = 0;
-  const auto word =
-      static_cast<std::uint64_t>(cause) | static_cast<std::uint64_t>(static_cast<std::uint32_t>(detail)) << 8;
-  fault_.compare_exchange_strong(none, word, std::memory_order_acq_rel);
+  fault_.set_first({cause, detail});
   ::eventfd_write(wake_.number(), 1);
   ::eventfd_write(cycle_.number(), 1);  // await() returns
 }
 
 void Link::note(Cause cause, int detail, const std::string& text) {
   const std::lock_guard lock(mutex_);
-  if (fault_ == 0) text_ = text;
+  if (!fault_) text_ = text;
   fail(cause, detail);
   changed_.notify_all();
 }
 
 std::string Link::reason() const {
-  const std::uint64_t fault = fault_.load(std::memory_order_acquire);
-  const std::uint64_t word = fault != 0 ? fault : refused_.load(std::memory_order_acquire);
+  const auto why = fault_ ? fault_.value() : refused_.value();
   const std::lock_guard lock(mutex_);
-  return sentence(static_cast<Cause>(word & 0xFF), static_cast<std::int32_t>(word >> 8), where(), text_);
+  return sentence(why.cause, why.detail, where(), text_);
 }
 
 std::optional<Kinematics> Link::kinematics() const {
@@ -276,7 +272,7 @@ void Link::take_commands(Nanoseconds now) {
   } else if (!commanded_) {
     pacer_.command(now);  // until the loop commands, the robot's program is kept waiting
   }
-  if (fault_ != 0 || !pacer_.due()) return;
+  if (fault_ || !pacer_.due()) return;
   send_command(commanded_ ? commands_.value() : Command{});
   pacer_.sent();
 }
@@ -287,11 +283,11 @@ void Link::judge(Nanoseconds now) {
   const bool streaming = phase_ == Phase::streaming && !stop_wanted_;
   const std::string exception = exception_;
   lock.unlock();
-  if (streaming && fault_ == 0) {
+  if (streaming && !fault_) {
     if (!exception.empty()) note(Cause::script_error, 0, exception);
     judge_program(now);
   }
-  if (fault_ != 0 && (phase_ == Phase::streaming)) end_stream();
+  if (fault_ && (phase_ == Phase::streaming)) end_stream();
 }
 
 void Link::judge_program(Nanoseconds now) {

@@ -16,6 +16,7 @@
 #include "drivers/ur/rtde.hpp"
 #include "drivers/ur/script.hpp"
 #include "drivers/ur/words.hpp"
+#include "drivers/wire/cause_word.hpp"
 #include "drivers/wire/pacer.hpp"
 #include "drivers/wire/tcp.hpp"
 #include "polyarm/realtime/latest.hpp"
@@ -111,11 +112,9 @@ class Link {
   /// What the outputs shall be. Only what changed is sent: somebody at the pendant may have switched the
   /// others. Call it before command(): then the outputs arrive before that command.
   void outputs(const Outputs& outputs) noexcept;
-  Cause cause() const noexcept { return static_cast<Cause>(fault_.load(std::memory_order_acquire) & 0xFF); }
+  Cause cause() const noexcept { return fault_.cause(); }
   /// Why open() or start() was refused last; the link may be well.
-  Cause refused() const noexcept {
-    return static_cast<Cause>(refused_.load(std::memory_order_acquire) & 0xFF);
-  }
+  Cause refused() const noexcept { return refused_.cause(); }
   /// The driver itself found a cause: the robot is stopped.
   void fail(Cause cause, int detail) noexcept;
 
@@ -181,8 +180,8 @@ class Link {
   realtime::Latest<Sample> samples_;
   realtime::Latest<Command> commands_;
   realtime::Latest<Outputs> outputs_;
-  std::atomic<std::uint64_t> fault_{0}, refused_{0};  // cause, detail
-  std::int32_t sequence_ = 0;                         // the control thread's
+  wire::CauseWord<Cause> fault_, refused_;
+  std::int32_t sequence_ = 0;  // the control thread's
 
   mutable std::mutex mutex_;  // the words below, and the phase; never the control thread's
   std::condition_variable changed_;

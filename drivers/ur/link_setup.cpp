@@ -69,8 +69,7 @@ Link::Link(LinkSettings settings)
 bool Link::refuse(Cause cause, int detail, const std::string& text) {
   const std::lock_guard lock(mutex_);
   text_ = text;
-  refused_ =
-      static_cast<std::uint64_t>(cause) | static_cast<std::uint64_t>(static_cast<std::uint32_t>(detail)) << 8;
+  refused_.set({cause, detail});
   return false;
 }
 
@@ -222,7 +221,8 @@ bool Link::check_remote() {
 
 bool Link::open() {
   close();
-  fault_ = refused_ = 0;
+  fault_.clear();
+  refused_.clear();
   frames_.reset();
   messages_.reset();
   current_ = {};
@@ -261,11 +261,11 @@ bool Link::open() {
   std::unique_lock lock(mutex_);
   // The first package, so that the states are measured when this returns.
   changed_.wait_for(lock, std::chrono::nanoseconds(settings_.connect_timeout),
-                    [this] { return current_.count > 0 || fault_ != 0; });
-  const bool heard = current_.count > 0 && fault_ == 0;
+                    [this] { return current_.count > 0 || fault_; });
+  const bool heard = current_.count > 0 && !fault_;
   lock.unlock();
   if (heard) return true;
-  if (fault_ == 0) refuse(Cause::rtde_silent);
+  if (!fault_) refuse(Cause::rtde_silent);
   close();
   return false;
 }
@@ -285,19 +285,19 @@ bool Link::check_robot() {
   std::unique_lock lock(mutex_);
   const auto value = [this](Field field) { return static_cast<int>(current_[field]); };
   changed_.wait_for(lock, std::chrono::nanoseconds(settings_.start_timeout), [&] {
-    return value(kRuntimeState) == stopped || value(kRuntimeState) == paused || fault_ != 0;
+    return value(kRuntimeState) == stopped || value(kRuntimeState) == paused || fault_;
   });
   const Obstacle obstacle = obstacle_of(value(kRobotMode), value(kSafetyMode));
   const int state = value(kRuntimeState);
   lock.unlock();
-  if (fault_ != 0) return false;
+  if (fault_) return false;
   if (obstacle.cause != Cause::none) return refuse(obstacle.cause, obstacle.detail);
   return state == stopped ? true : refuse(Cause::other_program, state);
 }
 
 bool Link::start() {
   if (!thread_.joinable()) return refuse(Cause::rtde_closed);
-  refused_ = 0;
+  refused_.clear();
   if (!check_robot()) return false;
   if (!check_remote()) return false;
   ScriptSettings script = settings_.script;
@@ -314,14 +314,14 @@ bool Link::start() {
     return refuse(Cause::unreachable, 0, "it does not take the program");
   lock.lock();
   const auto decided = [this] {
-    return phase_ == Phase::streaming || !exception_.empty() || !refusal_.empty() || fault_ != 0;
+    return phase_ == Phase::streaming || !exception_.empty() || !refusal_.empty() || fault_;
   };
   changed_.wait_for(lock, std::chrono::nanoseconds(settings_.start_timeout), decided);
   const Phase phase = phase_;
   const std::string exception = exception_, refusal = refusal_;
   if (phase != Phase::streaming) phase_ = Phase::idle;
   lock.unlock();
-  if (fault_ != 0) return false;
+  if (fault_) return false;
   if (phase == Phase::streaming) return true;
   if (!exception.empty()) return refuse(Cause::script_error, 0, exception);
   if (!refusal.empty()) return refuse(Cause::not_remote, 0, refusal);

@@ -1,0 +1,32 @@
+#pragma once
+/// What a person orders from a simulated robot controller: faults, and events that end them. Throws
+/// Error("bad-value") for texts that are not understood.
+#include <span>
+#include <string>
+#include <vector>
+
+namespace polyarm::wire {
+
+struct OrderKind {
+  const char* name;
+  const char* meaning;
+};
+
+/// The kinds with their meaning, one a line.
+std::string order_list(std::span<const OrderKind> kinds);
+
+struct Order {
+  std::string kind;
+  int number = -1;  ///< -1: not given
+};
+/// `KIND` or `KIND=NUMBER`, with a number up to 10⁶.
+Order parse_order(const std::string& text, std::span<const OrderKind> kinds);
+
+struct TimedOrder {
+  std::string order;  ///< empty once it was given
+  double at = 0;      ///< s
+};
+/// `KIND@SECONDS …`, the parameter `faults` of a simulated controller inside a driver.
+std::vector<TimedOrder> parse_timed_orders(const std::string& text, const std::string& example);
+
+}  // namespace polyarm::wire
