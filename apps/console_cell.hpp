@@ -47,7 +47,7 @@ class ConsoleCell {
   std::string catch_up();
   /// Sends a request that is answered repeatedly; returns the id for receive().
   int send(Json request);
-  /// The next complete answer to request `id` within `timeout_ms`; null if there is none yet.
+  /// The next complete answer to request `id` within `timeout_ms`; null if it has not arrived.
   Json receive(int id, int timeout_ms);
   /// Events since the last call, in the form of the request `events`.
   std::vector<Json> take_events();

@@ -78,7 +78,7 @@ std::string Dialogue::dim(const std::string& text) const {
   return colour_ ? own_escape("[2m") + text + own_escape("[0m") : text;
 }
 
-/// Reads available input; false if there is none.
+/// Reads the input that has arrived; false if nothing has.
 bool Dialogue::fill(int timeout_ms) {
   pollfd waiting{STDIN_FILENO, POLLIN, 0};
   if (::poll(&waiting, 1, timeout_ms) <= 0) return false;

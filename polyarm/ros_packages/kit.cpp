@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/installation.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::ros_packages {
@@ -14,11 +15,8 @@ namespace {
 constexpr std::size_t kLargestSource = 4 << 20;
 
 fs::path find_folder() {
-  std::error_code error;
-  fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
-  for (int up = 0; up < 5 && !here.empty(); ++up, here = here.parent_path())
-    for (const fs::path& folder : {here / "share" / "polyarm" / "ros", here / "ros"})
-      if (fs::is_regular_file(folder / "packages.list", error)) return folder;
+  const auto found = installation::data_folders("ros", "packages.list");
+  if (!found.empty()) return found.front();
   throw Error("no-kit", "the headers for packages of ROS are not beside this command",
               "install Polyarm with its development files: cmake --install build --prefix DIR");
 }

@@ -13,8 +13,8 @@ namespace polyarm::ros_packages {
 
 /// Where something that is not Polyarm's comes from.
 struct Source {
-  std::string debian;  ///< the package of Debian and Ubuntu; empty: there is none
-  std::string note;    ///< what to do when there is none
+  std::string debian;  ///< the package of Debian and Ubuntu; empty: not in Debian
+  std::string note;    ///< what to do without a package
   std::string advice() const;
 };
 

@@ -29,9 +29,9 @@ struct Approach {
 };
 
 /// Which pairs count: links, tools and held parts against fixtures, floor, parts and other robots, and links
-/// of one robot against each other (contacts alone: they need no clearance). Fingers may touch parts. A part that a gripper takes or lets go may touch
-/// what it lies on, and the tool may touch it: an approach that begins or ends with that counts only where
-/// bodies overlap by more than `kPressing`.
+/// of one robot against each other (contacts alone: they need no clearance). Fingers may touch parts. A part
+/// that a gripper takes or releases may touch what it lies on, and the tool may touch it: an approach that
+/// begins or ends with that counts only where bodies overlap by more than `kPressing`.
 class Sweep {
  public:
   static constexpr double kPressing = 0.002;

@@ -48,7 +48,7 @@ function runningWord(): StateWord {
   return word(t('state.ready'), 'good', 'check');
 }
 
-/** The activity of a running cell; null if there is none. */
+/** The activity of a running cell; null if it neither moves nor runs a program. */
 function goingWord(): StateWord|null {
   const now = status.value!;
   const word = (text: string, tone: StateWord['tone'], icon: IconName) => ({text, tone, icon, why: ''});

@@ -188,7 +188,7 @@ export interface SceneThing {
 }
 
 export interface SceneInfo {
-  /** Height of the floor; null if there is none. */
+  /** Height of the floor; null for a scene without a floor. */
   floor: number | null;
   things: SceneThing[];
   movers: { name: string; axis: Vec3; field: string }[];

@@ -8,7 +8,7 @@ import { loadScene } from '../../state/models';
 import { toast } from '../../state/toasts';
 import { ask } from '../../ui/ask';
 
-/** The present operation, in words; '' if there is none. */
+/** What restarts the cell now, in words; '' while nothing does. */
 export const restarting = signal('');
 const kPatienceMs = 30_000;
 

@@ -13,7 +13,7 @@ import { shortName } from './Now';
 
 const asked = signal('');
 
-/** The program open on the Program page; empty if there is none or if it cannot be started. */
+/** The program open on the Program page; empty if no program is open, or if it cannot be started. */
 const written = computed(() => {
   const kind = doc.files.value.find((each) => each.name === doc.fileName.value)?.kind;
   return doc.isProgram.value && kind !== 'plc' ? doc.fileName.value : '';

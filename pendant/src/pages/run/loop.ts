@@ -4,7 +4,7 @@ export interface Loop {
   source: string;
 }
 
-/** The first `while` with a condition in a program's text; null if there is none. */
+/** The first `while` with a condition in a program's text; null for a text without one. */
 export function outermostLoop(text: string): Loop | null {
   const lines = text.split('\n');
   for (const [i, each] of lines.entries()) {
