@@ -20,7 +20,7 @@ function(polyarm_headers name libraries)
   target_link_libraries(${name} PRIVATE ${libraries})
   target_precompile_headers(${name} PRIVATE ${POLYARM_PRECOMPILED} ${ARGN})
   # Not out of ccache: it does not see that a tree at another's path has other headers of ours.
-  set_target_properties(${name} PROPERTIES CXX_COMPILER_LAUNCHER "")
+  set_target_properties(${name} PROPERTIES CXX_COMPILER_LAUNCHER "${POLYARM_COMPILER_LAUNCHER}")
 endfunction()
 
 # The same for programs, whose code the compiler places in another way than a library's.

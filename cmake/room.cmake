@@ -1,22 +1,26 @@
 # Files that go into the kit for plugins one by one (sdk.cmake) stand alone.
 set(POLYARM_ROOMS_TOGETHER yaml xacro catalogue language vm launch joint_control wheels broadcasters io setup machine tasks operation inside requests cell control controllers data doctor hardware meshes messages plugins program realtime
     server signals apps description recording ros2 ros_files paths timing trajectory)
-set(POLYARM_TESTS_TOGETHER hardware data servos pca9685 controllers control kinematics closed_form descent ik cell scenario server signals
-    recording ros_files links messages plugins program ros2 base description paths timing trajectory moves jog sensors drivers)
+# Test programs: so many files at a time, in all but these (whose files include headers with ROS's names).
+set(POLYARM_TESTS_AT_A_TIME 10)
+set(POLYARM_TESTS_ALONE ros_packages)
 # So many at a time that each takes a compiler some seconds.
-set(POLYARM_BY_SIX test_base test_cell test_control test_controllers test_data test_description test_drivers test_hardware
-    test_kinematics test_closed_form test_descent test_ik test_jog test_links test_messages test_moves test_paths test_pca9685 test_plugins test_program test_recording test_ros2
-    test_ros_files test_sensors test_servos test_signals test_timing test_trajectory polyarm polyarm_io polyarm_setup polyarm_machine polyarm_tasks polyarm_operation polyarm_inside
-    polyarm_requests polyarm_cell polyarm_server)
+set(POLYARM_BY_SIX polyarm polyarm_io polyarm_setup polyarm_machine polyarm_tasks polyarm_operation polyarm_inside polyarm_requests
+    polyarm_cell polyarm_server)
+function(polyarm_in_batches target batch)
+  if(POLYARM_TOGETHER)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
+    # Of what stands in another file: a name hidden, a type without linkage "in a header".
+    target_compile_options(${target} PRIVATE -Wno-shadow -Wno-subobject-linkage)
+  endif()
+endfunction()
 function(polyarm_together target name rooms)
-  if(POLYARM_TOGETHER AND name IN_LIST rooms)
+  if(name IN_LIST rooms)
     set(batch 4)
     if(target IN_LIST POLYARM_BY_SIX)  # less optimized
       set(batch 6)
     endif()
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
-    # Of what stands in another file: a name hidden, a type without linkage "in a header".
-    target_compile_options(${target} PRIVATE -Wno-shadow -Wno-subobject-linkage)
+    polyarm_in_batches(${target} ${batch})
   endif()
 endfunction()
 
@@ -90,7 +94,9 @@ function(polyarm_test name)
   add_executable(test_${name} ${sources})
   target_link_libraries(test_${name} PRIVATE ${ARGN} GTest::gtest_main)
   polyarm_compiled_as_test(test_${name} ${name})
-  polyarm_together(test_${name} ${name} "${POLYARM_TESTS_TOGETHER}")
+  if(NOT name IN_LIST POLYARM_TESTS_ALONE)
+    polyarm_in_batches(test_${name} ${POLYARM_TESTS_AT_A_TIME})
+  endif()
   target_compile_definitions(test_${name} PRIVATE POLYARM_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                   POLYARM_COMMAND="$<TARGET_FILE:polyarm>")
   # The live tests run on the wall clock, one after the other and with nothing beside them.

@@ -7,3 +7,4 @@ if(Python3_Interpreter_FOUND AND TARGET polyarm_driver_mujoco)
            ${CMAKE_BINARY_DIR} ${PROJECT_SOURCE_DIR} Packages)
   set_tests_properties(packages PROPERTIES LABELS package TIMEOUT 1200)  # a minute of processor time
 endif()
+add_test(NAME package.compiler_runs_again COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/package/compiler_runs_again ${PROJECT_SOURCE_DIR}/cmake/compile)

@@ -1,5 +1,5 @@
 # The page's types and unit tests; then one test for each file of cases in Chromium, where that is installed. Skipped
-# without npm. Each case starts cells and a browser, which is work for two cores: one file at a time.
+# without npm. Each case starts cells and a browser: one file at a time, first of all tests, with other tests beside it.
 set(run ${CMAKE_CURRENT_SOURCE_DIR}/pendant/run)
 set(servos "")
 if(TARGET servos_bus_process)
@@ -14,7 +14,7 @@ foreach(file ${files})
     get_filename_component(name ${file} NAME)
     string(REGEX REPLACE "[.].*" "" short ${name})
     add_test(NAME pendant.${short} COMMAND ${run} $<TARGET_FILE:polyarm> ${name})
-    set_tests_properties(pendant.${short} PROPERTIES LABELS pendant SKIP_RETURN_CODE 77 TIMEOUT 900 RUN_SERIAL TRUE
-      ENVIRONMENT "${servos}")
+    set_tests_properties(pendant.${short} PROPERTIES LABELS pendant SKIP_RETURN_CODE 77 TIMEOUT 900
+      RESOURCE_LOCK browser COST 1000 ENVIRONMENT "${servos}")
   endif()
 endforeach()
