@@ -5,13 +5,13 @@
 namespace polyarm::control {
 namespace {
 
-struct Row {
+struct Transition {
   RunState from;
   Event event;
   RunState to;
 };
 
-class StateTable : public testing::TestWithParam<Row> {};
+class StateTable : public testing::TestWithParam<Transition> {};
 
 TEST_P(StateTable, LeadsWhereItMust) {
   EXPECT_EQ(next(GetParam().from, GetParam().event), GetParam().to);
@@ -21,25 +21,25 @@ using S = RunState;
 using E = Event;
 INSTANTIATE_TEST_SUITE_P(
     All, StateTable,
-    testing::Values(Row{S::running, E::stop, S::stopping}, Row{S::running, E::standing, S::running},
-                    Row{S::running, E::resume, S::running}, Row{S::running, E::discard, S::running},
-                    Row{S::running, E::fault, S::fault}, Row{S::running, E::recover, S::running},
-                    Row{S::stopping, E::stop, S::stopping}, Row{S::stopping, E::standing, S::held},
-                    Row{S::stopping, E::resume, S::stopping}, Row{S::stopping, E::discard, S::stopping},
-                    Row{S::stopping, E::fault, S::fault}, Row{S::stopping, E::recover, S::stopping},
-                    Row{S::held, E::stop, S::held}, Row{S::held, E::standing, S::held},
-                    Row{S::held, E::resume, S::running}, Row{S::held, E::discard, S::held},
-                    Row{S::held, E::fault, S::fault}, Row{S::held, E::recover, S::held},
-                    Row{S::fault, E::stop, S::fault}, Row{S::fault, E::standing, S::fault},
-                    Row{S::fault, E::resume, S::fault}, Row{S::fault, E::discard, S::fault},
-                    Row{S::fault, E::fault, S::fault}, Row{S::fault, E::recover, S::held},
-                    Row{S::running, E::back, S::running}, Row{S::stopping, E::back, S::stopping},
-                    Row{S::held, E::back, S::backing}, Row{S::fault, E::back, S::fault},
-                    Row{S::backing, E::stop, S::stopping}, Row{S::backing, E::standing, S::held},
-                    Row{S::backing, E::resume, S::backing}, Row{S::backing, E::discard, S::backing},
-                    Row{S::backing, E::fault, S::fault}, Row{S::backing, E::recover, S::backing},
-                    Row{S::backing, E::back, S::backing}),
-    [](const testing::TestParamInfo<Row>& row) {
+    testing::Values(Transition{S::running, E::stop, S::stopping}, Transition{S::running, E::standing, S::running},
+                    Transition{S::running, E::resume, S::running}, Transition{S::running, E::discard, S::running},
+                    Transition{S::running, E::fault, S::fault}, Transition{S::running, E::recover, S::running},
+                    Transition{S::stopping, E::stop, S::stopping}, Transition{S::stopping, E::standing, S::held},
+                    Transition{S::stopping, E::resume, S::stopping}, Transition{S::stopping, E::discard, S::stopping},
+                    Transition{S::stopping, E::fault, S::fault}, Transition{S::stopping, E::recover, S::stopping},
+                    Transition{S::held, E::stop, S::held}, Transition{S::held, E::standing, S::held},
+                    Transition{S::held, E::resume, S::running}, Transition{S::held, E::discard, S::held},
+                    Transition{S::held, E::fault, S::fault}, Transition{S::held, E::recover, S::held},
+                    Transition{S::fault, E::stop, S::fault}, Transition{S::fault, E::standing, S::fault},
+                    Transition{S::fault, E::resume, S::fault}, Transition{S::fault, E::discard, S::fault},
+                    Transition{S::fault, E::fault, S::fault}, Transition{S::fault, E::recover, S::held},
+                    Transition{S::running, E::back, S::running}, Transition{S::stopping, E::back, S::stopping},
+                    Transition{S::held, E::back, S::backing}, Transition{S::fault, E::back, S::fault},
+                    Transition{S::backing, E::stop, S::stopping}, Transition{S::backing, E::standing, S::held},
+                    Transition{S::backing, E::resume, S::backing}, Transition{S::backing, E::discard, S::backing},
+                    Transition{S::backing, E::fault, S::fault}, Transition{S::backing, E::recover, S::backing},
+                    Transition{S::backing, E::back, S::backing}),
+    [](const testing::TestParamInfo<Transition>& row) {
       return std::string(name(row.param.from)) + "_" + name(row.param.event);
     });
 

@@ -9,7 +9,7 @@
 namespace polyarm::server {
 namespace {
 
-GateRules rules() {
+GateRules gate_rules() {
   GateRules out;
   out.token = "the-token";
   out.cookie = "polyarm_token_1";
@@ -30,15 +30,15 @@ Head head(const std::string& host, const std::string& origin = "", const std::st
 TEST(GateTest, OnLoopbackOnlyNamesOfThisMachineItselfAreServed) {
   for (const char* host :
        {"localhost", "localhost:8765", "LOCALHOST:1", "127.0.0.1:8765", "127.1.2.3", "[::1]:80"})
-    EXPECT_TRUE(host_allowed(host, rules())) << host;
+    EXPECT_TRUE(host_allowed(host, gate_rules())) << host;
   for (const char* host : {"", "evil.example", "localhost.evil.example", "192.168.1.7:8765",
                            "127.0.0.1.evil.example", "127.0.0", "127.0.0.256", "localhost:", "localhost:x",
                            "localhost:123456", "[::1", "[::1]x", "[fe80::1]", "localhost:80:80"})
-    EXPECT_FALSE(host_allowed(host, rules())) << host;
+    EXPECT_FALSE(host_allowed(host, gate_rules())) << host;
 }
 
 TEST(GateTest, BeyondLoopbackAddressesAndOwnNamesAreServedButNoOtherName) {
-  GateRules open = rules();
+  GateRules open = gate_rules();
   open.loopback = false;
   open.names = {"bench", "bench.local"};
   for (const char* host : {"192.168.1.7:8765", "bench:8765", "Bench.local", "[fe80::1]:8765", "localhost"})
@@ -49,37 +49,37 @@ TEST(GateTest, BeyondLoopbackAddressesAndOwnNamesAreServedButNoOtherName) {
 
 TEST(GateTest, APageFromElsewhereIsNotLetInWhateverItCarries) {
   const std::string cookie = "polyarm_token_1=the-token";
-  EXPECT_EQ(judge(head("localhost:1", "http://localhost:1", cookie), rules(), true).status, 200);
-  EXPECT_EQ(judge(head("localhost:1", "http://localhost:2", cookie), rules(), true).status, 403);
-  EXPECT_EQ(judge(head("localhost:1", "https://localhost:1", cookie), rules(), true).status, 403);
-  EXPECT_EQ(judge(head("localhost:1", "null", cookie), rules(), true).status, 403);
+  EXPECT_EQ(judge(head("localhost:1", "http://localhost:1", cookie), gate_rules(), true).status, 200);
+  EXPECT_EQ(judge(head("localhost:1", "http://localhost:2", cookie), gate_rules(), true).status, 403);
+  EXPECT_EQ(judge(head("localhost:1", "https://localhost:1", cookie), gate_rules(), true).status, 403);
+  EXPECT_EQ(judge(head("localhost:1", "null", cookie), gate_rules(), true).status, 403);
   EXPECT_EQ(
-      judge(head("localhost:1", "http://evil.example", cookie, "/ws?token=the-token"), rules(), true).status,
+      judge(head("localhost:1", "http://evil.example", cookie, "/ws?token=the-token"), gate_rules(), true).status,
       403);
-  EXPECT_EQ(judge(head("evil.example", "http://evil.example", cookie), rules(), true).status, 421);
+  EXPECT_EQ(judge(head("evil.example", "http://evil.example", cookie), gate_rules(), true).status, 421);
   Head sneaky = head("localhost:1", "", cookie, "/api/cell");
   sneaky.fetch_site = "cross-site";
-  EXPECT_EQ(judge(sneaky, rules(), false).status, 403);
+  EXPECT_EQ(judge(sneaky, gate_rules(), false).status, 403);
   sneaky.fetch_site = "same-origin";
-  EXPECT_EQ(judge(sneaky, rules(), false).status, 200);
+  EXPECT_EQ(judge(sneaky, gate_rules(), false).status, 200);
 }
 
 TEST(GateTest, ACookieAloneDoesNotOpenASocketWithoutItsOrigin) {
-  EXPECT_EQ(judge(head("localhost:1", "", "polyarm_token_1=the-token"), rules(), true).status, 403);
-  EXPECT_EQ(judge(head("localhost:1", "", "polyarm_token_1=the-token"), rules(), false).status, 200);
-  EXPECT_EQ(judge(head("localhost:1", "", "", "/ws?token=the-token"), rules(), true).status, 200);
+  EXPECT_EQ(judge(head("localhost:1", "", "polyarm_token_1=the-token"), gate_rules(), true).status, 403);
+  EXPECT_EQ(judge(head("localhost:1", "", "polyarm_token_1=the-token"), gate_rules(), false).status, 200);
+  EXPECT_EQ(judge(head("localhost:1", "", "", "/ws?token=the-token"), gate_rules(), true).status, 200);
   Head program = head("localhost:1");
   program.authorization = "Bearer the-token";
-  EXPECT_EQ(judge(program, rules(), true).status, 200);
+  EXPECT_EQ(judge(program, gate_rules(), true).status, 200);
 }
 
 TEST(GateTest, TheTokenIsNeededWholeAndWhereItBelongs) {
-  EXPECT_EQ(judge(head("localhost"), rules(), false).status, 401);
-  EXPECT_EQ(judge(head("localhost", "", "polyarm_token_1=the-toke"), rules(), false).status, 403);
-  EXPECT_EQ(judge(head("localhost", "", "polyarm_token_1=the-token2"), rules(), false).status, 403);
-  EXPECT_EQ(judge(head("localhost", "", "other=the-token"), rules(), false).status, 401);
-  EXPECT_EQ(judge(head("localhost", "", "a=b; polyarm_token_1=the-token; c=d"), rules(), false).status, 200);
-  EXPECT_EQ(judge(head("localhost", "", "xpolyarm_token_1=the-token"), rules(), false).status, 401);
+  EXPECT_EQ(judge(head("localhost"), gate_rules(), false).status, 401);
+  EXPECT_EQ(judge(head("localhost", "", "polyarm_token_1=the-toke"), gate_rules(), false).status, 403);
+  EXPECT_EQ(judge(head("localhost", "", "polyarm_token_1=the-token2"), gate_rules(), false).status, 403);
+  EXPECT_EQ(judge(head("localhost", "", "other=the-token"), gate_rules(), false).status, 401);
+  EXPECT_EQ(judge(head("localhost", "", "a=b; polyarm_token_1=the-token; c=d"), gate_rules(), false).status, 200);
+  EXPECT_EQ(judge(head("localhost", "", "xpolyarm_token_1=the-token"), gate_rules(), false).status, 401);
 }
 
 TEST(GateTest, APathNeverLeadsOutOfWhatIsServed) {
@@ -108,7 +108,7 @@ TEST(GateTest, WhateverComesIsAnsweredAndLeadsNowhere) {
     }
     query_value(text, "token");
     Head seen = head(text, text, text, text);
-    EXPECT_NE(judge(seen, rules(), true).status, 200) << text;
+    EXPECT_NE(judge(seen, gate_rules(), true).status, 200) << text;
   }
 }
 

@@ -22,7 +22,7 @@ namespace {
 
 using test::WebPeer;
 
-const std::vector<std::string> kBearer = {"Authorization: Bearer secret"};
+const std::vector<std::string> kCredentials = {"Authorization: Bearer secret"};
 
 class Echo : public Site {
  public:
@@ -54,7 +54,7 @@ class PortTest : public ::testing::Test {
     options.rules.token = "secret";
     port = std::make_unique<Port>(options, site);
   }
-  int status(const std::string& target, const std::vector<std::string>& headers = kBearer,
+  int status(const std::string& target, const std::vector<std::string>& headers = kCredentials,
              const std::string& method = "GET", const std::string& body = "") {
     return WebPeer::status(WebPeer::fetch(port->number(), target, headers, method, body));
   }
@@ -79,20 +79,20 @@ TEST_F(PortTest, ServesWhoShowsTheTokenAndNobodyElse) {
   EXPECT_EQ(status("/x", {"Authorization: Bearer wrong"}), 403);
   EXPECT_EQ(status("/open", {}), 200);
   EXPECT_EQ(status("/open", {"Host: evil.example"}), 421);
-  EXPECT_EQ(status("/x", {"Host: evil.example", kBearer[0]}), 421);
-  EXPECT_EQ(status("/x", {"Origin: http://evil.example", kBearer[0]}), 403);
+  EXPECT_EQ(status("/x", {"Host: evil.example", kCredentials[0]}), 421);
+  EXPECT_EQ(status("/x", {"Origin: http://evil.example", kCredentials[0]}), 403);
   EXPECT_EQ(status("/../etc/passwd"), 400);
   EXPECT_EQ(status("/%2e%2e/etc/passwd"), 400);
 }
 
 TEST_F(PortTest, BodiesAndHeadsHaveABound) {
   open();
-  EXPECT_EQ(status("/x", kBearer, "PUT", std::string(1000, 'x')), 200);
-  EXPECT_EQ(status("/x", kBearer, "PUT", std::string(1001, 'x')), 413);
-  EXPECT_EQ(status("/x", kBearer, "POST", "x"), 413);
-  EXPECT_EQ(status("/x", {kBearer[0], "X: " + std::string(20'000, 'x')}), 400);
+  EXPECT_EQ(status("/x", kCredentials, "PUT", std::string(1000, 'x')), 200);
+  EXPECT_EQ(status("/x", kCredentials, "PUT", std::string(1001, 'x')), 413);
+  EXPECT_EQ(status("/x", kCredentials, "POST", "x"), 413);
+  EXPECT_EQ(status("/x", {kCredentials[0], "X: " + std::string(20'000, 'x')}), 400);
   WebPeer chunked(port->number());
-  chunked.say("PUT /x HTTP/1.1\r\nHost: localhost\r\n" + kBearer[0] +
+  chunked.say("PUT /x HTTP/1.1\r\nHost: localhost\r\n" + kCredentials[0] +
               "\r\nTransfer-Encoding: chunked\r\n\r\n");
   for (int i = 0; i < 100; ++i) chunked.say("64\r\n" + std::string(100, 'x') + "\r\n");
   EXPECT_EQ(WebPeer::status(chunked.rest()), 413);
@@ -107,16 +107,16 @@ TEST_F(PortTest, ASocketNeedsTokenAndOriginOfTheHost) {
   const std::string cookie = "Cookie: polyarm_token_" + std::to_string(port->number()) + "=secret";
   const std::string own = "Origin: http://localhost:" + std::to_string(port->number());
   EXPECT_EQ(upgrade({cookie, own}), 101);
-  EXPECT_EQ(upgrade(kBearer), 101);
+  EXPECT_EQ(upgrade(kCredentials), 101);
   EXPECT_EQ(upgrade({}, "/ws?token=secret"), 101);
   EXPECT_EQ(upgrade({}), 401);
   EXPECT_EQ(upgrade({cookie}), 403);
   EXPECT_EQ(upgrade({cookie, "Origin: http://evil.example"}), 403);
   EXPECT_EQ(upgrade({cookie, "Origin: http://evil.example", "Host: evil.example"}), 421);
-  EXPECT_EQ(upgrade({kBearer[0], "Origin: http://evil.example"}), 403);
-  EXPECT_EQ(upgrade(kBearer, "/other"), 404);
+  EXPECT_EQ(upgrade({kCredentials[0], "Origin: http://evil.example"}), 403);
+  EXPECT_EQ(upgrade(kCredentials, "/other"), 404);
   site.most = 0;
-  EXPECT_EQ(upgrade(kBearer), 503);
+  EXPECT_EQ(upgrade(kCredentials), 503);
 }
 
 TEST_F(PortTest, WhoSendsAHeadDropByDropIsSentAway) {
@@ -137,11 +137,11 @@ TEST_F(PortTest, MoreConnectionsThanThereMayBeAreRefused) {
   std::vector<std::unique_ptr<WebPeer>> peers;
   for (int i = 0; i < 4; ++i) {
     peers.push_back(std::make_unique<WebPeer>(port->number()));
-    ASSERT_EQ(peers.back()->upgrade(kBearer), 101);
+    ASSERT_EQ(peers.back()->upgrade(kCredentials), 101);
   }
-  EXPECT_EQ(WebPeer::status(WebPeer::fetch(port->number(), "/x", kBearer)), 503);
+  EXPECT_EQ(WebPeer::status(WebPeer::fetch(port->number(), "/x", kCredentials)), 503);
   peers.clear();
-  EXPECT_TRUE(until([&] { return WebPeer::status(WebPeer::fetch(port->number(), "/x", kBearer)) == 200; }));
+  EXPECT_TRUE(until([&] { return WebPeer::status(WebPeer::fetch(port->number(), "/x", kCredentials)) == 200; }));
 }
 
 TEST_F(PortTest, WhoShowsNoTokenKeepsNobodyOut) {
@@ -339,7 +339,7 @@ TEST_F(PortTest, FramesThatComeWithTheHeadOfTheUpgradeAreTaken) {
 TEST_F(PortTest, MessagesHaveABound) {
   open();
   WebPeer peer(port->number());
-  ASSERT_EQ(peer.upgrade(kBearer), 101);
+  ASSERT_EQ(peer.upgrade(kCredentials), 101);
   peer.say(WebPeer::frame(std::string(1 << 20, 'x')));
   EXPECT_TRUE(until([&] { return site.client(0)->line().has_value(); }));
   peer.say(WebPeer::frame(std::string((1 << 20) + 1, 'x')));
@@ -351,7 +351,7 @@ TEST_F(PortTest, AStuckClientSlowsNobodyAndGetsTheLatestWhenItReadsAgain) {
   std::vector<std::unique_ptr<WebPeer>> peers;
   for (int i = 0; i < 20; ++i) {
     peers.push_back(std::make_unique<WebPeer>(port->number(), i == 0 ? 4096 : 0));
-    ASSERT_EQ(peers.back()->upgrade(kBearer), 101);
+    ASSERT_EQ(peers.back()->upgrade(kCredentials), 101);
   }
   ASSERT_TRUE(until([&] { return site.client(19) != nullptr; }));
   int sent = 0;
@@ -387,7 +387,7 @@ TEST_F(PortTest, WhateverBytesComeOthersAreServed) {
                                 " HTTP/1.1\r\n",
                                 "\r\n",
                                 "Host: localhost\r\n",
-                                kBearer[0] + "\r\n",
+                                kCredentials[0] + "\r\n",
                                 "Content-Length: ",
                                 "-1",
                                 "99999999999999999999",
@@ -409,7 +409,7 @@ TEST_F(PortTest, WhateverBytesComeOthersAreServed) {
   }
   for (int n = 0; n < 100; ++n) {
     WebPeer peer(port->number());
-    ASSERT_EQ(peer.upgrade(kBearer), 101);
+    ASSERT_EQ(peer.upgrade(kCredentials), 101);
     std::string text;
     for (unsigned i = 1 + random() % 60; i > 0; --i) text += static_cast<char>(random());
     if (n % 2) text = WebPeer::frame(text, static_cast<int>(random() % 16));
@@ -435,7 +435,7 @@ TEST_F(PortTest, APortThatIsTakenIsSaid) {
 TEST_F(PortTest, AtItsEndEverybodyIsToldGoodbye) {
   open();
   WebPeer peer(port->number());
-  ASSERT_EQ(peer.upgrade(kBearer), 101);
+  ASSERT_EQ(peer.upgrade(kCredentials), 101);
   ASSERT_TRUE(until([&] { return site.client(0) != nullptr; }));
   port.reset();
   peer.rest(2000);
