@@ -63,6 +63,7 @@ void CellInside::make_owners() {
   life.emplace(machine, *motions, events);
   watches.emplace(Watches::Owners{setup, machine, data, *motions, *programs, *jogging, *arming, *life,
                                   contacts, *parts, worker, events});
+  guards.emplace(Guards::Owners{setup, machine, *motions, *programs, *jogging, *life, planner, events});
   motions->set_profile(setup.file.profiles.name);
 }
 
@@ -203,6 +204,7 @@ void CellInside::tick(Nanoseconds now) {
   tick_motions();
   run_programs();
   tick_motions();
+  guards->tick();
   data.write(now, machine.snapshot(), programs_over());
   data.exchange_files(now);
   parts->update(now, machine.snapshot().world);

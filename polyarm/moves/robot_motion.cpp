@@ -138,7 +138,7 @@ void RobotMotion::collect() {
     const double share = motion.path.duration() / total;
     ready_.push_back({job->first_id + motion.first, job->first_id + motion.last, std::move(motion),
                       std::move(job->followers[i]), job->with, job->step, i == 0, false, share, job->options,
-                      nullptr});
+                      nullptr, nullptr});
   }
   // Moves of zero length finish together with the moves before them.
   if (!ready_.empty())
@@ -184,6 +184,7 @@ void RobotMotion::hand_over(Nanoseconds now) {
   goal->id = controller_.new_goal_id();
   goal->planned = std::move(ready_.front().follower);
   goal->ends = ready_.front().ends = std::make_shared<std::atomic<bool>>(false);
+  goal->pace = ready_.front().pace = std::make_shared<std::atomic<double>>(1.0);
   if (ready_.front().step && ready_.front().leads) goal->start = ready_.front().step->start_;
   const std::uint64_t id = goal->id;
   if (!controller_.follow(goal)) {  // refused for now: try again in the next tick
@@ -271,8 +272,14 @@ void RobotMotion::add_travel(const Ready& ready, double time, std::uint64_t firs
 
 std::optional<RobotMotion::UnderWay> RobotMotion::under_way() const {
   if (goal_ == 0) return std::nullopt;
-  return UnderWay{&active_.motion, &facts(active_.with), goal_,
-                  controller_.status().time.load(std::memory_order_relaxed)};
+  const controllers::GoalStatus& status = controller_.status();
+  const bool begun = status.active.load(std::memory_order_acquire) == goal_;
+  return UnderWay{&active_.motion, &facts(active_.with), goal_, status.time.load(std::memory_order_relaxed),
+                  status.speed.load(std::memory_order_relaxed), begun, active_.step.get()};
+}
+
+void RobotMotion::set_pace(double share) {
+  if (goal_ != 0) active_.pace->store(share, std::memory_order_relaxed);
 }
 
 std::uint64_t RobotMotion::move_under_way() const {

@@ -121,8 +121,14 @@ class RobotMotion {
     const RobotFacts* robot;  ///< with the TCP of the plan
     std::uint64_t goal;
     double time;  ///< s of the plan
+    double speed;         ///< share of the planned speed now
+    bool begun;           ///< the controller follows it
+    const InStep* step;   ///< null: not in step with other robots
   };
   std::optional<UnderWay> under_way() const;
+  /// The motion under way goes on at this share of its speed, 0 to 1, until the next call; the next motion
+  /// begins with 1.
+  void set_pace(double share);
   /// The id of the present or the next move; 0 if nothing is queued, planned or under way.
   std::uint64_t move_under_way() const;
 
@@ -161,6 +167,7 @@ class RobotMotion {
     double share = 0;    ///< fraction of the total duration of the step's motions
     MovePlanOptions options;
     std::shared_ptr<std::atomic<bool>> ends;
+    std::shared_ptr<std::atomic<double>> pace;
   };
 
   bool is_far_ahead() const;

@@ -289,9 +289,8 @@ bool HeldMotions::is_there(const Motion& motion, const jog::JogStatus& status) c
 void HeldMotions::report_hold(Motion& motion, const jog::JogStatus& status) {
   const bool going = status.session == motion.session && !status.standing;
   const jog::JogHold hold = going ? status.hold : jog::JogHold::none;
-  const CellRobot& robot = *cell_.setup.robots[motion.robot];
-  const Motion::HeldBack now{word_of(hold), reason_text(robot, hold, status.which),
-                             which_text(robot, hold, status.which)};
+  const Motion::HeldBack now{word_of(hold), reason_text(cell_, motion.robot, hold, status.which),
+                             which_text(cell_, motion.robot, hold, status.which)};
   if (motion.reported == now) return;
   motion.reported = now;
   HeldEvent out = event(motion, HeldEvent::What::held_back);

@@ -131,18 +131,21 @@ double speed_of(const std::optional<double>& given) {
 
 }  // namespace
 
-std::string which_text(const CellRobot& robot, JogHold hold, std::int32_t which) {
+std::string which_text(const JogOwners& cell, std::size_t index, JogHold hold, std::int32_t which) {
+  const CellRobot& robot = *cell.setup.robots[index];
   const auto i = static_cast<std::size_t>(std::max(which, 0));
   if (hold == JogHold::joint_limit && i < robot.joints.size()) return short_name(robot.joints[i]);
   if (hold == JogHold::workspace && i < robot.facts->workspace.zones().size())
     return robot.facts->workspace.zones()[i].name;
+  if (hold == JogHold::body) return cell.jogging.barrier_name(index, which);
   return "";
 }
 
-std::string reason_text(const CellRobot& robot, JogHold hold, std::int32_t which) {
+std::string reason_text(const JogOwners& cell, std::size_t robot, JogHold hold, std::int32_t which) {
   if (hold == JogHold::none) return "";
-  if (const std::string what = which_text(robot, hold, which); !what.empty())
-    return std::string(name(hold)) + " " + what;
+  const std::string what = which_text(cell, robot, hold, which);
+  if (hold == JogHold::body) return what.empty() ? "something is near" : "near " + what;
+  if (!what.empty()) return std::string(name(hold)) + " " + what;
   if (hold == JogHold::direction) return "direction: the arm has too few joints for it";
   return name(hold);
 }
@@ -176,8 +179,8 @@ protocol::JogAnswer jog_answer(const JogOwners& cell, std::size_t i) {
   out.speed = ours ? status.tcp_speed : 0.0;
   out.moving = ours && !status.standing;
   out.held_back = going ? name(status.hold) : "none";
-  out.reason = going ? reason_text(robot, status.hold, status.which) : "";
-  out.which = going ? which_text(robot, status.hold, status.which) : "";
+  out.reason = going ? reason_text(cell, i, status.hold, status.which) : "";
+  out.which = going ? which_text(cell, i, status.hold, status.which) : "";
   out.profile = cell.motions.profile();
   out.control = control_holder(cell.programs, cell.jogging);
   return out;

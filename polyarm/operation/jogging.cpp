@@ -338,6 +338,15 @@ jog::JogStatus Jogging::status(std::size_t i) const {
   return jog ? jog->status() : jog::JogStatus{};
 }
 
+jog::Barriers* Jogging::draft_barriers(std::size_t i) {
+  jog::JogController* const jog = has_joints(state(i)) ? controller(robot(i)) : nullptr;
+  return jog ? &jog->draft_barriers() : nullptr;
+}
+
+void Jogging::publish_barriers(std::size_t i) {
+  if (jog::JogController* const jog = controller(robot(i))) jog->publish_barriers();
+}
+
 /// Null before the controller is loaded, and after somebody has unloaded it.
 jog::JogController* Jogging::controller(const Robot& robot) const {
   if (!robot.controller || machine_.controllers().find(robot.name) != robot.controller) return nullptr;

@@ -40,9 +40,8 @@ Problem LifeCycle::stop_cause() const {
   return {control::code(cause), {}, control::name(cause), {}};
 }
 
-bool Watches::recovered_by_others() const {
-  return cell_.programs.waits() ||
-         (!cell_.setup.options.lock_step && !cell_.programs.program() && cell_.setup.file.send.empty());
+bool recovered_by_others(const CellSetup& setup, const Programs& programs) {
+  return programs.waits() || (!setup.options.lock_step && !programs.program() && setup.file.send.empty());
 }
 
 FaultRecord Watches::begin_record(const Problem& problem) const {

@@ -43,6 +43,9 @@ class LifeCycle {
   std::optional<RestartWish> restart_;
 };
 
+/// True if faults and stops of this run are recovered externally, by people or programs.
+bool recovered_by_others(const CellSetup& setup, const Programs& programs);
+
 /// Cell thread.
 class Watches {
  public:
@@ -105,8 +108,7 @@ class Watches {
   void warn_of_long_wait();
   void warn_of_busy_tasks();
   void fail_for_deadlock();
-  /// True if faults are recovered externally, by people or programs.
-  bool recovered_by_others() const;
+  bool recovered_by_others() const { return cell::recovered_by_others(cell_.setup, cell_.programs); }
 
   Owners cell_;
   StopWatch stop_watch_;

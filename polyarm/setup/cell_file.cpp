@@ -335,7 +335,8 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   std::vector<std::string> keys{"polyarm",  "rate",      "robots",  "scene",   "controllers",
                                 "activate", "send",      "plugins", "budget",  "signals",
                                 "program",  "plc",       "motion",  "loop",    "profile",
-                                "profiles", "workspace", "record",  "contacts"};
+                                "profiles", "workspace", "record",  "contacts",
+                                "guards"};
   for (const DoorKind& kind : door_kinds()) keys.push_back(kind.name);
   yaml.check_keys(keys, problems);
   cell.profiles = read_profiles(yaml, problems);
@@ -374,6 +375,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   cell.loop = read_loop(yaml["loop"], problems);
   cell.contact_stop = read_contact_stop(yaml["contacts"], problems);
   cell.clearance = read_clearance(yaml["contacts"], problems);
+  cell.guards = read_guards(yaml["guards"], cell.clearance, problems);
   for (const DoorKind& kind : door_kinds())
     collect(problems, [&] { read_door(kind, yaml[kind.name], cell, problems); });
   collect(problems, [&] { cell.record = read_record(yaml["record"], cell.folder, problems); });

@@ -105,6 +105,7 @@ struct CellFile {
   LoopEntry loop;
   control::ContactStop contact_stop = control::ContactStop::path;  ///< what follows a contact in physics
   double clearance = kClearance;  ///< m that should stay between a robot and everything else
+  GuardsEntry guards;             ///< what stops robots before contacts
   ProfileEntries profiles;
   std::vector<moves::WorkspaceZone> workspace;   ///< for all robots
   std::map<std::string, DoorOptions> doors;      ///< by module name
