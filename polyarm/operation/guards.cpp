@@ -27,7 +27,7 @@ constexpr double kStop = 0.02, kGoOn = 0.06;
 /// a mover, robots that wait for each other, and a robot that does nothing.
 constexpr Nanoseconds kForThings = 1'000'000'000, kForEachOther = 1'000'000'000, kForRobots = 30'000'000'000;
 /// Robots in step that were slowed down come together again at this rate, 1/s.
-constexpr double kTogether = 4;
+constexpr double kCatchUp = 4;
 constexpr std::size_t kSamples = 8;
 
 /// A planned motion of one robot, with the most that its joints may accelerate.
@@ -303,7 +303,7 @@ void Guards::set_paces() {
       if (std::abs(other.duration - of.duration) < 1e-6 * of.duration) behind = std::min(behind, other.time);
     }
     of.slowed = of.slowed || pace < 1;
-    if (of.slowed && of.step) pace *= std::clamp(1 - kTogether * (of.time - behind), 0.2, 1.0);
+    if (of.slowed && of.step) pace *= std::clamp(1 - kCatchUp * (of.time - behind), 0.2, 1.0);
     of.pace = pace;
     if (of.slowed) cell_.motions.motion(r)->set_pace(pace);
   }

@@ -15,6 +15,7 @@ using Kind = BodyKind;
 
 namespace {
 
+constexpr std::uint64_t kDepth = 20;  // distances that take as long as the depth of an overlap
 constexpr double kUnknown = -std::numeric_limits<double>::infinity();
 
 std::size_t at(int index) {
@@ -315,6 +316,7 @@ GuardGap GuardBodies::between(const ConvexBody& a, const Pose& pose_a, const Con
     const Vec3 on_a = pose_b * s.on_a, on_b = pose_b * s.on_b, way = on_a - on_b;
     return {s.lower, on_a, on_b, (1 / std::max(norm(way), 1e-12)) * way};
   }
+  measured_ += kDepth;
   const collision::Depth depth = collision::overlap(a, T_b_a, b);
   const Vec3 normal = pose_b.rotation * depth.direction;
   const Vec3 deepest =

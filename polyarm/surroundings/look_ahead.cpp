@@ -12,6 +12,11 @@ constexpr std::size_t kSamples = 8;    // of the way, for the bound on how far t
 constexpr double kTouching = 3e-4;     // m that a pair may come nearer than it was at the start
 constexpr double kRounding = 2e-4;     // m below the required distance that do not count
 constexpr double kStill = 1e-4;        // m that an obstacle may move before its way is looked at again
+// s that near pairs are followed further, so that the next looks know them; not all equally far, so that they
+// are not followed again all at once.
+constexpr double kFurther = 0.25;
+constexpr std::size_t kSpread = 16;
+constexpr std::uint64_t kAtFirst = 5;   // the first look along a way may measure so many times as much
 }  // namespace
 
 LookAhead::LookAhead(GuardBodies& bodies, int robot, const LookAheadOptions& options)
@@ -23,6 +28,7 @@ LookAhead::LookAhead(GuardBodies& bodies, int robot, const LookAheadOptions& opt
 }
 
 void LookAhead::begin(PlannedWay& way, std::span<const double> ends) noexcept {
+  is_first_ = true;
   ends_.assign(1, 0.0);
   for (std::size_t i = 0; i < ends.size() && i < kMostEnds; ++i) ends_.push_back(ends[i]);
   ends_.push_back(way.duration());
@@ -75,7 +81,8 @@ LookAhead::Answer LookAhead::look(PlannedWay& way, double now, double until,
   const std::size_t n = q_.size();
   const std::span<const double> acceleration = way.acceleration();
   until = std::min(until, way.duration());
-  budget_ = bodies_.measured() + options_.most_measured;
+  budget_ = bodies_.measured() + options_.most_measured * (is_first_ ? kAtFirst : 1);
+  is_first_ = false;
   // How far the joints go from here, at most.
   way.at(now, from_, v_);
   std::fill(way_.begin(), way_.end(), 0.0);
@@ -97,12 +104,15 @@ LookAhead::Answer LookAhead::look(PlannedWay& way, double now, double until,
     const double most = pair.own || pair.of_zone ? 0 : options_.clearance;
     const double needed = most + bodies_.change(pair, robot_, way_) + drift(pair, stopping);
     if (pair.slack >= needed || is_known(i, until)) continue;
-    if (bodies_.measure(i, needed) < needed) mine_.push_back(i);
+    const bool is_followed = is_still(i) && of_[i].clear_until > now;
+    if (is_followed || bodies_.measure(i, needed) < needed) mine_.push_back(i);
   }
   for (const std::size_t i : mine_) {
     const GuardPair& pair = bodies_.pairs()[i];
     if (of_[i].version != pair.version) renew(i, way);
-    scan(i, way, now, std::min(until, out.free_until), drift(pair, stopping), out);
+    const double further = kFurther * (1 + static_cast<double>(i % kSpread) / kSpread);
+    const double end = is_still(i) ? std::min(until + further, way.duration()) : until;
+    scan(i, way, now, std::min(end, out.free_until), drift(pair, stopping), out);
   }
   return out;
 }

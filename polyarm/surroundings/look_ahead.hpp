@@ -25,7 +25,7 @@ struct LookAheadOptions {
   double clearance = 0.005;  ///< m between a robot and everything else
   /// Where start, goal or an end of a move is nearer than the clearance, this share of the distance there is kept.
   double share = 0.7;
-  std::uint64_t most_measured = 300;  ///< exact distances in one look
+  std::uint64_t most_measured = 600;  ///< exact distances in one look, after the first one along a way
 };
 
 class LookAhead {
@@ -80,6 +80,7 @@ class LookAhead {
   std::vector<double> q_, v_, from_, way_, step_;
   std::vector<double> ends_;
   std::uint64_t budget_ = 0;
+  bool is_first_ = true;  // the next look is the first one along the way
   double speed_ = 0;
 };
 

@@ -65,7 +65,7 @@ class GuardsTest : public ::testing::Test {
 };
 
 TEST_F(GuardsTest, AMoveStopsOnItsPathBeforeTheContactAndSaysBetweenWhat) {
-  build("movej joints(900mm, 0mm, 0mm)\n");
+  build("movej joints(0.9rad, 0rad, 0rad)\n");
   double most = 0;
   for (int i = 0; i < 3000 && failure().empty(); ++i) {
     cell->tick();
@@ -82,17 +82,17 @@ TEST_F(GuardsTest, AMoveStopsOnItsPathBeforeTheContactAndSaysBetweenWhat) {
 }
 
 TEST_F(GuardsTest, WithoutGuardsItGoesThrough) {
-  build("movej joints(900mm, 0mm, 0mm)\n", "guards: off\n");
+  build("movej joints(0.9rad, 0rad, 0rad)\n", "guards: off\n");
   cell->run(4);
   EXPECT_NEAR(x(), 0.9, 1e-6);
-  build("movej joints(900mm, 0mm, 0mm)\n", "guards: {moves: false}\n");
+  build("movej joints(0.9rad, 0rad, 0rad)\n", "guards: {moves: false}\n");
   cell->run(4);
   EXPECT_NEAR(x(), 0.9, 1e-6);
 }
 
 TEST_F(GuardsTest, AMoveThatStaysClearTakesAsLongAsWithoutGuards) {
   const auto run = [&](const std::string& more) {
-    build("movej joints(420mm, 0mm, 0mm)\nmovej joints(0mm, 300mm, 100mm)\n", more);
+    build("movej joints(0.42rad, 0rad, 0rad)\nmovej joints(0rad, 0.3rad, 0.1rad)\n", more);
     std::vector<double> out;
     for (int i = 0; i < 2000; ++i) {
       cell->tick();
@@ -104,7 +104,7 @@ TEST_F(GuardsTest, AMoveThatStaysClearTakesAsLongAsWithoutGuards) {
 }
 
 TEST_F(GuardsTest, APersonResumesWhenTheWayIsFreeAndNotBefore) {
-  build("movej joints(900mm, 0mm, 0mm)\n", "", true);
+  build("movej joints(0.9rad, 0rad, 0rad)\n", "", true);
   cell->run(4);
   ASSERT_EQ(state(), "held");
   const double there = x();
@@ -157,7 +157,7 @@ TEST_F(GuardsTest, AStreamedTargetBehindTheWallIsFollowedUpToIt) {
 TEST_F(GuardsTest, AZoneOfBodiesHoldsForTheBallAndNotOnlyForItsMiddle) {
   fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
   const std::string zone = "workspace:\n  roof: {plane: [0, 0, 0.3], normal: [0, 0, -1], of: bodies}\n";
-  build("movej joints(0mm, 0mm, 290mm)\n", zone);
+  build("movej joints(0rad, 0rad, 0.29rad)\n", zone);
   cell->run(3);
   EXPECT_EQ(failure(), "guard");
   EXPECT_LE(z(), 0.3 - kBall + 1e-3);
@@ -166,8 +166,8 @@ TEST_F(GuardsTest, AZoneOfBodiesHoldsForTheBallAndNotOnlyForItsMiddle) {
 
 TEST_F(GuardsTest, OfTwoRobotsOneWaitsUntilTheOtherHasGone) {
   fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
-  build("task a\n  use robot left\n  movej joints(800mm, 0mm, 0mm)\nend\n"
-        "task b\n  use robot right\n  movej joints(-400mm, 0mm, 0mm)\n  wait 1s\n  movej joints(-400mm, 600mm, 0mm)\nend\n",
+  build("task a\n  use robot left\n  movej joints(0.8rad, 0rad, 0rad)\nend\n"
+        "task b\n  use robot right\n  movej joints(-0.4rad, 0rad, 0rad)\n  wait 1s\n  movej joints(-0.4rad, 0.6rad, 0rad)\nend\n",
         "", false, true);
   double nearest = 1e9;
   for (int i = 0; i < 5000 && !cell->cell().finished() && failure().empty(); ++i) {
@@ -183,8 +183,8 @@ TEST_F(GuardsTest, OfTwoRobotsOneWaitsUntilTheOtherHasGone) {
 
 TEST_F(GuardsTest, TwoThatWaitForEachOtherAreNamed) {
   fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
-  build("task a\n  use robot left\n  movej joints(900mm, 0mm, 0mm)\nend\n"
-        "task b\n  use robot right\n  movej joints(-900mm, 0mm, 0mm)\nend\n",
+  build("task a\n  use robot left\n  movej joints(0.9rad, 0rad, 0rad)\nend\n"
+        "task b\n  use robot right\n  movej joints(-0.9rad, 0rad, 0rad)\nend\n",
         "", false, true);
   double nearest = 1e9;
   for (int i = 0; i < 5000 && failure().empty(); ++i) {
@@ -198,11 +198,11 @@ TEST_F(GuardsTest, TwoThatWaitForEachOtherAreNamed) {
 
 TEST_F(GuardsTest, RobotsInStepSlowDownTogether) {
   fixtures = "  wall: {box: [0.1, 1, 0.2], at: [0.5, 0, 0]}\n";
-  build("together\n  movej joints(900mm, 0mm, 0mm), robot left\n  movej joints(0mm, 0mm, 300mm), robot right\nend\n", "", true,
+  build("together\n  movej joints(0.9rad, 0rad, 0rad), robot left\n  movej joints(0rad, 0rad, 0.9rad), robot right\nend\n", "", true,
         true);
   for (int i = 0; i < 2000; ++i) {
     cell->tick();
-    ASSERT_NEAR(x(0) / 0.9, z(1) / 0.3, 0.01) << i;
+    ASSERT_NEAR(x(0), z(1), 0.01) << i;
   }
   EXPECT_EQ(state(), "held");
   EXPECT_GT(x(0), 0.4);
