@@ -28,7 +28,7 @@ constexpr double kStop = 0.02, kGoOn = 0.06;
 constexpr Nanoseconds kForThings = 1'000'000'000, kForEachOther = 1'000'000'000, kForRobots = 30'000'000'000;
 /// Robots in step that were slowed down come together again at this rate, 1/s.
 constexpr double kCatchUp = 4;
-constexpr std::size_t kSamples = 8;
+constexpr std::size_t kSamples = GuardBodies::kAhead;
 
 /// A planned motion of one robot, with the most that its joints may accelerate.
 class PathOfMove : public surroundings::PlannedWay {
@@ -104,7 +104,7 @@ struct Guards::Of {
   double pace = 1, wanted = 1;
   bool slowed = false;  // during this motion
   LookAhead::Answer ahead_of;
-  std::vector<double> velocity, before, q, v;
+  std::vector<double> velocity, before, q, v, last, step_size;
   Nanoseconds stands_since = -1;
   bool reported = false;
 };
@@ -185,7 +185,7 @@ bool Guards::take_bodies() {
     Of& of = work.robots[r];
     of.axes = axes_of(*cell_.setup.robots[r]);
     const std::size_t n = of.axes.size();
-    for (std::vector<double>* values : {&of.velocity, &of.before, &of.q, &of.v}) values->assign(n, 0);
+    for (std::vector<double>* values : {&of.velocity, &of.before, &of.q, &of.v, &of.last, &of.step_size}) values->assign(n, 0);
     work.stopping.emplace_back(n, 0.0);
     const int robot = static_cast<int>(r);
     if (!work.bodies->drives(r)) {
@@ -248,7 +248,11 @@ void Guards::find_stopping(std::size_t r) {
   Of& of = work_->robots[r];
   std::vector<double>& stopping = work_->stopping[r];
   const std::size_t n = of.axes.size();
+  GuardBodies& bodies = *work_->bodies;
+  bodies.forget_ahead(r);
   if (of.goal == 0) {
+    if (!cell_.jogging.engaged(r) && std::all_of(of.velocity.begin(), of.velocity.end(), [](double v) { return v == 0; }))
+      bodies.stands(r);
     for (std::size_t j = 0; j < n; ++j)
       stopping[j] = of.velocity[j] == 0 && !cell_.jogging.engaged(r) ? 0 : jog::stopping_reach(of.velocity[j], of.axes[j]);
     return;
@@ -269,11 +273,17 @@ void Guards::find_stopping(std::size_t r) {
   std::fill(stopping.begin(), stopping.end(), 0.0);
   of.way.at(of.time, of.q, of.v);
   std::vector<double>& from = of.q;
+  of.last = from;
   for (std::size_t k = 1; k <= kSamples; ++k) {
     std::vector<double>& to = of.v;
     of.way.at(of.time + h * static_cast<double>(k), to, {});
-    for (std::size_t j = 0; j < n; ++j)
-      stopping[j] = std::max(stopping[j], std::abs(to[j] - from[j]) + of.axes[j].acceleration * h * h / 8);
+    for (std::size_t j = 0; j < n; ++j) {
+      const double bend = of.axes[j].acceleration * h * h / 8;
+      stopping[j] = std::max(stopping[j], std::abs(to[j] - from[j]) + bend);
+      of.step_size[j] = std::abs(to[j] - of.last[j]) + bend;
+      of.last[j] = to[j];
+    }
+    bodies.add_ahead(r, to, of.step_size);
   }
 }
 

@@ -82,6 +82,11 @@ GuardBodies::GuardBodies(std::vector<Robot> robots, const description::Scene& sc
     }
     frames_.emplace_back(models_[r]->frames().size());
     joint_motion_.emplace_back(models_[r]->variables(), 0.0);
+    ahead_.emplace_back();
+    for (std::vector<Pose>& frames : ahead_.back()) frames.resize(frames_.back().size());
+    ahead_step_.emplace_back();
+    for (std::vector<double>& step : ahead_step_.back()) step.assign(models_[r]->variables(), 0.0);
+    ahead_count_.push_back(-1);
   }
   std::size_t most = 0;
   for (const auto& frames : frames_) most = std::max(most, frames.size());
@@ -155,12 +160,46 @@ int GuardBodies::frame_of(std::uint32_t body) const noexcept {
   return b.part >= 0 ? tool_frame_[at(parts_[at(b.part)].held_by)] : b.frame;
 }
 
-Pose GuardBodies::pose_of(std::uint32_t body, int moved) const noexcept {
+void GuardBodies::add_ahead(std::size_t robot, std::span<const double> joints,
+                            std::span<const double> step) noexcept {
+  int& count = ahead_count_[robot];
+  count = std::max(count, 0);
+  if (count == static_cast<int>(kAhead)) return;
+  place(robot, joints, ahead_[robot][at(count)]);
+  std::vector<double>& size = ahead_step_[robot][at(count)];
+  std::copy_n(step.begin(), std::min(step.size(), size.size()), size.begin());
+  ++count;
+}
+
+GuardGap GuardBodies::gap_while_braking(const GuardPair& pair, int moved, double drift,
+                                        double enough) noexcept {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  GuardGap out = gap_of(pair, kAny, moved);
+  const int other = pair.own ? -1 : pair.other_than(moved);
+  if (other < 0) return out;
+  if (ahead_count_[at(other)] < 0 || out.distance - drift >= enough) {
+    out.distance -= drift;
+    return out;
+  }
+  // Between two places the distance falls below the mean of both by at most half of the way between them.
+  double before = out.distance, least = before;
+  for (int k = 0; k < ahead_count_[at(other)]; ++k) {
+    const GuardGap here = gap_of(pair, kAny, moved, k);
+    const double way = change(pair, other, ahead_step_[at(other)][at(k)]);
+    least = std::min({least, here.distance, (before + here.distance - way) / 2});
+    before = here.distance;
+    if (here.distance < out.distance) out = here;
+  }
+  out.distance = least;
+  return out;
+}
+
+Pose GuardBodies::pose_of(std::uint32_t body, int moved, int ahead) const noexcept {
   const Body& b = bodies_[body];
   const int robot = robot_of(b, parts_);
   if (robot < 0) return placed_[body];
   const int frame = frame_of(body);
-  const Pose pose = frame < 0 ? moment_.robots[at(robot)].base : frames(robot, moved)[at(frame)];
+  const Pose pose = frame < 0 ? moment_.robots[at(robot)].base : frames(robot, moved, ahead)[at(frame)];
   return b.part >= 0 ? pose * parts_[at(b.part)].in_hand : pose;
 }
 
@@ -324,10 +363,10 @@ GuardGap GuardBodies::between(const ConvexBody& a, const Pose& pose_a, const Con
   return {-depth.depth, deepest, deepest + depth.depth * normal, normal};
 }
 
-GuardGap GuardBodies::gap_of(const GuardPair& pair, double enough, int moved) noexcept {
+GuardGap GuardBodies::gap_of(const GuardPair& pair, double enough, int moved, int ahead) noexcept {
   const Body &a = bodies_[pair.a], &b = bodies_[pair.b];
   if (b.kind == Kind::floor) return from_plane(pair, moved);
-  const Pose pose_a = pose_of(pair.a, moved), pose_b = pose_of(pair.b, moved);
+  const Pose pose_a = pose_of(pair.a, moved, ahead), pose_b = pose_of(pair.b, moved, ahead);
   const double rough = norm(pose_a * a.around.center - pose_b * b.around.center) - a.around.radius - b.around.radius;
   GuardGap out{std::max(rough, enough), {}, {}, {0, 0, 1}};
   if (rough > enough) return out;

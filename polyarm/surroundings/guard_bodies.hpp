@@ -3,6 +3,7 @@
 /// in another joint state, and how a distance changes with the joints. Metres, radians; poses in the world.
 /// One thread. After construction only look() allocates, and only when a part is taken, released, brought or
 /// removed.
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -82,9 +83,20 @@ class GuardBodies : private SweepBodies {
 
   /// Puts a robot into another joint state for gap_of() with `moved`.
   void try_joints(std::size_t robot, std::span<const double> joints) noexcept;
+  /// Where a robot would be while it brakes: at most kAhead places in order, and how far its joints go from each to
+  /// the next. Without them the bounds of the caller count.
+  static constexpr std::size_t kAhead = 8;
+  void forget_ahead(std::size_t robot) noexcept { ahead_count_[robot] = -1; }
+  void stands(std::size_t robot) noexcept { ahead_count_[robot] = 0; }
+  void add_ahead(std::size_t robot, std::span<const double> joints, std::span<const double> step) noexcept;
+  /// A lower bound of the distance of a pair while the other robot brakes, with robot `moved` as try_joints() put
+  /// it; `drift`: how much nearer the other one may come, at most. Its places are looked at if that leaves less than
+  /// `enough`.
+  GuardGap gap_while_braking(const GuardPair& pair, int moved, double drift, double enough) noexcept;
   /// The exact distance now; `moved`: with that robot as try_joints() put it. A lower bound by bounding balls
   /// is returned instead if it exceeds `enough`; points and normal are then undefined.
-  GuardGap gap_of(const GuardPair& pair, double enough, int moved = -1) noexcept;
+  /// `ahead`: the other robot at that place of its braking.
+  GuardGap gap_of(const GuardPair& pair, double enough, int moved = -1, int ahead = -1) noexcept;
   /// Measures the pair now and keeps the result as its slack.
   double measure(std::size_t pair, double enough) noexcept;
 
@@ -111,9 +123,11 @@ class GuardBodies : private SweepBodies {
   void find_motion(const Moment& moment) noexcept;
   void follow_pairs() noexcept;
   double motion_of_robot_body(std::size_t body, const Pose& base, const Pose& next) const noexcept;
-  Pose pose_of(std::uint32_t body, int moved) const noexcept;
-  const std::vector<Pose>& frames(int robot, int moved) const noexcept {
-    return robot == moved ? trial_ : frames_[static_cast<std::size_t>(robot)];
+  Pose pose_of(std::uint32_t body, int moved, int ahead = -1) const noexcept;
+  const std::vector<Pose>& frames(int robot, int moved, int ahead) const noexcept {
+    if (robot == moved) return trial_;
+    const auto r = static_cast<std::size_t>(robot);
+    return ahead < 0 ? frames_[r] : ahead_[r][static_cast<std::size_t>(ahead)];
   }
   bool is_hand(const SweptBody& body) const noexcept;
   int frame_of(std::uint32_t body) const noexcept;
@@ -132,6 +146,9 @@ class GuardBodies : private SweepBodies {
   bool looked_ = false;
   std::vector<std::vector<Pose>> frames_;  // of each robot, in the world
   std::vector<Pose> trial_;
+  std::vector<std::array<std::vector<Pose>, kAhead>> ahead_;        // of each robot
+  std::vector<std::array<std::vector<double>, kAhead>> ahead_step_;  // by variable
+  std::vector<int> ahead_count_;                                    // -1: not known
   std::vector<std::vector<double>> joint_motion_;
   std::vector<double> motion_, moved_;  // by body
   std::vector<Pose> placed_;            // by body: of those that no robot moves

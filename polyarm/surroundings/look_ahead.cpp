@@ -11,6 +11,7 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 constexpr std::size_t kSamples = 8;    // of the way, for the bound on how far the joints go
 constexpr double kTouching = 3e-4;     // m that a pair may come nearer than it was at the start
 constexpr double kRounding = 2e-4;     // m below the required distance that do not count
+constexpr double kNear = 0.01;         // m of room with which the steps along the way are long enough
 constexpr double kStill = 1e-4;        // m that an obstacle may move before its way is looked at again
 // s that near pairs are followed further, so that the next looks know them; not all equally far, so that they
 // are not followed again all at once.
@@ -147,8 +148,8 @@ bool LookAhead::scan(std::size_t i, PlannedWay& way, double now, double until, d
     }
     way.at(time, q_, v_);
     bodies_.try_joints(static_cast<std::size_t>(robot_), q_);
-    const GuardGap gap = bodies_.gap_of(pair, kForever, robot_);
-    const double room = gap.distance - drift - of.required;
+    const GuardGap gap = bodies_.gap_while_braking(pair, robot_, drift, of.required + kNear);
+    const double room = gap.distance - of.required;
     if (room < -kRounding) {
       out = {time, static_cast<int>(i), gap, of.required};
       return false;
