@@ -1,5 +1,6 @@
-/// What a tick of guards costs: a UR5e among 50 obstacles, on a planned way and while it is jogged. Time of the
-/// thread, not of the wall, so that a shared machine hardly counts; caches are as warm as here, not as in a cell.
+/// What a tick of guards costs: a UR5e among 50 obstacles, on a planned way and while it is jogged. Time of
+/// the thread, not of the wall, so that a shared machine hardly counts; caches are as warm as here, not as in
+/// a cell.
 #include <fmt/format.h>
 #include <time.h>
 
@@ -44,11 +45,14 @@ class Straight : public surroundings::PlannedWay {
 
 void report(const char* what, std::vector<double> us, double measured) {
   std::sort(us.begin(), us.end());
-  const auto at = [&](double share) { return us[static_cast<std::size_t>(share * static_cast<double>(us.size() - 1))]; };
+  const auto at = [&](double share) {
+    return us[static_cast<std::size_t>(share * static_cast<double>(us.size() - 1))];
+  };
   double sum = 0;
   for (const double x : us) sum += x;
-  fmt::print("{:<28} p50 {:6.2f}  p99 {:7.2f}  max {:8.2f}  mean {:6.2f} us; {:.2f} exact distances a tick\n", what, at(0.5), at(0.99),
-             us.back(), sum / static_cast<double>(us.size()), measured / static_cast<double>(us.size()));
+  fmt::print("{:<28} p50 {:6.2f}  p99 {:7.2f}  max {:8.2f}  mean {:6.2f} us; {:.2f} exact distances a tick\n",
+             what, at(0.5), at(0.99), us.back(), sum / static_cast<double>(us.size()),
+             measured / static_cast<double>(us.size()));
 }
 
 }  // namespace

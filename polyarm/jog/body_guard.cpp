@@ -94,7 +94,8 @@ void BodyGuard::fill(std::span<const double> velocity, std::span<const std::vect
     const GuardPair& pair = bodies_.pairs()[i];
     if (!pair.active || !pair.concerns(robot_)) continue;
     const int other = pair.own ? -1 : pair.other_than(robot_);
-    const double drift = other < 0 ? 0 : bodies_.change(pair, other, stopping[static_cast<std::size_t>(other)]);
+    const double drift =
+        other < 0 ? 0 : bodies_.change(pair, other, stopping[static_cast<std::size_t>(other)]);
     const double least = margin(pair), keep = least + drift;
     const double range = keep + bodies_.change(pair, robot_, reach_) + kBeyond;
     double distance = pair.slack;

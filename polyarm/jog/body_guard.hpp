@@ -1,6 +1,6 @@
 #pragma once
-/// Makes the barriers of a robot that is jogged from the bodies around it, in each tick. Cell thread; allocates
-/// in the constructor alone. Metres, radians, seconds.
+/// Makes the barriers of a robot that is jogged from the bodies around it, in each tick. Cell thread;
+/// allocates in the constructor alone. Metres, radians, seconds.
 #include <array>
 #include <span>
 #include <vector>
@@ -11,8 +11,9 @@
 namespace polyarm::jog {
 
 struct BodyGuardOptions {
-  double clearance = 0.005;       ///< m that links keep from everything else
-  double tool_clearance = 0.001;  ///< m that the tool, or the hand, keeps from fixtures: places are taught with it
+  double clearance = 0.005;  ///< m that links keep from everything else
+  double tool_clearance =
+      0.001;  ///< m that the tool, or the hand, keeps from fixtures: places are taught with it
   /// Exact distances in one tick; beyond it bounds of earlier ones count.
   std::uint64_t most_measured = 400;
 };

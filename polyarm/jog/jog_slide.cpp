@@ -41,7 +41,8 @@ double JogGenerator::barrier_share(std::size_t i, std::span<const double> q, std
   return stopping_speed(std::max(0.0, barriers_->room(i, q) - kKeepOff) / closing, a, jerk);
 }
 
-/// Joints of which the wish moves several go on along a barrier: each is reduced by what it adds to closing in.
+/// Joints of which the wish moves several go on along a barrier: each is reduced by what it adds to closing
+/// in.
 void JogGenerator::slide_joints(JogValues& rates) noexcept {
   const std::size_t n = axes_.size();
   const JogValues q = positions();
@@ -104,7 +105,8 @@ void JogGenerator::slide_tcp(Twist& wanted) noexcept {
     }
     if (!changed) break;
   }
-  const double faster = std::max(speed > 0 ? linear(wanted) / speed : 1, turning > 0 ? angular(wanted) / turning : 1);
+  const double faster =
+      std::max(speed > 0 ? linear(wanted) / speed : 1, turning > 0 ? angular(wanted) / turning : 1);
   if (faster > 1)
     for (double& x : wanted) x /= faster;
 }

@@ -23,8 +23,8 @@ namespace {
 constexpr double kLatency = 0.006;
 /// Below this pace a robot stops; it goes on above kGoOn.
 constexpr double kStop = 0.02, kGoOn = 0.06;
-/// How long a robot stands before something that may move away by itself before the cell is held, ns: a part or
-/// a mover, robots that wait for each other, and a robot that does nothing.
+/// How long a robot stands before something that may move away by itself before the cell is held, ns: a part
+/// or a mover, robots that wait for each other, and a robot that does nothing.
 constexpr Nanoseconds kForThings = 1'000'000'000, kForEachOther = 1'000'000'000, kForRobots = 30'000'000'000;
 /// Robots in step that were slowed down come together again at this rate, 1/s.
 constexpr double kCatchUp = 4;
@@ -37,7 +37,8 @@ class PathOfMove : public surroundings::PlannedWay {
     motion_ = &motion;
     hint_ = 0;
     acceleration_.clear();
-    for (const trajectory::JointMotionLimits& limits : robot.limits) acceleration_.push_back(limits.acceleration);
+    for (const trajectory::JointMotionLimits& limits : robot.limits)
+      acceleration_.push_back(limits.acceleration);
   }
   double duration() const noexcept override { return motion_->path.duration(); }
   void at(double time, std::span<double> position, std::span<double> velocity) noexcept override {
@@ -54,7 +55,8 @@ class PathOfMove : public surroundings::PlannedWay {
 std::vector<jog::AxisLimits> axes_of(const CellRobot& robot) {
   std::vector<jog::AxisLimits> out;
   for (const controllers::JointFacts& joint : robot.joints)
-    out.push_back({joint.lower, joint.upper, joint.velocity, std::min(joint.acceleration, joint.deceleration), joint.jerk});
+    out.push_back({joint.lower, joint.upper, joint.velocity, std::min(joint.acceleration, joint.deceleration),
+                   joint.jerk});
   return out;
 }
 
@@ -64,8 +66,10 @@ std::vector<GuardZone> zones_of(const CellSetup& setup) {
     for (const moves::WorkspaceZone& zone : setup.robots[r]->facts->workspace.zones()) {
       if (!zone.bodies) continue;
       const int robot = static_cast<int>(r);
-      if (zone.kind == moves::ZoneKind::plane) out.push_back({zone.name, robot, false, zone.point, zone.normal, {}, {}});
-      if (zone.kind == moves::ZoneKind::outside) out.push_back({zone.name, robot, true, {}, {}, zone.low, zone.high});
+      if (zone.kind == moves::ZoneKind::plane)
+        out.push_back({zone.name, robot, false, zone.point, zone.normal, {}, {}});
+      if (zone.kind == moves::ZoneKind::outside)
+        out.push_back({zone.name, robot, true, {}, {}, zone.low, zone.high});
       if (zone.kind != moves::ZoneKind::inside) continue;
       for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
         out.push_back({zone.name, robot, false, zone.low, axis, {}, {}});
@@ -75,8 +79,8 @@ std::vector<GuardZone> zones_of(const CellSetup& setup) {
   return out;
 }
 
-/// How the braking of a path grows with its speed: at pace p it takes less than `square` p² + `plain` p seconds of
-/// the plan, twice what the joints need when the plan asks nothing else of them.
+/// How the braking of a path grows with its speed: at pace p it takes less than `square` p² + `plain` p
+/// seconds of the plan, twice what the joints need when the plan asks nothing else of them.
 struct Braking {
   double square = 0, plain = 0;
   double at(double pace) const { return (square * pace + plain) * pace; }
@@ -153,14 +157,15 @@ bool Guards::needed() const {
   return false;
 }
 
-/// Bodies are made on the planning thread, before it plans the first move: that reads the disk. In lock-step they
-/// are made when a robot first moves.
+/// Bodies are made on the planning thread, before it plans the first move: that reads the disk. In lock-step
+/// they are made when a robot first moves.
 bool Guards::take_bodies() {
   Work& work = *work_;
   if (work.bodies) return true;
   if (!work.making) {
     work.making = std::make_shared<Work::Making>();
-    cell_.planner.post([making = work.making, shared = cell_.motions.bodies(), zones = zones_of(cell_.setup)] {
+    cell_.planner.post([making = work.making, shared = cell_.motions.bodies(),
+                        zones = zones_of(cell_.setup)] {
       try {
         making->models = shared->get();
         making->bodies = std::make_unique<GuardBodies>(making->models->robots, making->models->scene, zones);
@@ -174,8 +179,12 @@ bool Guards::take_bodies() {
   if (!work.making->failed.empty()) {
     work.off = true;
     cell_.observer.on_problem(cell_.machine.now(),
-                              {"no-guards", {}, "nothing guards the robots against contacts: " + work.making->failed,
-                               "give the robot fewer or simpler bodies, or say guards: off", Severity::warning, {}});
+                              {"no-guards",
+                               {},
+                               "nothing guards the robots against contacts: " + work.making->failed,
+                               "give the robot fewer or simpler bodies, or say guards: off",
+                               Severity::warning,
+                               {}});
     return false;
   }
   work.models = std::move(work.making->models);
@@ -185,12 +194,15 @@ bool Guards::take_bodies() {
     Of& of = work.robots[r];
     of.axes = axes_of(*cell_.setup.robots[r]);
     const std::size_t n = of.axes.size();
-    for (std::vector<double>* values : {&of.velocity, &of.before, &of.q, &of.v, &of.last, &of.step_size}) values->assign(n, 0);
+    for (std::vector<double>* values : {&of.velocity, &of.before, &of.q, &of.v, &of.last, &of.step_size})
+      values->assign(n, 0);
     work.stopping.emplace_back(n, 0.0);
     const int robot = static_cast<int>(r);
     if (!work.bodies->drives(r)) {
-      of.ahead = std::make_unique<LookAhead>(*work.bodies, robot, surroundings::LookAheadOptions{entry.clearance});
-      of.jogged = std::make_unique<jog::BodyGuard>(*work.bodies, robot, of.axes, jog::BodyGuardOptions{entry.clearance});
+      of.ahead =
+          std::make_unique<LookAhead>(*work.bodies, robot, surroundings::LookAheadOptions{entry.clearance});
+      of.jogged = std::make_unique<jog::BodyGuard>(*work.bodies, robot, of.axes,
+                                                   jog::BodyGuardOptions{entry.clearance});
     }
   }
   return true;
@@ -199,7 +211,8 @@ bool Guards::take_bodies() {
 void Guards::tick() {
   if (work_->off || cell_.life.failure()) return;
   const bool is_needed = needed();
-  if ((!is_needed && (work_->bodies || cell_.setup.options.lock_step)) || !take_bodies() || !is_needed) return;
+  if ((!is_needed && (work_->bodies || cell_.setup.options.lock_step)) || !take_bodies() || !is_needed)
+    return;
   const Nanoseconds now = cell_.machine.now();
   work_->bodies->look(cell_.motions.moment());
   for (std::size_t r = 0; r < work_->robots.size(); ++r) see(r);
@@ -251,10 +264,13 @@ void Guards::find_stopping(std::size_t r) {
   GuardBodies& bodies = *work_->bodies;
   bodies.forget_ahead(r);
   if (of.goal == 0) {
-    if (!cell_.jogging.engaged(r) && std::all_of(of.velocity.begin(), of.velocity.end(), [](double v) { return v == 0; }))
+    if (!cell_.jogging.engaged(r) &&
+        std::all_of(of.velocity.begin(), of.velocity.end(), [](double v) { return v == 0; }))
       bodies.stands(r);
     for (std::size_t j = 0; j < n; ++j)
-      stopping[j] = of.velocity[j] == 0 && !cell_.jogging.engaged(r) ? 0 : jog::stopping_reach(of.velocity[j], of.axes[j]);
+      stopping[j] = of.velocity[j] == 0 && !cell_.jogging.engaged(r)
+                        ? 0
+                        : jog::stopping_reach(of.velocity[j], of.axes[j]);
     return;
   }
   double longest = 0;  // s in which any joint stops from its highest speed
@@ -353,8 +369,10 @@ bool Guards::deadlocked(std::size_t robot) const {
   std::size_t at = robot;
   for (std::size_t i = 0; i < work_->robots.size(); ++i) {
     const Of& of = work_->robots[at];
-    if (of.goal == 0 || of.pace > 0 || of.ahead_of.pair < 0 || !std::isfinite(of.ahead_of.free_until)) return false;
-    const int next = work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)].other_than(static_cast<int>(at));
+    if (of.goal == 0 || of.pace > 0 || of.ahead_of.pair < 0 || !std::isfinite(of.ahead_of.free_until))
+      return false;
+    const int next =
+        work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)].other_than(static_cast<int>(at));
     if (next < 0 || next == static_cast<int>(at)) return false;
     at = static_cast<std::size_t>(next);
     if (at == robot) return true;
@@ -399,8 +417,10 @@ void Guards::judge(std::size_t r) {
   const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)];
   const int other = pair.own ? -1 : pair.other_than(static_cast<int>(r));
   if (other < 0) {
-    const bool fixed = pair.own || work_->bodies->is_static(pair.robot_a == static_cast<int>(r) ? pair.b : pair.a);
-    if (fixed || stands >= kForThings) stop_before(r, "guard", name + " stopped before a contact: " + text_of(r));
+    const bool fixed =
+        pair.own || work_->bodies->is_static(pair.robot_a == static_cast<int>(r) ? pair.b : pair.a);
+    if (fixed || stands >= kForThings)
+      stop_before(r, "guard", name + " stopped before a contact: " + text_of(r));
     return;
   }
   const std::string& whom = cell_.setup.robots[static_cast<std::size_t>(other)]->entry.name;
@@ -409,7 +429,8 @@ void Guards::judge(std::size_t r) {
       stop_before(r, "guard-deadlock", name + " and " + whom + " wait for each other: " + text_of(r));
     return;
   }
-  if (!std::exchange(of.reported, true)) cell_.observer.on_note(name + " waits for " + whom + ": " + text_of(r));
+  if (!std::exchange(of.reported, true))
+    cell_.observer.on_note(name + " waits for " + whom + ": " + text_of(r));
   if (stands >= kForRobots && cell_.motions.idle(static_cast<std::size_t>(other)))
     stop_before(r, "guard", name + " stopped before a contact: " + text_of(r));
 }

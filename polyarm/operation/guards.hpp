@@ -1,6 +1,6 @@
 #pragma once
-/// Guards of a running cell: they slow robots down and stop them before contacts, on planned moves, while they
-/// are jogged and with streamed targets. A help for people and programs, not a safety function. Metres,
+/// Guards of a running cell: they slow robots down and stop them before contacts, on planned moves, while
+/// they are jogged and with streamed targets. A help for people and programs, not a safety function. Metres,
 /// radians, seconds. Cell thread.
 #include <memory>
 #include <optional>
@@ -17,8 +17,8 @@ class LifeCycle;
 class Programs;
 
 /// Each robot is guarded along the path on which it would brake. Of other robots it counts where they are and
-/// how far they still go until they stand: so two never meet, and one waits for the other. A move that something
-/// blocks is held (a run that nobody watches has failed); a robot in the way is waited for.
+/// how far they still go until they stand: so two never meet, and one waits for the other. A move that
+/// something blocks is held (a run that nobody watches has failed); a robot in the way is waited for.
 class Guards {
  public:
   struct Owners {

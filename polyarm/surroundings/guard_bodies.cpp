@@ -213,7 +213,8 @@ void GuardBodies::look(const Moment& moment) {
   looked_ = true;
 }
 
-double GuardBodies::motion_of_robot_body(std::size_t body, const Pose& base, const Pose& next) const noexcept {
+double GuardBodies::motion_of_robot_body(std::size_t body, const Pose& base,
+                                         const Pose& next) const noexcept {
   const Body& b = bodies_[body];
   double out = sum(b.lever, joint_motion_[at(robot_of(b, parts_))]);
   if (base == next) return out;
@@ -232,7 +233,9 @@ void GuardBodies::find_motion(const Moment& moment) noexcept {
     const Body& body = bodies_[i];
     const int robot = robot_of(body, parts_);
     if (robot >= 0) {
-      motion_[i] = looked_ ? motion_of_robot_body(i, moment_.robots[at(robot)].base, moment.robots[at(robot)].base) : 0;
+      motion_[i] =
+          looked_ ? motion_of_robot_body(i, moment_.robots[at(robot)].base, moment.robots[at(robot)].base)
+                  : 0;
       continue;
     }
     motion_[i] = 0;
@@ -253,7 +256,8 @@ void GuardBodies::find_motion(const Moment& moment) noexcept {
 void GuardBodies::follow_pairs() noexcept {
   for (GuardPair& pair : pairs_) {
     if (!pair.active) continue;
-    pair.slack -= pair.own ? sum(pair.lever, joint_motion_[at(pair.robot_a)]) : motion_[pair.a] + motion_[pair.b];
+    pair.slack -=
+        pair.own ? sum(pair.lever, joint_motion_[at(pair.robot_a)]) : motion_[pair.a] + motion_[pair.b];
   }
 }
 
@@ -262,7 +266,8 @@ void GuardBodies::take_part_changes(const Moment& moment) {
     PartMode mode;
     if (p < moment.parts.size()) {
       mode.in_world = moment.parts[p].in_world;
-      mode.held_by = moment.parts[p].held_by < static_cast<int>(robots_.size()) ? moment.parts[p].held_by : -1;
+      mode.held_by =
+          moment.parts[p].held_by < static_cast<int>(robots_.size()) ? moment.parts[p].held_by : -1;
     }
     if (looked_ && mode == parts_[p]) continue;
     if (mode.held_by >= 0) {
@@ -282,7 +287,7 @@ void GuardBodies::renew(int part) {
     if (body.part != part) continue;
     if (mode.held_by >= 0)
       body.lever = models_[at(mode.held_by)]->levers_of(tool_frame_[at(mode.held_by)],
-                                                         balls_in_hand(body, mode.in_hand));
+                                                        balls_in_hand(body, mode.in_hand));
     const auto index = static_cast<std::size_t>(&body - bodies_.data());
     if (mode.held_by < 0 && at(part) < moment_.parts.size()) placed_[index] = moment_.parts[at(part)].pose;
   }
@@ -300,8 +305,8 @@ void GuardBodies::renew(int part) {
     ++pair.version;
     if (!pair.active || !pair.own) continue;
     const Body &held = a.part >= 0 ? a : b, &link = a.part >= 0 ? b : a;
-    pair.lever = models_[at(mode.held_by)]->pair_levers(tool_frame_[at(mode.held_by)],
-                                                         balls_in_hand(held, mode.in_hand), link.frame, link.balls);
+    pair.lever = models_[at(mode.held_by)]->pair_levers(
+        tool_frame_[at(mode.held_by)], balls_in_hand(held, mode.in_hand), link.frame, link.balls);
   }
 }
 
@@ -358,8 +363,8 @@ GuardGap GuardBodies::between(const ConvexBody& a, const Pose& pose_a, const Con
   measured_ += kDepth;
   const collision::Depth depth = collision::overlap(a, T_b_a, b);
   const Vec3 normal = pose_b.rotation * depth.direction;
-  const Vec3 deepest =
-      pose_b * (T_b_a * a.core_support(inverse(T_b_a.rotation) * -depth.direction) - a.radius * depth.direction);
+  const Vec3 deepest = pose_b * (T_b_a * a.core_support(inverse(T_b_a.rotation) * -depth.direction) -
+                                 a.radius * depth.direction);
   return {-depth.depth, deepest, deepest + depth.depth * normal, normal};
 }
 
@@ -367,14 +372,16 @@ GuardGap GuardBodies::gap_of(const GuardPair& pair, double enough, int moved, in
   const Body &a = bodies_[pair.a], &b = bodies_[pair.b];
   if (b.kind == Kind::floor) return from_plane(pair, moved);
   const Pose pose_a = pose_of(pair.a, moved, ahead), pose_b = pose_of(pair.b, moved, ahead);
-  const double rough = norm(pose_a * a.around.center - pose_b * b.around.center) - a.around.radius - b.around.radius;
+  const double rough =
+      norm(pose_a * a.around.center - pose_b * b.around.center) - a.around.radius - b.around.radius;
   GuardGap out{std::max(rough, enough), {}, {}, {0, 0, 1}};
   if (rough > enough) return out;
   out.distance = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < a.pieces.size(); ++i) {
     const Vec3 center = pose_a * a.balls[i].center;
     for (std::size_t k = 0; k < b.pieces.size(); ++k) {
-      if (norm(center - pose_b * b.balls[k].center) - a.balls[i].radius - b.balls[k].radius >= out.distance) continue;
+      if (norm(center - pose_b * b.balls[k].center) - a.balls[i].radius - b.balls[k].radius >= out.distance)
+        continue;
       const GuardGap gap = between(a.pieces[i], pose_a, b.pieces[k], pose_b);
       if (gap.distance < out.distance) out = gap;
     }
@@ -399,9 +406,8 @@ std::size_t GuardBodies::points_of(const GuardPair& pair, int robot, double rang
       out[count++] = gap;
       return;
     }
-    const auto farthest = std::max_element(out.begin(), out.end(), [](const GuardGap& x, const GuardGap& y) {
-      return x.distance < y.distance;
-    });
+    const auto farthest = std::max_element(
+        out.begin(), out.end(), [](const GuardGap& x, const GuardGap& y) { return x.distance < y.distance; });
     if (farthest != out.end() && gap.distance < farthest->distance) *farthest = gap;
   };
   const auto spread = [&](const ConvexBody& piece, const Pose& pose, const GuardGap& gap) {

@@ -1,8 +1,8 @@
 #pragma once
-/// The bodies of a running cell for guards: how near two bodies are now, how near they would be with one robot
-/// in another joint state, and how a distance changes with the joints. Metres, radians; poses in the world.
-/// One thread. After construction only look() allocates, and only when a part is taken, released, brought or
-/// removed.
+/// The bodies of a running cell for guards: how near two bodies are now, how near they would be with one
+/// robot in another joint state, and how a distance changes with the joints. Metres, radians; poses in the
+/// world. One thread. After construction only look() allocates, and only when a part is taken, released,
+/// brought or removed.
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -17,7 +17,7 @@ namespace polyarm::surroundings {
 /// A region that the bodies of a robot keep out of, or a plane whose side they keep to.
 struct GuardZone {
   std::string name;
-  int robot = -1;  ///< index; -1: every robot
+  int robot = -1;               ///< index; -1: every robot
   bool box = false;             ///< the outside of a box; else the side of a plane that `normal` points to
   Vec3 point, normal{0, 0, 1};  ///< of the plane; unit normal
   Vec3 low, high;               ///< opposite corners of the box
@@ -83,15 +83,15 @@ class GuardBodies : private SweepBodies {
 
   /// Puts a robot into another joint state for gap_of() with `moved`.
   void try_joints(std::size_t robot, std::span<const double> joints) noexcept;
-  /// Where a robot would be while it brakes: at most kAhead places in order, and how far its joints go from each to
-  /// the next. Without them the bounds of the caller count.
+  /// Where a robot would be while it brakes: at most kAhead places in order, and how far its joints go from
+  /// each to the next. Without them the bounds of the caller count.
   static constexpr std::size_t kAhead = 8;
   void forget_ahead(std::size_t robot) noexcept { ahead_count_[robot] = -1; }
   void stands(std::size_t robot) noexcept { ahead_count_[robot] = 0; }
   void add_ahead(std::size_t robot, std::span<const double> joints, std::span<const double> step) noexcept;
-  /// A lower bound of the distance of a pair while the other robot brakes, with robot `moved` as try_joints() put
-  /// it; `drift`: how much nearer the other one may come, at most. Its places are looked at if that leaves less than
-  /// `enough`.
+  /// A lower bound of the distance of a pair while the other robot brakes, with robot `moved` as try_joints()
+  /// put it; `drift`: how much nearer the other one may come, at most. Its places are looked at if that
+  /// leaves less than `enough`.
   GuardGap gap_while_braking(const GuardPair& pair, int moved, double drift, double enough) noexcept;
   /// The exact distance now; `moved`: with that robot as try_joints() put it. A lower bound by bounding balls
   /// is returned instead if it exceeds `enough`; points and normal are then undefined.
@@ -100,9 +100,9 @@ class GuardBodies : private SweepBodies {
   /// Measures the pair now and keeps the result as its slack.
   double measure(std::size_t pair, double enough) noexcept;
 
-  /// Points of the pieces of a pair nearer than `range`, now: each is a plane between the two pieces and a point
-  /// of the body of `robot` in front of it. While every point stays in front of its plane, the pieces do not
-  /// touch. Returns their number.
+  /// Points of the pieces of a pair nearer than `range`, now: each is a plane between the two pieces and a
+  /// point of the body of `robot` in front of it. While every point stays in front of its plane, the pieces
+  /// do not touch. Returns their number.
   std::size_t points_of(const GuardPair& pair, int robot, double range, std::span<GuardGap> out) noexcept;
   /// How the distance of a gap changes with the joints of `robot`: per rad or m. `out`: by variable.
   void gradient(const GuardPair& pair, int robot, const GuardGap& gap, std::span<double> out) const noexcept;
@@ -137,8 +137,8 @@ class GuardBodies : private SweepBodies {
   void slide(std::uint32_t body, int robot, const Vec3& point, const Vec3& normal, double sign,
              std::span<double> out) const noexcept;
 
-  std::vector<Plane> planes_;     // of bodies without pieces, by body
-  std::vector<int> zone_robot_;   // by body; -2: no zone
+  std::vector<Plane> planes_;    // of bodies without pieces, by body
+  std::vector<int> zone_robot_;  // by body; -2: no zone
   std::vector<GuardPair> pairs_;
   std::vector<PartMode> parts_;
   std::vector<std::vector<char>> hands_;  // of each robot, by link
@@ -146,9 +146,9 @@ class GuardBodies : private SweepBodies {
   bool looked_ = false;
   std::vector<std::vector<Pose>> frames_;  // of each robot, in the world
   std::vector<Pose> trial_;
-  std::vector<std::array<std::vector<Pose>, kAhead>> ahead_;        // of each robot
+  std::vector<std::array<std::vector<Pose>, kAhead>> ahead_;         // of each robot
   std::vector<std::array<std::vector<double>, kAhead>> ahead_step_;  // by variable
-  std::vector<int> ahead_count_;                                    // -1: not known
+  std::vector<int> ahead_count_;                                     // -1: not known
   std::vector<std::vector<double>> joint_motion_;
   std::vector<double> motion_, moved_;  // by body
   std::vector<Pose> placed_;            // by body: of those that no robot moves

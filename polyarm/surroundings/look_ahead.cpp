@@ -8,16 +8,16 @@ namespace polyarm::surroundings {
 
 namespace {
 constexpr double kForever = std::numeric_limits<double>::infinity();
-constexpr std::size_t kSamples = 8;    // of the way, for the bound on how far the joints go
-constexpr double kTouching = 3e-4;     // m that a pair may come nearer than it was at the start
-constexpr double kRounding = 2e-4;     // m below the required distance that do not count
-constexpr double kNear = 0.01;         // m of room with which the steps along the way are long enough
-constexpr double kStill = 1e-4;        // m that an obstacle may move before its way is looked at again
+constexpr std::size_t kSamples = 8;  // of the way, for the bound on how far the joints go
+constexpr double kTouching = 3e-4;   // m that a pair may come nearer than it was at the start
+constexpr double kRounding = 2e-4;   // m below the required distance that do not count
+constexpr double kNear = 0.01;       // m of room with which the steps along the way are long enough
+constexpr double kStill = 1e-4;      // m that an obstacle may move before its way is looked at again
 // s that near pairs are followed further, so that the next looks know them; not all equally far, so that they
 // are not followed again all at once.
 constexpr double kFurther = 0.25;
 constexpr std::size_t kSpread = 16;
-constexpr std::uint64_t kAtFirst = 5;   // the first look along a way may measure so many times as much
+constexpr std::uint64_t kAtFirst = 5;  // the first look along a way may measure so many times as much
 }  // namespace
 
 LookAhead::LookAhead(GuardBodies& bodies, int robot, const LookAheadOptions& options)
@@ -155,9 +155,12 @@ bool LookAhead::scan(std::size_t i, PlannedWay& way, double now, double until, d
       return false;
     }
     for (std::size_t j = 0; j < q_.size(); ++j) step_[j] = std::abs(v_[j]);
-    const double rate = bodies_.change(pair, robot_, step_), bend = bodies_.change(pair, robot_, acceleration);
+    const double rate = bodies_.change(pair, robot_, step_),
+                 bend = bodies_.change(pair, robot_, acceleration);
     const double m = std::max(room, kResolution);
-    time += bend > 1e-12 ? (std::sqrt(rate * rate + 2 * bend * m) - rate) / bend : rate > 1e-12 ? m / rate : until - now;
+    time += bend > 1e-12   ? (std::sqrt(rate * rate + 2 * bend * m) - rate) / bend
+            : rate > 1e-12 ? m / rate
+                           : until - now;
     of.clear_until = time;
   }
   return true;

@@ -23,7 +23,8 @@ class PlannedWay {
 
 struct LookAheadOptions {
   double clearance = 0.005;  ///< m between a robot and everything else
-  /// Where start, goal or an end of a move is nearer than the clearance, this share of the distance there is kept.
+  /// Where start, goal or an end of a move is nearer than the clearance, this share of the distance there is
+  /// kept.
   double share = 0.7;
   std::uint64_t most_measured = 600;  ///< exact distances in one look, after the first one along a way
 };
@@ -48,8 +49,8 @@ class LookAhead {
     GuardGap gap;
     double required = 0;  ///< the distance that is kept there, m
   };
-  /// From `now` to `until`. `stopping`: of each robot, how far its joints can still move, by variable; of this one
-  /// it is not used.
+  /// From `now` to `until`. `stopping`: of each robot, how far its joints can still move, by variable; of
+  /// this one it is not used.
   Answer look(PlannedWay& way, double now, double until,
               std::span<const std::vector<double>> stopping) noexcept;
   /// The highest speed of any point of the robot at the last look, m per s of the plan.

@@ -28,8 +28,9 @@ std::string gantry() {
     const std::string axis = i == 0 ? "1 0 0" : i == 1 ? "0 1 0" : "0 0 1";
     out += "<link name=\"" + links[i + 1] + "\">";
     if (i == 2) out += "<collision><geometry><sphere radius=\"0.02\"/></geometry></collision>";
-    out += "</link><joint name=\"slide_" + std::string(1, "xyz"[i]) + "\" type=\"prismatic\"><parent link=\"" + links[i] +
-           "\"/><child link=\"" + links[i + 1] + "\"/><axis xyz=\"" + axis +
+    out += "</link><joint name=\"slide_" + std::string(1, "xyz"[i]) +
+           "\" type=\"prismatic\"><parent link=\"" + links[i] + "\"/><child link=\"" + links[i + 1] +
+           "\"/><axis xyz=\"" + axis +
            "\"/><limit lower=\"-2\" upper=\"2\" velocity=\"1\" effort=\"100\"/></joint>";
   }
   return out + "</robot>";
@@ -43,11 +44,13 @@ class GuardsTest : public ::testing::Test {
   void build(const std::string& program, const std::string& more = "", bool waits = false, bool two = false) {
     folder.write("go.script", program);
     folder.write("scene.yaml", "polyarm: scene/1\nfloor: {height: -5}\nfixtures:\n" + fixtures);
-    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  left: {model: gantry.urdf, hardware: mock}\n" +
-                                  std::string(two ? "  right: {model: gantry.urdf, hardware: mock, at: [1, 0, 0]}\n" : "") +
-                                  "scene: scene.yaml\n" + (program.empty() ? "" : "program: go\n") + more);
-    hardware::register_driver("mock",
-                              [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+    folder.write(
+        "cell.yaml",
+        "polyarm: cell/1\nrobots:\n  left: {model: gantry.urdf, hardware: mock}\n" +
+            std::string(two ? "  right: {model: gantry.urdf, hardware: mock, at: [1, 0, 0]}\n" : "") +
+            "scene: scene.yaml\n" + (program.empty() ? "" : "program: go\n") + more);
+    hardware::register_driver(
+        "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
     CellOptions options;
     options.waits = waits;
     cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()), options);
@@ -166,13 +169,16 @@ TEST_F(GuardsTest, AZoneOfBodiesHoldsForTheBallAndNotOnlyForItsMiddle) {
 
 TEST_F(GuardsTest, OfTwoRobotsOneWaitsUntilTheOtherHasGone) {
   fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
-  build("task a\n  use robot left\n  movej joints(0.8rad, 0rad, 0rad)\nend\n"
-        "task b\n  use robot right\n  movej joints(-0.4rad, 0rad, 0rad)\n  wait 1s\n  movej joints(-0.4rad, 0.6rad, 0rad)\nend\n",
-        "", false, true);
+  build(
+      "task a\n  use robot left\n  movej joints(0.8rad, 0rad, 0rad)\nend\n"
+      "task b\n  use robot right\n  movej joints(-0.4rad, 0rad, 0rad)\n  wait 1s\n  movej joints(-0.4rad, "
+      "0.6rad, 0rad)\nend\n",
+      "", false, true);
   double nearest = 1e9;
   for (int i = 0; i < 5000 && !cell->cell().finished() && failure().empty(); ++i) {
     cell->tick();
-    nearest = std::min(nearest, norm(cell->cell().tcp(0).position - cell->cell().tcp(1).position) - 2 * kBall);
+    nearest =
+        std::min(nearest, norm(cell->cell().tcp(0).position - cell->cell().tcp(1).position) - 2 * kBall);
   }
   EXPECT_EQ(failure(), "");
   EXPECT_TRUE(cell->cell().finished());
@@ -183,9 +189,10 @@ TEST_F(GuardsTest, OfTwoRobotsOneWaitsUntilTheOtherHasGone) {
 
 TEST_F(GuardsTest, TwoThatWaitForEachOtherAreNamed) {
   fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
-  build("task a\n  use robot left\n  movej joints(0.9rad, 0rad, 0rad)\nend\n"
-        "task b\n  use robot right\n  movej joints(-0.9rad, 0rad, 0rad)\nend\n",
-        "", false, true);
+  build(
+      "task a\n  use robot left\n  movej joints(0.9rad, 0rad, 0rad)\nend\n"
+      "task b\n  use robot right\n  movej joints(-0.9rad, 0rad, 0rad)\nend\n",
+      "", false, true);
   double nearest = 1e9;
   for (int i = 0; i < 5000 && failure().empty(); ++i) {
     cell->tick();
@@ -198,8 +205,10 @@ TEST_F(GuardsTest, TwoThatWaitForEachOtherAreNamed) {
 
 TEST_F(GuardsTest, RobotsInStepSlowDownTogether) {
   fixtures = "  wall: {box: [0.1, 1, 0.2], at: [0.5, 0, 0]}\n";
-  build("together\n  movej joints(0.9rad, 0rad, 0rad), robot left\n  movej joints(0rad, 0rad, 0.9rad), robot right\nend\n", "", true,
-        true);
+  build(
+      "together\n  movej joints(0.9rad, 0rad, 0rad), robot left\n  movej joints(0rad, 0rad, 0.9rad), robot "
+      "right\nend\n",
+      "", true, true);
   for (int i = 0; i < 2000; ++i) {
     cell->tick();
     ASSERT_NEAR(x(0), z(1), 0.01) << i;

@@ -43,7 +43,8 @@ struct Among {
     robot.body = surroundings::robot_body(robot);
     bodies = std::make_unique<GuardBodies>(std::vector{robot}, scene);
     exact = std::make_unique<GuardBodies>(std::vector{robot}, scene);
-    guard = std::make_unique<BodyGuard>(*bodies, 0, test::axis_limits(rig.model), BodyGuardOptions{kClearance});
+    guard =
+        std::make_unique<BodyGuard>(*bodies, 0, test::axis_limits(rig.model), BodyGuardOptions{kClearance});
     nobody.assign(1, std::vector<double>(rig.chain.joints(), 0.0));
   }
   static Moment at(const std::vector<double>& q) {
@@ -117,13 +118,15 @@ JogWish random_wish(Among& among, std::mt19937_64& engine) {
     case 2:
       return tcp_wish({0.5 * even(engine), 0.5 * even(engine), 0.5 * even(engine)});
     case 3:
-      return tcp_wish({0.3 * even(engine), 0.3 * even(engine), 0.3 * even(engine), even(engine), even(engine), even(engine)},
+      return tcp_wish({0.3 * even(engine), 0.3 * even(engine), 0.3 * even(engine), even(engine), even(engine),
+                       even(engine)},
                       true);
     default:
       wish.kind = engine() % 2 ? JogWish::Kind::joint_target : JogWish::Kind::tcp_target;
       for (std::size_t j = 0; j < rig.chain.joints(); ++j) wish.joints[j] = rig.joints()[j] + even(engine);
       wish.target = rig.tcp();
-      wish.target.position = wish.target.position + Vec3{0.3 * even(engine), 0.3 * even(engine), 0.3 * even(engine)};
+      wish.target.position =
+          wish.target.position + Vec3{0.3 * even(engine), 0.3 * even(engine), 0.3 * even(engine)};
       return wish;
   }
 }
@@ -147,7 +150,8 @@ TEST(BodyGuard, RandomJogsAmongObstaclesTouchNothing) {
       for (int k = 0; k < 25 && i < jogs(); ++k, ++i) {
         const Vec3 before = among.rig.tcp().position;
         const std::uint64_t had = among.bodies->measured();
-        ASSERT_TRUE(among.run(random_wish(among, engine), 0.05 + 0.4 * even(engine))) << arm << " " << among.rig.broken;
+        ASSERT_TRUE(among.run(random_wish(among, engine), 0.05 + 0.4 * even(engine)))
+            << arm << " " << among.rig.broken;
         most = std::max(most, among.bodies->measured() - had);
         moved += norm(among.rig.tcp().position - before);
       }
@@ -159,9 +163,11 @@ TEST(BodyGuard, RandomJogsAmongObstaclesTouchNothing) {
     EXPECT_GT(nearest, kClearance - 0.001) << arm;
     EXPECT_GT(held, 10) << arm;
     EXPECT_GT(moved, 0.01 * static_cast<double>(jogs())) << arm;
-    std::printf("%-24s %ld jogs, %ld cycles, %.1f m, nearest %.2f mm, held back in %ld cycles, %.1f distances a tick\n",
-                arm.c_str(), jogs(), cycles, moved, 1e3 * nearest, held,
-                2.0 * static_cast<double>(measured) / static_cast<double>(cycles));
+    std::printf(
+        "%-24s %ld jogs, %ld cycles, %.1f m, nearest %.2f mm, held back in %ld cycles, %.1f distances a "
+        "tick\n",
+        arm.c_str(), jogs(), cycles, moved, 1e3 * nearest, held,
+        2.0 * static_cast<double>(measured) / static_cast<double>(cycles));
   }
 }
 
@@ -177,7 +183,8 @@ struct AboveATable : Among {
     scene.fixtures = {table};
     bodies = std::make_unique<GuardBodies>(std::vector{robot}, scene);
     exact = std::make_unique<GuardBodies>(std::vector{robot}, scene);
-    guard = std::make_unique<BodyGuard>(*bodies, 0, test::axis_limits(rig.model), BodyGuardOptions{kClearance});
+    guard =
+        std::make_unique<BodyGuard>(*bodies, 0, test::axis_limits(rig.model), BodyGuardOptions{kClearance});
     rig.start({0.3, -1.2, 1.6, -1.9, -1.4, 0.5});
     before = rig.joints();
   }
@@ -217,7 +224,8 @@ TEST(BodyGuard, AnArmThatIsTooNearMayOnlyLeave) {
   arm.scene.fixtures[0].pose.position.z += 0.008;  // it comes up: 3 mm inside
   arm.bodies = std::make_unique<GuardBodies>(std::vector{arm.robot}, arm.scene);
   arm.exact = std::make_unique<GuardBodies>(std::vector{arm.robot}, arm.scene);
-  arm.guard = std::make_unique<BodyGuard>(*arm.bodies, 0, test::axis_limits(arm.rig.model), BodyGuardOptions{kClearance});
+  arm.guard = std::make_unique<BodyGuard>(*arm.bodies, 0, test::axis_limits(arm.rig.model),
+                                          BodyGuardOptions{kClearance});
   arm.rig.start(arm.rig.joints());
   const double start = arm.distance();
   ASSERT_LT(start, 0);

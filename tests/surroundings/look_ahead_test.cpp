@@ -125,7 +125,8 @@ TEST(LookAhead, AGoalNearSomethingMayBeReached) {
   EXPECT_TRUE(std::isinf(free_until(0.429))) << "1 mm before the wall, where somebody taught it";
   const double hit = free_until(0.44);  // 10 mm inside
   EXPECT_NEAR(hit * 0.44, 0.43, 0.001) << "up to the wall";
-  EXPECT_NEAR(free_until(0.8) * 0.8, 0.425, 0.002) << "the clearance before the wall; beyond it nothing is near";
+  EXPECT_NEAR(free_until(0.8) * 0.8, 0.425, 0.002)
+      << "the clearance before the wall; beyond it nothing is near";
 }
 
 TEST(LookAhead, AStartInsideSomethingMayBeLeft) {
@@ -177,7 +178,8 @@ TEST(LookAhead, TwoRobotsCountHowFarTheOtherStillGoes) {
   const description::RobotModel model = gantry();
   description::Scene scene;
   scene.floor = false;
-  GuardBodies bodies({{"left", &model, nullptr, -1, true, {}}, {"right", &model, nullptr, -1, true, {}}}, scene);
+  GuardBodies bodies({{"left", &model, nullptr, -1, true, {}}, {"right", &model, nullptr, -1, true, {}}},
+                     scene);
   LookAhead ahead(bodies, 0, {});
   Moment moment;
   moment.robots = {{{}, {0, 0, 0}}, {{{1, 0, 0}, {}}, {0, 0, 0}}};
