@@ -181,6 +181,7 @@ void CellInside::read_outside(Nanoseconds now) {
 /// Runs PLC, test and program, as far as they may run.
 void CellInside::run_programs() {
   const bool may_run = !life->failure() && arming->armed() && data.links_ready();
+  programs->end_pulses();
   if (may_run) programs->tick_plc();
   if (test) test->tick();
   const bool stop_asked = machine.supervisor().latch().requested() != realtime::StopKind::none;

@@ -75,6 +75,17 @@ std::string spelled(const Expression& expression) {
 
 namespace {
 void collect_names(const Expression& expression, std::vector<std::string>& out) {
+  if (expression.kind == Expression::Kind::each) {  // its own names are none that it reads
+    std::vector<std::string> inside;
+    for (const ExpressionPtr& part : expression.parts) collect_names(*part, inside);
+    const auto own = [&](const std::string& name) {
+      const std::string first = name.substr(0, name.find('.'));
+      return first == expression.name || (!expression.names.empty() && first == expression.names.front());
+    };
+    for (std::string& name : inside)
+      if (!own(name) && std::find(out.begin(), out.end(), name) == out.end()) out.push_back(std::move(name));
+    return;
+  }
   if (expression.kind == Expression::Kind::name &&
       std::find(out.begin(), out.end(), expression.name) == out.end())
     out.push_back(expression.name);

@@ -54,6 +54,7 @@ struct Expression {
     list,     ///< parts
     record,   ///< names and parts
     joined,   ///< parts, each as text, concatenated
+    each,     ///< parts[0] for name in parts[1] [.. parts[2]], as a list; names: of the count, if any
   };
   Kind kind = Kind::literal;
   Place place;
@@ -152,6 +153,9 @@ struct Statement {
     meet,
     lock,
     when,
+    trap,
+    every,
+    pulse,
     on_stop,
     test,
     run,

@@ -14,7 +14,10 @@
 namespace polyarm::program {
 
 /// The required type of an argument.
-enum class Wanted { any, number, length, angle, scalar, text, list, list_or_text, pose, place };
+enum class Wanted { any, number, length, angle, scalar, text, list, list_or_text, pose, place, joints };
+
+/// Functions of the running program: their results depend on when they are called.
+enum class Live { none, random, clock, here_joints, ik, fk };
 
 struct FunctionParameter {
   std::string_view name;
@@ -44,6 +47,9 @@ struct Function {
   bool in_tests = false;  ///< available only in tests
   /// For results that may be long lists: as `call`, but produces the list value by value. Owns its data.
   Series (*series)(std::span<const Value> arguments) = nullptr;
+  Live live = Live::none;  ///< the running program executes it; `call` is null
+  bool waits = false;      ///< a live function that waits until queued motion has arrived
+  bool open = false;       ///< a live function whose result differs between runs of one program
 };
 
 /// The function of that name, in any case, or nullptr. Includes here() and ask(), which only the interpreter

@@ -55,7 +55,7 @@ bool ends_with_else(const Line& line) {
 
 bool opens_block(const Line& line) {
   return one_of(line.word,
-                {"while", "if", "for", "func", "task", "together", "when", "lock", "try", "on", "test"}) ||
+                {"while", "if", "for", "func", "task", "together", "when", "trap", "every", "lock", "try", "on", "test"}) ||
          ends_with_else(line);
 }
 
@@ -124,7 +124,7 @@ class Parser {
       Line line;
       line.word = keyword_of(source.tokens.front(), line.misspelt);
       line.source = std::move(source);
-      const bool also_names = one_of(line.word, {"drive", "turn", "speedj", "speedl"});
+      const bool also_names = one_of(line.word, {"drive", "turn", "speedj", "speedl", "trap", "every", "pulse"});
       if ((line.misspelt || also_names) && is_call(line.source)) line.misspelt = false, line.word = "call";
       lines_.push_back(std::move(line));
     }

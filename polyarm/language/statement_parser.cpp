@@ -369,6 +369,31 @@ void parse_opener(const Line& line, TokenCursor& cursor, Statement& out) {
   cursor.expect_end("'" + line.word + "'");
 }
 
+/// trap [when] EXPR, every EXPR
+void parse_event(const Line& line, TokenCursor& cursor, Statement& out) {
+  const bool traps = line.word == "trap";
+  out.kind = traps ? Kind::trap : Kind::every;
+  if (traps) cursor.take_word("when");
+  if (cursor.at_end())
+    throw SyntaxError{"no-value", cursor.peek().place,
+                      traps ? "'trap' needs to know when" : "'every' needs to know how often",
+                      traps ? "write `trap when CONDITION`" : "write `every 500ms`"};
+  out.expression = cursor.expression();
+  cursor.expect_end("'" + line.word + "'");
+}
+
+/// pulse NAME for EXPR
+void parse_pulse(TokenCursor& cursor, Statement& out) {
+  out.kind = Kind::pulse;
+  out.name_place = cursor.peek().place;
+  out.name = parse_target(cursor, "pulse");
+  if (!cursor.take_word("for"))
+    throw SyntaxError{"no-for", cursor.peek().place, "'for' was expected here, is " + shown(cursor.peek()),
+                      "write `pulse " + out.name + " for 200ms`"};
+  out.expression = cursor.expression();
+  cursor.expect_end("the time");
+}
+
 void parse_hold(TokenCursor& cursor, Statement& out) {
   out.kind = Kind::hold;
   if (!cursor.at_end()) out.expression = cursor.expression();
@@ -424,8 +449,9 @@ void parse_of_test(const Line& line, TokenCursor& cursor, Statement& out, const 
 }
 
 void require_top(const Line& line, const Openers& open) {
-  const bool top = among(line.word, {"func", "task", "when", "on", "include", "test"});
-  if (top && !open.empty())
+  const bool top = among(line.word, {"func", "task", "when", "every", "trap", "on", "include", "test"});
+  const bool in_task = line.word == "trap" && open.size() == 1 && open.front().word == "task";
+  if (top && !open.empty() && !in_task)
     throw SyntaxError{"nested", line.source.place,
                       "'" + line.word + "' stands inside the '" + open.back().word + "' of line " +
                           std::to_string(open.back().place.line),
@@ -456,6 +482,8 @@ void parse_statement(const Line& line, TokenCursor& cursor, Statement& out, cons
   if (word == "on") return parse_on(cursor, out);
   if (word == "test") return parse_test(cursor, out);
   if (word == "run" || word == "expect") return parse_of_test(line, cursor, out, open);
+  if (word == "trap" || word == "every") return parse_event(line, cursor, out);
+  if (word == "pulse") return parse_pulse(cursor, out);
   if (among(word, {"task", "when", "try", "together"})) return parse_opener(line, cursor, out);
   throw SyntaxError{"unexpected", line.source.place, "'" + word + "' begins no statement here", ""};
 }

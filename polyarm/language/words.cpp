@@ -253,6 +253,30 @@ std::vector<Word> flow_words() {
   };
 }
 
+std::vector<Word> event_words() {
+  return {
+      {"trap", kStatement, "trap [when] C … end",
+       "Each time C becomes true, the robot stops on its path, the block runs, which may move and wait, and the "
+       "interrupted motion goes on from its place.",
+       "# given P: point 0.4 0 0.3\n# given Aside: point 0.4 0.3 0.3\n# given Door: False\n# after 20ms Door: True\n"
+       "trap when Door\n  movel Aside                            # expect move: line Aside exact\nend\nmovel P   "
+       "                               # expect move: line P exact\nwait 100ms\nlog(\"end\")                            "
+       "   # expect: end",
+       ""},
+      {"every", kStatement, "every T … end",
+       "Runs its block each time T has passed, from this line on and within one cycle: nothing in it moves or waits.",
+       "# given Life: False\nlet n = 0\nevery 100ms\n  set Life = not Life\n  set n = n + 1\nend\nwait 350ms\n"
+       "log(n)                                   # expect: 3",
+       ""},
+      {"pulse", kStatement, "pulse NAME for T",
+       "Sets a tag to True, and to False when T has passed; the program goes on. It ends in time even while the cell "
+       "is held.",
+       "# given Blow: False\npulse Blow for 200ms\nlog(Blow)                                # expect: True\nwait 250ms\n"
+       "log(Blow)                                # expect: False",
+       ""},
+  };
+}
+
 std::vector<Word> test_words() {
   return {
       {"test", kStatement, "test \"WHAT\" … end",
@@ -284,6 +308,8 @@ std::vector<Word> other_words() {
                                     {"endtogether", "together"},
                                     {"endlock", "lock"},
                                     {"endwhen", "when"},
+                                    {"endtrap", "trap"},
+                                    {"endevery", "every"},
                                     {"endon", "on"},
                                     {"endwait", "wait"},
                                     {"endmeet", "meet"},
@@ -312,7 +338,7 @@ std::vector<Word> other_words() {
 const std::vector<Word>& words() {
   static const std::vector<Word> all = [] {
     std::vector<Word> out = data_words();
-    for (const auto& more : {motion_words(), flow_words(), test_words(), other_words()})
+    for (const auto& more : {motion_words(), flow_words(), event_words(), test_words(), other_words()})
       out.insert(out.end(), more.begin(), more.end());
     return out;
   }();

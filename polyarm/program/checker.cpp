@@ -122,8 +122,15 @@ class Checker {
       block(s.body);
     }
     if (s.kind == Statements::task || s.kind == Statements::test) block(s.body);
+    if (s.kind == Statements::trap) check_trap(s);
+    if (s.kind == Statements::every) check_time(s.expression, false);
+    if (s.kind == Statements::task) {
+      scope_.forget(outer);
+      for (const Statement& inner : s.body)
+        if (inner.kind == Statements::trap) check_trap(inner);
+    }
     if (s.kind == Statements::test) check_test(s);
-    if (s.kind == Statements::when || s.kind == Statements::on_stop) check_at_once(s);
+    if (s.kind == Statements::when || s.kind == Statements::every || s.kind == Statements::on_stop) check_at_once(s);
     scope_.forget(outer);
   }
 
@@ -136,14 +143,39 @@ class Checker {
   }
 
   void check_at_once(const Statement& s) {
-    const std::string what = s.kind == Statements::when ? "when" : "on stop";
-    if (s.expression) condition(*s.expression, what);
+    const std::string what = s.kind == Statements::when    ? "when"
+                             : s.kind == Statements::every ? "every"
+                                                           : "on stop";
+    if (s.kind == Statements::when && s.expression) condition(*s.expression, what);
     for_each_statement(s.body, [&](const Statement& inner) {
       if (takes_time(inner))
         error("waits", inner.place, "'" + what + "' runs within one cycle: nothing in it moves or waits",
               "set a tag here and let a task do it");
     });
     block(s.body);
+  }
+
+  /// The block may move and wait, but not for its own task.
+  void check_trap(const Statement& s) {
+    const std::size_t outer = scope_.variables.size();
+    if (s.expression) condition(*s.expression, "trap");
+    for_each_statement(s.body, [&](const Statement& inner) {
+      if (inner.kind == Statements::meet)
+        error("deadlock", inner.place, "a trap cannot meet: the task that it interrupts would be missing",
+              "set a tag here and let the task come to the meeting");
+    });
+    block(s.body);
+    scope_.forget(outer);
+  }
+
+  void check_pulse(const Statement& s) {
+    check_time(s.expression, false);
+    if (s.name.empty()) return;
+    if (!scope_.variable_in(s.name).empty())
+      return error("bad-target", s.name_place, "a pulse is one of a tag, and '" + s.name + "' is a name of this program",
+                   "name an output");
+    scope_.used.emplace(s.name, s.name_place);
+    check_target(s.name, s.name_place, kBoolean);
   }
 
   void condition(const Expression& e, const std::string& of) {
@@ -248,6 +280,8 @@ class Checker {
       case Statements::lock:
         check_time(s.second, false);
         return block(s.body);
+      case Statements::pulse:
+        return check_pulse(s);
       case Statements::expect:
         if (s.expression) condition(*s.expression, "expect");
         return check_time(s.second, false);

@@ -199,6 +199,13 @@ void Compiler::meet(const Statement& s) {
   or_else(add(Op::meet, s.place, {.a = text(s.name)}), s.has_else, s.body, s);
 }
 
+void Compiler::pulse(const Statement& s) {
+  add(Op::arrive, s.place);
+  const Temporaries inner(*this);
+  const Operand time = read(*s.expression);
+  add(Op::pulse, s.name_place, {.a = text(s.name), .b = time});
+}
+
 void Compiler::lock(const Statement& s) {
   const Depths before = depths();
   add(Op::arrive, s.place);

@@ -67,6 +67,9 @@ class Scope {
   Type type_of_name(const std::string& name, Place place);
   Type type_of_field(const Type& of, const std::string& field, Place place);
   std::vector<Type> infer_all(const Expression& e);
+  Type infer_each(const Expression& e);
+  Type infer_with(const Expression& e, const std::vector<Type>& arguments);
+  void check_format(const Expression& e, const std::vector<Type>& arguments);
   Type infer_unary(const Expression& e);
   void refuse_pair(const Expression& e, const Type& a, const Type& b);
   Type infer_binary(const Expression& e);

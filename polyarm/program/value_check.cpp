@@ -83,6 +83,9 @@ class ValueCheck {
         return binary(e);
       case Kinds::call:
         return call(e);
+      case Kinds::each:  // its value depends on the loop
+        for (std::size_t i = 1; i < e.parts.size(); ++i) fold(*e.parts[i]);
+        return std::nullopt;
       default:
         break;
     }
@@ -218,7 +221,8 @@ class ValueCheck {
     for_each_expression(s, [&](const Expression& e) {
       const Known value = fold(e);
       if (!value) return;
-      if (&e == s.expression.get() && (s.kind == Statements::wait_time || s.kind == Statements::wait))
+      if (&e == s.expression.get() && (s.kind == Statements::wait_time || s.kind == Statements::wait ||
+                                       s.kind == Statements::every || s.kind == Statements::pulse))
         time(e, *value);
       const bool timeout = s.kind == Statements::wait || s.kind == Statements::meet ||
                            s.kind == Statements::lock || s.kind == Statements::expect;

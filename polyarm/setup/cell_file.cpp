@@ -335,7 +335,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   std::vector<std::string> keys{"polyarm",  "rate",      "robots",  "scene",   "controllers",
                                 "activate", "send",      "plugins", "budget",  "signals",
                                 "program",  "plc",       "motion",  "loop",    "profile",
-                                "profiles", "workspace", "record",  "contacts"};
+                                "profiles", "workspace", "record",  "contacts", "seed"};
   for (const DoorKind& kind : door_kinds()) keys.push_back(kind.name);
   yaml.check_keys(keys, problems);
   cell.profiles = read_profiles(yaml, problems);
@@ -372,6 +372,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   file("plc", cell.plc, cell.plc_where);
   cell.motion = read_motion(yaml["motion"], problems);
   cell.loop = read_loop(yaml["loop"], problems);
+  cell.seed = static_cast<std::uint64_t>(whole(yaml, "seed", 0, 0, 1'000'000'000, problems));
   cell.contact_stop = read_contact_stop(yaml["contacts"], problems);
   cell.clearance = read_clearance(yaml["contacts"], problems);
   for (const DoorKind& kind : door_kinds())

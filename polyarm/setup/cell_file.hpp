@@ -103,6 +103,7 @@ struct CellFile {
       launched;  ///< from a launch file, instead of `controllers`
   MotionEntry motion;
   LoopEntry loop;
+  std::uint64_t seed = 0;  ///< of the programs' random()
   control::ContactStop contact_stop = control::ContactStop::path;  ///< what follows a contact in physics
   double clearance = kClearance;  ///< m that should stay between a robot and everything else
   ProfileEntries profiles;

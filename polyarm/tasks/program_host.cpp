@@ -59,14 +59,41 @@ program::Handle ProgramHost::start_arrival(const std::string& robot) {
   return c_.moves ? c_.moves->start_arrival(robot) : 0;
 }
 
+program::Handle ProgramHost::suspend(const std::vector<std::string>& robots) {
+  return c_.moves ? c_.moves->suspend(robots) : 0;
+}
+
+program::Handle ProgramHost::resume(const std::vector<std::string>& robots) {
+  return c_.moves ? c_.moves->resume(robots) : 0;
+}
+
 program::Progress ProgramHost::poll_move(program::Handle handle) {
   return c_.moves ? c_.moves->poll(handle) : program::Progress::done();
 }
 
 data::Value ProgramHost::here(const std::string& robot, const std::string& tool,
                               const std::string& frame) const {
+  return moves().here(robot, tool, frame);
+}
+
+ProgramMoves& ProgramHost::moves() const {
   if (!c_.moves) throw Error("no-robot", "'" + c_.task + "' moves no robot");
-  return c_.moves->here(robot, tool, frame);
+  return *c_.moves;
+}
+
+data::JointState ProgramHost::here_joints(const std::string& robot) const {
+  return moves().here_joints(robot);
+}
+
+data::JointState ProgramHost::joints_at(const data::Value& place, const data::JointState* near,
+                                        const std::string& robot, const std::string& tool,
+                                        const std::string& frame) const {
+  return moves().joints_at(place, near, robot, tool, frame);
+}
+
+data::Value ProgramHost::pose_at(const data::JointState& joints, const std::string& robot,
+                                 const std::string& tool, const std::string& frame) const {
+  return moves().pose_at(joints, robot, tool, frame);
 }
 
 void ProgramHost::hold(const std::string& reason, const Location& where) {

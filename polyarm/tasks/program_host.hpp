@@ -48,6 +48,7 @@ class ProgramHost : public program::Host {
     Answers* answers = nullptr;
     Observer* observer = nullptr;
     const Nanoseconds* now = nullptr;
+    std::uint64_t seed = 0;  ///< of random()
   };
   explicit ProgramHost(Context context) : c_(std::move(context)) {}
 
@@ -67,9 +68,17 @@ class ProgramHost : public program::Host {
   bool given_up(program::Handle handle) const override { return c_.moves && c_.moves->given_up(handle); }
   program::Handle start_arrival(const std::string& robot) override;
   void end_move(program::Handle handle, const Location&) override { c_.moves->end(handle); }
+  program::Handle suspend(const std::vector<std::string>& robots) override;
+  program::Handle resume(const std::vector<std::string>& robots) override;
   program::Travel travel(program::Handle handle) const override { return c_.moves->travel(handle); }
   data::Value here(const std::string& robot, const std::string& tool,
                    const std::string& frame) const override;
+  data::JointState here_joints(const std::string& robot) const override;
+  data::JointState joints_at(const data::Value& place, const data::JointState* near, const std::string& robot,
+                             const std::string& tool, const std::string& frame) const override;
+  data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
+                      const std::string& frame) const override;
+  std::uint64_t seed() const override { return c_.seed; }
   program::Handle start_load(const std::string& name, program::LoadForm form, const Location& where) override;
   program::Progress poll_load(program::Handle handle) override;
   program::Handle start_ask(const std::string& text, const Location& where) override;
@@ -91,6 +100,8 @@ class ProgramHost : public program::Host {
   bool moving() const { return c_.moves && c_.moves->moving(); }
 
  private:
+  ProgramMoves& moves() const;
+
   Context c_;
   mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< points that are given in a frame
   std::string answer_;

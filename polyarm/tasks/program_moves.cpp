@@ -386,6 +386,11 @@ std::optional<program::Progress> ProgramMoves::bad_end(Arm& arm, std::uint64_t t
 }
 
 program::Progress ProgramMoves::poll(program::Handle handle) {
+  if (const auto at = interruptions_.find(handle); at != interruptions_.end()) {
+    if (!is_over(at->second)) return {};
+    interruptions_.erase(at);
+    return program::Progress::done();
+  }
   const auto found = asked_.find(handle);
   if (found == asked_.end()) return program::Progress::done();
   bool arrived = true;
@@ -426,10 +431,41 @@ program::Handle ProgramMoves::start_arrival(const std::string& robot) {
     moves::RobotMotion* motion = arms_[i].robot.motion;
     if (!motion || (!robot.empty() && arms_[i].robot.robot->entry.name != robot)) continue;
     motion->close();
-    asked.push_back({i, 0, motion->last_id()});
+    asked.push_back({i, 0, motion->newest_present()});
   }
   asked_[++last_handle_] = std::move(asked);
   return last_handle_;
+}
+
+program::Handle ProgramMoves::suspend(const std::vector<std::string>& robots) {
+  return interrupt(robots, false);
+}
+
+program::Handle ProgramMoves::resume(const std::vector<std::string>& robots) {
+  return interrupt(robots, true);
+}
+
+/// Stops these robots (empty: all) for a trap, or ends that.
+program::Handle ProgramMoves::interrupt(const std::vector<std::string>& robots, bool ends) {
+  Interruption out;
+  out.ends = ends;
+  const auto take = [&](std::size_t i) {
+    moves::RobotMotion* const motion = arms_[i].robot.motion;
+    if (!motion) return;
+    ends ? motion->resume() : motion->suspend();
+    out.arms.push_back(i);
+  };
+  for (const std::string& robot : robots) take(robot_of(robot, {}));
+  for (std::size_t i = 0; robots.empty() && i < arms_.size(); ++i) take(i);
+  interruptions_[++last_handle_] = std::move(out);
+  return last_handle_;
+}
+
+bool ProgramMoves::is_over(const Interruption& interruption) const {
+  return std::all_of(interruption.arms.begin(), interruption.arms.end(), [&](std::size_t i) {
+    const moves::RobotMotion* const motion = arms_[i].robot.motion;
+    return !motion || motion->resumed() || (!interruption.ends && motion->suspended());
+  });
 }
 
 program::Travel ProgramMoves::travel(program::Handle handle) const {
@@ -461,8 +497,47 @@ data::Value ProgramMoves::here(const std::string& robot, const std::string& tool
   return here_at(robot, tool, frame, [this](std::size_t arm) { return arms_[arm].robot.motion->planned(); });
 }
 
+data::JointState ProgramMoves::here_joints(const std::string& robot) const {
+  return here_joints(robot, [this](std::size_t arm) { return arms_[arm].robot.motion->planned(); });
+}
+
+data::JointState ProgramMoves::here_joints(const std::string& robot, const JointsOf& joints_of) const {
+  const std::size_t index = arm_of(robot, {});
+  return {arms_[index].robot.robot->model.joint_names(), joints_of(index)};
+}
+
+data::JointState ProgramMoves::joints_at(const data::Value& place, const data::JointState* near,
+                                         const std::string& robot, const std::string& tool,
+                                         const std::string& frame) {
+  return joints_at(place, near, robot, tool, frame,
+                   [this](std::size_t arm) { return arms_[arm].robot.motion->planned(); });
+}
+
+/// The joints in which a joint move to `place` would end.
+data::JointState ProgramMoves::joints_at(const data::Value& place, const data::JointState* near,
+                                         const std::string& robot, const std::string& tool,
+                                         const std::string& frame, const JointsOf& joints_of) {
+  program::Move move;
+  move.targets = {{place, "the place of ik()"}};
+  move.robot = robot, move.tool = tool, move.frame = frame;
+  if (near) move.near = *near;
+  const Prepared made = prepare(move, {});
+  const CellRobot& own = *arms_[made.arm].robot.robot;
+  const moves::MoveTarget& end = made.moves.front().end();
+  if (const auto* joints = std::get_if<std::vector<double>>(&end.at)) return {own.model.joint_names(), *joints};
+  return {own.model.joint_names(), moves::joints_for(made.with ? *made.with : *own.facts, std::get<Pose>(end.at),
+                                                     joints_of(made.arm), end.name)};
+}
+
+data::Value ProgramMoves::pose_at(const data::JointState& joints, const std::string& robot,
+                                  const std::string& tool, const std::string& frame) const {
+  return here_at(robot, tool, frame, [&](std::size_t arm) {
+    return joints_by_name(arms_[arm].robot.robot->model, joints, "fk()");
+  });
+}
+
 data::Value ProgramMoves::here_at(const std::string& robot, const std::string& tool, const std::string& frame,
-                                  const std::function<std::vector<double>(std::size_t)>& joints_of) const {
+                                  const JointsOf& joints_of) const {
   const std::size_t index = arm_of(robot, {});
   const Arm& arm = arms_[index];
   const Pose tcp = arm.robot.motion->robot().chain.forward(joints_of(index));

@@ -34,6 +34,7 @@ ProgramHost::Context Programs::context(const std::string& task) const {
   out.answers = const_cast<Answers*>(&answers_);
   out.observer = &observer_;
   out.now = &machine_.clock();
+  out.seed = setup_.file.seed;
   return out;
 }
 
@@ -244,6 +245,11 @@ program::StartReport Programs::continue_from_safe_point() {
 
 void Programs::keep_safe_point() {
   if (program_ && safe_points_) safe_points_->finish(*program_);
+}
+
+void Programs::end_pulses() {
+  for (Task* task : {program_.get(), plc_.get()})
+    if (task) task->interpreter().end_pulses();
 }
 
 void Programs::tick_program() {

@@ -80,6 +80,8 @@ class Programs {
   Location place_of(const moves::RobotMotion& motion, std::uint64_t move) const;
 
   void tick_program();
+  /// Call each tick in which the program is not ticked: its pulses end in time.
+  void end_pulses();
   void tick_plc() {
     if (plc_) plc_->tick();
   }

@@ -20,6 +20,19 @@ data::Value Host::here(const std::string&, const std::string&, const std::string
   refuse_at({}, "this cell does not tell where its robot is");
 }
 
+data::JointState Host::here_joints(const std::string&) const {
+  refuse_at({}, "this cell does not tell where its robot is");
+}
+
+data::JointState Host::joints_at(const data::Value&, const data::JointState*, const std::string&, const std::string&,
+                                 const std::string&) const {
+  refuse_at({}, "this cell has no kinematics");
+}
+
+data::Value Host::pose_at(const data::JointState&, const std::string&, const std::string&, const std::string&) const {
+  refuse_at({}, "this cell has no kinematics");
+}
+
 void Host::run_program(const std::string&, const Location& where) {
   refuse_at(where, "this is no test of a cell: no program can be run here");
 }

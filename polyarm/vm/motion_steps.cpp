@@ -282,6 +282,8 @@ void Interpreter::move(Task& task, const Step& step) {
   }
   let_go(task, step.a, count);
   ++task.pc;
+  if (std::find(task.commanded.begin(), task.commanded.end(), move.robot) == task.commanded.end())
+    task.commanded.push_back(move.robot);
   if (!move.waits) {
     if (std::find(task.robots.begin(), task.robots.end(), move.robot) == task.robots.end())
       task.robots.push_back(move.robot);
@@ -320,6 +322,10 @@ void Interpreter::use(Task& task, const Step& step) {
 void Interpreter::look_at_watches() {
   for (std::size_t i = 0; i < watches_.size() && !outcome_;) {
     const Watch watch = watches_[i];
+    if (const Task* of = task_of(watch.task); of && is_frozen(*of)) {  // its move is set apart
+      ++i;
+      continue;
+    }
     bool reached = false;
     try {
       const Travel travel = host_.travel(watch.handle);

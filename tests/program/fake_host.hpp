@@ -30,6 +30,7 @@ class FakeHost : public Host {
   std::map<std::string, Nanoseconds> arrivals;     ///< by robot, when all of its moves have ended
   std::vector<std::pair<int, std::string>> asked;  ///< line, the move in words
   std::vector<std::string> ended_moves, holds;
+  std::vector<Nanoseconds> suspensions;  ///< when a trap stopped the robots
   std::size_t room = 1000, most_open = 0;
   int arrivals_asked = 0;
   bool dropped = false;  ///< somebody stopped the robot
@@ -86,6 +87,24 @@ class FakeHost : public Host {
     ended_moves.push_back(queued.back().move.targets.back().name);
     arrivals[queued.back().move.robot] = queued.back().end = time;
   }
+  /// The open moves stand still until resume().
+  Handle suspend(const std::vector<std::string>&) override {
+    suspensions.push_back(time);
+    suspended_handles_ = ends_.size();
+    set_apart_ = std::exchange(arrivals, {});
+    return start(time + 4'000'000);
+  }
+  Handle resume(const std::vector<std::string>&) override {
+    const Nanoseconds since = suspensions.back(), more = time - since + 4'000'000;
+    for (std::size_t i = 0; i < suspended_handles_; ++i)
+      if (ends_[i] > since) ends_[i] += more;
+    for (Queued& each : queued)
+      if (each.begin <= since && each.end > since) each.end += more;
+    arrivals = std::exchange(set_apart_, {});
+    for (auto& [robot, end] : arrivals)
+      if (end > since) end += more;
+    return start(time + 4'000'000);
+  }
   Travel travel(Handle handle) const override {
     const Nanoseconds end = ends_.at(static_cast<std::size_t>(handle));
     const auto at = std::find_if(queued.begin(), queued.end(), [&](const Queued& q) { return q.end == end; });
@@ -101,6 +120,17 @@ class FakeHost : public Host {
         return each->move.targets.back().value;
     return data::Point{};
   }
+  data::JointState here_joints(const std::string&) const override { return {{"elbow"}, {0.25}}; }
+  data::JointState joints_at(const data::Value& place, const data::JointState* near, const std::string&,
+                             const std::string&, const std::string&) const override {
+    if (place.as_joints()) return *place.as_joints();
+    return {{"elbow"}, {place.as_point()->pose.position.x + (near ? near->positions.front() : 0)}};
+  }
+  data::Value pose_at(const data::JointState& joints, const std::string&, const std::string&,
+                      const std::string&) const override {
+    return data::Point{{{joints.positions.front(), 0, 0}, {}}};
+  }
+  std::uint64_t seed() const override { return 7; }
   bool standing() const override {
     return std::all_of(queued.begin(), queued.end(), [&](const Queued& q) { return q.end <= time; });
   }
@@ -170,6 +200,8 @@ class FakeHost : public Host {
     return time >= ends_.at(static_cast<std::size_t>(handle)) ? Progress::done() : Progress{};
   }
   std::vector<Nanoseconds> ends_;
+  std::size_t suspended_handles_ = 0;
+  std::map<std::string, Nanoseconds> set_apart_;
 };
 
 /// Steps the program every 2 ms of the host's clock until it ends or `most` has passed.

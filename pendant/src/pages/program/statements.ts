@@ -21,7 +21,7 @@ export interface Statement {
   blockEnd: number;
 }
 
-const kOpeners = new Set(['while', 'for', 'if', 'func', 'try', 'task', 'together', 'when', 'lock', 'test']);
+const kOpeners = new Set(['while', 'for', 'if', 'func', 'try', 'task', 'together', 'when', 'trap', 'every', 'lock', 'test']);
 const kCloser = /^end[a-z]*$/;
 
 /** The positions in the text outside of quotes and back-quotes. */
