@@ -97,6 +97,9 @@ class Stage : public program::Host {
                              const std::string& tool, const std::string& frame) const override;
   data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
                       const std::string& frame) const override;
+  /// Nothing touches here: until conditions of force do not come.
+  std::array<double, 6> wrench(const std::string&) override { return {}; }
+  void zero_force(const std::string&) override {}
   std::uint64_t seed() const override;
   program::Handle start_load(const std::string&, program::LoadForm, const Location& where) override;
   program::Progress poll_load(program::Handle) override { return program::Progress::done(); }

@@ -58,9 +58,21 @@ std::uint64_t SweptCheck::mark_of(std::size_t robot) {
   Location where;
   if (const moves::RobotMotion* motion = motions.motion(robot); motion && motion->under_way())
     where = programs.place_of(*motion, motion->move_under_way());
+  const moves::RobotMotion* const own = motions.motion(robot);
+  const Location touch = own ? programs.touch_of(*own) : Location{};
+  if (!touch.file.empty()) where = touch;
   if (where.file.empty() && programs.program()) where = programs.program()->status().where;
   if (!(marks_.back().file == where.file && marks_.back().line == where.line)) marks_.push_back(where);
+  if (!touch.file.empty()) meant_.insert({robot, marks_.size() - 1});
   return marks_.size() - 1;
+}
+
+/// The tool, or a part that it may hold, in a move that is meant to touch.
+bool SweptCheck::is_meant(const Approach& a) const {
+  if (!meant_.contains({a.robot, a.mark})) return false;
+  const std::string tool = cell_.setup.robots[a.robot]->entry.name + "/tool";
+  const auto may = [&](const std::string& name) { return name.starts_with(tool) || name.starts_with("part "); };
+  return may(a.first) || may(a.second);
 }
 
 void SweptCheck::look(Nanoseconds now) {
@@ -72,6 +84,7 @@ std::vector<Problem> SweptCheck::finish() {
   std::map<std::tuple<std::string, std::string, std::string>, const Approach*> worst;
   std::vector<const Approach*> in_order;
   for (const Approach& a : sweep_->approaches()) {
+    if (is_meant(a)) continue;
     const auto [at, is_new] = worst.insert({{marks_[a.mark].text(), a.first, a.second}, &a});
     if (!is_new && a.distance >= at->second->distance) continue;
     at->second = &a;

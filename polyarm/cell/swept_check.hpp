@@ -2,7 +2,9 @@
 /// Checks every move of a simulated run for contacts, whatever the hardware: swept, with proven edges.
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polyarm/base/error.hpp"
@@ -34,7 +36,9 @@ class SweptCheck {
   const CellInside& cell_;
   std::shared_ptr<const ContactBodies> bodies_;
   std::unique_ptr<surroundings::Sweep> sweep_;
+  bool is_meant(const surroundings::Approach& approach) const;
   std::vector<Location> marks_;
+  std::set<std::pair<std::size_t, std::uint64_t>> meant_;  ///< robot and mark of moves that are meant to touch
   std::optional<surroundings::Approach> nearest_;
 };
 

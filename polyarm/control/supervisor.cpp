@@ -61,10 +61,12 @@ Overrun Supervisor::when_late(const FaultEvent& event) const noexcept {
 }
 
 bool Supervisor::react(const FaultEvent& event, bool contained) noexcept {
-  const Reaction reaction = reaction_to(event.cause, contained, when_late(event), contact_stop_);
+  const bool meant = event.cause == StopCause::contact && contacts_meant_.load(std::memory_order_relaxed);
+  const ContactStop contact_stop = meant ? ContactStop::none : contact_stop_;
+  const Reaction reaction = reaction_to(event.cause, contained, when_late(event), contact_stop);
   if (reaction.loop == Reaction::Loop::stops) enter(Event::stop, event);
   if (reaction.loop == Reaction::Loop::faults) enter(Event::fault, event);
-  if (event.cause == StopCause::contact && contact_stop_ != ContactStop::none)
+  if (event.cause == StopCause::contact && contact_stop != ContactStop::none)
     touched_ = state() == RunState::stopping;
   return reaction.group_off;
 }

@@ -203,6 +203,7 @@ void CellInside::tick(Nanoseconds now) {
   read_outside(now);
   tick_motions();
   run_programs();
+  machine.supervisor().set_contacts_meant(programs->touches());
   tick_motions();
   data.write(now, machine.snapshot(), programs_over());
   data.exchange_files(now);

@@ -21,7 +21,7 @@ bool is_comparison(Operator op) {
 const char* spelling(Clause::Kind kind) {
   static constexpr const char* kSpellings[] = {"robot",  "tool",   "frame", "payload", "near",
                                                "around", "speed",  "accel", "blend",   "duration",
-                                               "exact",  "smooth", "until", "at"};
+                                               "exact",  "smooth", "touch", "until", "at"};
   return kSpellings[static_cast<int>(kind)];
 }
 
@@ -48,6 +48,10 @@ std::string short_text(const Value& value) {
   return std::isfinite(rounded) ? Value(data::Number{rounded, number->dimension}).text() : value.text();
 }
 }  // namespace
+
+bool has_value(Clause::Kind kind) {
+  return kind != Clause::Kind::exact && kind != Clause::Kind::smooth && kind != Clause::Kind::touch;
+}
 
 std::string spelled(const Expression& expression) {
   using Kind = Expression::Kind;

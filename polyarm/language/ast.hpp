@@ -93,12 +93,13 @@ struct Clause {
     duration,
     exact,
     smooth,
+    touch,
     until,
     at
   };
   Kind kind = Kind::exact;
   Place place;
-  ExpressionPtr value;    ///< all except exact and smooth; for `at` the distance or time, if given
+  ExpressionPtr value;    ///< all except exact, smooth and touch; for `at` the distance or time, if given
   Block otherwise;        ///< until … else
   bool has_else = false;  ///< for until
   bool from_end = false;  ///< for at: before the end instead of after the start
@@ -107,6 +108,8 @@ struct Clause {
 };
 /// The clause's spelling in a program.
 const char* spelling(Clause::Kind kind);
+/// False for exact, smooth and touch.
+bool has_value(Clause::Kind kind);
 
 /// A part of the target of `=` after the name: a field or a list index.
 struct PathPart {

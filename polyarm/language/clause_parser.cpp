@@ -14,6 +14,7 @@ constexpr std::array kClauses = {Clause::Kind::robot,    Clause::Kind::tool,  Cl
                                  Clause::Kind::payload,  Clause::Kind::near,  Clause::Kind::around,
                                  Clause::Kind::speed,    Clause::Kind::accel, Clause::Kind::blend,
                                  Clause::Kind::duration, Clause::Kind::exact, Clause::Kind::smooth,
+                                 Clause::Kind::touch,
                                  Clause::Kind::until,    Clause::Kind::at};
 
 std::optional<Clause::Kind> clause_at(const TokenCursor& cursor, std::size_t ahead) {
@@ -80,7 +81,7 @@ void parse_clause(TokenCursor& cursor, Statement& out) {
     throw SyntaxError{"twice", clause.place,
                       std::string("'") + spelling(clause.kind) + "' is said twice here", ""};
   const bool moves_only = clause.kind == Clause::Kind::until || clause.kind == Clause::Kind::at ||
-                          clause.kind == Clause::Kind::duration;
+                          clause.kind == Clause::Kind::touch || clause.kind == Clause::Kind::duration;
   if (moves_only && out.kind == Kind::use)
     throw SyntaxError{"bad-clause", clause.place,
                       std::string("'") + spelling(clause.kind) + "' belongs to one move", ""};
@@ -101,18 +102,18 @@ void parse_clause(TokenCursor& cursor, Statement& out) {
   const bool of_speed = clause.kind == Kinds::duration || clause.kind == Kinds::accel ||
                         clause.kind == Kinds::robot || clause.kind == Kinds::tool ||
                         clause.kind == Kinds::frame || clause.kind == Kinds::payload ||
-                        clause.kind == Kinds::until || clause.kind == Kinds::at;
+                        clause.kind == Kinds::touch || clause.kind == Kinds::until || clause.kind == Kinds::at;
   if (at_speed && !of_speed)
     throw SyntaxError{"bad-clause", clause.place,
                       std::string("'") + spelling(clause.kind) + "' belongs to a move to a point",
-                      out.name + " takes duration, accel, until, at, robot, tool, frame and payload"};
+                      out.name + " takes duration, accel, touch, until, at, robot, tool, frame and payload"};
   if (out.moves_base() && !of_base)
     throw SyntaxError{"bad-clause", clause.place,
                       std::string("'") + spelling(clause.kind) + "' belongs to a move of an arm",
                       "drive and turn take speed, accel, duration and robot"};
   if (clause.kind == Clause::Kind::at) {
     parse_at(cursor, clause);
-  } else if (clause.kind != Clause::Kind::exact && clause.kind != Clause::Kind::smooth) {
+  } else if (has_value(clause.kind)) {
     clause.value = cursor.expression();
   }
   if (clause.kind == Clause::Kind::until) clause.has_else = cursor.take_word("else");

@@ -387,6 +387,24 @@ std::vector<Function> all_functions() {
                          "the time since the program began; waits until the robot has arrived", {},
                          Kind::number, Dimension::time, Live::clock);
   clock.open = clock.waits = true;
+  const auto measured = [&](std::string_view name, std::string_view signature, std::string_view meaning, Kind kind,
+                            std::optional<Dimension> dimension, Live which, bool waits) {
+    Function& function = live(name, signature, meaning, {}, kind, dimension, which);
+    function.open = true;
+    function.waits = waits;
+  };
+  measured("force", "force()", "the size of the force at the robot's force sensor", Kind::number, Dimension::force,
+           Live::force, true);
+  measured("wrench", "wrench()",
+           "the forces x, y, z and torques rx, ry, rz at the robot's force sensor, in its axes", Kind::record, {},
+           Live::wrench, true);
+  measured("zero_force", "zero_force()",
+           "the present wrench counts as zero from now on, such as the weight of the tool", Kind::boolean, {},
+           Live::zero_force, true);
+  measured("met", "met()", "true if the condition of the last `until` of this task came", Kind::boolean, {},
+           Live::met, false);
+  measured("travelled", "travelled()", "how far the tool went in the last move with `until` of this task",
+           Kind::number, Dimension::length, Live::travelled, false);
   add_text_functions(out);
   const auto of_tests = [&](std::string_view name, std::string_view signature, std::string_view meaning,
                             std::vector<FunctionParameter> parameters, std::optional<Kind> gives_kind) {

@@ -17,7 +17,19 @@ namespace polyarm::program {
 enum class Wanted { any, number, length, angle, scalar, text, list, list_or_text, pose, place, joints };
 
 /// Functions of the running program: their results depend on when they are called.
-enum class Live { none, random, clock, here_joints, ik, fk };
+enum class Live {
+  none,
+  random,
+  clock,
+  here_joints,
+  ik,
+  fk,
+  force,
+  wrench,
+  zero_force,
+  met,
+  travelled
+};
 
 struct FunctionParameter {
   std::string_view name;

@@ -9,6 +9,7 @@
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/data/import_format.hpp"
 #include "polyarm/language/lexer.hpp"
+#include "polyarm/language/libraries.hpp"
 #include "polyarm/language/statement_parser.hpp"
 
 namespace polyarm::program {
@@ -206,6 +207,7 @@ class Parser {
   /// The functions and names of another file, once, even if it is included repeatedly.
   void include(const Statement& s, Block& out) {
     constexpr std::size_t kMostFiles = 50;
+    if (s.name.starts_with(kLibraryPrefix)) return include_library(s, out);
     const std::string by = file_ == 0 ? program_.file : included().file;
     const std::filesystem::path path = (std::filesystem::path(by).parent_path() / s.name).lexically_normal();
     const auto same = [&](const Program::Included& other) { return other.file == path.string(); };
@@ -230,7 +232,24 @@ class Parser {
                    "the name is relative to the folder of this file");
     }
     if (const auto why = data::why_not_text(text)) return error("not-text", s.name_place, *why);
-    program_.included.push_back({path.string(), split_lines(text)});
+    add_included(path.string(), text, out);
+  }
+
+  /// include "polyarm:NAME"
+  void include_library(const Statement& s, Block& out) {
+    const auto text = library_text(s.name);
+    if (!text) {
+      const std::vector<std::string> names = library_names();
+      return error("no-file", s.name_place, "there is no library '" + s.name + "'" + did_you_mean(s.name, names),
+                   "libraries are " + join(names, ", "));
+    }
+    const bool known = std::any_of(program_.included.begin(), program_.included.end(),
+                                   [&](const Program::Included& other) { return other.file == s.name; });
+    if (!known) add_included(s.name, *text, out);
+  }
+
+  void add_included(const std::string& file, std::string_view text, Block& out) {
+    program_.included.push_back({file, split_lines(text)});
     Block more = Parser(program_, problems_, static_cast<int>(program_.included.size())).run();
     std::move(more.begin(), more.end(), std::back_inserter(out));
   }

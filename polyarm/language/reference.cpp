@@ -52,6 +52,15 @@ const std::map<std::string_view, std::string_view>& function_examples() {
        "let weight = random(1kg, 2kg)\nlog(weight >= 1kg and weight < 2kg)      # expect: True"},
       {"clock",
        "let begin = clock()\nwait 200ms\nlog(round((clock() - begin) / 100ms))    # expect: 2"},
+      {"force",
+       "# given P: point 0.4 0 0.1\nmovel P, touch, until force() > 20N\nlog(force() > 20N)                       # expect: "
+       "True"},
+      {"wrench", "log(wrench().z)                          # expect: 30N"},
+      {"zero_force", "zero_force()\nlog(force())                             # expect: 0N"},
+      {"met",
+       "# given P: point 0.4 0 0.1\nmovel P, until false\nlog(met())                               # expect: False"},
+      {"travelled",
+       "# given P: point 0.4 0 0.1\nmovel P, until false\nlog(travelled())                         # expect: 1m"},
       {"format", "log(format(\"{:.2f} {:>4} {:.1mm}\", 2.0 / 3, 7, 12mm)) # expect: 0.67    7 12.0mm"},
       {"text", "log(text(1.5) + text(true))              # expect: 1.5True"},
       {"number", "log(number(\" 2.5mm\") * 2)               # expect: 0.005m"},
@@ -132,7 +141,7 @@ statement = ( load | import ) NAME | include TEXT | log EXPR | CALL
           | on stop block | pulse NAME for EXPR
           | meet NAME [timeout EXPR [else block]] | lock NAME [timeout EXPR] block
           | test TEXT block | run [TEXT] | expect EXPR [timeout EXPR]
-clause    = [,] ( robot | tool | frame | payload | near | around | speed | accel | blend | duration ) EXPR | exact | smooth
+clause    = [,] ( robot | tool | frame | payload | near | around | speed | accel | blend | duration ) EXPR | exact | smooth | touch
           | until EXPR [else block] | at ( start [+ EXPR] | end [- EXPR] ) set NAME = EXPR
 EXPR      = or < and < not < ( == != < <= > >= ) < ( + - ) < ( * / mod ) < unary - < ^ < .NAME (…) […] with NAME = EXPR
 primary   = NUMBER[UNIT] | TEXT | true | false | NAME | ( EXPR ) | [ EXPR, … ] | { NAME = EXPR, … }

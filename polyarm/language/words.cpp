@@ -142,6 +142,11 @@ std::vector<Word> motion_words() {
        "# given P: point 0.4 0 0.3\n# given Q: point 0.4 0.2 0.3\n"
        "movel [P, Q], smooth                     # expect move: line P Q smooth exact",
        ""},
+      {"touch", kClause, "touch",
+       "The tool is meant to touch something in this move; a contact of any other part still stops the robot.",
+       "# given P: point 0.4 0 0.1\nmovel P, speed 10mm/s, touch, until force() > 20N\n"
+       "log(met(), travelled() < 1m)             # expect: True True",
+       ""},
       {"until", kClause, "until C [else … end]",
        "The move ends where C becomes true; `else` is done when it came to its end without that.",
        "# given P: point 0.4 0 0.1\n# given Contact: False\n# after 50ms Contact: True\n"

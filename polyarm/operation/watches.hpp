@@ -65,6 +65,7 @@ class Watches {
   // Call each of these once per tick.
   /// Call before moves that a contact ended are removed.
   void watch_contacts();
+  bool is_meant(const ContactReport& contact) const;
   void watch_stops();
   /// `missing`: why the cell may not run now. Holds the cell while it is set; a resume meanwhile is held
   /// again.

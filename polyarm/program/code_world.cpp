@@ -12,8 +12,7 @@ void Compiler::clause_value(const Clause& clause) {
   using Clauses = Clause::Kind;
   const bool is_name =
       clause.kind == Clauses::robot || clause.kind == Clauses::tool || clause.kind == Clauses::frame;
-  if (clause.kind == Clauses::exact || clause.kind == Clauses::smooth || clause.kind == Clauses::until)
-    return;
+  if (!has_value(clause.kind) || clause.kind == Clauses::until) return;
   if (clause.kind == Clauses::at) {
     if (clause.value) push(*clause.value);
     push(*clause.to);

@@ -195,6 +195,10 @@ Type Scope::type_of_name(const std::string& name, Place place) {
     return end == name.size() ? at->second : type_of_field(at->second, name.substr(end + 1), place);
   }
   if (made.contains(name) || program_.lacks_included) return kUnknown;
+  if (find_function(name)) {
+    error("unknown-name", place, "'" + name + "' is a function", "write `" + name + "()`");
+    return kUnknown;
+  }
   error("unknown-name", place, "there is nothing called '" + name + "'" + suggested(name),
         "names are data, points, tags and what `let` made");
   return kUnknown;

@@ -89,7 +89,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   for (const std::string& key : yaml.keys()) robot.places[key] = yaml.key_location(key);
   yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
                    "accept_unverified", "budget", "rate", "thread", "on_fault", "workspace", "joint_ranges",
-                   "payload", "tip", "on"},
+                   "payload", "tip", "on", "force_sensor"},
                   problems);
   robot.payload = read_payload(yaml["payload"], problems);
   robot.workspace = read_workspace(yaml["workspace"], problems);
@@ -115,6 +115,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
                      "the rate of '" + name + "' does not lie above zero and at most at 10000 Hz",
                      "write how often a second it is read and commanded, Hz");
   });
+  collect(problems, [&] { robot.force_sensor = yaml["force_sensor"].boolean(false); });
   robot.budget = read_budget(yaml["budget"], problems);
   for (const std::string& key : yaml["parameters"].keys())
     collect(problems, [&] { robot.parameters[key] = yaml["parameters"][key].text(); });

@@ -51,6 +51,7 @@ struct RobotEntry {
   std::vector<moves::WorkspaceZone> workspace;  ///< of this robot only
   PayloadEntry payload;                         ///< in addition to its tool
   std::vector<RangeEntry> ranges;               ///< joint ranges narrower than the robot's
+  bool force_sensor = false;  ///< physics measures the wrench between robot and tool
   std::string text;  ///< the description itself, if `model` is the file that contains it
   Location where;
   std::map<std::string, Location> places;  ///< of its keys in the file

@@ -96,6 +96,14 @@ data::Value ProgramHost::pose_at(const data::JointState& joints, const std::stri
   return moves().pose_at(joints, robot, tool, frame);
 }
 
+std::array<double, 6> ProgramHost::wrench(const std::string& robot) {
+  return c_.force ? c_.force->wrench(moves().name_of(robot)) : Host::wrench(robot);
+}
+
+void ProgramHost::zero_force(const std::string& robot) {
+  c_.force ? c_.force->zero(moves().name_of(robot)) : Host::zero_force(robot);
+}
+
 void ProgramHost::hold(const std::string& reason, const Location& where) {
   if (!c_.hold) return Host::hold(reason, where);
   c_.hold(reason, where);

@@ -11,6 +11,7 @@
 #include "polyarm/io/data_files.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/setup/observer.hpp"
+#include "polyarm/tasks/force_readings.hpp"
 #include "polyarm/tasks/program_moves.hpp"
 #include "polyarm/vm/host.hpp"
 
@@ -49,6 +50,7 @@ class ProgramHost : public program::Host {
     Observer* observer = nullptr;
     const Nanoseconds* now = nullptr;
     std::uint64_t seed = 0;  ///< of random()
+    ForceReadings* force = nullptr;
   };
   explicit ProgramHost(Context context) : c_(std::move(context)) {}
 
@@ -78,6 +80,8 @@ class ProgramHost : public program::Host {
                              const std::string& tool, const std::string& frame) const override;
   data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
                       const std::string& frame) const override;
+  std::array<double, 6> wrench(const std::string& robot) override;
+  void zero_force(const std::string& robot) override;
   std::uint64_t seed() const override { return c_.seed; }
   program::Handle start_load(const std::string& name, program::LoadForm form, const Location& where) override;
   program::Progress poll_load(program::Handle handle) override;

@@ -181,7 +181,7 @@ std::vector<moves::Move> ProgramMoves::moves_of(const program::Move& move, const
               : move.kind == program::Move::Kind::line ? moves::MoveKind::line
                                                        : moves::MoveKind::arc;
   pace(move, made);
-  made.around = move.around.value_or(pace_.around);
+  made.around = !move.touch && move.around.value_or(pace_.around);
   const bool curve = move.smooth && move.targets.size() > 1;
   if (curve) made.kind = moves::MoveKind::spline;
   const double blend = move.blend ? move.blend->value : 0;
@@ -301,6 +301,7 @@ program::Handle ProgramMoves::start(const program::Move& asked, const Location& 
     queued.last = arm.robot.motion->queue(std::move(one), facts, step);
     arm.open.push_back({queued.last, where, std::move(name), move.called});
   }
+  note_touch(arm, queued.first, move.touch, where);
   forget_ended();
   asked_[++last_handle_] = {queued};
   return last_handle_;
@@ -435,6 +436,34 @@ program::Handle ProgramMoves::start_arrival(const std::string& robot) {
   }
   asked_[++last_handle_] = std::move(asked);
   return last_handle_;
+}
+
+const std::string& ProgramMoves::name_of(const std::string& robot) const {
+  return arms_[arm_of(robot, {})].robot.robot->entry.name;
+}
+
+/// A move that is meant to touch permits it until the next move that is not begins.
+void ProgramMoves::note_touch(Arm& arm, std::uint64_t first, bool touch, const Location& where) {
+  constexpr std::size_t kMost = 1000;
+  constexpr std::uint64_t kOpen = std::numeric_limits<std::uint64_t>::max();
+  if (!arm.touches.empty() && arm.touches.back().to == kOpen) arm.touches.back().to = first - 1;
+  if (touch) arm.touches.push_back({first, kOpen, where});
+  while (arm.touches.size() > kMost) arm.touches.pop_front();
+}
+
+Location ProgramMoves::touch_of(const moves::RobotMotion& motion) const {
+  for (const Arm& arm : arms_) {
+    if (arm.robot.motion != &motion) continue;
+    const std::uint64_t now = motion.move_under_way();
+    const std::uint64_t at = now != 0 ? now : motion.last_id();
+    for (const Arm::Touch& touch : arm.touches)
+      if (at >= touch.from && at <= touch.to) return touch.where;
+  }
+  return {};
+}
+
+bool ProgramMoves::touches(const moves::RobotMotion& motion) const {
+  return !touch_of(motion).file.empty();
 }
 
 program::Handle ProgramMoves::suspend(const std::vector<std::string>& robots) {

@@ -52,6 +52,13 @@ class ProgramMoves {
   data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
                       const std::string& frame) const;
 
+  /// The name of a robot of the program; empty: its only one.
+  const std::string& name_of(const std::string& robot) const;
+  /// True while the move of the robot under way, or the last one, is meant to touch something.
+  bool touches(const moves::RobotMotion& motion) const;
+  /// The line of that move.
+  Location touch_of(const moves::RobotMotion& motion) const;
+
   /// A move in the planner's form, not queued. `with`: facts of the robot with another TCP.
   struct Prepared {
     std::size_t arm = 0;  ///< index in the robots of the constructor
@@ -100,6 +107,11 @@ class ProgramMoves {
     Robot robot;
     std::deque<Open> open;
     std::map<std::string, MadeTool> tools;
+    struct Touch {
+      std::uint64_t from = 0, to = 0;  ///< ids: from the move that may touch up to the one before the next that may not
+      Location where;
+    };
+    std::deque<Touch> touches;
   };
   struct Moves {
     std::size_t arm = 0;
@@ -125,6 +137,7 @@ class ProgramMoves {
                  std::vector<moves::Move>& moves) const;
   void check_payload(const program::Move& move, const Arm& arm, const Location& where) const;
   void forget_ended();
+  static void note_touch(Arm& arm, std::uint64_t first, bool touch, const Location& where);
   /// Arms that a trap stops, or lets go on.
   struct Interruption {
     std::vector<std::size_t> arms;

@@ -73,6 +73,8 @@ void Programs::start(program::Program program) {
   moves_ = std::make_unique<ProgramMoves>("program", std::move(robots), setup_.file.motion, data_.store);
   ProgramHost::Context context = this->context("program");
   context.moves = moves_.get();
+  force_ = std::make_unique<ForceReadings>(setup_, machine_, observer_);
+  context.force = force_.get();
   context.standing = [this] { return machine_.snapshot().standing; };
   context.seen_outside = [this](const std::string& name) {
     const std::string set = data_.store.set_of(name);
@@ -131,6 +133,16 @@ std::string Programs::hint_of_live() const {
            fs::path(file).stem().string() + "] in signals.yaml";
   }
   return {};
+}
+
+Location Programs::touch_of(const moves::RobotMotion& motion) const {
+  return moves_ && under_way() ? moves_->touch_of(motion) : Location{};
+}
+
+bool Programs::touches() const {
+  for (std::size_t i = 0; i < setup_.robots.size(); ++i)
+    if (const moves::RobotMotion* motion = motions_.motion(i); motion && !touch_of(*motion).file.empty()) return true;
+  return false;
 }
 
 Location Programs::place_of(const moves::RobotMotion& motion, std::uint64_t move) const {

@@ -33,6 +33,14 @@ data::Value Host::pose_at(const data::JointState&, const std::string&, const std
   refuse_at({}, "this cell has no kinematics");
 }
 
+std::array<double, 6> Host::wrench(const std::string&) {
+  refuse_at({}, "this cell has no force sensor");
+}
+
+void Host::zero_force(const std::string&) {
+  refuse_at({}, "this cell has no force sensor");
+}
+
 void Host::run_program(const std::string&, const Location& where) {
   refuse_at(where, "this is no test of a cell: no program can be run here");
 }

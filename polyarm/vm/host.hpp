@@ -1,5 +1,6 @@
 #pragma once
 /// The interface of a program to its cell. The interpreter itself knows no robot, file or clock. SI units.
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -55,6 +56,7 @@ struct Move {
   std::optional<bool> around;
   /// Stops at its last target: the program requests it, or states no blend.
   bool exact = true;
+  bool touch = false;   ///< the tool is meant to touch something: a contact of it is no fault
   bool smooth = false;  ///< line: one curve through all targets instead of lines between them
   /// The statement ends when the move has arrived (moveto); other moves are only queued.
   bool waits = false;
@@ -136,6 +138,10 @@ class Host {
   /// The pose of the tool centre point at these joints, T_frame_tool.
   virtual data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
                               const std::string& frame) const;
+  /// Force in N and torque in Nm at the force sensor of `robot`, x y z rx ry rz in the axes of the sensor, without
+  /// what zero_force() took as zero. Throws Error if it has no sensor.
+  virtual std::array<double, 6> wrench(const std::string& robot);
+  virtual void zero_force(const std::string& robot);
   /// Selects the series of random().
   virtual std::uint64_t seed() const { return 0; }
   /// Starts to reload the data set from the file called `name`.

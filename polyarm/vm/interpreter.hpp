@@ -290,6 +290,7 @@ class Interpreter {
   void use(Task& task, const Step& step);
   Move asked_move(Task& task, const Step& step, std::size_t first) const;
   void look_at_watches();
+  void measure(Task& task) const;
   // World: world_steps.cpp
   void wait_step(Task& task, const Step& step);
   void until_step(Task& task, const Step& step);

@@ -10,6 +10,16 @@ namespace {
   throw OperationError{"bad-value", std::move(what), std::move(advice)};
 }
 
+Value wrench_record(const std::array<double, 6>& w) {
+  data::Record out;
+  constexpr std::array kAxes = {"x", "y", "z", "rx", "ry", "rz"};
+  for (std::size_t i = 0; i < kAxes.size(); ++i) {
+    out.names.emplace_back(kAxes[i]);
+    out.values.emplace_back(data::Number{w[i], i < 3 ? Dimension::force : Dimension::torque});
+  }
+  return out;
+}
+
 /// The name of the frame for the host: none where the program gives the frame as a pose.
 std::string frame_name(const MoveDefaults& use) {
   return use.frame_pose ? std::string{} : use.frame;
@@ -27,6 +37,19 @@ Value Interpreter::live_call(const Task& task, const Function& function) {
       return host_.here_joints(use.robot);
     case Live::ik:
       return joints_at(use);
+    case Live::force: {
+      const std::array<double, 6> w = host_.wrench(use.robot);
+      return data::Number{norm(Vec3{w[0], w[1], w[2]}), Dimension::force};
+    }
+    case Live::wrench:
+      return wrench_record(host_.wrench(use.robot));
+    case Live::zero_force:
+      host_.zero_force(use.robot);
+      return true;
+    case Live::met:
+      return task.until_met;
+    case Live::travelled:
+      return data::Number{task.travelled, Dimension::length};
     default:
       return pose_at(use);
   }

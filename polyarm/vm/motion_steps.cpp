@@ -102,8 +102,7 @@ data::JointState near_of(const Value& value, const Clause& clause) {
 }
 
 bool takes_value(const Clause& clause) {
-  return clause.kind != Clause::Kind::exact && clause.kind != Clause::Kind::smooth &&
-         clause.kind != Clause::Kind::until && clause.kind != Clause::Kind::at;
+  return has_value(clause.kind) && clause.kind != Clause::Kind::until && clause.kind != Clause::Kind::at;
 }
 std::size_t values_of(const Clause& clause) {
   if (clause.kind == Clause::Kind::at) return clause.value ? 2 : 1;
@@ -212,6 +211,7 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
     exact = exact || clause.kind == Clause::Kind::exact;
     blends = blends || clause.kind == Clause::Kind::blend;
     out.smooth = out.smooth || clause.kind == Clause::Kind::smooth;
+    out.touch = out.touch || clause.kind == Clause::Kind::touch;
     out.waits = out.waits || clause.kind == Clause::Kind::until;
     if (clause.kind == Clause::Kind::duration)
       out.duration = quantity(task.stack[first].value, clause, {Dimension::time}, "2s");
@@ -293,6 +293,7 @@ void Interpreter::move(Task& task, const Step& step) {
   task.handles = {handle};
   const bool looks = std::any_of(s.clauses.begin(), s.clauses.end(),
                                  [](const Clause& c) { return c.kind == Clause::Kind::until; });
+  if (looks) task.until_met = false, task.travelled = task.whole = 0, task.measured = handle;
   if (!looks) wait_for(task, WaitKind::move, move.targets.back().name);
 }
 
@@ -316,6 +317,15 @@ void Interpreter::use(Task& task, const Step& step) {
   let_go(task, step.a, count);
   task.uses.push_back(std::move(out));
   ++task.pc;
+}
+
+/// The way of a move with `until`, for travelled().
+void Interpreter::measure(Task& task) const {
+  if (!task.measured) return;
+  const Travel travel = host_.travel(*task.measured);
+  if (!std::isfinite(travel.covered_m)) return;  // it has ended
+  task.travelled = travel.covered_m;
+  if (std::isfinite(travel.left_m)) task.whole = travel.covered_m + travel.left_m;
 }
 
 /// Sets the values that moves set on their way.

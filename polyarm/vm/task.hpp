@@ -52,6 +52,10 @@ struct Interpreter::Task {
   Nanoseconds seen_at = 0;
   std::string refused;  ///< why the latest answer to its question was refused
   bool met = false, was_true = false;
+  // Of its last move with `until`.
+  bool until_met = false;
+  std::optional<Handle> measured;  ///< while it is under way
+  double travelled = 0, whole = 0;  ///< m: its way so far, and up to its end
   // Traps. Of what looks at the condition: its trap, the task that it interrupts, and that it is to do so.
   int trap = -1;
   std::uint64_t owner = 0;

@@ -145,7 +145,9 @@ void Interpreter::wait_step(Task& task, const Step& step) {
 
 /// True: the move ends here. If the move reaches its end first, the block after `else` runs.
 void Interpreter::until_step(Task& task, const Step& step) {
+  measure(task);
   if (take_boolean(task, step.d, step, "until")) {
+    task.until_met = true;
     host_.end_move(task.handles.back(), program_.at(source(step).line));
     wait_for(task, WaitKind::move, "its end");
     ++task.pc;
@@ -159,6 +161,8 @@ void Interpreter::until_step(Task& task, const Step& step) {
     task.waiting.kind = kind;
     return;
   }
+  task.travelled = task.whole;
+  task.measured.reset();
   task.pc = step.c >= 0 ? static_cast<std::size_t>(step.c) : task.pc + 1;
 }
 

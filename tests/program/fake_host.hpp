@@ -1,7 +1,9 @@
 #pragma once
 /// A cell made of a data store and a clock: moves take their time, files are read from a folder.
 #include <algorithm>
+#include <array>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -24,6 +26,7 @@ class FakeHost : public Host {
     Move move;
     Location where;
     Nanoseconds begin = 0, end = 0;
+    bool ended = false;  ///< by end_move()
     bool fails = false;  ///< a target called Late…: told when it should have arrived
   };
   std::vector<Queued> queued;
@@ -60,7 +63,7 @@ class FakeHost : public Host {
     const Nanoseconds begin = std::max(arrives, time);
     arrives = begin + (move.duration ? nanoseconds(move.duration->value) : move_time);
     const bool fails = move.targets.back().name.starts_with("Late");
-    queued.push_back({move, where, begin, arrives, fails});
+    queued.push_back({move, where, begin, arrives, false, fails});
     return start(arrives);
   }
   Progress poll_move(Handle handle) override {
@@ -86,6 +89,7 @@ class FakeHost : public Host {
     ends_.at(static_cast<std::size_t>(handle)) = time;
     ended_moves.push_back(queued.back().move.targets.back().name);
     arrivals[queued.back().move.robot] = queued.back().end = time;
+    queued.back().ended = true;
   }
   /// The open moves stand still until resume().
   Handle suspend(const std::vector<std::string>&) override {
@@ -108,6 +112,7 @@ class FakeHost : public Host {
   Travel travel(Handle handle) const override {
     const Nanoseconds end = ends_.at(static_cast<std::size_t>(handle));
     const auto at = std::find_if(queued.begin(), queued.end(), [&](const Queued& q) { return q.end == end; });
+    if (at != queued.end() && at->ended) return {std::numeric_limits<double>::infinity(), 0, end, 0};
     const Nanoseconds begin = at == queued.end() ? end : at->begin;
     const Nanoseconds now = std::clamp(time, begin, end);
     const double share =
@@ -130,6 +135,8 @@ class FakeHost : public Host {
                       const std::string&) const override {
     return data::Point{{{joints.positions.front(), 0, 0}, {}}};
   }
+  std::array<double, 6> wrench(const std::string&) override { return {0, 0, 30 - zero_force_}; }
+  void zero_force(const std::string&) override { zero_force_ = 30; }
   std::uint64_t seed() const override { return 7; }
   bool standing() const override {
     return std::all_of(queued.begin(), queued.end(), [&](const Queued& q) { return q.end <= time; });
@@ -179,6 +186,7 @@ class FakeHost : public Host {
          {std::pair{"robot", move.robot}, {"tool", move.tool}, {"frame", move.frame}})
       if (!name.empty()) out += std::string(" ") + word + " " + name;
     if (move.smooth) out += " smooth";
+    if (move.touch) out += " touch";
     return out + (move.exact ? " exact" : "") + (move.waits ? " waits" : "");
   }
 
@@ -201,6 +209,7 @@ class FakeHost : public Host {
   }
   std::vector<Nanoseconds> ends_;
   std::size_t suspended_handles_ = 0;
+  double zero_force_ = 0;
   std::map<std::string, Nanoseconds> set_apart_;
 };
 

@@ -103,7 +103,7 @@ export const kMoveWords = ['moveto', 'movej', 'movel', 'movec'];
 export const kSpeedWords = ['speedj', 'speedl'];
 export const kMotionWords = [...kMoveWords, ...kSpeedWords, 'drive', 'turn'];
 export const kClauses = [
-  'robot', 'tool', 'frame', 'payload', 'near', 'around', 'speed', 'accel', 'blend', 'duration', 'exact', 'smooth', 'until', 'at',
+  'robot', 'tool', 'frame', 'payload', 'near', 'around', 'speed', 'accel', 'blend', 'duration', 'exact', 'smooth', 'touch', 'until', 'at',
 ];
 
 export interface Clause {
