@@ -88,16 +88,6 @@ std::string format_number(double value) {
   return {text, result.ptr};
 }
 
-double rounded_to(double value, int digits) {
-  constexpr double kWhole = 1e15;
-  if (!std::isfinite(value) || (std::abs(value) < kWhole && value == std::floor(value))) return value;
-  char text[40];
-  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::scientific, digits - 1);
-  double out = value;
-  std::from_chars(text, end.ptr, out);
-  return out;
-}
-
 namespace {
 /// The shortest candidate that goes on where `wrong` ends; null: none does, or `wrong` is too short to tell.
 const std::string* completion(std::string_view wrong, std::span<const std::string> candidates) {

@@ -19,8 +19,6 @@ std::vector<std::string> split_fields(std::string_view s, char separator);
 std::optional<double> parse_number(std::string_view s);
 /// The shortest text that parses back to exactly `value`.
 std::string format_number(double value);
-/// `value` with at most `digits` significant digits; whole numbers below 1e15 keep all of theirs.
-double rounded_to(double value, int digits);
 /// The candidate that `wrong` most likely means, ignoring case: the nearest by edit distance (swapped
 /// neighbours count as one edit), or the name that starts with `wrong`. Empty if no candidate is near.
 std::optional<std::string> nearest_name(std::string_view wrong, std::span<const std::string> candidates);

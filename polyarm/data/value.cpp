@@ -1,6 +1,8 @@
 #include "polyarm/data/value.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <utility>
 
 #include "polyarm/base/text.hpp"
@@ -9,6 +11,17 @@
 namespace polyarm::data {
 
 namespace {
+/// At most `digits` significant digits; whole numbers below 1e15 keep all of theirs.
+double rounded_to(double value, int digits) {
+  constexpr double kWhole = 1e15;
+  if (!std::isfinite(value) || (std::abs(value) < kWhole && value == std::floor(value))) return value;
+  char text[40];
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::scientific, digits - 1);
+  double out = value;
+  std::from_chars(text, end.ptr, out);
+  return out;
+}
+
 std::string number_text(double value, int digits) {
   return format_number(digits > 0 ? rounded_to(value, digits) : value);
 }
