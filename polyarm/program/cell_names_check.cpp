@@ -38,7 +38,8 @@ class CellNamesCheck {
 
   /// A test plays the far side and may set every tag; a program must not set measured ones.
   void targets(const Statement& s) {
-    if (s.kind == Statements::set || s.kind == Statements::set_literal) not_measured(s.name, s.name_place);
+    if (s.kind == Statements::set || s.kind == Statements::set_literal || s.kind == Statements::pulse)
+      not_measured(s.name, s.name_place);
     for (const Clause& clause : s.clauses)
       if (clause.kind == Clause::Kind::at) not_measured(clause.target, clause.place);
   }

@@ -123,6 +123,9 @@ class Checker {
     }
     if (s.kind == Statements::task || s.kind == Statements::test) block(s.body);
     if (s.kind == Statements::trap) check_trap(s);
+    if (s.kind == Statements::trap && has_tasks())
+      warning("trap-outside", s.place, "this trap interrupts the lines outside of tasks alone",
+              "put it into the task that it is to interrupt");
     if (s.kind == Statements::every) check_time(s.expression, false);
     if (s.kind == Statements::task) {
       scope_.forget(outer);
@@ -153,6 +156,11 @@ class Checker {
               "set a tag here and let a task do it");
     });
     block(s.body);
+  }
+
+  bool has_tasks() const {
+    return std::any_of(program_.statements.begin(), program_.statements.end(),
+                       [](const Statement& s) { return s.kind == Statements::task; });
   }
 
   /// The block may move and wait, but not for its own task.

@@ -86,7 +86,7 @@ class EndlessCheck {
       out.leaves = out.leaves || s.kind == Kind::stop || s.kind == Kind::raise ||
                    s.kind == Kind::return_value || (s.kind == Kind::break_loop && !ends_inner);
       const bool loops = s.kind == Kind::while_loop || s.kind == Kind::for_loop;
-      if (s.kind == Kind::set || s.kind == Kind::set_literal) change(s.name, out);
+      if (s.kind == Kind::set || s.kind == Kind::set_literal || s.kind == Kind::pulse) change(s.name, out);
       if (s.expression) look(*s.expression, out, seen, loops);
       if (s.second) look(*s.second, out, seen, loops);
       for (const ExpressionPtr& argument : s.arguments) look(*argument, out, seen, false);

@@ -67,6 +67,10 @@ program::Handle ProgramHost::resume(const std::vector<std::string>& robots) {
   return c_.moves ? c_.moves->resume(robots) : 0;
 }
 
+void ProgramHost::abandon(const std::vector<std::string>& robots) {
+  if (c_.moves) c_.moves->abandon(robots);
+}
+
 program::Progress ProgramHost::poll_move(program::Handle handle) {
   return c_.moves ? c_.moves->poll(handle) : program::Progress::done();
 }

@@ -72,6 +72,7 @@ class ProgramHost : public program::Host {
   void end_move(program::Handle handle, const Location&) override { c_.moves->end(handle); }
   program::Handle suspend(const std::vector<std::string>& robots) override;
   program::Handle resume(const std::vector<std::string>& robots) override;
+  void abandon(const std::vector<std::string>& robots) override;
   program::Travel travel(program::Handle handle) const override { return c_.moves->travel(handle); }
   data::Value here(const std::string& robot, const std::string& tool,
                    const std::string& frame) const override;

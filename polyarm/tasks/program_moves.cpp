@@ -490,6 +490,14 @@ program::Handle ProgramMoves::interrupt(const std::vector<std::string>& robots, 
   return last_handle_;
 }
 
+void ProgramMoves::abandon(const std::vector<std::string>& robots) {
+  const auto end = [&](std::size_t i) {
+    if (moves::RobotMotion* const motion = arms_[i].robot.motion; motion && !motion->resumed()) motion->end(1);
+  };
+  for (const std::string& robot : robots) end(robot_of(robot, {}));
+  for (std::size_t i = 0; robots.empty() && i < arms_.size(); ++i) end(i);
+}
+
 bool ProgramMoves::is_over(const Interruption& interruption) const {
   return std::all_of(interruption.arms.begin(), interruption.arms.end(), [&](std::size_t i) {
     const moves::RobotMotion* const motion = arms_[i].robot.motion;

@@ -43,6 +43,7 @@ class ProgramMoves {
   program::Handle start_arrival(const std::string& robot);
   program::Handle suspend(const std::vector<std::string>& robots);
   program::Handle resume(const std::vector<std::string>& robots);
+  void abandon(const std::vector<std::string>& robots);
   program::Travel travel(program::Handle handle) const;
   void end(program::Handle handle);
   data::Value here(const std::string& robot, const std::string& tool, const std::string& frame) const;

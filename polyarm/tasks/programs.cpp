@@ -119,7 +119,7 @@ std::string Programs::hint_of_live() const {
     if (!task) continue;
     program::for_each_statement(task->interpreter().program().statements, [&](const program::Statement& s) {
       using Kind = program::Statement::Kind;
-      if (s.kind == Kind::set || s.kind == Kind::set_literal) set_here.insert(s.name);
+      if (s.kind == Kind::set || s.kind == Kind::set_literal || s.kind == Kind::pulse) set_here.insert(s.name);
       for (const program::Clause& clause : s.clauses) set_here.insert(clause.target);
     });
   }

@@ -123,6 +123,8 @@ class Host {
   virtual Handle suspend(const std::vector<std::string>& /*robots*/) { return 0; }
   /// They return to where they stopped and go on along their paths; poll_move() reports done when they go on.
   virtual Handle resume(const std::vector<std::string>& /*robots*/) { return 0; }
+  /// The program has ended between suspend() and resume(): the moves that were set apart end where the robots are.
+  virtual void abandon(const std::vector<std::string>& /*robots*/) {}
   /// The progress of a move with `waits`.
   virtual Travel travel(Handle handle) const;
   /// The pose of the tool centre point, T_frame_tool; empty names mean the task's own robot and tool, and the

@@ -239,6 +239,7 @@ void Interpreter::end_program(TaskState outcome) {
     tasks_.front()->passes = 1;  // a program without a loop is one pass
   for (const auto& task : tasks_) {
     if (outcome != TaskState::finished) task->ended_cycles = cycles_of(*task);
+    if (task->interrupts && (!task->over() || outcome != TaskState::finished)) host_.abandon(task->stopped_robots);
     if (task->over()) continue;
     task->ended_in = place_of(*task);
     task->state = TaskState::stopped;
