@@ -55,9 +55,7 @@ class ProgramMoves {
 
   /// The name of a robot of the program; empty: its only one.
   const std::string& name_of(const std::string& robot) const;
-  /// True while the move of the robot under way, or the last one, is meant to touch something.
-  bool touches(const moves::RobotMotion& motion) const;
-  /// The line of that move.
+  /// The line of the move under way, or of the last one, if it is meant to touch something; else empty.
   Location touch_of(const moves::RobotMotion& motion) const;
 
   /// A move in the planner's form, not queued. `with`: facts of the robot with another TCP.
