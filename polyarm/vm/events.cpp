@@ -48,6 +48,7 @@ void Interpreter::interrupt(Task& watcher, Task& owner) {
   const int body = at(code_.traps, watcher.trap).body;
   Task& block = add_task("trap", body, true);
   block.interrupts = owner.id;
+  block.line = at(code_.sources, body).line;
   block.uses = uses;
   block.frames.front().uses = block.uses.size();
   if (!code_.tasks.empty()) collect_robots(owner, block.stopped_robots);
