@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "drivers/fanuc/rmi.hpp"
-#include "drivers/fanuc/shaper.hpp"
+#include "drivers/fanuc/limit_tables.hpp"
 #include "drivers/fanuc/stream.hpp"
 #include "drivers/fanuc/words.hpp"
 #include "drivers/wire/cause_word.hpp"
