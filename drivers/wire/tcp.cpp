@@ -148,6 +148,13 @@ bool send_frame(int socket, std::span<const std::uint8_t> bytes) noexcept {
          static_cast<ssize_t>(bytes.size());
 }
 
+std::optional<std::size_t> send_some(int socket, std::string_view text) noexcept {
+  const ssize_t count = ::send(socket, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (count >= 0) return static_cast<std::size_t>(count);
+  if (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR) return 0;
+  return std::nullopt;
+}
+
 bool wait_readable(int socket, Nanoseconds timeout) noexcept {
   return wait_for(socket, POLLIN, timeout);
 }

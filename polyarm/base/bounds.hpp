@@ -130,6 +130,11 @@
   X(kStreamPacketBytes, 1024, "bytes", "one packet of Stream Motion (FANUC)", "the link ends; dropped by a simulated controller")\
   X(kFarSideScriptBytes, 1 << 20, "bytes", "a program that a simulated UR controller takes",                    \
     "the connection is closed")                                                                                 \
+  X(kEgmDatagramBytes, 2048, "bytes", "one datagram of EGM (ABB)", "the link ends; dropped by a simulated controller")\
+  X(kHttpHeadBytes, 1 << 14, "bytes", "the head of an HTTP message of a controller", "the connection is closed")\
+  X(kHttpBodyBytes, 1 << 20, "bytes", "the body of such a message", "the connection is closed")                 \
+  X(kEventLogEntries, 50, "entries", "entries of a controller's event log that are read at once (ABB)",         \
+    "the older ones are left out")                                                                              \
   X(kFarSideClients, 16, "connections", "connections to one service of a simulated controller", "closed")
 
 #define POLYARM_BOUNDS_FILES(X)                                                                               \
