@@ -53,7 +53,7 @@ const std::vector<Verb>& verbs() {
       {"jog", "move a robot of a running cell by hand: joints or tool, by keys or by so much", run_jog},
       {"teleop", "drive a base of a running cell from the keyboard", run_teleop},
       {"param", "parameters of the controllers of a running cell", run_param},
-      {"setup", "set up the servos of an arm: ids, ranges, zero", run_setup},
+      {"setup", "set up the servos of an arm, or look at the controller of a robot", run_setup},
       {"doctor", "what of this machine is in the way of a cell, and how to mend it", run_doctor},
       {"drivers", "list the drivers, or try one on its device and write a report", run_drivers},
       {"far-side", "simulate the controller of a robot down to its bytes, with faults to order", run_far_side},

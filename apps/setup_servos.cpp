@@ -2,10 +2,12 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <deque>
 
 #include "apps/options.hpp"
+#include "apps/setups.hpp"
 #include "drivers/dynamixel/family.hpp"
 #include "drivers/dynamixel/protocol2.hpp"
 #include "drivers/feetech/family.hpp"
@@ -90,9 +92,14 @@ int run(const SetupArguments& a) {
 }  // namespace
 
 int run_setup(int argc, char** argv) {
+  const auto is_device = [](const char* text) { return text[0] != '-'; };
+  char** const device = std::find_if(argv + 1, argv + argc, is_device);
+  if (device != argv + argc && std::string(*device) == "abb") return run_setup_abb(argc, argv);
   CommandLine app("Sets up the servos of an arm: port, ids, check, backup, ranges and zero", "polyarm setup");
   SetupArguments a;
-  app.add_option("device", a.family, "feetech or dynamixel")->required()->one_of({"feetech", "dynamixel"});
+  app.add_option("device", a.family, "feetech, dynamixel or abb; `polyarm setup abb --help` has the rest")
+      ->required()
+      ->one_of({"feetech", "dynamixel", "abb"});
   app.add_option("--port", a.options.port, "serial port; without it every port is looked at");
   app.add_option("--baud", a.options.baud, "only this rate; without it all that the servos can have");
   app.add_option("--joints", a.joints,
