@@ -48,7 +48,8 @@ bool HttpClient::connect() {
   peer_address_ = wire::peer_address(socket.number());
   channel_ = Channel(std::move(socket), context_ ? &*context_ : nullptr);
   reader_ = HttpReader(HttpReader::Kind::answer);
-  if (!channel_.handshake(settings_.timeout, why)) return fail(Failure::tls, why);
+  if (!channel_.handshake(settings_.timeout, why))
+    return why == kConnectionClosed ? fail(Failure::silent, kClosed) : fail(Failure::tls, why);
   seen_fingerprint_ = channel_.fingerprint();
   if (!settings_.fingerprint.empty() && settings_.fingerprint != seen_fingerprint_)
     return fail(Failure::certificate, seen_fingerprint_);

@@ -100,7 +100,7 @@ bool attach(SSL* ssl, int socket) {
 std::string last_error() {
   const unsigned long code = ::ERR_get_error();
   std::array<char, 160> text{};
-  if (code == 0) return "the connection was closed";
+  if (code == 0 || ERR_GET_REASON(code) == SSL_R_UNEXPECTED_EOF_WHILE_READING) return kConnectionClosed;
   ::ERR_error_string_n(code, text.data(), text.size());
   return text.data();
 }

@@ -14,6 +14,9 @@ struct ssl_st;
 
 namespace polyarm::wire {
 
+/// Why a handshake failed, when the other end just closed the connection.
+inline constexpr const char* kConnectionClosed = "the connection was closed";
+
 /// The settings of one end: for a client without a list of authorities, because controllers have
 /// self-signed certificates; for a server with a certificate of its own that is made here.
 class TlsContext {
