@@ -40,14 +40,16 @@ void FarEgm::serve() {
     const auto message = decode_sensor(Bytes(bytes).first(got.count));
     if (!message) continue;
     ++messages_;
-    answers_ = answered_ = true;
+    answers_ = true;
+    unanswered_ = std::max(0, unanswered_ - 1);
     machine_.take(*message);
   }
 }
 
 void FarEgm::begin_session() {
   sending_ = true;
-  answers_ = answered_ = renewed_ = false;
+  answers_ = renewed_ = false;
+  unanswered_ = 0;
   sequence_ = 0;
   began_ = machine_.time();
   last_packets_ = kLastPackets;
@@ -98,7 +100,7 @@ void FarEgm::send_bytes(const std::vector<std::uint8_t>& bytes) {
   wire::send_datagram(socket_.number(), bytes, target_);
   ++packets_;
   sent_sequence_ = sequence_ - 1;
-  answered_ = false;
+  ++unanswered_;
 }
 
 void FarEgm::send() {
@@ -117,6 +119,7 @@ void FarEgm::send() {
     if (--left > 0 && (late || kept_.size() < 2)) return;
     if (!late) std::reverse(kept_.begin(), kept_.end());
     for (const auto& one : kept_) send_bytes(one);
+    unanswered_ = 1;  // an old packet behind a newer one gets no answer
     return kept_.clear();
   }
   for (const auto& one : kept_) send_bytes(one);

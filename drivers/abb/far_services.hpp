@@ -50,7 +50,7 @@ class FarEgm {
   /// One cycle: the machine moves, and a packet goes out.
   void cycle();
   /// The last packet has no answer yet, and there is somebody who answers.
-  bool waits() const { return answers_ && !answered_ && !renewed_; }
+  bool waits() const { return answers_ && unanswered_ > 0 && !renewed_; }
   /// Packets that the driver may take for the controller's.
   std::uint64_t packets() const { return packets_; }
   std::uint32_t sent_sequence() const { return sent_sequence_; }
@@ -69,7 +69,8 @@ class FarEgm {
   wire::UdpAddress target_;
   std::uint32_t sequence_ = 0, sent_sequence_ = 0;
   std::uint64_t packets_ = 0, messages_ = 0;
-  bool sending_ = false, answers_ = false, answered_ = false;
+  bool sending_ = false, answers_ = false;
+  int unanswered_ = 0;    ///< packets of this session; an answer does not say which one it answers
   bool renewed_ = false;  ///< the sequence began anew: no driver answers any more
   int last_packets_ = 0;  ///< that still go out after EGM ended
   double began_ = 0;

@@ -18,7 +18,7 @@ constexpr double kRadians = std::numbers::pi / 180;
 constexpr Nanoseconds kLook = 20'000'000;    // between two judgements without an event
 constexpr Nanoseconds kEnd = 2'000'000'000;  // for a motion to end
 constexpr int kMostBehind = 8;               // old packets in a row; more are a new start
-constexpr int kSteady = 5;                   // packets with the robot held, until the loop may command
+constexpr int kFadeIn_ms = 160;              // with the robot held; the RAPID module fades EGM in for 100
 
 Six joints_of(const Values& values) {
   Six out{};
@@ -175,7 +175,7 @@ void Link::answer_start(const EgmRobot& robot) {
   if (!runs || steady_ == 0) shaper_.begin(measured);
   steady_ = runs ? steady_ + 1 : 0;
   send(shaper_.at(), {});
-  if (steady_ < kSteady || unusable_ != Cause::none) return;
+  if (steady_ * settings_.sampling_ms < kFadeIn_ms || unusable_ != Cause::none) return;
   commands_.fetch();  // what was commanded before counts no more
   pacer_.begin(realtime::monotonic_now());
   commanded_ = false;

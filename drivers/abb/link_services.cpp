@@ -102,6 +102,7 @@ Rws::Failure Link::find_why(Sign sign) {
   if (!rws_.read_state(state)) return rws_.failure();
   const Cause shown = cause_of_state(state.control, state.mode);
   Rws::Failure out{shown, 0, ""};
+  if (sign == Sign::restart && shown == Cause::none) return {Cause::restarted, 0, ""};
   const auto events = rws_.events(seen_event_);
   if (!events) return rws_.failure();
   for (auto event = events->rbegin(); event != events->rend(); ++event) {  // the oldest first
@@ -118,8 +119,6 @@ Rws::Failure Link::find_why(Sign sign) {
   switch (sign) {
     case Sign::error:
       return {Cause::egm_error, 0, ""};
-    case Sign::restart:
-      return {Cause::restarted, 0, ""};
     case Sign::silence:
       return {Cause::none, 0, ""};
     default:
