@@ -68,7 +68,8 @@ void HttpClient::keep_cookies(const HttpMessage& answer) {
 }
 
 std::string HttpClient::authorization(const HttpMessage& request) {
-  if (challenge_.starts_with("Basic")) return http_basic(settings_.user, settings_.password);
+  if (challenge_.starts_with("Basic"))  // readable for everybody without TLS
+    return settings_.tls ? http_basic(settings_.user, settings_.password) : "";
   if (challenge_.empty()) return {};
   return http_digest(challenge_, settings_.user, settings_.password, request.method, request.target, ++count_,
                      random_text());

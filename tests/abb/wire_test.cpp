@@ -1,5 +1,6 @@
 /// EGM's datagrams byte for byte, HTTP and the answers of Robot Web Services; damaged ones of each.
 #include <random>
+#include <thread>
 
 #include "drivers/wire/proto.hpp"
 #include "tests/abb/rig.hpp"
@@ -261,6 +262,45 @@ TEST(AbbHttp, DigestIsThatOfTheStandard) {
   EXPECT_FALSE(
       wire::http_digest_matches(answer, "dcd98b7102dd2f0e8b11d0f600bfb0c093", "Mufasa", "circle", "GET"));
   EXPECT_EQ(wire::http_basic("Aladdin", "open sesame"), "Basic QWxhZGRpbjpvcGVuIHNlc2FtZQ==");
+}
+
+TEST(AbbHttp, APasswordIsNotSentReadableWithoutTls) {
+  std::string why;
+  const Descriptor listener = wire::listen_tcp("127.0.0.1", 0, why);
+  ASSERT_TRUE(listener) << why;
+  std::vector<wire::HttpMessage> asked;
+  std::thread server([&] {
+    if (!wire::wait_readable(listener.number(), 60'000'000'000)) return;
+    wire::Channel channel(wire::accept_tcp(listener.number()), nullptr);
+    wire::HttpReader reader(wire::HttpReader::Kind::request);
+    std::array<std::uint8_t, 4096> bytes;
+    while (asked.size() < 2 && wire::wait_readable(channel.descriptor(), 60'000'000'000)) {
+      const wire::Received got = channel.read(bytes);
+      if (got.got != wire::Got::bytes) return;
+      reader.take({reinterpret_cast<const char*>(bytes.data()), got.count});
+      while (auto request = reader.next()) {
+        asked.push_back(*request);
+        channel.write("HTTP/1.1 401 -\r\nWWW-Authenticate: Basic realm=\"x\"\r\nContent-Length: 0\r\n\r\n",
+                      60'000'000'000);
+      }
+    }
+  });
+  wire::HttpSettings settings;
+  settings.host = "127.0.0.1";
+  settings.port = wire::local_port(listener.number());
+  settings.user = "Default User";
+  settings.password = "robotics";
+  settings.timeout = 60'000'000'000;
+  wire::HttpClient client(settings);
+  wire::HttpMessage request;
+  request.method = "GET";
+  request.target = "/rw/system";
+  const auto answer = client.ask(request);
+  server.join();
+  ASSERT_TRUE(answer) << client.why();
+  EXPECT_EQ(answer->status, 401);
+  ASSERT_EQ(asked.size(), 2u);
+  for (const wire::HttpMessage& one : asked) EXPECT_FALSE(one.header("Authorization"));
 }
 
 TEST(AbbRws, AnswersAreReadAndDamagedOnesPassedOver) {
