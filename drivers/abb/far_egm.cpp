@@ -48,6 +48,7 @@ void FarEgm::serve() {
 
 void FarEgm::begin_session() {
   sending_ = true;
+  starts_ = machine_.starts();
   answers_ = renewed_ = false;
   unanswered_ = 0;
   sequence_ = 0;
@@ -57,8 +58,7 @@ void FarEgm::begin_session() {
 }
 
 void FarEgm::cycle() {
-  const bool was = machine_.egm() == Machine::Egm::beginning || machine_.egm() == Machine::Egm::running;
-  if (was && !sending_) begin_session();
+  if (machine_.starts() != starts_) begin_session();
   machine_.step(machine_.options().rapid.sampling_ms / 1000.0);
   if (!sending_) return;
   send();

@@ -70,9 +70,10 @@ class FarEgm {
   std::uint32_t sequence_ = 0, sent_sequence_ = 0;
   std::uint64_t packets_ = 0, messages_ = 0;
   bool sending_ = false, answers_ = false;
-  int unanswered_ = 0;    ///< packets of this session; an answer does not say which one it answers
-  bool renewed_ = false;  ///< the sequence began anew: no driver answers any more
-  int last_packets_ = 0;  ///< that still go out after EGM ended
+  int unanswered_ = 0;        ///< packets of this session; an answer does not say which one it answers
+  bool renewed_ = false;      ///< the sequence began anew: no driver answers any more
+  std::uint64_t starts_ = 0;  ///< of the program, at the begin of this session
+  int last_packets_ = 0;      ///< that still go out after EGM ended
   double began_ = 0;
   std::vector<std::vector<std::uint8_t>> kept_;  ///< packets that a fault keeps back
 };

@@ -165,6 +165,7 @@ std::string Machine::start_program() {
   if (!std::exchange(pointer_at_main_, false)) return "The program pointer is not set";
   event(10151, 1, "Program started");
   running_ = true;
+  ++starts_;
   collided_ = referenced_ = converged_ = false;
   egm_ = Egm::beginning;
   since_begin_ = since_message_ = since_run_ = 0;

@@ -75,6 +75,7 @@ class Machine {
   std::string control() const;  ///< in the controller's words, as RwsState has them
   std::string mode_text() const;
   bool program_runs() const { return running_; }
+  std::uint64_t starts() const { return starts_; }  ///< of the program
   bool motors() const { return motors_; }
   Egm egm() const { return egm_; }
   EgmState egm_state() const;
@@ -120,6 +121,7 @@ class Machine {
   Egm egm_ = Egm::none;
   std::deque<RwsEvent> events_;
   long sequence_ = 0;
+  std::uint64_t starts_ = 0;
   std::vector<std::pair<std::string, std::string>> wires_;
 };
 

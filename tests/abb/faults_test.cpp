@@ -74,7 +74,7 @@ TEST_P(WhileMoving, IsNamedStandsAndDoesNotJumpWhenItIsRecovered) {
   rig.far().order(GetParam().order);
   // The program ends by itself where commands do not reach it; then the loop must not wait for the limits.
   ASSERT_TRUE(rig.fails(3000, [&](int i) {
-    if (i < 60) move(i);
+    if (i < 10) move(i);
   }));
   EXPECT_EQ(rig.component.cause(), GetParam().cause) << rig.component.reason();
   const std::string said = rig.component.reason();
