@@ -31,7 +31,7 @@ const std::vector<Verb>& verbs() {
       {"language", "the words and functions of the language; the reference page", run_language},
       {"new", "write a starting point: a cell that runs, hardware or a controller of your own", run_new},
       {"plugins", "list plugins: what they bring, and what was refused and why", run_plugins},
-      {"plugin", "build a hardware plugin of ros2_control from its source, without ROS; check it", run_plugin},
+      {"plugin", "build hardware plugins and controllers of ros2_control without ROS; check them", run_plugin},
       {"robots", "list the robots of the catalogue", run_robots},
       {"describe", "what a robot is: joints, limits, frames; or its URDF", run_describe},
       {"fk", "forward kinematics: joint values to a pose", run_fk},

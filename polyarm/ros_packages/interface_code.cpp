@@ -159,15 +159,20 @@ struct Writer {
     for (const std::string pointer : {"SharedPtr", "ConstSharedPtr"})
       out += "  using " + pointer + " = std::shared_ptr<" + (pointer[0] == 'C' ? "const " : "") + made.name +
              ">;\n";
+    out += "  " + made.name + "() = default;\n  explicit " + made.name +
+           "(rosidl_runtime_cpp::MessageInitialization) {}\n";
     out += "  using UniquePtr = std::unique_ptr<" + made.name + ">;\n";
     for (const Member& m : made.members)
       if (m.constant) out += "  static constexpr " + m.type + " " + m.name + " = " + m.initial + ";\n";
-    std::string equal;
+    std::string equal, setters;
     for (const Member& m : made.members)
       if (!m.constant) {
         out += "  " + m.type + " " + m.name + "{" + m.initial + "};\n";
+        setters += "  " + made.name + "& set__" + m.name + "(const " + m.type + "& value) { return " + m.name +
+                   " = value, *this; }\n";
         equal += (equal.empty() ? "" : " && ") + m.name + " == o." + m.name;
       }
+    out += setters;
     out += "  bool operator==(const " + made.name + "& " + (equal.empty() ? "" : "o") + ") const { return " +
            (equal.empty() ? "true" : equal) + "; }\n";
     out += "  bool operator!=(const " + made.name + "& o) const { return !(*this == o); }\n};\n";
@@ -179,7 +184,7 @@ struct Writer {
     std::string out =
         "#pragma once\n// Made by `polyarm plugin`.\n#include <array>\n#include <cstdint>\n#include "
         "<memory>\n"
-        "#include <string>\n#include <vector>\n\n";
+        "#include <string>\n#include <vector>\n\n#include \"rosidl_runtime_cpp/message_initialization.hpp\"\n";
     for (const std::string& header : includes) out += "#include \"" + header + "\"\n";
     out += "\nnamespace " + interface.package + "::" + interface.kind + " {\n\n";
     for (const Struct& made : structs) out += code_of(made) + "\n";

@@ -5,6 +5,7 @@
 
 #include "hardware_interface/base_interface.hpp"
 #include "polyarm/description/robot_model.hpp"
+#include "polyarm_ros/component.hpp"
 #include "polyarm_ros/module.hpp"
 #include "tests/support/realtime_guard.hpp"
 
