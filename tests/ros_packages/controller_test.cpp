@@ -124,6 +124,17 @@ TEST(RosController, CommandsOfAMessageGoThroughItsParameters) {
   EXPECT_EQ(arm.command("elbow/position"), 1.5);
 }
 
+TEST(RosController, ParametersThatWereNeverReadAreOld) {
+  const auto node = std::make_shared<rclcpp_lifecycle::LifecycleNode>(
+      "scale", rclcpp::NodeOptions().append_parameter_override("joints", std::vector<std::string>{"elbow"}));
+  two_joints::ParamListener listener(node);
+  two_joints::Params params;
+  EXPECT_TRUE(listener.is_old(params));
+  EXPECT_TRUE(listener.try_update_params(params));
+  EXPECT_FALSE(listener.is_old(params));
+  EXPECT_EQ(params.joints, std::vector<std::string>{"elbow"});
+}
+
 TEST(RosController, ParametersThatItsRulesRefuseEndTheConfiguration) {
   for (const auto& values : {ControllerRig::Values{{"joints", {"elbow", "elbow"}}},
                              ControllerRig::Values{{"joints", {"elbow"}}, {"mode", {"cubed"}}},
@@ -233,6 +244,20 @@ TEST(RosController, ReferencesAndStatesOfAChainAreNamedAfterIt) {
   EXPECT_EQ(arm.controller().command_interfaces(), std::vector<std::string>{"arm/elbow/position"});
   arm.update();
   EXPECT_EQ(arm.command("elbow/position"), 0.125);
+}
+
+TEST(RosController, AChainedControllerFollowsItsReferenceThroughAStop) {
+  ControllerRig arm = rig("wrapped_controllers::Follower");
+  ASSERT_TRUE(arm.start());
+  arm.controller().set_chained(true);
+  arm.command("tested/elbow/position") = 0.5;
+  arm.verdict.speed = 0;
+  arm.update();
+  EXPECT_EQ(arm.command("elbow/position"), 0.5);
+  EXPECT_EQ(arm.state("tested/twice"), 1.0);
+  arm.command("tested/elbow/position") = 0.75;
+  arm.update();
+  EXPECT_EQ(arm.command("elbow/position"), 0.75);
 }
 
 TEST(RosController, TheWrapperAllocatesNothingInACycle) {

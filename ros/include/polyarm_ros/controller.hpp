@@ -74,7 +74,7 @@ class RosController : public pc::Controller, public pc::RobotUser {
     deactivate();
     for (std::size_t i = 0; i < commands_.size(); ++i) write_command(i);
   }
-  pc::ReturnType update(const pc::Cycle& cycle, const pc::Verdict& verdict) noexcept override;
+  pc::ReturnType update(const pc::Cycle& cycle, const pc::Verdict& asked) noexcept override;
   void set_chained(bool chained) noexcept override {
     Controller::set_chained(chained);
     if (object_) guarded("set_chained_mode", [&] {
@@ -383,8 +383,10 @@ inline pc::CallbackReturn RosController::activate() noexcept {
   return pc::CallbackReturn::success;
 }
 
-inline pc::ReturnType RosController::update(const pc::Cycle& cycle, const pc::Verdict& verdict) noexcept {
+/// A chained controller does what its references ask for: the controller in front of it is the one that stops.
+inline pc::ReturnType RosController::update(const pc::Cycle& cycle, const pc::Verdict& asked) noexcept {
   const InCycle mark;
+  const pc::Verdict verdict = chained() ? pc::Verdict{} : asked;
   const double dt = polyarm::seconds(cycle.period);
   const double wanted = verdict.cut ? 0 : std::min(verdict.speed, 1.0);
   pc::ReturnType result = pc::ReturnType::ok;

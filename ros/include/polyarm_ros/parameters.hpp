@@ -155,7 +155,7 @@ class ParamListener {
   }
   void commit(Params& made) {
     const std::lock_guard lock(mutex_);
-    made.__stamp = rclcpp::Time(++changes_, RCL_ROS_TIME);  // differs from every earlier one
+    made.__stamp = rclcpp::Time(++changes_, RCL_SYSTEM_TIME);  // differs from every earlier one; never-read ones have 0
     params_ = made;
   }
   Core core_;
