@@ -68,18 +68,16 @@ inline std::vector<rclcpp::Parameter> overrides(const polyarm::controllers::Para
   return out;
 }
 
-/// The node's parameters under Polyarm's eyes: listed, and those that may change can be changed while it runs.
+/// The node's parameters, declared as Polyarm's: it lists them, and changes those that may change.
 class Values {
  public:
   void declare(const rclcpp::node_interfaces::NodeCore& node, polyarm::controllers::Parameters& to) {
     using Type = rclcpp::ParameterType;
     bools_.clear(), ints_.clear(), reals_.clear();
-    types_.clear();
     for (const auto& [name, known] : node.polyarm_parameters()) {
       const auto& [value, fixed] = known;
       polyarm::controllers::ParameterNote note;
       note.changeable = !fixed;
-      types_[name] = value.get_type();
       switch (value.get_type()) {
         case Type::PARAMETER_BOOL:
           to.read(name, bools_.emplace_back(value.get<bool>()), note);
@@ -117,7 +115,6 @@ class Values {
   std::deque<bool> bools_;
   std::deque<int> ints_;
   std::deque<double> reals_;
-  std::map<std::string, rclcpp::ParameterType> types_;
 };
 
 /// "~/commands" and "/commands" are the port "commands".
