@@ -1,7 +1,7 @@
 """Requests to a cell and their answers, as types, and a method for each.
 
 Made by python/make_requests from the list of requests. Do not edit. Lengths in m, angles in rad, quaternions x y z w; a
-number that is NaN or infinite comes as None. What a request does: docs/control.md.
+number that is NaN or infinite comes as None. What a request does: docs/requests.md.
 """
 from __future__ import annotations
 
