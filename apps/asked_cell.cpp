@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 void print_taken(const ros_files::PythonLaunch& read, const std::string& path) {
   std::error_code error;
   const auto missing = [&](const fs::path& file) {
-    return fs::is_regular_file(file, error) ? "" : ", which is not there";
+    return fs::is_regular_file(file, error) ? "" : ", which does not exist";
   };
   const auto in_line = [&](const Location& where) {
     if (where.line <= 0) return std::string();

@@ -141,8 +141,9 @@ int compare(CompareArguments& a) {
 }  // namespace
 
 int run_compare(int argc, char** argv) {
-  CommandLine app("Runs one program on several robots, in simulation: who can, how fast, how near to limits",
-                  "polyarm compare");
+  CommandLine app(
+      "Runs one program on several robots in simulation: which can run it, how fast, how near to limits",
+      "polyarm compare");
   CompareArguments a;
   app.add_option("program", a.program, "a cell (folder or cell.yaml), or a script of a cell")->required();
   app.add_option("--robots", a.robots, "models of the catalogue, or NAME=MODEL in a cell of several robots")
@@ -153,7 +154,7 @@ int run_compare(int argc, char** argv) {
       ->check(wrong_hardware, "NAME");
   app.add_option("--cycles", a.options.cycles, "passes of the outermost while (3)");
   app.add_option("--seconds", a.options.seconds, "of cell time at most (3600)");
-  app.add_option("-j,--jobs", a.jobs, "so many at a time (as many as there are processors)");
+  app.add_option("-j,--jobs", a.jobs, "how many run at the same time (default: the number of processors)");
   app.add_flag("--json", a.json, "a list of objects: robot, runs, problem, cycle_s, nearest_limit …");
   add_plugin_option(app, a.plugins);
   app.footer(examples({"polyarm compare examples/pick_and_place --robots "

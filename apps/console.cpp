@@ -327,9 +327,9 @@ int run_console(int argc, char** argv) {
   app.add_flag("--pendant", a.pendant, "the simulation serves the pendant to a browser, too");
   app.footer(examples({"polyarm console", "polyarm console examples/pick_and_place",
                        "polyarm console ~/first", "polyarm console < answers.txt"}) +
-             "\nEvery question can be answered from a pipe, a line each; the end of it ends the console.\n"
+             "\nA pipe can answer every question, one line each; its end ends the console.\n"
              "Ctrl-C stops the robot on its path.\n"
-             "Exit codes: 0 done, 1 something was refused (from a pipe) or not saved, 3 told to end\n");
+             "Exit codes: 0 done, 1 something was refused (from a pipe) or not saved, 3 ended by a signal\n");
   if (const auto code = app.parse(argc, argv)) return *code;
   if (!a.robot.empty()) open_catalogue().load(a.robot);  // reports a wrong name now
   return Console(a).run();

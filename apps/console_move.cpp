@@ -112,7 +112,7 @@ void ConsoleMove::move_mixed() {
   for (const std::string& word : split_words(talk_.name("Types in their order (JS P F L): "), " ,\t")) {
     const std::string type = lower(word);
     if (type != "js" && type != "p" && type != "f" && type != "l")
-      throw Error("bad-type", "'" + word + "' is no type of a point", "JS, P, F or L");
+      throw Error("bad-type", "'" + word + "' is not a type of a point", "JS, P, F or L");
     types.push_back(type == "js"  ? From::joints
                     : type == "p" ? From::pose
                     : type == "f" ? From::file
@@ -169,7 +169,7 @@ void ConsoleMove::follow(int id) {
     if (state == "running") asked = 0;
     if (state != "held" || Clock::now() - decided < kOldNews) continue;
     if (const std::string why = cell_.catch_up(); !why.empty()) {
-      talk_.say(talk_.dim("the simulation went on after " + why));
+      talk_.say(talk_.dim("the simulation continued after " + why));
       decided = Clock::now();
       continue;
     }
@@ -202,7 +202,7 @@ bool ConsoleMove::decide_when_held() {
         cell_.ask({{"request", "control.resume"}});
         return false;
       }
-      talk_.complain("'" + answer + "' is no answer; 0, 1 or 2");
+      talk_.complain("'" + answer + "' is not an answer; 0, 1 or 2");
     } catch (const Error& e) {
       talk_.complain(e);
     }
@@ -273,7 +273,7 @@ void ConsoleMove::sliders() {
 
 void ConsoleMove::change_method() {
   manual_ = !manual_;
-  talk_.say(manual_ ? "the duration of each move is asked for"
+  talk_.say(manual_ ? "the console asks for the duration of each move"
                     : fmt::format("moves take {} s for each rad of their way in joint space",
                                   format_number(scale_)));
 }
@@ -310,7 +310,7 @@ std::vector<MenuEntry> ConsoleMove::entries() {
 void ConsoleMove::run() {
   const auto heading = [this] {
     return fmt::format("Move Menu   {}, duration {}", cell_.robot(),
-                       manual_      ? "asked for"
+                       manual_      ? "entered for each move"
                        : scale_ > 0 ? format_number(scale_) + " s/rad"
                                     : "as fast as the limits allow");
   };

@@ -47,7 +47,7 @@ std::vector<std::string> ConsoleScript::files() const {
 }
 
 void ConsoleScript::load_file(const std::string& file) {
-  if (editor_.has_unsaved()) talk_.say("note: " + editor_.summary() + "; the script gets what is saved");
+  if (editor_.has_unsaved()) talk_.say("note: " + editor_.summary() + "; the script uses the saved values");
   const Json loaded = cell_.ask({{"request", "program.load"}, {"file", file}});
   file_ = file;
   for (const Json& warning : loaded["warnings"]) talk_.say(shown(warning));
@@ -188,7 +188,7 @@ void ConsoleScript::follow() {
                   "polyarm control recover, polyarm health");
     if (now["control"] == "held") {
       if (const std::string why = cell_.catch_up(); !why.empty()) {
-        talk_.say(talk_.dim("the simulation went on after " + why));
+        talk_.say(talk_.dim("the simulation continued after " + why));
         continue;
       }
       talk_.say("the robot was stopped on its path: " + shown(now["cause"]));
@@ -216,7 +216,7 @@ void ConsoleScript::answer(const Json& question) {
   const std::string asks = shown(question);
   try {
     const std::string text =
-        talk_.line((asks.empty() ? "The script waits for you; Enter goes on" : asks) + ": ");
+        talk_.line((asks.empty() ? "The script waits for you; press Enter to continue" : asks) + ": ");
     cell_.ask({{"request", "program.answer"}, {"text", text}});
     while (!state()["question"].is_null()) std::this_thread::sleep_for(milliseconds(5));
   } catch (const GivenUp&) {
@@ -249,7 +249,7 @@ bool ConsoleScript::decide_when_held() {
         stop();
         return false;
       }
-      talk_.complain("'" + answer + "' is no answer; 0 to 3");
+      talk_.complain("'" + answer + "' is not an answer; 0 to 3");
     } catch (const Error& e) {
       if (!cell_.runs()) throw;
       talk_.complain(e);

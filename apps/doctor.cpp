@@ -92,7 +92,7 @@ void print_json(const std::vector<Finding>& findings) {
 }  // namespace
 
 int run_doctor(int argc, char** argv) {
-  CommandLine app("Looks at this machine: what is in the way of a cell, and how to mend it. Changes nothing",
+  CommandLine app("Checks this machine: what hinders a cell, and how to fix it. Changes nothing",
                   "polyarm doctor");
   bool json = false;
   app.add_flag("--json", json,

@@ -31,7 +31,8 @@ const std::vector<Verb>& verbs() {
       {"language", "the words and functions of the language; the reference page", run_language},
       {"new", "write a starting point: a cell that runs, hardware or a controller of your own", run_new},
       {"plugins", "list plugins: what they bring, and what was refused and why", run_plugins},
-      {"plugin", "build a hardware plugin of ros2_control from its source, without ROS; check it", run_plugin},
+      {"plugin", "build a hardware plugin of ros2_control from its source, without ROS; check it",
+       run_plugin},
       {"robots", "list the robots of the catalogue", run_robots},
       {"describe", "what a robot is: joints, limits, frames; or its URDF", run_describe},
       {"fk", "forward kinematics: joint values to a pose", run_fk},
@@ -49,14 +50,15 @@ const std::vector<Verb>& verbs() {
       {"data", "data sets: list, get, set, import, export, undo, frames, tools", run_data},
       {"tags", "tags and links of a running cell: show, set, force", run_tags},
       {"send", "give a message to a controller of a running cell", run_send},
-      {"watch", "show what a controller of a running cell puts out", run_watch},
-      {"jog", "move a robot of a running cell by hand: joints or tool, by keys or by so much", run_jog},
+      {"watch", "show the output of a controller of a running cell", run_watch},
+      {"jog", "move a robot of a running cell by hand: joints or tool, by keys or by a distance", run_jog},
       {"teleop", "drive a base of a running cell from the keyboard", run_teleop},
       {"param", "parameters of the controllers of a running cell", run_param},
       {"setup", "set up the servos of an arm: ids, ranges, zero", run_setup},
-      {"doctor", "what of this machine is in the way of a cell, and how to mend it", run_doctor},
+      {"doctor", "check what on this machine hinders a cell, and how to fix it", run_doctor},
       {"drivers", "list the drivers, or try one on its device and write a report", run_drivers},
-      {"far-side", "simulate the controller of a robot down to its bytes, with faults to order", run_far_side},
+      {"far-side", "simulate the controller of a robot down to its bytes, with faults to order",
+       run_far_side},
       {"completion", "print shell completion (bash, zsh, fish) or the manual page (man)", run_completion},
       {"version", "print the version", run_version},
   };
@@ -69,8 +71,8 @@ void print_help() {
   fmt::print("polyarm: one runtime for every robot arm\n\nUsage: polyarm VERB [OPTIONS]\n\n");
   for (const Verb& verb : verbs()) fmt::print("  {:<12}{}\n", verb.name, verb.summary);
   fmt::print(
-      "\n  polyarm VERB --help says more, with examples.\n"
-      "  --allow PATH|host:NAME|secret:NAME, with any verb: let a cell reach this beyond its own folder\n\n"
+      "\n  polyarm VERB --help has details and examples.\n"
+      "  --allow PATH|host:NAME|secret:NAME, with any verb: let a cell access this outside its own folder\n\n"
       "Examples:\n"
       "  polyarm run examples/pick_and_place\n"
       "  polyarm run examples/sorting --robot abb/irb_120 --fast\n"

@@ -214,7 +214,7 @@ int run_send(int argc, char** argv) {
 }
 
 int run_watch(int argc, char** argv) {
-  CommandLine app("Shows what a controller of a running cell puts out", "polyarm watch");
+  CommandLine app("Shows the output of a controller of a running cell", "polyarm watch");
   ClientOptions options;
   std::string name;
   double rate = 10;
@@ -222,7 +222,7 @@ int run_watch(int argc, char** argv) {
   app.add_option("name", name, "joint_states, odom, wrench, imu, controller_state, or controller/output")
       ->required();
   app.add_option("--rate", rate, "messages a second at most")->positive();
-  app.add_option("--count", count, "end after so many");
+  app.add_option("--count", count, "end after this many");
   options.add_to(app);
   app.footer(examples(
       {"polyarm watch joint_states", "polyarm watch joint_trajectory_controller/controller_state --json"}));

@@ -96,7 +96,7 @@ std::string filled(const std::string& text, const Names& names) {
 void write(const fs::path& folder, const Names& names) {
   std::error_code error;
   if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
-    throw Error("exists", folder.string() + " is there already, nothing was written",
+    throw Error("exists", folder.string() + " exists already, nothing was written",
                 "choose another folder with --folder DIR, or another name");
   fs::create_directories(folder, error);
   if (error) throw Error("unwritable", folder.string() + " cannot be made: " + error.message());
@@ -162,7 +162,7 @@ int run_new(int argc, char** argv) {
     if (name.empty() || name.find('/') != std::string::npos || name.front() == '.' || name.front() == '-' ||
         printable_line(name) != name)
       throw Error("bad-name", "'" + printable_line(name) + "' cannot be the name of a cell",
-                  "a word such as my_cell; --folder DIR says where it goes");
+                  "use a word such as my_cell; --folder DIR sets the folder");
     NewCell asked{name, robot.empty() ? robot_asked("universal_robots/ur5e") : robot,
                   folder.empty() ? fs::path(name) : fs::path(folder)};
     std::error_code error;  // the path of a description does not depend on the cell's folder

@@ -133,7 +133,7 @@ std::string scene_yaml(const Layout& l, const Sizes& s) {
       "[{}, {}, {}]", metres(3 * s.part), metres(s.pitch * (kParts - 1) + 2.5 * s.part), metres(2 * s.part));
   std::string out = fmt::format(
       "polyarm: scene/1\n"
-      "# World frame: the robot's base stands at the origin. Metres unless a unit is said.\n"
+      "# World frame: the robot's base is at the origin. Numbers without a unit are in metres.\n"
       "floor: {{height: {}}}\n"
       "fixtures:\n"
       "  table: {{box: [{}, {}, 0.04], at: {}}}\n"
@@ -239,7 +239,7 @@ std::string readme(const NewCell& asked) {
   return fmt::format(
       "# {}\n\n"
       "{} takes parts from a feeder and puts them into a tray. All of it is simulated.\n\n"
-      "| file | what it says |\n|---|---|\n"
+      "| file | content |\n|---|---|\n"
       "| `cell.yaml` | which robot, tool and program |\n"
       "| `scene.yaml` | table, feeder, tray and parts |\n"
       "| `tool.yaml` | the suction cup: its TCP, mass and body |\n"
@@ -370,7 +370,7 @@ int write_new_cell(const NewCell& asked) {
   std::error_code error;
   const fs::path& folder = asked.folder;
   if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
-    throw Error("exists", folder.string() + " is there already, nothing was written",
+    throw Error("exists", folder.string() + " exists already, nothing was written",
                 "choose another folder with --folder DIR, or another name");
   const Scratch scratch;
   const std::shared_ptr<ReachGrant> grant = reach().grant();

@@ -62,8 +62,8 @@ void Request::add_to(CommandLine& app) {
       "spline P Q …; P: a name of the cell's points, joints(…), pose(x,y,z[,r,p,y]), by(x,y,z), "
       "tool(x,y,z), home; behind a move blend=, speed=, acceleration=, duration= for it alone");
   app.add_option("--robot", robot, "catalogue name or description; with a cell in place of its robot");
-  app.add_option("--of", of, "of a cell with several robots: which");
-  app.add_option("--tool", tool, "tool whose TCP is meant, where there is no cell");
+  app.add_option("--of", of, "the robot, if a cell has several");
+  app.add_option("--tool", tool, "tool, if there is no cell");
   app.add_option("--data", data, "data file with more points; may be repeated")->existing_file();
   app.add_option("--from", from, "where to start, home by default: a place like P, or joint values, rad or m")
       ->expected(-1);
@@ -144,7 +144,7 @@ cell::CellRobot* chosen(const Setting& setting, const std::string& of) {
   throw Error("unknown-name",
               of.empty() ? "this cell has several robots"
                          : "the cell has no robot '" + of + "'" + did_you_mean(of, names),
-              "say --of " + join(names, " or --of "));
+              "use --of " + join(names, " or --of "));
 }
 
 /// True for a robot instead of a cell: a catalogue name or a description file.
@@ -239,7 +239,7 @@ double radius_of(const std::string& text, bool& metres) {
   if (text.empty()) return 0;
   if (const auto angle = parse_quantity(text, Dimension::angle)) return *angle;
   if (const auto length = parse_quantity(text, Dimension::length)) return metres = true, *length;
-  throw Error("bad-value", "--blend is '" + text + "', which is no radius",
+  throw Error("bad-value", "--blend is '" + text + "', which is not a radius",
               "write 20mm at the TCP, or 0.1 rad");
 }
 
@@ -274,7 +274,7 @@ void plan_section(PlannedMotion& motion, const Setting& setting, std::unique_ptr
 
 PlannedMotion from_file(const Request& request, const Setting& setting, Problems& problems) {
   if (request.words.size() != 1)
-    throw Error("bad-value", fmt::format("'{}' stands behind a trajectory file", request.words[1]),
+    throw Error("bad-value", fmt::format("'{}' follows a trajectory file", request.words[1]),
                 "one file, or moves");
   const kinematics::Chain& chain = setting.chain();
   ros_files::JointTrajectoryFile file = ros_files::read_trajectory_file(request.words[0]);
@@ -365,7 +365,7 @@ PlanAround surroundings_of(const Request& request, const Setting& setting, Probl
   if (!request.clearance.empty()) {
     const auto given = parse_quantity(request.clearance, Dimension::length);
     if (!given || *given < 0)
-      throw Error("bad-value", "--clearance is '" + request.clearance + "', which is no distance",
+      throw Error("bad-value", "--clearance is '" + request.clearance + "', which is not a distance",
                   "write 10mm");
     clearance = *given;
   }

@@ -73,7 +73,7 @@ PaceValue pace(const std::string& text, const std::string& option, Dimension tcp
   if (text.empty()) return out;
   const auto positive = [&](double v) {
     if (v > 0 && std::isfinite(v)) return v;
-    throw Error("bad-value", fmt::format("{} is '{}'", option, text), "it has to be above zero");
+    throw Error("bad-value", fmt::format("{} is '{}'", option, text), "it must be above zero");
   };
   if (const auto share = parse_quantity(text, Dimension::none)) {
     out.share = positive(*share);
@@ -84,7 +84,7 @@ PaceValue pace(const std::string& text, const std::string& option, Dimension tcp
   } else if (const auto turn = parse_quantity(text, angular)) {
     out.angular = positive(*turn);
   } else {
-    throw Error("bad-value", fmt::format("{} is '{}', which is none", option, text), advice);
+    throw Error("bad-value", fmt::format("{} cannot be '{}'", option, text), advice);
   }
   return out;
 }
@@ -143,7 +143,7 @@ class Reader {
     if (right) return;
     refuse(word, fmt::format("has {} target{}", n, n == 1 ? "" : "s"),
            m.kind == MoveKind::arc ? "an arc takes a point on the way and its end: movec Via End"
-           : n == 0                ? "say where to: " + word + " Pick"
+           : n == 0                ? "add a target: " + word + " Pick"
                                    : "one each: " + word + " A " + word + " B");
   }
 
@@ -174,7 +174,7 @@ class Reader {
     if (text == "fixed") return paths::ArcOrientation::fixed;
     if (text == "tangent") return paths::ArcOrientation::tangent;
     if (text == "interpolated") return paths::ArcOrientation::interpolated;
-    refuse("orientation=" + text, "is none of an arc", "fixed, tangent or interpolated");
+    refuse("orientation=" + text, "is not possible for an arc", "fixed, tangent or interpolated");
   }
 
   MoveTarget target(const std::string& word) {
@@ -207,7 +207,7 @@ class Reader {
       const Vec3 moved = call.word == "by" ? step : here_.rotation * step;
       return {Pose{here_.position + moved, here_.rotation}, word};
     }
-    refuse(word, "is no target",
+    refuse(word, "is not a target",
            "write joints(…), pose(x,y,z), pose(x,y,z,roll,pitch,yaw), pose(x,y,z,qx,qy,qz,qw), by(x,y,z), "
            "tool(x,y,z), or a name");
   }
@@ -250,7 +250,7 @@ class Reader {
     std::vector<double> out;
     for (const std::string& joint : places_.robot.chain.names()) {
       const double* position = state.find(joint);
-      if (!position) refuse(word, "says nothing of " + joint, "it has to name every joint of the robot");
+      if (!position) refuse(word, "has no value for " + joint, "it must name every joint of the robot");
       out.push_back(*position);
     }
     return out;

@@ -100,7 +100,7 @@ int run_approve(int argc, char** argv) {
   bool development = false;
   app.add_option("path", named, "a plugin (*.so), or a folder with plugins")->required();
   app.add_flag("--development", development,
-               "the folder stays approved whatever is built into it; it has to be yours alone to write to");
+               "the folder stays approved whatever is built into it; it must be yours alone to write to");
   app.footer(examples({"polyarm plugins approve their_cell/build/arm.so",
                        "polyarm plugins approve --development my_arm/build"}) +
              "\nApprovals are kept in ~/.config/polyarm/approved (XDG_CONFIG_HOME).\n");

@@ -43,7 +43,7 @@ class Terminal : public servo_bus::Dialogue {
     std::string answer;
     for (int c = std::fgetc(stdin); c != '\n'; c = std::fgetc(stdin)) {
       if (c == EOF)
-        throw Error("no-answer", "nobody answers: " + question,
+        throw Error("no-answer", "no answer to: " + question,
                     "run this in a terminal, or give answers with --answer");
       answer += static_cast<char>(c);
     }
@@ -93,19 +93,19 @@ int run_setup(int argc, char** argv) {
   CommandLine app("Sets up the servos of an arm: port, ids, check, backup, ranges and zero", "polyarm setup");
   SetupArguments a;
   app.add_option("device", a.family, "feetech or dynamixel")->required()->one_of({"feetech", "dynamixel"});
-  app.add_option("--port", a.options.port, "serial port; without it every port is looked at");
+  app.add_option("--port", a.options.port, "serial port; without it every port is searched");
   app.add_option("--baud", a.options.baud, "only this rate; without it all that the servos can have");
   app.add_option("--joints", a.joints,
                  "names from base to tip, separated by commas; ids follow from 1 (feetech: those of SO-101)");
   a.options.calibration = "calibration.yaml";
   a.options.backup = "servo_backup.yaml";
   app.add_option("--calibration", a.options.calibration,
-                 "the file that the driver reads; also where a run goes on")
+                 "the file that the driver reads, and from which setup continues")
       ->capture_default_str();
-  app.add_option("--backup", a.options.backup, "where the registers are kept before anything is changed")
+  app.add_option("--backup", a.options.backup, "file for a copy of the registers, made before any change")
       ->capture_default_str();
-  auto* scan = app.add_flag("--scan", a.scan, "only look who is there");
-  auto* check = app.add_flag("--check", a.check, "only look whether all joints are there and well");
+  auto* scan = app.add_flag("--scan", a.scan, "only list the servos that answer");
+  auto* check = app.add_flag("--check", a.check, "only check that all joints answer without a fault");
   auto* back_up = app.add_flag("--back-up", a.back_up, "only check and keep the registers");
   auto* restore = app.add_option("--restore", a.restore, "write a backup back");
   scan->excludes(check)->excludes(back_up)->excludes(restore);
@@ -123,7 +123,7 @@ int run_setup(int argc, char** argv) {
   if (const auto code = app.parse(argc, argv)) return *code;
   if (a.joints.empty() && a.family == "feetech") a.joints = kSo101Joints;
   if (a.joints.empty() && !a.scan && a.restore.empty()) {
-    fmt::print(stderr, "polyarm setup: which joints? say --joints base,shoulder,… from base to tip\n");
+    fmt::print(stderr, "polyarm setup: name the joints with --joints base,shoulder,… from base to tip\n");
     return kUsage;
   }
   a.options.joints = split_words(a.joints, ", ");

@@ -115,8 +115,7 @@ int run_hardware(int argc, char** argv) {
   CommandLine* change =
       app.add_subcommand("state", "take a component to a state; controllers that use it are stopped");
   CommandLine* recover = app.add_subcommand("recover", "bring a component back that has failed");
-  CommandLine* reload =
-      app.add_subcommand("reload", "make a component anew from its description as the file is now");
+  CommandLine* reload = app.add_subcommand("reload", "create a component anew from its present description");
   for (CommandLine* sub : {list, change, recover, reload}) options.add_to(*sub);
   change->add_option("name", name)->required();
   change->add_option("state", state, "unconfigured, inactive, active or finalized")->required();

@@ -102,7 +102,7 @@ Base choose_base(std::vector<Base> bases, const std::string& given) {
                 "start it: polyarm control state " + bases.front().controller + " active");
   if (bases.size() > 1)
     throw Error("which-base", "there are several bases: " + join(names, ", "),
-                "say which: polyarm teleop " + bases.front().controller);
+                "choose one: polyarm teleop " + bases.front().controller);
   return bases.front();
 }
 
@@ -235,7 +235,7 @@ class Teleop {
 int run_teleop(int argc, char** argv) {
   CommandLine app("Drives a base of a running cell from the keyboard", "polyarm teleop");
   TeleopArguments a;
-  app.add_option("controller", a.name, "the base's controller, or its topic, where there are several");
+  app.add_option("controller", a.name, "the base's controller, or its topic, if there are several");
   app.add_option("--speed", a.speed, "m/s to begin with (the controller's limit, 0.5 at most)")->positive();
   app.add_option("--turn", a.turn, "rad/s to begin with (the controller's limit, 1 at most)")->positive();
   app.add_option("--hold", a.hold, "s without a repeat of the key until the base stops")

@@ -290,7 +290,7 @@ std::string Pca9685Component::chip_reason(std::uint8_t step, std::uint8_t where,
         if (static_cast<Step>(step) == Step::drive && where == pca9685::kLed0 + 4 * channel)
           doing = "did not take a command for " + wheel.joint;
     return place() + " " + doing + " (register " + hex(where) + ": " + std::strerror(error) +
-           "); check its power and the two wires, `i2cdetect -y` shows who answers";
+           "); check its power and the two wires, `i2cdetect -y` shows which devices answer";
   }
   const std::string found = "(register " + hex(where) + " reads " + hex(value) + ")";
   if (static_cast<Step>(step) == Step::check)

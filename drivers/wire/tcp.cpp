@@ -100,7 +100,7 @@ Descriptor listen_tcp(const std::string& address, int port, std::string& why) {
   const int on = 1;
   const std::string place = address + ":" + std::to_string(port);
   if (::inet_pton(AF_INET, address.c_str(), &own.sin_addr) != 1) {
-    why = "'" + address + "' is no address of this machine: write one such as 127.0.0.1";
+    why = "'" + address + "' is not an address of this machine: write one such as 127.0.0.1";
     return Descriptor();
   }
   if (!out || ::setsockopt(out.number(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) != 0 ||

@@ -78,7 +78,7 @@ class Port : public signals::LinkPort {
     if (missing > entry_.timeout)
       throw Error("link-lost", "the process that speaks ROS 2 has ended and is not back yet");
     if (calls_were_lost())
-      throw Error("link-lost", "the process that speaks ROS 2 ended while a service was asked");
+      throw Error("link-lost", "the process that speaks ROS 2 ended during a service call");
     for (const LinkValue& write : writes) put(write);
     if (missing > 0) return std::this_thread::sleep_for(std::chrono::nanoseconds(patience));
     for (auto& [topic, out] : outgoing_)
@@ -145,7 +145,7 @@ class Port : public signals::LinkPort {
     const TypeInfo* found = messages::find_type(wanted, distribution_);
     if (!found)
       throw Error(Problem{"bad-link", tag.where, "'" + tag.name + "': there is no type " + wanted,
-                          "docs/ros2.md says which types there are"});
+                          "docs/ros2.md lists the types"});
     return *found;
   }
 

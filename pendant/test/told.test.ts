@@ -167,15 +167,15 @@ describe('what the cell tells', () => {
 
   it('keeps what is no command', () => {
     expect(plain('main.script:3: error: no way there (move the point)')).toBe('main.script:3: error: no way there (move the point)');
-    expect(plain('it is held (go on: polyarm control resume; or wait)')).toBe('it is held (wait)');
+    expect(plain('it is held (continue: polyarm control resume; or wait)')).toBe('it is held (wait)');
     expect(plain('let it go back; or resume with --anyway')).toBe('let it go back');
     expect(plain('polyarm control arm')).toBe('');
-    for (const text of ['the mesh /tmp/polyarm-cells/own/a.stl is no whole STL (export it again)', 'another polyarm runs this cell: process 12'])
+    for (const text of ['the mesh /tmp/polyarm-cells/own/a.stl is not a whole STL (export it again)', 'another polyarm runs this cell: process 12'])
       expect(plain(text)).toBe(text);
   });
 
   it('says a problem by its code, and what the cell says of it below', () => {
-    const problem = { code: 'motion-held', what: "'arm' is not jogged", advice: 'go on: polyarm control resume' };
+    const problem = { code: 'motion-held', what: "'arm' is not jogged", advice: 'continue: polyarm control resume' };
     expect(problemWords(problem)).toEqual({ text: "'arm' is not jogged", detail: '', advice: 'Press Resume, or Cancel motion' });
     settings.language.value = 'es';
     expect(problemWords(problem)).toEqual({ text: 'Hay un movimiento en pausa a medio camino', detail: '', advice: 'Pulse Reanudar o Cancelar movimiento' });

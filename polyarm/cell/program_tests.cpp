@@ -109,7 +109,7 @@ TestResult run_test(const ProgramTest& test, const description::Catalogue& catal
               Problem{"too-long",
                       {test.file.string(), test.line},
                       fmt::format("the test has not ended after {:g} s of cell time", options.seconds),
-                      "give its waits a timeout, or say --seconds"});
+                      "give its waits a timeout, or allow more with --seconds"});
       }
       loop.step_next();
     }

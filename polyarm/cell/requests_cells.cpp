@@ -214,7 +214,7 @@ fs::path new_project(const std::string& name) {
     return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-';
   };
   if (name.empty() || name.size() > 60 || !std::all_of(name.begin(), name.end(), good))
-    throw Error("bad-argument", "'" + name + "' is no name for a cell", "letters, digits, _ and -");
+    throw Error("bad-argument", "'" + name + "' is not a name for a cell", "letters, digits, _ and -");
   const fs::path folder = projects_folder() / name;
   std::error_code error;
   if (fs::exists(folder, error))

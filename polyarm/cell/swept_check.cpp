@@ -33,13 +33,14 @@ Problem problem_of(const Approach& a, const Location& where, double clearance) {
                        : "move the points or the obstacle, or let the move go around it: `around true`",
             Severity::error,
             facts_of(a)};
-  return {"clearance",
-          where,
-          surroundings::text_of(a),
-          fmt::format("the cell wants {:g} mm (contacts: {{clearance: …}}): move the points or the obstacle",
-                      1e3 * clearance),
-          Severity::warning,
-          facts_of(a)};
+  return {
+      "clearance",
+      where,
+      surroundings::text_of(a),
+      fmt::format("the cell requires {:g} mm (contacts: {{clearance: …}}): move the points or the obstacle",
+                  1e3 * clearance),
+      Severity::warning,
+      facts_of(a)};
 }
 
 }  // namespace

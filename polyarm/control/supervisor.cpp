@@ -18,14 +18,14 @@ const char* name(Event event) {
 const char* name(StopCause cause) {
   constexpr const char* kNames[] = {
       "nothing",
-      "a stop was asked for",
-      "wall time went missing (the process or the machine was suspended)",
+      "a stop was requested",
+      "wall time was lost (the process or the machine was suspended)",
       "the cell thread was silent for 0.5 s",
       "a hardware component failed",
       "a controller failed",
       "the program ended",
       "cycles were late, one after the other",
-      "a measured joint position is no number",
+      "a measured joint position is NaN or infinite",
       "a measured joint position jumped",
       "a joint does not follow its command",
       "a joint is far outside its limits",

@@ -118,7 +118,7 @@ class HardwareCheck {
       warnings_.warning(
           "no-mimic", component.where,
           "'" + component.name +
-              "' says mimic=\"true\", but the robot's joint follows no other; that is passed over",
+              "' has mimic=\"true\", but the robot's joint follows no other joint; this is ignored",
           "write <mimic joint=\"…\"/> into the robot's <joint>, or remove the attribute");
       component.mimic.reset();
     }

@@ -22,7 +22,7 @@ double positive(const Yaml& yaml) {
   if (!(value > 0 && value <= kLargest))
     throw Error(Problem{"bad-value",
                         yaml.where(),
-                        "'" + yaml.text() + "' is no size: it must be above zero and at most " +
+                        "'" + yaml.text() + "' is not a size: it must be above zero and at most " +
                             std::to_string(bounds::kSceneMetres) + " m",
                         {}});
   return value;

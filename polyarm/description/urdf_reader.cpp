@@ -36,7 +36,7 @@ class UrdfReader : private XmlReader {
     if (!robot)
       throw Error(Problem{"no-robot", {file_, 1}, "there is no <robot> element", "is this a URDF file?"});
     if (const XMLElement* macro = unexpanded(*robot))
-      throw Error(Problem{"xacro", at(*macro), "this file is xacro: it has to be expanded to URDF first",
+      throw Error(Problem{"xacro", at(*macro), "this file is xacro: it must be expanded to URDF first",
                           "name the xacro file itself, or run `polyarm xacro FILE -o robot.urdf`"});
     if (const char* name = robot->Attribute("name")) model_.name = name;
     for (const XMLElement* e = robot->FirstChildElement(); e; e = e->NextSiblingElement()) element(*e);
@@ -121,7 +121,7 @@ class UrdfReader : private XmlReader {
     else if (tag == "polyarm")
       facts_ = &e;
     else if (tag != "material" && passed_over_.insert(tag).second)
-      warnings_.warning("unknown-tag", at(e), "<" + tag + "> is passed over");
+      warnings_.warning("unknown-tag", at(e), "<" + tag + "> is ignored");
   }
 
   Vec3 vector(const XMLElement& e, const char* name, const Vec3& fallback) {
@@ -197,7 +197,7 @@ class UrdfReader : private XmlReader {
     const XMLElement* g = geometry ? geometry->FirstChildElement() : nullptr;
     if (!g) {
       warnings_.warning("no-geometry", at(e),
-                        std::string("<") + e.Name() + "> has no geometry, it is passed over");
+                        std::string("<") + e.Name() + "> has no geometry, it is ignored");
       return;
     }
     Shape s;
@@ -219,13 +219,13 @@ class UrdfReader : private XmlReader {
       s.scale = vector(*g, "scale", {1, 1, 1});
       s.mesh_path = resolve_mesh(s.mesh);
     } else {
-      warnings_.warning("unknown-tag", at(*g), "the geometry <" + kind + "> is passed over");
+      warnings_.warning("unknown-tag", at(*g), "the geometry <" + kind + "> is ignored");
       return;
     }
     if (has_size(s))
       out.push_back(std::move(s));
     else
-      warnings_.warning("no-size", at(*g), "the <" + kind + "> has no size above zero, it is passed over");
+      warnings_.warning("no-size", at(*g), "the <" + kind + "> has no size above zero, it is ignored");
   }
 
   static bool has_size(const Shape& s) {
@@ -276,7 +276,7 @@ class UrdfReader : private XmlReader {
       if (text == name(type)) return type;
       names.emplace_back(name(type));
     }
-    if (!text.empty()) error(e, "bad-type", "'" + text + "' is no joint type" + suggest_(text, names));
+    if (!text.empty()) error(e, "bad-type", "'" + text + "' is not a joint type" + suggest_(text, names));
     return JointType::fixed;
   }
 

@@ -53,7 +53,7 @@ std::string because(const Component& component) {
   try {
     reason = component.reason();
   } catch (...) {
-    reason = "asked for a reason it threw: " + what_was_thrown();
+    reason = "its reason function threw: " + what_was_thrown();
   }
   return reason.empty() ? reason : ": " + reason;
 }
@@ -64,7 +64,7 @@ void initialise(Component& component, const ComponentContext& context, const cha
     result = component.on_init(context);
   } catch (...) {
     rethrow_as_error("component-failed", "the hardware component '" + context.name + "', on_init,",
-                     "its plugin has an error; tell its makers");
+                     "its plugin has an error; report it to its author");
   }
   if (result != CallbackReturn::success)
     throw Error("component-failed",

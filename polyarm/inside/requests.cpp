@@ -161,7 +161,7 @@ class Requests::Work {
     if (open.urgent) return;
     const auto refuse = [](std::size_t most, const char* whose) {
       throw Error("busy", fmt::format("more than {} requests{} are open", most, whose),
-                  "wait for answers, or end what goes on");
+                  "wait for answers, or end open requests");
     };
     if (open_.size() >= bounds::kOpenRequests) refuse(bounds::kOpenRequests, "");
     if (bytes_ + open.bytes > bounds::kOpenRequestBytes)

@@ -48,7 +48,7 @@ std::vector<std::string> wanted_interfaces(ControllerContext& context) {
   std::vector<std::string> joints, interfaces, names;
   std::string joint, interface = "";
   p.read("joints", joints, {"the joints, in the order of the values"});
-  p.read("joint", joint, {"the joint, where there is only one"});
+  p.read("joint", joint, {"the joint, if there is only one"});
   p.read("interface_name", interface, {"the interface of each joint: position, velocity, effort, …"});
   p.read("interface_names", names, {"several interfaces of the one joint, in the order of the values"});
   p.read("interfaces", interfaces, {"whole interface names, in place of joints"});

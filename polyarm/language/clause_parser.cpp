@@ -55,7 +55,7 @@ void parse_at(TokenCursor& cursor, Clause& out) {
     const Token& sign = cursor.take();
     if ((sign.text == "-") != out.from_end)
       throw SyntaxError{"bad-place", sign.place,
-                        out.from_end ? "what is set after the end stands on the next line"
+                        out.from_end ? "write what is set after the end on the next line"
                                      : "nothing can be set before the start of a move",
                         "write `at end - 20mm` or `at start + 20mm`"};
     out.value = cursor.expression();

@@ -83,7 +83,7 @@ char unescaped(char c, Place place) {
   if (c == 'n') return '\n';
   if (c == 't') return '\t';
   if (c == '"' || c == '\\' || c == '{' || c == '}') return c;
-  throw SyntaxError{"bad-escape", place, std::string("'\\") + c + "' is no escape in a text",
+  throw SyntaxError{"bad-escape", place, std::string("'\\") + c + "' is not an escape in a text",
                     "there are \\\" \\\\ \\n \\t \\{ \\}"};
 }
 
@@ -161,7 +161,7 @@ void TokenCursor::expect_end(const std::string& statement) const {
                       "a blank separates the unit '" + peek().text + "' from its number",
                       "write the unit right behind it, such as 5mm"};
   throw SyntaxError{"unexpected", peek().place, shown(peek()) + " is not expected here, after " + statement,
-                    "one statement stands on a line; a name with blanks goes in `back-quotes`"};
+                    "write one statement per line; put a name with blanks in `back-quotes`"};
 }
 
 ExpressionPtr TokenCursor::expression() {

@@ -30,7 +30,7 @@ const Pose& pose_of(const Value& value) {
 }
 
 Value number(double value, Dimension dimension = Dimension::none) {
-  if (!std::isfinite(value)) throw OperationError{"overflow", "the result is no finite number", {}};
+  if (!std::isfinite(value)) throw OperationError{"overflow", "the result is not a finite number", {}};
   return Number{value, dimension};
 }
 
@@ -177,10 +177,10 @@ Value pallet(Values a, Names) {
 }
 
 Value here(Values, Names) {
-  refuse("here() stands in a running program only");
+  refuse("here() works only in a running program");
 }
 Value ask(Values, Names) {
-  refuse("ask() stands in a running program only");
+  refuse("ask() works only in a running program");
 }
 
 std::vector<FunctionParameter> shifts(std::vector<FunctionParameter> before = {}) {
@@ -256,8 +256,8 @@ std::vector<Function> all_functions() {
         shifts({{"p", W::pose, {}}}), Kind::pose, {}, &offset);
   gives("tool_offset", "tool_offset(p, x, y, z, rx, ry, rz)", "a pose shifted and turned in its own axes",
         shifts({{"p", W::pose, {}}}), Kind::pose, {}, &tool_offset);
-  gives("inverse", "inverse(p)", "the pose that p undoes: inverse(p) * p is no shift", {{"p", W::pose, {}}},
-        Kind::pose, {}, &inverse_of);
+  gives("inverse", "inverse(p)", "the pose that p undoes: inverse(p) * p is not a shift",
+        {{"p", W::pose, {}}}, Kind::pose, {}, &inverse_of);
   gives("distance", "distance(a, b)", "the length between two poses",
         {{"a", W::pose, {}}, {"b", W::pose, {}}}, Kind::number, Dimension::length, &distance);
   gives("interpolate", "interpolate(a, b, share)", "what lies between two poses or joint states, 50% halfway",
@@ -431,7 +431,7 @@ Bound bind_arguments(const Signature& signature, std::span<const std::string> ar
         fail(called + " has no '" + given + "'" + did_you_mean(given, signature.parameters), takes);
       place = static_cast<std::size_t>(at - signature.parameters.begin());
     } else if (named_before) {
-      fail("a value without a name stands behind one with a name", "name it, too; " + takes);
+      fail("a value without a name follows one with a name", "name it, too; " + takes);
     } else {
       ++next;
     }

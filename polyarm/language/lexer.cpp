@@ -158,7 +158,7 @@ class LineLexer {
     if (!number) return bad(after - at_, "this number is too big");
     if (!unit_text.empty() && !unit)
       return bad(after - at_,
-                 "'" + unit_text.substr(0, 40) + "' is no unit, and no name starts with a digit");
+                 "'" + unit_text.substr(0, 40) + "' is not a unit, and no name starts with a digit");
     const double value = *number * (unit ? unit->scale : 1);
     if (!std::isfinite(value)) return bad(after - at_, "this number is too big");
     push(TokenKind::number, std::string(text_.substr(at_, after - at_)), after - at_);

@@ -32,7 +32,7 @@ std::string same_unit_advice(const Number& a, const Number& b) {
 }
 
 Value number(double value, Dimension dimension) {
-  if (!std::isfinite(value)) throw OperationError{"overflow", "the result is no finite number", {}};
+  if (!std::isfinite(value)) throw OperationError{"overflow", "the result is not a finite number", {}};
   return Number{value, dimension};
 }
 
@@ -327,7 +327,7 @@ bool same_type(const Value& a, const Value& b) {
 
 void require_fits(Value::Extent extent) {
   constexpr std::uint32_t kDeepest = 8;
-  if (extent.depth > kDeepest) throw OperationError{"too-deep", "lists stand in lists more than 8 deep", {}};
+  if (extent.depth > kDeepest) throw OperationError{"too-deep", "lists are nested more than 8 deep", {}};
   if (extent.values > kMostListItems + 1)
     throw OperationError{
         "too-long", "this list would hold more than " + std::to_string(kMostListItems) + " values", {}};

@@ -142,10 +142,10 @@ class Parser {
     if (misspelt) {
       error("unknown-word", first.place,
             "no statement begins with " + shown(first) + "; did you mean '" + word + "'?",
-            "every closing word stands on its own line");
+            "write each closing word on its own line");
     } else {
-      error("unexpected", source.tokens[1].place, "one statement stands on a line, here are several",
-            "every closing word stands on its own line");
+      error("unexpected", source.tokens[1].place, "there are several statements on this line",
+            "write each closing word on its own line");
     }
     for (std::size_t i = 0; i + 1 < source.tokens.size(); ++i) {
       Line line;
@@ -293,7 +293,7 @@ class Parser {
       closed_line_ends(line);
       if (opener.word == "try" && !opener.handles)
         error("no-handler", opener.place, "this 'try' has no 'on error'",
-              "write `on error e` before its end, with what is to be done then");
+              "write `on error e` before its end, and the statements for an error");
       return true;
     }
     return mismatch(line);
@@ -327,9 +327,8 @@ class Parser {
     const Token& second = line.source.tokens[1];
     if (second.kind == TokenKind::end) return;
     const bool two_words = line.word == "end" && second.kind == TokenKind::name;
-    error(
-        "unexpected", second.place, shown(second) + " is not expected here, after '" + line.word + "'",
-        two_words ? "a closing word is written in one, such as endwhile" : "one statement stands on a line");
+    error("unexpected", second.place, shown(second) + " is not expected here, after '" + line.word + "'",
+          two_words ? "a closing word is written in one, such as endwhile" : "write one statement per line");
   }
 
   bool mismatch(const Line& line) {

@@ -63,13 +63,13 @@ void add_words(std::string& out, std::string_view title, WordRole role, bool in_
     if (!word.example.empty()) {
       add_program(out, word.example);
     } else {
-      out += "An example stands at **" + std::string(word.shown_by) + "**.\n\n";
+      out += "For an example, see **" + std::string(word.shown_by) + "**.\n\n";
     }
   }
 }
 
 void add_closers(std::string& out) {
-  out += "## Ends of blocks\n\nEvery block ends with `end`; who likes writes what ends: ";
+  out += "## Ends of blocks\n\nEvery block ends with `end`. You may also write what ends: ";
   bool first = true;
   for (const Word& word : words()) {
     if (word.role != WordRole::closer || word.name == "end") continue;
@@ -120,7 +120,7 @@ std::string language_reference() {
   std::string out =
       "# Reference of the language\n\nWritten by `polyarm language page` from the lists that the parser "
       "itself "
-      "uses; every program on this page\nruns in the tests, with what its lines say they do. "
+      "uses; every program on this page\nruns in the tests, with the results that its comments state. "
       "[The language](language.md) explains it in order.\n\n";
   out += kGrammar;
   add_words(out, "Statements", WordRole::statement, false);

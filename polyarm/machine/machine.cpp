@@ -131,7 +131,7 @@ void Machine::report_loop_event(const control::LoopEvent& event) {
       "the controller {} took over",
       "the hardware component {} failed",
       "the hardware component {} asked to be deactivated",
-      "nothing new comes for the controller {}: what it was sent last has ended"};
+      "the controller {} receives nothing new: the last message has expired"};
   std::string text = fmt::format(fmt::runtime(kTexts[static_cast<std::size_t>(event.kind)]), name);
   if (const std::string reason = of_hardware ? hardware().diagnostics().reason(who) : ""; !reason.empty())
     text += ": " + reason;
@@ -174,7 +174,8 @@ void Machine::report_threads() {
   for (std::int32_t who = 0; hardware.diagnostics().take_late(who);) {
     const auto i = static_cast<std::size_t>(who);
     const realtime::ThreadHealth& health = *hardware.diagnostics().thread_health(i);
-    constexpr const char* kThen[] = {"it goes on", "the loop stops on the path and holds", "it is taken off"};
+    constexpr const char* kThen[] = {"it continues", "the loop stops on the path and holds",
+                                     "it is switched off"};
     observer_.on_note(
         fmt::format("the thread of {} is late: {} runs were, and {} missed their turn; {} "
                     "('overrun' of its thread); polyarm health shows its times",
@@ -254,7 +255,7 @@ Problems Machine::load_controller(const std::string& name, const std::string& ty
   problems.throw_if_errors();
   throw Error("unknown-controller",
               "no controllers file describes '" + name + "'" + did_you_mean(name, known),
-              "say its type, or put it into the controllers file");
+              "give its type, or put it into the controllers file");
 }
 
 std::shared_ptr<const Remaking> Machine::remake(const std::string& name, Worker& worker) const {

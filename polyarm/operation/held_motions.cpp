@@ -366,7 +366,8 @@ void HeldMotions::finish(Motion& motion, const std::string& why, const std::stri
   HeldEvent out = event(motion, had_begun ? HeldEvent::What::over : HeldEvent::What::refused);
   out.why = why;
   out.text = text;
-  if (!had_begun) out.refusal = refusal ? *refusal : Error(why, "the key was let go before it moved");
+  if (!had_begun)
+    out.refusal = refusal ? *refusal : Error(why, "the key was released before the robot moved");
   events_.push_back(std::move(out));
 }
 

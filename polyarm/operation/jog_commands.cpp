@@ -47,8 +47,8 @@ double jog_quantity(const Any& value, const std::string& of, Dimension dimension
   std::optional<double> number = value.number();
   if (const auto text = value.text()) number = parse_quantity(*text, dimension);
   if (number && std::abs(*number) > kMostJogged)
-    throw Error("beyond-limits", "'" + of + "' is asked for " + format_number(*number),
-                "a robot goes ways of some m or rad, at some m/s or rad/s");
+    throw Error("beyond-limits", "'" + of + "' gets a command for " + format_number(*number),
+                "robots move by a few m or rad, at a few m/s or rad/s");
   if (number && std::isfinite(*number)) return *number;
   throw Error("bad-argument",
               "'" + of + "' is " + value.text().value_or(value.dump()) + ", not " + name(dimension),
@@ -189,9 +189,8 @@ JogCommand jog_command(const JogOwners& cell, const CellRobot& robot, const prot
   out.by = request.by;
   out.wish.speed = speed_of(request.speed);
   if (request.joints.has_value() == request.tcp.has_value())
-    throw Error(
-        "bad-argument", request.joints ? "jog moves joints or the TCP, not both" : "jog what?",
-        "'joints': {elbow_joint: 0.1} or 'tcp': {z: 0.02}, in rad or m (and s); with 'by' by so much");
+    throw Error("bad-argument", request.joints ? "jog moves joints or the TCP, not both" : "jog what?",
+                "'joints': {elbow_joint: 0.1} or 'tcp': {z: 0.02}, in rad/s or m/s; with 'by', in rad or m");
   if (request.joints) {
     out.wish.kind = out.by ? Kind::joint_target : Kind::joint_velocity;
     out.wish.joints = joint_values(robot, *request.joints, !out.by, 0);
@@ -231,7 +230,7 @@ Pose wanted_pose(const JogOwners& cell, std::size_t i, const protocol::FollowTar
           out.push_back(item.get<double>());
     if (out.size() != count)
       throw Error("bad-argument",
-                  std::string("'") + key + "' of the pose has to be " + std::to_string(count) + " numbers");
+                  std::string("'") + key + "' of the pose must be " + std::to_string(count) + " numbers");
     return out;
   };
   Pose out = cell.jogging.last_target(i, session_of(request.session));
@@ -244,7 +243,7 @@ Pose wanted_pose(const JogOwners& cell, std::size_t i, const protocol::FollowTar
   if (map.contains("orientation")) {
     const auto q = numbers("orientation", 4);
     if (std::abs(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1) > 1e-3)
-      throw Error("bad-argument", "'orientation' of the pose is no unit quaternion x y z w");
+      throw Error("bad-argument", "'orientation' of the pose is not a unit quaternion x y z w");
     out.rotation = normalized(Quaternion{q[0], q[1], q[2], q[3]});
   } else if (map.contains("rpy")) {
     const auto r = numbers("rpy", 3);
@@ -267,9 +266,10 @@ void require_within_limits(const JogOwners& cell, std::size_t i, const jog::JogV
     const double upper = std::isfinite(at) ? std::max(joint.upper, at) : joint.upper;
     if (wanted[j] >= lower - kTargetRounding && wanted[j] <= upper + kTargetRounding) continue;
     problems.error("beyond-limits", {},
-                   "'" + short_name(joint) + "' is asked for a position of " + format_number(wanted[j]) +
-                       "; its limits are " + format_number(joint.lower) + " to " + format_number(joint.upper),
-                   "ask for a position within them, rad or m");
+                   "'" + short_name(joint) + "' gets a command for a position of " +
+                       format_number(wanted[j]) + "; its limits are " + format_number(joint.lower) + " to " +
+                       format_number(joint.upper),
+                   "command a position within them, rad or m");
   }
   problems.throw_if_errors();
 }

@@ -159,7 +159,7 @@ void Watches::watch_fault() {
   problem.advice =
       !waits ? "see the recorded cycles of this run"
       : snapshot.cause == control::StopCause::limits
-          ? "polyarm control recover and resume; it may then be moved inwards only"
+          ? "polyarm control recover and resume; it can then only move inwards"
           : "bring the hardware back (Health on the pendant, or polyarm hardware recover), start its "
             "controllers, resume";
   if (!waits) return cell_.life.fail(std::move(problem));
@@ -269,7 +269,7 @@ void Watches::fail_for_deadlock() {
   if (const Task* const plc = cell_.programs.plc(); plc && !plc->ended()) waiting += "; " + plc->sentences();
   const bool busy = program.busy_since().has_value();
   const std::string advice =
-      busy ? "end the loop, or let it wait for what it needs" : "check who is to set these tags";
+      busy ? "end the loop, or let it wait for what it needs" : "check what should set these tags";
   cell_.life.fail({busy ? "endless-loop" : "deadlock",
                    program.status().where,
                    (busy ? "the program goes round without end, and nothing changes what it reads: "

@@ -122,8 +122,8 @@ PoseDerivatives CartesianPathBuilder::Segment::at(double x) const noexcept {
 CartesianPathBuilder::CartesianPathBuilder(const Pose& start) : start_(start), end_(start) {
   if (!finite(start.position) || !finite(start.rotation))
     problems_.error("bad-number", {},
-                    "the start of the path is not a pose: a number is none, or the quaternion "
-                    "is not of length 1");
+                    "the start of the path is not a pose: a number is NaN or infinite, or the quaternion is "
+                    "not of length 1");
   start_.rotation = end_.rotation = normalized(start.rotation);
 }
 
@@ -134,9 +134,10 @@ std::string CartesianPathBuilder::next_name(const Corner& corner) const {
 bool CartesianPathBuilder::fine(const Pose& pose, const Corner& corner) {
   const std::size_t before = problems_.list().size();
   if (!finite(pose.position) || !finite(pose.rotation))
-    problems_.error("bad-number", {},
-                    fmt::format("{} is not a pose: a number is none, or the quaternion is not of length 1",
-                                next_name(corner)));
+    problems_.error(
+        "bad-number", {},
+        fmt::format("{} is not a pose: a number is NaN or infinite, or the quaternion is not of length 1",
+                    next_name(corner)));
   if (!std::isfinite(corner.radius) || corner.radius < 0)
     problems_.error("bad-radius", {},
                     fmt::format("the radius of {} is {} m", next_name(corner), corner.radius),

@@ -57,10 +57,12 @@ std::string where_taken(const std::string& name, PluginKind kind) {
 void judge_entry(const PluginEntry& entry, const fs::path& file) {
   const std::string name = entry.name;
   if (!is_type_name(name))
-    refuse(file, "'" + name + "' is no name for a type", "names have the form vendor/Type, without blanks");
+    refuse(file, "'" + name + "' is not a name for a type",
+           "names have the form vendor/Type, without blanks");
   const bool is_hardware = entry.kind == PluginKind::hardware;
   if (!is_hardware && entry.layout != controllers::kControllerLayout)
-    refuse(file, "'" + name + "' was built with headers whose types have other sizes than here",
+    refuse(file,
+           "'" + name + "' was built with headers whose types have other sizes than those of this Polyarm",
            "build it again against this Polyarm: cmake -DCMAKE_PREFIX_PATH=<where Polyarm is installed>");
   const bool taken =
       is_hardware ? hardware::driver_available(name) : controllers::find_controller_type(name) != nullptr;
@@ -95,7 +97,7 @@ std::unique_ptr<controllers::Controller> make_controller(const PluginEntry& entr
   }
   if (!out)
     throw Error("plugin-failed", file.string() + " makes nothing for '" + entry.name + "'",
-                "tell its makers");
+                "report it to its author");
   return out;
 }
 

@@ -50,7 +50,7 @@ class BlendCheck {
       case Kind::import:
         return "loads data";
       case Kind::move:
-        if (s.moves_at_speed()) return "goes on from where the robot stands";
+        if (s.moves_at_speed()) return "starts at the present position of the robot";
         break;
       case Kind::wait:
       case Kind::wait_time:

@@ -51,7 +51,7 @@ class CellNamesCheck {
                      "wait for it; if both sides set it, say direction: both in signals.yaml");
     if (!known_.measured.contains(name)) return;
     scope_.error("read-only", place,
-                 "'" + name + "' says what the hardware measures; a program cannot set it",
+                 "'" + name + "' is a measured value of the hardware; a program cannot set it",
                  "wait for it, or set the tag of the command that brings it about");
   }
 

@@ -357,7 +357,7 @@ class Checker {
       const std::string& name = velocities.names[i];
       const std::string_view axes[] = {"x", "y", "z", "rx", "ry", "rz"};
       if (line && std::find(std::begin(axes), std::end(axes), name) == std::end(axes)) {
-        error("bad-type", velocities.parts[i]->place, "'" + name + "' is none of x, y, z, rx, ry and rz",
+        error("bad-type", velocities.parts[i]->place, "'" + name + "' is not one of x, y, z, rx, ry and rz",
               advice);
         continue;
       }
@@ -473,7 +473,7 @@ class Checker {
         clause.value->kind == Expression::Kind::literal ? clause.value->value.as_number() : nullptr;
     if (value && value->dimension == Dimension::none && value->value > 1)
       error("bad-value", clause.value->place,
-            word + " as a share of what the robot can is at most 100%, here is " + percent(value->value),
+            word + " as a percentage is at most 100%, here it is " + percent(value->value),
             std::string("with a unit write such as ") + such_as);
   }
 

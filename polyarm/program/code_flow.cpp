@@ -52,7 +52,7 @@ void Compiler::for_loop(const Statement& s) {
 }
 
 void Compiler::leave_loop(const Statement& s, bool breaks) {
-  if (scope_.loops.empty()) return refuse(s.place, {"no-loop", "this stands in no loop", {}});
+  if (scope_.loops.empty()) return refuse(s.place, {"no-loop", "this is not in a loop", {}});
   Loop& loop = scope_.loops.back();
   leave(depths(), breaks ? loop.outside : loop.body, s.place);
   (breaks ? loop.breaks : loop.continues).push_back(add(Op::jump, s.place));

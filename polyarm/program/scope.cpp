@@ -363,7 +363,7 @@ Type Scope::infer_builtin(const Expression& e, const Function& function, const s
   if (function.name == "interpolate") return first;
   if (function.name == "ask") return arguments.size() > 1 ? arguments[1] : Type{Kind::text, {}};
   if (function.in_tests && tests(program_).empty())
-    error("no-test", e.place, std::string(function.name) + "() is there in tests only",
+    error("no-test", e.place, std::string(function.name) + "() exists in tests only",
           "tests have files of their own: test \"…\", its lines, end");
   if (function.gives == Kind::number)
     return number_of(function.dimension ? function.dimension : first.dimension);

@@ -35,7 +35,7 @@ class TaskCheck {
     for (const auto& [name, tasks] : meetings)
       if (tasks.size() == 1 && (*tasks.begin())->kind != Statements::function)
         error("no-meeting", first_meeting.at(name), "no other task comes to '" + name + "'",
-              "`meet` stands in two or more tasks");
+              "use `meet` in two or more tasks");
   }
 
  private:

@@ -276,12 +276,11 @@ class ValueCheck {
     const std::string word = std::string("'") + spelling(clause.kind) + "'";
     const bool may_be_zero = clause.kind == Kinds::blend || clause.kind == Kinds::payload;
     if (n->value < 0 || (n->value == 0 && !may_be_zero))
-      return report(clause.value->place, "bad-type",
-                    word + " has to be more than nothing, here is " + value.text());
+      return report(clause.value->place, "bad-type", word + " must be above 0, here is " + value.text());
     const bool share = clause.kind == Kinds::speed || clause.kind == Kinds::accel;
     if (share && n->dimension == Dimension::none && n->value > 1)
       report(clause.value->place, "bad-value",
-             word + " as a share of what the robot can is at most 100%, here is " + percent(n->value),
+             word + " as a percentage is at most 100%, here it is " + percent(n->value),
              clause.kind == Kinds::speed ? "with a unit write such as 500mm/s, 30deg/s or 50%"
                                          : "with a unit write such as 2m/s2, 200deg/s2 or 50%");
   }

@@ -352,7 +352,7 @@ void FoxgloveClient::fetch_asset(const Json& message) {
   }
   if (!source) {
     const std::lock_guard lock(server_.mutex_);
-    return send_asset(*request, {std::nullopt, "nobody can read files now"});
+    return send_asset(*request, {std::nullopt, "files cannot be read now"});
   }
   source(uri->get<std::string>(), [weak = weak_from_this(), request = *request](const Asset& asset) {
     const auto self = weak.lock();
@@ -372,7 +372,7 @@ void FoxgloveClient::send_asset(std::uint32_t request, const Asset& given) {
   if (waiting_bytes_ >= kMostWaiting) return;  // the client does not read
   const std::size_t bytes = given.data ? given.data->size() : 0;
   const bool room = server_.asset_bytes_ + bytes <= bounds::kAssetBytes;
-  const Asset none{std::nullopt, "too much waits for those who watch: ask again"};
+  const Asset none{std::nullopt, "too much data waits for viewers: try again"};
   const Asset& asset = room ? given : none;
   std::string body(1, kFetchAssetResponse);
   put_number(body, request);

@@ -323,7 +323,7 @@ Poll<ControlArm::Answer> control_arm(const HardwareOwners& cell, const ControlAr
   cell.arming.require_verified();
   const control::RunState state = cell.machine.snapshot().state;
   if (state != control::RunState::running && state != control::RunState::held)
-    throw Error("wrong-state", std::string("the loop is at ") + control::name(state),
+    throw Error("wrong-state", std::string("the control loop is in the state ") + control::name(state),
                 "polyarm control recover, then arm");
   return arm_from(cell, 0);
 }

@@ -258,7 +258,7 @@ Parameter param_get(const MessageOwners& cell, const ParamGet& request) {
 Poll<ParamSet::Answer> param_set(const MessageOwners& cell, const ParamSet& request) {
   using Changed = Progress<ParamSet::Answer>;
   std::vector<std::pair<std::string, std::string>> values;
-  if (request.values.empty()) throw Error("bad-argument", "'values' is no map of parameters");
+  if (request.values.empty()) throw Error("bad-argument", "'values' is not a map of parameters");
   for (const auto& [key, value] : request.values) values.emplace_back(key, value.text().value_or(value.dump()));
   const auto job = cell.machine.controllers().begin_change(request.name, values);
   return [job, count = values.size()] { return job->done() ? Changed::done({count}) : Changed{}; };

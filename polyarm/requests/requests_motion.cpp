@@ -68,7 +68,7 @@ Poll<ControlBack::Answer> wait_for_step_back(const StopOwners& cell) {
       if (at[j] != from[j]) answer.joints[cell.machine.joint_places().all()[j].name] = at[j] - from[j];
     if (answer.joints.empty())
       throw Error("nothing-to-step-back", "nothing moved: no planned path is held, or it is at its start",
-                  "polyarm control resume goes on, polyarm control discard forgets the rest");
+                  "polyarm control resume continues, polyarm control discard drops the rest");
     return Back::done(std::move(answer));
   };
 }
@@ -124,7 +124,7 @@ Poll<ControlDiscard::Answer> control_discard(const StopOwners& cell, const Contr
     if (cell.motions.motion_left() && cell.machine.now() - asked < kPatience) return Discarded{};
     cell.watches.forget_pushes();
     return Discarded::done(
-        {"discard", held, "the robot may be jogged; polyarm control resume lets the cell go on"});
+        {"discard", held, "the robot can be jogged; polyarm control resume lets the cell continue"});
   };
 }
 

@@ -33,7 +33,7 @@ std::filesystem::path recording_named(const RecordOwners& cell, const std::strin
   if (name.empty()) return {};
   const std::filesystem::path plain = name;
   if (plain.filename() != plain || name == "." || name == ".." || name.find('\0') != std::string::npos)
-    throw Error("bad-argument", "'" + name + "' is no plain name of a file",
+    throw Error("bad-argument", "'" + name + "' is not a plain name of a file",
                 "recordings go to .state/recordings of the cell");
   const bool has = plain.extension() == ".mcap";
   return cell.setup.file.folder / ".state" / "recordings" / (has ? name : name + ".mcap");

@@ -136,7 +136,7 @@ class Participant::Work : public DiscoveryListener {
     if (!announce(*participant_, endpoint->writer, topic, type, endpoint->depth,
                   stated<rtps_qos::WriterQos>(qos, user_data))) {
       rtps::RTPSDomain::removeRTPSWriter(endpoint->writer);
-      refuse("the writer of " + topic + " cannot be told to others");
+      refuse("the writer of " + topic + " cannot be announced");
     }
     return keep(std::move(endpoint));
   }
@@ -155,7 +155,7 @@ class Participant::Work : public DiscoveryListener {
     if (!announce(*participant_, endpoint->reader, topic, type, std::max<std::size_t>(1, qos.depth),
                   stated<rtps_qos::ReaderQos>(qos, user_data))) {
       rtps::RTPSDomain::removeRTPSReader(endpoint->reader);
-      refuse("the reader of " + topic + " cannot be told to others");
+      refuse("the reader of " + topic + " cannot be announced");
     }
     return keep(std::move(endpoint));
   }

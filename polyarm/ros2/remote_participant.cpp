@@ -364,8 +364,8 @@ class RemoteParticipant::Work {
     if (const auto times = std::exchange(untold_, 0); times > 0)
       what += ", after " + std::to_string(times) + " other ends since this was said last";
     tell({false, what,
-          "robots and programs go on; it is started again in " + seconds_of(pause_) +
-              ", and what others had under way with it is lost"});
+          "robots and programs continue; it is started again in " + seconds_of(pause_) +
+              ", and open requests of others are lost"});
     told_ = now;
     told_of_loss_ = true;
   }

@@ -150,7 +150,7 @@ class JointReader {
     if (!(*value > 0)) {
       problems_.warning("bad-limit", yaml_[key].where(),
                         std::string(key) + " of '" + facts_.name + "' is " + format_number(*value) +
-                            ", which would freeze the joint; it is passed over",
+                            ", which would freeze the joint; it is ignored",
                         std::string("write ") + flag + ": false where there is no limit");
       return false;
     }

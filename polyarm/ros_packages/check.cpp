@@ -175,7 +175,7 @@ struct Check {
     missing(header, {file.string(), number}, "no header '" + header + "' is here",
             kit.source_of_header(header),
             known ? "Polyarm has the package " + folder +
-                        ", but not this header: leave it out, or tell Polyarm's makers"
+                        ", but not this header: leave it out, or report it to the Polyarm project"
                   : "put the package that has it into the same workspace, or install it");
   }
 
@@ -192,7 +192,7 @@ struct Check {
       const std::string package_name = space.substr(0, space.size() - 2);
       if (name.empty() || declared.contains(name) || kit.words(package_name).contains(name)) continue;
       missing(space + name, {file.string(), number}, "Polyarm has no " + space + name, std::nullopt,
-              "write this part without it, or tell Polyarm's makers");
+              "write this part without it, or report it to the Polyarm project");
     }
   }
 

@@ -68,7 +68,7 @@ class Sessions::Work {
 
   void detach() {
     if (!cell_) return;
-    const Error gone("no-cell", "the cell was closed or started anew before it answered", "ask again");
+    const Error gone("no-cell", "the cell was closed or restarted before it answered", "ask again");
     for (const auto& [number, seat] : seats_) cell_->requests().refuse(seat.client.get(), gone);
     cell_ = nullptr;
     jogs_.reset();
@@ -264,7 +264,7 @@ class Sessions::Work {
   void require_control(const Seat& seat, const std::string& what) const {
     if (control_.holds(seat.client->number)) return;
     const std::string who =
-        control_.holder() ? "'" + name_of(control_.holder()) + "' holds control" : "nobody holds control";
+        control_.holder() ? "'" + name_of(control_.holder()) + "' has control" : "nobody has control";
     throw Error("no-control", "'" + what + "' is refused: " + who, "take control first: session.take");
   }
 
@@ -382,7 +382,7 @@ class Sessions::Work {
   }
   std::string name_of(std::uint64_t client) const {
     const auto found = seats_.find(client);
-    return found == seats_.end() ? "somebody who is gone" : found->second.name;
+    return found == seats_.end() ? "a client that is gone" : found->second.name;
   }
 
   protocol::SessionHello::Answer hello(Seat& seat, const protocol::SessionHello& request) {
@@ -402,7 +402,7 @@ class Sessions::Work {
   protocol::SessionWatch::Answer watch(Seat& seat, const protocol::SessionWatch& request) {
     const double rate = request.rate.value_or(30.0);
     if (!(rate >= 0 && rate <= 1000))
-      throw Error("bad-argument", "'rate' is no number of frames a second", "0 to 60");
+      throw Error("bad-argument", "'rate' is not a number of frames a second", "0 to 60");
     const bool news = seat.rate == 0 && rate > 0;
     seat.rate = std::min(rate, kFastest);
     seat.listens = true;
@@ -433,7 +433,7 @@ class Sessions::Work {
 
   protocol::ControlHolder answer_asker(Seat& seat, const protocol::SessionAnswer& request) {
     if (!control_.answer(seat.client->number, request.give))
-      throw Error("not-asked", "nobody asks you for control");
+      throw Error("not-asked", "no client asks you for control");
     if (request.give && jogs_) jogs_->end_all(seat.client->number, "control");
     return {control_.holds(seat.client->number), who(control_.holder())};
   }

@@ -20,7 +20,7 @@ void each_folder(const CellFile& file, Problems& problems, Look look) {
     if (std::filesystem::is_directory(folder, error))
       look(written, folder);
     else
-      problems.warning("no-folder", file.plugins_where, "'" + written + "' is no folder with plugins",
+      problems.warning("no-folder", file.plugins_where, "'" + written + "' is not a folder with plugins",
                        "build your plugin, or mend 'plugins:'; folders are relative to the file");
   }
 }
@@ -38,8 +38,8 @@ void load_plugins(const CellFile& file, Problems& problems) {
     for (const plugins::Library& library : plugins::unapproved())
       if (library.file.parent_path() == folder)
         problems.error("plugin-not-approved", {library.file.string()},
-                       "the cell brings native code, which would run with all your rights and which nobody "
-                       "has approved on this machine",
+                       "the cell brings native code that nobody has approved on this machine; it would run "
+                       "with all your rights",
                        "if you trust where it comes from: polyarm plugins approve " + library.file.string());
   });
   load_the_users(problems);

@@ -138,13 +138,12 @@ void place_carried(std::vector<RobotEntry>& robots, Problems& problems) {
                          did_you_mean(robot.on, others),
                      "name another robot; fixtures and movers of the scene carry no robot");
     else if (carrier->name == robot.name)
-      problems.error("bad-carrier", robot.place_of("on"), "'" + robot.name + "' stands on itself",
+      problems.error("bad-carrier", robot.place_of("on"), "'" + robot.name + "' is on itself",
                      "name another robot, or take 'on' away");
     else if (!carrier->on.empty())
-      problems.error(
-          "bad-carrier", robot.place_of("on"),
-          "'" + robot.name + "' stands on '" + robot.on + "', which stands on '" + carrier->on + "'",
-          "let it stand on one that stands on the ground");
+      problems.error("bad-carrier", robot.place_of("on"),
+                     "'" + robot.name + "' is on '" + robot.on + "', which is on '" + carrier->on + "'",
+                     "choose a robot that is on the ground");
     else
       robot.base = carrier->base * robot.base;
   }
@@ -223,7 +222,7 @@ void check_kind(const Yaml& yaml, Problems& problems) {
                         "polyarm run --description ROBOT --controllers " + yaml.where().file});
   if (kind.empty())
     problems.error("missing-key", {yaml.where().file, 1, 1},
-                   "this is not a cell file: it does not say 'polyarm: cell/1'",
+                   "this is not a cell file: the line 'polyarm: cell/1' is missing",
                    "write that as its first line");
   else if (kind.starts_with("cell/"))
     problems.error("newer-file", yaml["polyarm"].where(),
@@ -262,11 +261,12 @@ void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
     if (cell.robots.size() == 1)
       cell.robots.front().model = overrides.robot;
     else
-      problems.error("which-robot", {cell.path.string()},
-                     "the cell has " + std::to_string(cell.robots.size()) + " robots",
-                     is_robot(cell, overrides.robot)
-                         ? "'" + overrides.robot + "' is one of them; --robot NAME=MODEL gives one another model"
-                         : "say which: --robot NAME=MODEL");
+      problems.error(
+          "which-robot", {cell.path.string()},
+          "the cell has " + std::to_string(cell.robots.size()) + " robots",
+          is_robot(cell, overrides.robot)
+              ? "'" + overrides.robot + "' is one of them; --robot NAME=MODEL gives one another model"
+              : "choose one: --robot NAME=MODEL");
     return;
   }
   const std::string name = overrides.robot.substr(0, equals);
@@ -324,7 +324,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   if (cell.path.extension() == ".script")
     throw Error(Problem{"no-cell",
                         {given.string()},
-                        "this is a program, and a cell is asked for",
+                        "this is a program, but a cell is needed",
                         "polyarm run CELL --program " + given.string()});
   cell.grant = reach().open_cell(cell.folder);
   allow_remembered(cell);

@@ -134,7 +134,7 @@ void admit_host(const CellFile& file, const std::string& host, const std::string
                 Problems& problems) {
   if (reach().host_allowed(host, file.grant.get())) return;
   problems.error("host-not-allowed", where,
-                 who + " wants to reach " + (host == "subnet" ? "the whole network (subnet)" : "the host " + host) +
+                 who + " accesses " + (host == "subnet" ? "the whole network (subnet)" : "the host " + host) +
                      ", which you have not allowed",
                  "if you trust the cell, run it at a terminal and answer, or add --allow host:" + host +
                      " to the command");
@@ -152,7 +152,7 @@ bool admit_file(const CellFile& file, const LinkEntry& link, std::string& named,
   const std::string name = named.substr(kSecretPrefix.size());
   if (!secret_allowed(file, name)) {
     problems.error("secret-not-allowed", link.where,
-                   "the link '" + link.name + "' wants to send your secret '" + name + "' to " + link.host +
+                   "the link '" + link.name + "' sends your secret '" + name + "' to " + link.host +
                        ", which you have not allowed",
                    "if you trust the cell, run it at a terminal and answer, or add --allow secret:" + name +
                        " to the command");

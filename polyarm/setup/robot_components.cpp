@@ -31,7 +31,7 @@ class Components {
       for (const std::string& name : *names)
         if (hardware.find(name) < 0 && std::find(played.begin(), played.end(), name) == played.end())
           problems.warning("unknown-component", {},
-                           "hardware_components_initial_state names '" + name + "', which there is not");
+                           "hardware_components_initial_state names '" + name + "', which does not exist");
   }
 
   void make_one(const std::string& name, Remade& out) {

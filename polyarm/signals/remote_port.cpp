@@ -97,7 +97,7 @@ void RemotePort::open() {
 
 void RemotePort::exchange(const std::vector<LinkValue>& writes, Nanoseconds now, Nanoseconds patience,
                           LinkNews& news) {
-  if (!child_.running()) lose("is not there");
+  if (!child_.running()) lose("does not run");
   order(LinkOrder::exchange, [&](Packer& out) {
     out.number(now).number(patience);
     pack(out, writes);

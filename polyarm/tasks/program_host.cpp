@@ -88,9 +88,9 @@ program::Progress ProgramHost::poll_load(program::Handle handle) {
 
 program::Handle ProgramHost::start_ask(const std::string& text, const Location& where) {
   if (c_.answers->given().empty() && !c_.answers->somebody_there)
-    throw Error(Problem{"nobody-there", where, "the program waits for a user, and there is none: " + text,
+    throw Error(Problem{"nobody-there", where, "the program waits for a user, but nobody can answer: " + text,
                         "run it in a terminal, or give the answer in advance with --answer TEXT"});
-  c_.observer->on_question(text.empty() ? "The program waits for you. Press Enter to go on." : text);
+  c_.observer->on_question(text.empty() ? "The program waits for you. Press Enter to continue." : text);
   return 1;
 }
 

@@ -31,7 +31,7 @@ std::size_t ProgramMoves::robot_of(const std::string& robot, const Location& whe
   }
   if (found == arms_.size())
     throw Error(Problem{"unknown-robot", where,
-                        robot.empty() ? "the cell has several robots and the move names none"
+                        robot.empty() ? "the cell has several robots, and the move does not name one"
                                       : "the cell has no robot '" + robot + "'" + did_you_mean(robot, names),
                         "write `use robot " + names.front() + "`, or a robot clause: " + join(names, ", ")});
   return found;

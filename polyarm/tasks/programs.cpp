@@ -125,8 +125,8 @@ std::string Programs::hint_of_live() const {
     if (set.empty() || data_.files().is_live(set) || set_here.contains(name) || data_.links().source_of(name))
       continue;
     const std::string file = data_.files().file_of(set).filename().string();
-    return "nobody in the cell sets '" + name + "', which comes from " + file +
-           ": the run has a copy of that file; where another program writes it, say live: [" +
+    return "nothing in the cell sets '" + name + "', which comes from " + file +
+           ": the run has a copy of that file; if another program writes it, set live: [" +
            fs::path(file).stem().string() + "] in signals.yaml";
   }
   return {};
@@ -206,9 +206,7 @@ void Programs::begin(const std::string& name, const Location& where) {
 void Programs::continue_plc(const SafePoint& point) {
   Task* const plc = plc_.get();
   if (!plc) return;
-  const auto anew = [&](const std::string& why) {
-    observer_.on_note("the PLC's script begins anew: " + why);
-  };
+  const auto anew = [&](const std::string& why) { observer_.on_note("the PLC's script restarts: " + why); };
   if (point.plc_ended) {
     plc->interpreter().stop();
   } else if (!point.plc) {

@@ -53,14 +53,14 @@ Value Interpreter::take_value(Task& task, Operand operand, const Step& step) {
 void Interpreter::require_values(Task& task, const Step& step, int first, int count) {
   for (int i = first; i < first + count; ++i)
     if (!task.local(i).set)
-      fail_at(source(step).place, "no-value", "a value was expected, and this function returns none",
+      fail_at(source(step).place, "no-value", "a value was expected, but this function returns none",
               "write `return` with a value in it");
 }
 
 const Value& Interpreter::value_of(Task& task, Operand operand, const Step& step) {
   const Slot& from = slot(task, operand);
   if (!from.set)
-    fail_at(source(step).place, "no-value", "a value was expected, and this function returns none",
+    fail_at(source(step).place, "no-value", "a value was expected, but this function returns none",
             "write `return` with a value in it");
   return from.value;
 }

@@ -32,11 +32,10 @@ Number quantity(const Value& value, const Clause& clause, std::initializer_list<
                   std::string("write such as ") + such_as};
   if (n->value < 0 ||
       (n->value == 0 && clause.kind != Clause::Kind::blend && clause.kind != Clause::Kind::payload))
-    throw Refused{
-        clause.value->place, "'" + word + "' has to be more than nothing, here is " + value.text(), {}};
+    throw Refused{clause.value->place, "'" + word + "' must be above 0, here is " + value.text(), {}};
   if (n->dimension == Dimension::none && n->value > 1)
     throw Refused{clause.value->place,
-                  "'" + word + "' as a share of what the robot can is at most 100%, here is " + percent(n->value),
+                  "'" + word + "' as a percentage is at most 100%, here it is " + percent(n->value),
                   std::string("with a unit write such as ") + such_as};
   return *n;
 }
@@ -154,7 +153,7 @@ void take_velocities(Move& move, const Value& value, const Expression& e, Statem
     const std::string& name = record->names[i];
     const Number* v = record->values[i].as_number();
     const auto axis = std::find(std::begin(kAxes), std::end(kAxes), name);
-    if (line && axis == std::end(kAxes)) throw refuse("'" + name + "' is none of x, y, z, rx, ry and rz");
+    if (line && axis == std::end(kAxes)) throw refuse("'" + name + "' is not one of x, y, z, rx, ry and rz");
     const bool turns = line ? axis - std::begin(kAxes) >= 3 : v && v->dimension == Dimension::angular_speed;
     const bool fits = v && (v->dimension == (turns ? Dimension::angular_speed : Dimension::speed) ||
                             (v->value == 0 && v->dimension == Dimension::none));

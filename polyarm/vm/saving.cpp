@@ -87,7 +87,7 @@ StartReport Interpreter::restore(const SavedState& from) {
   if (from.program != fingerprint(program_))
     throw Error(Problem{"other-program",
                         {program_.file},
-                        "the program has changed since it was cut off: it cannot go on where it stood",
+                        "the program has changed since it was interrupted, so it cannot continue there",
                         "begin at a line: --from LINE"});
   if (from.tasks.empty() || from.globals.size() != globals_.size() ||
       !std::all_of(from.tasks.begin(), from.tasks.end(), fits))

@@ -180,7 +180,7 @@ void Interpreter::meet(Task& task, const Step& step) {
   const auto parties = code_.meetings.find(name);
   if (parties == code_.meetings.end() || parties->second.size() < 2)
     fail_at(source(step).place, "no-meeting", "no other task comes to '" + name + "'",
-            "`meet` stands in two or more tasks");
+            "use `meet` in two or more tasks");
   auto& come = meetings_[name];
   come.push_back(task.id);
   if (come.size() < parties->second.size()) {

@@ -216,9 +216,9 @@ TEST(MessageForms, RefusalsSayWhichKeyAndWhere) {
   says("{values: [1]}", "std_msgs/Float64MultiArray", "not known");
   says("{}", "std_msgs/Float64", "no data");
   says("{joint_names: [a], interface_values: []}", "control_msgs/DynamicJointState",
-       "1 joint_names stand beside 0");
+       "1 joint_names do not match 0");
   says("{dof_names: [a], values: [1, 2]}", "control_msgs/MultiDOFCommand",
-       "1 dof_names stand beside 2 values");
+       "1 dof_names do not match 2 values");
   says("3", "control_msgs/DynamicJointState", "no message of named values");
   says("{force_: {x: 1}}", "geometry_msgs/WrenchStamped", "force_");
   says("{header: {}}", "geometry_msgs/WrenchStamped", "neither force nor torque");

@@ -112,7 +112,7 @@ TEST_F(Mistakes, AProgramSetsNoTagThatTheHardwareMeasures) {
                "  Lamp: {initial: false}\n");
   folder.write("job.script", "set Where = 1\n");
   cell("", "signals: signals.yaml\nprogram: job.script\n");
-  EXPECT_NE(both().find("job.script:1 'Where' says what the hardware measures; a program cannot set it"),
+  EXPECT_NE(both().find("job.script:1 'Where' is a measured value of the hardware; a program cannot set it"),
             std::string::npos)
       << checked();
   folder.write("job.script", "set Lamp = Where > 1\n");
@@ -230,8 +230,8 @@ TEST_F(Mistakes, OneMistakeIsOneError) {
                "Pose: RPY\nName: A\nPoint: nan, 0, 1, 0, 0, 0\nName: B\nPoint: 0.3, 0, 1, 0, 0, 0\n");
   folder.write("job.script", "load places\nmovej A\nmovej B\n");
   cell("", "program: job.script\n");
-  EXPECT_EQ(run().find("places.points:3 'nan' is no number here"), 0u) << run();
-  EXPECT_EQ(run().find('\n'), run().size() - 1) << "what comes of it is no error of its own: " << run();
+  EXPECT_EQ(run().find("places.points:3 'nan' is not a number here"), 0u) << run();
+  EXPECT_EQ(run().find('\n'), run().size() - 1) << "what comes of it is not an error of its own: " << run();
 }
 
 TEST_F(Mistakes, NamesThatOnlyThePlcLoadsAreKnown) {
@@ -306,11 +306,10 @@ std::string waiting(const test::Folder& folder, const std::string& signals, cons
 
 TEST_F(Mistakes, WhoWaitsForWhatAnotherProgramWritesIsToldOfLiveFiles) {
   EXPECT_EQ(waiting(folder, ""),
-            "nobody in the cell sets 'Ready', which comes from cycledata.data: the run has a copy of that "
-            "file; where "
-            "another program writes it, say live: [cycledata] in signals.yaml");
+            "nothing in the cell sets 'Ready', which comes from cycledata.data: the run has a copy of that "
+            "file; if another program writes it, set live: [cycledata] in signals.yaml");
   EXPECT_EQ(waiting(folder, "live: [cycledata]\n"), "") << "somebody outside may write it";
-  EXPECT_EQ(waiting(folder, "", "if Ready\n  set Ready = true\nend\n"), "check who is to set these tags");
+  EXPECT_EQ(waiting(folder, "", "if Ready\n  set Ready = true\nend\n"), "check what should set these tags");
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ TEST_F(Waits, ATimeOutNamesTheFeederThatIsEmpty) {
 TEST_F(Waits, ATimeOutSaysThatNobodyAskedTheFeeder) {
   EXPECT_NE(
       failure("wait Lying > 0 timeout 1s\n")
-          .what.find("the feeder 'chute' was asked for 0 parts and has brought none: set 'Feed' to one more"),
+          .what.find("the feeder 'chute' was to bring 0 parts and has brought none: set 'Feed' to one more"),
       std::string::npos);
 }
 

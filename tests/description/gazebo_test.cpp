@@ -90,8 +90,7 @@ TEST(Gazebo, ListsWhatIsPassedOverInOneWarning) {
       warnings);
   ASSERT_EQ(warnings.list().size(), 1u);
   EXPECT_EQ(warnings.list()[0].where.line, 5);
-  EXPECT_TRUE(
-      has(warnings.list()[0].what, "<material> (line 5), <kp> (line 6), <plugin> (line 9) passed over"));
+  EXPECT_TRUE(has(warnings.list()[0].what, "<material> (line 5), <kp> (line 6), <plugin> (line 9) ignored"));
 }
 
 TEST(Gazebo, SaysThatGravityIsNotTurnedOff) {

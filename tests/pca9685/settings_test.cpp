@@ -87,9 +87,9 @@ TEST_P(WrongSettings, AreNamed) {
 INSTANTIATE_TEST_SUITE_P(
     Table, WrongSettings,
     ::testing::Values(Wrong{"pin_enable_0", "-", "pin_enable_0 is not stated"},
-                      Wrong{"pin_pos_1", "16", "pin_pos_1 = '16' is no channel"},
-                      Wrong{"pin_neg_1", "x", "pin_neg_1 = 'x' is no channel"},
-                      Wrong{"pin_neg_1", "-3", "pin_neg_1 = '-3' is no channel"},
+                      Wrong{"pin_pos_1", "16", "pin_pos_1 = '16' is not a channel"},
+                      Wrong{"pin_neg_1", "x", "pin_neg_1 = 'x' is not a channel"},
+                      Wrong{"pin_neg_1", "-3", "pin_neg_1 = '-3' is not a channel"},
                       Wrong{"pin_pos_1", "8", "channel 8 is used twice, by motors 0 and 1"},
                       Wrong{"pin_enable_2", "3", "no parameter 'pin_enable_2'"},
                       Wrong{"address", "0x20", "0x40 to 0x7F"}, Wrong{"address", "0x", "0x40 to 0x7F"},

@@ -56,7 +56,7 @@ TEST_F(ForeignCell, RunsNoneOfItsCodeBeforeSomebodyHasApprovedIt) {
   bring_library();
   const auto refused = run();
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_TELLS(refused.output, "which nobody has approved on this machine");
+  EXPECT_TELLS(refused.output, "that nobody has approved on this machine");
   EXPECT_TELLS(refused.output, "polyarm plugins approve ");
   test::run_command({"check", cell(), "--dry", "--cycles", "1"});
   const auto listed = test::run_command({"plugins", cell(), "--json"});

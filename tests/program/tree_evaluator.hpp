@@ -50,7 +50,7 @@ class TreeEvaluator {
   [[noreturn]] static void fail(const std::string& what, Place place) { throw Failure{what, place.line}; }
 
   static Value sure(Maybe value, Place place) {
-    if (!value) fail("a value was expected, and this function returns none", place);
+    if (!value) fail("a value was expected, but this function returns none", place);
     return std::move(*value);
   }
 

@@ -219,7 +219,7 @@ TEST_F(Wrapper, MakesWhatIsThrownInACycleAnErrorWithItsText) {
   activate(by_hand);
   std::vector<double> states(2);
   for (const auto& [where, text] :
-       {std::pair{"read", "the cable is cut"}, std::pair{"number", "no std::exception"}}) {
+       {std::pair{"read", "the cable is cut"}, std::pair{"number", "not a std::exception"}}) {
     wrapped::ByHand::throws_in = where;
     EXPECT_EQ(by_hand.read(cycle, states), ReturnType::error);
     EXPECT_NE(by_hand.reason().find(text), std::string::npos) << by_hand.reason();

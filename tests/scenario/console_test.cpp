@@ -118,7 +118,7 @@ TEST_F(Console, TheEditorKeepsValuesOfEveryKindAndAsksBeforeItOverwrites) {
             "10",    "perhaps", "True",   "Sure",  "15",      "3",      "mine", "0",         "0"});
   EXPECT_TRUE(in_order(
       done, {"no file yet", "Repeat = True", "* (not saved)", "'Repeat' exists already: True. Overwrite it?",
-             "Choose another name?", "Repeat2 = False", "'perhaps' is no boolean", "Sure = True", "NAME",
+             "Choose another name?", "Repeat2 = False", "'perhaps' is not a boolean", "Sure = True", "NAME",
              "saved 7 values in mine.data"}));
   const data::DataSet kept = values("mine.data");
   EXPECT_EQ(*kept.value("Repeat"), data::Value(false));
@@ -214,8 +214,8 @@ TEST_F(Console, AMixedTrajectoryIsOnePathAndDurationsAreAskedOrComputed) {
                {"9", "f", "A, B", "10", "X", "12", "0", "11", "6", "f", "A", "-1", "4", "0", "0"});
   const Finished done = told(lines);
   EXPECT_TRUE(in_order(done, {"Types in their order", "arrived after", "TCP x 250.00 y 100.00 z 250.00 mm",
-                              "arrived after", "'X' is no type of a point", "Duration of the move to A in s",
-                              "takes more than 0 s", "arrived after 4."}));
+                              "arrived after", "'X' is not a type of a point",
+                              "Duration of the move to A in s", "takes more than 0 s", "arrived after 4."}));
 }
 
 TEST_F(Console, WithoutATerminalJogAndSlidersTakeSteps) {
