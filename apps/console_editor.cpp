@@ -147,7 +147,7 @@ void ConsoleEditor::delete_file() {
   const auto path = find(name);
   if (!path || !is_data_ending(*path))
     throw Error("no-file", "there is no data file '" + name + "'" + did_you_mean(name, files()));
-  if (!talk_.yes("Delete " + path->filename().string() + "? It cannot be brought back.")) throw GivenUp{};
+  if (!talk_.yes("Delete " + path->filename().string() + "? It cannot be restored.")) throw GivenUp{};
   std::error_code error;
   if (!fs::remove(*path, error)) throw Error("unwritable", path->string() + ": " + error.message());
   const bool open = *path == path_;

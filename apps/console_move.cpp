@@ -217,7 +217,7 @@ void ConsoleMove::jog(bool tcp) {
   screen.tcp = tcp;
   screen.keep = [this](const Json& state) {
     try {
-      const bool joints = talk_.yes("Keep it as a joint state (else as a pose)?", true);
+      const bool joints = talk_.yes("Store it as a joint state (otherwise as a pose)?", true);
       const std::string name = editor_.keep(joints ? data::Value(ConsoleEditor::joints_of(state))
                                                    : data::Value(ConsoleEditor::pose_of(state)));
       return name.empty() ? std::string("not kept") : "kept as " + name;
@@ -232,8 +232,8 @@ void ConsoleMove::jog(bool tcp) {
 
 /// If keys cannot be read: one step per line, until an empty line.
 void ConsoleMove::jog_by_lines(bool tcp) {
-  const std::string question = tcp ? "Axis, way and frame (z 20mm tool), empty: end: "
-                                   : "Joint and way (elbow_joint 5deg), empty: end: ";
+  const std::string question = tcp ? "Axis, distance and frame (z 20mm tool), empty: end: "
+                                   : "Joint and distance (elbow_joint 5deg), empty: end: ";
   for (std::string line = talk_.line(question); !line.empty() && line != "0"; line = talk_.line(question)) {
     const std::vector<std::string> words = split_words(line);
     if (words.size() < 2 || words.size() > (tcp ? 3u : 2u)) {
@@ -253,7 +253,7 @@ void ConsoleMove::jog_by_lines(bool tcp) {
         answer = cell_.receive(id, 100);
       } while (answer.is_null() || answer.value("more", false));
       const Json state = Client::result_of(answer);
-      if (!state["done"].get<bool>()) talk_.complain("not all of the way: " + shown(state["reason"]));
+      if (!state["done"].get<bool>()) talk_.complain("not the whole distance: " + shown(state["reason"]));
       talk_.say(tcp ? tcp_line(state) : joints_line(state));
     } catch (const Error& e) {
       if (!cell_.runs()) throw;
@@ -274,13 +274,13 @@ void ConsoleMove::sliders() {
 void ConsoleMove::change_method() {
   manual_ = !manual_;
   talk_.say(manual_ ? "the console asks for the duration of each move"
-                    : fmt::format("moves take {} s for each rad of their way in joint space",
+                    : fmt::format("moves take {} s for each rad of their path in joint space",
                                   format_number(scale_)));
 }
 
 void ConsoleMove::change_scale() {
   const double scale =
-      talk_.quantity(fmt::format("Seconds for each rad of the way in joint space, 0: as fast as the limits "
+      talk_.quantity(fmt::format("Seconds for each rad of the path in joint space, 0: as fast as the limits "
                                  "allow ({}): ",
                                  format_number(scale_)),
                      Dimension::none, scale_);

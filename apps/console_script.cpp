@@ -145,7 +145,7 @@ void ConsoleScript::run_from_line() {
   const int line = talk_.number("Line to begin at: ", 1, 1'000'000'000);
   if (has_ended(now) || now["state"] == "ready") load_file(file);  // with the present data
   tell_assumed(cell_.ask({{"request", "program.from"}, {"program", file}, {"line", line}}));
-  if (!talk_.yes("Is all of that so, and may it begin there?")) {
+  if (!talk_.yes("Is all of this true, and may the program start there?")) {
     stop();
     throw GivenUp{};
   }
@@ -176,7 +176,7 @@ void ConsoleScript::tell_events() {
 
 void ConsoleScript::follow() {
   if (talk_.at_terminal())
-    talk_.say(talk_.dim("Enter pauses in front of the next line; Ctrl-C stops on the path"));
+    talk_.say(talk_.dim("Enter pauses before the next line; Ctrl-C stops on the path"));
   for (int asked = 0;;) {
     if (talk_.ended()) throw EndOfAnswers{};
     if (talk_.take_interrupt()) cell_.ask({{"request", ++asked > 1 ? "control.stop" : "control.hold"}});
@@ -197,8 +197,7 @@ void ConsoleScript::follow() {
       continue;
     }
     if (is_paused(now)) {
-      talk_.say(
-          fmt::format("paused in front of line {}: {}", shown(now["where"]["line"]), shown(now["source"])));
+      talk_.say(fmt::format("paused before line {}: {}", shown(now["where"]["line"]), shown(now["source"])));
       return;
     }
     if (!now["question"].is_null()) {

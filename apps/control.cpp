@@ -277,15 +277,15 @@ int arm(const Arguments& a) {
 }  // namespace
 
 int run_control(int argc, char** argv) {
-  CommandLine app("Controllers of a running cell: what they are, and switching them", "polyarm control");
+  CommandLine app("Lists and switches the controllers of a running cell", "polyarm control");
   Arguments a;
   const auto add = [&](const char* name, const char* text) {
     CommandLine* sub = app.add_subcommand(name, text);
     a.client.add_to(*sub);
     return sub;
   };
-  add("list", "the controllers, their states and what they claim");
-  add("types", "the controller types that there are");
+  add("list", "list the controllers, their states and claimed interfaces");
+  add("types", "list the controller types");
   add("chains", "which controllers work through which");
   CommandLine* change = add("switch", "stop and start controllers in one step, between two cycles");
   change->add_option("-a,--activate", a.activate, "start these");
@@ -294,13 +294,13 @@ int run_control(int argc, char** argv) {
   change->add_flag("--dry", a.dry, "only print what would happen, or why the switch is refused");
   CommandLine* load = add("load", "create and configure a controller");
   load->add_option("name", a.name, "as in the controllers file, or a new name with --type")->required();
-  load->add_option("--type", a.type, "for one that no file describes");
+  load->add_option("--type", a.type, "type of a controller that no file describes");
   load->add_option("--file", a.file, "a controllers file that describes it, instead of the cell's own");
   load->add_option("-p,--param", a.parameters, "KEY=VALUE; lists as [a, b]");
   add("configure", "unconfigured to inactive")->add_option("name", a.name)->required();
   add("cleanup", "inactive to unconfigured")->add_option("name", a.name)->required();
-  add("unload", "take a controller away that is not active")->add_option("name", a.name)->required();
-  CommandLine* state = add("state", "take a controller to a state");
+  add("unload", "remove a controller that is not active")->add_option("name", a.name)->required();
+  CommandLine* state = add("state", "bring a controller to a state");
   state->add_option("name", a.name)->required();
   state->add_option("state", a.state, "unconfigured, inactive or active")->required();
   add("arm", "let real hardware move: shows measured and expected positions, and asks you");
@@ -313,7 +313,7 @@ int run_control(int argc, char** argv) {
   back->add_option("--time", a.seconds, "seconds of the plan (1)");
   back->add_option("--distance", a.distance,
                    "distance along the path: metres for paths of the TCP, radians for joint moves");
-  add("override", "how much of the planned speed is used")
+  add("override", "set the share of the planned speed")
       ->add_option("percent", a.percent, "0% to 100%; without it: print the present value");
   add("discard", "discard the rest of a held motion");
   add("recover", "leave the fault state; nothing moves yet");
@@ -324,14 +324,14 @@ int run_control(int argc, char** argv) {
   add("step", "run one statement of a paused program")
       ->add_option("how", a.how, "into functions, over them (otherwise), or out of this one")
       ->one_of({"into", "over", "out"});
-  CommandLine* stop_at = add("break", "pause in front of lines; without any: which there are");
+  CommandLine* stop_at = add("break", "set breakpoints; without lines: list them");
   stop_at->add_option("at", a.places, "LINE or FILE:LINE");
   stop_at->add_flag("--clear", a.clear, "remove earlier breakpoints");
   CommandLine* from =
       add("from", "start a paused or ended program at a line; shows what it assumes, and asks");
   from->add_option("line", a.line)->positive()->required();
   from->add_flag("--yes", a.yes, "do not ask");
-  add("end", "end the program; its `on stop` is done");
+  add("end", "end the program; its `on stop` block runs");
   app.footer(
       examples({"polyarm control list", "polyarm control switch --deactivate old --activate new",
                 "polyarm control switch -a new --strictness force --dry",

@@ -228,15 +228,15 @@ struct Action {
   int (*run)(const DataArguments&);
 };
 constexpr Action kActions[] = {
-    {"list", "the names with their types and values", list_names},
-    {"get", "one value, as it can be set again", get_value},
+    {"list", "list the names with types and values", list_names},
+    {"get", "print one value in the form that `set` takes", get_value},
     {"set", "change a value, or add one", set_value},
-    {"group", "put names into a group, by which lists show them", group_names},
-    {"import", "take values from a text file, CSV, JSON, YAML or SRDF", import_values},
+    {"group", "put names into a group", group_names},
+    {"import", "import values from a text file, CSV, JSON, YAML or SRDF", import_values},
     {"export", "write the values as text, CSV, JSON, YAML or SRDF", export_values},
     {"delete", "delete a name, or the file", delete_values},
-    {"history", "the changes that undo can take back, newest first", show_history},
-    {"undo", "take the last change back, or the last N", undo_changes},
+    {"history", "list the changes that can be undone, newest first", show_history},
+    {"undo", "undo the last change, or the last N", undo_changes},
 };
 
 void add_arguments(CommandLine& sub, const std::string& action, DataArguments& a) {
@@ -250,7 +250,7 @@ void add_arguments(CommandLine& sub, const std::string& action, DataArguments& a
     sub.add_option("names", a.names)->required();
   }
   if (action == "import") sub.add_option("from", a.from, "the file to read")->required();
-  if (action == "export") sub.add_option("--output,-o", a.to, "the file to write; left out: it is printed");
+  if (action == "export") sub.add_option("--output,-o", a.to, "the file to write; default: print it");
   if (action == "import" || action == "export")
     sub.add_option("--format", a.form, "text, csv, json, yaml or srdf; else by the file's ending");
   if (action == "export") sub.add_option("--group", a.group, "group of an SRDF's states");

@@ -73,7 +73,7 @@ int run_far_side(int argc, char** argv) {
   if (maker != argv + argc && std::string(*maker) == "ur") return run_far_side_ur(argc, argv);
   if (maker != argv + argc && std::string(*maker) == "fanuc") return run_far_side_fanuc(argc, argv);
   CommandLine app(
-      "Simulates the controller of a robot down to its bytes, for drivers and programs without a robot",
+      "Simulates the controller of a robot byte for byte, for drivers and programs without a robot",
       "polyarm far-side");
   std::string name;
   app.add_option("maker", name,

@@ -75,9 +75,8 @@ int simulate(const FanucArguments& a) {
 }  // namespace
 
 int run_far_side_fanuc(int argc, char** argv) {
-  CommandLine app(
-      "Simulates a controller of FANUC down to its bytes, for drivers and programs without a robot",
-      "polyarm far-side");
+  CommandLine app("Simulates a controller of FANUC byte for byte, for drivers and programs without a robot",
+                  "polyarm far-side");
   FanucArguments a;
   app.add_option("maker", a.maker, "fanuc")->required()->one_of({"fanuc"});
   app.add_option("--robot", a.robot, "a robot of the maker with six axes in the catalogue")

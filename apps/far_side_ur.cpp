@@ -67,7 +67,7 @@ int simulate(const UrArguments& a) {
 
 int run_far_side_ur(int argc, char** argv) {
   CommandLine app(
-      "Simulates the controller of a robot of Universal Robots down to its bytes, for drivers and programs "
+      "Simulates the controller of a robot of Universal Robots byte for byte, for drivers and programs "
       "without a robot",
       "polyarm far-side");
   UrArguments a;

@@ -83,7 +83,7 @@ int jog_by(Client& client, const JogArguments& a) {
     if (flag_of(part(answer, {"more"}))) continue;
     report(a, state);
     if (flag_of(state["done"])) return kOk;
-    fmt::print(stderr, "polyarm jog: not all of the way: {}\n", shown(state["reason"]));
+    fmt::print(stderr, "polyarm jog: not the whole distance: {}\n", shown(state["reason"]));
     return kFailed;
   }
 }

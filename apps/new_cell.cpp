@@ -399,7 +399,7 @@ int write_new_cell(const NewCell& asked) {
   }
   fs::create_directories(folder, error);
   if (error)
-    throw Error("unwritable", "the folder " + folder.string() + " cannot be made: " + error.message(),
+    throw Error("unwritable", "the folder " + folder.string() + " cannot be created: " + error.message(),
                 "choose a place where you may write with --folder DIR");
   write_files(folder, asked, best.value_or(layouts(sizes.reach).front()), sizes);
   if (!best) why = found_in(folder);

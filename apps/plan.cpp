@@ -71,20 +71,20 @@ void Request::add_to(CommandLine& app) {
                  "how far around points the path may leave its lines: 20mm; for files also rad");
   app.add_option("--speed", pace.speed, "50% of the limits, or at most 250mm/s at the TCP");
   app.add_option("--acceleration", pace.acceleration, "50% of the limits, or at most 1m/s2 at the TCP");
-  app.add_flag("--keep-times", keep_times, "judge the file's trajectory with the times that it has");
+  app.add_flag("--keep-times", keep_times, "check the file's trajectory with its own times");
   app.add_flag("--lines", lines, "straight between the file's points in joint space, not a spline");
   app.add_option("--svg", svg, "plot position, velocity, acceleration, jerk and TCP speed");
   app.add_option("--csv", csv, "write them as a table, at --rate (250 Hz)");
   app.add_option("--export", exports, "write a JointTrajectory, FILE.yaml or FILE.json; may be repeated");
   app.add_option("--rate", rate, "Hz of --csv and --export; without it an export has the fewest points")
       ->positive();
-  app.add_option("--tolerance", tolerance, "how near an export without --rate is, rad or m")->positive();
+  app.add_option("--tolerance", tolerance, "tolerance of an export without --rate, rad or m")->positive();
   app.add_flag("--around", around, "movej goes around the robot itself, the scene and its floor");
   app.add_option("--scene", scene, "scene file: what the robot must not touch; without it that of the cell")
       ->existing_file();
   app.add_option("--clearance", clearance, "distance to keep from the scene: 10mm");
-  app.add_option("--seed", seed, "of the search of --around; the same seed gives the same way");
-  app.add_option("--time", seconds, "of --around, s for each move (5)")->positive();
+  app.add_option("--seed", seed, "seed of the search of --around; the same seed gives the same path");
+  app.add_option("--time", seconds, "time limit of --around, s for each move (5)")->positive();
   app.add_flag("--ros1", ros1, "exports have secs and nsecs");
   app.add_flag("--json", as_json, "one JSON object");
 }
@@ -450,7 +450,7 @@ int show(const PlannedMotion& motion, const Request& request) {
 }  // namespace
 
 int run_plan(int argc, char** argv) {
-  CommandLine app("Plans a motion without moving: its duration, what bounds it where, and a plot",
+  CommandLine app("Plans a motion without moving: its duration, the limits that determine it, and a plot",
                   "polyarm plan");
   Request request;
   request.add_to(app);
@@ -468,7 +468,7 @@ int run_plan(int argc, char** argv) {
   request.part();
   const auto require_words = [&] {
     if (request.words.empty())
-      throw WrongUse("bad-move", "nothing is said to be planned", "name moves: movel Pick movel Place");
+      throw WrongUse("bad-move", "there is nothing to plan", "name moves: movel Pick movel Place");
   };
   Problems problems;
   try {

@@ -167,7 +167,7 @@ class Reader {
       m.orientation = orientation(text);
     } else {
       const std::vector<std::string> known{"speed", "acceleration", "blend", "duration", "orientation"};
-      refuse(key + "=", "is nothing that a move has" + did_you_mean(key, known), join(known, "=, ") + "=");
+      refuse(key + "=", "is not an option of a move" + did_you_mean(key, known), join(known, "=, ") + "=");
     }
   }
   static paths::ArcOrientation orientation(const std::string& text) {
@@ -240,7 +240,7 @@ class Reader {
         state != places_.robot.model->named_states.end())
       return {state->second, word};
     if (parse_number(word))
-      throw Error("unknown-name", "'" + word + "' is a number, where a move goes to is a place",
+      throw Error("unknown-name", "'" + word + "' is a number, but the target of a move is a place",
                   kJointsAdvice);
     const std::vector<std::string> known = places_.names();
     throw Error("unknown-name", "there is no place called '" + word + "'" + did_you_mean(word, known),

@@ -54,7 +54,7 @@ int run_build(int argc, char** argv) {
       ->required()
       ->existing_folder();
   app.add_flag("--simulated", build.simulated, "this hardware moves nothing real: it runs without --real");
-  app.add_option("--build-dir", build.scratch, "where to build (else in ~/.cache/polyarm/plugins)");
+  app.add_option("--build-dir", build.scratch, "build folder (default: ~/.cache/polyarm/plugins)");
   app.add_option("--jobs", build.jobs, "compilers side by side");
   app.footer(
       examples({"polyarm plugin build my_robot_hardware", "polyarm plugin build ros2_ws/src --simulated"}) +
@@ -83,7 +83,7 @@ int run_build(int argc, char** argv) {
 
 int run_check_plugin(int argc, char** argv) {
   CommandLine app(
-      "Says what a package needs that is not here: headers, packages, names of ROS that Polyarm does not "
+      "Lists what a package needs and is missing here: headers, packages, names of ROS that Polyarm does not "
       "have",
       "polyarm plugin check");
   std::string path;

@@ -33,7 +33,7 @@ fs::path cache_folder() {
   if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
     return fs::path(cache) / "polyarm" / "plugins";
   if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache/polyarm/plugins";
-  throw Error("no-home", "there is no place to build in: neither XDG_CACHE_HOME nor HOME is set",
+  throw Error("no-home", "there is no folder to build in: neither XDG_CACHE_HOME nor HOME is set",
               "name one with --build-dir DIR");
 }
 
@@ -86,7 +86,7 @@ std::vector<std::string> errors_in(const fs::path& log, std::size_t most) {
     problems.error("build-failed", {}, line, "");
   problems.error("build-failed", {package.folder.string(), 0},
                  "the package " + package.name + " was not built",
-                 "all that CMake and the compiler said is in " + log.string());
+                 "the output of CMake and the compiler is in " + log.string());
   throw Error(problems.list());
 }
 

@@ -119,7 +119,7 @@ int run_approve(int argc, char** argv) {
 }
 
 int run_approved(int argc, char** argv) {
-  CommandLine app("Lists what you have approved on this machine: plugins, and what cells may reach",
+  CommandLine app("Lists what you have approved on this machine: plugins, and what cells may access",
                   "polyarm plugins approved");
   bool as_json = false;
   app.add_flag("--json", as_json, "a list of {kind, subject, what}");
@@ -159,12 +159,12 @@ int run_plugins(int argc, char** argv) {
   if (word == "approve") return run_approve(argc - 1, argv + 1);
   if (word == "approved") return run_approved(argc - 1, argv + 1);
   if (word == "revoke") return run_revoke(argc - 1, argv + 1);
-  CommandLine app("Lists plugins: what they bring, where they are, and what was refused and why",
+  CommandLine app("Lists plugins: their types, their files, and the refused ones with the reason",
                   "polyarm plugins");
   std::vector<std::string> folders;
   std::string cell;
   bool as_json = false;
-  app.add_option("cell", cell, "a cell: its 'plugins:' folders are looked through, too");
+  app.add_option("cell", cell, "a cell: its 'plugins:' folders are searched, too");
   add_plugin_option(app, folders);
   app.add_flag("--json", as_json, "one JSON object: plugins, refused, not_approved, default_folders");
   app.footer(

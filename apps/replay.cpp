@@ -61,8 +61,8 @@ nlohmann::json json_of(const cell::Replay& replay) {
 
 int run_replay(int argc, char** argv) {
   CommandLine app(
-      "Plays the last cycles before a fault again: what happened when, and the recorded commands on a "
-      "simulated robot beside what was measured",
+      "Replays the last cycles before a fault: the events, and the recorded commands on a simulated robot, "
+      "compared with the measured values",
       "polyarm replay");
   std::string folder, hardware = "mock";
   bool json = false;

@@ -55,7 +55,7 @@ int run_robots_add(int argc, char** argv) {
   app.add_option("--name", name, "maker/model (own/<name of the robot> by default)");
   app.add_option("--folder", folder,
                  "the folder (by default ~/.config/polyarm/robots, which is always read)");
-  app.add_flag("--replace", replace, "over a robot of that name");
+  app.add_flag("--replace", replace, "replace a robot of this name");
   app.footer(examples({"polyarm robots add my_arm.urdf --name acme/one",
                        "polyarm robots add ur.urdf.xacro name:=ur ur_type:=ur5e --name acme/cell_ur",
                        "polyarm robots add arm.urdf --folder my_cell/robots"}));
@@ -81,8 +81,7 @@ int run_robots_add(int argc, char** argv) {
 }
 
 int run_robots_remove(int argc, char** argv) {
-  CommandLine app("Takes a robot that `polyarm robots add` has added out of the catalogue",
-                  "polyarm robots remove");
+  CommandLine app("Removes a robot that `polyarm robots add` has added", "polyarm robots remove");
   std::string name, folder;
   app.add_option("name", name, "maker/model")->required();
   app.add_option("--folder", folder, "where from (by default ~/.config/polyarm/robots)");

@@ -89,8 +89,7 @@ void add_options(CommandLine& app, RunArguments& a) {
   app.add_option("--answer", a.cell_options.answers, "answer to `wait user`, in order; may be repeated");
   bool* socket = &a.run.socket;
   add_pendant_options(app, a.pendant);
-  app.add_option("--record", a.record.file,
-                 "record into this MCAP file what happens, for Foxglove and others");
+  app.add_option("--record", a.record.file, "record the run into this MCAP file, for Foxglove and others");
   app.add_option("--record-rate", a.record.rate, "cycles a second in the recording (100)")
       ->range(0.1, 10'000.0);
   app.add_flag("--ros2", a.ros2,
@@ -138,8 +137,7 @@ class EndsInTime {
     std::thread([code, over = over_] {
       std::unique_lock lock(over->mutex);
       if (over->wake.wait_for(lock, std::chrono::seconds(20), [&] { return over->yes; })) return;
-      std::fputs("polyarm run: a thread of a plugin does not come back; the process is ended without it\n",
-                 stderr);
+      std::fputs("polyarm run: a thread of a plugin does not return; the process ends without it\n", stderr);
       std::fflush(nullptr);
       std::_Exit(code);
     }).detach();

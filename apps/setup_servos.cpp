@@ -79,7 +79,7 @@ int run(const SetupArguments& a) {
   if (!a.check && !a.back_up) setup.assign_ids();
   setup.find();
   if (!setup.check()) {
-    fmt::print(stderr, "not everything is as it should be: see above\n");
+    fmt::print(stderr, "some checks failed: see above\n");
     return kFailed;
   }
   if (a.check) return kOk;
@@ -94,7 +94,7 @@ int run_setup(int argc, char** argv) {
   SetupArguments a;
   app.add_option("device", a.family, "feetech or dynamixel")->required()->one_of({"feetech", "dynamixel"});
   app.add_option("--port", a.options.port, "serial port; without it every port is searched");
-  app.add_option("--baud", a.options.baud, "only this rate; without it all that the servos can have");
+  app.add_option("--baud", a.options.baud, "only this rate; default: all rates of the servos");
   app.add_option("--joints", a.joints,
                  "names from base to tip, separated by commas; ids follow from 1 (feetech: those of SO-101)");
   a.options.calibration = "calibration.yaml";
@@ -106,7 +106,7 @@ int run_setup(int argc, char** argv) {
       ->capture_default_str();
   auto* scan = app.add_flag("--scan", a.scan, "only list the servos that answer");
   auto* check = app.add_flag("--check", a.check, "only check that all joints answer without a fault");
-  auto* back_up = app.add_flag("--back-up", a.back_up, "only check and keep the registers");
+  auto* back_up = app.add_flag("--back-up", a.back_up, "only check and save the registers");
   auto* restore = app.add_option("--restore", a.restore, "write a backup back");
   scan->excludes(check)->excludes(back_up)->excludes(restore);
   check->excludes(back_up)->excludes(restore);
@@ -119,7 +119,7 @@ int run_setup(int argc, char** argv) {
   app.footer(examples({"polyarm setup feetech --scan", "polyarm setup feetech --calibration so101.yaml",
                        "polyarm setup dynamixel --joints waist,shoulder,elbow,wrist --baud 1000000",
                        "polyarm setup feetech --restore servo_backup.yaml"}) +
-             "\nThe joints keep still all the while; torque goes off after a yes, never on.\n");
+             "\nSetup moves no joint. It switches the torque off after a yes, and never on.\n");
   if (const auto code = app.parse(argc, argv)) return *code;
   if (a.joints.empty() && a.family == "feetech") a.joints = kSo101Joints;
   if (a.joints.empty() && !a.scan && a.restore.empty()) {

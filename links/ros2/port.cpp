@@ -189,7 +189,7 @@ class Port : public signals::LinkPort {
     check_fits(tag, field);
     if (tag.direction != Direction::in) {
       Outgoing& out = outgoing_.try_emplace(name(tag.topic), Outgoing{&type}).first->second;
-      if (out.type != &type) throw Error("bad-link", "two types are said of " + tag.topic);
+      if (out.type != &type) throw Error("bad-link", "there are two types for " + tag.topic);
       out.latched |= tag.retain;
       out.stamped = !type.fields.empty() && std::string_view(type.fields[0].name) == "header";
       add_constants(tag, type, out.message);
@@ -197,7 +197,7 @@ class Port : public signals::LinkPort {
     }
     if (tag.direction == Direction::out) return;
     Incoming& in = incoming_.try_emplace(name(tag.topic), Incoming{&type}).first->second;
-    if (in.type != &type) throw Error("bad-link", "two types are said of " + tag.topic);
+    if (in.type != &type) throw Error("bad-link", "there are two types for " + tag.topic);
     in.latched |= tag.retain;
     in.best_effort |= tag.best_effort;
     in.places.push_back({index, std::move(field)});

@@ -124,7 +124,7 @@
     "the connection is closed")                                                                                 \
   X(kRmiLineBytes, 1 << 16, "bytes", "one line of the Remote Motion Interface (FANUC)",                         \
     "the connection is closed")                                                                                 \
-  X(kRmiNesting, 8, "levels", "brackets in such a line", "answered as unknown; the driver passes it over")      \
+  X(kRmiNesting, 8, "levels", "brackets in such a line", "answered as unknown; the driver ignores it")      \
   X(kRmiInstructions, 8, "instructions", "instructions that a simulated FANUC controller keeps",                \
     "refused: 2556956")                                                                                         \
   X(kStreamPacketBytes, 1024, "bytes", "one packet of Stream Motion (FANUC)", "the link ends; dropped by a simulated controller")\

@@ -92,7 +92,7 @@ fs::path store_robot(const RobotModel& model, const std::string& name, const fs:
                   "take another --name, or --replace it");
   fs::create_directories(file.parent_path(), error);
   if (error)
-    throw Error("no-folder", file.parent_path().string() + " cannot be made: " + error.message(),
+    throw Error("no-folder", file.parent_path().string() + " cannot be created: " + error.message(),
                 "choose a folder with --folder");
   write_file_atomically(file, write_urdf(model));
   return file;

@@ -380,8 +380,8 @@ class Checker {
   void note_left_out(const Rehearsal& found, const std::string& of) {
     if (found.left_out == 0) return;
     result_.notes.push_back(fmt::format(
-        "the {} was followed with {} other values, answers, time-outs and errors; {} more were left out", of,
-        found.variants, found.left_out));
+        "the {} was also checked with {} other values, answers, time-outs and errors; {} more were left out",
+        of, found.variants, found.left_out));
   }
 
   void run_whole(CellOptions options) {

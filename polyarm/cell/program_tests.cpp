@@ -73,8 +73,9 @@ std::vector<ProgramTest> find_tests(const fs::path& path, Problems& problems) {
     if (found.has_errors()) continue;
     const auto cell = cell_above(file);
     if (!cell) {
-      problems.error("no-cell", {file.string()}, "no folder from that of this file upwards has a cell.yaml",
-                     "put the tests beside the cell that they are about");
+      problems.error("no-cell", {file.string()},
+                     "neither the folder of this file nor one above it has a cell.yaml",
+                     "put the tests into the folder of their cell");
       continue;
     }
     const auto tests = program::tests(program);

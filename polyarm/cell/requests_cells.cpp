@@ -72,7 +72,7 @@ class Aside {
   void begin(std::function<void()> job) {
     const std::lock_guard lock(mutex_);
     if (busy_.load(std::memory_order_acquire))
-      throw Error("busy", "a dry run or check is under way", "wait until it has ended");
+      throw Error("busy", "a dry run or check is running", "wait until it has ended");
     busy_.store(true, std::memory_order_release);
     thread_ = std::jthread([this, job = std::move(job)] {
       job();
@@ -147,7 +147,8 @@ void add_contacts(const CellFile& file, const description::Catalogue& catalogue,
   constexpr Nanoseconds kMost = 120'000'000'000, kPatience = 20'000'000'000;
   if (!file.signals.empty() && !signals::load_signals((file.folder / file.signals).string()).live.empty()) {
     out.contacts.unchecked = {
-        "contacts are not looked for here, as the program writes live data files of yours: polyarm check --dry runs it"};
+        "contacts are not checked here, because the program writes live data files: polyarm check --dry runs "
+        "it"};
     return;
   }
   ContactList contacts;

@@ -422,8 +422,8 @@ class Runner {
       out.outcome = Outcome::failed;
       out.problems.push_back({"stuck",
                               {},
-                              standing_still() + " (it did not come back when the run ended)",
-                              "what it drives is left to the driver's watchdog"});
+                              standing_still() + " (it did not return when the run ended)",
+                              "only the driver's watchdog can stop what it drives"});
       return;
     }
     if (cell_.life->failure()) {

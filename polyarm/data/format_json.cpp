@@ -241,7 +241,7 @@ void read_json(std::string_view text, const std::string& file, DataSet& out, Pro
   if (const auto tree = parse_literal(text, why))
     read_tree(*tree, file, out, problems);
   else
-    problems.error("bad-json", {file}, "this is no JSON of values: " + why);
+    problems.error("bad-json", {file}, "this is not a JSON file of values: " + why);
 }
 
 void read_yaml(std::string_view text, const std::string& file, DataSet& out, Problems& problems) {

@@ -446,7 +446,7 @@ class ImportReader {
       return store(line, Value(Point{pose_xyz_rpy(position, {n[3], n[4], n[5]}), false, taught_}));
     const double length = std::hypot(std::hypot(n[3], n[4]), std::hypot(n[5], n[6]));
     if (!(length > 1e-6) || !std::isfinite(length))
-      return error(line, value, "bad-point", "the quaternion of this point is zero or no rotation",
+      return error(line, value, "bad-point", "the quaternion of this point is zero or not a rotation",
                    "no rotation is 0, 0, 0, 1");
     const bool unit = std::abs(length - 1) < 1e-12;
     const Quaternion q{n[3], n[4], n[5], n[6]};

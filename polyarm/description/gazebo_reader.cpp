@@ -11,7 +11,7 @@ void GazeboReader::finish(RobotModel& model) {
   if (!weightless_.empty())
     warnings_.warning("gazebo", first_weightless_,
                       "<gazebo> turns gravity off for " + join(weightless_, ", ") +
-                          "; in physics here it pulls them all the same",
+                          "; physics here applies it to them all the same",
                       "the effort limits of the joints must hold them");
   if (!passed_over_.empty())
     warnings_.warning("gazebo", first_, "<gazebo>: " + join(passed_over_, ", ") + " ignored",

@@ -123,10 +123,9 @@ class HardwareCheck {
       component.mimic.reset();
     }
     if (joint.mimic && component.mimic.value_or(true) && !component.command_interfaces.empty()) {
-      warnings_.warning(
-          "mimic-commanded", component.command_interfaces.front().where,
-          "'" + component.name + "' follows another joint, so that its command interfaces are left out",
-          "remove them, or write mimic=\"false\" to command it on its own");
+      warnings_.warning("mimic-commanded", component.command_interfaces.front().where,
+                        "'" + component.name + "' follows another joint; its command interfaces are ignored",
+                        "remove them, or write mimic=\"false\" to command it on its own");
       component.command_interfaces.clear();
     }
     if (component.parameters.contains("mimic") && !joint.mimic)

@@ -70,7 +70,7 @@ class UrdfReader : private XmlReader {
         warnings_.warning("free-joint", where,
                           "the joint '" + joint.name + "' is " + name(joint.type) +
                               ": kinematics takes it as fixed at its origin",
-                          "nothing to do where it is the base; else give the joint one axis");
+                          "nothing to do if it is the base; otherwise give the joint one axis");
   }
 
   /// The first element that needs xacro: an xacro tag, or `${…}` in an attribute. Comments and the name space
@@ -339,7 +339,7 @@ class UrdfReader : private XmlReader {
         std::swap(*joint.limits.lower, *joint.limits.upper);
       }
       if (*joint.limits.lower == *joint.limits.upper) {
-        warnings_.warning("no-limit", at(*l), "the joint '" + joint.name + "' has a range of nothing",
+        warnings_.warning("no-limit", at(*l), "the joint '" + joint.name + "' has an empty range",
                           "it is taken as unlimited");
         joint.limits.lower.reset();
         joint.limits.upper.reset();
@@ -372,7 +372,7 @@ class UrdfReader : private XmlReader {
     }
     if (out.lower == out.upper) out.lower = out.upper = std::nullopt;
     if (out.k_position < 0 || out.k_velocity < 0)
-      error(*s, "bad-number", "k_position and k_velocity of '" + joint.name + "' have to be zero or more");
+      error(*s, "bad-number", "k_position and k_velocity of '" + joint.name + "' must be zero or more");
     joint.soft_limits = out;
   }
 

@@ -282,7 +282,7 @@ Findings judge(const Disk& disk) {
   if (disk.free_bytes >= kBlackBox)
     return {{Grade::note, Concern::simulation, "disk", text + ": little for recordings", mend}};
   return {
-      {Grade::problem, Concern::simulation, "disk", text + ": not enough to keep what a fault leaves", mend}};
+      {Grade::problem, Concern::simulation, "disk", text + ": not enough for the records of a fault", mend}};
 }
 
 bool may_simulate(const Findings& findings) {

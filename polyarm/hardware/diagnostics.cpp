@@ -32,7 +32,7 @@ std::string found(const Hosted& hosted, const InterfaceTable& table) {
   const StopCause cause = hosted.failed_by.load(std::memory_order_acquire);
   const int at = hosted.failed_at.load(std::memory_order_relaxed);
   if (cause == StopCause::late)
-    return "its thread was late, or missed its turn, " + std::to_string(hosted.options.late_after) +
+    return "its thread was late, or missed runs, " + std::to_string(hosted.options.late_after) +
            " times in a row";
   if (cause == StopCause::controller) return "a controller that works on it failed";
   if (at < 0) return {};

@@ -181,7 +181,7 @@ void require_idle(const Hosted& hosted) {
   if (!hosted.pending) return;
   throw Error("busy",
               "the hardware component '" + hosted.name + "' is being " + done_word(hosted.pending->step()) +
-                  " and has not come back from it",
+                  " and has not returned from it",
               "wait until it has; polyarm hardware list shows it");
 }
 
@@ -287,7 +287,7 @@ void Hardware::go(std::shared_ptr<Transition> next, Caller& caller) {
     if (!caller.await(*next))
       throw Error("given-up",
                   "the hardware component '" + next->component() + "' is being " + done_word(next->step()) +
-                      " and has not come back from it",
+                      " and has not returned from it",
                   "check its device; polyarm drivers test opens one alone");
     next = finish(*next);
   }

@@ -146,7 +146,7 @@ std::unique_ptr<Component> make_component(const PluginEntry& entry, const std::f
     out.reset(entry.make_hardware());
   } catch (...) {
     rethrow_as_error("plugin-failed", file.string() + ": making '" + entry.name + "' it",
-                     "its makers have to mend that");
+                     "its author must fix that");
   }
   if (!out)
     throw Error("plugin-failed", file.string() + " makes nothing for '" + entry.name + "'",

@@ -82,7 +82,7 @@ std::optional<Problem> why_no_recover(const Machine& machine) {
   if (state == RunState::fault) return std::nullopt;
   return Problem{"no-fault",
                  {},
-                 std::string("there is no fault to leave: the cell is ") + control::name(state),
+                 std::string("there is no fault: the cell is ") + control::name(state),
                  state == RunState::held ? "polyarm control resume" : "nothing to do",
                  Severity::error,
                  {{"state", control::name(state)}}};

@@ -126,7 +126,7 @@ std::optional<Problem> CellLinks::lost() const {
         return Problem{
             "link-stale",
             {},
-            "the link '" + entry.name + "' has brought nothing new of '" + entry.tags[i].name + "' for " +
+            "the link '" + entry.name + "' has sent no new value of '" + entry.tags[i].name + "' for " +
                 format_number(seconds(entry.tags[i].stale)) + " s",
             {},
             Severity::warning,

@@ -39,7 +39,7 @@ void tell_gains(Parameters& p) {
   }
   for (const auto& [block, where] : blocks)
     p.problems().warning("no-effect", where,
-                         "'" + block + "' has no effect: this controller hands its commands on as they are",
+                         "'" + block + "' has no effect: this controller forwards its commands unchanged",
                          "effort_controllers/JointPositionController and JointVelocityController have a PID");
 }
 

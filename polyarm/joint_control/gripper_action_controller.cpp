@@ -47,8 +47,7 @@ std::string GripperActionController::read_parameters(Parameters& p) {
   p.read("action_monitor_rate", monitor, {"rate of feedback, Hz; the goal is checked every cycle"});
   by_effort_ = command == "effort";
   if (joint.empty())
-    p.problems().error("missing-parameter", {}, "it is not said which joint the gripper has",
-                       "write joint: NAME");
+    p.problems().error("missing-parameter", {}, "the gripper controller has no joint", "write joint: NAME");
   return joint;
 }
 

@@ -130,7 +130,7 @@ void JointTrajectoryController::read_gains(ControllerContext& context) {
   if (!closed_loop_)
     for (const auto& [key, entry] : p.entries)
       if (key.starts_with("gains.")) {
-        p.problems().warning("no-effect", entry.where, "gains have no effect where positions are commanded",
+        p.problems().warning("no-effect", entry.where, "gains have no effect if positions are commanded",
                              "they work with command_interfaces: [velocity] or [effort]");
         break;
       }

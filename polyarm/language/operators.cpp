@@ -224,7 +224,7 @@ namespace {
 std::size_t place_in(const List& items, const Value& index) {
   const Number* at = index.as_number();
   if (!at || at->dimension != Dimension::none || at->value != std::floor(at->value))
-    refuse("the place in a list is a whole number, here is " + index.excerpt());
+    refuse("the index of a list is a whole number, here is " + index.excerpt());
   if (at->value < 1 || at->value > static_cast<double>(items.size()))
     throw OperationError{
         "no-element", "there is no element " + index.text() + " in a list of " + std::to_string(items.size()),

@@ -118,14 +118,14 @@ Nanoseconds hold_of(const std::optional<double>& given) {
   const double hold = given.value_or(0.25);
   if (!(hold >= 0.02 && hold <= kMostHold))
     throw Error("bad-argument", "'hold' is " + format_number(hold) + " s",
-                "a command is good for 0.02 to 10 s without another one");
+                "a command is valid for 0.02 to 10 s");
   return nanoseconds(hold);
 }
 
 double speed_of(const std::optional<double>& given) {
   const double speed = given.value_or(1);
   if (!(speed > 0 && speed <= 1))
-    throw Error("bad-argument", "'speed' is " + format_number(speed), "a share of the greatest: 0.01 to 1");
+    throw Error("bad-argument", "'speed' is " + format_number(speed), "a fraction of the maximum: 0.01 to 1");
   return speed;
 }
 
@@ -208,7 +208,7 @@ std::uint32_t session_of(const std::optional<double>& given) {
   const double number = given.value_or(0);
   if (!(number >= 0 && number < 4e9 && number == std::floor(number)))
     throw Error("bad-argument", "'session' is " + format_number(number),
-                "it is the number that an answer had");
+                "use the number from an earlier answer");
   return static_cast<std::uint32_t>(number);
 }
 

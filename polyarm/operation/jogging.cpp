@@ -105,10 +105,10 @@ std::optional<Problem> Jogging::why_not(std::size_t i) const {
                       {{"component", component}});
   const bool running = snapshot.state == control::RunState::running;
   if (running && programs_.runs())
-    return problem_of(name, "program-runs", "the program is running and holds control",
+    return problem_of(name, "program-runs", "the program is running and has control",
                       "hold it first: polyarm control hold");
   if (!running && !has_joints(robot(i).state) && !motions_.idle(i))
-    return problem_of(name, "motion-held", "a motion is held half way along its path",
+    return problem_of(name, "motion-held", "a motion is held halfway along its path",
                       "continue: polyarm control resume; or discard it: polyarm control discard");
   const std::string mover = mover_of(i);
   if (mover.empty()) return std::nullopt;
@@ -259,7 +259,7 @@ std::uint32_t Jogging::session(std::size_t i, std::uint32_t wanted) {
     if (wanted == robot.session && wanted > robot.over && status(i).ended < wanted) return wanted;
     throw Error("session-over",
                 "jogging as session " + std::to_string(wanted) + " is over: something stopped it",
-                "let the key go and press it again");
+                "release the key and press it again");
   }
   if (alive(robot))
     throw Error("jogged", "another client jogs '" + setup_.robots[i]->entry.name + "' now",

@@ -77,7 +77,7 @@ void Watches::hold_if_missing(const std::optional<Problem>& missing) {
   if (latch.requested() != realtime::StopKind::none) return;
   Problem problem = *missing;
   if (const Task* const program = cell_.programs.program()) problem.where = program->status().where;
-  problem.advice = "mend it, then polyarm control resume";
+  problem.advice = "correct this, then polyarm control resume";
   cell_.observer.on_problem(cell_.machine.now(), problem);
   cell_.machine.hold_for(std::move(problem));
 }
@@ -160,7 +160,7 @@ void Watches::watch_fault() {
       !waits ? "see the recorded cycles of this run"
       : snapshot.cause == control::StopCause::limits
           ? "polyarm control recover and resume; it can then only move inwards"
-          : "bring the hardware back (Health on the pendant, or polyarm hardware recover), start its "
+          : "recover the hardware (Health on the pendant, or polyarm hardware recover), start its "
             "controllers, resume";
   if (!waits) return cell_.life.fail(std::move(problem));
   cell_.observer.on_problem(cell_.machine.now(), problem);
@@ -174,7 +174,7 @@ void Watches::report_group_fault(std::size_t i) {
   Problem problem{
       "fault",
       {},
-      fmt::format("{} ({}{}); only what works on {} has stopped", control::name(cause), name,
+      fmt::format("{} ({}{}); only the controllers of {} have stopped", control::name(cause), name,
                   reason.empty() ? "" : ": " + reason, hardware.group(i)),
       "polyarm hardware recover " + name + ", then start its controllers: polyarm control switch -a NAME",
       Severity::error,
@@ -272,7 +272,7 @@ void Watches::fail_for_deadlock() {
       busy ? "end the loop, or let it wait for what it needs" : "check what should set these tags";
   cell_.life.fail({busy ? "endless-loop" : "deadlock",
                    program.status().where,
-                   (busy ? "the program goes round without end, and nothing changes what it reads: "
+                   (busy ? "the program loops forever, and nothing changes the values that it reads: "
                          : "every task waits, and no clock, link or motion can change what it waits for: ") +
                        waiting,
                    hint.empty() ? advice : hint,

@@ -93,7 +93,7 @@ std::unique_ptr<controllers::Controller> make_controller(const PluginEntry& entr
     out.reset(entry.make_controller());
   } catch (...) {
     rethrow_as_error("plugin-failed", file.string() + ": making '" + entry.name + "' it",
-                     "its makers have to mend that");
+                     "its author must fix that");
   }
   if (!out)
     throw Error("plugin-failed", file.string() + " makes nothing for '" + entry.name + "'",

@@ -52,7 +52,7 @@ class CellNamesCheck {
     if (!known_.measured.contains(name)) return;
     scope_.error("read-only", place,
                  "'" + name + "' is a measured value of the hardware; a program cannot set it",
-                 "wait for it, or set the tag of the command that brings it about");
+                 "wait for it, or set the tag of the command that changes it");
   }
 
   void meant(const Clause& clause) {

@@ -275,7 +275,7 @@ class Checker {
     if (!inner && at == names.end()) {
       warning("new-name", s.name_place,
               "'" + s.name + "' is made here" + did_you_mean(s.name, scope_.all_names()),
-              "give it a line in the data file if it is meant");
+              "add it to the data file if it is intended");
       names[s.name] = now;
       return;
     }
@@ -293,7 +293,7 @@ class Checker {
     const Type value = s.expression ? infer(*s.expression) : kUnknown;
     for (const PathPart& part : s.path)
       if (part.index && surely_other(infer(*part.index), number_of(Dimension::none)))
-        error("bad-type", part.place, "the place in a list is a whole number", "write such as LIST[1]");
+        error("bad-type", part.place, "the index of a list is a whole number", "write such as LIST[1]");
     if (s.name.empty()) return;
     scope_.used.emplace(s.name, s.name_place);
     check_target(s.name, s.name_place, s.path.empty() ? value : kUnknown);
@@ -323,7 +323,7 @@ class Checker {
     for (std::size_t i = 0; i < fixed_ && i < scope_.variables.size(); ++i)
       if (scope_.variables[i].name == variable)
         return error("fixed", place, "'" + variable + "' cannot be changed inside 'together'",
-                     "its statements run side by side; set a tag, or change it before or after");
+                     "its statements run at the same time; set a tag, or change it before or after");
   }
 
   void declare(const Statement& s, Type type) { scope_.declare(s.name, s.name_place, type); }
@@ -487,9 +487,9 @@ class Checker {
     const Type value = clause.to ? infer(*clause.to) : kUnknown;
     if (clause.target.empty()) return;
     if (!scope_.variable_in(clause.target).empty())
-      return error(
-          "bad-target", clause.place,
-          "a move on its way sets tags and data, and '" + clause.target + "' is a name of this program", "");
+      return error("bad-target", clause.place,
+                   "an `at` clause sets tags and data, but '" + clause.target + "' is a name of this program",
+                   "");
     check_target(clause.target, clause.place, value);
   }
 

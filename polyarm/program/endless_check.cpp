@@ -65,13 +65,13 @@ class EndlessCheck {
     if (asked.empty() && doing.leaves) return false;
     if (asked.empty() && !doing.acts && always) {
       scope_.error("endless-loop", s.place,
-                   "this loop never ends and never waits: the program comes to nothing else",
+                   "this loop never ends and never waits: the program does not get past it",
                    "end it with `break`, or let it `wait` or move");
       return true;
     }
     if (asked.empty() && !doing.acts) return false;  // nothing changes this name
     scope_.warning("busy-loop", s.place,
-                   "this loop never waits: it goes round as often as it can" +
+                   "this loop never waits: it runs as often as it can" +
                        (asked.empty() ? std::string{} : " until " + join(asked, " or ") + " changes"),
                    s.body.empty() && asked.size() == 1 ? "a `wait` for the opposite condition does the same"
                                                        : "add `wait 10ms` to it, or `wait CONDITION`");

@@ -193,7 +193,7 @@ Type Scope::type_of_name(const std::string& name, Place place) {
   }
   if (made.contains(name) || program_.lacks_included) return kUnknown;
   error("unknown-name", place, "there is nothing called '" + name + "'" + suggested(name),
-        "names are data, points, tags and what `let` made");
+        "names are data, points, tags and variables of `let`");
   return kUnknown;
 }
 

@@ -34,7 +34,7 @@ class TaskCheck {
     }
     for (const auto& [name, tasks] : meetings)
       if (tasks.size() == 1 && (*tasks.begin())->kind != Statements::function)
-        error("no-meeting", first_meeting.at(name), "no other task comes to '" + name + "'",
+        error("no-meeting", first_meeting.at(name), "no other task reaches '" + name + "'",
               "use `meet` in two or more tasks");
   }
 
@@ -52,7 +52,7 @@ class TaskCheck {
           error("two-tasks", clause.place,
                 "the robot '" + name + "' is used by the task '" + at->second.task->name + "' in line " +
                     std::to_string(at->second.place.line) + ", too",
-                "a robot belongs to one task; where they take turns, use it inside a `lock`");
+                "only one task may command a robot, unless each use is inside a `lock`");
       }
       robots_in(s.body, task, robots);
       robots_in(s.handler, task, robots);

@@ -316,8 +316,8 @@ class RecursionCheck {
       std::string through;
       for (std::size_t i = 0; i + 1 < way.size(); ++i) through += (i ? ", '" : " through '") + way[i] + "'";
       scope_.error("endless-recursion", place,
-                   "'" + function->name + "' always calls itself" + through + ", and never comes to its end",
-                   "return before the call where there is nothing left to do");
+                   "'" + function->name + "' always calls itself" + through + ", and never ends",
+                   "return before the call when there is nothing left to do");
     }
   }
 

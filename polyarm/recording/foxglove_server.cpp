@@ -251,7 +251,9 @@ void FoxgloveClient::take_text(std::string_view text) {
 
 void FoxgloveClient::take_binary(std::string_view) {
   const std::lock_guard lock(server_.mutex_);
-  put_status(kError, "a cell is watched here, and takes no messages or calls: it is moved from its pendant");
+  put_status(
+      kError,
+      "this connection only watches the cell: messages and calls are refused; use the pendant to move it");
 }
 
 void FoxgloveClient::dispatch(const Json& message) {
@@ -266,9 +268,10 @@ void FoxgloveClient::dispatch(const Json& message) {
   if (op == "fetchAsset") return fetch_asset(message);
   const std::lock_guard lock(server_.mutex_);
   if (op == "setParameters")
-    put_status(kError, "parameters are read here, and set in the cell's files");
+    put_status(kError, "parameters are read-only here; set them in the cell's files");
   else if (op == "advertise" || op == "unadvertise")
-    put_status(kError, "a cell is watched here, and takes no messages: it is moved from its pendant");
+    put_status(kError,
+               "this connection only watches the cell: messages are refused; use the pendant to move it");
   else
     put_status(kError, "'" + op.substr(0, 40) + "' is not offered here");
 }

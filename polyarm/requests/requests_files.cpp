@@ -250,14 +250,15 @@ fs::path project_file(const fs::path& folder, const std::string& path) {
   const fs::path wanted(path);
   if (wanted.is_absolute()) throw refuse("it is not in the folder");
   for (const fs::path& part : wanted)
-    if (part.string().starts_with('.') || part.empty()) throw refuse("it leads out, or is hidden");
+    if (part.string().starts_with('.') || part.empty())
+      throw refuse("it leads out of the folder, or is hidden");
   if (!has_ending(wanted)) throw refuse("its kind is not one of " + join(endings(), ", "));
   // No link on the path may lead outside either.
   std::error_code error;
   const fs::path root = resolved(folder), whole = resolved(folder / wanted);
   if (!inside(whole, root)) throw refuse("it leads out of the folder");
   for (fs::path at = whole; at != root && at.has_relative_path(); at = at.parent_path())
-    if (fs::is_symlink(at, error)) throw refuse("a link on its way leads to itself");
+    if (fs::is_symlink(at, error)) throw refuse("a link on its path points to itself");
   if (fs::exists(whole, error) && !fs::is_regular_file(whole, error)) throw refuse("it is not a file");
   return whole;
 }

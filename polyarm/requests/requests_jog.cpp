@@ -35,7 +35,7 @@ Error stopped(const JogOwners& cell) {
   const control::StopCause cause = cell.machine.snapshot().cause;
   return {"stopped",
           std::string("the step ended early: ") +
-              (cause == control::StopCause::none ? "somebody else has the robot now" : control::name(cause)),
+              (cause == control::StopCause::none ? "another client has the robot now" : control::name(cause)),
           "polyarm health shows the state"};
 }
 

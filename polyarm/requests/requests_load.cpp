@@ -128,7 +128,7 @@ void require_may_begin(const LoadOwners& cell) {
 Poll<ProgramLoad::Answer> program_load(const LoadOwners& cell, const ProgramLoad& request) {
   using Loaded = Progress<ProgramLoad::Answer>;
   if (cell.programs.program() && cell.programs.begun() && !cell.programs.program()->ended())
-    throw Error("program-runs", "a program is under way: " + cell.programs.program()->sentence(),
+    throw Error("program-runs", "a program is running: " + cell.programs.program()->sentence(),
                 "end it first: program.stop");
   auto loading = std::make_shared<Loading>(request.file, cell, cell.data.files().folder());
   enum class At { reading, data, checking } at = At::reading;
@@ -206,7 +206,7 @@ void require_saved_as_shown(const LoadOwners& cell, const std::string& saved) {
   if (saved.empty() || saved == program_hash(program::load_program(file)) || saved == content_hash(read_file(file)))
     return;
   throw Error("program-changed", "the files of '" + file + "' were changed since they were shown",
-              "look at them, and start it then");
+              "check them, then start it");
 }
 
 ProgramStatus program_start(const LoadOwners& cell, const ProgramStart& request) {

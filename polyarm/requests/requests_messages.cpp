@@ -400,7 +400,7 @@ Poll<QueryTrajectory::Answer> query_state(const MessageOwners& cell, const Query
     controller->forget_sample();
     if (!out.found)
       throw Error("no-trajectory", "no trajectory leads all joints of '" + name + "' at that time",
-                  "ask for a time between the start and the end of one that is under way");
+                  "ask for a time between its start and its end");
     return Sampled::done(std::move(out));
   };
 }
@@ -420,9 +420,9 @@ NoMessage why_nothing_comes(const MessageOwners& cell, const Address& from, bool
   const std::string name = from.controller + "/" + from.port;
   const bool active = state == hardware::LifecycleState::active;
   return {name, hardware::name(state),
-          "'" + name + "' has put out nothing " + (never ? "yet" : "more") + ": its controller is " +
+          "'" + name + "' has sent nothing " + (never ? "yet" : "more") + ": its controller is " +
               hardware::name(state) + (active ? ", and is not updated" : ""),
-          active ? "look at the cell's state: polyarm health"
+          active ? "check the cell's state: polyarm health"
                  : "start it: polyarm control state " + from.controller + " active"};
 }
 

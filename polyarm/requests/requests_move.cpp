@@ -190,7 +190,7 @@ void require_may_move(const MoveOwners& cell, std::size_t i) {
     throw Error("held", "'" + robot + "' is not moved: the cell is " + control::name(state),
                 "continue: polyarm control resume; or discard the motion: polyarm control discard");
   if (cell.programs.runs())
-    throw Error("program-runs", "'" + robot + "' is not moved: the program is running and holds control",
+    throw Error("program-runs", "'" + robot + "' is not moved: the program is running and has control",
                 "pause it: program.pause");
   if (!cell.motions.idle(i))
     throw Error("moving", "'" + robot + "' is moving already", "wait until it has arrived");

@@ -20,7 +20,7 @@ struct RecordOwners {
 
 Recorder& recorder_of(const RecordOwners& cell) {
   if (Recorder* recorder = cell.recorder.get()) return *recorder;
-  throw Error("no-recorder", "whoever runs this cell records nothing", "run it with polyarm run");
+  throw Error("no-recorder", "this cell was started without a recorder", "run it with polyarm run");
 }
 
 RecordFacts facts_of(const RecordStatus& status) {

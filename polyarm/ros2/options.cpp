@@ -35,7 +35,7 @@ ParticipantOptions participant_options(const Options& options) {
     out.domain = static_cast<std::uint32_t>(*number);
   else
     throw Error("bad-value", "the domain '" + domain + "' is not a number from 0 to 232",
-                "look at `ros2: {domain: …}` and ROS_DOMAIN_ID");
+                "check `ros2: {domain: …}` and ROS_DOMAIN_ID");
   std::string range = lower(option(options, "range", "ROS_AUTOMATIC_DISCOVERY_RANGE"));
   std::string peers = option(options, "peers", "ROS_STATIC_PEERS");
   // The older variable takes precedence over other environment variables.

@@ -182,11 +182,11 @@ class Ros2Reader {
       out_.manager = read;
     } else if (read.update_rate > 0 && out_.manager.update_rate > 0 &&
                read.update_rate != out_.manager.update_rate) {
-      problems_->warning("several-rates", gathered.parameters.entries.at("update_rate").where,
-                         "the manager in " + read.ns + " asks for " + format_number(read.update_rate) +
-                             " Hz, the one in " + out_.manager.ns + " for " +
-                             format_number(out_.manager.update_rate) + " Hz",
-                         "a cell has one rate, the first counts; set update_rate of the slower controllers");
+      problems_->warning(
+          "several-rates", gathered.parameters.entries.at("update_rate").where,
+          "the manager in " + read.ns + " asks for " + format_number(read.update_rate) + " Hz, the one in " +
+              out_.manager.ns + " for " + format_number(out_.manager.update_rate) + " Hz",
+          "a cell has one rate, and the first is used; set update_rate of the slower controllers");
     }
     out_.update_rate = out_.manager.update_rate > 0 ? out_.manager.update_rate : read.update_rate;
   }
@@ -372,7 +372,7 @@ class Ros2Reader {
     problems_->warning(
         "other-namespace", node.where,
         "'" + join_name(node.path) + "' is not where the controller '" + entry.full_name() + "' is",
-        "its parameters are taken all the same; ROS would not: write '" + entry.full_name() + ":'");
+        "its parameters are used; ROS would ignore them: write '" + entry.full_name() + ":'");
     for (const auto& [key, value] : node.parameters.entries)
       if (key != "type") entry.parameters.entries[key] = value;
   }
@@ -458,7 +458,7 @@ class Ros2Reader {
         if (name == entry.name)
           problems_->warning("bad-fallback", entry.where,
                              "'" + name + "' is named as its own fallback; this is ignored",
-                             "name another controller, or take the line away");
+                             "name another controller, or remove the line");
         else if (std::find(names.begin(), names.end(), name) == names.end())
           problems_->warning("bad-fallback", entry.where,
                              "'" + entry.name + "' falls back to '" + name +

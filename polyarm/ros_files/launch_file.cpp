@@ -30,9 +30,9 @@ const char* reason(tinyxml2::XMLError error) {
     case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
       return "a closing tag does not fit the one that is open";
     case tinyxml2::XML_ERROR_PARSING_ELEMENT:
-      return "a tag is not written to its end";
+      return "a tag is not complete";
     case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
-      return "an attribute is not written as NAME=\"VALUE\"";
+      return "an attribute does not have the form NAME=\"VALUE\"";
     case tinyxml2::XML_ERROR_EMPTY_DOCUMENT:
       return "the file is empty";
     case tinyxml2::XML_ERROR_PARSING_COMMENT:
@@ -237,7 +237,7 @@ class LaunchReader {
   }
 
   Error ros2(const XMLElement& element) const {
-    return Error(Problem{"ros2-launch", at(element), "this is a launch file of ROS 2, which is not followed",
+    return Error(Problem{"ros2-launch", at(element), "this is a launch file of ROS 2, which is not read here",
                          "start with: polyarm run --description FILE --controllers FILE"});
   }
 
@@ -353,7 +353,7 @@ class LaunchReader {
     for (const Frame& frame : frames_)
       if (frame.path == next.path && frame.passed == next.passed) {
         error(element, "include-loop", "'" + next.path.filename().string() + "' includes itself",
-              "take the <include> away, or give it an 'if' that ends");
+              "remove the <include>, or give it an 'if' that ends");
         return true;
       }
     if (frames_.size() < kDeepestInclude) return false;

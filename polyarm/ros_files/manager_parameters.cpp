@@ -49,8 +49,8 @@ constexpr Settled kSettled[] = {
     {"defaults.allow_controller_activation_with_inactive_hardware", false,
      "a controller starts when the hardware that it commands is active"},
     {"defaults.deactivate_controllers_on_hardware_self_deactivate", true,
-     "the controllers of hardware that takes itself off stop"},
-    {"overruns.manage", true, "after a late cycle the next one comes at its own time again"},
+     "if hardware deactivates itself, its controllers stop"},
+    {"overruns.manage", true, "after a late cycle, the next one comes at its normal time"},
     {"hardware_synchronization.expect_blocking_read_write", false, "the control loop keeps the time"},
 };
 

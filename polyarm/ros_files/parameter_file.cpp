@@ -98,7 +98,7 @@ class Reader {
       problems_.error("duplicate-name", entry.where, what,
                       "put its lines together, or give one another name");
     else
-      problems_.warning("duplicate-key", entry.where, what, "the later line counts; take one of them away");
+      problems_.warning("duplicate-key", entry.where, what, "the later line counts; remove one of them");
   }
 
   bool speaks_ros2(const Yaml& node, std::size_t depth) {
@@ -166,7 +166,7 @@ class Reader {
                       "write 'ros__parameters:', with two underscores after ros");
     if (path.empty())
       return problems_.error("no-node-name", entry.where, "'ros__parameters' has no node above it",
-                             "indent it under 'controller_manager:', and what belongs to it further still");
+                             "indent it below 'controller_manager:', and indent its content further");
     if (!entry.value.defined())
       return problems_.warning("no-value", entry.where, "'ros__parameters' of '" + path.back() + "' is empty",
                                "indent the lines that belong to it");
@@ -221,7 +221,7 @@ class Reader {
     Parameters::Entry out{{}, entry.where, entry.value.is_list()};
     if (!entry.value.defined())
       problems_.warning("no-value", entry.where, "'" + entry.key + "' has no value",
-                        "write one behind the colon, or leave the line out");
+                        "write one after the colon, or remove the line");
     for (const Yaml& item : entry.value.items()) {
       count(entry.where, 0);
       if (item.is_scalar())

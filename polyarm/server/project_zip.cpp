@@ -244,7 +244,7 @@ void unzip_into(std::string_view bytes, const fs::path& folder) {
       refuse_native(name, text);
       fs::create_directories(file.parent_path(), error);
       if (error)
-        throw Error("bad-zip", "the zip has '" + name + "', which cannot be made: " + error.message(),
+        throw Error("bad-zip", "the zip has '" + name + "', which cannot be created: " + error.message(),
                     "use short names, and no name for a file and a folder");
       write_file_atomically(file, text);
     }

@@ -257,8 +257,8 @@ class Sessions::Work {
     if (!line.before_stop && !(line.before_end && jogs)) return;
     if (protocol::role_needed(type, fields) != Role::operate) return;
     throw Error("overtaken",
-                std::string("'") + type.facts->name + "' is refused: a stop of yours came after it and was taken first",
-                "send it again if it is still wanted");
+                std::string("'") + type.facts->name + "' is refused: your later stop was handled first",
+                "send it again if you still want it");
   }
 
   void require_control(const Seat& seat, const std::string& what) const {
@@ -413,7 +413,7 @@ class Sessions::Work {
   protocol::SessionTake::Answer take_control(Seat& seat, const protocol::SessionTake& request) {
     const std::uint64_t client = seat.client->number;
     if (request.force && !seat.client->local && control_.holder() != 0)
-      throw Error("no-force", "control is taken without asking only at the machine itself",
+      throw Error("no-force", "only a client on this machine can take control without asking",
                   "ask: session.take");
     const std::uint64_t before = control_.holder();
     const Control::Taken taken = control_.take(client, request.force, now_);

@@ -21,7 +21,7 @@ void each_folder(const CellFile& file, Problems& problems, Look look) {
       look(written, folder);
     else
       problems.warning("no-folder", file.plugins_where, "'" + written + "' is not a folder with plugins",
-                       "build your plugin, or mend 'plugins:'; folders are relative to the file");
+                       "build your plugin, or correct 'plugins:'; folders are relative to the file");
   }
 }
 

@@ -78,7 +78,7 @@ std::string read_carrier(const std::string& name, const Yaml& yaml) {
   std::string carrier = yaml["on"].text("");
   if (carrier.empty())
     throw Error(Problem{"bad-carrier", yaml.key_location("on"), "'on' of '" + name + "' names no robot",
-                        "name the robot that carries it, or take 'on' away"});
+                        "name the robot that carries it, or remove 'on'"});
   return carrier;
 }
 
@@ -113,7 +113,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
     if (!(robot.rate > 0 && robot.rate <= 10000))
       problems.error("bad-rate", yaml["rate"].where(),
                      "the rate of '" + name + "' does not lie above zero and at most at 10000 Hz",
-                     "write how often a second it is read and commanded, Hz");
+                     "write how often per second it is read and commanded, Hz");
   });
   robot.budget = read_budget(yaml["budget"], problems);
   for (const std::string& key : yaml["parameters"].keys())
@@ -139,7 +139,7 @@ void place_carried(std::vector<RobotEntry>& robots, Problems& problems) {
                      "name another robot; fixtures and movers of the scene carry no robot");
     else if (carrier->name == robot.name)
       problems.error("bad-carrier", robot.place_of("on"), "'" + robot.name + "' is on itself",
-                     "name another robot, or take 'on' away");
+                     "name another robot, or remove 'on'");
     else if (!carrier->on.empty())
       problems.error("bad-carrier", robot.place_of("on"),
                      "'" + robot.name + "' is on '" + robot.on + "', which is on '" + carrier->on + "'",

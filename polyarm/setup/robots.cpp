@@ -198,7 +198,7 @@ void check_carried(const CellRobot& robot, Problems& problems) {
       problems.error(
           "bad-carrier", robot.entry.place_of("on"),
           "'" + robot.entry.name + "' is on '" + robot.entry.on + "', and by its description it stands free",
-          "take 'on' away, or <param name=\"base\">free</param> out of its description");
+          "remove 'on', or remove <param name=\"base\">free</param> from its description");
 }
 
 /// Refuses a payload above the robot's rating, like a program's `payload`.

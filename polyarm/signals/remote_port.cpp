@@ -153,7 +153,7 @@ bool RemotePort::receive(Nanoseconds until) {
     const Nanoseconds left = until - clock_now();
     if (left <= 0) return false;
     if (pulse_.silent(*channel_, Clock::now(), options_.silence))
-      lose("hangs: it gave no sign of life for " + format_number(seconds(options_.silence.count())) +
+      lose("hangs: it sent nothing for " + format_number(seconds(options_.silence.count())) +
            " s, and was ended");
     if (channel_->may_sleep()) {
       std::array<pollfd, 4> fds{{{channel_->bell(), POLLIN, 0},

@@ -23,7 +23,7 @@ std::vector<double> joints_by_name(const description::RobotModel& model, const d
       throw Error("unknown-joint",
                   fmt::format("{} names the joint '{}', which {} does not have{}", what, joint, model.name,
                               did_you_mean(joint, names)),
-                  "joint states belong to one make of robot; a pose works for all");
+                  "joint states fit one robot model; a pose works for all");
   std::vector<double> out;
   for (const std::string& joint : names) {
     const double* position = joints.find(joint);

@@ -196,7 +196,7 @@ std::vector<moves::Move> ProgramMoves::moves_of(const program::Move& move, const
   }
   if (move.duration && out.size() > 1)
     throw Error(Problem{"bad-move", where,
-                        "a duration is that of one move, here are " + std::to_string(out.size()),
+                        "a duration applies to one move, here are " + std::to_string(out.size()),
                         "write one move for each point, or state a speed"});
   return out;
 }
@@ -260,7 +260,7 @@ program::Handle ProgramMoves::start_base(const program::Move& move, const Locati
     } else if (said->dimension == own) {
       most = said->value;
     } else {
-      throw Error(Problem{"bad-move", where, std::string(what) + " is not one of what this does",
+      throw Error(Problem{"bad-move", where, std::string(what) + " does not fit this move",
                           out.turns ? "a turn has 30deg/s and 90deg/s2" : "a drive has 0.2m/s and 0.5m/s2"});
     }
   };

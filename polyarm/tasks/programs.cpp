@@ -97,7 +97,7 @@ void Programs::start(program::Program program) {
 
 void Programs::put(program::Program program) {
   if (under_way())
-    throw Error("program-runs", "a program is under way: " + program_->sentence(),
+    throw Error("program-runs", "a program is running: " + program_->sentence(),
                 "end it first: program.stop");
   waits_ = true;
   start(std::move(program));
@@ -210,7 +210,7 @@ void Programs::continue_plc(const SafePoint& point) {
   if (point.plc_ended) {
     plc->interpreter().stop();
   } else if (!point.plc) {
-    return anew("it was waiting for a person or a file when the program was cut off");
+    return anew("it was waiting for a person or a file when the program was interrupted");
   } else {
     try {
       plc->interpreter().restore(*point.plc);
@@ -236,7 +236,8 @@ program::StartReport Programs::continue_from_safe_point() {
   continue_plc(point);
   held_before_ = point.held;
   if (!setup_.scene.parts.empty() && !setup_.options.real)
-    observer_.on_note("the simulated parts lie where the scene puts them: what was held or moved is not");
+    observer_.on_note(
+        "the simulated parts are at their initial places, not where the program had moved them");
   return report;
 }
 

@@ -230,7 +230,7 @@ SafePoint safe_point_from_json(const std::string& text, const std::string& file)
   } catch (const std::exception& e) {
     throw Error(Problem{"bad-state",
                         {file},
-                        std::string("what was written of the program's state is damaged: ") + e.what(),
+                        std::string("the stored state of the program is damaged: ") + e.what(),
                         "begin at a line: --from LINE"});
   }
 }
@@ -310,7 +310,7 @@ void SafePoints::finish(const Task& task) {
 SafePoint SafePoints::read(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error))
-    throw Error("no-state", "no program was cut off here: there is no " + file.string(),
+    throw Error("no-state", "no program was interrupted here: there is no " + file.string(),
                 "run it from its beginning, or --from LINE");
   return safe_point_from_json(read_file(file), file.string());
 }

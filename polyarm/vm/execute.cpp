@@ -378,7 +378,7 @@ bool Interpreter::push_host(Task& task, const Step& step) {
     auto names = host_.names();
     fail_at(source(step).place, "unknown-name",
             "there is nothing called '" + wanted + "'" + did_you_mean(wanted, names),
-            "names are data, points, tags and what `let` made");
+            "names are data, points, tags and variables of `let`");
   }
   if (waits_for_motion(*found) && !arrived(task)) return false;
   Value value = *found;

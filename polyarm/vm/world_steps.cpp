@@ -179,7 +179,7 @@ void Interpreter::meet(Task& task, const Step& step) {
   const std::string& name = code_.texts[static_cast<std::size_t>(step.a)];
   const auto parties = code_.meetings.find(name);
   if (parties == code_.meetings.end() || parties->second.size() < 2)
-    fail_at(source(step).place, "no-meeting", "no other task comes to '" + name + "'",
+    fail_at(source(step).place, "no-meeting", "no other task reaches '" + name + "'",
             "use `meet` in two or more tasks");
   auto& come = meetings_[name];
   come.push_back(task.id);

@@ -112,7 +112,7 @@ TEST_F(HangingPlugin, WhoAsksForTheEndDuringTheStartHasIt) {
     FAIL() << "it started";
   } catch (const Error& e) {
     EXPECT_EQ(e.problems().at(0).code, "given-up");
-    EXPECT_NE(std::string(e.what()).find("is being configured and has not come back"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("is being configured and has not returned"), std::string::npos);
   }
   EXPECT_NE(notes.all.find("the cell stops waiting for it"), std::string::npos) << notes.all;
 }

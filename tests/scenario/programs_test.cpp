@@ -83,7 +83,7 @@ TEST_F(Programs, ARunThatWasCutOffGoesOn) {
   EXPECT_EQ(placed(), "20");
   const Finished nothing = run_command({"run", cell, "--fast", "--continue", "--yes"});
   EXPECT_NE(nothing.exit_code, 0);
-  EXPECT_NE(nothing.output.find("no program was cut off here"), std::string::npos) << nothing.output;
+  EXPECT_NE(nothing.output.find("no program was interrupted here"), std::string::npos) << nothing.output;
 }
 
 TEST_F(Programs, DataAndPointsMayHaveTheSameName) {
