@@ -132,7 +132,7 @@ export const program = {
 
   'program.steps': 'Steps',
   'program.noSteps': 'No steps yet. Add the first one.',
-  'program.notSteps': 'This file is no program. It is shown as text.',
+  'program.notSteps': 'This file is not a program. It is shown as text.',
   'program.stepActions': 'Change steps',
   'program.add': 'Add step',
   'program.edit': 'Edit',

@@ -86,7 +86,7 @@ export const shell = {
   'bar.discardText': 'The rest of the paused motion is dropped. The program that made the move ends on Resume.',
   'bar.accept': 'Stay here',
   'bar.acceptText':
-      'The robot was moved while it was held. It stays where it is now, and the rest of a paused motion is dropped.',
+      'The robot was moved during the hold. It stays at its present position, and the rest of a paused motion is dropped.',
   'bar.speed': 'Speed',
   'bar.allowed': 'at most {percent} % allowed',
 
