@@ -83,7 +83,7 @@ describe('what the cell tells', () => {
     ]);
     const pushed = {code: 'moved-while-held', what: '…', facts: {joint: 'arm/elbow', moved_rad: 0.1}};
     expect(inBoth(() => problemWords(pushed).text)).toEqual([
-      'arm/elbow was moved by 5.7 ° while it was held', 'arm/elbow se movió 5,7 ° mientras estaba retenido'
+      'arm/elbow was moved by 5.7 ° during the hold', 'arm/elbow se movió 5,7 ° mientras estaba retenido'
     ]);
     const fault = {
       code: 'fault',
