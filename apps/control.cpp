@@ -29,7 +29,7 @@ void list(const Json& controllers) {
   for (const Json& c : controllers)
     rows.push_back({shown(c["name"]), shown(c["type"]),
                     shown(c["state"]) + (flag_of(c["chained"]) ? " (chained)" : "") +
-                        (flag_of(part(c, {"stale"})) ? " (nothing new comes)" : ""),
+                        (flag_of(part(c, {"stale"})) ? " (last message expired)" : ""),
                     fmt::format("{:g} Hz", number_of(c["rate"])), shown(c["claimed"])});
   print_table({"CONTROLLER", "TYPE", "STATE", "RATE", "CLAIMS"}, rows);
 }
