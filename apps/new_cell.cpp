@@ -120,7 +120,7 @@ std::string cell_yaml(const NewCell& asked, const std::string& hardware) {
       "# A robot takes parts from a feeder and puts them into a tray.\n"
       "robots:\n"
       "  arm: {{model: {}, hardware: {}, tool: tool}}   # the tool is described in tool.yaml\n"
-      "scene: scene.yaml        # what stands around the robot\n"
+      "scene: scene.yaml        # the surroundings of the robot\n"
       "signals: signals.yaml    # names for inputs and outputs\n"
       "program: main.script\n",
       asked.robot, hardware);
@@ -140,8 +140,8 @@ std::string scene_yaml(const Layout& l, const Sizes& s) {
       "bins:\n"
       "  tray: {{at: {}, inner: {}, walls: false}}\n"
       "feeders:\n"
-      "  feeder: {{at: {}}}          # where it puts a part: the middle of the part\n"
-      "parts:                                       # weigh yours: what is held depends on it\n",
+      "  feeder: {{at: {}}}          # where parts appear: their centre\n"
+      "parts:                                       # weigh yours: gripping depends on the mass\n",
       metres(std::min(l.table - 0.1, -0.6 * s.reach)), metres(depth), metres(width),
       at(l.x(), 0, l.table - 0.02), at(l.x(), tray_y, l.table), tray_size,
       at(l.x(), l.y(), l.table + s.part / 2));
@@ -158,13 +158,13 @@ std::string tool_yaml(const Sizes& s) {
   const double k = s.tool / 0.1;
   return fmt::format(
       "polyarm: tool/1\n"
-      "# A suction cup. tcp: the middle of its lip, seen from the robot's flange; z points out of the tool.\n"
+      "# A suction cup. tcp: the centre of its lip, in the frame of the flange; z points out of the tool.\n"
       "tcp: [0, 0, {}]\n"
       "mass: {:.3g}kg\n"
       "center: [0, 0, {}]\n"
       "gripper: suction\n"
       "cup_radius: {:.4g}mm\n"
-      "body:                    # what may touch nothing\n"
+      "body:                    # it must not touch anything\n"
       "  - {{cylinder: {{radius: {:.4g}mm, height: {}}}, at: [0, 0, {}]}}\n"
       "  - {{cylinder: {{radius: {:.4g}mm, height: {}}}, at: [0, 0, {}]}}\n",
       metres(s.tool), s.tool_mass, metres(0.4 * s.tool), 225 * s.part, std::min(25 * k, 40.0),
@@ -177,12 +177,12 @@ constexpr const char* kSignals =
     "tags:\n"
     "  Vacuum: {command: arm/tool/vacuum}\n"
     "  PartHeld: {state: arm/tool/part_present}                    # the sensor in the cup\n"
-    "  Feed: {command: scene/feeder/feed, type: number}            # so many parts are to be brought, in "
+    "  Feed: {command: scene/feeder/feed, type: number}            # the number of parts to bring, in "
     "all\n"
-    "  PartReady: {state: scene/feeder/present}                    # a part lies there\n"
-    "  PartsReady: {state: scene/feeder/count, type: number}       # so many lie there\n"
-    "  PartsLeft: {state: scene/feeder/remaining, type: number}    # so many it still has\n"
-    "  PartsFed: {state: scene/feeder/presented, type: number}     # so many it has brought\n";
+    "  PartReady: {state: scene/feeder/present}                    # a part is at the feeder\n"
+    "  PartsReady: {state: scene/feeder/count, type: number}       # the number of parts there\n"
+    "  PartsLeft: {state: scene/feeder/remaining, type: number}    # the number of parts left\n"
+    "  PartsFed: {state: scene/feeder/presented, type: number}     # the number of parts brought\n";
 
 std::string script(const Sizes& s) {
   return fmt::format(
@@ -238,20 +238,20 @@ std::string points_file(const std::vector<Point>& points) {
 std::string readme(const NewCell& asked) {
   return fmt::format(
       "# {}\n\n"
-      "{} takes parts from a feeder and puts them into a tray. All of it is simulated.\n\n"
+      "{} takes parts from a feeder and puts them into a tray. Everything is simulated.\n\n"
       "| file | content |\n|---|---|\n"
       "| `cell.yaml` | which robot, tool and program |\n"
       "| `scene.yaml` | table, feeder, tray and parts |\n"
       "| `tool.yaml` | the suction cup: its TCP, mass and body |\n"
-      "| `signals.yaml` | names for inputs and outputs; `PartReady` says that a part lies at the feeder, "
-      "`PartsReady` how many, `PartsFed` how many it has brought |\n"
+      "| `signals.yaml` | names for inputs and outputs; `PartReady`: a part is at the feeder, "
+      "`PartsReady`: how many, `PartsFed`: how many it has brought |\n"
       "| `points.points` | the poses that the program moves to |\n"
       "| `main.script` | the program |\n"
-      "| `tests.script` | a test of it |\n\n"
+      "| `tests.script` | a test of the program |\n\n"
       "```\n"
-      "polyarm check .              # every error of the files, every move along its way\n"
-      "polyarm check . --dry        # the same, and a simulated run: contacts, where parts end\n"
-      "polyarm run . --fast         # as fast as this machine can\n"
+      "polyarm check .              # all files, and every move along its path\n"
+      "polyarm check . --dry        # the same, and a simulated run: contacts, final places of parts\n"
+      "polyarm run . --fast         # as fast as the machine allows\n"
       "polyarm run . --pendant        # with the pendant in a browser\n"
       "polyarm test .\n"
       "polyarm run . --robot universal_robots/ur10e --fast    # another robot\n"
