@@ -79,7 +79,7 @@ struct ControlOverride {
       .role = Role::operate,
       .text =
           "Sets how much of the planned speed is used, 0 to 100 percent. Without `percent` it only "
-          "returns the value.",
+          "returns the value. `allowed` is the share that arming allows now, 0 to 1.",
       .moves = true,
       .watch_without = "percent"};
   std::optional<double> percent;
