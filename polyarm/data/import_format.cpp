@@ -338,8 +338,7 @@ class ImportReader {
 
   void read_number(const std::string& line, std::string_view value) {
     if (const auto number = parse_any_quantity(value)) return store(line, Value(*number));
-    error(line, value, "bad-value", quote(value) + " is not a number",
-          "write a number such as 10, 0.5 or 40mm");
+    error(line, value, "bad-value", quote(value) + " is not a number", "write such as 10, 0.5 or 40mm");
     name_used_ = true;
   }
 
@@ -405,10 +404,9 @@ class ImportReader {
     for (std::size_t i = 0; i < fields.size(); ++i) {
       const auto number = read_field(fields[i], i);
       if (!number) {
-        error_at(
-            column_of(line, offset(line, value, i)), "bad-point",
-            quote(fields[i]) + " is not a number here, in place " + std::to_string(i + 1) + " of the point",
-            "lengths are metres (or 40mm), angles radians (or 30deg)");
+        error_at(column_of(line, offset(line, value, i)), "bad-point",
+                 quote(fields[i]) + " is not a number, in place " + std::to_string(i + 1) + " of the point",
+                 "lengths are metres (or 40mm), angles radians (or 30deg)");
         continue;
       }
       numbers.push_back(*number);
