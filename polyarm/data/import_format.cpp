@@ -405,7 +405,7 @@ class ImportReader {
       const auto number = read_field(fields[i], i);
       if (!number) {
         error_at(column_of(line, offset(line, value, i)), "bad-point",
-                 quote(fields[i]) + " is not a number, in place " + std::to_string(i + 1) + " of the point",
+                 quote(fields[i]) + " is not a number here, place " + std::to_string(i + 1) + " of the point",
                  "lengths are metres (or 40mm), angles radians (or 30deg)");
         continue;
       }
