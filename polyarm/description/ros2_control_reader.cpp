@@ -225,7 +225,7 @@ void Ros2ControlReader::value(const Element& e, const InterfaceInfo& info, const
   out = parse_value(info.data_type, found->second);
   if (!out && !found->second.empty())
     warning(e, "bad-number",
-            std::string(name) + " of '" + info.name + "' is '" + found->second + "', which is no " +
+            std::string(name) + " of '" + info.name + "' is '" + found->second + "', which is not a " +
                 (info.data_type == "double" ? "number" : info.data_type) + "; it is ignored");
 }
 

@@ -50,7 +50,7 @@ std::optional<Nanoseconds> stamp_of(const Yaml& header) {
 namespace {
 
 void require_map(const Yaml& yaml, const char* what, const char* example) {
-  if (!yaml.is_map()) refuse(yaml, std::string("this is no ") + what, std::string("write ") + example);
+  if (!yaml.is_map()) refuse(yaml, std::string("this is not a ") + what, std::string("write ") + example);
 }
 
 std::vector<controllers::JointTolerance> tolerances_of(const Yaml& yaml) {

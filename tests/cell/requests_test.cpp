@@ -49,8 +49,9 @@ TEST_F(RequestsTest, WrongRequestsAreAnsweredWithASentence) {
       what_of(cell.ask({{"request", "control.switch"}, {"activat", "tail"}})).find("did you mean 'activate'"),
       std::string::npos);
   EXPECT_NE(what_of(cell.ask({{"request", "control.unload"}})).find("needs 'name'"), std::string::npos);
-  EXPECT_NE(what_of(cell.ask({{"request", "watch"}, {"name", 3}})).find("'name' of watch is not a text"),
-            std::string::npos);
+  EXPECT_NE(
+      what_of(cell.ask({{"request", "watch"}, {"name", 3}})).find("'name' of watch is not of type text"),
+      std::string::npos);
   EXPECT_EQ(error_of(cell.ask({{"request", "control.unload"}, {"name", "tial"}})), "unknown-controller");
   for (const char* line :
        {"", "[]", "7", "\"control.list\"", "{", "{\"request\":", "{\"request\":null}", "\x01\xff"}) {
