@@ -175,7 +175,7 @@ test('keeps breakpoints of a program that is not begun for its start, over a new
   await button('End program').click();
   await page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
   await button('Start').waitFor();
-  await assert.rejects(at.watcher.request('program.break', { at: ['reach.script:1'] }), /holds control/, 'who watches sets no breakpoints');
+  await assert.rejects(at.watcher.request('program.break', { at: ['reach.script:1'] }), /has control/, 'who watches sets no breakpoints');
 });
 
 test('lists what a dry run finds by line, and shows it in 3D', async () => {

@@ -397,7 +397,7 @@ TEST_F(WithPlc, ThePlcGoesOnWhereItWasCutOffAndItsTagsAreThere) {
   EXPECT_EQ(now_turns(), before);
   EXPECT_TRUE(*second->store().find("Lamp")->as_boolean());
   EXPECT_EQ(second->store().find("Pass")->as_number()->value, 0) << "this one the cell tells";
-  EXPECT_EQ(notes.find("begins anew"), std::string::npos) << notes;
+  EXPECT_EQ(notes.find("script restarts"), std::string::npos) << notes;
   second->loop().begin();
   go(0.25);
   EXPECT_GE(now_turns(), before + 2) << "its own variables were not lost";

@@ -335,7 +335,7 @@ TEST(Run, AProgramThatFailsIsNotCalledAStopThatSomebodyAskedFor) {
   const Finished run = run_command({"run", folder.path().string(), "--fast", "--quiet"});
   EXPECT_EQ(run.exit_code, 1) << run.output;
   EXPECT_NE(run.output.find("held: the run failed\n"), std::string::npos) << run.output;
-  EXPECT_EQ(run.output.find("was asked for"), std::string::npos) << run.output;
+  EXPECT_EQ(run.output.find("was requested"), std::string::npos) << run.output;
 }
 
 TEST(Run, TheThesisDurationRuleStretchesMoves) {
