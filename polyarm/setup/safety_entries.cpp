@@ -40,7 +40,7 @@ moves::WorkspaceZone read_zone(const std::string& name, const Yaml& yaml, Proble
   const int kinds = yaml.has("plane") + yaml.has("inside") + yaml.has("outside");
   if (kinds != 1)
     throw Error(Problem{"bad-value", out.where,
-                        "the zone '" + name + "' says " + (kinds == 0 ? "none" : "more than one") +
+                        "the zone '" + name + "' has " + (kinds == 0 ? "none" : "more than one") +
                             " of plane, inside and outside",
                         "{plane: [x, y, z], normal: [0, 0, 1]} or {inside: [[x, y, z], [x, y, z]]}"});
   if (yaml.has("plane")) {

@@ -102,7 +102,7 @@ class TagReader {
       tag_.address = whole(node_[areas[k]], 0, 0, 65535);
     }
     if (found != 1)
-      refuse(node_, "'" + tag_.name + "' says " + (found ? "more than one place" : "no place"),
+      refuse(node_, "'" + tag_.name + "' has " + (found ? "more than one place" : "no place"),
              "one of: " + join(areas, ", ") + ", with its address from 0");
     const bool bits = tag_.area == LinkTag::Area::coil || tag_.area == LinkTag::Area::discrete;
     tag_.type = bits ? LinkTag::Type::boolean : LinkTag::Type::number;
@@ -156,7 +156,7 @@ class TagReader {
       tag_.topic = node_[roles[k]].text();
     }
     if (found != 1)
-      refuse(node_, "'" + tag_.name + "' says " + (found ? "more than one place" : "no place"),
+      refuse(node_, "'" + tag_.name + "' has " + (found ? "more than one place" : "no place"),
              "one of: " + join(roles, ", ") + ", with the name of a topic or service");
     const bool service = tag_.role != LinkTag::Role::topic;
     if (tag_.role == LinkTag::Role::topic || tag_.role == LinkTag::Role::call)

@@ -300,7 +300,7 @@ std::string waiting(const test::Folder& folder, const std::string& signals, cons
   test::LockStepCell cell(read_cell_file(folder.path()));
   cell.run(4);
   if (cell.cell().failure()) return cell.cell().failure()->problem.advice;
-  return cell.told("say live: [cycledata]") > 0 ? "a note" : "";
+  return cell.told("set live: [cycledata]") > 0 ? "a note" : "";
 }
 
 TEST_F(Mistakes, WhoWaitsForWhatAnotherProgramWritesIsToldOfLiveFiles) {

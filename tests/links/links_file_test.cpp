@@ -44,7 +44,7 @@ TEST(LinksFile, GoesBeyondThisMachineOnlyWhenToldSo) {
 
 TEST(LinksFile, SaysWhatIsWrong) {
   EXPECT_NE(wrong_with("plc: {host: 127.0.0.1}").find("has no protocol"), std::string::npos);
-  EXPECT_NE(wrong_tag("direction: in").find("says no place"), std::string::npos);
+  EXPECT_NE(wrong_tag("direction: in").find("has no place"), std::string::npos);
   EXPECT_NE(wrong_tag("coil: 1").find("has no direction"), std::string::npos);
   EXPECT_NE(wrong_tag("coil: 70000, direction: in").find("from 0 to 65535"), std::string::npos);
   EXPECT_NE(wrong_tag("input: 1, direction: out").find("go in only"), std::string::npos);
