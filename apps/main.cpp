@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <malloc.h>
 
+#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <nlohmann/json.hpp>
@@ -109,9 +110,18 @@ int main(int argc, char** argv) {
                        {"domain", "range", "peers", "namespace", "distribution", "cmd_vel"},
                        "install Fast DDS (tools/setup does) and build again, or run without --ros2"});
   apps::guard_terminal();
-  hulls::listen_to_making([](std::size_t meshes) {
-    complain(fmt::format("making bodies of {} mesh{} for the detection of contacts, kept for next time\n",
-                         meshes, meshes == 1 ? "" : "es"));
+  hulls::listen_to_making([](std::size_t made, std::size_t meshes) {
+    constexpr auto kBetween = std::chrono::seconds(2);
+    static auto last = std::chrono::steady_clock::now();
+    const auto now = std::chrono::steady_clock::now();
+    if (made == 0)
+      complain(fmt::format("making bodies of {} mesh{} for the detection of contacts, kept for next time\n",
+                           meshes, meshes == 1 ? "" : "es"));
+    else if (made < meshes && now - last >= kBetween)
+      complain(fmt::format("  {} of {} are made\n", made, meshes));
+    else
+      return;
+    last = now;
   });
   try {
     apps::take_reach_options(argc, argv);
