@@ -109,7 +109,7 @@ int main(int argc, char** argv) {
   cell::register_door({"ros2",
                        {"domain", "range", "peers", "namespace", "distribution", "cmd_vel"},
                        "install Fast DDS (tools/setup does) and build again, or run without --ros2"});
-  apps::guard_terminal();
+  apps::guard_terminal(apps::asks_for_document(argc, argv));
   hulls::listen_to_making([](std::size_t made, std::size_t meshes) {
     constexpr auto kBetween = std::chrono::seconds(2);
     static auto last = std::chrono::steady_clock::now();
