@@ -10,6 +10,7 @@
 #include "polyarm/setup/build.hpp"
 #include "polyarm/base/approvals.hpp"
 #include "polyarm/base/reach.hpp"
+#include "polyarm/base/shell_word.hpp"
 
 namespace polyarm::apps {
 
@@ -60,7 +61,7 @@ void print_text() {
   }
   for (const plugins::Library& library : plugins::unapproved())
     fmt::print("not approved  {}\n  native code of a cell; sha256 {}\n  if you trust it: polyarm plugins approve {}\n",
-               library.file.string(), library.sha256, library.file.string());
+               library.file.string(), library.sha256, shell_word(library.file.string()));
   fmt::print("{} plugins, {} refused, {} not approved\n", plugins::found().size(), plugins::refused().size(),
              plugins::unapproved().size());
   if (!plugins::unapproved().empty()) return;

@@ -13,6 +13,7 @@
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/reach.hpp"
+#include "polyarm/base/shell_word.hpp"
 
 namespace polyarm {
 
@@ -67,7 +68,7 @@ bool require_own(const fs::path& file) {
     refuse(file, 0, "it belongs to another user", "delete it: what you approved is asked for again");
   if ((status.st_mode & (S_IWGRP | S_IWOTH)) != 0)
     refuse(file, 0, "other users may write to it",
-           "look at what it says (polyarm plugins approved), then type chmod 600 " + file.string());
+           "look at what it says (polyarm plugins approved), then type chmod 600 " + shell_word(file.string()));
   return true;
 }
 

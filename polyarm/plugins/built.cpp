@@ -12,6 +12,7 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/sha256.hpp"
+#include "polyarm/base/shell_word.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/hardware/plugin_library.hpp"
@@ -39,7 +40,7 @@ std::unique_ptr<hardware::Component> make_built(const BuiltClass& built) {
     throw Error(
         "plugin-not-approved",
         built.module.string() + " has changed since it was built (sha256 " + hash + ")",
-        "build it again with `polyarm plugin build`, or: polyarm plugins approve " + built.module.string());
+        "build it again with `polyarm plugin build`, or: polyarm plugins approve " + shell_word(built.module.string()));
   static std::map<std::string, const hardware::PluginTable*> open;  // a library is opened once
   const hardware::PluginTable*& table = open[hash];
   if (!table) table = &hardware::open_plugin(built.module, bytes);

@@ -6,6 +6,7 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/reach.hpp"
+#include "polyarm/base/shell_word.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/there.hpp"
 #include "polyarm/setup/cell_reach.hpp"
@@ -220,7 +221,7 @@ void check_kind(const Yaml& yaml, Problems& problems) {
     throw Error(Problem{"no-cell",
                         {yaml.where().file, 1, 1},
                         "this is a controllers file of ROS, not a cell",
-                        "polyarm run --description ROBOT --controllers " + yaml.where().file});
+                        "polyarm run --description ROBOT --controllers " + shell_word(yaml.where().file)});
   if (kind.empty())
     problems.error("missing-key", {yaml.where().file, 1, 1},
                    "this is not a cell file: it does not say 'polyarm: cell/1'",
@@ -325,7 +326,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
     throw Error(Problem{"no-cell",
                         {given.string()},
                         "this is a program, and a cell is asked for",
-                        "polyarm run CELL --program " + given.string()});
+                        "polyarm run CELL --program " + shell_word(given.string())});
   cell.grant = reach().open_cell(cell.folder);
   allow_remembered(cell);
   const Yaml yaml = Yaml::load(cell.path.string());
