@@ -24,6 +24,7 @@ import type {
 import type { Requests } from '../wire/requests';
 import { readAlarm, readCell, readHolder, readJog, readPart, readPlans, readStatus } from '../wire/read';
 import { forgetFrames, takeFrame, takeLayout } from './live';
+import { withLines } from './log';
 import { settings } from './settings';
 import { toast } from './toasts';
 import {waysOf} from './ways';
@@ -75,7 +76,6 @@ export const unseenAlarms = computed(() => alarms.value.filter((a) => !a.seen).l
 /** The names of forced tags. */
 export const forced = computed(() => Object.keys(tags.value).filter((name) => tags.value[name]!.forced).sort());
 
-const kLogLines = 2000;
 const kAlarms = 200;
 const kFrameRate = 30;
 
@@ -258,12 +258,7 @@ const events: Record<string, (event: Event) => void> = {
     parts.value = next;
   },
   log: (e) => {
-    const lines = e.lines as LogLine[];
-    const last = log.value[log.value.length - 1]?.number ?? -1;
-    // After a reconnection the history is sent again. A new cell starts numbering from the beginning.
-    const again = lines.length > 0 && lines[0]!.number <= last;
-    const known = again && lines[lines.length - 1]!.number < last ? [] : log.value;
-    log.value = [...known, ...lines.filter((line) => known.length === 0 || line.number > last)].slice(-kLogLines);
+    log.value = withLines(log.value, e.lines as LogLine[]);
   },
   alarm: (e) => {
     const alarm = readAlarm(e);
