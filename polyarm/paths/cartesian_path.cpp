@@ -148,7 +148,7 @@ bool CartesianPathBuilder::fine(const Pose& pose, const Corner& corner) {
 
 void CartesianPathBuilder::add(std::vector<PosePiece> pieces, double curve_radius, const Pose& end,
                                const Corner& corner) {
-  Segment out{std::move(pieces), {}, 0, curve_radius, {corner.radius, next_name(corner)}, end};
+  Segment out{std::move(pieces), {}, 0, curve_radius, {corner.radius, next_name(corner)}, end, waypoints_};
   for (const PosePiece& piece : out.pieces) {
     out.begins.push_back(out.length);
     out.length += piece.length;
@@ -172,8 +172,12 @@ CartesianPathBuilder& CartesianPathBuilder::line(const Pose& to, const Corner& c
     add({line_piece(end_, target, length)}, kInfinite, target, corner);
     return *this;
   }
-  problems_.warning("waypoint-repeated", {},
-                    fmt::format("{} is where the path is already; they count once", next_name(corner)));
+  repeated_.push_back({{"waypoint-repeated",
+                        {},
+                        fmt::format("{} is where the path is already; they count once", next_name(corner)),
+                        {},
+                        Severity::warning},
+                       waypoints_});
   if (!segments_.empty())
     segments_.back().corner.radius = std::min(segments_.back().corner.radius, corner.radius);
   ++waypoints_;
