@@ -244,8 +244,8 @@ std::vector<Function> all_functions() {
         Kind::pose, {}, &quat);
   out.push_back({"joints",
                  "joints(a, b, …) or joints(NAME = a, …)",
-                 "a joint state, in the order of the robot or by joint names",
-                 {{"value", W::angle, {}}},
+                 "a joint state, in the order of the robot or by joint names; a length for a joint that slides",
+                 {{"value", W::joint, {}}},
                  true,
                  true,
                  Kind::joints,
@@ -321,6 +321,8 @@ bool fits(Wanted wanted, const Value& value) {
       return n && (n->dimension == Dimension::length || is_bare_zero(*n));
     case Wanted::angle:
       return n && (n->dimension == Dimension::angle || is_bare_zero(*n));
+    case Wanted::joint:
+      return n && (n->dimension == Dimension::angle || n->dimension == Dimension::length || is_bare_zero(*n));
     case Wanted::scalar:
       return n && n->dimension == Dimension::none;
     case Wanted::text:
@@ -345,7 +347,8 @@ std::string counted(std::size_t n) {
 const char* name(Wanted wanted) {
   static constexpr const char* kNames[] = {
       "a value", "a number", "a length",         "an angle", "a number without unit",
-      "a text",  "a list",   "a list or a text", "a pose",   "a pose or a joint state"};
+      "a text",  "a list",   "a list or a text", "a pose",   "a pose or a joint state",
+      "an angle or a length"};
   return kNames[static_cast<int>(wanted)];
 }
 
@@ -368,7 +371,7 @@ std::vector<std::string> function_names() {
 
 std::optional<Dimension> dimension_of(Wanted wanted) {
   if (wanted == Wanted::length) return Dimension::length;
-  if (wanted == Wanted::angle) return Dimension::angle;
+  if (wanted == Wanted::angle || wanted == Wanted::joint) return Dimension::angle;
   if (wanted == Wanted::scalar) return Dimension::none;
   return std::nullopt;
 }

@@ -13,8 +13,8 @@
 
 namespace polyarm::program {
 
-/// The required type of an argument.
-enum class Wanted { any, number, length, angle, scalar, text, list, list_or_text, pose, place };
+/// The required type of an argument. `joint` is the position of a joint: an angle or a length.
+enum class Wanted { any, number, length, angle, scalar, text, list, list_or_text, pose, place, joint };
 
 struct FunctionParameter {
   std::string_view name;
@@ -54,7 +54,7 @@ const std::vector<Function>& functions();
 
 /// Throws OperationError if `value` does not have the required type.
 void require(const Function& function, std::size_t place, const Value& value);
-/// Of a number that is wanted with a certain unit, or without one.
+/// Of a number that is wanted with a certain unit, or without one. Of a joint: an angle, which most have.
 std::optional<Dimension> dimension_of(Wanted wanted);
 /// "a length", "a pose".
 const char* name(Wanted wanted);

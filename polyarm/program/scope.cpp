@@ -32,6 +32,8 @@ bool surely_not(Wanted wanted, const Type& type) {
       return number(Dimension::length);
     case Wanted::angle:
       return number(Dimension::angle);
+    case Wanted::joint:
+      return number(Dimension::angle) && number(Dimension::length);
     case Wanted::scalar:
       return number(Dimension::none);
     case Wanted::text:
@@ -349,9 +351,8 @@ Type Scope::infer_builtin(const Expression& e, const Function& function, const s
     if (!surely_not(wanted.wanted, type)) return;
     const Expression& given = *e.parts[static_cast<std::size_t>(argument)];
     const data::Number* literal = given.kind == Expression::Kind::literal ? given.value.as_number() : nullptr;
-    if (literal && literal->value == 0 && (wanted.wanted == Wanted::length || wanted.wanted == Wanted::angle))
-      return;
     const auto dimension = type.kind == Kind::number ? program::dimension_of(wanted.wanted) : std::nullopt;
+    if (literal && literal->value == 0 && dimension && *dimension != Dimension::none) return;
     error("bad-type", e.parts[static_cast<std::size_t>(argument)]->place,
           "'" + std::string(wanted.name) + "' of " + std::string(function.name) + "() is " +
               name(wanted.wanted) + ", here is " + described(type),
