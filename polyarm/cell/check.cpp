@@ -142,6 +142,7 @@ class Checker {
         plc = data::find_file(file_.plc, file_.folder, file_.plc_where);
         data_of(plc, known);
       });
+    add_elsewhere(known);
     if (!script.empty()) one_program(script, known);
     if (!plc.empty()) one_program(plc, known);
   }
@@ -215,6 +216,32 @@ class Checker {
         continue;  // the checker reports it
       }
       if (!taken_.contains(file)) collect(problems_, [&] { data(file, known); });
+    }
+  }
+
+  /// Adds the names in data files of the folder that no program loads, for the advice to load them.
+  void add_elsewhere(program::KnownNames& known) const {
+    constexpr std::size_t kMostFiles = 50;
+    std::error_code error;
+    std::set<std::filesystem::path> files;
+    for (std::filesystem::directory_iterator each(file_.folder, error), end; !error && each != end;
+         each.increment(error)) {
+      const std::filesystem::path& path = each->path();
+      const bool data = path.extension() == ".points" || path.extension() == ".data";
+      if (data && each->symlink_status(error).type() == std::filesystem::file_type::regular && !taken_.contains(path))
+        files.insert(path);
+      if (files.size() >= kMostFiles) break;
+    }
+    for (const std::filesystem::path& path : files) {
+      try {
+        program::KnownNames own;
+        add_names(read_file(path, bounds::kDataBytes), own);
+        for (const auto& name : own.names)
+          if (!known.names.contains(name.first))
+            known.elsewhere.try_emplace(name.first, path.filename().string(), path.stem().string());
+      } catch (const Error&) {
+        continue;  // only for advice
+      }
     }
   }
 

@@ -80,7 +80,7 @@ bool is_place(const Type& type) {
 }
 
 Scope::Scope(const Program& program, const KnownNames& known, Problems& problems)
-    : names{known.names}, program_{program}, problems_{problems}, defined_{known.defined} {
+    : names{known.names}, program_{program}, problems_{problems}, defined_{known.defined}, elsewhere_{known.elsewhere} {
   for_each_statement(program.statements, [&](const Statement& s) {
     if (s.kind == Statement::Kind::set_literal && !s.name.empty() && !known.names.contains(s.name))
       made.insert(s.name);
@@ -194,8 +194,10 @@ Type Scope::type_of_name(const std::string& name, Place place) {
     return end == name.size() ? at->second : type_of_field(at->second, name.substr(end + 1), place);
   }
   if (made.contains(name) || program_.lacks_included) return kUnknown;
+  const auto elsewhere = elsewhere_.find(name);
   error("unknown-name", place, "there is nothing called '" + name + "'" + suggested(name),
-        "names are data, points, tags and what `let` made");
+        elsewhere != elsewhere_.end() ? "it is in " + elsewhere->second.first + ": write `load " + elsewhere->second.second + "` above"
+                                      : "names are data, points, tags and what `let` made");
   return kUnknown;
 }
 

@@ -83,6 +83,7 @@ class Scope {
   std::unordered_map<std::string, std::vector<std::size_t>> places_;  ///< of variables, innermost last
   std::unordered_map<std::string, const Statement*> function_at_;
   std::map<std::string, Location> defined_;  ///< where files of the cell define names
+  std::map<std::string, std::pair<std::string, std::string>> elsewhere_;  ///< see KnownNames
 };
 
 /// True if it waits or moves, and so cannot be in a block that runs within one cycle.

@@ -218,6 +218,13 @@ TEST_F(Mistakes, ABooleanTagThatIsComparedWithANumberSaysWhatItsTypeIs) {
       << checked();
 }
 
+TEST_F(Mistakes, APointInAFileThatIsNotLoadedSaysWhichFile) {
+  folder.write("places.points", "Pose: RPY\nName: A\nPoint: 0.3, 0, 1, 0, 0, 0\n");
+  folder.write("job.script", "movej A\n");
+  cell("", "program: job.script\n");
+  EXPECT_EQ(checked(), "job.script:1 there is nothing called 'A' (it is in places.points: write `load places` above)\n");
+}
+
 TEST_F(Mistakes, OneMistakeIsOneError) {
   folder.write("signals.yaml",
                "polyarm: signals/1\ntags:\n  Where: {state: arm/joint_9/position, type: number}\n");
