@@ -295,25 +295,32 @@ class Checker {
     for (const signals::CameraLink& camera : signals_.cameras) later.insert(camera.point);
     FrameCheck frames(sets_, robots_, std::move(later));
     for (const auto& [path, read] : read_) frames.look_at(read.program);
-    const moves::RobotFacts* const robot = robots_.size() == 1 ? robots_.front()->facts.get() : nullptr;
+    // From another carrier's place a carried robot reaches other points; its moves are checked later.
+    const bool carried = std::any_of(robots_.begin(), robots_.end(),
+                                     [](const auto& robot) { return !robot->entry.on.empty(); });
     for (const data::DataSet& set : sets_)
       for (const data::Entry& entry : set.entries())
-        if (entry.value.is_place()) point(robot, entry, frames);
+        if (entry.value.is_place()) point(!carried || robots_.size() == 1, entry, frames);
   }
 
-  /// `robot` is null if the cell has several robots, because then the point's robot is unknown.
-  void point(const moves::RobotFacts* robot, const data::Entry& entry, const FrameCheck& frames) {
+  /// At least one robot must reach the point. Its moves are checked later.
+  void point(bool reach, const data::Entry& entry, const FrameCheck& frames) {
     PointReport report{entry.name, entry.where, true, "", {}};
     try {
-      const data::JointState* joints = entry.value.as_joints();
-      if (!joints) frames.in_world(entry);  // throws if a frame does not exist
-      if (!robot) return;
-      if (joints) {
-        report.joints = joints_by_name(*robot->model, *joints, entry.name);
-        moves::check_joints(*robot, report.joints, entry.name);
-      } else if (!frames.is_no_target(entry.name)) {
-        pose(*robot, entry, frames.meanings(entry), report);
+      if (!entry.value.as_joints()) frames.in_world(entry);  // throws if a frame does not exist
+      if (!reach) return;
+      std::vector<std::pair<std::string, Error>> why;
+      for (const auto& robot : robots_) {
+        try {
+          reached_by(*robot->facts, entry, frames, report);
+          why.clear();
+          break;
+        } catch (const Error& e) {
+          why.emplace_back(robot->entry.name, e);
+        }
       }
+      if (why.size() == 1) throw why.front().second;
+      if (!why.empty()) throw reached_by_none(entry.name, why);
     } catch (const Error& e) {
       Problem problem = e.problems().front();
       problem.where = entry.where;
@@ -326,6 +333,24 @@ class Checker {
       problems_.add(std::move(problem));
     }
     result_.points.push_back(std::move(report));
+  }
+
+  void reached_by(const moves::RobotFacts& robot, const data::Entry& entry, const FrameCheck& frames,
+                  PointReport& report) {
+    if (const data::JointState* joints = entry.value.as_joints()) {
+      report.joints = joints_by_name(*robot.model, *joints, entry.name);
+      moves::check_joints(robot, report.joints, entry.name);
+    } else if (!frames.is_no_target(entry.name)) {
+      pose(robot, entry, frames.meanings(entry), report);
+    }
+  }
+
+  static Error reached_by_none(const std::string& name, const std::vector<std::pair<std::string, Error>>& why) {
+    std::string what = "no robot reaches " + name;
+    for (std::size_t i = 0; i < why.size(); ++i)
+      what += (i == 0 ? " (" : "; ") + why[i].first + ": " + why[i].second.problems().front().what;
+    return {why.front().second.problems().front().code, what + ")",
+            why.front().second.problems().front().advice};
   }
 
   /// At least one of the possible meanings must be within reach; each move is checked later.

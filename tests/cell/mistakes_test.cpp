@@ -225,6 +225,21 @@ TEST_F(Mistakes, APointInAFileThatIsNotLoadedSaysWhichFile) {
   EXPECT_EQ(checked(), "job.script:1 there is nothing called 'A' (it is in places.points: write `load places` above)\n");
 }
 
+TEST_F(Mistakes, WithSeveralRobotsOneMustReachEachPoint) {
+  const auto two = [&](const std::string& x) {
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  left: {model: " + test::kSixAxes +
+                                  "}\n  right: {model: " + test::kSixAxes + ", at: [3, 0, 0]}\nprogram: job.script\n");
+    folder.write("places.points", "Pose: RPY\nName: A\nPoint: " + x + ", 0.2, 0.6, 0, 0, 0\n");
+    folder.write("job.script", "load places\n");
+    return checked();
+  };
+  EXPECT_EQ(two("0.3"), "");
+  EXPECT_EQ(two("3.3"), "");
+  const std::string none = two("9");
+  EXPECT_EQ(none.find("places.points:3 no robot reaches A (left: A is "), 0u) << none;
+  EXPECT_NE(none.find("; right: A is "), std::string::npos) << none;
+}
+
 TEST_F(Mistakes, OneMistakeIsOneError) {
   folder.write("signals.yaml",
                "polyarm: signals/1\ntags:\n  Where: {state: arm/joint_9/position, type: number}\n");
