@@ -31,6 +31,7 @@ std::vector<std::string> clause_words() {
 [[noreturn]] void refuse_clause(const TokenCursor& cursor, bool after_comma) {
   const Token& token = cursor.peek();
   refuse_bad(token);
+  refuse_lone_unit(cursor);
   const std::vector<std::string> words = clause_words();
   const bool word = token.kind == TokenKind::name;
   std::string advice = "clauses are " + join(words, ", ");

@@ -147,6 +147,15 @@ bool TokenCursor::take_word(std::string_view word) {
   return true;
 }
 
+void refuse_lone_unit(const TokenCursor& cursor) {
+  const Token& unit = cursor.peek();
+  if (cursor.position() == 0 || unit.kind != TokenKind::name || !find_unit(unit.text)) return;
+  const Token& number = cursor.tokens()[cursor.position() - 1];
+  if (number.kind == TokenKind::number && number.dimension == Dimension::none)
+    throw SyntaxError{"unexpected", unit.place, "a blank separates the unit '" + unit.text + "' from its number",
+                      "write the unit right behind it, such as 5mm"};
+}
+
 void TokenCursor::expect_end(const std::string& statement) const {
   if (at_end()) return;
   refuse_bad(peek());
@@ -155,11 +164,7 @@ void TokenCursor::expect_end(const std::string& statement) const {
   if (peek().kind == TokenKind::name && (peek().text == "then" || peek().text == "do"))
     throw SyntaxError{"unexpected", peek().place, "'" + peek().text + "' is not written here",
                       "the block begins on the next line"};
-  if (peek().kind == TokenKind::name && at_ > 0 && tokens_[at_ - 1].kind == TokenKind::number &&
-      tokens_[at_ - 1].dimension == Dimension::none && find_unit(peek().text))
-    throw SyntaxError{"unexpected", peek().place,
-                      "a blank separates the unit '" + peek().text + "' from its number",
-                      "write the unit right behind it, such as 5mm"};
+  refuse_lone_unit(*this);
   throw SyntaxError{"unexpected", peek().place, shown(peek()) + " is not expected here, after " + statement,
                     "one statement stands on a line; a name with blanks goes in `back-quotes`"};
 }

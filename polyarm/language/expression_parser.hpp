@@ -63,6 +63,8 @@ class TokenCursor {
 
 /// "'x'", or "the end of the line".
 std::string shown(const Token& token);
+/// Throws SyntaxError if the next token is a unit that a blank separates from its number.
+void refuse_lone_unit(const TokenCursor& cursor);
 /// Throws SyntaxError for a token of kind bad.
 void refuse_bad(const Token& token);
 /// and or not mod true false.

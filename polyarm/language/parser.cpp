@@ -245,8 +245,20 @@ class Parser {
     if (second.kind == TokenKind::symbol && second.text == "=")
       return error("unknown-word", first.place, "no statement begins with " + shown(first),
                    "to change it write `set " + first.text.substr(0, 40) + " = …`, for a new name `let`");
+    if (changes_in_place(line.source.tokens))
+      return error("unknown-word", first.place, "no statement begins with " + shown(first),
+                   "to change it write `set " + first.text.substr(0, 40) + " = " + first.text.substr(0, 40) + " " +
+                       second.text + " …`");
     error("unknown-word", first.place,
           "no statement begins with " + shown(first) + did_you_mean(first.text, statement_words()), "");
+  }
+
+  /// True for `i += 1` and `i++`.
+  static bool changes_in_place(const std::vector<Token>& tokens) {
+    if (tokens.size() < 3 || tokens[1].kind != TokenKind::symbol || tokens[2].kind != TokenKind::symbol) return false;
+    const std::string &operation = tokens[1].text, &then = tokens[2].text;
+    const bool calculates = operation == "+" || operation == "-" || operation == "*" || operation == "/";
+    return calculates && (then == "=" || (then == operation && then != "*" && then != "/"));
   }
 
   /// The block that `line` opens, with its branches, up to and including its closing word.

@@ -316,7 +316,8 @@ class Checker {
             "'" + name + "' is " + described(before) + " and cannot become " + described(value),
             before.kind == Kind::number && before.dimension && value.kind == Kind::number
                 ? "a name keeps its unit: " + unit_advice(*before.dimension)
-                : "a name keeps its type and unit");
+            : before.kind == Kind::boolean && value.kind == Kind::number ? "write true or false"
+                                                                         : "a name keeps its type and unit");
   }
 
   void check_not_fixed(const std::string& variable, Place place) {

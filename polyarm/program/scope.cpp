@@ -1,6 +1,9 @@
 #include "polyarm/program/scope.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <string_view>
+#include <utility>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/unit_advice.hpp"
@@ -315,15 +318,28 @@ std::optional<Dimension> Scope::dimension_of(const Expression& e, const Type& a,
   return out;
 }
 
+namespace {
+/// What to write instead of functions of other languages; null for other names.
+const char* instead_of(std::string_view function) {
+  static constexpr std::pair<std::string_view, const char*> kInstead[] = {
+      {"print", "a line is printed with `log(…)`"},       {"printf", "a line is printed with `log(…)`"},
+      {"echo", "a line is printed with `log(…)`"},        {"sleep", "a time is waited with `wait 500ms`"},
+      {"delay", "a time is waited with `wait 500ms`"},    {"range", "write `for i in 1 .. 5`"},
+      {"input", "a person answers to `ask(\"How many?\", 4)`"}, {"len", "it is called `length(…)`"}};
+  const auto at = std::find_if(std::begin(kInstead), std::end(kInstead),
+                               [&](const auto& each) { return each.first == function; });
+  return at == std::end(kInstead) ? nullptr : at->second;
+}
+}  // namespace
+
 Type Scope::infer_call(const Expression& e) {
   const std::vector<Type> arguments = infer_all(e);
   const Statement* own = function(e.name);
   const Function* builtin = own ? nullptr : find_function(e.name);
   if (!own && !builtin) {
     if (program_.lacks_included) return kUnknown;
-    if (e.name == "print" || e.name == "printf" || e.name == "echo") {
-      error("unknown-function", e.place, "there is no function '" + e.name + "'",
-            "a line is printed with `log(…)`");
+    if (const char* instead = instead_of(e.name)) {
+      error("unknown-function", e.place, "there is no function '" + e.name + "'", instead);
       return kUnknown;
     }
     std::vector<std::string> all;
