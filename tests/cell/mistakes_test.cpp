@@ -225,6 +225,14 @@ TEST_F(Mistakes, APointInAFileThatIsNotLoadedSaysWhichFile) {
   EXPECT_EQ(checked(), "job.script:1 there is nothing called 'A' (it is in places.points: write `load places` above)\n");
 }
 
+TEST_F(Mistakes, TwoTasksMayNotMoveTheOnlyRobot) {
+  folder.write("places.points", "Pose: RPY\nName: A\nPoint: 0.3, 0, 1, 0, 0, 0\n");
+  folder.write("job.script", "load places\ntask one\n  movej A\nend\ntask two\n  movej A\nend\n");
+  cell("", "program: job.script\n");
+  EXPECT_NE(checked().find("job.script:6 the robot 'arm' is used by the task 'one' in line 3, too"), std::string::npos)
+      << checked();
+}
+
 TEST_F(Mistakes, WithSeveralRobotsOneMustReachEachPoint) {
   const auto two = [&](const std::string& x) {
     folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  left: {model: " + test::kSixAxes +
