@@ -86,6 +86,12 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   RobotEntry robot;
   robot.name = name;
   robot.where = yaml.where();
+  if (!yaml.is_map()) {
+    const std::string model = yaml.is_list() ? std::string() : yaml.text("");
+    problems.error("bad-type", yaml.where(), "the robot '" + name + "' is not described",
+                   "write '" + name + ": {model: " + (model.empty() ? "universal_robots/ur3" : model) + "}'");
+    return robot;
+  }
   for (const std::string& key : yaml.keys()) robot.places[key] = yaml.key_location(key);
   yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
                    "accept_unverified", "budget", "rate", "thread", "on_fault", "workspace", "joint_ranges",
@@ -344,6 +350,9 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   collect(problems, [&] { cell.rate = yaml["rate"].number(Dimension::rate, 1000); });
   if (!(cell.rate >= 1 && cell.rate <= 10000))
     problems.error("bad-value", yaml["rate"].where(), "the control rate must lie between 1 and 10000 Hz");
+  if (yaml.has("robots") && !yaml["robots"].is_map())
+    throw Error(Problem{"bad-type", yaml["robots"].where(), "'robots' has no names of robots",
+                        "write 'robots: {arm: {model: universal_robots/ur3}}'"});
   if (yaml["robots"].keys().size() > bounds::kRobots)
     throw Error(Problem{"too-many", yaml["robots"].where(),
                         "the cell has more than " + std::to_string(bounds::kRobots) + " robots",

@@ -218,6 +218,15 @@ TEST_F(Mistakes, ABooleanTagThatIsComparedWithANumberSaysWhatItsTypeIs) {
       << checked();
 }
 
+TEST_F(Mistakes, RobotsThatAreNotDescribedAreNamedAndShowHowToDescribeThem) {
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots: [arm]\n");
+  EXPECT_EQ(checked(), "cell.yaml:2 'robots' has no names of robots (write 'robots: {arm: {model: universal_robots/ur3}}')\n");
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots: {arm: kuka/kr_3_r540}\n");
+  EXPECT_EQ(checked(), "cell.yaml:2 the robot 'arm' is not described (write 'arm: {model: kuka/kr_3_r540}')\n");
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm:\n");
+  EXPECT_NE(checked().find("the robot 'arm' is not described"), std::string::npos) << checked();
+}
+
 TEST_F(Mistakes, APointInAFileThatIsNotLoadedSaysWhichFile) {
   folder.write("places.points", "Pose: RPY\nName: A\nPoint: 0.3, 0, 1, 0, 0, 0\n");
   folder.write("job.script", "movej A\n");
