@@ -227,6 +227,18 @@ TEST_F(Mistakes, RobotsThatAreNotDescribedAreNamedAndShowHowToDescribeThem) {
   EXPECT_NE(checked().find("the robot 'arm' is not described"), std::string::npos) << checked();
 }
 
+TEST_F(Mistakes, SizesThatLookLikeMillimetresNeedAUnit) {
+  const auto scene = [&](const std::string& box) {
+    folder.write("scene.yaml", "polyarm: scene/1\nparts:\n  a: {box: " + box + ", mass: 1kg, at: [1, 0, 0.02]}\n");
+    cell("", "scene: scene.yaml\n");
+    return checked();
+  };
+  EXPECT_NE(scene("[40, 40, 40]").find("a size of 40 m is unusual (this looks like millimetres, write 40mm"),
+            std::string::npos);
+  EXPECT_EQ(scene("[40mm, 40mm, 40mm]"), "");
+  EXPECT_EQ(scene("[0.04, 0.04, 0.04]"), "");
+}
+
 TEST_F(Mistakes, APointInAFileThatIsNotLoadedSaysWhichFile) {
   folder.write("places.points", "Pose: RPY\nName: A\nPoint: 0.3, 0, 1, 0, 0, 0\n");
   folder.write("job.script", "movej A\n");
