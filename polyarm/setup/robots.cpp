@@ -201,10 +201,16 @@ void check_carried(const CellRobot& robot, Problems& problems) {
                      "take 'on' away, or <param name=\"base\">free</param> out of its description");
 }
 
-/// Refuses a payload above the robot's rating, like a program's `payload`.
+/// Refuses a payload above the robot's rating, like a program's `payload`; warns of a tool above it.
 void refuse_overload(const CellRobot& robot, Problems& problems) {
   const std::optional<double>& rated = robot.model.provenance.payload_kg;
   const double payload = robot.entry.payload.mass;
+  if (rated && robot.tool.mass > *rated)
+    problems.warning("payload", robot.entry.place_of("tool"),
+                     fmt::format("the tool {} has {:g} kg, more than the {:g} kg that {} may carry",
+                                 robot.entry.tool, robot.tool.mass, *rated, robot.model.name),
+                     "correct its 'mass' (a number without a unit is in kilograms), or choose a robot that "
+                     "carries it");
   if (!rated || !(payload > *rated)) return;
   problems.error("payload", robot.entry.place_of("payload"),
                  fmt::format("a payload of {:g} kg is more than the {:g} kg that {} may carry", payload,
