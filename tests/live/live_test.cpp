@@ -36,7 +36,8 @@ TEST(CtrlC, TwiceStopsAtOnce) {
 }
 
 TEST(Signals, EachThatCanBeCaughtStopsOnThePath) {
-  for (const int number : {SIGTERM, SIGQUIT, SIGHUP, SIGUSR1, SIGALRM, SIGSTKFLT, SIGTRAP, SIGRTMIN, SIGRTMAX}) {
+  for (const int number : {SIGTERM, SIGQUIT, SIGHUP, SIGUSR1, SIGALRM, SIGSTKFLT, SIGTRAP, SIGRTMIN, SIGRTMAX, SIGABRT, SIGSYS,
+                           SIGSEGV, SIGBUS, SIGFPE, SIGILL}) {
     const ExampleCopy copy("pick_and_place");
     Command run({"run", copy.path(), "--json", "--hardware", "mock"});
     ASSERT_TRUE(run.wait_for("moveto PrePick"));
