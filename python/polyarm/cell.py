@@ -6,7 +6,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from . import _polyarm
+from ._compiled import _polyarm
 from .errors import Error
 
 Event = namedtuple("Event", "time kind text where")
