@@ -32,6 +32,7 @@ void Servo::start(std::size_t j, JointMode mode, double position, double velocit
   joint.mode = mode;
   joint.led = true;
   if (same) return;
+  joint.follows = false;
   joint.reference = joint.target = position;
   joint.velocity = velocity;
   joint.acceleration = 0;
@@ -41,7 +42,7 @@ void Servo::start(std::size_t j, JointMode mode, double position, double velocit
 void Servo::stop(std::size_t j, JointMode mode, double position) noexcept {
   Joint& joint = joints_[j];
   if (!joint.led || joint.mode != mode) return;
-  joint.led = false;
+  joint.led = joint.follows = false;
   if (mode == JointMode::position) return;  // its set point stays
   joint.mode = JointMode::position;
   joint.reference = joint.target = position;
@@ -58,7 +59,10 @@ void Servo::command(std::span<const double> position, std::span<const double> ve
     }
     double wanted = joint.velocity;
     if (joint.mode == JointMode::position) {
-      if (joint.led && std::isfinite(position[j])) joint.target = position[j];
+      if (joint.led && std::isfinite(position[j])) {
+        joint.target = position[j];
+        joint.follows = true;
+      }
       wanted = (joint.target - joint.reference) / period;
     } else if (std::isfinite(velocity[j])) {
       wanted = velocity[j];
@@ -81,7 +85,7 @@ void Servo::accelerations(const ModelView& view, std::size_t robot, mjtNum* acce
     a = joint.acceleration + 2 * kBandwidth * (joint.velocity - v);
     if (joint.mode == JointMode::position) {
       a += kBandwidth * kBandwidth * (joint.reference - q);
-      tracking_error_ = std::max(tracking_error_, std::abs(joint.reference - q));
+      if (joint.follows) tracking_error_ = std::max(tracking_error_, std::abs(joint.reference - q));
     }
     joint.velocity += joint.acceleration * timestep;
     joint.reference += joint.velocity * timestep;  // in the integration order of the simulator

@@ -31,13 +31,14 @@ class Servo {
   /// Set points start at the joints' positions.
   void start_at(std::span<const double> positions) noexcept;
   double torque(std::size_t joint) const noexcept { return joints_[joint].torque; }
-  /// Largest distance between set point and joint in position mode in the last step, rad or m.
+  /// Largest distance between set point and joint in the last step, of joints with a position command, rad or m.
   double tracking_error() const noexcept { return tracking_error_; }
 
  private:
   struct Joint {
     JointMode mode = JointMode::position;
     bool led = true;                                       // driven; else held, commands are ignored
+    bool follows = false;                                  // a position was commanded in this mode
     double reference = 0, velocity = 0, acceleration = 0;  // set point at this physics step
     double target = 0;                                     // at the end of the control period
     double effort = 0, limit = 0;
