@@ -227,6 +227,13 @@ TEST_F(Mistakes, RobotsThatAreNotDescribedAreNamedAndShowHowToDescribeThem) {
   EXPECT_NE(checked().find("the robot 'arm' is not described"), std::string::npos) << checked();
 }
 
+TEST_F(Mistakes, ATagOfTheWrongDirectionSaysWhichOneItIs) {
+  folder.write("signals.yaml",
+               "polyarm: signals/1\ntags:\n  Set: {state: program/running}\n  Asked: {command: program/running}\n");
+  cell("", "signals: signals.yaml\n");
+  EXPECT_NE(both().find("(it is a state: write {state: …})"), std::string::npos) << checked();
+}
+
 TEST_F(Mistakes, SizesThatLookLikeMillimetresNeedAUnit) {
   const auto scene = [&](const std::string& box) {
     folder.write("scene.yaml", "polyarm: scene/1\nparts:\n  a: {box: " + box + ", mass: 1kg, at: [1, 0, 0.02]}\n");
@@ -252,6 +259,20 @@ TEST_F(Mistakes, TwoTasksMayNotMoveTheOnlyRobot) {
   cell("", "program: job.script\n");
   EXPECT_NE(checked().find("job.script:6 the robot 'arm' is used by the task 'one' in line 3, too"), std::string::npos)
       << checked();
+}
+
+TEST_F(Mistakes, AFeederHasItsPartsFromTheStart) {
+  folder.write("scene.yaml",
+               "polyarm: scene/1\nfeeders:\n  belt: {at: [0.4, 0.3, 0.02]}\n"
+               "parts:\n  a: {kind: red, box: [40mm, 40mm, 40mm], mass: 80g, feeder: belt}\n");
+  folder.write("signals.yaml",
+               "polyarm: signals/1\ntags:\n  Left: {state: scene/belt/remaining, type: number}\n"
+               "  Kind: {state: scene/belt/kind, type: number}\n");
+  folder.write("places.points", "Pose: RPY\nName: A\nPoint: 0.3, 0.2, 0.6, 0, 0, 0\n");
+  folder.write("job.script",
+               "load places\nwhile Left > 0\n  if Kind == 1\n    movej offset(A, z = 5m)\n  end\n  wait 1s\nend\n");
+  cell("", "scene: scene.yaml\nsignals: signals.yaml\nprogram: job.script\n");
+  EXPECT_NE(checked().find("job.script:4 "), std::string::npos) << "the branch in the loop is planned: " << checked();
 }
 
 TEST_F(Mistakes, WithSeveralRobotsOneMustReachEachPoint) {
