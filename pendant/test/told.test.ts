@@ -3,7 +3,7 @@ import { beforeEach, describe, expect, it, vi } from 'vitest';
 import supervisor from '../../polyarm/control/supervisor.cpp?raw';
 
 vi.stubGlobal('navigator', { language: 'en', userAgent: '' });
-const {causeWords, kSaysAll, lineWords, plain, problemWords} = await import('../src/i18n/told');
+const {causeWords, kSaysAll, lineWords, noteWords, plain, problemWords} = await import('../src/i18n/told');
 const { settings } = await import('../src/state/settings');
 const {en} = await import('../src/i18n/en');
 const {es} = await import('../src/i18n/es');
@@ -125,6 +125,14 @@ describe('what the cell tells', () => {
         .toBe('Retenido: Parado tras un contacto');
     expect(lineWords({text: 'running', code: 'state', facts: {state: 'running'}})).toBe('En marcha');
     expect(lineWords({text: 'program: own', code: ''})).toBe('program: own');
+  });
+
+  it('says the note of a question in the language of the page', () => {
+    expect(inBoth(() => noteWords('Enter alone means 2'))).toEqual(['No text means 2', 'Sin texto vale 2']);
+    expect(inBoth(() => noteWords('the answer is a length, such as 0.04m'))[1]).toBe('Esta respuesta no sirve. Escriba, por ejemplo, 0.04m');
+    expect(noteWords('another note')).toBe('another note');
+    const all = Object.values(sources).join('\n');
+    for (const part of ['"Enter alone means ', '"the answer is "', '", such as "']) expect(all, part).toContain(part);
   });
 
   it('has a word for everything that a task can wait for, and for every state', () => {

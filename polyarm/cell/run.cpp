@@ -314,7 +314,22 @@ class Runner {
     } else if (request) {
       ask(*request);
     } else {
-      cell_.programs->answers().give(line);
+      answer(line);
+    }
+  }
+
+  /// At a terminal a line answers only a question that was asked: an early one would answer the next question.
+  /// A script may write its answers in advance.
+  void answer(const std::string& line) {
+    Answers& answers = cell_.programs->answers();
+    if (!console_.is_terminal()) return answers.give(line);
+    const auto asks = [](const Task* task) {
+      return task && !task->ended() && task->status().waiting.kind == program::WaitKind::user;
+    };
+    if (!asks(cell_.programs->program()) && !asks(cell_.programs->plc())) {
+      if (!line.empty()) observer_.on_note("nothing is asked now, and '" + line + "' is no command here");
+    } else if (!answers.answer(line)) {
+      observer_.on_note("the question is answered already, and the program has not gone on yet");
     }
   }
 

@@ -247,10 +247,15 @@ struct ProgramStart {
 
 struct ProgramAnswer {
   static constexpr Facts kFacts{
-      .name = "program.answer", .role = Role::operate, .text = "answer what the program asks"};
-  std::optional<std::string> text;
+      .name = "program.answer",
+      .role = Role::operate,
+      .text = "answer what the program asks. Refused as answered-already until the program has taken an answer "
+              "before, and as other-question if the program does not ask `question` (the first line of what `program` "
+              "reports)",
+      .moves = true};
+  std::optional<std::string> text, question;
   using Answer = Asked;
-  POLYARM_MEMBERS(ProgramAnswer, text)
+  POLYARM_MEMBERS(ProgramAnswer, text, question)
 };
 
 /// An event; `event` decides which members are present.

@@ -238,7 +238,13 @@ Asked program_answer(const LoadOwners& cell, const ProgramAnswer& request) {
   const bool asks = cell.programs.program() && cell.programs.begun() && !cell.programs.program()->ended() &&
                     cell.programs.program()->status().waiting.kind == program::WaitKind::user;
   if (!asks) throw Error("no-question", "the program asks nothing now", "program tells what it waits for");
-  cell.programs.answers().give(request.text.value_or(""));
+  const std::string& whole = cell.programs.program()->status().waiting.text;
+  const std::string question = whole.substr(0, whole.find('\n'));
+  if (request.question && *request.question != question)
+    throw Error("other-question", "the program asks something else now: " + question, "read it, then answer again");
+  if (!cell.programs.answers().answer(request.text.value_or("")))
+    throw Error("answered-already", "the question is answered already, and the program has not gone on yet",
+                "resume the cell");
   return {"answer"};
 }
 

@@ -87,7 +87,8 @@ program::Progress ProgramHost::poll_load(program::Handle handle) {
 }
 
 program::Handle ProgramHost::start_ask(const std::string& text, const Location& where) {
-  if (c_.answers->given().empty() && !c_.answers->somebody_there)
+  c_.answers->begin();
+  if (c_.answers->none() && !c_.answers->somebody_there)
     throw Error(Problem{"nobody-there", where, "the program waits for a user, and there is none: " + text,
                         "run it in a terminal, or give the answer in advance with --answer TEXT"});
   c_.observer->on_question(text.empty() ? "The program waits for you. Press Enter to go on." : text);
@@ -95,9 +96,9 @@ program::Handle ProgramHost::start_ask(const std::string& text, const Location& 
 }
 
 program::Progress ProgramHost::poll_ask(program::Handle) {
-  if (c_.answers->given().empty()) return {};
-  answer_ = c_.answers->given().front();
-  c_.answers->given().pop_front();
+  std::optional<std::string> answer = c_.answers->take();
+  if (!answer) return {};
+  answer_ = std::move(*answer);
   return program::Progress::done();
 }
 

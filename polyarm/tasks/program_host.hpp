@@ -3,9 +3,11 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "polyarm/io/data_files.hpp"
@@ -19,13 +21,31 @@ namespace polyarm::cell {
 /// Answers to the questions of programs: given in advance, or typed while a program waits. Cell thread.
 class Answers {
  public:
+  /// Adds an answer in advance, for the present or a later question.
   void give(std::string text) { given_.push_back(std::move(text)); }
+  /// Answers the present question. False if it is answered already.
+  bool answer(std::string text) {
+    if (present_) return false;
+    present_ = std::move(text);
+    return true;
+  }
+  /// A new question was asked. What answered the one before does not answer it.
+  void begin() { present_.reset(); }
+  bool none() const { return !present_ && given_.empty(); }
+  /// The next answer, if there is one.
+  std::optional<std::string> take() {
+    if (present_) return std::exchange(present_, std::nullopt);
+    if (given_.empty()) return std::nullopt;
+    std::string out = std::move(given_.front());
+    given_.pop_front();
+    return out;
+  }
   /// True if a person can type answers.
   bool somebody_there = false;
-  std::deque<std::string>& given() { return given_; }
 
  private:
   std::deque<std::string> given_;
+  std::optional<std::string> present_;
 };
 
 /// Implements program::Host for a task of the cell: data under the task's name, and motion of its robots if

@@ -1203,8 +1203,8 @@ class Requests:
     async def program_start(self, *, passes: float | None = None, paused: bool | None = None, as_saved: bool | None = None, file: str | None = None, hash: str | None = None, saved: str | None = None) -> ProgramStatus:
         return await self._ask("program.start", {"passes": passes, "paused": paused, "as_saved": as_saved, "file": file, "hash": hash, "saved": saved})
 
-    async def program_answer(self, *, text: str | None = None) -> Asked:
-        return await self._ask("program.answer", {"text": text})
+    async def program_answer(self, *, text: str | None = None, question: str | None = None) -> Asked:
+        return await self._ask("program.answer", {"text": text, "question": question})
 
     async def program(self, *, data: bool | None = None) -> ProgramStateAnswer:
         return await self._ask("program", {"data": data})

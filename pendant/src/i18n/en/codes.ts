@@ -94,6 +94,8 @@ export const codes = {
   'told.not-paused': 'The program is not paused',
   'told.no-program': 'No program is loaded',
   'told.has-ended': 'The program has ended',
+  'told.other-question': 'The program asks something else now',
+  'told.answered-already': 'The question is answered already',
   'told.no-question': 'The program asks nothing now',
   'told.failed': 'The program failed',
   'told.user': 'The program reports an error',

@@ -93,6 +93,9 @@ export const shell = {
   'question.label': 'The program asks',
   'question.wait': 'The program waits for you.',
   'question.answer': 'Answer',
+  'question.enter': 'No text means {value}',
+  'question.refused': 'This answer does not fit. Write, for example, {value}',
+  'question.answered': 'Answered. The program goes on after Resume.',
   'question.go': 'Confirm',
 
   'alarms.label': 'Alarms',

@@ -78,6 +78,8 @@ export const told = {
   'do.not-active': 'Activate it on the page Health',
   'do.in-use': 'Stop what uses it first',
   'do.other-program': 'Look at it again, then press Start',
+  'do.other-question': 'Read it, then answer again',
+  'do.answered-already': 'Press Resume',
   'do.program-changed': 'Look at it again, then press Start',
   'do.no-real-hardware': 'Name the hardware in the cell\'s file',
   'do.no-device': 'Plug it in',

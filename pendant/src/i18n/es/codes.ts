@@ -92,6 +92,8 @@ export const codes: Record<keyof typeof en, string> = {
   'told.not-paused': 'El programa no está en pausa',
   'told.no-program': 'No hay ningún programa cargado',
   'told.has-ended': 'El programa ha terminado',
+  'told.other-question': 'El programa pregunta ahora otra cosa',
+  'told.answered-already': 'La pregunta ya está respondida',
   'told.no-question': 'El programa no pregunta nada ahora',
   'told.failed': 'El programa falló',
   'told.user': 'El programa informa de un error',
