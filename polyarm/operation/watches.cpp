@@ -246,6 +246,7 @@ void Watches::warn_of_long_wait() {
 }
 
 void Watches::warn_of_busy_tasks() {
+  if (cell_.machine.snapshot().state != control::RunState::running) return;  // a held program takes no steps
   const Nanoseconds now = cell_.machine.now();
   for (const Task* task : {cell_.programs.program(), cell_.programs.plc()})
     if (is_busy_for(task, now, kBusyPatience) && reported_warnings_.insert("busy " + task->name()).second)
