@@ -178,6 +178,7 @@ async function greet(): Promise<void> {
     if (!holder.value && settings.takeWhenFree.value && (!again || hadControl)) await takeControl(false);
     settled.value = true;
   } catch (error) {
+    if (isLate(error)) return greet();
     if (link.value === 'open') complain(error);
   }
 }
@@ -211,10 +212,17 @@ export function markSeen(which: (alarm: Alarm) => boolean): void {
   alarms.value = alarms.peek().map((each) => (which(each) ? { ...each, seen: true } : each));
 }
 
+/** True if a request got no answer in time, although there is a connection. A busy machine may be late. */
+const isLate = (error: unknown): boolean => error instanceof RequestError && error.code === 'no-answer' && link.peek() === 'open';
+
 /** Requests the first state; later changes come as events. A cell without a program refuses. */
 async function loadProgram(): Promise<void> {
-  const now = await request('program').catch(() => null);
-  if (now && !program.peek()) program.value = now as unknown as Json;
+  try {
+    const now = await request('program');
+    if (!program.peek()) program.value = now as unknown as Json;
+  } catch (error) {
+    if (isLate(error) && !program.peek()) return loadProgram();
+  }
 }
 
 /** The number of the newest alarm before this page connected; -1 while unknown. */
