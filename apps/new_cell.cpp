@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/options.hpp"
+#include "apps/scratch.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/cell/check.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
@@ -275,27 +276,6 @@ void write_files(const fs::path& folder, const NewCell& asked, const Layout& lay
 
 // --- finding a layout
 
-/// A temporary folder that is deleted with its contents.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "polyarm_new_cell.XXXXXX").string();
-    if (!::mkdtemp(name.data()))
-      throw Error("unwritable", "no folder can be made in " + fs::temp_directory_path().string());
-    path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 cell::CellRobots robot_with_tool(const NewCell& asked, const fs::path& folder, const Sizes& sizes) {
   write_file_atomically(folder / "tool.yaml", tool_yaml(sizes));
   cell::CellFile file;
@@ -343,7 +323,7 @@ bool can_move(const moves::RobotFacts& robot, const std::vector<double>& from, c
 /// The problems that `check` and `check --dry` find, including contacts.
 std::vector<Problem> found_in(const fs::path& folder) {
   const description::Catalogue catalogue = open_catalogue();
-  const Scratch state;
+  const Scratch state("new");
   std::vector<Problem> out;
   for (const bool dry : {false, true}) {
     cell::CheckOptions options;
@@ -372,7 +352,7 @@ int write_new_cell(const NewCell& asked) {
   if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
     throw Error("exists", folder.string() + " is there already, nothing was written",
                 "choose another folder with --folder DIR, or another name");
-  const Scratch scratch;
+  const Scratch scratch("new");
   const std::shared_ptr<ReachGrant> grant = reach().grant();
   grant->allow(scratch.path());  // it is written again after a cell in it was opened
   Sizes sizes;

@@ -2,13 +2,13 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "apps/apart.hpp"
 #include "apps/options.hpp"
+#include "apps/scratch.hpp"
 #include "apps/terminal.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
@@ -35,24 +35,6 @@ struct Verdict {
   std::vector<Problem> problems;
   std::vector<std::string> log;
   double cell_time_s = 0, wall_time_s = 0;
-};
-
-/// A temporary folder that is deleted at the end of the run.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "polyarm-test-XXXXXX").string();
-    if (!::mkdtemp(name.data())) throw Error("no-folder", "no folder can be made in " + name);
-    path_ = name;
-  }
-  ~Scratch() {
-    std::error_code error;
-    fs::remove_all(path_, error);
-  }
-  fs::path of(std::size_t which) const { return path_ / std::to_string(which) / "data"; }
-
- private:
-  fs::path path_;
 };
 
 std::string packed(const cell::TestResult& result) {
@@ -170,7 +152,7 @@ void tell_progress(std::size_t ended, std::size_t failed, std::size_t count, con
 
 int run_all(const std::vector<cell::ProgramTest>& tests, const TestArguments& a) {
   const description::Catalogue catalogue = open_catalogue();
-  const Scratch scratch;
+  const Scratch scratch("test");
   std::vector<Verdict> verdicts(tests.size());
   std::size_t ended = 0, failed = 0;
   run_apart(
