@@ -44,9 +44,12 @@ Problem problem_of(const Approach& a, const Location& where, double clearance) {
 
 }  // namespace
 
-SweptCheck::SweptCheck(const CellInside& cell)
-    : cell_(cell), bodies_(cell.motions->bodies()->get()), marks_{Location{}} {
-  sweep_ = std::make_unique<surroundings::Sweep>(bodies_->robots, bodies_->scene, cell.setup.file.clearance);
+SweptCheck::SweptCheck(const CellInside& cell, std::optional<double> clearance)
+    : cell_(cell),
+      clearance_(clearance.value_or(cell.setup.file.clearance)),
+      bodies_(cell.motions->bodies()->get()),
+      marks_{Location{}} {
+  sweep_ = std::make_unique<surroundings::Sweep>(bodies_->robots, bodies_->scene, clearance_);
 }
 
 SweptCheck::~SweptCheck() = default;
@@ -82,7 +85,7 @@ std::vector<Problem> SweptCheck::finish() {
   std::vector<Problem> out;
   for (const Approach* a : in_order) {
     if (!nearest_ || a->distance < nearest_->distance) nearest_ = *a;
-    out.push_back(problem_of(*a, marks_[a->mark], cell_.setup.file.clearance));
+    out.push_back(problem_of(*a, marks_[a->mark], clearance_));
   }
   return out;
 }

@@ -16,8 +16,9 @@ struct ContactBodies;
 /// Looks at the commanded joints of a cell in lock-step after each tick. Cell thread.
 class SweptCheck {
  public:
-  /// Throws Error for a robot whose bodies are too many or not finite.
-  explicit SweptCheck(const CellInside& cell);
+  /// Throws Error for a robot whose bodies are too many or not finite. `clearance`, m: approaches nearer than
+  /// this are found; the default is that of the cell file.
+  explicit SweptCheck(const CellInside& cell, std::optional<double> clearance = {});
   ~SweptCheck();
 
   void look(Nanoseconds now);
@@ -32,6 +33,7 @@ class SweptCheck {
   std::uint64_t mark_of(std::size_t robot);
 
   const CellInside& cell_;
+  double clearance_;
   std::shared_ptr<const ContactBodies> bodies_;
   std::unique_ptr<surroundings::Sweep> sweep_;
   std::vector<Location> marks_;
