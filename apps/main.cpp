@@ -27,6 +27,7 @@ const std::vector<Verb>& verbs() {
       {"check", "find every error of a cell's files; nothing moves", run_check},
       {"test", "run the tests of programs in simulation, side by side", run_test},
       {"compare", "which robots can run a program, how fast, how near to their limits", run_compare},
+      {"sweep", "which robot, where its base stands, how fast: thousands of variants, killed and continued", run_sweep},
       {"fmt", "write programs in one form; comments stay", run_fmt},
       {"language", "the words and functions of the language; the reference page", run_language},
       {"new", "write a starting point: a cell that runs, hardware or a controller of your own", run_new},
