@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 void print_taken(const ros_files::PythonLaunch& read, const std::string& path) {
   std::error_code error;
   const auto missing = [&](const fs::path& file) {
-    return fs::is_regular_file(file, error) ? "" : ", which is not there";
+    return fs::is_regular_file(file, error) ? "" : ", which does not exist";
   };
   const auto in_line = [&](const Location& where) {
     if (where.line <= 0) return std::string();
@@ -56,12 +56,12 @@ void print_needs(const ros_files::PythonLaunch& read, const std::string& verb) {
     const auto argument = std::find_if(read.arguments.begin(), read.arguments.end(),
                                        [&](const auto& other) { return other.name == need.argument; });
     const bool choices = argument != read.arguments.end() && !argument->choices.empty();
-    fmt::print(stderr, "replace VALUE of {}: {}{}\n", need.name,
-               need.argument.empty()
-                   ? "the description needs it, and the launch file computes it"
-                   : fmt::format("the argument '{}' of the launch file has no default that is written down",
-                                 need.argument),
-               choices ? "; it is one of " + join(argument->choices, ", ") : "");
+    fmt::print(
+        stderr, "replace VALUE of {}: {}{}\n", need.name,
+        need.argument.empty()
+            ? "the description needs it, and the launch file computes it"
+            : fmt::format("the argument '{}' of the launch file has no literal default", need.argument),
+        choices ? "; it is one of " + join(argument->choices, ", ") : "");
   }
   if (const std::string why = read.why_no_activate(); verb == "run" && !why.empty())
     fmt::print(stderr, "--activate is left out: {}{}\n", why,
@@ -111,11 +111,12 @@ int explain_launch_file(const std::string& verb, const std::string& path,
   const std::vector<std::string> lines = ros_files::lines_of_package(path, verb);
   const description::LaunchHints hints = description::find_in_launch_file(read_file(path));
   if (!lines.empty()) {
-    fmt::print(stderr, "it names no description that is here; its packages have these, type for example\n");
+    fmt::print(stderr,
+               "it names no description that exists here; its packages have these. Type for example\n");
     for (const std::string& line : lines) fmt::print(stderr, "  {}\n", line);
   } else if (!hints.descriptions.empty()) {
     fmt::print(stderr,
-               "it names no description that is here; type, with the paths of what it mentions\n  {}\n",
+               "it names no description that exists here. Type this, with the paths of its files\n  {}\n",
                hints.line(verb));
   } else {
     fmt::print(stderr,

@@ -37,7 +37,7 @@ std::filesystem::path find_cell(const std::string& name) {
                 "running: " + join(names, ", "));
   if (running.size() > 1)
     throw Error("which-cell", "several cells are running: " + join(names, ", "),
-                "say which: --cell " + names.front());
+                "choose one: --cell " + names.front());
   return running.front();
 }
 }  // namespace
@@ -100,7 +100,7 @@ Json Client::receive(int timeout_ms) {
       in_.erase(0, end + 1);
       const Json answer = Json::parse(line, nullptr, false);
       if (!answer.is_object())
-        throw Error("bad-answer", "this is no answer of a cell: " + line.substr(0, 80));
+        throw Error("bad-answer", "this is not an answer of a cell: " + line.substr(0, 80));
       return answer;
     }
     pollfd waiting{fd_, POLLIN, 0};

@@ -254,7 +254,7 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
     const bool asks = e.get_exit_code() == 0;  // true for --help
     const std::string wrong = asks ? std::string{} : not_understood(*state_->app);
     if (!wrong.empty()) {
-      fmt::print(stderr, "{}{} --help says what there is.\n", wrong,
+      fmt::print(stderr, "{}{} --help lists what is possible.\n", wrong,
                  innermost(*state_->app).get_display_name());
       return kUsage;
     }

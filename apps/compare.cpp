@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "apps/apart.hpp"
 #include "apps/client.hpp"
 #include "apps/options.hpp"
+#include "apps/scratch.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::apps {
@@ -111,15 +111,14 @@ void find_cell(CompareArguments& a) {
 int compare(CompareArguments& a) {
   find_cell(a);
   const description::Catalogue catalogue = open_catalogue();
-  std::string scratch = (fs::temp_directory_path() / "polyarm-compare-XXXXXX").string();
-  if (!::mkdtemp(scratch.data())) throw Error("no-folder", "no folder can be made in " + scratch);
+  const Scratch scratch("compare");
   std::vector<Json> verdicts(a.robots.size());
   run_apart(
       a.robots.size(), a.jobs > 0 ? a.jobs : processors(), a.patience,
       [&](std::size_t i) {
         cell::CompareOptions options = a.options;
         options.overrides.robot = a.robots[i];
-        options.state_folder = fs::path(scratch) / std::to_string(i) / "data";
+        options.state_folder = scratch.of(i);
         return as_json(cell::try_robot(a.program, catalogue, options))
             .dump(-1, ' ', false, Json::error_handler_t::replace);
       },
@@ -127,8 +126,6 @@ int compare(CompareArguments& a) {
         const Json said = result.said ? Json::parse(*result.said, nullptr, false) : Json();
         verdicts[i] = said.is_object() ? said : crashed(a.robots[i], result.why);
       });
-  std::error_code error;
-  fs::remove_all(scratch, error);
   if (a.json)
     fmt::print("{}\n", Json(verdicts).dump(1));
   else
@@ -141,8 +138,9 @@ int compare(CompareArguments& a) {
 }  // namespace
 
 int run_compare(int argc, char** argv) {
-  CommandLine app("Runs one program on several robots, in simulation: who can, how fast, how near to limits",
-                  "polyarm compare");
+  CommandLine app(
+      "Runs one program on several robots in simulation: which can run it, how fast, how near to limits",
+      "polyarm compare");
   CompareArguments a;
   app.add_option("program", a.program, "a cell (folder or cell.yaml), or a script of a cell")->required();
   app.add_option("--robots", a.robots, "models of the catalogue, or NAME=MODEL in a cell of several robots")
@@ -153,7 +151,7 @@ int run_compare(int argc, char** argv) {
       ->check(wrong_hardware, "NAME");
   app.add_option("--cycles", a.options.cycles, "passes of the outermost while (3)");
   app.add_option("--seconds", a.options.seconds, "of cell time at most (3600)");
-  app.add_option("-j,--jobs", a.jobs, "so many at a time (as many as there are processors)");
+  app.add_option("-j,--jobs", a.jobs, "how many run at the same time (default: the number of processors)");
   app.add_flag("--json", a.json, "a list of objects: robot, runs, problem, cycle_s, nearest_limit …");
   add_plugin_option(app, a.plugins);
   app.footer(examples({"polyarm compare examples/pick_and_place --robots "

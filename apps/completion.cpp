@@ -21,7 +21,8 @@ constexpr const char* kOptions =
     "--report --real --full-speed --svg --csv --export --keep-times --blend --speed --program --joint --by "
     "--frame "
     "--for --step --continue --from --yes --stay --robots --jobs --junit --only --list --patience --follow "
-    "--clear --wait";
+    "--clear --wait --base --programs --speeds --seeds --plan --show --top --html --out --again --shard "
+    "--slurm --submit";
 
 void print_bash() {
   fmt::print(R"bash(# polyarm completion for bash: put `source <(polyarm completion bash)` into ~/.bashrc

@@ -135,7 +135,7 @@ class Console {
     RobotSource out;
     out.state = [this] {
       if (!cell_.runs())
-        throw Error("no-cell", "no simulation is running, so the robot is nowhere", "start it first");
+        throw Error("no-cell", "no simulation is running, so the robot has no position", "start it first");
       return cell_.ask({{"request", "jog.state"}});
     };
     out.joints = [this]() -> std::vector<RobotSource::Joint> {
@@ -294,7 +294,7 @@ class Console {
     } catch (const Error& e) {
       talk_.complain(e);
     }
-    if (rescued) fmt::print(stderr, "polyarm console: what was not saved is in {}\n", rescued->string());
+    if (rescued) fmt::print(stderr, "polyarm console: unsaved values are in {}\n", rescued->string());
     cell_.leave();
     if (talk_.ended()) return kStopped;
     return rescued || (talk_.complained() && !talk_.at_terminal()) ? kFailed : kOk;
@@ -317,19 +317,18 @@ int run_console(int argc, char** argv) {
   CommandLine app("Menus: start a simulation, choose a robot, teach and edit points, move, run scripts",
                   "polyarm console");
   ConsoleArguments a;
-  app.add_option(
-      "cell", a.cell,
-      "a folder to work in (with a cell.yaml or without), a cell file, or the name of a running cell; "
-      "this folder where it is left out");
+  app.add_option("cell", a.cell,
+                 "a folder to work in (with a cell.yaml or without), a cell file, or the name of a running "
+                 "cell; default: this folder");
   app.add_option("--robot", a.robot, "the robot that is selected first: MODEL of the catalogue");
   app.add_option("--hardware", a.hardware, "mock (exact, without physics), mujoco, or what the cell declares")
       ->check(wrong_hardware, "NAME");
   app.add_flag("--pendant", a.pendant, "the simulation serves the pendant to a browser, too");
   app.footer(examples({"polyarm console", "polyarm console examples/pick_and_place",
                        "polyarm console ~/first", "polyarm console < answers.txt"}) +
-             "\nEvery question can be answered from a pipe, a line each; the end of it ends the console.\n"
+             "\nA pipe can answer every question, one line each; its end ends the console.\n"
              "Ctrl-C stops the robot on its path.\n"
-             "Exit codes: 0 done, 1 something was refused (from a pipe) or not saved, 3 told to end\n");
+             "Exit codes: 0 done, 1 something was refused (from a pipe) or not saved, 3 ended by a signal\n");
   if (const auto code = app.parse(argc, argv)) return *code;
   if (!a.robot.empty()) open_catalogue().load(a.robot);  // reports a wrong name now
   return Console(a).run();

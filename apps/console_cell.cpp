@@ -173,7 +173,7 @@ void ConsoleCell::gone() {
   const bool own = child_ > 0;
   leave();
   throw Error("cell-gone", "the cell '" + name_ + "' has ended" + (own ? ":\n" + last_words() : ""),
-              own ? "all that it said is in " + log_.string() : "");
+              own ? "its output is in " + log_.string() : "");
 }
 
 int ConsoleCell::send(Json request) {

@@ -100,7 +100,7 @@ void ConsoleEditor::load() {
   const std::string name = talk_.name("Name of the file to load: ");
   if (const auto path = find(name)) return open(*path);
   if (fs::exists(folder_ / name))
-    throw Error("not-data", "'" + name + "' is no data file", "data files end in .points, .data or .txt");
+    throw Error("not-data", "'" + name + "' is not a data file", "data files end in .points, .data or .txt");
   if (!talk_.yes("There is no file '" + name + "'" + did_you_mean(name, files()) + ". Create it?")) return;
   Problems none;
   file_ = ImportFile::parse("", name, none);
@@ -147,7 +147,7 @@ void ConsoleEditor::delete_file() {
   const auto path = find(name);
   if (!path || !is_data_ending(*path))
     throw Error("no-file", "there is no data file '" + name + "'" + did_you_mean(name, files()));
-  if (!talk_.yes("Delete " + path->filename().string() + "? It cannot be brought back.")) throw GivenUp{};
+  if (!talk_.yes("Delete " + path->filename().string() + "? It cannot be restored.")) throw GivenUp{};
   std::error_code error;
   if (!fs::remove(*path, error)) throw Error("unwritable", path->string() + ": " + error.message());
   const bool open = *path == path_;

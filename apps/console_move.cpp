@@ -112,7 +112,7 @@ void ConsoleMove::move_mixed() {
   for (const std::string& word : split_words(talk_.name("Types in their order (JS P F L): "), " ,\t")) {
     const std::string type = lower(word);
     if (type != "js" && type != "p" && type != "f" && type != "l")
-      throw Error("bad-type", "'" + word + "' is no type of a point", "JS, P, F or L");
+      throw Error("bad-type", "'" + word + "' is not a type of a point", "JS, P, F or L");
     types.push_back(type == "js"  ? From::joints
                     : type == "p" ? From::pose
                     : type == "f" ? From::file
@@ -169,7 +169,7 @@ void ConsoleMove::follow(int id) {
     if (state == "running") asked = 0;
     if (state != "held" || Clock::now() - decided < kOldNews) continue;
     if (const std::string why = cell_.catch_up(); !why.empty()) {
-      talk_.say(talk_.dim("the simulation went on after " + why));
+      talk_.say(talk_.dim("the simulation continued after " + why));
       decided = Clock::now();
       continue;
     }
@@ -202,7 +202,7 @@ bool ConsoleMove::decide_when_held() {
         cell_.ask({{"request", "control.resume"}});
         return false;
       }
-      talk_.complain("'" + answer + "' is no answer; 0, 1 or 2");
+      talk_.complain("'" + answer + "' is not an answer; 0, 1 or 2");
     } catch (const Error& e) {
       talk_.complain(e);
     }
@@ -217,7 +217,7 @@ void ConsoleMove::jog(bool tcp) {
   screen.tcp = tcp;
   screen.keep = [this](const Json& state) {
     try {
-      const bool joints = talk_.yes("Keep it as a joint state (else as a pose)?", true);
+      const bool joints = talk_.yes("Store it as a joint state (otherwise as a pose)?", true);
       const std::string name = editor_.keep(joints ? data::Value(ConsoleEditor::joints_of(state))
                                                    : data::Value(ConsoleEditor::pose_of(state)));
       return name.empty() ? std::string("not kept") : "kept as " + name;
@@ -232,8 +232,8 @@ void ConsoleMove::jog(bool tcp) {
 
 /// If keys cannot be read: one step per line, until an empty line.
 void ConsoleMove::jog_by_lines(bool tcp) {
-  const std::string question = tcp ? "Axis, way and frame (z 20mm tool), empty: end: "
-                                   : "Joint and way (elbow_joint 5deg), empty: end: ";
+  const std::string question = tcp ? "Axis, distance and frame (z 20mm tool), empty: end: "
+                                   : "Joint and distance (elbow_joint 5deg), empty: end: ";
   for (std::string line = talk_.line(question); !line.empty() && line != "0"; line = talk_.line(question)) {
     const std::vector<std::string> words = split_words(line);
     if (words.size() < 2 || words.size() > (tcp ? 3u : 2u)) {
@@ -253,7 +253,7 @@ void ConsoleMove::jog_by_lines(bool tcp) {
         answer = cell_.receive(id, 100);
       } while (answer.is_null() || answer.value("more", false));
       const Json state = Client::result_of(answer);
-      if (!state["done"].get<bool>()) talk_.complain("not all of the way: " + shown(state["reason"]));
+      if (!state["done"].get<bool>()) talk_.complain("not the whole distance: " + shown(state["reason"]));
       talk_.say(tcp ? tcp_line(state) : joints_line(state));
     } catch (const Error& e) {
       if (!cell_.runs()) throw;
@@ -273,14 +273,14 @@ void ConsoleMove::sliders() {
 
 void ConsoleMove::change_method() {
   manual_ = !manual_;
-  talk_.say(manual_ ? "the duration of each move is asked for"
-                    : fmt::format("moves take {} s for each rad of their way in joint space",
+  talk_.say(manual_ ? "the console asks for the duration of each move"
+                    : fmt::format("moves take {} s for each rad of their path in joint space",
                                   format_number(scale_)));
 }
 
 void ConsoleMove::change_scale() {
   const double scale =
-      talk_.quantity(fmt::format("Seconds for each rad of the way in joint space, 0: as fast as the limits "
+      talk_.quantity(fmt::format("Seconds for each rad of the path in joint space, 0: as fast as the limits "
                                  "allow ({}): ",
                                  format_number(scale_)),
                      Dimension::none, scale_);
@@ -310,7 +310,7 @@ std::vector<MenuEntry> ConsoleMove::entries() {
 void ConsoleMove::run() {
   const auto heading = [this] {
     return fmt::format("Move Menu   {}, duration {}", cell_.robot(),
-                       manual_      ? "asked for"
+                       manual_      ? "entered for each move"
                        : scale_ > 0 ? format_number(scale_) + " s/rad"
                                     : "as fast as the limits allow");
   };

@@ -47,7 +47,7 @@ std::vector<std::string> ConsoleScript::files() const {
 }
 
 void ConsoleScript::load_file(const std::string& file) {
-  if (editor_.has_unsaved()) talk_.say("note: " + editor_.summary() + "; the script gets what is saved");
+  if (editor_.has_unsaved()) talk_.say("note: " + editor_.summary() + "; the script uses the saved values");
   const Json loaded = cell_.ask({{"request", "program.load"}, {"file", file}});
   file_ = file;
   for (const Json& warning : loaded["warnings"]) talk_.say(shown(warning));
@@ -145,7 +145,7 @@ void ConsoleScript::run_from_line() {
   const int line = talk_.number("Line to begin at: ", 1, 1'000'000'000);
   if (has_ended(now) || now["state"] == "ready") load_file(file);  // with the present data
   tell_assumed(cell_.ask({{"request", "program.from"}, {"program", file}, {"line", line}}));
-  if (!talk_.yes("Is all of that so, and may it begin there?")) {
+  if (!talk_.yes("Is all of this true, and may the program start there?")) {
     stop();
     throw GivenUp{};
   }
@@ -176,7 +176,7 @@ void ConsoleScript::tell_events() {
 
 void ConsoleScript::follow() {
   if (talk_.at_terminal())
-    talk_.say(talk_.dim("Enter pauses in front of the next line; Ctrl-C stops on the path"));
+    talk_.say(talk_.dim("Enter pauses before the next line; Ctrl-C stops on the path"));
   for (int asked = 0;;) {
     if (talk_.ended()) throw EndOfAnswers{};
     if (talk_.take_interrupt()) cell_.ask({{"request", ++asked > 1 ? "control.stop" : "control.hold"}});
@@ -188,7 +188,7 @@ void ConsoleScript::follow() {
                   "polyarm control recover, polyarm health");
     if (now["control"] == "held") {
       if (const std::string why = cell_.catch_up(); !why.empty()) {
-        talk_.say(talk_.dim("the simulation went on after " + why));
+        talk_.say(talk_.dim("the simulation continued after " + why));
         continue;
       }
       talk_.say("the robot was stopped on its path: " + shown(now["cause"]));
@@ -197,8 +197,7 @@ void ConsoleScript::follow() {
       continue;
     }
     if (is_paused(now)) {
-      talk_.say(
-          fmt::format("paused in front of line {}: {}", shown(now["where"]["line"]), shown(now["source"])));
+      talk_.say(fmt::format("paused before line {}: {}", shown(now["where"]["line"]), shown(now["source"])));
       return;
     }
     if (!now["question"].is_null()) {
@@ -216,7 +215,7 @@ void ConsoleScript::answer(const Json& question) {
   const std::string asks = shown(question);
   try {
     const std::string text =
-        talk_.line((asks.empty() ? "The script waits for you; Enter goes on" : asks) + ": ");
+        talk_.line((asks.empty() ? "The script waits for you; press Enter to continue" : asks) + ": ");
     cell_.ask({{"request", "program.answer"}, {"text", text}});
     while (!state()["question"].is_null()) std::this_thread::sleep_for(milliseconds(5));
   } catch (const GivenUp&) {
@@ -249,7 +248,7 @@ bool ConsoleScript::decide_when_held() {
         stop();
         return false;
       }
-      talk_.complain("'" + answer + "' is no answer; 0 to 3");
+      talk_.complain("'" + answer + "' is not an answer; 0 to 3");
     } catch (const Error& e) {
       if (!cell_.runs()) throw;
       talk_.complain(e);

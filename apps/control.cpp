@@ -29,7 +29,7 @@ void list(const Json& controllers) {
   for (const Json& c : controllers)
     rows.push_back({shown(c["name"]), shown(c["type"]),
                     shown(c["state"]) + (flag_of(c["chained"]) ? " (chained)" : "") +
-                        (flag_of(part(c, {"stale"})) ? " (nothing new comes)" : ""),
+                        (flag_of(part(c, {"stale"})) ? " (last message expired)" : ""),
                     fmt::format("{:g} Hz", number_of(c["rate"])), shown(c["claimed"])});
   print_table({"CONTROLLER", "TYPE", "STATE", "RATE", "CLAIMS"}, rows);
 }
@@ -70,7 +70,7 @@ Json parameters_of(const std::vector<std::string>& words) {
 double percent_of(const std::string& text) {
   const std::optional<double> percent =
       parse_number(text.ends_with('%') ? text.substr(0, text.size() - 1) : text);
-  if (!percent) throw Error("bad-value", "'" + text + "' is no share of the speed", "for example 50%");
+  if (!percent) throw Error("bad-value", "'" + text + "' is not a share of the speed", "for example 50%");
   return *percent;
 }
 
@@ -196,15 +196,14 @@ int begin_from(Client& client, const Arguments& a) {
     for (const char* key : {"sets", "reads", "variables"})
       if (const std::string values = named_values(seen[key]); !values.empty())
         fmt::print("  {:<22}{}\n", key, values);
-    fmt::print("  {:<22}{}\n", "held part",
-               seen["held"].empty() ? "none that is known" : shown(seen["held"]));
+    fmt::print("  {:<22}{}\n", "held part", seen["held"].empty() ? "none known" : shown(seen["held"]));
   }
   if (!a.yes) {
     if (::isatty(STDIN_FILENO) == 0) {
       fmt::print("it waits: polyarm control go\n");
       return kOk;
     }
-    fmt::print("Is all of this so? Type yes to go on: ");
+    fmt::print("Is all of this true? Type yes to continue: ");
     std::fflush(stdout);
     std::string answer;
     std::getline(std::cin, answer);
@@ -262,7 +261,7 @@ int arm(const Arguments& a) {
   print_table({"JOINT", "MEASURED", "EXPECTED"}, rows);
   if (::isatty(STDIN_FILENO) == 0)
     throw Error("nobody-there", "only a person at a terminal arms real hardware", "run this in a terminal");
-  fmt::print("Is nobody within reach of the robot, and is this where it stands? Type yes to arm it: ");
+  fmt::print("Is nobody within reach of the robot, and is this its position? Type yes to arm it: ");
   std::fflush(stdout);
   std::string answer;
   std::getline(std::cin, answer);
@@ -278,62 +277,61 @@ int arm(const Arguments& a) {
 }  // namespace
 
 int run_control(int argc, char** argv) {
-  CommandLine app("Controllers of a running cell: what they are, and switching them", "polyarm control");
+  CommandLine app("Lists and switches the controllers of a running cell", "polyarm control");
   Arguments a;
   const auto add = [&](const char* name, const char* text) {
     CommandLine* sub = app.add_subcommand(name, text);
     a.client.add_to(*sub);
     return sub;
   };
-  add("list", "the controllers, their states and what they claim");
-  add("types", "the controller types that there are");
+  add("list", "list the controllers, their states and claimed interfaces");
+  add("types", "list the controller types");
   add("chains", "which controllers work through which");
   CommandLine* change = add("switch", "stop and start controllers in one step, between two cycles");
   change->add_option("-a,--activate", a.activate, "start these");
   change->add_option("-d,--deactivate", a.deactivate, "stop these");
   change->add_option("--strictness", a.strictness, "strict, best_effort, auto (with their chains), force");
-  change->add_flag("--dry", a.dry, "only say what would happen, or why not");
-  CommandLine* load = add("load", "make and configure a controller");
+  change->add_flag("--dry", a.dry, "only print what would happen, or why the switch is refused");
+  CommandLine* load = add("load", "create and configure a controller");
   load->add_option("name", a.name, "as in the controllers file, or a new name with --type")->required();
-  load->add_option("--type", a.type, "for one that no file describes");
+  load->add_option("--type", a.type, "type of a controller that no file describes");
   load->add_option("--file", a.file, "a controllers file that describes it, instead of the cell's own");
   load->add_option("-p,--param", a.parameters, "KEY=VALUE; lists as [a, b]");
   add("configure", "unconfigured to inactive")->add_option("name", a.name)->required();
   add("cleanup", "inactive to unconfigured")->add_option("name", a.name)->required();
-  add("unload", "take a controller away that is not active")->add_option("name", a.name)->required();
-  CommandLine* state = add("state", "take a controller to a state");
+  add("unload", "remove a controller that is not active")->add_option("name", a.name)->required();
+  CommandLine* state = add("state", "bring a controller to a state");
   state->add_option("name", a.name)->required();
   state->add_option("state", a.state, "unconfigured, inactive or active")->required();
-  add("arm", "let real hardware move: shows where it is measured and expected, and asks you");
-  add("hold", "stop on the path; resume goes on");
+  add("arm", "let real hardware move: shows measured and expected positions, and asks you");
+  add("hold", "stop on the path; resume continues");
   add("stop", "stop at once, on the path")
       ->add_option("--category", a.category, "1: then switch the drives off; 2 (otherwise): hold");
-  add("resume", "go on after a hold")
-      ->add_flag("--anyway", a.anyway, "also where the robot was moved while it was held");
-  CommandLine* back = add("back", "from a hold slowly back along the planned path, and held again");
-  back->add_option("--time", a.seconds, "by so many seconds of the plan (1)");
+  add("resume", "continue after a hold")
+      ->add_flag("--anyway", a.anyway, "even if the robot was moved during the hold");
+  CommandLine* back = add("back", "during a hold: go back slowly along the planned path, then hold again");
+  back->add_option("--time", a.seconds, "seconds of the plan (1)");
   back->add_option("--distance", a.distance,
-                   "by so much along the path: metres of the TCP's paths, of moves of joints radians");
-  add("override", "how much of the planned speed is used")
-      ->add_option("percent", a.percent, "0% to 100%; without it: what it is now");
-  add("discard", "forget what is left of a held motion");
+                   "distance along the path: metres for paths of the TCP, radians for joint moves");
+  add("override", "set the share of the planned speed")
+      ->add_option("percent", a.percent, "0% to 100%; without it: print the present value");
+  add("discard", "discard the rest of a held motion");
   add("recover", "leave the fault state; nothing moves yet");
-  add("program", "where the program stands: tasks, calls, variables, what moves use")
-      ->add_flag("--follow", a.follow, "again whenever it has changed");
-  add("pause", "pause the program in front of its next statement; queued motion goes on");
-  add("go", "go on after a pause");
-  add("step", "one statement of a paused program")
+  add("program", "show the state of the program: tasks, calls, variables, settings of moves")
+      ->add_flag("--follow", a.follow, "print it again whenever it changes");
+  add("pause", "pause the program before its next statement; queued motion continues");
+  add("go", "continue after a pause");
+  add("step", "run one statement of a paused program")
       ->add_option("how", a.how, "into functions, over them (otherwise), or out of this one")
       ->one_of({"into", "over", "out"});
-  CommandLine* stop_at = add("break", "pause in front of lines; without any: which there are");
+  CommandLine* stop_at = add("break", "set breakpoints; without lines: list them");
   stop_at->add_option("at", a.places, "LINE or FILE:LINE");
-  stop_at->add_flag("--clear", a.clear, "none of those before");
+  stop_at->add_flag("--clear", a.clear, "remove earlier breakpoints");
   CommandLine* from =
-      add("from",
-          "a program that is paused or has ended begins at a line; shows what it takes for given, and asks");
+      add("from", "start a paused or ended program at a line; shows what it assumes, and asks");
   from->add_option("line", a.line)->positive()->required();
   from->add_flag("--yes", a.yes, "do not ask");
-  add("end", "end the program; its `on stop` is done");
+  add("end", "end the program; its `on stop` block runs");
   app.footer(
       examples({"polyarm control list", "polyarm control switch --deactivate old --activate new",
                 "polyarm control switch -a new --strictness force --dry",

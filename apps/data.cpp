@@ -50,7 +50,7 @@ bool agreed(const DataArguments& a, const std::string& question) {
   fmt::print(stderr, "{} [y/N] ", question);
   std::string line;
   if (!std::getline(std::cin, line))
-    throw Error("not-asked", "nobody answers: " + question, "say --yes where that is meant");
+    throw Error("not-asked", "no answer to: " + question, "use --yes if that is intended");
   const std::string answer = lower(trim(line));
   return answer == "y" || answer == "yes";
 }
@@ -68,7 +68,7 @@ void tell(const Problems& problems) {
 data::SetForm form_of(const DataArguments& a, const std::string& file) {
   if (a.form.empty()) return data::form_of_file(file);
   if (const auto form = data::form_named(a.form)) return *form;
-  throw Error("bad-value", "'" + a.form + "' is no form of data", "text, csv, json, yaml or srdf");
+  throw Error("bad-value", "'" + a.form + "' is not a form of data", "text, csv, json, yaml or srdf");
 }
 
 int list_names(const DataArguments& a) {
@@ -119,7 +119,7 @@ int set_value(const DataArguments& a) {
   std::string why;
   auto value = data::parse_literal(text, why);
   if (!value)
-    throw Error("bad-value", "'" + text + "' is no value: " + why,
+    throw Error("bad-value", "'" + text + "' is not a value: " + why,
                 "for example true, 40mm, '\"a text\"', '[1, 2]', 'pose(0.3, 0, 0.1, 180deg, 0, 0)'");
   const fs::path path = set_path(a.file);
   std::error_code ignored;
@@ -150,7 +150,8 @@ int import_values(const DataArguments& a) {
       if (const Value* old = known.values().value(entry.name); old && !(*old == entry.value))
         changed.push_back(entry.name);
   }
-  if (!changed.empty() && !agreed(a, "this overwrites " + join(changed, ", ") + "; go on?")) return kFailed;
+  if (!changed.empty() && !agreed(a, "this overwrites " + join(changed, ", ") + "; continue?"))
+    return kFailed;
   data::edit_set(path, "import " + a.from, [&](ImportFile& set) {
     for (const data::Entry& entry : values.entries()) {
       set.set(entry.name, entry.value);
@@ -175,7 +176,7 @@ int export_values(const DataArguments& a) {
     return kOk;
   }
   std::error_code ignored;
-  if (fs::exists(a.to, ignored) && !agreed(a, a.to + " is there; overwrite it?")) return kFailed;
+  if (fs::exists(a.to, ignored) && !agreed(a, a.to + " exists; overwrite it?")) return kFailed;
   write_file_atomically(a.to, text);
   return kOk;
 }
@@ -227,15 +228,15 @@ struct Action {
   int (*run)(const DataArguments&);
 };
 constexpr Action kActions[] = {
-    {"list", "the names with their types and values", list_names},
-    {"get", "one value, as it can be set again", get_value},
+    {"list", "list the names with types and values", list_names},
+    {"get", "print one value in the form that `set` takes", get_value},
     {"set", "change a value, or add one", set_value},
-    {"group", "put names into a group, by which lists show them", group_names},
-    {"import", "take values from a text file, CSV, JSON, YAML or SRDF", import_values},
+    {"group", "put names into a group", group_names},
+    {"import", "import values from a text file, CSV, JSON, YAML or SRDF", import_values},
     {"export", "write the values as text, CSV, JSON, YAML or SRDF", export_values},
     {"delete", "delete a name, or the file", delete_values},
-    {"history", "the changes that undo can take back, newest first", show_history},
-    {"undo", "take the last change back, or the last N", undo_changes},
+    {"history", "list the changes that can be undone, newest first", show_history},
+    {"undo", "undo the last change, or the last N", undo_changes},
 };
 
 void add_arguments(CommandLine& sub, const std::string& action, DataArguments& a) {
@@ -245,11 +246,11 @@ void add_arguments(CommandLine& sub, const std::string& action, DataArguments& a
   if (action == "set")
     sub.add_option("value", a.value, "true, 40mm, \"text\", [1, 2], pose(…), joints(…)")->required();
   if (action == "group") {
-    sub.add_option("group", a.value, "its name; \"\": into none")->required();
+    sub.add_option("group", a.value, "its name; \"\": no group")->required();
     sub.add_option("names", a.names)->required();
   }
   if (action == "import") sub.add_option("from", a.from, "the file to read")->required();
-  if (action == "export") sub.add_option("--output,-o", a.to, "the file to write; left out: it is printed");
+  if (action == "export") sub.add_option("--output,-o", a.to, "the file to write; default: print it");
   if (action == "import" || action == "export")
     sub.add_option("--format", a.form, "text, csv, json, yaml or srdf; else by the file's ending");
   if (action == "export") sub.add_option("--group", a.group, "group of an SRDF's states");

@@ -77,7 +77,7 @@ int teach_tool(const TeachArguments& a) {
     if (1e3 * tool.largest > a.most_mm && !a.yes)
       throw Error("bad-points",
                   fmt::format("the tip was up to {:.3f} mm off; nothing was changed", 1e3 * tool.largest),
-                  "teach the worst pose again, or say --most MM or --yes");
+                  "teach the worst pose again, or use --most MM or --yes");
     set.set(a.name, data::point_of(tool));
     fmt::print("{} is {}\n", a.name, set.values().value(a.name)->text());
   });
@@ -89,7 +89,7 @@ int teach_point(const TeachArguments& a) {
   Json request{{"request", "jog.state"}};
   if (!a.robot.empty()) request["robot"] = a.robot;
   const Json state = Client(a.cell).ask(request);
-  if (flag_of(part(state, {"moving"}))) throw Error("moving", "the robot moves", "teach where it stands");
+  if (flag_of(part(state, {"moving"}))) throw Error("moving", "the robot moves", "wait until it is at rest");
   const auto& at = state["position"];
   const auto& turn = state["orientation"];
   data::Point point{{{at[0], at[1], at[2]}, {turn[0], turn[1], turn[2], turn[3]}}, true};
@@ -102,7 +102,7 @@ int teach_point(const TeachArguments& a) {
   data::edit_set(a.file, "teach " + a.name, [&](ImportFile& set) {
     if (set.values().value(a.name) && !a.yes)
       throw Error("in-use", "there is a '" + a.name + "' already",
-                  "say --yes to overwrite it, or give another name");
+                  "use --yes to overwrite it, or give another name");
     set.set(a.name, point);
   });
   fmt::print("{} is {}\n", a.name, data::Value(point).text());
@@ -118,19 +118,20 @@ void add_teaching(CommandLine& app, TeachArguments& a) {
       app.add_subcommand("tool", "a tool's TCP from four and more poses of tool0 with the tip at one point");
   for (CommandLine* sub : {frame, tool}) {
     sub->add_option("file", a.file, "the data set's file")->required();
-    sub->add_option("name", a.name, "the point that stands for it")->required();
+    sub->add_option("name", a.name, "the point to create")->required();
     sub->add_option("--from", a.from, "points of the file")->required()->expected(1, 100);
   }
-  CommandLine* teach = app.add_subcommand("teach", "where the robot of a running cell stands, as a point");
+  CommandLine* teach =
+      app.add_subcommand("teach", "store the position of the robot of a running cell as a point");
   teach->add_option("file", a.file, "the data set's file")->required();
   teach->add_option("name", a.name, "the point")->required();
-  teach->add_option("--robot", a.robot, "which, where the cell has several");
+  teach->add_option("--robot", a.robot, "which one, if the cell has several");
   teach->add_option("--cell", a.cell, "which cell, where several run");
-  teach->add_flag("--yes,-y", a.yes, "overwrite a point that is there");
+  teach->add_flag("--yes,-y", a.yes, "overwrite an existing point");
   frame->add_option("--in", a.in,
                     "the frame that it is in: a point, ROBOT/flange, ROBOT/base; else that of its points");
   tool->add_option("--most", a.most_mm, "mm that the tip may be off");
-  tool->add_flag("--yes,-y", a.yes, "take it whatever is left");
+  tool->add_flag("--yes,-y", a.yes, "accept it whatever the remaining error is");
 }
 
 int run_teaching(const std::string& action, const TeachArguments& a) {

@@ -169,7 +169,7 @@ int Dialogue::number(const std::string& question, int low, int high, std::option
     const auto value = parse_number(answer);
     if (value && *value >= low && *value <= high && *value == std::floor(*value))
       return static_cast<int>(*value);
-    complain(fmt::format("'{}' is no whole number from {} to {}", answer, low, high));
+    complain(fmt::format("'{}' is not a whole number from {} to {}", answer, low, high));
   }
 }
 
@@ -181,7 +181,8 @@ int Dialogue::choose(const std::vector<MenuEntry>& entries) {
     if (lower(answer) == "exit" || lower(answer) == "q" || value == 0.0) return 0;
     for (const MenuEntry& entry : entries)
       if (value && *value == entry.number) return entry.number;
-    complain(fmt::format("'{}' is no entry of this menu, they are 0 to {}", answer, entries.back().number));
+    complain(
+        fmt::format("'{}' is not an entry of this menu, they are 0 to {}", answer, entries.back().number));
   }
 }
 

@@ -72,7 +72,7 @@ void print_all(const std::vector<Finding>& findings) {
   }
   fmt::print("\n{} problems, {} notes; {}\n", problems, notes,
              doctor::may_simulate(findings) ? "cells can be simulated here"
-                                            : "cells cannot be simulated here before that is mended");
+                                            : "cells cannot be simulated here until this is fixed");
 }
 
 void print_json(const std::vector<Finding>& findings) {
@@ -92,13 +92,13 @@ void print_json(const std::vector<Finding>& findings) {
 }  // namespace
 
 int run_doctor(int argc, char** argv) {
-  CommandLine app("Looks at this machine: what is in the way of a cell, and how to mend it. Changes nothing",
+  CommandLine app("Checks this machine: what hinders a cell, and how to fix it. Changes nothing",
                   "polyarm doctor");
   bool json = false;
   app.add_flag("--json", json,
                "one object: version, may_simulate, findings (topic, grade, concerns, text, mend)");
   app.footer(examples({"polyarm doctor", "polyarm doctor --json"}) +
-             "\nExit codes: 0 cells can be simulated here, 1 something is in the way of that\n");
+             "\nExit codes: 0 cells can be simulated here, 1 they cannot\n");
   if (const auto code = app.parse(argc, argv)) return *code;
   std::vector<Finding> findings = doctor::judge(doctor::look_at(doctor::Place::here()));
   for (const auto& more : {doctor::judge(doctor::measure_clock(1'000'000'000)),

@@ -70,7 +70,7 @@ void print(const Listed& driver) {
   const DriverFacts* facts = driver.facts();
   if (!facts) {
     fmt::print("{}: {}\n\n", driver.name,
-               driver.fault.empty() ? "says nothing of itself" : "cannot be loaded: " + driver.fault);
+               driver.fault.empty() ? "has no description" : "cannot be loaded: " + driver.fault);
     return;
   }
   fmt::print("{} ({}{}): {}\n  proof: {}\n", driver.name, facts->kind,
@@ -104,7 +104,7 @@ description::HardwareInfo block_for(const std::string& driver, const description
   throw Error("no-such-block",
               description + " has " + (model.hardware.empty() ? "no" : "several") +
                   " <ros2_control> blocks, and none with the plugin " + driver,
-              "write <plugin>" + driver + "</plugin> into the block that the driver is to play");
+              "write <plugin>" + driver + "</plugin> into the block of this driver");
 }
 
 std::unique_ptr<Carrier> make_carrier(const std::string& driver, const std::string& description) {
@@ -131,13 +131,12 @@ std::unique_ptr<Carrier> make_carrier(const std::string& driver, const std::stri
 
 bool confirmed() {
   if (!isatty(STDIN_FILENO)) {
-    fmt::print(stderr,
-               "polyarm drivers test: --move is confirmed by a person at a terminal, and there is none\n");
+    fmt::print(stderr, "polyarm drivers test: --move needs a person at a terminal to confirm it\n");
     return false;
   }
   fmt::print(
-      "Each joint will move by a small way and back, one after the other. Is there room, and a hand on the "
-      "emergency stop?\nType move to go on: ");
+      "Each joint will move a little and back, one after the other. Is there room, and a hand on the "
+      "emergency stop?\nType move to continue: ");
   std::fflush(stdout);
   std::string line;
   return std::getline(std::cin, line) && trim(line) == "move";
@@ -155,7 +154,7 @@ std::string now_text() {
 int print_trial(const doctor::Trial& trial, const std::string& file) {
   if (!trial.summary.empty()) fmt::print("{}\n", trial.summary);
   for (const std::string& line : doctor::highlights(trial)) fmt::print("  {}\n", line);
-  if (!trial.reason.empty() && trial.failure.empty()) fmt::print("  it says: {}\n", trial.reason);
+  if (!trial.reason.empty() && trial.failure.empty()) fmt::print("  reason: {}\n", trial.reason);
   if (!trial.failure.empty()) fmt::print("{}\n", trial.failure);
   fmt::print("{}; report in {}\n", trial.passed ? "passed" : trial.stopped ? "stopped" : "failed", file);
   return trial.passed ? kOk : trial.stopped ? kStopped : kFailed;

@@ -6,9 +6,11 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <cstddef>
 #include <cstdlib>
 #include <string_view>
 #include <thread>
@@ -41,19 +43,42 @@ void on_suspend(int) {
   cell::request_hold();
 }
 
+constexpr std::array kFaults{SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV, SIGSYS};
+std::array<struct sigaction, kFaults.size()> faults_before;
+
+/// If another process sent the signal, the first one stops on the path. Faults of this process itself end it
+/// at once, because its state is unknown then.
+void on_fault(int number, siginfo_t* info, void*) {
+  const int error = errno;
+  for (std::size_t i = 0; i < kFaults.size(); ++i)
+    if (kFaults[i] == number) ::sigaction(number, &faults_before[i], nullptr);
+  const bool sent = info->si_code <= 0, faulty_instruction = !sent && number != SIGSYS;
+  if (sent && info->si_pid != ::getpid())
+    cell::request_stop_once();
+  else if (!faulty_instruction)  // a faulty instruction runs again after this function
+    ::raise(number);
+  errno = error;
+}
+
+void catch_faults() {
+  struct sigaction action {};
+  action.sa_sigaction = on_fault;
+  action.sa_flags = SA_SIGINFO;
+  for (std::size_t i = 0; i < kFaults.size(); ++i) ::sigaction(kFaults[i], &action, &faults_before[i]);
+}
+
 void catch_signal(int number, void (*handler)(int)) {
   struct sigaction action {};
   action.sa_handler = handler;
   ::sigaction(number, &action, nullptr);
 }
 
-/// Signals without a special meaning here end the run on the path. Faults of the process itself end it at
-/// once, because its state is unknown then.
+/// True for signals without a special meaning here. They end the run on the path.
 bool would_end_the_process(int number) {
   for (const int other : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGPIPE, SIGXFSZ,             // caught or ignored
                           SIGCHLD, SIGURG, SIGWINCH, SIGCONT,                             // do not end it
                           SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU, SIGKILL,                    // suspend or kill
-                          SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV, SIGSYS})              // faults
+                          SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV, SIGSYS})              // on_fault()
     if (number == other) return false;
   return true;
 }
@@ -87,6 +112,7 @@ void stop_on_signals(bool wall_clock) {
   for (int number = 1; number <= SIGRTMAX; ++number)
     if (would_end_the_process(number)) catch_signal(number, on_loss);
   for (const int number : {SIGPIPE, SIGXFSZ}) catch_signal(number, SIG_IGN);
+  catch_faults();
   if (wall_clock) {
     catch_signal(SIGTSTP, on_suspend);
     for (const int number : {SIGTTIN, SIGTTOU}) catch_signal(number, SIG_IGN);

@@ -32,7 +32,7 @@ void write_moveit(const cell::CellView& cell, const std::filesystem::path& folde
 }  // namespace
 
 int run_export(int argc, char** argv) {
-  CommandLine app("Writes what other programs are configured with", "polyarm export");
+  CommandLine app("Writes configuration files for other programs", "polyarm export");
   app.require_subcommand();
   CommandLine& moveit =
       *app.add_subcommand("moveit", "SRDF, kinematics, limits, controllers and a launch file for MoveIt 2");
@@ -40,10 +40,12 @@ int run_export(int argc, char** argv) {
   cell::Overrides overrides;
   int samples = 10'000;
   moveit.add_option("cell", path, "folder with a cell.yaml, or a cell file")->required();
-  moveit.add_option("folder", folder, "where the files go; of several robots each has a folder of its name")
+  moveit.add_option("folder", folder, "output folder; with several robots, one subfolder for each")
       ->required();
   moveit.add_option("--robot", overrides.robot, "another robot: MODEL, or NAME=MODEL in a cell of several");
-  moveit.add_option("--samples", samples, "joint states that are tried to find which links never touch")
+  moveit
+      .add_option("--samples", samples,
+                  "number of joint states that are tried to find links that never touch")
       ->range(100, 1'000'000);
   app.footer(examples({"polyarm export moveit examples/pick_and_place moveit",
                        "polyarm export moveit my_cell moveit --samples 100000"}));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdio>
 
 #include "apps/ending.hpp"
@@ -36,6 +37,19 @@ std::pair<int, int> wire_of(const std::string& text, int lowest, int highest) {
     throw WrongUse("bad-value", "'" + text + "' is not OUTPUT=INPUT",
                    fmt::format("numbers from {} to {}, for example {}={}", lowest, highest, lowest, lowest));
   return {static_cast<int>(*output), static_cast<int>(*input)};
+}
+
+std::array<double, 6> start_of(const std::string& text, std::array<double, 6> otherwise) {
+  if (text.empty()) return otherwise;
+  const auto words = split_words(text, " ,;");
+  for (std::size_t i = 0; i < 6; ++i) {
+    const auto value = i < words.size() ? parse_number(words[i]) : std::nullopt;
+    if (words.size() != 6 || !value || !(std::abs(*value) <= 720))
+      throw WrongUse("bad-value", "'" + text + "' is not six angles",
+                     "degrees, for example \"0 0 0 0 -90 0\"");
+    otherwise[i] = *value;
+  }
+  return otherwise;
 }
 
 void serve_far_side(const std::function<void()>& show, const std::function<void(const std::string&)>& order) {
@@ -72,15 +86,16 @@ int run_far_side(int argc, char** argv) {
   char** const maker = std::find_if(argv + 1, argv + argc, is_maker);
   if (maker != argv + argc && std::string(*maker) == "ur") return run_far_side_ur(argc, argv);
   if (maker != argv + argc && std::string(*maker) == "fanuc") return run_far_side_fanuc(argc, argv);
+  if (maker != argv + argc && std::string(*maker) == "abb") return run_far_side_abb(argc, argv);
   CommandLine app(
-      "Simulates the controller of a robot down to its bytes, for drivers and programs without a robot",
+      "Simulates the controller of a robot byte for byte, for drivers and programs without a robot",
       "polyarm far-side");
   std::string name;
   app.add_option("maker", name,
-                 "ur: Universal Robots; fanuc: FANUC; `polyarm far-side MAKER --help` has the rest")
+                 "ur: Universal Robots; fanuc: FANUC; abb: ABB; `polyarm far-side MAKER --help` has the rest")
       ->required()
-      ->one_of({"ur", "fanuc"});
-  app.footer(examples({"polyarm far-side ur", "polyarm far-side fanuc --help"}));
+      ->one_of({"ur", "fanuc", "abb"});
+  app.footer(examples({"polyarm far-side ur", "polyarm far-side abb --help"}));
   if (const auto code = app.parse(argc, argv)) return *code;
   return kOk;
 }

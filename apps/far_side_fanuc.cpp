@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 
-#include <cmath>
-#include <numbers>
-
 #include "apps/far_sides.hpp"
 #include "apps/options.hpp"
 #include "drivers/fanuc/far_side.hpp"
@@ -20,25 +17,11 @@ struct FanucArguments {
   std::vector<std::string> wires, orders;
 };
 
-fanuc::Six start_of(const std::string& text) {
-  fanuc::Six out{0, 0, 0, 0, -90, 0};
-  if (text.empty()) return out;
-  const auto words = split_words(text, " ,;");
-  for (std::size_t i = 0; i < 6; ++i) {
-    const auto value = i < words.size() ? parse_number(words[i]) : std::nullopt;
-    if (words.size() != 6 || !value || !(std::abs(*value) <= 720))
-      throw WrongUse("bad-value", "'" + text + "' is not six angles",
-                     "degrees, for example \"0 0 0 0 -90 0\"");
-    out[i] = *value;
-  }
-  return out;
-}
-
 fanuc::FarSideOptions fanuc_options(const FanucArguments& a) {
   Problems warnings;
   fanuc::FarSideOptions out;
   out.machine.facts = fanuc::facts_of(description::load_robot(a.robot, open_catalogue(), warnings));
-  out.machine.start = start_of(a.start);
+  out.machine.start = start_of(a.start, out.machine.start);
   out.address = a.address;
   out.stream = a.stream, out.rmi = a.rmi, out.session = a.session;
   out.sampling_ms = a.sampling;
@@ -75,9 +58,8 @@ int simulate(const FanucArguments& a) {
 }  // namespace
 
 int run_far_side_fanuc(int argc, char** argv) {
-  CommandLine app(
-      "Simulates a controller of FANUC down to its bytes, for drivers and programs without a robot",
-      "polyarm far-side");
+  CommandLine app("Simulates a controller of FANUC byte for byte, for drivers and programs without a robot",
+                  "polyarm far-side");
   FanucArguments a;
   app.add_option("maker", a.maker, "fanuc")->required()->one_of({"fanuc"});
   app.add_option("--robot", a.robot, "a robot of the maker with six axes in the catalogue")

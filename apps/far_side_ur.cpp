@@ -30,7 +30,7 @@ ur::FarSideOptions ur_options(const UrArguments& a) {
   out.machine.major = number(0), out.machine.minor = number(1), out.machine.bugfix = number(2);
   if (out.machine.major < 1 || out.machine.major > 255 || out.machine.minor < 0 || out.machine.minor > 255 ||
       out.machine.bugfix < 0)
-    throw WrongUse("bad-value", "'" + a.software + "' is no version", "for example 5.15 or 3.15.4");
+    throw WrongUse("bad-value", "'" + a.software + "' is not a version", "for example 5.15 or 3.15.4");
   out.machine.on = !a.off;
   out.machine.remote = !a.local;
   out.address = a.address;
@@ -67,7 +67,7 @@ int simulate(const UrArguments& a) {
 
 int run_far_side_ur(int argc, char** argv) {
   CommandLine app(
-      "Simulates the controller of a robot of Universal Robots down to its bytes, for drivers and programs "
+      "Simulates the controller of a robot of Universal Robots byte for byte, for drivers and programs "
       "without a robot",
       "polyarm far-side");
   UrArguments a;

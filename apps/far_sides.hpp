@@ -1,5 +1,6 @@
 #pragma once
 /// What the simulated controllers of `polyarm far-side` share: words, and the lines that a person types.
+#include <array>
 #include <functional>
 #include <string>
 #include <utility>
@@ -13,7 +14,11 @@ std::pair<int, int> wire_of(const std::string& text, int lowest, int highest);
 /// Takes lines from the standard input until a signal: `state` calls show(), any other order(line).
 void serve_far_side(const std::function<void()>& show, const std::function<void(const std::string&)>& order);
 
+/// Six angles in degrees, such as "0 0 0 0 -90 0"; `otherwise` for an empty text. Throws WrongUse.
+std::array<double, 6> start_of(const std::string& text, std::array<double, 6> otherwise);
+
 int run_far_side_ur(int argc, char** argv);
 int run_far_side_fanuc(int argc, char** argv);
+int run_far_side_abb(int argc, char** argv);
 
 }  // namespace polyarm::apps

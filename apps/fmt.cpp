@@ -12,7 +12,7 @@ int run_fmt(int argc, char** argv) {
   std::vector<std::string> files;
   bool check = false;
   app.add_option("files", files, "scripts")->required();
-  app.add_flag("--check", check, "change nothing; exit code 1 where a file would change");
+  app.add_flag("--check", check, "change nothing; exit code 1 if a file would change");
   app.footer(examples({"polyarm fmt cell.script", "polyarm fmt --check *.script"}) +
              "\nA script with errors is left as it is.\n");
   if (const auto code = app.parse(argc, argv)) return *code;

@@ -83,7 +83,7 @@ int jog_by(Client& client, const JogArguments& a) {
     if (flag_of(part(answer, {"more"}))) continue;
     report(a, state);
     if (flag_of(state["done"])) return kOk;
-    fmt::print(stderr, "polyarm jog: not all of the way: {}\n", shown(state["reason"]));
+    fmt::print(stderr, "polyarm jog: not the whole distance: {}\n", shown(state["reason"]));
     return kFailed;
   }
 }
@@ -117,12 +117,12 @@ int jog_for(Client& client, const JogArguments& a) {
 int run_jog(int argc, char** argv) {
   CommandLine app("Moves a robot of a running cell by hand", "polyarm jog");
   JogArguments a;
-  app.add_option("names", a.words, "[CELL] [ROBOT], where there are several")->expected(0, 2);
+  app.add_option("names", a.words, "[CELL] [ROBOT], if there are several")->expected(0, 2);
   auto* joint = app.add_option("--joint", a.joint, "this joint (without keys)");
   auto* tcp = app.add_option("--tcp", a.tcp, "the TCP along x, y or z, or about rx, ry or rz (without keys)");
-  auto* by = app.add_option("--by", a.by, "by so much: 5deg, -20mm; bare numbers are rad or m");
+  auto* by = app.add_option("--by", a.by, "distance: 5deg, -20mm; numbers without a unit are rad or m");
   auto* speed = app.add_option("--speed", a.speed, "with --by a share (20%); with --for 10deg/s, 50mm/s");
-  auto* time = app.add_option("--for", a.time, "at this speed for so long: 1.5s");
+  auto* time = app.add_option("--for", a.time, "duration at this speed: 1.5s");
   app.add_option("--frame", a.frame, "base, world, tool, or the name of a point of the cell");
   app.add_option("--hold", a.hold, "s without a repeat of the key until the robot stops")
       ->range(0.05, 1.0)

@@ -19,7 +19,7 @@ namespace polyarm::apps {
 
 const char* const kJogKeys =
     "   q w e r t y u i   up: joints 1, 2, …; or x y z and turning about x y z\n"
-    "   a s d f g h j k   down. Hold a key to move, let it go to stop; space stops\n"
+    "   a s d f g h j k   down. Hold a key to move, release it to stop; space stops\n"
     "   Tab joints or TCP   TCP along: b base  n world  m tool  v your frame\n"
     "   + - faster, slower (or longer, shorter steps)   p by steps, or by holding\n";
 
@@ -266,7 +266,7 @@ class Keys {
   /// Prints empty lines that show() overwrites.
   void begin() const {
     fmt::print("\njogging {}\n\n{}   {}0 or Ctrl-C ends\n\n", shown(state_["robot"]), kJogKeys,
-               a_.keep ? "Enter keeps this place under a name   " : "");
+               a_.keep ? "Enter stores this position under a name   " : "");
     for (std::size_t i = 0; i < rows() + 3; ++i) fmt::print("\n");
     show();
   }

@@ -29,7 +29,7 @@ void give_back() {
 
 Keyboard::Keyboard(const std::string& verb, const std::string& advice) {
   if (!isatty(STDIN_FILENO) || tcgetattr(STDIN_FILENO, &as_it_was) != 0)
-    throw Error("no-terminal", verb + " reads keys from a terminal, and standard input is none", advice);
+    throw Error("no-terminal", verb + " reads keys from a terminal, but standard input is not one", advice);
   ending = false;
   struct sigaction action {};
   action.sa_handler = [](int) { ending = true; };

@@ -24,8 +24,7 @@ struct Common {
 
   void add_to(CommandLine& app) {
     robot.add_to(app)->required();
-    app.add_option("--tool", tool,
-                   "tool whose TCP is meant (none, suction_cup, parallel_gripper, or a file)");
+    app.add_option("--tool", tool, "tool (none, suction_cup, parallel_gripper, or a file)");
     app.add_option("--tcp", tcp, "TCP in tool0 instead: x y z, or x y z roll pitch yaw (m, rad)")
         ->expected(3, 6);
     app.add_flag("--json", as_json, "one JSON object");
@@ -102,7 +101,7 @@ struct PoseQuestion {
   bool all = false, position_only = false;
 
   void add_to(CommandLine& app) {
-    app.add_option("--xyz", xyz, "position, m; has to be given")->expected(3);
+    app.add_option("--xyz", xyz, "position, m; must be given")->expected(3);
     Option* by_rpy = app.add_option("--rpy", rpy, "roll pitch yaw, rad (pi 0 0: tool down)")->expected(3);
     app.add_option("--quaternion", quaternion, "x y z w")->expected(4)->excludes(by_rpy);
     app.add_option("--seed", seed, "joint values to start from (home by default)")->expected(-1);
@@ -133,7 +132,7 @@ Pose PoseQuestion::target() const {
   if (quaternion.size() != 4) return out;
   const Quaternion q{quaternion[0], quaternion[1], quaternion[2], quaternion[3]};
   if (std::abs(q.x) + std::abs(q.y) + std::abs(q.z) + std::abs(q.w) < 1e-9)
-    throw Error("bad-value", "--quaternion 0 0 0 0 is no rotation", "write a unit quaternion x y z w");
+    throw Error("bad-value", "--quaternion 0 0 0 0 is not a rotation", "write a unit quaternion x y z w");
   out.rotation = normalized(q);
   return out;
 }
@@ -146,7 +145,7 @@ void widen(ik::IkTask& task, std::size_t row, const std::vector<double>& values,
   for (std::size_t k = 0; !values.empty() && k < 3; ++k) {
     const double value = values[values.size() == 3 ? k : 0];
     if (!(value >= 0) || !std::isfinite(value))
-      throw Error("bad-value", fmt::format("{} {:g} is no tolerance", option, value),
+      throw Error("bad-value", fmt::format("{} {:g} is not a tolerance", option, value),
                   "write 0 or more, or --position-only or --free-spin for what may be anything");
     task.low[row + k] = -value;
     task.high[row + k] = value;
@@ -209,7 +208,7 @@ Result answer(const ik::InverseKinematics& arm, const PoseQuestion& question, co
 }  // namespace
 
 int run_fk(int argc, char** argv) {
-  CommandLine app("Forward kinematics: where the TCP is for given joint values, in the base frame",
+  CommandLine app("Forward kinematics: the pose of the TCP for given joint values, in the base frame",
                   "polyarm fk");
   Common common;
   std::vector<double> joints;

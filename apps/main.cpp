@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <malloc.h>
 
+#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <nlohmann/json.hpp>
@@ -27,36 +28,37 @@ const std::vector<Verb>& verbs() {
       {"check", "find every error of a cell's files; nothing moves", run_check},
       {"test", "run the tests of programs in simulation, side by side", run_test},
       {"compare", "which robots can run a program, how fast, how near to their limits", run_compare},
+      {"sweep", "which robot, where its base stands, how fast: thousands of variants, killed and continued", run_sweep},
       {"fmt", "write programs in one form; comments stay", run_fmt},
       {"language", "the words and functions of the language; the reference page", run_language},
-      {"new", "write a starting point: a cell that runs, hardware or a controller of your own", run_new},
-      {"plugins", "list plugins: what they bring, and what was refused and why", run_plugins},
-      {"plugin", "build a hardware plugin of ros2_control from its source, without ROS; check it", run_plugin},
+      {"new", "create a starting point: a cell, hardware or a controller of your own", run_new},
+      {"plugins", "list plugins: their types, and the refused ones with the reason", run_plugins},
+      {"plugin", "build hardware plugins and controllers of ros2_control without ROS; check them", run_plugin},
       {"robots", "list the robots of the catalogue", run_robots},
-      {"describe", "what a robot is: joints, limits, frames; or its URDF", run_describe},
+      {"describe", "describe a robot: joints, limits, frames; or print its URDF", run_describe},
       {"fk", "forward kinematics: joint values to a pose", run_fk},
       {"ik", "inverse kinematics: a pose to joint values", run_ik},
       {"workspace", "map where an arm reaches and how well it moves there", run_workspace},
-      {"plan", "plan a motion without moving: how long, what bounds it where, a plot", run_plan},
+      {"plan", "plan a motion without moving: its duration, its limits, a plot", run_plan},
       {"xacro", "expand a description in xacro to URDF", run_xacro},
-      {"export", "write what MoveIt 2 is configured with, from a cell", run_export},
-      {"replay", "play the last cycles before a fault again", run_replay},
+      {"export", "write the configuration of MoveIt 2 for a cell", run_export},
+      {"replay", "replay the last cycles before a fault", run_replay},
       {"control", "controllers of a running cell: list, switch, load, state, hold, resume", run_control},
       {"hardware", "hardware components of a running cell: list, state, recover", run_hardware},
       {"interfaces", "every state and command interface of a running cell", run_interfaces},
-      {"health", "how the control loop of a running cell is doing", run_health},
-      {"limits", "which limits took hold of commands in a running cell", run_limits},
+      {"health", "state and timing of the control loop of a running cell", run_health},
+      {"limits", "which limits changed commands in a running cell", run_limits},
       {"data", "data sets: list, get, set, import, export, undo, frames, tools", run_data},
       {"tags", "tags and links of a running cell: show, set, force", run_tags},
-      {"send", "give a message to a controller of a running cell", run_send},
-      {"watch", "show what a controller of a running cell puts out", run_watch},
-      {"jog", "move a robot of a running cell by hand: joints or tool, by keys or by so much", run_jog},
+      {"send", "send a message to a controller of a running cell", run_send},
+      {"watch", "show the output of a controller of a running cell", run_watch},
+      {"jog", "move a robot of a running cell by hand: joints or tool, by keys or by a distance", run_jog},
       {"teleop", "drive a base of a running cell from the keyboard", run_teleop},
       {"param", "parameters of the controllers of a running cell", run_param},
-      {"setup", "set up the servos of an arm: ids, ranges, zero", run_setup},
-      {"doctor", "what of this machine is in the way of a cell, and how to mend it", run_doctor},
+      {"setup", "set up the servos of an arm, or inspect the controller of a robot", run_setup},
+      {"doctor", "check what on this machine hinders a cell, and how to fix it", run_doctor},
       {"drivers", "list the drivers, or try one on its device and write a report", run_drivers},
-      {"far-side", "simulate the controller of a robot down to its bytes, with faults to order", run_far_side},
+      {"far-side", "simulate the controller of a robot byte for byte, with faults on request", run_far_side},
       {"completion", "print shell completion (bash, zsh, fish) or the manual page (man)", run_completion},
       {"version", "print the version", run_version},
   };
@@ -69,8 +71,8 @@ void print_help() {
   fmt::print("polyarm: one runtime for every robot arm\n\nUsage: polyarm VERB [OPTIONS]\n\n");
   for (const Verb& verb : verbs()) fmt::print("  {:<12}{}\n", verb.name, verb.summary);
   fmt::print(
-      "\n  polyarm VERB --help says more, with examples.\n"
-      "  --allow PATH|host:NAME|secret:NAME, with any verb: let a cell reach this beyond its own folder\n\n"
+      "\n  polyarm VERB --help has details and examples.\n"
+      "  --allow PATH|host:NAME|secret:NAME, with any verb: let a cell access this outside its own folder\n\n"
       "Examples:\n"
       "  polyarm run examples/pick_and_place\n"
       "  polyarm run examples/sorting --robot abb/irb_120 --fast\n"
@@ -108,10 +110,19 @@ int main(int argc, char** argv) {
   cell::register_door({"ros2",
                        {"domain", "range", "peers", "namespace", "distribution", "cmd_vel"},
                        "install Fast DDS (tools/setup does) and build again, or run without --ros2"});
-  apps::guard_terminal();
-  hulls::listen_to_making([](std::size_t meshes) {
-    complain(fmt::format("making bodies of {} mesh{} for the detection of contacts, kept for next time\n",
-                         meshes, meshes == 1 ? "" : "es"));
+  apps::guard_terminal(apps::asks_for_document(argc, argv));
+  hulls::listen_to_making([](std::size_t made, std::size_t meshes) {
+    constexpr auto kBetween = std::chrono::seconds(2);
+    static auto last = std::chrono::steady_clock::now();
+    const auto now = std::chrono::steady_clock::now();
+    if (made == 0)
+      complain(fmt::format("computing bodies of {} mesh{} for the detection of contacts; stored for later runs\n",
+                           meshes, meshes == 1 ? "" : "es"));
+    else if (made < meshes && now - last >= kBetween)
+      complain(fmt::format("  {} of {} are computed\n", made, meshes));
+    else
+      return;
+    last = now;
   });
   try {
     apps::take_reach_options(argc, argv);

@@ -191,18 +191,18 @@ int watch(Client& client, const std::string& name, double rate, int count, bool 
 }  // namespace
 
 int run_send(int argc, char** argv) {
-  CommandLine app("Gives a message to a controller of a running cell", "polyarm send");
+  CommandLine app("Sends a message to a controller of a running cell", "polyarm send");
   SendArguments a;
   app.add_option("controller", a.to, "a controller, controller/input, or a topic of ROS")->required();
   app.add_option("file", a.file,
                  "YAML or JSON in the form of the ROS message; - for standard input, or the text itself")
       ->required();
-  app.add_option(
-         "--rate", a.rate,
-         "again and again, Hz, until Ctrl-C; of several documents (---) each once, one after the other")
+  app.add_option("--rate", a.rate,
+                 "repeat at this rate, Hz, until Ctrl-C; several documents (---) are sent once each, one "
+                 "after the other")
       ->positive();
   app.add_flag("--once", a.once, "once, whatever the rate");
-  app.add_flag("--goal", a.goal, "as a goal: feedback and result are shown, Ctrl-C cancels");
+  app.add_flag("--goal", a.goal, "as a goal: prints feedback and result; Ctrl-C cancels");
   a.client.add_to(app);
   app.footer(examples({"polyarm send r6bot_controller examples/r6bot/ellipse.yaml",
                        "polyarm send joint_trajectory_controller goal.yaml --goal",
@@ -214,7 +214,7 @@ int run_send(int argc, char** argv) {
 }
 
 int run_watch(int argc, char** argv) {
-  CommandLine app("Shows what a controller of a running cell puts out", "polyarm watch");
+  CommandLine app("Shows the output of a controller of a running cell", "polyarm watch");
   ClientOptions options;
   std::string name;
   double rate = 10;
@@ -222,7 +222,7 @@ int run_watch(int argc, char** argv) {
   app.add_option("name", name, "joint_states, odom, wrench, imu, controller_state, or controller/output")
       ->required();
   app.add_option("--rate", rate, "messages a second at most")->positive();
-  app.add_option("--count", count, "end after so many");
+  app.add_option("--count", count, "end after this many");
   options.add_to(app);
   app.footer(examples(
       {"polyarm watch joint_states", "polyarm watch joint_trajectory_controller/controller_state --json"}));

@@ -96,10 +96,10 @@ std::string filled(const std::string& text, const Names& names) {
 void write(const fs::path& folder, const Names& names) {
   std::error_code error;
   if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
-    throw Error("exists", folder.string() + " is there already, nothing was written",
+    throw Error("exists", folder.string() + " exists already, nothing was written",
                 "choose another folder with --folder DIR, or another name");
   fs::create_directories(folder, error);
-  if (error) throw Error("unwritable", folder.string() + " cannot be made: " + error.message());
+  if (error) throw Error("unwritable", folder.string() + " cannot be created: " + error.message());
   for (const TemplateFile& file : template_files())
     if (names.kind == file.kind)
       write_file_atomically(folder / filled(file.name, names), filled(file.text, names));
@@ -151,9 +151,8 @@ int run_new(int argc, char** argv) {
   app.add_option("name", name, "its name: my_cell; my_arm, which makes the type MyArm")->required();
   app.add_option("--robot", robot, "of a cell: universal_robots/ur5e, or the path of a description");
   app.add_option("--vendor", vendor,
-                 "of hardware or a controller: the first part of its full name, VENDOR/TYPE; NAME where not "
-                 "given");
-  app.add_option("--folder", folder, "the folder to make; ./NAME where not given");
+                 "of hardware or a controller: the first part of its full name, VENDOR/TYPE; default: NAME");
+  app.add_option("--folder", folder, "the folder to create; default: ./NAME");
   app.footer(examples({"polyarm new cell my_cell --robot fanuc/lr_mate_200id",
                        "polyarm new hardware my_arm --vendor acme",
                        "polyarm new controller follow_me --folder ~/follow_me"}));
@@ -162,7 +161,7 @@ int run_new(int argc, char** argv) {
     if (name.empty() || name.find('/') != std::string::npos || name.front() == '.' || name.front() == '-' ||
         printable_line(name) != name)
       throw Error("bad-name", "'" + printable_line(name) + "' cannot be the name of a cell",
-                  "a word such as my_cell; --folder DIR says where it goes");
+                  "use a word such as my_cell; --folder DIR sets the folder");
     NewCell asked{name, robot.empty() ? robot_asked("universal_robots/ur5e") : robot,
                   folder.empty() ? fs::path(name) : fs::path(folder)};
     std::error_code error;  // the path of a description does not depend on the cell's folder

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/options.hpp"
+#include "apps/scratch.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/cell/check.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
@@ -120,7 +121,7 @@ std::string cell_yaml(const NewCell& asked, const std::string& hardware) {
       "# A robot takes parts from a feeder and puts them into a tray.\n"
       "robots:\n"
       "  arm: {{model: {}, hardware: {}, tool: tool}}   # the tool is described in tool.yaml\n"
-      "scene: scene.yaml        # what stands around the robot\n"
+      "scene: scene.yaml        # the surroundings of the robot\n"
       "signals: signals.yaml    # names for inputs and outputs\n"
       "program: main.script\n",
       asked.robot, hardware);
@@ -133,15 +134,15 @@ std::string scene_yaml(const Layout& l, const Sizes& s) {
       "[{}, {}, {}]", metres(3 * s.part), metres(s.pitch * (kParts - 1) + 2.5 * s.part), metres(2 * s.part));
   std::string out = fmt::format(
       "polyarm: scene/1\n"
-      "# World frame: the robot's base stands at the origin. Metres unless a unit is said.\n"
+      "# World frame: the robot's base is at the origin. Numbers without a unit are in metres.\n"
       "floor: {{height: {}}}\n"
       "fixtures:\n"
       "  table: {{box: [{}, {}, 0.04], at: {}}}\n"
       "bins:\n"
       "  tray: {{at: {}, inner: {}, walls: false}}\n"
       "feeders:\n"
-      "  feeder: {{at: {}}}          # where it puts a part: the middle of the part\n"
-      "parts:                                       # weigh yours: what is held depends on it\n",
+      "  feeder: {{at: {}}}          # where parts appear: their centre\n"
+      "parts:                                       # weigh yours: gripping depends on the mass\n",
       metres(std::min(l.table - 0.1, -0.6 * s.reach)), metres(depth), metres(width),
       at(l.x(), 0, l.table - 0.02), at(l.x(), tray_y, l.table), tray_size,
       at(l.x(), l.y(), l.table + s.part / 2));
@@ -158,13 +159,13 @@ std::string tool_yaml(const Sizes& s) {
   const double k = s.tool / 0.1;
   return fmt::format(
       "polyarm: tool/1\n"
-      "# A suction cup. tcp: the middle of its lip, seen from the robot's flange; z points out of the tool.\n"
+      "# A suction cup. tcp: the centre of its lip, in the frame of the flange; z points out of the tool.\n"
       "tcp: [0, 0, {}]\n"
       "mass: {:.3g}kg\n"
       "center: [0, 0, {}]\n"
       "gripper: suction\n"
       "cup_radius: {:.4g}mm\n"
-      "body:                    # what may touch nothing\n"
+      "body:                    # it must not touch anything\n"
       "  - {{cylinder: {{radius: {:.4g}mm, height: {}}}, at: [0, 0, {}]}}\n"
       "  - {{cylinder: {{radius: {:.4g}mm, height: {}}}, at: [0, 0, {}]}}\n",
       metres(s.tool), s.tool_mass, metres(0.4 * s.tool), 225 * s.part, std::min(25 * k, 40.0),
@@ -177,12 +178,12 @@ constexpr const char* kSignals =
     "tags:\n"
     "  Vacuum: {command: arm/tool/vacuum}\n"
     "  PartHeld: {state: arm/tool/part_present}                    # the sensor in the cup\n"
-    "  Feed: {command: scene/feeder/feed, type: number}            # so many parts are to be brought, in "
+    "  Feed: {command: scene/feeder/feed, type: number}            # the number of parts to bring, in "
     "all\n"
-    "  PartReady: {state: scene/feeder/present}                    # a part lies there\n"
-    "  PartsReady: {state: scene/feeder/count, type: number}       # so many lie there\n"
-    "  PartsLeft: {state: scene/feeder/remaining, type: number}    # so many it still has\n"
-    "  PartsFed: {state: scene/feeder/presented, type: number}     # so many it has brought\n";
+    "  PartReady: {state: scene/feeder/present}                    # a part is at the feeder\n"
+    "  PartsReady: {state: scene/feeder/count, type: number}       # the number of parts there\n"
+    "  PartsLeft: {state: scene/feeder/remaining, type: number}    # the number of parts left\n"
+    "  PartsFed: {state: scene/feeder/presented, type: number}     # the number of parts brought\n";
 
 std::string script(const Sizes& s) {
   return fmt::format(
@@ -238,20 +239,20 @@ std::string points_file(const std::vector<Point>& points) {
 std::string readme(const NewCell& asked) {
   return fmt::format(
       "# {}\n\n"
-      "{} takes parts from a feeder and puts them into a tray. All of it is simulated.\n\n"
-      "| file | what it says |\n|---|---|\n"
+      "{} takes parts from a feeder and puts them into a tray. Everything is simulated.\n\n"
+      "| file | content |\n|---|---|\n"
       "| `cell.yaml` | which robot, tool and program |\n"
       "| `scene.yaml` | table, feeder, tray and parts |\n"
       "| `tool.yaml` | the suction cup: its TCP, mass and body |\n"
-      "| `signals.yaml` | names for inputs and outputs; `PartReady` says that a part lies at the feeder, "
-      "`PartsReady` how many, `PartsFed` how many it has brought |\n"
+      "| `signals.yaml` | names for inputs and outputs; `PartReady`: a part is at the feeder, "
+      "`PartsReady`: how many, `PartsFed`: how many it has brought |\n"
       "| `points.points` | the poses that the program moves to |\n"
       "| `main.script` | the program |\n"
-      "| `tests.script` | a test of it |\n\n"
+      "| `tests.script` | a test of the program |\n\n"
       "```\n"
-      "polyarm check .              # every error of the files, every move along its way\n"
-      "polyarm check . --dry        # the same, and a simulated run: contacts, where parts end\n"
-      "polyarm run . --fast         # as fast as this machine can\n"
+      "polyarm check .              # all files, and every move along its path\n"
+      "polyarm check . --dry        # the same, and a simulated run: contacts, final places of parts\n"
+      "polyarm run . --fast         # as fast as the machine allows\n"
       "polyarm run . --pendant        # with the pendant in a browser\n"
       "polyarm test .\n"
       "polyarm run . --robot universal_robots/ur10e --fast    # another robot\n"
@@ -274,27 +275,6 @@ void write_files(const fs::path& folder, const NewCell& asked, const Layout& lay
 }
 
 // --- finding a layout
-
-/// A temporary folder that is deleted with its contents.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "polyarm_new_cell.XXXXXX").string();
-    if (!::mkdtemp(name.data()))
-      throw Error("unwritable", "no folder can be made in " + fs::temp_directory_path().string());
-    path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 cell::CellRobots robot_with_tool(const NewCell& asked, const fs::path& folder, const Sizes& sizes) {
   write_file_atomically(folder / "tool.yaml", tool_yaml(sizes));
@@ -343,7 +323,7 @@ bool can_move(const moves::RobotFacts& robot, const std::vector<double>& from, c
 /// The problems that `check` and `check --dry` find, including contacts.
 std::vector<Problem> found_in(const fs::path& folder) {
   const description::Catalogue catalogue = open_catalogue();
-  const Scratch state;
+  const Scratch state("new");
   std::vector<Problem> out;
   for (const bool dry : {false, true}) {
     cell::CheckOptions options;
@@ -370,9 +350,9 @@ int write_new_cell(const NewCell& asked) {
   std::error_code error;
   const fs::path& folder = asked.folder;
   if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
-    throw Error("exists", folder.string() + " is there already, nothing was written",
+    throw Error("exists", folder.string() + " exists already, nothing was written",
                 "choose another folder with --folder DIR, or another name");
-  const Scratch scratch;
+  const Scratch scratch("new");
   const std::shared_ptr<ReachGrant> grant = reach().grant();
   grant->allow(scratch.path());  // it is written again after a cell in it was opened
   Sizes sizes;
@@ -399,7 +379,7 @@ int write_new_cell(const NewCell& asked) {
   }
   fs::create_directories(folder, error);
   if (error)
-    throw Error("unwritable", "the folder " + folder.string() + " cannot be made: " + error.message(),
+    throw Error("unwritable", "the folder " + folder.string() + " cannot be created: " + error.message(),
                 "choose a place where you may write with --folder DIR");
   write_files(folder, asked, best.value_or(layouts(sizes.reach).front()), sizes);
   if (!best) why = found_in(folder);

@@ -96,7 +96,7 @@ description::RobotModel AskedRobot::load(Problems& warnings, const description::
   for (Problem problem : found.list()) {
     if (problem.severity == Severity::error) {
       problem.severity = Severity::warning;
-      problem.what += "; `polyarm run` refuses this, kinematics goes on without its hardware";
+      problem.what += "; `polyarm run` refuses this, kinematics works without its hardware";
     }
     warnings.add(std::move(problem));
   }

@@ -134,8 +134,8 @@ int run_param(int argc, char** argv) {
   add("set", "change parameters that can be changed, all at once between two cycles")
       ->add_option("values", a.values, "KEY=VALUE …, or KEY VALUE")
       ->required();
-  add("load", "change them to what a YAML file says")->add_option("file", a.file)->required();
-  add("dump", "print them as a controllers file has them");
+  add("load", "set them from a YAML file")->add_option("file", a.file)->required();
+  add("dump", "print them in the form of a controllers file");
   app.footer(examples({"polyarm param list joint_trajectory_controller",
                        "polyarm param set pid gains.joint_1.p=20 gains.joint_1.d=1",
                        "polyarm param dump pid > pid.yaml", "polyarm param load pid pid.yaml"}));

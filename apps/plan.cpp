@@ -62,8 +62,8 @@ void Request::add_to(CommandLine& app) {
       "spline P Q …; P: a name of the cell's points, joints(…), pose(x,y,z[,r,p,y]), by(x,y,z), "
       "tool(x,y,z), home; behind a move blend=, speed=, acceleration=, duration= for it alone");
   app.add_option("--robot", robot, "catalogue name or description; with a cell in place of its robot");
-  app.add_option("--of", of, "of a cell with several robots: which");
-  app.add_option("--tool", tool, "tool whose TCP is meant, where there is no cell");
+  app.add_option("--of", of, "the robot, if a cell has several");
+  app.add_option("--tool", tool, "tool, if there is no cell");
   app.add_option("--data", data, "data file with more points; may be repeated")->existing_file();
   app.add_option("--from", from, "where to start, home by default: a place like P, or joint values, rad or m")
       ->expected(-1);
@@ -71,20 +71,20 @@ void Request::add_to(CommandLine& app) {
                  "how far around points the path may leave its lines: 20mm; for files also rad");
   app.add_option("--speed", pace.speed, "50% of the limits, or at most 250mm/s at the TCP");
   app.add_option("--acceleration", pace.acceleration, "50% of the limits, or at most 1m/s2 at the TCP");
-  app.add_flag("--keep-times", keep_times, "judge the file's trajectory with the times that it has");
+  app.add_flag("--keep-times", keep_times, "check the file's trajectory with its own times");
   app.add_flag("--lines", lines, "straight between the file's points in joint space, not a spline");
   app.add_option("--svg", svg, "plot position, velocity, acceleration, jerk and TCP speed");
   app.add_option("--csv", csv, "write them as a table, at --rate (250 Hz)");
   app.add_option("--export", exports, "write a JointTrajectory, FILE.yaml or FILE.json; may be repeated");
   app.add_option("--rate", rate, "Hz of --csv and --export; without it an export has the fewest points")
       ->positive();
-  app.add_option("--tolerance", tolerance, "how near an export without --rate is, rad or m")->positive();
+  app.add_option("--tolerance", tolerance, "tolerance of an export without --rate, rad or m")->positive();
   app.add_flag("--around", around, "movej goes around the robot itself, the scene and its floor");
   app.add_option("--scene", scene, "scene file: what the robot must not touch; without it that of the cell")
       ->existing_file();
   app.add_option("--clearance", clearance, "distance to keep from the scene: 10mm");
-  app.add_option("--seed", seed, "of the search of --around; the same seed gives the same way");
-  app.add_option("--time", seconds, "of --around, s for each move (5)")->positive();
+  app.add_option("--seed", seed, "seed of the search of --around; the same seed gives the same path");
+  app.add_option("--time", seconds, "time limit of --around, s for each move (5)")->positive();
   app.add_flag("--ros1", ros1, "exports have secs and nsecs");
   app.add_flag("--json", as_json, "one JSON object");
 }
@@ -144,7 +144,7 @@ cell::CellRobot* chosen(const Setting& setting, const std::string& of) {
   throw Error("unknown-name",
               of.empty() ? "this cell has several robots"
                          : "the cell has no robot '" + of + "'" + did_you_mean(of, names),
-              "say --of " + join(names, " or --of "));
+              "use --of " + join(names, " or --of "));
 }
 
 /// True for a robot instead of a cell: a catalogue name or a description file.
@@ -239,7 +239,7 @@ double radius_of(const std::string& text, bool& metres) {
   if (text.empty()) return 0;
   if (const auto angle = parse_quantity(text, Dimension::angle)) return *angle;
   if (const auto length = parse_quantity(text, Dimension::length)) return metres = true, *length;
-  throw Error("bad-value", "--blend is '" + text + "', which is no radius",
+  throw Error("bad-value", "--blend is '" + text + "', which is not a radius",
               "write 20mm at the TCP, or 0.1 rad");
 }
 
@@ -274,7 +274,7 @@ void plan_section(PlannedMotion& motion, const Setting& setting, std::unique_ptr
 
 PlannedMotion from_file(const Request& request, const Setting& setting, Problems& problems) {
   if (request.words.size() != 1)
-    throw Error("bad-value", fmt::format("'{}' stands behind a trajectory file", request.words[1]),
+    throw Error("bad-value", fmt::format("'{}' follows a trajectory file", request.words[1]),
                 "one file, or moves");
   const kinematics::Chain& chain = setting.chain();
   ros_files::JointTrajectoryFile file = ros_files::read_trajectory_file(request.words[0]);
@@ -365,7 +365,7 @@ PlanAround surroundings_of(const Request& request, const Setting& setting, Probl
   if (!request.clearance.empty()) {
     const auto given = parse_quantity(request.clearance, Dimension::length);
     if (!given || *given < 0)
-      throw Error("bad-value", "--clearance is '" + request.clearance + "', which is no distance",
+      throw Error("bad-value", "--clearance is '" + request.clearance + "', which is not a distance",
                   "write 10mm");
     clearance = *given;
   }
@@ -450,7 +450,7 @@ int show(const PlannedMotion& motion, const Request& request) {
 }  // namespace
 
 int run_plan(int argc, char** argv) {
-  CommandLine app("Plans a motion without moving: its duration, what bounds it where, and a plot",
+  CommandLine app("Plans a motion without moving: its duration, the limits that determine it, and a plot",
                   "polyarm plan");
   Request request;
   request.add_to(app);
@@ -468,7 +468,7 @@ int run_plan(int argc, char** argv) {
   request.part();
   const auto require_words = [&] {
     if (request.words.empty())
-      throw WrongUse("bad-move", "nothing is said to be planned", "name moves: movel Pick movel Place");
+      throw WrongUse("bad-move", "there is nothing to plan", "name moves: movel Pick movel Place");
   };
   Problems problems;
   try {

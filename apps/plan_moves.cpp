@@ -73,7 +73,7 @@ PaceValue pace(const std::string& text, const std::string& option, Dimension tcp
   if (text.empty()) return out;
   const auto positive = [&](double v) {
     if (v > 0 && std::isfinite(v)) return v;
-    throw Error("bad-value", fmt::format("{} is '{}'", option, text), "it has to be above zero");
+    throw Error("bad-value", fmt::format("{} is '{}'", option, text), "it must be above zero");
   };
   if (const auto share = parse_quantity(text, Dimension::none)) {
     out.share = positive(*share);
@@ -84,7 +84,7 @@ PaceValue pace(const std::string& text, const std::string& option, Dimension tcp
   } else if (const auto turn = parse_quantity(text, angular)) {
     out.angular = positive(*turn);
   } else {
-    throw Error("bad-value", fmt::format("{} is '{}', which is none", option, text), advice);
+    throw Error("bad-value", fmt::format("{} cannot be '{}'", option, text), advice);
   }
   return out;
 }
@@ -143,7 +143,7 @@ class Reader {
     if (right) return;
     refuse(word, fmt::format("has {} target{}", n, n == 1 ? "" : "s"),
            m.kind == MoveKind::arc ? "an arc takes a point on the way and its end: movec Via End"
-           : n == 0                ? "say where to: " + word + " Pick"
+           : n == 0                ? "add a target: " + word + " Pick"
                                    : "one each: " + word + " A " + word + " B");
   }
 
@@ -167,14 +167,14 @@ class Reader {
       m.orientation = orientation(text);
     } else {
       const std::vector<std::string> known{"speed", "acceleration", "blend", "duration", "orientation"};
-      refuse(key + "=", "is nothing that a move has" + did_you_mean(key, known), join(known, "=, ") + "=");
+      refuse(key + "=", "is not an option of a move" + did_you_mean(key, known), join(known, "=, ") + "=");
     }
   }
   static paths::ArcOrientation orientation(const std::string& text) {
     if (text == "fixed") return paths::ArcOrientation::fixed;
     if (text == "tangent") return paths::ArcOrientation::tangent;
     if (text == "interpolated") return paths::ArcOrientation::interpolated;
-    refuse("orientation=" + text, "is none of an arc", "fixed, tangent or interpolated");
+    refuse("orientation=" + text, "is not possible for an arc", "fixed, tangent or interpolated");
   }
 
   MoveTarget target(const std::string& word) {
@@ -207,7 +207,7 @@ class Reader {
       const Vec3 moved = call.word == "by" ? step : here_.rotation * step;
       return {Pose{here_.position + moved, here_.rotation}, word};
     }
-    refuse(word, "is no target",
+    refuse(word, "is not a target",
            "write joints(…), pose(x,y,z), pose(x,y,z,roll,pitch,yaw), pose(x,y,z,qx,qy,qz,qw), by(x,y,z), "
            "tool(x,y,z), or a name");
   }
@@ -240,7 +240,7 @@ class Reader {
         state != places_.robot.model->named_states.end())
       return {state->second, word};
     if (parse_number(word))
-      throw Error("unknown-name", "'" + word + "' is a number, where a move goes to is a place",
+      throw Error("unknown-name", "'" + word + "' is a number, but the target of a move is a place",
                   kJointsAdvice);
     const std::vector<std::string> known = places_.names();
     throw Error("unknown-name", "there is no place called '" + word + "'" + did_you_mean(word, known),
@@ -250,7 +250,7 @@ class Reader {
     std::vector<double> out;
     for (const std::string& joint : places_.robot.chain.names()) {
       const double* position = state.find(joint);
-      if (!position) refuse(word, "says nothing of " + joint, "it has to name every joint of the robot");
+      if (!position) refuse(word, "has no value for " + joint, "it must name every joint of the robot");
       out.push_back(*position);
     }
     return out;

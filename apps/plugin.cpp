@@ -1,4 +1,4 @@
-/// `polyarm plugin`: hardware plugins of ros2_control, built from their source without ROS.
+/// `polyarm plugin`: hardware plugins and controllers of ros2_control, built from their source without ROS.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,8 +6,10 @@
 
 #include "apps/options.hpp"
 #include "apps/plugin_build.hpp"
+#include "polyarm/base/file.hpp"
 #include "polyarm/plugins/built.hpp"
 #include "polyarm/ros_packages/check.hpp"
+#include "polyarm/ros_packages/parameter_code.hpp"
 
 namespace polyarm::apps {
 
@@ -17,22 +19,18 @@ using ros_packages::Package;
 
 struct Asked {
   const Package* package;
-  std::vector<ros_packages::PluginClass> hardware;
+  std::vector<ros_packages::PluginClass> classes;
 };
 
-/// The packages with hardware classes. Says which others have plugins that are not built.
-std::vector<Asked> packages_with_hardware(const Workspace& workspace) {
+/// The packages with hardware or controllers.
+std::vector<Asked> packages_with_plugins(const Workspace& workspace) {
   std::vector<Asked> out;
   for (const Package& package : workspace.asked) {
     std::vector<ros_packages::PluginClass> classes = ros_packages::plugin_classes(package);
-    for (const auto& c : classes)
-      if (c.is_controller())
-        fmt::print("{}: {} is a controller: controllers of ROS are not built yet\n", package.name, c.name);
-    std::erase_if(classes, [](const auto& c) { return !c.is_hardware(); });
     if (!classes.empty()) out.push_back({&package, std::move(classes)});
   }
   if (out.empty())
-    throw Error("no-plugin", "no package here describes a hardware plugin",
+    throw Error("no-plugin", "no package here describes a hardware plugin or a controller",
                 "its XML file has <class type=\"…\" "
                 "base_class_type=\"hardware_interface::SystemInterface\">, as pluginlib needs it");
   return out;
@@ -42,9 +40,20 @@ void print_all(const std::vector<Problem>& problems) {
   for (const Problem& problem : problems) fmt::print(stderr, "{}\n", problem.text());
 }
 
+/// How a robot's description or a controllers file names the class.
+void print_class(const ros_packages::PluginClass& c, bool simulated) {
+  if (c.is_hardware())
+    fmt::print("  <plugin>{}</plugin>{}\n", c.name, simulated ? "" : "  real hardware: run it with --real");
+  else if (plugins::is_own_controller(c.name))
+    fmt::print("  type: {}{}  (without '{}' it is Polyarm's own)\n", plugins::kBuiltPrefix, c.name,
+               plugins::kBuiltPrefix);
+  else
+    fmt::print("  type: {}\n", c.name);
+}
+
 int run_build(int argc, char** argv) {
   CommandLine app(
-      "Builds the hardware plugins of a package or workspace for this Polyarm; needs cmake and a C++ "
+      "Builds the hardware plugins and controllers of a package or workspace for this Polyarm; needs cmake and a C++ "
       "compiler, no ROS",
       "polyarm plugin build");
   std::string path;
@@ -54,7 +63,7 @@ int run_build(int argc, char** argv) {
       ->required()
       ->existing_folder();
   app.add_flag("--simulated", build.simulated, "this hardware moves nothing real: it runs without --real");
-  app.add_option("--build-dir", build.scratch, "where to build (else in ~/.cache/polyarm/plugins)");
+  app.add_option("--build-dir", build.scratch, "build folder (default: ~/.cache/polyarm/plugins)");
   app.add_option("--jobs", build.jobs, "compilers side by side");
   app.footer(
       examples({"polyarm plugin build my_robot_hardware", "polyarm plugin build ros2_ws/src --simulated"}) +
@@ -66,13 +75,12 @@ int run_build(int argc, char** argv) {
   const Workspace workspace = open_workspace(path, problems);
   print_all(problems.list());
   bool all = true;
-  for (const Asked& asked : packages_with_hardware(workspace)) {
+  for (const Asked& asked : packages_with_plugins(workspace)) {
     try {
       const fs::path module = build_plugin(*asked.package, workspace, kit, build);
       fmt::print("built {}\n", module.string());
-      for (const auto& c : asked.hardware)
-        fmt::print("  <plugin>{}</plugin>{}\n", c.name,
-                   build.simulated ? "" : "  real hardware: run it with --real");
+      for (const auto& c : asked.classes)
+        print_class(c, build.simulated);
     } catch (const Error& e) {
       all = false;
       print_all(e.problems());
@@ -83,7 +91,7 @@ int run_build(int argc, char** argv) {
 
 int run_check_plugin(int argc, char** argv) {
   CommandLine app(
-      "Says what a package needs that is not here: headers, packages, names of ROS that Polyarm does not "
+      "Lists what a package needs and is missing here: headers, packages, names of ROS that Polyarm does not "
       "have",
       "polyarm plugin check");
   std::string path;
@@ -97,7 +105,7 @@ int run_check_plugin(int argc, char** argv) {
   const ros_packages::Kit kit;
   Problems problems;
   const Workspace workspace = open_workspace(path, problems);
-  for (const Asked& asked : packages_with_hardware(workspace)) {
+  for (const Asked& asked : packages_with_plugins(workspace)) {
     Problems of_package;
     ros_packages::check_package(*asked.package, workspace.all, kit, of_package);
     const auto missing = std::count_if(of_package.list().begin(), of_package.list().end(),
@@ -114,8 +122,31 @@ int run_list(int argc, char** argv) {
   CommandLine app("Lists the plugins that were built here", "polyarm plugin list");
   if (const auto code = app.parse(argc, argv)) return *code;
   const auto all = plugins::built_classes();
-  for (const auto& each : all) fmt::print("{:<44} {}\n", each.name, each.module.string());
+  for (const auto& each : all) {
+    const bool controller = each.kind == hardware::PluginKind::controller;
+    fmt::print("{:<58} {}\n",
+               (controller && plugins::is_own_controller(each.name) ? plugins::kBuiltPrefix : "") + each.name,
+               each.module.string());
+  }
   if (all.empty()) fmt::print("nothing was built\n");
+  return kOk;
+}
+
+/// For the build files of packages: the header of a parameter file.
+int run_parameters_of_package(int argc, char** argv) {
+  CommandLine app("Writes the C++ header of a parameter file of generate_parameter_library",
+                  "polyarm plugin parameters");
+  std::string file, out, validators;
+  app.add_option("file", file, "the YAML file")->required();
+  app.add_option("--out", out, "the header")->required();
+  app.add_option("--validators", validators, "the header with validators of the package, as #include has it");
+  if (const auto code = app.parse(argc, argv)) return *code;
+  const std::string text = read_file(file, ros_packages::kLargestParameterFile);
+  const std::string header = ros_packages::parameter_header(text, file, validators);
+  fs::create_directories(fs::path(out).parent_path());
+  std::error_code error;
+  if (fs::exists(out, error) && read_file(out, std::size_t{16} << 20) == header) return kOk;
+  write_file_atomically(out, header);
   return kOk;
 }
 
@@ -143,12 +174,13 @@ int run_plugin(int argc, char** argv) {
   if (word == "build") return run_build(argc - 1, argv + 1);
   if (word == "check") return run_check_plugin(argc - 1, argv + 1);
   if (word == "list") return run_list(argc - 1, argv + 1);
+  if (word == "parameters") return run_parameters_of_package(argc - 1, argv + 1);
   if (word == "interfaces") return run_interfaces_of_package(argc - 1, argv + 1);
-  CommandLine app("Hardware plugins of ros2_control, built from their source without ROS", "polyarm plugin");
+  CommandLine app("Hardware plugins and controllers of ros2_control, built from their source without ROS", "polyarm plugin");
   std::string verb;
-  app.add_option("verb", verb, "build, check, list or interfaces")
+  app.add_option("verb", verb, "build, check, list, interfaces or parameters")
       ->required()
-      ->one_of({"build", "check", "list", "interfaces"});
+      ->one_of({"build", "check", "list", "interfaces", "parameters"});
   app.footer(examples({"polyarm plugin check my_robot_hardware", "polyarm plugin build my_robot_hardware",
                        "polyarm plugin list"}));
   if (const auto code = app.parse(argc, argv)) return *code;

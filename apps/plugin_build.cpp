@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
@@ -16,6 +17,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/hardware/plugin_library.hpp"
 #include "polyarm/plugins/built.hpp"
+#include "polyarm/plugins/plugins.hpp"
 #include "polyarm/ros_packages/check.hpp"
 #include "polyarm/ros_packages/module_code.hpp"
 
@@ -33,11 +35,54 @@ fs::path cache_folder() {
   if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache)
     return fs::path(cache) / "polyarm" / "plugins";
   if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache/polyarm/plugins";
-  throw Error("no-home", "there is no place to build in: neither XDG_CACHE_HOME nor HOME is set",
+  throw Error("no-home", "there is no folder to build in: neither XDG_CACHE_HOME nor HOME is set",
               "name one with --build-dir DIR");
 }
 
-/// Runs the program with its output appended to `log`; true if it ends with 0.
+/// Ends the compilers of a build when this process ends in any way before it is over, SIGKILL too: a child
+/// reads from a pipe whose other end only this process has.
+class GroupGuard {
+ public:
+  explicit GroupGuard(pid_t group) {
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC) != 0) return;
+    guard_ = ::fork();
+    if (guard_ == 0) watch(ends, group);
+    ::close(ends[0]);
+    write_end_ = ends[1];
+  }
+  ~GroupGuard() {
+    if (write_end_ < 0) return;
+    while (::write(write_end_, "x", 1) < 0 && errno == EINTR) {
+    }
+    ::close(write_end_);
+    if (guard_ > 0) wait_for(guard_);
+  }
+  GroupGuard(const GroupGuard&) = delete;
+  GroupGuard& operator=(const GroupGuard&) = delete;
+  static int wait_for(pid_t child) {
+    int status = 0;
+    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    return status;
+  }
+
+ private:
+  [[noreturn]] static void watch(const int (&ends)[2], pid_t group) {
+    ::close(ends[1]);
+    for (const int each : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) ::signal(each, SIG_IGN);
+    char over = 0;
+    ssize_t got = 0;
+    while ((got = ::read(ends[0], &over, 1)) < 0 && errno == EINTR) {
+    }
+    if (got == 0) ::kill(-group, SIGKILL);
+    ::_exit(0);
+  }
+  pid_t guard_ = -1;
+  int write_end_ = -1;
+};
+
+/// Runs the program in a process group of its own, with its output appended to `log`; true if it ends with 0.
 bool run_logged(const std::vector<std::string>& words, const fs::path& log) {
   std::vector<char*> argv;
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
@@ -47,15 +92,19 @@ bool run_logged(const std::vector<std::string>& words, const fs::path& log) {
   ::posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
   ::posix_spawn_file_actions_addopen(&actions, 1, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
   ::posix_spawn_file_actions_adddup2(&actions, 1, 2);
+  posix_spawnattr_t attributes;
+  ::posix_spawnattr_init(&attributes);
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  ::posix_spawnattr_setpgroup(&attributes, 0);
   pid_t child = 0;
-  const int failed = ::posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  const int failed = ::posix_spawnp(&child, argv[0], &actions, &attributes, argv.data(), environ);
+  ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&actions);
   if (failed)
     throw Error("build-failed", fmt::format("'{}' cannot be started: {}", words[0], std::strerror(failed)),
                 "sudo apt install cmake g++");
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  const GroupGuard guard(child);
+  const int status = GroupGuard::wait_for(child);
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
@@ -86,15 +135,19 @@ std::vector<std::string> errors_in(const fs::path& log, std::size_t most) {
     problems.error("build-failed", {}, line, "");
   problems.error("build-failed", {package.folder.string(), 0},
                  "the package " + package.name + " was not built",
-                 "all that CMake and the compiler said is in " + log.string());
+                 "the output of CMake and the compiler is in " + log.string());
   throw Error(problems.list());
 }
 
 std::vector<plugins::BuiltClass> classes_of(const hardware::PluginTable& table, const fs::path& module) {
   std::vector<plugins::BuiltClass> out;
   for (std::uint32_t i = 0; i < table.count; ++i) {
-    hardware::make_component(table.entries[i], module);  // the class is really in it
-    out.push_back({table.entries[i].name, module, table.entries[i].help});
+    const hardware::PluginEntry& entry = table.entries[i];  // made once: the class is really in it
+    if (entry.kind == hardware::PluginKind::controller)
+      plugins::make_controller(entry, module);
+    else
+      hardware::make_component(entry, module);
+    out.push_back({entry.name, module, entry.help, entry.kind});
   }
   return out;
 }
@@ -118,6 +171,7 @@ Workspace open_workspace(const std::string& path, Problems& problems) {
 
 fs::path build_plugin(const Package& package, const Workspace& workspace, const ros_packages::Kit& kit,
                       const PluginBuild& build) {
+  kit.require_headers();
   const fs::path root = build.scratch.empty() ? cache_folder() : fs::absolute(build.scratch);
   const fs::path folder = root / (package.name + "-" + sha256(package.folder.string()).substr(0, 8));
   const fs::path log = folder / "build.log";

@@ -10,6 +10,7 @@
 #include "polyarm/setup/build.hpp"
 #include "polyarm/base/approvals.hpp"
 #include "polyarm/base/reach.hpp"
+#include "polyarm/base/shell_word.hpp"
 
 namespace polyarm::apps {
 
@@ -60,7 +61,7 @@ void print_text() {
   }
   for (const plugins::Library& library : plugins::unapproved())
     fmt::print("not approved  {}\n  native code of a cell; sha256 {}\n  if you trust it: polyarm plugins approve {}\n",
-               library.file.string(), library.sha256, library.file.string());
+               library.file.string(), library.sha256, shell_word(library.file.string()));
   fmt::print("{} plugins, {} refused, {} not approved\n", plugins::found().size(), plugins::refused().size(),
              plugins::unapproved().size());
   if (!plugins::unapproved().empty()) return;
@@ -100,7 +101,7 @@ int run_approve(int argc, char** argv) {
   bool development = false;
   app.add_option("path", named, "a plugin (*.so), or a folder with plugins")->required();
   app.add_flag("--development", development,
-               "the folder stays approved whatever is built into it; it has to be yours alone to write to");
+               "the folder stays approved whatever is built into it; it must be yours alone to write to");
   app.footer(examples({"polyarm plugins approve their_cell/build/arm.so",
                        "polyarm plugins approve --development my_arm/build"}) +
              "\nApprovals are kept in ~/.config/polyarm/approved (XDG_CONFIG_HOME).\n");
@@ -119,7 +120,7 @@ int run_approve(int argc, char** argv) {
 }
 
 int run_approved(int argc, char** argv) {
-  CommandLine app("Lists what you have approved on this machine: plugins, and what cells may reach",
+  CommandLine app("Lists what you have approved on this machine: plugins, and what cells may access",
                   "polyarm plugins approved");
   bool as_json = false;
   app.add_flag("--json", as_json, "a list of {kind, subject, what}");
@@ -159,12 +160,12 @@ int run_plugins(int argc, char** argv) {
   if (word == "approve") return run_approve(argc - 1, argv + 1);
   if (word == "approved") return run_approved(argc - 1, argv + 1);
   if (word == "revoke") return run_revoke(argc - 1, argv + 1);
-  CommandLine app("Lists plugins: what they bring, where they are, and what was refused and why",
+  CommandLine app("Lists plugins: their types, their files, and the refused ones with the reason",
                   "polyarm plugins");
   std::vector<std::string> folders;
   std::string cell;
   bool as_json = false;
-  app.add_option("cell", cell, "a cell: its 'plugins:' folders are looked through, too");
+  app.add_option("cell", cell, "a cell: its 'plugins:' folders are searched, too");
   add_plugin_option(app, folders);
   app.add_flag("--json", as_json, "one JSON object: plugins, refused, not_approved, default_folders");
   app.footer(

@@ -96,7 +96,7 @@ void ask_for_reach(const cell::CellFile& file) {
   bool any = false;
   for (const cell::Wanted& each : wanted) any = any || !each.allowed;
   if (!any || !can_ask()) return;
-  fmt::print(stderr, "The cell {} wants to reach beyond its folder:\n", file.path.string());
+  fmt::print(stderr, "The cell {} accesses resources outside its folder:\n", file.path.string());
   for (const cell::Wanted& each : wanted) {
     fmt::print(stderr, "  {:<8}{}  ({}){}\n", each.kind, printable_line(each.what), printable_line(each.why),
                each.allowed && each.kind != "device" ? "  allowed" : "");

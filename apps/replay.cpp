@@ -37,7 +37,7 @@ void print(const cell::Replay& replay) {
   fmt::print("{}\n{} cycles, {} to {}\n", replay.problem, rows.size(), rows.front().cycle, rows.back().cycle);
   for (const Turn& turn : turns(replay.recorded))
     fmt::print("  cycle {:>8}  {}{}\n", turn.cycle, turn.state, turn.why.empty() ? "" : ": " + turn.why);
-  fmt::print("the commands again, on {}: largest difference of what is measured\n", replay.driver);
+  fmt::print("the commands replayed on {}: largest difference of measured values\n", replay.driver);
   for (const cell::ReplayedJoint& joint : replay.joints)
     fmt::print("  {:<32} {:>12.6f}{}\n", joint.name, joint.worst,
                joint.worst > 0 ? fmt::format("  at cycle {}", joint.cycle) : "");
@@ -61,13 +61,13 @@ nlohmann::json json_of(const cell::Replay& replay) {
 
 int run_replay(int argc, char** argv) {
   CommandLine app(
-      "Plays the last cycles before a fault again: what happened when, and the recorded commands on a "
-      "simulated robot beside what was measured",
+      "Replays the last cycles before a fault: the events, and the recorded commands on a simulated robot, "
+      "compared with the measured values",
       "polyarm replay");
   std::string folder, hardware = "mock";
   bool json = false;
-  app.add_option("folder", folder, "the folder that was told with the fault: .state/faults/0001")->required();
-  app.add_option("--hardware", hardware, "what plays the robot: mock or mujoco")->one_of({"mock", "mujoco"});
+  app.add_option("folder", folder, "the folder that the fault message names: .state/faults/0001")->required();
+  app.add_option("--hardware", hardware, "simulate the robot by mock or mujoco")->one_of({"mock", "mujoco"});
   app.add_flag("--json", json);
   app.footer(examples({"polyarm replay examples/r6bot/.state/faults/0001",
                        "polyarm replay .state/failures/0003 --hardware mujoco --json"}));

@@ -68,7 +68,7 @@ struct Wanted {
 int list_robots(int argc, char** argv) {
   CommandLine app(
       "Finds robots of the catalogue; `add` adds one, `remove` removes one that was added, `picture` draws "
-      "one, `page` writes of all",
+      "one, `page` writes pages of all",
       "polyarm robots");
   bool json = false, names = false;
   Wanted wanted;

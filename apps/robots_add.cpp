@@ -54,8 +54,8 @@ int run_robots_add(int argc, char** argv) {
   robot.add_to(app, "URDF, xacro or robot file")->required()->existing_file();
   app.add_option("--name", name, "maker/model (own/<name of the robot> by default)");
   app.add_option("--folder", folder,
-                 "where to (by default ~/.config/polyarm/robots, which is always looked at)");
-  app.add_flag("--replace", replace, "over a robot of that name");
+                 "the folder (by default ~/.config/polyarm/robots, which is always read)");
+  app.add_flag("--replace", replace, "replace a robot of this name");
   app.footer(examples({"polyarm robots add my_arm.urdf --name acme/one",
                        "polyarm robots add ur.urdf.xacro name:=ur ur_type:=ur5e --name acme/cell_ur",
                        "polyarm robots add arm.urdf --folder my_cell/robots"}));
@@ -70,7 +70,7 @@ int run_robots_add(int argc, char** argv) {
   if (name.empty()) name = default_name(model);
   const std::filesystem::path where =
       folder.empty() ? description::user_robot_folder() : std::filesystem::path(folder);
-  if (where.empty()) throw Error("no-folder", "there is no home folder to put robots into", "say --folder");
+  if (where.empty()) throw Error("no-folder", "there is no home folder to put robots into", "use --folder");
   const std::filesystem::path stored = store_robot(model, name, where, replace);
   const ik::InverseKinematics arm(kinematics::Chain(model, model.tool_link()));
   fmt::print("{}: {} axes, tool on {}, {}\n  {}\n", name, model.actuated.size(),
@@ -81,8 +81,7 @@ int run_robots_add(int argc, char** argv) {
 }
 
 int run_robots_remove(int argc, char** argv) {
-  CommandLine app("Takes a robot that `polyarm robots add` has added out of the catalogue",
-                  "polyarm robots remove");
+  CommandLine app("Removes a robot that `polyarm robots add` has added", "polyarm robots remove");
   std::string name, folder;
   app.add_option("name", name, "maker/model")->required();
   app.add_option("--folder", folder, "where from (by default ~/.config/polyarm/robots)");
@@ -91,7 +90,7 @@ int run_robots_remove(int argc, char** argv) {
   if (const auto code = app.parse(argc, argv)) return *code;
   const std::filesystem::path where =
       folder.empty() ? description::user_robot_folder() : std::filesystem::path(folder);
-  if (where.empty()) throw Error("no-folder", "there is no home folder that robots are in", "say --folder");
+  if (where.empty()) throw Error("no-folder", "there is no home folder that robots are in", "use --folder");
   const std::filesystem::path removed = description::remove_robot(name, where);
   fmt::print("{}: {} removed\n", name, removed.string());
   const std::vector<std::string> left = open_catalogue().names();

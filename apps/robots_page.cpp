@@ -114,8 +114,8 @@ int run_robots_page(int argc, char** argv) {
       "Writes pages of the whole catalogue: an index, one page for each maker, one picture for each robot",
       "polyarm robots page");
   std::string folder, catalogue_folder;
-  app.add_option("folder", folder, "where to; files of the same names are written over")->required();
-  app.add_option("--catalogue", catalogue_folder, "of this folder of robots (the catalogue by default)")
+  app.add_option("folder", folder, "output folder; existing files are overwritten")->required();
+  app.add_option("--catalogue", catalogue_folder, "the folder of robots (default: the catalogue)")
       ->existing_folder();
   app.footer(
       examples({"polyarm robots page docs/robots", "polyarm robots page pages --catalogue my/robots"}));

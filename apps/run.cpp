@@ -72,34 +72,35 @@ void add_options(CommandLine& app, RunArguments& a) {
   app.add_flag("--quiet,-q", a.quiet, "only the result");
   app.add_option("--fault", a.faults,
                  "force an interface: NAME=VALUE (a number, on or off); may be repeated");
-  app.add_flag("--allow-contact", a.cell_options.allow_contact, "contacts are reported, the run goes on");
+  app.add_flag("--allow-contact", a.cell_options.allow_contact,
+               "contacts are only reported, the run continues");
   app.add_flag(
       "--wait", a.cell_options.waits,
-      "begin the program when somebody asks for it (polyarm console, program.start), and stay when it "
-      "has ended");
-  app.add_flag("--keep", a.cell_options.keep, "go on from the data the last run left in .state/");
-  app.add_flag(
-      "--continue", a.goes_on,
-      "go on where a run was cut off, by a loss of power or otherwise, with its data; says where and asks");
-  app.add_option("--from", a.line, "begin at this line of the program; says what it takes for given and asks")
+      "start the program on request (polyarm console, program.start), and keep running when it has ended");
+  app.add_flag("--keep", a.cell_options.keep, "start with the data that the last run left in .state/");
+  app.add_flag("--continue", a.goes_on,
+               "continue an interrupted run, for example after a loss of power, with its data; prints where, "
+               "and asks");
+  app.add_option("--from", a.line, "start at this line of the program; prints what it assumes, and asks")
       ->positive();
   app.add_flag("--yes", a.yes, "do not ask");
-  app.add_flag("--stay", a.run.stay, "the cell stays when its program has ended: polyarm control from LINE");
+  app.add_flag("--stay", a.run.stay,
+               "keep the cell running when its program has ended: polyarm control from LINE");
   app.add_option("--answer", a.cell_options.answers, "answer to `wait user`, in order; may be repeated");
   bool* socket = &a.run.socket;
   add_pendant_options(app, a.pendant);
-  app.add_option("--record", a.record.file,
-                 "record into this MCAP file what happens, for Foxglove and others");
+  app.add_option("--record", a.record.file, "record the run into this MCAP file, for Foxglove and others");
   app.add_option("--record-rate", a.record.rate, "cycles a second in the recording (100)")
       ->range(0.1, 10'000.0);
-  app.add_flag("--ros2", a.ros2, "be found by ROS 2 as a robot of its own; this machine alone, unless told");
+  app.add_flag("--ros2", a.ros2,
+               "join the ROS 2 graph as a robot; only on this machine unless cell.yaml says more");
   app.add_flag("--socket", a.run.fast_socket, "other programs may reach this cell in lock-step, too");
   app.add_flag("--links", a.cell_options.links, "links to the outside are connected in lock-step, too");
   app.add_flag_callback(
       "--no-socket", [socket] { *socket = false; }, "no other program may reach this cell while it runs");
   app.add_option_function(
          "--budget", [&a](double ms) { a.overrides.budget = nanoseconds(ms * 1e-3); },
-         "ms that a callback in the control loop may take; longer ones are told at once")
+         "ms that a callback in the control loop may take; longer ones are reported")
       ->range(0.001, 1000.0);
   app.add_option("--priority", a.run.priority, "SCHED_FIFO priority of the control thread")->range(0, 99);
   app.add_option("--cpu", a.run.cpu, "processor of the control thread");
@@ -136,8 +137,7 @@ class EndsInTime {
     std::thread([code, over = over_] {
       std::unique_lock lock(over->mutex);
       if (over->wake.wait_for(lock, std::chrono::seconds(20), [&] { return over->yes; })) return;
-      std::fputs("polyarm run: a thread of a plugin does not come back; the process is ended without it\n",
-                 stderr);
+      std::fputs("polyarm run: a thread of a plugin does not return; the process ends without it\n", stderr);
       std::fflush(nullptr);
       std::_Exit(code);
     }).detach();
@@ -223,11 +223,11 @@ void print_assumptions(cell::CellInside& cell, const program::StartReport& repor
     variables.push_back(each.name + " = " + each.value.text());
   if (const auto& before = cell.programs->held_before(); !before.empty() && before != held)
     held.push_back(join(before, ", ") + " when it was cut off");
-  fmt::print("The program goes on at {}: {}\n", report.where.text(), task.status().source);
+  fmt::print("The program continues at {}: {}\n", report.where.text(), task.status().source);
   line("robot", report.robot);
   line("tool", report.tool.empty() ? "the robot's own" : report.tool);
   line("frame", report.frame.empty() ? "world" : report.frame);
-  line("held part", held.empty() ? "none that is known" : join(held, ", "));
+  line("held part", held.empty() ? "none known" : join(held, ", "));
   line("last point before it", report.last_point);
   line("it would have set", values(report.sets));
   line("it reads", values(report.reads));
@@ -238,14 +238,14 @@ void print_assumptions(cell::CellInside& cell, const program::StartReport& repor
 /// False if the user does not want to start in the middle.
 bool begins_where_asked(cell::CellInside& cell, const RunArguments& a) {
   if (!a.goes_on && a.line == 0) return true;
-  if (a.goes_on && a.line > 0) throw Error("bad-value", "--continue and --from say two places to begin at");
+  if (a.goes_on && a.line > 0) throw Error("bad-value", "--continue and --from name two places to start at");
   const program::StartReport report =
       a.goes_on ? cell.programs->continue_from_safe_point() : cell.programs->prepare("", a.line);
   if (!a.json) print_assumptions(cell, report);
   if (!a.yes) {
     if (::isatty(STDIN_FILENO) == 0)
-      throw Error("nobody-there", "nobody can be asked whether the program may begin there", "say --yes");
-    fmt::print("Is all of this so? Type yes to go on: ");
+      throw Error("nobody-there", "nobody can confirm that the program may start there", "use --yes");
+    fmt::print("Is all of this true? Type yes to continue: ");
     std::fflush(stdout);
     std::string answer;
     std::getline(std::cin, answer);
@@ -351,7 +351,7 @@ class OneRun {
     if (shown_.settle())
       report(result, folder, a_.json);
     else
-      tell_unread(fmt::format("polyarm run: {}; nobody reads the output, so that the result is left out\n",
+      tell_unread(fmt::format("polyarm run: {}; the output is not read, so the result is omitted\n",
                               cell::name(result.outcome)));
     std::fflush(nullptr);
     if (result.stuck) std::_Exit(code);

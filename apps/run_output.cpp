@@ -78,7 +78,7 @@ class TextOutput : public Output {
 
  private:
   static std::string gap(std::size_t count) {
-    return fmt::format("         {} lines are left out: nobody read this output\n", count);
+    return fmt::format("         {} lines are omitted: this output was not read\n", count);
   }
   const char* cleared() { return std::exchange(status_, false) ? "\r\033[K" : ""; }
   void line(const std::string& text) { printer_.put(cleared() + printable(text) + "\n"); }
@@ -154,7 +154,8 @@ class JsonOutput : public Output {
     return object.dump(-1, ' ', terminal, json::error_handler_t::replace) + "\n";
   }
   static std::string gap(std::size_t count) {
-    return line({{"event", "note"}, {"text", fmt::format("{} lines are left out: nobody read them", count)}});
+    return line(
+        {{"event", "note"}, {"text", fmt::format("{} lines are omitted: they were not read", count)}});
   }
   void put(const json& object) { printer_.put(line(object)); }
   Printer printer_;

@@ -82,7 +82,8 @@ void print_code(const std::string& link) {
 
 void add_pendant_options(CommandLine& app, PendantArguments& a) {
   app.add_flag("--pendant", a.on, "serve the pendant to a browser on this machine, and print its link");
-  app.add_option("--port", a.port, "of the pendant; 0: any that is free. Not stated: 8765, or another")
+  app.add_option("--port", a.port,
+                 "port of the pendant; 0: any free port. Default: 8765, or another one if that is in use")
       ->range(0, 65535);
   app.add_option_function(
          "--listen",
@@ -94,10 +95,11 @@ void add_pendant_options(CommandLine& app, PendantArguments& a) {
       ->expected(0, 1)
       ->type_name("[ADDR]");
   app.add_option("--certificate", a.certificate,
-                 "PEM file with the certificate for other machines; not stated: one made for this user");
+                 "PEM file with the certificate for other machines; default: one created for this user");
   app.add_option("--key", a.key, "PEM file with its key");
-  app.add_flag("--in-clear", a.in_clear,
-               "serve other machines without TLS: whoever is on the way reads the token, and may move the robot");
+  app.add_flag(
+      "--in-clear", a.in_clear,
+      "serve other machines without TLS: anyone on the network can read the token and move the robot");
   app.add_flag("--role-links", a.links, "print a link for each role: watch, operate, program, administer");
   app.add_flag("--open", a.open, "open the pendant in the browser");
 }
@@ -153,8 +155,9 @@ void announce(const server::Pendant& pendant, const PendantArguments& a, cell::O
   if (const std::string link = pendant.outside_link(); !link.empty()) {
     observer.on_note("pendant on other machines: " + link);
     if (a.in_clear)
-      observer.on_note("warning: --in-clear: nothing is encrypted; whoever is on the way reads the token, and "
-                       "may move the robot");
+      observer.on_note(
+          "warning: --in-clear: nothing is encrypted; anyone on the network can read the token and move the "
+          "robot");
     else
       observer.on_note("its certificate, which the browser shows as SHA-256: " + pendant.fingerprint());
     observer.on_note("to watch alone: " + pendant.link_for(protocol::Role::watch));

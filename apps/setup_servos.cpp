@@ -2,10 +2,12 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <deque>
 
 #include "apps/options.hpp"
+#include "apps/setups.hpp"
 #include "drivers/dynamixel/family.hpp"
 #include "drivers/dynamixel/protocol2.hpp"
 #include "drivers/feetech/family.hpp"
@@ -43,7 +45,7 @@ class Terminal : public servo_bus::Dialogue {
     std::string answer;
     for (int c = std::fgetc(stdin); c != '\n'; c = std::fgetc(stdin)) {
       if (c == EOF)
-        throw Error("no-answer", "nobody answers: " + question,
+        throw Error("no-answer", "no answer to: " + question,
                     "run this in a terminal, or give answers with --answer");
       answer += static_cast<char>(c);
     }
@@ -79,7 +81,7 @@ int run(const SetupArguments& a) {
   if (!a.check && !a.back_up) setup.assign_ids();
   setup.find();
   if (!setup.check()) {
-    fmt::print(stderr, "not everything is as it should be: see above\n");
+    fmt::print(stderr, "some checks failed: see above\n");
     return kFailed;
   }
   if (a.check) return kOk;
@@ -90,23 +92,28 @@ int run(const SetupArguments& a) {
 }  // namespace
 
 int run_setup(int argc, char** argv) {
+  const auto is_device = [](const char* text) { return text[0] != '-'; };
+  char** const device = std::find_if(argv + 1, argv + argc, is_device);
+  if (device != argv + argc && std::string(*device) == "abb") return run_setup_abb(argc, argv);
   CommandLine app("Sets up the servos of an arm: port, ids, check, backup, ranges and zero", "polyarm setup");
   SetupArguments a;
-  app.add_option("device", a.family, "feetech or dynamixel")->required()->one_of({"feetech", "dynamixel"});
-  app.add_option("--port", a.options.port, "serial port; without it every port is looked at");
-  app.add_option("--baud", a.options.baud, "only this rate; without it all that the servos can have");
+  app.add_option("device", a.family, "feetech, dynamixel or abb; see also `polyarm setup abb --help`")
+      ->required()
+      ->one_of({"feetech", "dynamixel", "abb"});
+  app.add_option("--port", a.options.port, "serial port; without it every port is searched");
+  app.add_option("--baud", a.options.baud, "only this rate; default: all rates of the servos");
   app.add_option("--joints", a.joints,
                  "names from base to tip, separated by commas; ids follow from 1 (feetech: those of SO-101)");
   a.options.calibration = "calibration.yaml";
   a.options.backup = "servo_backup.yaml";
   app.add_option("--calibration", a.options.calibration,
-                 "the file that the driver reads; also where a run goes on")
+                 "the file that the driver reads, and from which setup continues")
       ->capture_default_str();
-  app.add_option("--backup", a.options.backup, "where the registers are kept before anything is changed")
+  app.add_option("--backup", a.options.backup, "file for a copy of the registers, made before any change")
       ->capture_default_str();
-  auto* scan = app.add_flag("--scan", a.scan, "only look who is there");
-  auto* check = app.add_flag("--check", a.check, "only look whether all joints are there and well");
-  auto* back_up = app.add_flag("--back-up", a.back_up, "only check and keep the registers");
+  auto* scan = app.add_flag("--scan", a.scan, "only list the servos that answer");
+  auto* check = app.add_flag("--check", a.check, "only check that all joints answer without a fault");
+  auto* back_up = app.add_flag("--back-up", a.back_up, "only check and save the registers");
   auto* restore = app.add_option("--restore", a.restore, "write a backup back");
   scan->excludes(check)->excludes(back_up)->excludes(restore);
   check->excludes(back_up)->excludes(restore);
@@ -119,11 +126,11 @@ int run_setup(int argc, char** argv) {
   app.footer(examples({"polyarm setup feetech --scan", "polyarm setup feetech --calibration so101.yaml",
                        "polyarm setup dynamixel --joints waist,shoulder,elbow,wrist --baud 1000000",
                        "polyarm setup feetech --restore servo_backup.yaml"}) +
-             "\nThe joints keep still all the while; torque goes off after a yes, never on.\n");
+             "\nSetup moves no joint. It switches the torque off after a yes, and never on.\n");
   if (const auto code = app.parse(argc, argv)) return *code;
   if (a.joints.empty() && a.family == "feetech") a.joints = kSo101Joints;
   if (a.joints.empty() && !a.scan && a.restore.empty()) {
-    fmt::print(stderr, "polyarm setup: which joints? say --joints base,shoulder,… from base to tip\n");
+    fmt::print(stderr, "polyarm setup: name the joints with --joints base,shoulder,… from base to tip\n");
     return kUsage;
   }
   a.options.joints = split_words(a.joints, ", ");

@@ -95,7 +95,7 @@ void print_health(const Json& h) {
 
 void print_limits(const Json& limits) {
   if (limits.empty()) {
-    fmt::print("no limit has taken hold of a command\n");
+    fmt::print("no limit has changed a command\n");
     return;
   }
   std::vector<std::vector<std::string>> rows;
@@ -113,10 +113,9 @@ int run_hardware(int argc, char** argv) {
   std::string name, state;
   CommandLine* list = app.add_subcommand("list", "the components, their states and rates");
   CommandLine* change =
-      app.add_subcommand("state", "take a component to a state; controllers that use it are stopped");
-  CommandLine* recover = app.add_subcommand("recover", "bring a component back that has failed");
-  CommandLine* reload =
-      app.add_subcommand("reload", "make a component anew from its description as the file is now");
+      app.add_subcommand("state", "bring a component to a state; controllers that use it are stopped");
+  CommandLine* recover = app.add_subcommand("recover", "recover a failed component");
+  CommandLine* reload = app.add_subcommand("reload", "create a component anew from its present description");
   for (CommandLine* sub : {list, change, recover, reload}) options.add_to(*sub);
   change->add_option("name", name)->required();
   change->add_option("state", state, "unconfigured, inactive, active or finalized")->required();
@@ -161,13 +160,13 @@ int run_interfaces(int argc, char** argv) {
 }
 
 int run_health(int argc, char** argv) {
-  CommandLine app("How the control loop of a running cell is doing", "polyarm health");
+  CommandLine app("Shows the state and timing of the control loop of a running cell", "polyarm health");
   app.footer(examples({"polyarm health", "polyarm health --json"}));
   return ask(app, argc, argv, "health", print_health);
 }
 
 int run_limits(int argc, char** argv) {
-  CommandLine app("Which limits took hold of commands in a running cell", "polyarm limits");
+  CommandLine app("Shows which limits changed commands in a running cell", "polyarm limits");
   app.footer(examples({"polyarm limits", "polyarm limits --json"}));
   return ask(app, argc, argv, "limits", print_limits);
 }

@@ -71,9 +71,9 @@ int run_tags(int argc, char** argv) {
   std::vector<std::string> names;
   std::string name, value;
   CommandLine* list =
-      app.add_subcommand("list", "every tag, or those named (variables of data, too), and the links");
+      app.add_subcommand("list", "list all tags, or those named (variables of data, too), and the links");
   CommandLine* set = app.add_subcommand("set", "change a tag once");
-  CommandLine* forced = app.add_subcommand("force", "a tag keeps the value for as long as this command runs");
+  CommandLine* forced = app.add_subcommand("force", "force a tag to a value as long as this command runs");
   for (CommandLine* sub : {list, set, forced}) options.add_to(*sub);
   list->add_option("names", names);
   for (CommandLine* sub : {set, forced}) {

@@ -19,7 +19,7 @@ constexpr double kFaster = 1.1, kSlower = 0.9;
 constexpr std::chrono::milliseconds kSendEvery{50}, kPatience{2000};
 
 constexpr const char* kKeys =
-    "   u    i    o      hold a key to drive, let it go to stop\n"
+    "   u    i    o      hold a key to drive, release it to stop\n"
     "   j    k    l      k or any other key stops\n"
     "   m    ,    .\n"
     "   q/z all speeds, w/x speed, e/c turning: 10 % more or less     Ctrl-C ends\n";
@@ -84,7 +84,7 @@ Base choose_base(std::vector<Base> bases, const std::string& given) {
   for (const Base& base : bases) names.push_back(base.controller);
   if (bases.empty())
     throw Error("no-base", "no controller of this cell takes a twist, so there is no base to drive",
-                "polyarm control list shows what there is");
+                "polyarm control list shows the controllers");
   if (!given.empty()) {
     const std::string topic = "/" + given + "/";
     std::erase_if(bases, [&](const Base& base) {
@@ -102,7 +102,7 @@ Base choose_base(std::vector<Base> bases, const std::string& given) {
                 "start it: polyarm control state " + bases.front().controller + " active");
   if (bases.size() > 1)
     throw Error("which-base", "there are several bases: " + join(names, ", "),
-                "say which: polyarm teleop " + bases.front().controller);
+                "choose one: polyarm teleop " + bases.front().controller);
   return bases.front();
 }
 
@@ -235,9 +235,9 @@ class Teleop {
 int run_teleop(int argc, char** argv) {
   CommandLine app("Drives a base of a running cell from the keyboard", "polyarm teleop");
   TeleopArguments a;
-  app.add_option("controller", a.name, "the base's controller, or its topic, where there are several");
-  app.add_option("--speed", a.speed, "m/s to begin with (the controller's limit, 0.5 at most)")->positive();
-  app.add_option("--turn", a.turn, "rad/s to begin with (the controller's limit, 1 at most)")->positive();
+  app.add_option("controller", a.name, "the base's controller, or its topic, if there are several");
+  app.add_option("--speed", a.speed, "initial speed, m/s (the controller's limit, at most 0.5)")->positive();
+  app.add_option("--turn", a.turn, "initial speed, rad/s (the controller's limit, at most 1)")->positive();
   app.add_option("--hold", a.hold, "s without a repeat of the key until the base stops")
       ->range(0.05, 1.0)
       ->capture_default_str();

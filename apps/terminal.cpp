@@ -4,8 +4,10 @@
 #include <sys/random.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdint>
+#include <span>
 
 #include "polyarm/base/printable.hpp"
 
@@ -50,7 +52,6 @@ ssize_t write_guarded(void* cookie, const char* data, std::size_t size) {
 }
 
 void guard(FILE*& stream, int descriptor, int buffering) {
-  if (::isatty(descriptor) == 0) return;
   if (mark().empty()) mark() = new_mark();
   auto* cookie = new Guarded{descriptor, TerminalText(mark())};  // lives until the process ends
   FILE* guarded = ::fopencookie(cookie, "w", {nullptr, write_guarded, nullptr, nullptr});
@@ -62,9 +63,21 @@ void guard(FILE*& stream, int descriptor, int buffering) {
 
 }  // namespace
 
-void guard_terminal() {
-  guard(stdout, STDOUT_FILENO, _IOLBF);
+void guard_terminal(bool document) {
+  const bool terminal = ::isatty(STDOUT_FILENO) != 0;
+  if (terminal || !document) guard(stdout, STDOUT_FILENO, terminal ? _IOLBF : _IOFBF);
   guard(stderr, STDERR_FILENO, _IONBF);
+}
+
+bool asks_for_document(int argc, char** argv) {
+  const std::span<char*> words(argv, static_cast<std::size_t>(argc));
+  constexpr std::string_view kVerbs[] = {"xacro", "fmt", "completion", "language"};
+  constexpr std::string_view kWords[] = {"--json", "--urdf", "export"};
+  const auto is_one_of = [](std::string_view word, std::span<const std::string_view> list) {
+    return std::find(list.begin(), list.end(), word) != list.end();
+  };
+  if (argc > 1 && is_one_of(words[1], kVerbs)) return true;
+  return std::any_of(words.begin() + (argc > 0), words.end(), [&](const char* word) { return is_one_of(word, kWords); });
 }
 
 std::string own_escape(std::string_view sequence) {

@@ -7,9 +7,12 @@
 
 namespace polyarm::apps {
 
-/// Call first in main(): guards standard output and standard error if they are terminals. Otherwise bytes
-/// pass unchanged.
-void guard_terminal();
+/// Call first in main(): guards standard output and standard error, also in front of pipes and files, which end at a
+/// terminal too. `document`: standard output is for a program (JSON, URDF); then only a terminal is guarded, and other
+/// bytes pass unchanged.
+void guard_terminal(bool document);
+/// True if this command line asks for a document.
+bool asks_for_document(int argc, char** argv);
 
 /// The command's own control sequence: own_escape("[K") clears to the end of the line.
 std::string own_escape(std::string_view sequence);

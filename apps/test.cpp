@@ -2,13 +2,13 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "apps/apart.hpp"
 #include "apps/options.hpp"
+#include "apps/scratch.hpp"
 #include "apps/terminal.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
@@ -37,24 +37,6 @@ struct Verdict {
   double cell_time_s = 0, wall_time_s = 0;
 };
 
-/// A temporary folder that is deleted at the end of the run.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "polyarm-test-XXXXXX").string();
-    if (!::mkdtemp(name.data())) throw Error("no-folder", "no folder can be made in " + name);
-    path_ = name;
-  }
-  ~Scratch() {
-    std::error_code error;
-    fs::remove_all(path_, error);
-  }
-  fs::path of(std::size_t which) const { return path_ / std::to_string(which) / "data"; }
-
- private:
-  fs::path path_;
-};
-
 std::string packed(const cell::TestResult& result) {
   Json problems = Json::array();
   for (const Problem& p : result.problems)
@@ -71,7 +53,7 @@ Verdict unpacked(const ApartResult& result, const cell::ProgramTest& test) {
   if (!said.is_object()) {
     out.problems.push_back({"crashed",
                             {test.file.string(), test.line, 0},
-                            result.why.empty() ? "the test told nothing" : result.why,
+                            result.why.empty() ? "the test gave no reason" : result.why,
                             {}});
     return out;
   }
@@ -170,7 +152,7 @@ void tell_progress(std::size_t ended, std::size_t failed, std::size_t count, con
 
 int run_all(const std::vector<cell::ProgramTest>& tests, const TestArguments& a) {
   const description::Catalogue catalogue = open_catalogue();
-  const Scratch scratch;
+  const Scratch scratch("test");
   std::vector<Verdict> verdicts(tests.size());
   std::size_t ended = 0, failed = 0;
   run_apart(
@@ -199,8 +181,8 @@ int run_test(int argc, char** argv) {
   TestArguments a;
   app.add_option("path", a.path,
                  "a file of tests (*.script), or a folder with such files beside their cells");
-  app.add_option("--only", a.only, "only tests whose name has this in it");
-  app.add_option("-j,--jobs", a.jobs, "so many at a time (as many as there are processors)");
+  app.add_option("--only", a.only, "only tests whose name contains this");
+  app.add_option("-j,--jobs", a.jobs, "how many run at the same time (default: the number of processors)");
   app.add_option("--junit", a.junit,
                  "also write the results to this file, as continuous integration reads them");
   app.add_option("--robot", a.options.overrides.robot, "with another robot");
@@ -209,8 +191,8 @@ int run_test(int argc, char** argv) {
   app.add_option("--seconds", a.options.seconds, "of cell time that a test may take (600)");
   app.add_option("--patience", a.patience, "seconds of wall time after which a test is killed (300)");
   app.add_flag("--json", a.json, "one JSON object a line, for each test");
-  app.add_flag("--list", a.list, "only say which tests there are");
-  app.add_flag("-v,--verbose", a.verbose, "what programs told, also of tests that pass");
+  app.add_flag("--list", a.list, "only list the tests");
+  app.add_flag("-v,--verbose", a.verbose, "print the logs of programs, also of tests that pass");
   add_plugin_option(app, a.plugins);
   app.footer(
       examples({"polyarm test examples", "polyarm test my_cell --only \"blue parts\" --junit results.xml",

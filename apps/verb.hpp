@@ -33,6 +33,7 @@ int run_check(int argc, char** argv);
 int run_fmt(int argc, char** argv);
 int run_test(int argc, char** argv);
 int run_compare(int argc, char** argv);
+int run_sweep(int argc, char** argv);
 int run_language(int argc, char** argv);
 int run_new(int argc, char** argv);
 int run_plugins(int argc, char** argv);

@@ -90,12 +90,12 @@ int run_workspace(int argc, char** argv) {
   std::vector<double> rpy;
   WorkspaceQuestion question;
   robot.add_to(app, "catalogue name, or a URDF, xacro or robot file; with --cell one of its robots");
-  app.add_option("--cell", folder, "a cell: its robot where it stands, with its tool, limits and workspace")
+  app.add_option("--cell", folder, "a cell: its robot at its place, with its tool, limits and workspace")
       ->existing_path();
   app.add_option("--plane", question.plane, "xz (the default), xy or yz")->one_of({"xz", "xy", "yz"});
   app.add_option("--at", question.at, "where the plane lies along its third axis, m (0)");
   app.add_option("--resolution", question.resolution, "cells along an edge (80)")->range(2, 2000);
-  app.add_option("--tool", tool, "tool whose TCP is meant (none, suction_cup, parallel_gripper, or a file)");
+  app.add_option("--tool", tool, "tool (none, suction_cup, parallel_gripper, or a file)");
   app.add_option("--orientation", orientation, "of the TCP: down (the default), home or any")
       ->one_of({"any", "down", "home"});
   app.add_option("--rpy", rpy, "orientation as roll pitch yaw, rad")->expected(3);
@@ -109,11 +109,11 @@ int run_workspace(int argc, char** argv) {
   if (const auto code = app.parse(argc, argv)) return *code;
   if (!image.empty()) image_of(image, {}, question, {});
   if (robot.name.empty() && folder.empty())
-    throw Error("no-robot", "no robot is named", "say universal_robots/ur5e, or --cell and a folder");
+    throw Error("no-robot", "no robot is named",
+                "name one such as universal_robots/ur5e, or use --cell FOLDER");
   for (const char* option : {"--tool", "--tip"})
     if (!folder.empty() && app.count(option) > 0)
-      throw Error("bad-value",
-                  std::string(option) + " and --cell: the cell says which tool its robot has, and where",
+      throw Error("bad-value", std::string(option) + " and --cell: the cell defines the tool of its robot",
                   "leave one of them out");
   const Subject subject = folder.empty() ? alone(robot, tool) : in_cell(folder, robot.name);
   const kinematics::Chain& chain = *subject.chain;

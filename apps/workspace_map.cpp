@@ -21,7 +21,7 @@ std::array<int, 3> axes_of(const std::string& plane) {
   if (plane == "xz") return {0, 2, 1};
   if (plane == "xy") return {0, 1, 2};
   if (plane == "yz") return {1, 2, 0};
-  throw Error("bad-value", "'" + plane + "' is no plane", "xz, xy or yz");
+  throw Error("bad-value", "'" + plane + "' is not a plane", "xz, xy or yz");
 }
 
 Vec3 placed(const std::array<int, 3>& axes, double across, double up, double third) {
@@ -192,7 +192,7 @@ WorkspaceMap map_workspace(const Chain& chain, const std::vector<double>& home,
                            const WorkspaceQuestion& question, const std::function<void(double)>& progress) {
   const std::array<int, 3> axes = axes_of(question.plane);
   if (question.resolution < 2 || question.resolution > 2000)
-    throw Error("bad-value", fmt::format("a resolution of {} is none", question.resolution),
+    throw Error("bad-value", fmt::format("a resolution of {} is not possible", question.resolution),
                 "2 to 2000 cells");
   if (!std::isfinite(chain.reach()))
     throw Error("bad-value", "this arm reaches endlessly far: a prismatic joint has no limits",

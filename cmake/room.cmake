@@ -24,7 +24,7 @@ function(polyarm_together target name rooms)
   endif()
 endfunction()
 
-set(POLYARM_ROOMS_AROUND_CELL io setup machine tasks operation inside requests cell recording server)
+set(POLYARM_ROOMS_AROUND_CELL io setup machine tasks operation inside requests cell recording server sweeps)
 # A room is a folder of headers and sources side by side, one static library, and one test program.
 #
 #   polyarm_room(kinematics USES base description LIBRARIES Eigen3::Eigen)
@@ -57,7 +57,7 @@ endfunction()
 
 # Tests are compiled in the least time, but for those that reckon much.
 set(POLYARM_RECKONING_TESTS simd shapes kinematics closed_form descent ik paths trajectory timing moves jog catalogue hulls collision planning surroundings)
-set(POLYARM_CELL_TESTS cell live plugins links recording ros2 scenario server)
+set(POLYARM_CELL_TESTS cell sweeps live plugins links recording ros2 scenario server)
 set(test_options "")
 set(reckoning_test_options "")
 if(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT POLYARM_SANITIZE)

@@ -16,8 +16,9 @@ set(POLYARM_SDK_HEADERS
     trajectory/splines.hpp trajectory/trajectory.hpp
     hardware/component.hpp hardware/component_rig.hpp hardware/device_lock.hpp hardware/driver_facts.hpp hardware/plugin.hpp
     hardware/world_state.hpp
-    controllers/controller.hpp controllers/controller_rig.hpp controllers/filters.hpp controllers/messages.hpp
-    controllers/parameters.hpp controllers/pid.hpp controllers/shared_list.hpp controllers/speed_limiter.hpp)
+    controllers/command_watch.hpp controllers/controller.hpp controllers/controller_rig.hpp controllers/filters.hpp controllers/messages.hpp
+    controllers/parameters.hpp controllers/pid.hpp controllers/shared_list.hpp controllers/speed_limiter.hpp
+    force/robot_user.hpp)
 
 add_library(polyarm_plugin INTERFACE)
 target_compile_features(polyarm_plugin INTERFACE cxx_std_20)

@@ -69,7 +69,7 @@ Pose pose_of(const double* m) {
     }
   const Vec3 x{m[0], m[4], m[8]}, y{m[1], m[5], m[9]}, z{m[2], m[6], m[10]};
   if (!rigid || dot(cross(x, y), z) < 0)
-    throw Error("bad-pose", "the matrix is no rotation with a translation",
+    throw Error("bad-pose", "the matrix is not a rotation with a translation",
                 "pass 4 x 4 numbers with orthonormal columns; polyarm.pose() makes them");
   return {{m[3], m[7], m[11]}, normalized(rotation_of(m))};
 }

@@ -16,7 +16,6 @@ using hardware::ReturnType;
 
 namespace {
 
-constexpr double kFirstStep = 0.01;  // rad, between the measured position and the first command
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 using hardware::DriverParameter;
@@ -79,35 +78,9 @@ IoRange io_range(const std::string& parameter, const std::string& text) {
   return {static_cast<int>(*first), static_cast<int>(*last - *first) + 1};
 }
 
-void FanucComponent::find_joints(const hardware::ComponentContext& context, Problems& problems) {
-  if (context.robots.size() != 1) {
-    problems.error("bad-hardware", {}, "'" + context.name + "' drives one robot",
-                   "give each robot its own hardware");
-    return;
-  }
-  const hardware::RobotInstance& robot = context.robots.front();
-  robot_ = robot.name;
-  for (const description::HardwareInfo& block : robot.hardware)
-    for (const description::ComponentInfo& part : block.components) {
-      if (part.kind != "joint") continue;
-      joints_.push_back(part.name);
-      for (const description::InterfaceInfo& one : part.command_interfaces)
-        if (one.name != "position")
-          problems.error("unknown-interface", one.where,
-                         "'" + part.name + "' takes no command '" + one.name + "'", "it takes position");
-    }
-  if (robot.model && joints_.empty()) {
-    joints_ = robot.model->joint_names();
-    if (joints_.size() > 6) joints_.resize(6);  // a gripper behind the arm has its own hardware
-  }
-  if (joints_.size() != 6)
-    problems.error("bad-hardware", {},
-                   "'" + context.name + "' has " + std::to_string(joints_.size()) +
-                       " joints; this driver takes robots of FANUC with six",
-                   "name them in the order from base to tool");
-  if (!robot.model || joints_.size() != 6) return;
+void FanucComponent::find_limits(const description::RobotModel& model) {
   for (std::size_t i = 0; i < 6; ++i)
-    for (const description::Joint& joint : robot.model->joints)
+    for (const description::Joint& joint : model.joints)
       if (joint.name == joints_[i]) {
         described_[0][i] = joint.limits.velocity.value_or(0) * kDegrees;
         described_[1][i] = joint.limits.acceleration.value_or(0) * kDegrees;
@@ -126,14 +99,17 @@ CallbackReturn FanucComponent::on_init(const hardware::ComponentContext& context
   settings_.follows = paced_ || follows_;
   settings_.load = p.number("load");
   settings_.most_behind = p.number("max_behind");
-  max_step_ = p.number("max_step");
+  steps_ = wire::StepCheck(p.number("max_step"));
   settings_.silence = nanoseconds(p.number("silence_ms") / 1000);
   settings_.loop_silence = nanoseconds(p.number("loop_silence_ms") / 1000);
   settings_.settle = nanoseconds(p.number("settle"));
   settings_.connect_timeout = nanoseconds(p.number("connect_timeout"));
   settings_.start_timeout = nanoseconds(p.number("start_timeout"));
-  find_joints(context, p.problems());
+  constexpr const char* kTakes[] = {"position"};
+  joints_ = wire::driven_joints(context, kTakes, "robots of FANUC", p.problems());
   p.problems().throw_if_errors();
+  robot_ = context.robots.front().name;
+  if (context.robots.front().model) find_limits(*context.robots.front().model);
   settings_.inputs = io_range("digital_in", p.text("digital_in"));
   settings_.outputs = io_range("digital_out", p.text("digital_out"));
   outputs_ = Outputs();
@@ -166,7 +142,7 @@ std::vector<hardware::InterfaceDescription> FanucComponent::command_interfaces()
 
 ReturnType FanucComponent::perform_command_mode_switch(std::span<const std::string>,
                                                        std::span<const std::string>) noexcept {
-  first_ = true;
+  steps_.begin();
   return ReturnType::ok;
 }
 
@@ -183,7 +159,7 @@ CallbackReturn FanucComponent::on_configure() {
 }
 
 CallbackReturn FanucComponent::on_activate() {
-  first_ = true;
+  steps_.begin();
   if (!link_->start()) return CallbackReturn::failure;
   active_ = true;
   return CallbackReturn::success;
@@ -227,19 +203,6 @@ ReturnType FanucComponent::read(const hardware::Cycle&, std::span<double> states
   return link_->cause() == Cause::none ? ReturnType::ok : ReturnType::error;
 }
 
-/// Commands that are too far from the last one, or at the beginning from the measured position.
-bool FanucComponent::check_step(const Six& joints) noexcept {
-  const Sample& sample = link_->sample();
-  for (std::size_t j = 0; j < 6; ++j) {
-    const double from = first_ ? sample.q[j] : sent_[j];
-    const double most = first_ ? kFirstStep : max_step_;
-    if (std::abs(joints[j] - from) <= most) continue;
-    link_->fail(Cause::jump, static_cast<int>(j));
-    return false;
-  }
-  return true;
-}
-
 ReturnType FanucComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
   if (link_->cause() != Cause::none) return ReturnType::error;
   if (!active_) return ReturnType::ok;
@@ -251,12 +214,13 @@ ReturnType FanucComponent::write(const hardware::Cycle&, std::span<const double>
   std::copy_n(commands.begin(), 6, joints.begin());
   if (std::any_of(joints.begin(), joints.end(), [](double q) { return !std::isfinite(q); })) {
     link_->command(false, {});  // without a command for one joint the whole arm holds
-    first_ = true;
+    steps_.begin();
     return ReturnType::ok;
   }
-  if (!check_step(joints)) return ReturnType::error;
-  sent_ = joints;
-  first_ = false;
+  if (const auto joint = steps_.jumps(joints, link_->sample().q)) {
+    link_->fail(Cause::jump, *joint);
+    return ReturnType::error;
+  }
   link_->command(true, joints);
   return ReturnType::ok;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "drivers/fanuc/link.hpp"
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/hardware/component.hpp"
 
 namespace polyarm::fanuc {
@@ -55,19 +56,17 @@ class FanucComponent : public hardware::Component {
   bool follows_ = false;  ///< the loop follows the packets though it is not paced by them
 
  private:
-  void find_joints(const hardware::ComponentContext& context, Problems& problems);
-  bool check_step(const Six& joints) noexcept;
+  void find_limits(const description::RobotModel& model);
 
   LinkSettings settings_;
   std::string name_, robot_;
   std::vector<std::string> joints_;
   std::array<Six, 3> described_{};  ///< limits of the description, degrees, by LimitKind; 0: unknown
-  double max_step_ = 0.1;
   Nanoseconds period_ = 8'000'000;
   std::unique_ptr<Link> link_;
   // the control thread's
-  std::atomic<bool> active_{false}, first_{true};
-  Six sent_{};
+  std::atomic<bool> active_{false};
+  wire::StepCheck steps_;
   Outputs outputs_;
 };
 

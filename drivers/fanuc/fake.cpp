@@ -1,9 +1,7 @@
 #include "drivers/fanuc/fake.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <thread>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
@@ -20,30 +18,9 @@ MachineOptions machine_of(const hardware::RobotInstance& robot) {
   MachineOptions out;
   if (!robot.model) return out;
   out.facts = facts_of(*robot.model);
-  for (std::size_t i = 0; i < std::min<std::size_t>(6, robot.initial_positions.size()); ++i)
-    out.start[i] = robot.initial_positions[i] * 180 / std::numbers::pi;
+  out.start = wire::start_position(robot, out.start, 180 / std::numbers::pi);
   return out;
 }
-
-/// Moves the controller's clock while the driver ends, from answer to answer as while it runs: the clock of
-/// this machine says nothing about how fast a driver answers.
-class Stepper {
- public:
-  explicit Stepper(FarSide& far)
-      : far_(far), thread_([this] {
-          while (!quit_) far_.step(kDisturbed);
-        }) {}
-  ~Stepper() {
-    quit_ = true;
-    thread_.join();
-    far_.hold_clock(false);
-  }
-
- private:
-  FarSide& far_;
-  std::atomic<bool> quit_{false};
-  std::thread thread_;
-};
 
 std::pair<int, int> wire_of(const std::string& text) {
   const std::size_t equals = text.find('=');
@@ -82,7 +59,7 @@ CallbackReturn FakeFanuc::on_init(const hardware::ComponentContext& context) {
     const auto [output, input] = wire_of(text);
     far_->with([&](Machine& machine) { machine.wire_output(output, input); });
   }
-  faults_ = wire::parse_timed_orders(given("faults"), "e_stop@3");
+  faults_ = wire::DueOrders(wire::parse_timed_orders(given("faults"), "e_stop@3"));
   hardware::ComponentContext own = context;
   own.parameters["host"] = "127.0.0.1";
   own.parameters["stream_port"] = std::to_string(far_->stream_port());
@@ -107,26 +84,20 @@ CallbackReturn FakeFanuc::on_activate() {
 
 CallbackReturn FakeFanuc::on_deactivate() {
   if (!stepped_.exchange(false)) return FanucComponent::on_deactivate();
-  const Stepper stepper(*far_);
+  const wire::Stepper<FarSide> stepper(*far_, kDisturbed);
   return FanucComponent::on_deactivate();
 }
 
 CallbackReturn FakeFanuc::on_cleanup() {
   if (!link()) return CallbackReturn::success;
   if (!stepped_.exchange(false)) return FanucComponent::on_cleanup();
-  const Stepper stepper(*far_);
+  const wire::Stepper<FarSide> stepper(*far_, kDisturbed);
   return FanucComponent::on_cleanup();
-}
-
-void FakeFanuc::order_what_is_due() noexcept {
-  for (wire::TimedOrder& one : faults_)
-    if (!one.order.empty() && since_ >= one.at) far_->order(std::exchange(one.order, ""));
 }
 
 hardware::ReturnType FakeFanuc::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
   if (stepped_) {
-    order_what_is_due();
-    since_ += seconds(cycle.period);
+    faults_.step(*far_, seconds(cycle.period));
     const std::uint32_t before = far_->sent_sequence();
     far_->step(kPatience);
     const std::uint32_t sent = far_->sent_sequence();

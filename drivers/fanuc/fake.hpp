@@ -6,7 +6,7 @@
 
 #include "drivers/fanuc/component.hpp"
 #include "drivers/fanuc/far_side.hpp"
-#include "drivers/wire/orders.hpp"
+#include "drivers/wire/simulated.hpp"
 
 namespace polyarm::fanuc {
 
@@ -33,11 +33,9 @@ class FakeFanuc : public FanucComponent {
   FarSide& far_side() { return *far_; }
 
  private:
-  void order_what_is_due() noexcept;
   bool await_packet(std::uint32_t sequence) noexcept;
   std::unique_ptr<FarSide> far_;
-  std::vector<wire::TimedOrder> faults_;
-  double since_ = 0;
+  wire::DueOrders faults_;
   std::atomic<bool> stepped_{false};
 };
 

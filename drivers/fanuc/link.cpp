@@ -2,7 +2,6 @@
 #include "drivers/fanuc/link.hpp"
 
 #include <poll.h>
-#include <sys/eventfd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,44 +21,13 @@ constexpr std::uint32_t kSayWhyMs = 700;        // the same on its clock; an eme
 constexpr Nanoseconds kEnd = 2'000'000'000;     // for the motion to end after the last command
 constexpr std::uint32_t kMostGap = 1000;        // packets; a larger gap is a new start
 
-/// Takes what an eventfd has counted.
-void calm(int descriptor) noexcept {
-  eventfd_t count = 0;
-  ::eventfd_read(descriptor, &count);
-}
-
 }  // namespace
-
-bool Link::await(Nanoseconds timeout) noexcept {
-  if (!wire::wait_readable(cycle_.number(), timeout)) return false;
-  calm(cycle_.number());
-  return true;
-}
 
 void Link::command(bool move, const Six& joints) noexcept {
   Wanted wanted{move, samples_.value().status.sequence, {}};
   for (std::size_t i = 0; i < 6; ++i) wanted.joints[i] = joints[i] / kRadians;
   commands_.write(wanted);
-  ::eventfd_write(wake_.number(), 1);
-}
-
-void Link::fail(Cause cause, int detail) noexcept {
-  fault_.set_first({cause, detail});
-  ::eventfd_write(wake_.number(), 1);
-  ::eventfd_write(cycle_.number(), 1);  // await() returns
-}
-
-void Link::note(Cause cause, int detail, const std::string& text) {
-  const std::lock_guard lock(mutex_);
-  if (!fault_) text_ = text;
-  fail(cause, detail);
-  changed_.notify_all();
-}
-
-std::string Link::reason() const {
-  const auto why = fault_ ? fault_.value() : refused_.value();
-  const std::lock_guard lock(mutex_);
-  return sentence(why.cause, why.detail, where(), text_);
+  wake();
 }
 
 void Link::wait() {
@@ -124,7 +92,7 @@ void Link::take_status(const Status& status, Nanoseconds now) {
   for (std::size_t i = 0; i < 6; ++i) current_.q[i] = static_cast<double>(status.joints[i]) * kRadians;
   ++current_.count;
   samples_.write(current_);
-  ::eventfd_write(cycle_.number(), 1);
+  begin_cycle();
 }
 
 /// The loop's answer goes out when it comes; an answer that did not come is replaced by a step of a stop.

@@ -9,11 +9,11 @@
 #include <string>
 #include <thread>
 
+#include "drivers/fanuc/limit_tables.hpp"
 #include "drivers/fanuc/rmi.hpp"
-#include "drivers/fanuc/shaper.hpp"
 #include "drivers/fanuc/stream.hpp"
 #include "drivers/fanuc/words.hpp"
-#include "drivers/wire/cause_word.hpp"
+#include "drivers/wire/link_base.hpp"
 #include "drivers/wire/pacer.hpp"
 #include "drivers/wire/udp.hpp"
 #include "polyarm/realtime/latest.hpp"
@@ -58,7 +58,7 @@ struct LinkSettings {
 
 /// open(), close(), start() and stop() come from one thread at a time and may wait; the calls marked control
 /// thread do not.
-class Link {
+class Link : public wire::LinkBase<Cause> {
  public:
   explicit Link(LinkSettings settings);
   ~Link() { close(); }
@@ -76,20 +76,11 @@ class Link {
   // --- control thread; nothing waits, locks or allocates ---
   bool fetch() noexcept { return samples_.fetch(); }
   const Sample& sample() const noexcept { return samples_.value(); }
-  /// Waits for the next packet.
-  bool await(Nanoseconds timeout) noexcept;
   /// The newest command, rad. Without `move` the robot holds where it was commanded last.
   void command(bool move, const Six& joints) noexcept;
   /// Call it before command(): the outputs go with that command.
   void outputs(const Outputs& outputs) noexcept { outputs_.write(outputs); }
-  Cause cause() const noexcept { return fault_.cause(); }
-  /// Why open() or start() was refused last; the link may be well.
-  Cause refused() const noexcept { return refused_.cause(); }
-  /// The driver itself found a cause: the robot is braked.
-  void fail(Cause cause, int detail) noexcept;
 
-  /// Any thread: the sentence of the cause, or "".
-  std::string reason() const;
   /// Valid after open().
   double rate() const { return 1000.0 / sampling_ms_; }
   std::uint32_t version() const { return version_; }
@@ -149,12 +140,8 @@ class Link {
   bool motion_possible() const { return (current_.status.status & ready_bit) != 0; }
   void fill_outputs();
 
-  void note(Cause cause, int detail = 0, const std::string& text = {});
-  bool refuse(Cause cause, int detail = 0, const std::string& text = {});
-  std::string where() const { return "the controller at " + settings_.host; }
-
   LinkSettings settings_;
-  Descriptor stream_, wake_, cycle_;
+  Descriptor stream_;
   RmiSession rmi_;
   std::uint32_t version_ = kOldestVersion, sampling_ms_ = 8;
   LimitTables limits_;
@@ -163,12 +150,8 @@ class Link {
   realtime::Latest<Sample> samples_;
   realtime::Latest<Wanted> commands_;
   realtime::Latest<Outputs> outputs_;
-  wire::CauseWord<Cause> fault_, refused_;
 
-  mutable std::mutex mutex_;  // the words and the phase; never the control thread's
-  std::condition_variable changed_;
-  std::string text_;
-  Phase phase_ = Phase::idle;
+  Phase phase_ = Phase::idle;  // with mutex_
   bool stop_wanted_ = false;
 
   // the thread's

@@ -1,6 +1,4 @@
 /// How a link begins and ends: versions, limits, inputs and outputs, the program that streams.
-#include <sys/eventfd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -30,17 +28,7 @@ Outputs::Outputs() noexcept {
 }
 
 Link::Link(LinkSettings settings)
-    : settings_(std::move(settings)),
-      wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      cycle_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      pacer_(0) {}
-
-bool Link::refuse(Cause cause, int detail, const std::string& text) {
-  const std::lock_guard lock(mutex_);
-  text_ = text;
-  refused_.set({cause, detail});
-  return false;
-}
+    : LinkBase("the controller at " + settings.host), settings_(std::move(settings)), pacer_(0) {}
 
 /// Sends a request of Stream Motion until its answer comes. Other packets in between are dropped.
 template <typename Decode>
@@ -171,7 +159,7 @@ void Link::run_thread() {
 void Link::halt_thread() {
   if (!thread_.joinable()) return;
   quit_ = true;
-  ::eventfd_write(wake_.number(), 1);
+  wake();
   thread_.join();
 }
 
@@ -305,9 +293,9 @@ bool Link::start() {
   } else if (rmi_) {
     abort_program();
     const auto why = refused_.value();
-    const std::string text = text_;
+    const std::string said = text();
     begin_stream(false);
-    refuse(why.cause, why.detail, text);
+    refuse(why.cause, why.detail, said);
   }
   run_thread();
   return fine;
@@ -318,7 +306,7 @@ void Link::stop() {
   if (phase_ == Phase::idle) return;
   stop_wanted_ = true;
   lock.unlock();
-  ::eventfd_write(wake_.number(), 1);
+  wake();
   lock.lock();
   changed_.wait_for(lock, std::chrono::nanoseconds(settings_.connect_timeout),
                     [this] { return phase_ == Phase::idle; });

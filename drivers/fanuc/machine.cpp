@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "polyarm/base/error.hpp"
+#include "drivers/wire/six_axes.hpp"
 
 namespace polyarm::fanuc {
 
@@ -17,15 +17,6 @@ constexpr double kStillSpeed = 0.01;                     // degrees/s
 constexpr double kReadyFalls = 0.3, kButtonShows = 0.5;  // s after an emergency stop
 constexpr double kSlowEnd = 0.6;  // of the limits of acceleration and jerk, at full Cartesian speed
 
-constexpr std::array<const char*, 3> kFlangeNames{"flange", "tool0", "faceplate"};
-
-int flange_link(const description::RobotModel& model, int last) {
-  for (const char* wanted : kFlangeNames)
-    for (std::size_t i = 0; i < model.links.size(); ++i)
-      if (model.links[i].name == wanted) return static_cast<int>(i);
-  return last;
-}
-
 Six radians(const Six& degrees) {
   Six out;
   for (std::size_t i = 0; i < 6; ++i) out[i] = degrees[i] / kDegrees;
@@ -35,13 +26,7 @@ Six radians(const Six& degrees) {
 }  // namespace
 
 MachineFacts facts_of(const description::RobotModel& model) {
-  std::vector<const description::Joint*> joints;
-  for (const int i : model.actuated) joints.push_back(&model.joints[static_cast<std::size_t>(i)]);
-  if (joints.size() != 6 || std::any_of(joints.begin(), joints.end(), [](const auto* j) {
-        return j->type != description::JointType::revolute && j->type != description::JointType::continuous;
-      }))
-    throw Error("bad-model", "'" + model.name + "' has not six revolute joints",
-                "choose a robot of FANUC, for example fanuc/crx_10ia_l");
+  const auto joints = wire::six_revolute_joints(model, "fanuc/crx_10ia_l");
   MachineFacts out;
   out.model = model.name.substr(model.name.find('/') + 1);
   for (std::size_t i = 0; i < 6; ++i) {
@@ -52,7 +37,8 @@ MachineFacts facts_of(const description::RobotModel& model) {
     out.acceleration[i] = limits.acceleration.value_or(7) * kDegrees;
     out.jerk[i] = limits.jerk.value_or(90) * kDegrees;
   }
-  out.chain = std::make_shared<const kinematics::Chain>(model, flange_link(model, joints.back()->child_link));
+  out.chain =
+      std::make_shared<const kinematics::Chain>(model, wire::flange_link(model, joints.back()->child_link));
   out.world_height = out.chain->axes().at(1).point.z;
   return out;
 }

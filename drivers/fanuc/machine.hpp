@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "drivers/fanuc/shaper.hpp"
+#include "drivers/fanuc/limit_tables.hpp"
 #include "drivers/fanuc/stream.hpp"
 #include "polyarm/base/pose.hpp"
 #include "polyarm/description/robot_model.hpp"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "drivers/wire/bytes.hpp"
+#include "drivers/wire/shaper.hpp"
 
 namespace polyarm::fanuc {
 
@@ -74,7 +75,7 @@ struct Capability {
 std::vector<std::uint8_t> encode(const Capability& capability);
 std::optional<Capability> decode_capability(Bytes packet) noexcept;
 
-enum class LimitKind : std::uint32_t { velocity, acceleration, jerk };  ///< degrees and seconds
+using wire::LimitKind;
 inline constexpr std::size_t kLimitSteps = 20;
 /// The limits of an axis at equal steps of the Cartesian speed, from 0 to `max_speed`.
 struct LimitTable {

@@ -106,7 +106,7 @@ std::string Injection::reason() const {
   const int last = last_.load(std::memory_order_relaxed);
   if (last < 0) return {};
   const Entry& e = entries_[static_cast<std::size_t>(last)];
-  return "the mock was told to do this: " + kKinds[static_cast<std::size_t>(e.kind)] +
+  return "injected fault: " + kKinds[static_cast<std::size_t>(e.kind)] +
          (e.joint.empty() ? "" : " of " + e.joint) + " at cycle " + std::to_string(e.cycle);
 }
 

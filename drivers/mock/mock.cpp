@@ -140,7 +140,7 @@ const hardware::DriverFacts* MockComponent::facts() const noexcept {
   using enum hardware::ParameterKind;
   static constexpr hardware::DriverParameter kParameters[] = {
       {"calculate_dynamics", boolean, "false", "velocities and accelerations are integrated"},
-      {"integrate_velocity", boolean, "false", "commanded velocities lead, positions are passed over"},
+      {"integrate_velocity", boolean, "false", "commanded velocities lead, positions are ignored"},
       {"disable_commands", boolean, "false", "states stay where they are"},
       {"position_state_following_offset", number, "0", "rad or m that a position state is off its command"},
       {"custom_interface_with_following_offset", text, "", "the state that takes the offset instead"},

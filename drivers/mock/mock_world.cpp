@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string_view>
+#include <utility>
 
 namespace polyarm::drivers {
 
 namespace {
 constexpr double kGripTime = 0.1, kGripReach = 0.015;
+constexpr double kNothing = -std::numeric_limits<double>::infinity();
 
 bool on(std::span<const double> asked, int index) {
   return index >= 0 && asked[static_cast<std::size_t>(index)] >= 0.5;
@@ -31,6 +35,15 @@ double top_of(const description::Shape& shape) {
       return shape.radius;
   }
 }
+/// True if a vertical line through `p`, in the shape's frame, meets the shape.
+bool is_over(const description::Shape& shape, const Vec3& p) {
+  if (shape.kind == description::ShapeKind::box)
+    return std::abs(p.x) <= shape.size.x / 2 && std::abs(p.y) <= shape.size.y / 2;
+  return shape.kind == description::ShapeKind::cylinder && std::hypot(p.x, p.y) <= shape.radius;
+}
+bool is_upright(const Quaternion& rotation) {
+  return (rotation * Vec3{0, 0, 1}).z > 0.999;
+}
 }  // namespace
 
 MockWorld::MockWorld(const hardware::ComponentContext& context,
@@ -49,9 +62,13 @@ MockWorld::MockWorld(const hardware::ComponentContext& context,
       if (states[i].name == name) return static_cast<int>(i);
     return -1;
   };
+  int index = -1;
+  std::string_view before;
   for (const hardware::RobotInstance& robot : context.robots) {
+    if (robot.name != std::exchange(before, robot.name)) ++index;  // a robot has an instance for each of its blocks
     if (!robot.tool || robot.tool->gripper == description::GripperKind::none) continue;
     Arm arm;
+    arm.robot = index;
     arm.base = robot.base;
     arm.last = robot.tool->tcp;
     for (int link = robot.model->tool_link();
@@ -84,9 +101,11 @@ MockWorld::MockWorld(const hardware::ComponentContext& context,
   }
   for (const description::Feeder& f : scene_->feeders) {
     const std::string name = "scene/" + f.name + "/";
+    const auto parts = std::count_if(scene_->parts.begin(), scene_->parts.end(),
+                                     [&](const description::Part& part) { return part.feeder == f.name; });
     Feeder feeder{command(name + "feed"),
                   state(name + "presented", 0),
-                  state(name + "remaining", 0),
+                  state(name + "remaining", static_cast<double>(parts)),
                   state(name + "present", 0),
                   state(name + "count", 0),
                   state(name + "kind", 0),
@@ -104,7 +123,54 @@ MockWorld::MockWorld(const hardware::ComponentContext& context,
     regions_.push_back({-1, state("scene/" + s.name + "/present", 0), -1, s.lower, s.upper});
   for (const description::Mover& m : scene_->movers)
     movers_.push_back({command("scene/" + m.name + "/position"), state("scene/" + m.name + "/position", 0), 0,
-                       m.speed, m.lower, m.upper});
+                       m.speed, m.lower, m.upper, m.axis});
+  carried_by_.assign(state_.parts.size(), -1);
+  add_supports();
+  for (std::size_t i = 0; i < state_.parts.size(); ++i)
+    if (state_.parts[i].in_world) top_below(i);
+}
+
+void MockWorld::add_supports() {
+  for (const description::Fixture& fixture : scene_->fixtures) {
+    int mover = -1;
+    for (std::size_t m = 0; m < scene_->movers.size(); ++m)
+      if (scene_->movers[m].name == fixture.mover) mover = static_cast<int>(m);
+    for (const description::Shape& shape : fixture.shapes)
+      if (const Pose at = fixture.pose * shape.pose; is_upright(at.rotation)) supports_.push_back({&shape, at, mover});
+  }
+}
+
+double MockWorld::top_below(std::size_t part) noexcept {
+  const Vec3 at = state_.parts[part].pose.position;
+  const double bottom = at.z - top_of(scene_->parts[part].shape);
+  double out = scene_->floor ? scene_->floor_height : kNothing;
+  carried_by_[part] = -1;
+  const auto look = [&](const description::Shape& shape, const Pose& pose, int mover) {
+    const double top = pose.position.z + top_of(shape);
+    if (top > bottom + kGripReach || top <= out || !is_over(shape, inverse(pose) * at)) return;
+    out = top;
+    carried_by_[part] = mover;
+  };
+  for (const Support& support : supports_) {
+    Pose pose = support.pose;
+    if (support.mover >= 0) pose.position = pose.position + movers_[static_cast<std::size_t>(support.mover)].offset();
+    look(*support.shape, pose, support.mover);
+  }
+  for (std::size_t i = 0; i < state_.parts.size(); ++i) {
+    const hardware::PartState& other = state_.parts[i];
+    if (i != part && other.in_world && other.held_by < 0 && is_upright(other.pose.rotation))
+      look(scene_->parts[i].shape, other.pose, carried_by_[i]);
+  }
+  return out;
+}
+
+void MockWorld::carry(std::size_t mover, double by) noexcept {
+  const Vec3 way = by * movers_[mover].axis;
+  for (std::size_t i = 0; i < carried_by_.size(); ++i) {
+    hardware::PartState& part = state_.parts[i];
+    if (part.in_world && part.held_by < 0 && carried_by_[i] == static_cast<int>(mover))
+      part.pose.position = part.pose.position + way;
+  }
 }
 
 Pose MockWorld::tcp(const Arm& arm, std::span<const double> states) const noexcept {
@@ -122,8 +188,12 @@ void MockWorld::let_go(Arm& arm) noexcept {
   const auto i = static_cast<std::size_t>(arm.held);
   hardware::PartState& part = state_.parts[i];
   const description::Part& fact = scene_->parts[i];
-  part.pose.position.z = fact.goal ? fact.goal->at.z : fact.start.position.z;
   part.held_by = -1;
+  const double top = top_below(i);
+  if (top > kNothing)
+    part.pose.position.z = top + top_of(fact.shape);
+  else
+    part.pose.position.z = fact.goal ? fact.goal->at.z : fact.start.position.z;
   arm.held = -1;
 }
 
@@ -140,7 +210,7 @@ void MockWorld::grip(Arm& arm, double dt, std::span<const double> asked, std::sp
       if (!part.in_world || part.held_by >= 0 || norm(top - at.position) > kGripReach) continue;
       arm.held = static_cast<int>(i);
       arm.grasp = inverse(at) * part.pose;
-      part.held_by = static_cast<int>(&arm - arms_.data());
+      part.held_by = arm.robot;
       break;
     }
   }
@@ -156,6 +226,7 @@ void MockWorld::feed(Feeder& feeder, std::span<const double> asked, std::span<do
         state_.parts[static_cast<std::size_t>(feeder.parts[static_cast<std::size_t>(feeder.presented++)])];
     part.pose = feeder.pose;
     part.entered = part.in_world = true;
+    top_below(static_cast<std::size_t>(&part - state_.parts.data()));
   }
   int kind = 0;
   int here = 0;
@@ -193,12 +264,15 @@ void MockWorld::step(const hardware::Cycle& cycle, std::span<const double> asked
                      std::span<double> states) noexcept {
   const double dt = seconds(cycle.period);
   state_.at_rest = true;
-  for (Mover& mover : movers_) {
+  for (std::size_t m = 0; m < movers_.size(); ++m) {
+    Mover& mover = movers_[m];
     const double wanted = asked[static_cast<std::size_t>(mover.command)];
     if (std::isfinite(wanted)) {
       const double to = std::clamp(wanted, mover.lower, mover.upper);
       if (std::abs(to - mover.at) > 1e-12) state_.at_rest = false;
-      mover.at += std::clamp(to - mover.at, -mover.speed * dt, mover.speed * dt);
+      const double by = std::clamp(to - mover.at, -mover.speed * dt, mover.speed * dt);
+      mover.at += by;
+      if (by != 0) carry(m, by);
     }
     states[static_cast<std::size_t>(mover.state)] = mover.at;
   }

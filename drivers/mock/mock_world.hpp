@@ -11,8 +11,8 @@ namespace polyarm::drivers {
 
 /// Tools, feeders, outfeeds, movers and parts without physics, so that programs run on mock hardware. A
 /// gripper that is switched on holds the nearest part within 15 mm of the TCP after 0.1 s. A released part
-/// moves down to the height of its goal or its start. Movers follow their set points at their speed and carry
-/// nothing.
+/// moves down onto the fixture, the part or the floor below it; if there is none, to the height of its goal or
+/// its start. Movers follow their set points at their speed and carry the parts that lie on them.
 class MockWorld {
  public:
   MockWorld(const hardware::ComponentContext& context, std::vector<hardware::InterfaceDescription>& states,
@@ -35,6 +35,7 @@ class MockWorld {
     Pose base, last;
     std::vector<Step> chain;
     int command = -1, level_state = -1, present_state = -1;
+    int robot = 0;  ///< for PartState::held_by; robots without a gripper count, too
     double on_for = 0;
     int held = -1;
     Pose grasp;  ///< T_tcp_part
@@ -53,10 +54,22 @@ class MockWorld {
   struct Mover {
     int command, state;
     double at = 0, speed = 0.1, lower = 0, upper = 0;
+    Vec3 axis;
+    Vec3 offset() const { return at * axis; }
+  };
+  /// An upright shape of a fixture that parts may lie on.
+  struct Support {
+    const description::Shape* shape;
+    Pose pose;  ///< in the world, with its mover at 0
+    int mover = -1;
   };
   Pose tcp(const Arm& arm, std::span<const double> states) const noexcept;
   void grip(Arm& arm, double dt, std::span<const double> asked, std::span<double> states) noexcept;
   void let_go(Arm& arm) noexcept;
+  void add_supports();
+  /// The highest top below the part, m; remembers the mover that carries it. Minus infinity: there is none.
+  double top_below(std::size_t part) noexcept;
+  void carry(std::size_t mover, double by) noexcept;
   void feed(Feeder& feeder, std::span<const double> asked, std::span<double> states) noexcept;
   void watch(Region& region, std::span<const double> asked, std::span<double> states) noexcept;
 
@@ -66,6 +79,8 @@ class MockWorld {
   std::vector<Feeder> feeders_;
   std::vector<Region> regions_;
   std::vector<Mover> movers_;
+  std::vector<Support> supports_;
+  std::vector<int> carried_by_;  // mover of each part, or -1
   hardware::WorldState state_;
 };
 

@@ -20,8 +20,8 @@ Machines::Machines(const description::Scene* scene, std::vector<hardware::Interf
                    std::vector<hardware::InterfaceDescription>& commands)
     : scene_(scene) {
   if (!scene) return;
-  const auto state = [&](const std::string& name) {
-    states.push_back({"scene/" + name, 0.0});
+  const auto state = [&](const std::string& name, double initial = 0) {
+    states.push_back({"scene/" + name, initial});
     return static_cast<int>(states.size()) - 1;
   };
   const auto command = [&](const std::string& name) {
@@ -29,9 +29,11 @@ Machines::Machines(const description::Scene* scene, std::vector<hardware::Interf
     return static_cast<int>(commands.size()) - 1;
   };
   for (const description::Feeder& f : scene->feeders) {
+    const auto parts = std::count_if(scene->parts.begin(), scene->parts.end(),
+                                     [&](const description::Part& part) { return part.feeder == f.name; });
     Feeder feeder{command(f.name + "/feed"),
                   state(f.name + "/presented"),
-                  state(f.name + "/remaining"),
+                  state(f.name + "/remaining", static_cast<double>(parts)),
                   state(f.name + "/present"),
                   state(f.name + "/count"),
                   state(f.name + "/kind"),

@@ -8,6 +8,17 @@ namespace polyarm::drivers {
 namespace {
 constexpr double kBandwidth = 100;       // rad/s
 constexpr double kUnstatedEffort = 300;  // Nm or N, if the description states no limit
+/// Share of the acceleration that the effort limit allows, with which a joint brakes onto its set point.
+constexpr double kBraking = 0.5;
+
+/// The acceleration, within its effort, of a joint `error` away from its set point: it approaches as fast as it can
+/// brake with `braking`. Near the set point this is the critically damped correction.
+double catch_up(double error, double velocity, double braking) noexcept {
+  constexpr double kGain = kBandwidth / 2;
+  const double far = std::abs(error), linear = braking / (kGain * kGain);
+  const double approach = far <= linear ? kGain * far : std::sqrt(2 * braking * (far - linear / 2));
+  return 2 * kBandwidth * (std::copysign(approach, error) - velocity);
+}
 }  // namespace
 
 Servo::Servo(const hardware::RobotInstance& robot) {
@@ -32,6 +43,7 @@ void Servo::start(std::size_t j, JointMode mode, double position, double velocit
   joint.mode = mode;
   joint.led = true;
   if (same) return;
+  joint.commanded = joint.behind = false;
   joint.reference = joint.target = position;
   joint.velocity = velocity;
   joint.acceleration = 0;
@@ -41,9 +53,10 @@ void Servo::start(std::size_t j, JointMode mode, double position, double velocit
 void Servo::stop(std::size_t j, JointMode mode, double position) noexcept {
   Joint& joint = joints_[j];
   if (!joint.led || joint.mode != mode) return;
-  joint.led = false;
+  joint.led = joint.commanded = false;
   if (mode == JointMode::position) return;  // its set point stays
   joint.mode = JointMode::position;
+  joint.behind = false;
   joint.reference = joint.target = position;
   joint.velocity = joint.acceleration = 0;
 }
@@ -58,13 +71,24 @@ void Servo::command(std::span<const double> position, std::span<const double> ve
     }
     double wanted = joint.velocity;
     if (joint.mode == JointMode::position) {
-      if (joint.led && std::isfinite(position[j])) joint.target = position[j];
+      if (joint.led && std::isfinite(position[j])) {
+        joint.target = position[j];
+        joint.commanded = true;
+      }
       wanted = (joint.target - joint.reference) / period;
     } else if (std::isfinite(velocity[j])) {
       wanted = velocity[j];
     }
     joint.acceleration = (wanted - joint.velocity) / period;
   }
+}
+
+/// What its effort can do beside carrying the arm, when the other joints do not accelerate.
+double Servo::strongest_acceleration(const Joint& joint, const ModelView& view, int dof) noexcept {
+  constexpr double kLeast = 0.05;  // of the effort, for a joint whose load takes it all
+  const mjData* d = view.d();
+  const double left = joint.limit - std::abs(d->qfrc_bias[dof]);
+  return std::max(left, kLeast * joint.limit) / d->qM[view.m()->dof_Madr[dof]];
 }
 
 void Servo::accelerations(const ModelView& view, std::size_t robot, mjtNum* acceleration,
@@ -81,7 +105,13 @@ void Servo::accelerations(const ModelView& view, std::size_t robot, mjtNum* acce
     a = joint.acceleration + 2 * kBandwidth * (joint.velocity - v);
     if (joint.mode == JointMode::position) {
       a += kBandwidth * kBandwidth * (joint.reference - q);
-      tracking_error_ = std::max(tracking_error_, std::abs(joint.reference - q));
+      // A set point that jumps would be overshot: its effort stops the joint later than the correction expects.
+      const double strongest = strongest_acceleration(joint, view, r.dof[j]);
+      if (std::abs(joint.acceleration) > strongest) joint.behind = true;
+      if (joint.behind && std::abs(a) <= kBraking * strongest) joint.behind = false;
+      if (joint.behind)  // more than it can do would also be charged to the other joints
+        a = std::clamp(catch_up(joint.reference - q, v, kBraking * strongest), -strongest, strongest);
+      if (joint.commanded) tracking_error_ = std::max(tracking_error_, std::abs(joint.reference - q));
     }
     joint.velocity += joint.acceleration * timestep;
     joint.reference += joint.velocity * timestep;  // in the integration order of the simulator
@@ -99,6 +129,8 @@ void Servo::torques(const ModelView& view, std::size_t robot, const mjtNum* iner
                               ? joint.effort
                               : inertial_force[dof] + d->qfrc_bias[dof] - d->qfrc_passive[dof];
     joint.torque = std::clamp(wanted, -joint.limit, joint.limit);
+    const bool braked = joint.mode == JointMode::position && !joint.commanded;
+    if (braked && joint.torque != wanted) joint.reference = joint.target = d->qpos[r.qpos[j]];  // the brake slips
     d->qfrc_applied[dof] = joint.torque;
   }
   for (const auto& f : r.followers)  // followers carry their own weight, which relieves the coupling

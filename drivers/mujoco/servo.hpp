@@ -11,6 +11,8 @@ enum class JointMode { position, velocity, effort };
 /// The drives of one robot. In position and velocity mode they use computed torque: the acceleration of the
 /// set point plus a critically damped correction of 100 rad/s, multiplied by the inertia of the arm, plus
 /// gravity and Coriolis forces; limited to the joint's effort. In effort mode they apply exactly the command.
+/// A joint whose set point jumped farther than its effort can follow approaches it only as fast as it can brake. A joint
+/// that nobody commands is held by a brake, which slips where more than the joint's effort pulls at it.
 class Servo {
  public:
   explicit Servo(const hardware::RobotInstance& robot);
@@ -31,13 +33,17 @@ class Servo {
   /// Set points start at the joints' positions.
   void start_at(std::span<const double> positions) noexcept;
   double torque(std::size_t joint) const noexcept { return joints_[joint].torque; }
-  /// Largest distance between set point and joint in position mode in the last step, rad or m.
+  /// Largest distance between set point and joint in the last step, of joints with a position command, rad or m.
   double tracking_error() const noexcept { return tracking_error_; }
 
  private:
+  struct Joint;
+  static double strongest_acceleration(const Joint& joint, const ModelView& view, int dof) noexcept;
   struct Joint {
     JointMode mode = JointMode::position;
     bool led = true;                                       // driven; else held, commands are ignored
+    bool commanded = false;                                // a position was commanded; else its brake holds it
+    bool behind = false;                                   // its set point jumped, and it has not caught up
     double reference = 0, velocity = 0, acceleration = 0;  // set point at this physics step
     double target = 0;                                     // at the end of the control period
     double effort = 0, limit = 0;

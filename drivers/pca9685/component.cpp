@@ -284,19 +284,19 @@ std::string Pca9685Component::chip_reason(std::uint8_t step, std::uint8_t where,
   using Step = ChipFailure::Step;
   if (error != 0) {
     std::string doing = "did not answer";
-    if (static_cast<Step>(step) == Step::off) doing = "did not take the order to turn all motors off";
+    if (static_cast<Step>(step) == Step::off) doing = "did not accept the command to turn all motors off";
     for (const Wheel& wheel : settings_.wheels)
       for (const int channel : {wheel.motor.enable, wheel.motor.positive, wheel.motor.negative})
         if (static_cast<Step>(step) == Step::drive && where == pca9685::kLed0 + 4 * channel)
           doing = "did not take a command for " + wheel.joint;
     return place() + " " + doing + " (register " + hex(where) + ": " + std::strerror(error) +
-           "); check its power and the two wires, `i2cdetect -y` shows who answers";
+           "); check its power and the two wires, `i2cdetect -y` shows which devices answer";
   }
   const std::string found = "(register " + hex(where) + " reads " + hex(value) + ")";
   if (static_cast<Step>(step) == Step::check)
     return place() + " has lost its settings " + found +
            ": its power failed, or something else speaks to it; "
-           "mend that, then activate it again";
+           "correct that, then activate it again";
   if (static_cast<Step>(step) == Step::identify)
     return "what answers at " + settings_.bus + " " + hex(settings_.address) + " is no PCA9685 " + found +
            "; check the address";
@@ -326,7 +326,7 @@ std::string Pca9685Component::reason() const {
       return watchdog_reason(byte(1));
     case Trouble::command:
       return "the command for " + settings_.wheels[byte(1)].joint +
-             " was infinite; motors are off, mend the controller";
+             " was infinite; motors are off; correct the controller";
   }
   return {};
 }

@@ -161,7 +161,7 @@ class Reader {
     const std::string value = text(name, k).value_or(r.fallback);
     const std::vector<std::string> all = split_words(r.one_of);
     if (std::find(all.begin(), all.end(), value) != all.end()) return value;
-    bad(called(name, k) + " = '" + value + "' is none of " + join(all, ", "), r.meaning);
+    bad(called(name, k) + " = '" + value + "' is not one of " + join(all, ", "), r.meaning);
     return r.fallback;
   }
   std::string called(const char* name, std::size_t k) const {
@@ -188,7 +188,7 @@ class Reader {
       if (value && *value >= 0x40 && *value <= 0x7F)
         out_.address = static_cast<std::uint8_t>(*value);
       else
-        bad("address = '" + *given + "' is no address of a PCA9685",
+        bad("address = '" + *given + "' is not an address of a PCA9685",
             "they are 0x40 to 0x7F; a JetBot's is "
             "0x60");
     }
@@ -210,7 +210,7 @@ class Reader {
         bad(key + " is not stated, the channel of the motor of '" + out_.wheels[k].joint + "'",
             "channels are 0 to 15");
       else if (!value || *value > 15)
-        bad(key + " = '" + *given + "' is no channel", "channels are 0 to 15");
+        bad(key + " = '" + *given + "' is not a channel", "channels are 0 to 15");
       else
         *channels[p] = *value;
     }

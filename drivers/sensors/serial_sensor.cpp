@@ -148,7 +148,7 @@ std::string SerialSensor::reason() const {
       return device + ": " + serial::explain(serial::Status::failed, error);
     case Fault::silent:
       return device + " has been silent for " + format_number(seconds(timeout_)) +
-             " s: look at its power and its wires";
+             " s: check its power and its wires";
   }
   return {};
 }

@@ -58,7 +58,7 @@ std::string who_may(const std::string& path) {
       throw Error("port-not-permitted", path + " may not be opened: " + reason, who_may(path));
     case EBUSY:
       throw Error("device-in-use", path + " is in use by another program",
-                  "`fuser " + path + "` says by which; ModemManager takes new adapters for some seconds");
+                  "`fuser " + path + "` shows which; ModemManager uses new adapters for some seconds");
     default:
       throw Error("port-failed", path + " cannot be opened: " + reason, which_ports());
   }

@@ -55,7 +55,7 @@ std::int32_t Commissioning::get(int id, const Register& reg) {
   for (int attempt = 0; attempt < kAttempts; ++attempt)
     if (bus_->read(static_cast<std::uint8_t>(id), reg, value) == Outcome::ok) return value;
   throw Error("no-servo", "servo " + std::to_string(id) + " on " + bus_->port() + " has stopped answering",
-              "check its cable and power, and run this again: it goes on where it was");
+              "check its cable and power, and run this again: it continues where it was");
 }
 
 std::optional<FoundServo> Commissioning::look_at(int id, int baud) {
@@ -158,7 +158,7 @@ void Commissioning::assign_ids() {
     for (int attempt = 0;; ++attempt) {
       if (attempt == kTries)
         throw Error("no-servo", "no single servo was found for " + joint,
-                    "run this again: it goes on with " + joint);
+                    "run this again: it continues with " + joint);
       asked = true;
       dialogue_.ask("Connect the servo of " + joint + " alone to the adapter, then press Enter");
       const std::vector<FoundServo> found = find();
@@ -169,7 +169,7 @@ void Commissioning::assign_ids() {
       give_id(found.front(), id);
       if (found.front().baud != family_.default_baud)
         dialogue_.say("  it speaks at " + std::to_string(found.front().baud) +
-                      " bit/s; say so as baud: in the cell");
+                      " bit/s; set this as baud: in the cell");
       calibration_[joint].id = id;
       calibration_[joint].model = found.front().model;
       write_calibration();
@@ -246,7 +246,7 @@ void Commissioning::take_torque_off(const std::vector<int>& ids, const std::stri
   for (const int id : ids) {
     const auto own = static_cast<std::uint8_t>(id);
     if (bus_->write_checked(own, family_.torque, 0) != Outcome::ok)
-      throw Error("write-refused", "servo " + std::to_string(id) + " does not let go",
+      throw Error("write-refused", "servo " + std::to_string(id) + " does not switch its torque off",
                   "switch its power off");
   }
 }
@@ -337,7 +337,7 @@ int Commissioning::restore(const std::filesystem::path& file) {
   Problems problems;
   if (yaml["polyarm"].text("") != "servo_backup/1" || yaml["family"].text("") != family_.name)
     problems.error("wrong-kind", yaml.where(),
-                   std::string("this is no servo_backup/1 of ") + family_.name + " servos");
+                   std::string("this is not a servo_backup/1 of ") + family_.name + " servos");
   problems.throw_if_errors();
   if (!bus_) find();
   struct Write {
@@ -389,7 +389,7 @@ void Commissioning::read_calibration() {
   const Yaml yaml = Yaml::load(options_.calibration.string());
   if (yaml["polyarm"].text("") != "servo_calibration/1" || yaml["family"].text("") != family_.name)
     throw Error(Problem{"wrong-kind", yaml.where(),
-                        std::string("this is no servo_calibration/1 of ") + family_.name + " servos",
+                        std::string("this is not a servo_calibration/1 of ") + family_.name + " servos",
                         "name another file with --calibration"});
   for (const std::string& joint : yaml["joints"].keys()) {
     const Yaml entry = yaml["joints"][joint];

@@ -88,7 +88,7 @@ bool ServoComponent::identify(std::size_t j, Problems& problems) {
   if (answer != Outcome::ok || !fetch(j, family_.model, model) || !fetch(j, family_.firmware, firmware)) {
     problems.error("no-servo", {}, who(j) + " does not answer",
                    "check power, cable, id and baud rate: `polyarm setup " + std::string(family_.name) +
-                       "` shows who is there");
+                       "` shows which servos answer");
     return false;
   }
   servo.model = model;
@@ -98,7 +98,7 @@ bool ServoComponent::identify(std::size_t j, Problems& problems) {
   if (!expected && !joint.any_model) {
     problems.error(
         "wrong-model", {},
-        who(j) + " says it is model " + std::to_string(model) +
+        who(j) + " reports model " + std::to_string(model) +
             (joint.model ? ", not " + std::to_string(*joint.model) : ", which is not known here"),
         "if that is right, set " + joint.name + ".model to " + std::to_string(model) + " or to any");
     return false;
@@ -118,7 +118,7 @@ void ServoComponent::find_limits(std::size_t j, Problems& problems) {
                      fetch(j, family_.max_voltage, high) && fetch(j, family_.soft_limit, soft) &&
                      (!family_.phase || fetch(j, family_.phase, phase));
   if (!there) {
-    problems.error("no-servo", {}, who(j) + " stopped answering while it was asked for its limits");
+    problems.error("no-servo", {}, who(j) + " stopped answering while its limits were read");
     return;
   }
   if (min >= max) {  // both 0: no limits, several turns
@@ -176,8 +176,7 @@ CallbackReturn ServoComponent::on_configure() {
   for (std::size_t j = 0; j < ids_.size(); ++j)
     if (identify(j, problems)) find_limits(j, problems);
   if (!problems.has_errors() && !measure_all())
-    problems.error("no-servo", {},
-                   "not all servos on " + setup_.port + " answer when they are asked together",
+    problems.error("no-servo", {}, "not all servos on " + setup_.port + " answer a common request",
                    "a servo whose firmware has no sync read needs an update by its maker's tool");
   if (!problems.has_errors()) return CallbackReturn::success;
   bus_.close();
@@ -199,7 +198,7 @@ void ServoComponent::check_before_torque(std::size_t j, Problems& problems) cons
   if (setup_.joints[j].mode == Mode::position && outside > kOutsideTolerance)
     problems.error(
         "outside-range", {},
-        who(j) + " stands at " + std::to_string(servo.steps) + ", " + std::to_string(outside) +
+        who(j) + " is at " + std::to_string(servo.steps) + ", " + std::to_string(outside) +
             " steps outside its range of " + std::to_string(servo.min) + " to " + std::to_string(servo.max),
         "move it by hand, or calibrate again with `polyarm setup " + std::string(family_.name) + "`");
 }
@@ -517,8 +516,7 @@ std::string ServoComponent::reason() const {
              "; plug the adapter in again and activate";
     case FaultKind::alarm:
       return joints + " reports " +
-             (detail & 0x100 ? std::string("an alarm and does not say which")
-                             : status_names(family_, detail)) +
+             (detail & 0x100 ? std::string("an unspecified alarm") : status_names(family_, detail)) +
              "; mend the cause, switch its power off and on, and activate again";
     case FaultKind::hot:
       return joints + " is at " + std::to_string(detail) +

@@ -21,7 +21,7 @@ const std::vector<std::string> kKinds = {"silent",    "cut",  "unplug",  "lose",
 double number_in(const std::string& text, const std::string& entry, bool whole) {
   const auto value = parse_number(text);
   if (!value || (whole && (*value < 0 || *value > 1e9)))
-    refuse("'" + text + "' in the fault '" + entry + "' is no number" + (whole ? " of zero or more" : ""));
+    refuse("'" + text + "' in the fault '" + entry + "' is not a number" + (whole ? " of zero or more" : ""));
   return *value;
 }
 }  // namespace

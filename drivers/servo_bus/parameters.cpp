@@ -20,8 +20,8 @@ constexpr DriverParameter kOfBus[] = {
      "never on_shutdown"},
     {"release_time", number, "3", "s, for that", 0, 60},
     {"watchdog", text, "auto",
-     "a process that stops joints when this one dies or stands still: on, off; auto: for joints in velocity "
-     "whose servos cannot do so themselves",
+     "a process that stops joints when this one dies or hangs: on, off; auto: for joints in velocity whose "
+     "servos cannot do so themselves",
      0, 0, "auto on off"},
     {"watchdog_ms", number, "250", "ms without a write until it does; two cycles at least", 20, 5000},
 };

@@ -137,7 +137,7 @@ std::map<std::string, Values> read_calibration(const hardware::ComponentContext&
                   std::string("make it with `polyarm setup ") + family.name + " --calibration FILE`");
     const Yaml yaml = Yaml::load(path.string());
     if (yaml["polyarm"].text("") != "servo_calibration/1")
-      problems.error("wrong-kind", yaml.where(), "this is no servo_calibration/1 file",
+      problems.error("wrong-kind", yaml.where(), "this is not a servo_calibration/1 file",
                      std::string("make one with `polyarm setup ") + family.name + "`");
     if (const std::string made_for = yaml["family"].text(family.name); made_for != family.name)
       problems.error("wrong-kind", yaml["family"].where(),
@@ -187,7 +187,7 @@ Mode read_mode(const Declared& joint, const Family& family, const Reader& read) 
     return Mode::position;
   }
   if (!asked && joint.commands.size() > 1)
-    read.missing("mode", "the joint has several command interfaces and a servo takes one: say which");
+    read.missing("mode", "the joint has several command interfaces and a servo takes one: choose one");
   return chosen == "position" ? Mode::position : chosen == "velocity" ? Mode::velocity : Mode::current;
 }
 
@@ -221,7 +221,7 @@ JointSetup read_joint(const Declared& joint, const Family& family, Problems& pro
     if (std::find(kStates.begin(), kStates.end(), state) == kStates.end())
       problems.error("unknown-interface", joint.where,
                      joint.name + " has no state '" + state + "'" + did_you_mean(state, kStates),
-                     "a servo tells " + join(kStates, ", "));
+                     "a servo reports " + join(kStates, ", "));
     out.states.push_back(state);
   }
   return out;

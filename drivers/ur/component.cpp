@@ -15,7 +15,6 @@ using hardware::CallbackReturn;
 using hardware::ReturnType;
 
 namespace {
-constexpr double kFirstStep = 0.01;  // rad, between the measured position and the first command
 
 using hardware::DriverParameter;
 using enum hardware::ParameterKind;
@@ -137,7 +136,7 @@ CallbackReturn UrComponent::on_init(const hardware::ComponentContext& context) {
   settings_.script.stop_deceleration = p.number("stop_deceleration");
   settings_.script.acceleration = p.number("acceleration");
   paced_ = p.boolean("pace");
-  max_step_ = p.number("max_step");
+  steps_ = wire::StepCheck(p.number("max_step"));
   find_joints(context, p.problems());
   p.problems().throw_if_errors();
   mode_ = positions_ ? Mode::position : Mode::velocity;
@@ -193,7 +192,7 @@ ReturnType UrComponent::perform_command_mode_switch(std::span<const std::string>
     if (ends_with(name, "/position")) mode_ = Mode::position;
     if (ends_with(name, "/velocity")) mode_ = Mode::velocity;
   }
-  first_ = true;
+  steps_.begin();
   return ReturnType::ok;
 }
 
@@ -210,7 +209,7 @@ CallbackReturn UrComponent::on_configure() {
 }
 
 CallbackReturn UrComponent::on_activate() {
-  first_ = true;
+  steps_.begin();
   last_command_ = 0;
   if (!link_->start()) return CallbackReturn::failure;
   active_ = true;
@@ -259,19 +258,6 @@ ReturnType UrComponent::read(const hardware::Cycle&, std::span<double> states) n
   return link_->cause() == Cause::none ? ReturnType::ok : ReturnType::error;
 }
 
-/// Position commands that are too far from the last one, or at the beginning from the measured position.
-bool UrComponent::check_step(std::span<const double> commands) noexcept {
-  const Sample& sample = link_->sample();
-  for (std::size_t j = 0; j < 6; ++j) {
-    const double from = first_ ? sample.values[place_of(kPosition) + j] : sent_[j];
-    const double most = first_ ? kFirstStep : max_step_;
-    if (std::abs(commands[j] - from) <= most) continue;
-    link_->fail(Cause::jump, static_cast<int>(j));
-    return false;
-  }
-  return true;
-}
-
 void UrComponent::write_outputs(std::span<const double> commands) noexcept {
   std::size_t at = 0;
   outputs_.speed_slider = commands[at++];
@@ -294,15 +280,20 @@ ReturnType UrComponent::write(const hardware::Cycle&, std::span<const double> co
   for (std::size_t j = 0; j < 6; ++j) {
     if (!std::isfinite(joints[j])) {  // without a command for one joint the whole arm holds
       last_command_ = link_->command(Mode::hold, {});
-      first_ = true;
+      steps_.begin();
       return ReturnType::ok;
     }
     values[j] =
         mode == Mode::velocity ? std::clamp(joints[j], -velocity_limits_[j], velocity_limits_[j]) : joints[j];
   }
-  if (mode == Mode::position && !check_step(values)) return ReturnType::error;
-  sent_ = values;
-  first_ = false;
+  if (mode == Mode::position) {
+    wire::Six measured;
+    std::copy_n(link_->sample().values.begin() + place_of(kPosition), 6, measured.begin());
+    if (const auto joint = steps_.jumps(values, measured)) {
+      link_->fail(Cause::jump, *joint);
+      return ReturnType::error;
+    }
+  }
   last_command_ = link_->command(mode, values);
   return ReturnType::ok;
 }

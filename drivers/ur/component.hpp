@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "drivers/ur/link.hpp"
+#include "drivers/wire/six_axes.hpp"
 #include "polyarm/hardware/component.hpp"
 
 namespace polyarm::ur {
@@ -59,7 +60,6 @@ class UrComponent : public hardware::Component {
 
  private:
   void find_joints(const hardware::ComponentContext& context, Problems& problems);
-  bool check_step(std::span<const double> commands) noexcept;
   void write_outputs(std::span<const double> commands) noexcept;
 
   LinkSettings settings_;
@@ -68,13 +68,12 @@ class UrComponent : public hardware::Component {
   std::vector<double> velocity_limits_;
   std::array<double, 3> lengths_{};  ///< of the description: a2, a3, d1; 0: unknown
   bool positions_ = true, velocities_ = false;
-  double max_step_ = 0.1;
   Nanoseconds period_ = 2'000'000;
   std::unique_ptr<Link> link_;
   std::atomic<Mode> mode_{Mode::position};
   // the control thread's
-  bool active_ = false, first_ = true;
-  std::array<double, 6> sent_{};
+  bool active_ = false;
+  wire::StepCheck steps_;
   Outputs outputs_, written_;
   std::int32_t last_command_ = 0;
 };

@@ -17,8 +17,7 @@ MachineOptions machine_of(const hardware::RobotInstance& robot) {
   MachineOptions out;
   if (!robot.model) return out;
   out.facts = facts_of(*robot.model);
-  const std::size_t count = std::min<std::size_t>(6, robot.initial_positions.size());
-  std::copy_n(robot.initial_positions.begin(), count, out.start.begin());
+  out.start = wire::start_position(robot, out.start, 1);
   return out;
 }
 
@@ -50,7 +49,7 @@ CallbackReturn FakeUr::on_init(const hardware::ComponentContext& context) {
     far_->with(
         [&](Machine& machine) { machine.wire_output(static_cast<int>(*output), static_cast<int>(*input)); });
   }
-  faults_ = wire::parse_timed_orders(given("faults"), "protective_stop@3");
+  faults_ = wire::DueOrders(wire::parse_timed_orders(given("faults"), "protective_stop@3"));
   hardware::ComponentContext own = context;
   own.parameters["host"] = "127.0.0.1";
   own.parameters["rtde_port"] = std::to_string(far_->rtde_port());
@@ -89,9 +88,7 @@ CallbackReturn FakeUr::on_cleanup() {
 
 hardware::ReturnType FakeUr::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
   if (stepped_) {
-    for (wire::TimedOrder& one : faults_)
-      if (!one.order.empty() && since_ >= one.at) far_->order(std::exchange(one.order, ""));
-    since_ += seconds(cycle.period);
+    faults_.step(*far_, seconds(cycle.period));
     // A fault may keep the controller's package back; then a command may wait for the next one.
     const double before = far_->sent_time();
     far_->step(last_command(), disturbed_ ? kDisturbed : kPatience);

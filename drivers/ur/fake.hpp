@@ -4,7 +4,7 @@
 
 #include "drivers/ur/component.hpp"
 #include "drivers/ur/far_side.hpp"
-#include "drivers/wire/orders.hpp"
+#include "drivers/wire/simulated.hpp"
 
 namespace polyarm::ur {
 
@@ -30,8 +30,7 @@ class FakeUr : public UrComponent {
  private:
   bool await_package(double sent) noexcept;
   std::unique_ptr<FarSide> far_;
-  std::vector<wire::TimedOrder> faults_;
-  double since_ = 0;
+  wire::DueOrders faults_;
   std::atomic<bool> stepped_{false};
   bool disturbed_ = false;
 };

@@ -2,7 +2,6 @@
 #include "drivers/ur/link.hpp"
 
 #include <poll.h>
-#include <sys/eventfd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,49 +17,18 @@ constexpr Nanoseconds kGrace = 200'000'000;  // for other wires to say why the p
 constexpr Nanoseconds kLook = 20'000'000;    // between two judgements without an event
 constexpr double kPatience = 25;  // cycles beyond the watchdog's, for the program to take a command
 constexpr double kMostGap = 100;  // cycles; a larger gap in the controller's time is a restart
-
-/// Takes what an eventfd has counted.
-void calm(int descriptor) noexcept {
-  eventfd_t count = 0;
-  ::eventfd_read(descriptor, &count);
-}
 }  // namespace
-
-bool Link::await(Nanoseconds timeout) noexcept {
-  if (!wire::wait_readable(cycle_.number(), timeout)) return false;
-  calm(cycle_.number());
-  return true;
-}
 
 std::int32_t Link::command(Mode mode, const std::array<double, 6>& values) noexcept {
   sequence_ = sequence_ == std::numeric_limits<std::int32_t>::max() ? 1 : sequence_ + 1;
   commands_.write(Command{sequence_, mode, values});
-  ::eventfd_write(wake_.number(), 1);
+  wake();
   return sequence_;
 }
 
 void Link::outputs(const Outputs& outputs) noexcept {
   outputs_.write(outputs);
-  ::eventfd_write(wake_.number(), 1);
-}
-
-void Link::fail(Cause cause, int detail) noexcept {
-  fault_.set_first({cause, detail});
-  ::eventfd_write(wake_.number(), 1);
-  ::eventfd_write(cycle_.number(), 1);  // await() returns
-}
-
-void Link::note(Cause cause, int detail, const std::string& text) {
-  const std::lock_guard lock(mutex_);
-  if (!fault_) text_ = text;
-  fail(cause, detail);
-  changed_.notify_all();
-}
-
-std::string Link::reason() const {
-  const auto why = fault_ ? fault_.value() : refused_.value();
-  const std::lock_guard lock(mutex_);
-  return sentence(why.cause, why.detail, where(), text_);
+  wake();
 }
 
 std::optional<Kinematics> Link::kinematics() const {
@@ -152,7 +120,7 @@ void Link::take_package(Bytes payload, Nanoseconds now) {
   }
   samples_.write(current_);
   pacer_.cycle();
-  ::eventfd_write(cycle_.number(), 1);
+  begin_cycle();
 }
 
 void Link::take_primary() {

@@ -16,7 +16,7 @@
 #include "drivers/ur/rtde.hpp"
 #include "drivers/ur/script.hpp"
 #include "drivers/ur/words.hpp"
-#include "drivers/wire/cause_word.hpp"
+#include "drivers/wire/link_base.hpp"
 #include "drivers/wire/pacer.hpp"
 #include "drivers/wire/tcp.hpp"
 #include "polyarm/realtime/latest.hpp"
@@ -85,7 +85,7 @@ struct LinkSettings {
 };
 
 /// The on_… calls come from one thread at a time and may wait; the calls marked control thread do not.
-class Link {
+class Link : public wire::LinkBase<Cause> {
  public:
   explicit Link(LinkSettings settings);
   ~Link() { close(); }
@@ -105,21 +105,12 @@ class Link {
   /// The newest sample; true if there is a new one since the last call.
   bool fetch() noexcept { return samples_.fetch(); }
   const Sample& sample() const noexcept { return samples_.value(); }
-  /// Waits for the next package.
-  bool await(Nanoseconds timeout) noexcept;
   /// The newest command; returns its sequence number.
   std::int32_t command(Mode mode, const std::array<double, 6>& values) noexcept;
   /// What the outputs shall be. Only what changed is sent: somebody at the pendant may have switched the
   /// others. Call it before command(): then the outputs arrive before that command.
   void outputs(const Outputs& outputs) noexcept;
-  Cause cause() const noexcept { return fault_.cause(); }
-  /// Why open() or start() was refused last; the link may be well.
-  Cause refused() const noexcept { return refused_.cause(); }
-  /// The driver itself found a cause: the robot is stopped.
-  void fail(Cause cause, int detail) noexcept;
 
-  /// Any thread: the sentence of the cause, or "".
-  std::string reason() const;
   /// The controller's rate, Hz; valid after open().
   double rate() const { return rate_; }
   const std::string& version() const { return version_; }
@@ -162,12 +153,9 @@ class Link {
   void finish_stopping(Nanoseconds now);
   void end_stream();
   bool streams() const { return static_cast<bool>(stream_); }
-  void note(Cause cause, int detail = 0, const std::string& text = {});
-  bool refuse(Cause cause, int detail = 0, const std::string& text = {});
-  std::string where() const { return "the controller at " + settings_.host; }
 
   LinkSettings settings_;
-  Descriptor rtde_, primary_, listener_, stream_, wake_, cycle_;
+  Descriptor rtde_, primary_, listener_, stream_;
   int protocol_ = 2;
   double rate_ = 500;
   std::string version_, controller_;  // controller_: its address
@@ -180,12 +168,9 @@ class Link {
   realtime::Latest<Sample> samples_;
   realtime::Latest<Command> commands_;
   realtime::Latest<Outputs> outputs_;
-  wire::CauseWord<Cause> fault_, refused_;
   std::int32_t sequence_ = 0;  // the control thread's
 
-  mutable std::mutex mutex_;  // the words below, and the phase; never the control thread's
-  std::condition_variable changed_;
-  std::string text_;
+  // with mutex_
   std::optional<Kinematics> nominal_, difference_;
   Phase phase_ = Phase::idle;
   bool stop_wanted_ = false;

@@ -1,6 +1,4 @@
 /// How a link begins: connections, protocol version, recipes, remote control.
-#include <sys/eventfd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -61,17 +59,7 @@ std::size_t place_of(Field field) noexcept {
 }
 
 Link::Link(LinkSettings settings)
-    : settings_(std::move(settings)),
-      wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      cycle_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)),
-      pacer_(0) {}
-
-bool Link::refuse(Cause cause, int detail, const std::string& text) {
-  const std::lock_guard lock(mutex_);
-  text_ = text;
-  refused_.set({cause, detail});
-  return false;
-}
+    : LinkBase("the controller at " + settings.host), settings_(std::move(settings)), pacer_(0) {}
 
 void Link::drop() {
   for (Descriptor* one : {&rtde_, &primary_, &listener_, &stream_}) *one = Descriptor();
@@ -233,7 +221,6 @@ bool Link::open() {
   outputs_.fetch();
   {
     const std::lock_guard lock(mutex_);
-    text_.clear();
     nominal_ = difference_ = std::nullopt;
     phase_ = Phase::idle;
   }
@@ -274,7 +261,7 @@ void Link::close() {
   if (thread_.joinable()) {
     stop();
     quit_ = true;
-    ::eventfd_write(wake_.number(), 1);
+    wake();
     thread_.join();
   }
   drop();
@@ -334,7 +321,7 @@ void Link::stop() {
   if (phase_ == Phase::idle) return;
   stop_wanted_ = true;
   lock.unlock();
-  ::eventfd_write(wake_.number(), 1);
+  wake();
   lock.lock();
   changed_.wait_for(lock, std::chrono::nanoseconds(settings_.connect_timeout),
                     [this] { return phase_ == Phase::idle; });

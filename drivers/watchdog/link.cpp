@@ -108,7 +108,7 @@ std::string sentence(Health health, const Names& names) {
     case Health::deaf:
       return "the watchdog of " + names.device + " does not run; " + names.safe + ", configure it again";
     case Health::tripped:
-      return "this process stood still for more than " + std::to_string(names.timeout_ms) +
+      return "this process did not run for more than " + std::to_string(names.timeout_ms) +
              " ms, and the watchdog has " + names.made +
              "; see that nothing is in the way, then configure and activate it again";
     case Health::fine:

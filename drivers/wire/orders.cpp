@@ -25,7 +25,8 @@ Order parse_order(const std::string& text, std::span<const OrderKind> kinds) {
   std::vector<std::string> names;
   for (const OrderKind& kind : kinds) names.emplace_back(kind.name);
   if (std::find(names.begin(), names.end(), out.kind) == names.end() || !(number >= 0 && number <= 1e6))
-    throw Error("bad-value", "'" + text + "' is no fault of this controller" + did_you_mean(out.kind, names),
+    throw Error("bad-value",
+                "'" + text + "' is not a fault of this controller" + did_you_mean(out.kind, names),
                 "KIND or KIND=NUMBER; the kinds are " + join(names, ", "));
   if (has_number) out.number = static_cast<int>(number);
   return out;

@@ -100,7 +100,7 @@ Descriptor listen_tcp(const std::string& address, int port, std::string& why) {
   const int on = 1;
   const std::string place = address + ":" + std::to_string(port);
   if (::inet_pton(AF_INET, address.c_str(), &own.sin_addr) != 1) {
-    why = "'" + address + "' is no address of this machine: write one such as 127.0.0.1";
+    why = "'" + address + "' is not an address of this machine: write one such as 127.0.0.1";
     return Descriptor();
   }
   if (!out || ::setsockopt(out.number(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) != 0 ||
@@ -146,6 +146,13 @@ Received receive(int socket, std::span<std::uint8_t> into) noexcept {
 bool send_frame(int socket, std::span<const std::uint8_t> bytes) noexcept {
   return ::send(socket, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL) ==
          static_cast<ssize_t>(bytes.size());
+}
+
+std::optional<std::size_t> send_some(int socket, std::string_view text) noexcept {
+  const ssize_t count = ::send(socket, text.data(), text.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+  if (count >= 0) return static_cast<std::size_t>(count);
+  if (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR) return 0;
+  return std::nullopt;
 }
 
 bool wait_readable(int socket, Nanoseconds timeout) noexcept {

@@ -3,8 +3,10 @@
 /// non-blocking, closes on exec and sends at once (TCP_NODELAY).
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "polyarm/base/descriptor.hpp"
 #include "polyarm/base/time.hpp"
@@ -39,6 +41,8 @@ bool send_frame(int socket, std::span<const std::uint8_t> bytes) noexcept;
 inline bool send_frame(int socket, const std::string& text) noexcept {
   return send_frame(socket, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
+/// Sends what the socket takes of a text; never waits. Nothing: the peer is gone.
+std::optional<std::size_t> send_some(int socket, std::string_view text) noexcept;
 /// Waits at most `timeout` ns until the socket can be read.
 bool wait_readable(int socket, Nanoseconds timeout) noexcept;
 

@@ -52,7 +52,7 @@ Descriptor bind_udp(const std::string& address, int port, std::string& why) {
   own.sin_family = AF_INET;
   own.sin_port = htons(static_cast<std::uint16_t>(port));
   if (::inet_pton(AF_INET, address.c_str(), &own.sin_addr) != 1) {
-    why = "'" + address + "' is no address of this machine: write one such as 127.0.0.1";
+    why = "'" + address + "' is not an address of this machine: write one such as 127.0.0.1";
     return Descriptor();
   }
   Descriptor out = udp_socket();

@@ -110,7 +110,7 @@ class Client : public signals::LinkPort {
             ? modbus_write_register(context_, tag.address, words[0])
             : modbus_write_registers(context_, tag.address, static_cast<int>(words.size()), words.data());
     if (done < 0 && is_exception(errno))
-      return news.refuse(write.tag, std::string("the far side says: ") + modbus_strerror(errno));
+      return news.refuse(write.tag, std::string("the device reports: ") + modbus_strerror(errno));
     if (done < 0) fail("did not take '" + tag.name + "'");
     last_[write.tag] = std::move(words);
   }
@@ -137,7 +137,7 @@ class Client : public signals::LinkPort {
     }
     if (got < 0 && is_exception(errno)) {
       const std::string why = modbus_strerror(errno);
-      for (const std::size_t tag : block.tags) news.refuse(tag, "the far side says: " + why);
+      for (const std::size_t tag : block.tags) news.refuse(tag, "the device reports: " + why);
       return;
     }
     if (got != block.count) fail("did not answer");

@@ -34,7 +34,7 @@ std::optional<data::Value> flag_of(const std::string& text, std::string& why) {
     if (equal_ignoring_case(text, word)) return data::Value(true);
   for (const char* word : {"false", "0", "off"})
     if (equal_ignoring_case(text, word)) return data::Value(false);
-  why = "'" + shortened(text) + "' is no boolean";
+  why = "'" + shortened(text) + "' is not a boolean";
   return std::nullopt;
 }
 
@@ -43,14 +43,14 @@ std::optional<data::Value> value_of_text(const LinkTag& tag, const std::string& 
   if (tag.type == LinkTag::Type::text) return data::Value(text);
   if (tag.type == LinkTag::Type::number) {
     if (const auto number = parse_number(text)) return signals::taken_number(tag, *number, why);
-    why = "'" + shortened(text) + "' is no number";
+    why = "'" + shortened(text) + "' is not a number";
     return std::nullopt;
   }
   std::vector<double> numbers;
   for (const std::string& field : split_fields(text, ',')) {
     const auto number = parse_number(field);
     if (!number) {
-      why = "'" + shortened(field) + "' is no number of a pose";
+      why = "'" + shortened(field) + "' is not a number of a pose";
       return std::nullopt;
     }
     numbers.push_back(*number);
@@ -88,7 +88,7 @@ std::optional<data::Value> value_of_json(const LinkTag& tag, const Json& json, s
   if (tag.type == LinkTag::Type::text && json.is_string()) return data::Value(json.get<std::string>());
   if (tag.type == LinkTag::Type::pose) {
     if (const auto numbers = numbers_of_pose(json)) return signals::taken_pose(tag, *numbers, why);
-    why = "no whole pose stands in it: {x, y, z, rx, ry, rz} or {x, y, z, qx, qy, qz, qw}, numbers";
+    why = "it contains no complete pose: {x, y, z, rx, ry, rz} or {x, y, z, qx, qy, qz, qw}, numbers";
     return std::nullopt;
   }
   constexpr const char* kTypes[] = {"a boolean", "a number", "a text", "a pose"};

@@ -149,12 +149,12 @@ const char* name_of(LinkTag::Type type) {
 Field::Field(const TypeInfo& type, const std::string& path) : type_{&type} {
   const TypeInfo* at = &type;
   for (const std::string& part : parts_of(path)) {
-    if (!at) refuse("'" + path + "' goes on where " + type.name + " has no more fields");
+    if (!at) refuse("'" + path + "' continues where " + type.name + " has no more fields");
     const std::size_t bracket = part.find('[');
     Step step{&field_of(*at, part.substr(0, bracket)), {}, {}, {}};
     const bool list = step.field->shape != FieldShape::single;
     if (list != (bracket != std::string::npos))
-      refuse("'" + path + "': " + step.field->name + (list ? " is a list" : " is no list"),
+      refuse("'" + path + "': " + step.field->name + (list ? " is a list" : " is not a list"),
              list ? std::string(step.field->name) + "[0], or " + step.field->name + "[name=…]" : "");
     if (list) {
       if (!part.ends_with(']')) refuse("'" + path + "': a bracket is not closed");
@@ -164,7 +164,7 @@ Field::Field(const TypeInfo& type, const std::string& path) : type_{&type} {
       if (number && *number >= 0 && *number < 10'000 && *number == std::floor(*number))
         step.index = static_cast<std::size_t>(*number);
       else if (equals == std::string::npos || !step.field->nested)
-        refuse("'" + path + "': '" + inside + "' is no place in a list", "[0], or [name=…]");
+        refuse("'" + path + "': '" + inside + "' is not a place in a list", "[0], or [name=…]");
       else
         step.key = field_of(*step.field->nested, inside.substr(0, equals)).name,
         step.value = inside.substr(equals + 1);
@@ -235,14 +235,14 @@ void check_fits(const LinkTag& tag, const Field& field) {
   if (!fits)
     refuse("'" + tag.name + "' is " + name_of(tag.type) + ", which does not fit '" + tag.field + "' of " +
                tag.message,
-           "say `type:` (bool, number, text, pose) and `field:`");
+           "set `type:` (bool, number, text, pose) and `field:`");
 }
 
 std::optional<data::Value> value_of(const LinkTag& tag, const Json& given, std::string& why) {
   if (tag.type == LinkTag::Type::text && given.is_string()) return data::Value(given.get<std::string>());
   if (tag.type == LinkTag::Type::boolean || tag.type == LinkTag::Type::number) {
     if (given.is_null()) {
-      why = "it is no finite number";
+      why = "it is not a finite number";
       return std::nullopt;
     }
     if (given.is_boolean() || given.is_number()) {
@@ -253,7 +253,7 @@ std::optional<data::Value> value_of(const LinkTag& tag, const Json& given, std::
   }
   if (tag.type == LinkTag::Type::pose) {
     if (const auto numbers = numbers_of_place(given)) return signals::taken_pose(tag, *numbers, why);
-    why = "no whole pose stands in it";
+    why = "it contains no complete pose";
     return std::nullopt;
   }
   why = std::string("it is not ") + name_of(tag.type);
@@ -270,11 +270,11 @@ Json json_of(const LinkTag& tag, const Field& field, const data::Value& value) {
 }
 
 Json constant_of(const Field& field, const std::string& text) {
-  if (!field.info() || field.type()) refuse("only a text, a number or a truth value stands in `with`");
+  if (!field.info() || field.type()) refuse("`with` may contain only a text, a number or a boolean");
   if (field.info()->kind == FieldKind::string) return text;
   if (text == "true" || text == "false") return number_of(field.info()->kind, text == "true" ? 1 : 0);
   const auto number = parse_number(text);
-  if (!number) refuse("'" + text + "' in `with` is no number");
+  if (!number) refuse("'" + text + "' in `with` is not a number");
   return number_of(field.info()->kind, *number);
 }
 

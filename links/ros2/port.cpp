@@ -78,7 +78,7 @@ class Port : public signals::LinkPort {
     if (missing > entry_.timeout)
       throw Error("link-lost", "the process that speaks ROS 2 has ended and is not back yet");
     if (calls_were_lost())
-      throw Error("link-lost", "the process that speaks ROS 2 ended while a service was asked");
+      throw Error("link-lost", "the process that speaks ROS 2 ended during a service call");
     for (const LinkValue& write : writes) put(write);
     if (missing > 0) return std::this_thread::sleep_for(std::chrono::nanoseconds(patience));
     for (auto& [topic, out] : outgoing_)
@@ -145,7 +145,7 @@ class Port : public signals::LinkPort {
     const TypeInfo* found = messages::find_type(wanted, distribution_);
     if (!found)
       throw Error(Problem{"bad-link", tag.where, "'" + tag.name + "': there is no type " + wanted,
-                          "docs/ros2.md says which types there are"});
+                          "docs/ros2.md lists the types"});
     return *found;
   }
 
@@ -189,7 +189,7 @@ class Port : public signals::LinkPort {
     check_fits(tag, field);
     if (tag.direction != Direction::in) {
       Outgoing& out = outgoing_.try_emplace(name(tag.topic), Outgoing{&type}).first->second;
-      if (out.type != &type) throw Error("bad-link", "two types are said of " + tag.topic);
+      if (out.type != &type) throw Error("bad-link", "there are two types for " + tag.topic);
       out.latched |= tag.retain;
       out.stamped = !type.fields.empty() && std::string_view(type.fields[0].name) == "header";
       add_constants(tag, type, out.message);
@@ -197,7 +197,7 @@ class Port : public signals::LinkPort {
     }
     if (tag.direction == Direction::out) return;
     Incoming& in = incoming_.try_emplace(name(tag.topic), Incoming{&type}).first->second;
-    if (in.type != &type) throw Error("bad-link", "two types are said of " + tag.topic);
+    if (in.type != &type) throw Error("bad-link", "there are two types for " + tag.topic);
     in.latched |= tag.retain;
     in.best_effort |= tag.best_effort;
     in.places.push_back({index, std::move(field)});

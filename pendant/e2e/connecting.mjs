@@ -35,7 +35,7 @@ test('what would be connected is shown, and comes up held and disarmed', async (
   await mode('Real robot').click();
   const dialog = page.getByRole('dialog', { name: 'Connect to the real robot?' });
   await dialog.getByText('feetech').first().waitFor();
-  await dialog.getByText('is there').waitFor();
+  await dialog.getByText('present').waitFor();
   await picture(page, 'connecting');
   await button('Connect', dialog).click();
   await bar().getByText('Real robot', { exact: true }).waitFor();

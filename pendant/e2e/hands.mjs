@@ -284,6 +284,6 @@ test('names the device of a driver that the cell names, where that is not plugge
   await page.getByRole('radiogroup', { name: 'Simulate or connect' }).getByText('Real robot').click();
   const dialog = page.getByRole('dialog', { name: 'Connect to the real robot?' });
   await dialog.getByText('/dev/ttyNone7', { exact: true }).waitFor();
-  await dialog.getByRole('alert').getByText(/^'\/dev\/ttyNone7' is not there/).waitFor();
+  await dialog.getByRole('alert').getByText(/^'\/dev\/ttyNone7' does not exist/).waitFor();
   await picture(page, 'connect-device');
 });

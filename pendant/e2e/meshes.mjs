@@ -92,7 +92,7 @@ test('says of each mesh that cannot be shown which it is, why, and what to do', 
   await go(page, 'Health');
   await page.getByRole('main').getByRole('radiogroup').first().getByText(/^Alarms/).click();
   const said = page.getByRole('main');
-  await said.getByText(/the link 'broken' is shown by what it collides with: the mesh .*broken\.stl is no whole STL/).waitFor();
+  await said.getByText(/the link 'broken' is shown by what it collides with: the mesh .*broken\.stl is not a whole STL/).waitFor();
   await said.getByText(/the link 'missing' is shown by what it collides with: .*gone\.stl/).waitFor();
   await said.getByText(/the link 'huge' is shown by what it collides with: .*huge\.stl is larger than 128 MB/).waitFor();
   await picture(page, 'meshes-alarms');

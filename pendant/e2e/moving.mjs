@@ -136,7 +136,7 @@ test('goes to a point by the joints as long as the key is held: let go, blurred 
   const key = dialog.getByRole('button', { name: /^(Hold to move there|Moving)/ });
   const told = dialog.getByRole('status');
   await dialog.getByRole('combobox', { name: 'Point' }).selectOption('PrePlace');
-  await told.getByText(/shows the way .*\(about \d/).waitFor();
+  await told.getByText(/shows the path .*\(about \d/).waitFor();
   await picture(page, 'go-to');
   for (const release of [() => page.mouse.up(), () => page.evaluate(() => dispatchEvent(new Event('blur')))]) {
     const before = tcp();
@@ -147,7 +147,7 @@ test('goes to a point by the joints as long as the key is held: let go, blurred 
     await still();
     assert.ok(norm(minus(tcp(), rest)) < 1e-3, 'it stays');
     await page.mouse.up();
-    await told.getByText(/shows the way .*\(about \d/).waitFor();
+    await told.getByText(/shows the path .*\(about \d/).waitFor();
   }
   await arrive();
   const { values } = await at.watcher.request('points');
@@ -172,11 +172,11 @@ test('goes in a straight line, and says before it moves why one cannot be', asyn
   await picture(page, 'go-to-impossible');
   assert.ok(norm(minus(tcp(), before)) < 1e-3, 'nothing has moved');
   await dialog.getByText('By joints').click();
-  await told.getByText(/shows the way .*\(about \d/).waitFor();
+  await told.getByText(/shows the path .*\(about \d/).waitFor();
   await dialog.getByText('Straight line').click();
   const to = [before[0] + 0.03, before[1] + 0.06, before[2] + 0.04];
   for (const [i, name] of ['X', 'Y', 'Z'].entries()) await field(name).fill(String(1000 * to[i]));
-  await told.getByText(/shows the way .*\(about \d/).waitFor();
+  await told.getByText(/shows the path .*\(about \d/).waitFor();
   const from = at.watcher.time;
   await arrive();
   assert.ok(norm(minus(tcp(), to)) < 1e-3);

@@ -67,7 +67,7 @@ test('pauses at a line whose number is pressed, and again at the next start', as
   await go(page, 'Program');
   await page.getByRole('radiogroup', { name: 'Shown as' }).getByText('Text').click();
   const top = async () => (await editor().boundingBox()).y;
-  await page.getByText(/The program goes by the text/).waitFor();
+  await page.getByText(/The program runs the text/).waitFor();
   const running = await top();
   await pressNumber('let third');
   await pausedAt(6);
@@ -82,7 +82,7 @@ test('pauses at a line whose number is pressed, and again at the next start', as
   await button('End program').click();
   await page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
   await until(() => now().ended, 30, 'the end of the program');
-  await page.getByText(/The program goes by the text/).waitFor({ state: 'detached' });
+  await page.getByText(/The program runs the text/).waitFor({ state: 'detached' });
   assert.equal(await top(), running, 'a notice that comes and goes moves no line');
   await atRest();
   await button('Start').click();
@@ -120,7 +120,7 @@ test('moves a breakpoint with its line while lines are written above, and what r
   await page.keyboard.press('Enter');
   await editor().getByText('let third').click();
   await mark(7, true).waitFor();
-  await page.getByText('Draft, kept on the cell').waitFor();
+  await page.getByText('Draft, stored on the cell').waitFor();
   await until(async () => String(await told()) === '7', 30, 'the cell knowing it at line 7');
   await picture(page, 'breakpoint-moved');
   const shownAs = (name) => page.getByRole('radiogroup', { name: 'Shown as' }).getByText(name).click();
@@ -175,13 +175,13 @@ test('keeps breakpoints of a program that is not begun for its start, over a new
   await button('End program').click();
   await page.getByRole('dialog').getByRole('button', { name: 'End program' }).click();
   await button('Start').waitFor();
-  await assert.rejects(at.watcher.request('program.break', { at: ['reach.script:1'] }), /holds control/, 'who watches sets no breakpoints');
+  await assert.rejects(at.watcher.request('program.break', { at: ['reach.script:1'] }), /has control/, 'who watches sets no breakpoints');
 });
 
 test('lists what a dry run finds by line, and shows it in 3D', async () => {
   await below('Problems');
   await button('Dry run').click();
-  await side().getByText('Dry run: not every move can be made').waitFor();
+  await side().getByText('Dry run: some moves are impossible').waitFor();
   await side().getByRole('button', { name: /^Line 3 · Error/ }).click();
   await button('Breakpoint at line 3').waitFor();
   await button('Show it in 3D').click();

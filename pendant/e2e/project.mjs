@@ -124,7 +124,7 @@ test('a draft survives a killed browser and a killed cell', async () => {
   await editor.click();
   await page.keyboard.press('Control+Home');
   await page.keyboard.insertText('# not saved yet\n');
-  await page.getByText('Draft, kept on the cell').waitFor();
+  await page.getByText('Draft, stored on the cell').waitFor();
   at.chrome.kill();
   at.watcher.end();
   await cell.kill();
@@ -156,7 +156,7 @@ test('saving over what another has saved shows both, and lets choose', async () 
   await page.getByRole('alert').getByText('job.script has changed meanwhile').waitFor();
   await button('Show both').click();
   const dialog = page.getByRole('dialog', { name: 'job.script has changed meanwhile' });
-  await dialog.getByRole('button', { name: /^The file as it is now: # theirs/ }).click();
+  await dialog.getByRole('button', { name: /^The present file: # theirs/ }).click();
   await dialog.getByRole('button', { name: 'Save the mixture' }).click();
   await said('job.script is saved');
   const now = await at.watcher.request('files.read', { name: 'job.script' });

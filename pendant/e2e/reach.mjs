@@ -32,7 +32,7 @@ test('what a cell wants to reach is shown before it is opened; no leaves all as 
   await tab('Projects');
   await project(/theirs/).click();
   const dialog = page.getByRole('dialog', { name: 'Open theirs?' });
-  await dialog.getByRole('list', { name: 'What the cell wants to reach' }).getByText('Host: 192.0.2.7').waitFor();
+  await dialog.getByRole('list', { name: 'Access outside the folder' }).getByText('Host: 192.0.2.7').waitFor();
   await picture(page, 'reach');
   await page.setViewportSize({ width: 390, height: 844 });
   await picture(page, 'reach-390');
@@ -63,7 +63,7 @@ test('yes allows the host for this cell, and opens it', async () => {
 
 test('a cell that cannot be built says so, and another one can be opened', async () => {
   await project(/broken/).click();
-  await page.getByRole('dialog').getByText('It reaches nothing outside its folder.').waitFor();
+  await page.getByRole('dialog').getByText('It accesses nothing outside its folder.').waitFor();
   await page.getByRole('dialog').getByRole('button', { name: 'Open', exact: true }).click();
   await state(page).getByText('No cell runs').waitFor();
   await tab('Cell');

@@ -62,7 +62,7 @@ test('says that changes are not saved, takes the file as it is, and saves it whe
   await go(page, 'Program');
   await write(kTo(-15));
   await go(page, 'Run');
-  await page.getByRole('status').getByText('job.script has changes that are not saved. Start takes it as it was saved last.').waitFor();
+  await page.getByRole('status').getByText('job.script has changes that are not saved. Start uses the last saved text.').waitFor();
   await picture(page, 'start-unsaved');
   await startsTo('job.script', 10);
   await button('Save job.script').click();

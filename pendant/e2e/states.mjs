@@ -39,6 +39,15 @@ const runs = async () => {
   await main().getByRole('button', { name: 'Start', exact: true }).click();
   await until(() => at.watcher.events.status?.program?.ended === false, 30, 'the program');
 };
+/** Pairs of parts of the bar with less than 3 px between them. */
+const overlaps = () =>
+  page.evaluate(() => {
+    const parts = [...document.querySelectorAll('.robot-bar .state, .robot-bar .modes, .robot-bar .override, .robot-bar .go .button, .robot-bar .stop-button')];
+    const boxes = parts.map((part) => ({ name: part.className, ...part.getBoundingClientRect().toJSON() })).filter((box) => box.width > 0);
+    return boxes.flatMap((a, i) =>
+      boxes.slice(i + 1).filter((b) => a.left < b.right + 3 && b.left < a.right + 3 && a.top < b.bottom + 3 && b.top < a.bottom + 3).map((b) => `${a.name} and ${b.name}`),
+    );
+  });
 const corner = async (on) => Object.values(await stopKey(on).boundingBox()).map(Math.round).join();
 
 test('Stop stays in one corner at one size, on every page and in every state', async () => {
@@ -76,6 +85,10 @@ test('there is one Pause, which becomes Resume; what is held can be canceled in 
   assert.equal(await button('Pause').count(), 0);
   assert.equal(await button('Resume').count(), 1);
   await until(async () => (await at.bar().getByText('Cancel motion', { exact: true }).count()) === 1, 30, 'Cancel motion');
+  for (const width of [1440, 1024, 390, 1280]) {
+    await page.setViewportSize({ width, height: 800 });
+    assert.deepEqual(await overlaps(), [], `${width} px wide`);
+  }
   await button('Resume').click();
   await until(() => at.watcher.events.status?.state === 'running', 30, 'running');
 });

@@ -45,7 +45,7 @@ export function suite({ example = 'pick_and_place', options = [], change = () =>
   /** Presses and holds something down until `seen`. The page lets go by itself where no sign of life reaches the cell for 120 ms, which a
    * machine with more to do than it can brings about, and says so: then, and only then, it is pressed anew. */
   const hold = async ({ down, up }, seen, what) => {
-    const late = at.page.getByRole('region', { name: 'Messages' }).getByText(/^The motion ended: no sign of life/);
+    const late = at.page.getByRole('region', { name: 'Messages' }).getByText(/^The motion ended: no heartbeat/);
     for (;;) {
       await down();
       let lost = false;

@@ -127,7 +127,7 @@ describe('requests', () => {
 });
 
 describe('what comes', () => {
-  it('goes to where it belongs; nonsense is passed over', () => {
+  it('goes to where it belongs; nonsense is ignored', () => {
     connect();
     const frame = new ArrayBuffer(16);
     last().say(frame);

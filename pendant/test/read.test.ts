@@ -6,7 +6,7 @@ const identity = [0, 0, 0, 1];
 describe('readStatus', () => {
   const event = {
     state: 'held',
-    cause: 'a stop was asked for',
+    cause: 'a stop was requested',
     standing: true,
     armed: true,
     simulated: true,

@@ -3,7 +3,7 @@ import { beforeEach, describe, expect, it, vi } from 'vitest';
 import supervisor from '../../polyarm/control/supervisor.cpp?raw';
 
 vi.stubGlobal('navigator', { language: 'en', userAgent: '' });
-const {causeWords, kSaysAll, lineWords, plain, problemWords} = await import('../src/i18n/told');
+const {causeWords, kSaysAll, lineWords, noteWords, plain, problemWords} = await import('../src/i18n/told');
 const { settings } = await import('../src/state/settings');
 const {en} = await import('../src/i18n/en');
 const {es} = await import('../src/i18n/es');
@@ -83,7 +83,7 @@ describe('what the cell tells', () => {
     ]);
     const pushed = {code: 'moved-while-held', what: '…', facts: {joint: 'arm/elbow', moved_rad: 0.1}};
     expect(inBoth(() => problemWords(pushed).text)).toEqual([
-      'arm/elbow was moved by 5.7 ° while it was held', 'arm/elbow se movió 5,7 ° mientras estaba retenido'
+      'arm/elbow was moved by 5.7 ° during the hold', 'arm/elbow se movió 5,7 ° mientras estaba retenido'
     ]);
     const fault = {
       code: 'fault',
@@ -127,6 +127,14 @@ describe('what the cell tells', () => {
     expect(lineWords({text: 'program: own', code: ''})).toBe('program: own');
   });
 
+  it('says the note of a question in the language of the page', () => {
+    expect(inBoth(() => noteWords('Enter alone means 2'))).toEqual(['No text means 2', 'Sin texto vale 2']);
+    expect(inBoth(() => noteWords('the answer is a length, such as 0.04m'))[1]).toBe('Esta respuesta no sirve. Escriba, por ejemplo, 0.04m');
+    expect(noteWords('another note')).toBe('another note');
+    const all = Object.values(sources).join('\n');
+    for (const part of ['"Enter alone means ', '"the answer is "', '", such as "']) expect(all, part).toContain(part);
+  });
+
   it('has a word for everything that a task can wait for, and for every state', () => {
     const kinds = [...(/waits_for\(program::WaitKind kind\) \{([^}]*\})/
                            .exec(sources['../../polyarm/operation/program_status.cpp']!)
@@ -167,15 +175,15 @@ describe('what the cell tells', () => {
 
   it('keeps what is no command', () => {
     expect(plain('main.script:3: error: no way there (move the point)')).toBe('main.script:3: error: no way there (move the point)');
-    expect(plain('it is held (go on: polyarm control resume; or wait)')).toBe('it is held (wait)');
+    expect(plain('it is held (continue: polyarm control resume; or wait)')).toBe('it is held (wait)');
     expect(plain('let it go back; or resume with --anyway')).toBe('let it go back');
     expect(plain('polyarm control arm')).toBe('');
-    for (const text of ['the mesh /tmp/polyarm-cells/own/a.stl is no whole STL (export it again)', 'another polyarm runs this cell: process 12'])
+    for (const text of ['the mesh /tmp/polyarm-cells/own/a.stl is not a whole STL (export it again)', 'another polyarm runs this cell: process 12'])
       expect(plain(text)).toBe(text);
   });
 
   it('says a problem by its code, and what the cell says of it below', () => {
-    const problem = { code: 'motion-held', what: "'arm' is not jogged", advice: 'go on: polyarm control resume' };
+    const problem = { code: 'motion-held', what: "'arm' is not jogged", advice: 'continue: polyarm control resume' };
     expect(problemWords(problem)).toEqual({ text: "'arm' is not jogged", detail: '', advice: 'Press Resume, or Cancel motion' });
     settings.language.value = 'es';
     expect(problemWords(problem)).toEqual({ text: 'Hay un movimiento en pausa a medio camino', detail: '', advice: 'Pulse Reanudar o Cancelar movimiento' });

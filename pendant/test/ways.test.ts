@@ -149,7 +149,7 @@ describe('what a person can do', () => {
     }
     const started = (change: Partial<Combination>) => blockedWords(seen({...all[0]!, ...change}).start);
     expect(started({})).toBe('');
-    expect(started({moving: true})).toBe('Wait until the robot stands.');
+    expect(started({moving: true})).toBe('Wait until the robot is at rest.');
     expect(started({state: 'held'})).toBe('Press Resume first: the cell is held.');
     expect(started({state: 'fault'})).toBe('Press Recover first: the cell is in a fault.');
     expect(started({real: true, armed: false})).toBe('Compare and arm the robot first.');

@@ -13,6 +13,7 @@
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/reach.hpp"
+#include "polyarm/base/shell_word.hpp"
 
 namespace polyarm {
 
@@ -28,7 +29,7 @@ fs::path list_file() {
 void write_list(const std::vector<Approval>& list) {
   const fs::path file = list_file();
   if (config_folder().empty())
-    throw Error("unwritable", "there is no place to remember approvals in", "set HOME or XDG_CONFIG_HOME");
+    throw Error("unwritable", "there is no folder for approvals", "set HOME or XDG_CONFIG_HOME");
   std::string text;
   for (const Approval& each : list) text += each.kind + '\t' + each.subject + '\t' + each.what + '\n';
   const AsUser user;
@@ -64,10 +65,10 @@ bool require_own(const fs::path& file) {
     refuse(file, 0, "it is a link to another file", "put the file itself there, or delete the link");
   if (!S_ISREG(status.st_mode)) refuse(file, 0, "it is not an ordinary file", "delete it");
   if (status.st_uid != ::geteuid())
-    refuse(file, 0, "it belongs to another user", "delete it: what you approved is asked for again");
+    refuse(file, 0, "it belongs to another user", "delete it; then approve again");
   if ((status.st_mode & (S_IWGRP | S_IWOTH)) != 0)
     refuse(file, 0, "other users may write to it",
-           "look at what it says (polyarm plugins approved), then type chmod 600 " + file.string());
+           "check its entries (polyarm plugins approved), then type chmod 600 " + shell_word(file.string()));
   return true;
 }
 
@@ -77,7 +78,7 @@ std::string wrong_with(const Approval& each) {
   const bool digits = each.subject.size() == 64 &&
                       each.subject.find_first_not_of("0123456789abcdef") == std::string::npos;
   if (std::find(kKinds.begin(), kKinds.end(), each.kind) == kKinds.end())
-    return "'" + printable_line(shortened(each.kind)) + "' is no kind of approval";
+    return "'" + printable_line(shortened(each.kind)) + "' is not a kind of approval";
   if (each.kind == "library" ? !digits : !each.subject.starts_with('/'))
     return each.kind == "library" ? "a library needs its SHA-256" : "a " + each.kind + " needs an absolute folder";
   if (printable_line(each.subject) != each.subject || printable_line(each.what) != each.what)
@@ -107,7 +108,7 @@ std::vector<Approval> approvals() {
     Approval each{fields[0], fields[1], fields[2]};
     if (fields.size() > 3 || !wrong_with(each).empty())
       refuse(file, number, fields.size() > 3 ? "it has more than three fields" : wrong_with(each),
-             "nothing in the file counts; look at who wrote to it, then delete it: what you approved is asked for again");
+             "the whole file is ignored; find out what wrote to it, then delete it and approve again");
     out.push_back(std::move(each));
   }
   return out;

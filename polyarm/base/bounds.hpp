@@ -9,9 +9,9 @@
   X(kRequestBytes, 1 << 20, "bytes", "one request, from any door", "refused, and the connection is closed")   \
   X(kRequestNesting, 64, "levels", "brackets in a request", "refused: bad-request")                           \
   X(kRequestIdBytes, 256, "bytes", "the `id` of a request", "refused: bad-request")                           \
-  X(kOpenRequests, 1000, "requests", "requests that wait or go on, of all who ask", "refused: busy")          \
+  X(kOpenRequests, 1000, "requests", "open requests of all clients", "refused: busy")          \
   X(kOpenRequestsOfOne, 200, "requests", "the same of one connection", "refused: busy")                       \
-  X(kOpenRequestBytes, 16 << 20, "bytes", "what these were read from", "refused: busy")                       \
+  X(kOpenRequestBytes, 16 << 20, "bytes", "the text of these requests", "refused: busy")                       \
   X(kErrorTextBytes, 2048, "bytes", "each text of an error", "cut")                                           \
   X(kErrorProblems, 200, "problems", "problems listed in one error", "left out")                              \
   X(kAddedNameBytes, 200, "bytes", "a name that a request adds: points, frames, tools, groups, controllers",  \
@@ -38,13 +38,13 @@
 
 #define POLYARM_BOUNDS_PAGE(X)                                                                                \
   X(kPageClients, 100, "connections", "pages and programs that are connected",                                \
-    "status 503, but for those who may take control")                                                         \
-  X(kControlSeats, 8, "connections", "further ones of those who may take control",                            \
+    "status 503, except for clients that may take control")                                                         \
+  X(kControlSeats, 8, "connections", "additional places for clients that may take control",                            \
     "status 503")                                                                                             \
-  X(kControlSeat_ms, 10000, "ms", "time in which one of these takes control or asks for it",                  \
+  X(kControlSeat_ms, 10000, "ms", "time in which such a client must take control or ask for it",                  \
     "the connection is closed")                                                                               \
-  X(kConnections, 256, "connections", "connections that have shown a token", "status 503")                    \
-  X(kStrangers, 64, "connections", "connections that have shown none yet",                                    \
+  X(kConnections, 256, "connections", "connections that have sent a token", "status 503")                    \
+  X(kStrangers, 64, "connections", "connections that have not sent a token yet",                                    \
     "the oldest of the address with the most is closed")                                                      \
   X(kHead_ms, 10000, "ms", "time for the head of a request, the TLS handshake with it",                       \
     "the connection is closed")                                                                               \
@@ -64,7 +64,7 @@
     "events are left out from half of it on; then the connection is closed")                                  \
   X(kClientOutBytes, 16 << 20, "bytes", "the same, in bytes", "the same")                                     \
   X(kAllOutBytes, 128 << 20, "bytes", "the same of all clients",                                              \
-    "who has more than 1 MiB unread is closed")                                                               \
+    "clients with more than 1 MiB unread are disconnected")                                                               \
   X(kClientLinesASecond, 500, "requests/s", "requests of one client, after a burst",                          \
     "the connection is closed")                                                                               \
   X(kClientBurst, 2000, "requests", "requests of one client at once", "the connection is closed")             \
@@ -73,14 +73,14 @@
   X(kClientBurstBytes, 32 << 20, "bytes", "requests of one client at once", "the connection is closed")       \
   X(kClientNameBytes, 60, "bytes", "the name of a client", "cut")                                             \
   X(kAccepted, 200, "connections/s", "new connections, after a burst",                                        \
-    "they wait: those that are there go first")                                                               \
+    "they wait; existing connections are served first")                                                               \
   X(kAcceptBurst, 100, "connections", "new connections at once", "the same")                                  \
   X(kViewerRequestBytes, 64 << 10, "bytes", "a message of Foxglove and its like",                              \
     "the connection is closed")                                                                               \
   X(kViewerBytesASecond, 256 << 10, "bytes", "messages of one of these in a second, after a burst",            \
     "the connection is closed")                                                                               \
   X(kViewerBurstBytes, 1 << 20, "bytes", "messages of one of these at once", "the connection is closed")      \
-  X(kAssetBytes, 128 << 20, "bytes", "meshes that these have asked for and not read, of all",                 \
+  X(kAssetBytes, 128 << 20, "bytes", "meshes that all viewers have requested and not read",                 \
     "refused with a text")                                                                                    \
   X(kSlowJobs, 64, "jobs", "pictures, meshes and backups that wait to be made", "status 503")                 \
   X(kZipBytes, 64 << 20, "bytes", "a project's zip", "refused: too-large; status 413")                        \
@@ -95,8 +95,8 @@
     "not sent and counted")                                                                                  \
   X(kExchangeBytes, 32 << 20, "bytes", "messages on their way from or to the process that speaks DDS",       \
     "dropped, or not sent, and counted")                                                                     \
-  X(kRemoteEndpoints, 10000, "endpoints", "endpoints of others that are kept in mind", "passed over")        \
-  X(kRemoteMatches, 50000, "matches", "their matches with topics and services of the cell", "passed over")   \
+  X(kRemoteEndpoints, 10000, "endpoints", "endpoints of others that are stored", "ignored")        \
+  X(kRemoteMatches, 50000, "matches", "their matches with topics and services of the cell", "ignored")   \
   X(kLatchedBytes, 16 << 20, "bytes", "of one topic that is latched, kept for the process that speaks DDS",  \
     "the oldest are left out when it is started again")                                                      \
   X(kDdsMemory, 1 << 30, "bytes", "memory of the process that speaks DDS", "it ends, and is started again")
@@ -124,12 +124,17 @@
     "the connection is closed")                                                                                 \
   X(kRmiLineBytes, 1 << 16, "bytes", "one line of the Remote Motion Interface (FANUC)",                         \
     "the connection is closed")                                                                                 \
-  X(kRmiNesting, 8, "levels", "brackets in such a line", "answered as unknown; the driver passes it over")      \
+  X(kRmiNesting, 8, "levels", "brackets in such a line", "answered as unknown; the driver ignores it")      \
   X(kRmiInstructions, 8, "instructions", "instructions that a simulated FANUC controller keeps",                \
     "refused: 2556956")                                                                                         \
   X(kStreamPacketBytes, 1024, "bytes", "one packet of Stream Motion (FANUC)", "the link ends; dropped by a simulated controller")\
   X(kFarSideScriptBytes, 1 << 20, "bytes", "a program that a simulated UR controller takes",                    \
     "the connection is closed")                                                                                 \
+  X(kEgmDatagramBytes, 2048, "bytes", "one datagram of EGM (ABB)", "the link ends; dropped by a simulated controller")\
+  X(kHttpHeadBytes, 1 << 14, "bytes", "the head of an HTTP message of a controller", "the connection is closed")\
+  X(kHttpBodyBytes, 1 << 20, "bytes", "the body of such a message", "the connection is closed")                 \
+  X(kEventLogEntries, 50, "entries", "entries of a controller's event log that are read at once (ABB)",         \
+    "the older ones are left out")                                                                              \
   X(kFarSideClients, 16, "connections", "connections to one service of a simulated controller", "closed")
 
 #define POLYARM_BOUNDS_FILES(X)                                                                               \
@@ -150,10 +155,10 @@
   X(kProblemsTold, 500, "problems", "problems that check lists", "the number of the others")                  \
   X(kProblemsInText, 100, "problems", "problems in the text of one error", "the number of the others")        \
   X(kQuotedBytes, 200, "bytes", "a value that a message quotes", "cut, with an ellipsis")                     \
-  X(kSuggestedBytes, 100, "bytes", "a name for which the nearest is looked for", "none is suggested")         \
-  X(kSuggestedNames, 5000, "names", "names among which it is looked for", "the others are not looked at")     \
-  X(kSuggestions, 100, "names", "wrong names of one description for which the nearest is looked for",           \
-    "none is suggested")                                                                                      \
+  X(kSuggestedBytes, 100, "bytes", "a name for which the nearest name is suggested", "no name is suggested")         \
+  X(kSuggestedNames, 5000, "names", "names that are compared with it", "the others are ignored")     \
+  X(kSuggestions, 100, "names", "wrong names of one description that get a suggestion",           \
+    "no name is suggested")                                                                                      \
   X(kSrdfMembers, 1000000, "entries", "joints and links of all groups of an SRDF, and its pairs of links",      \
     "refused: too-large")                                                                                     \
   X(kMeshBytes, 128 << 20, "bytes", "a mesh file", "the link is shown by what it collides with")                \
@@ -184,13 +189,13 @@
   X(kStatementsATick, 500, "statements", "statements of all tasks in one tick (2 ms)", "in the next tick")    \
   X(kTextBytes, 65536, "bytes", "a text", "the program ends: too-long")                                       \
   X(kListValues, 10000, "values", "a list with all that is in it", "the program ends: too-long")              \
-  X(kMovesAhead, 1000, "moves", "moves that have been asked for and have not arrived", "the program waits")   \
+  X(kMovesAhead, 1000, "moves", "moves that were requested and have not arrived", "the program waits")   \
   X(kSecondsAhead, 60, "s", "motions that are planned and wait for their turn (two may be longer)", "the program waits") \
   X(kDataNames, 50000, "names", "points, values and tags of a cell", "refused: too-many")                     \
-  X(kChangesKept, 1024, "changes", "changes of values that are kept for those who ask", "the oldest go")      \
+  X(kChangesKept, 1024, "changes", "changes of values that are stored", "the oldest go")      \
   X(kValuesKept, 500000, "values", "values in these changes", "the oldest go")                                \
-  X(kEventsKept, 1000, "events", "events that are kept for those who ask", "the oldest go")                   \
-  X(kEventBytes, 4096, "bytes", "a text of an event that is kept", "cut, with an ellipsis")
+  X(kEventsKept, 1000, "events", "events that are stored", "the oldest go")                   \
+  X(kEventBytes, 4096, "bytes", "the text of a stored event", "cut, with an ellipsis")
 
 #define POLYARM_BOUNDS_LOOP(X) \
   X(kBlackBoxBytes, 512 << 20, "bytes", "the cycles that the black box keeps", "fewer than the last 10 s are kept")

@@ -70,7 +70,7 @@ std::string what_was_thrown() {
   } catch (const std::exception& e) {
     return e.what();
   } catch (...) {
-    return "something that is no std::exception";
+    return "something that is not a std::exception";
   }
 }
 
@@ -82,7 +82,7 @@ Error error_thrown() {
   } catch (const std::filesystem::filesystem_error& e) {
     return Error(Problem{"unwritable",
                          {printable_line(e.path1().string())},
-                         "cannot be made, changed or looked at: " + e.code().message(),
+                         "cannot be created, changed or read: " + e.code().message(),
                          "check what its name and the folders in it are, and their permissions"});
   } catch (...) {
     return Error("internal", "unexpected: " + what_was_thrown());

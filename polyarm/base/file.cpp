@@ -104,8 +104,7 @@ Problem unwritable(const std::filesystem::path& path, const std::string& action,
   std::string advice = "check permissions and free space";
   if (error == EACCES || error == EPERM)
     advice = "you may not write in the folder " + folder +
-             ": ls -ld shows whose it is; work on a copy of it, or "
-             "have its permissions changed";
+             ": ls -ld shows the owner; work on a copy, or change the permissions";
   else if (error == EROFS)
     advice = "the folder " + folder + " is on a file system that is read-only; work on a copy elsewhere";
   else if (error == ENOENT || error == ENOTDIR)

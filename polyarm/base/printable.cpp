@@ -1,10 +1,13 @@
 #include "polyarm/base/printable.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdint>
 #include <cstdio>
 
 #include "polyarm/base/bounds.hpp"
+#include "polyarm/base/shell_word.hpp"
 
 namespace polyarm {
 
@@ -98,6 +101,16 @@ std::size_t whole_characters(std::string_view text) {
     return length_of(static_cast<unsigned char>(c)) > back ? text.size() - back : text.size();
   }
   return text.size();
+}
+
+std::string shell_word(std::string_view text) {
+  const bool plain = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+    return std::isalnum(c) || std::string_view("/._-:=+,@%").find(static_cast<char>(c)) != std::string_view::npos;
+  });
+  if (plain) return std::string(text);
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
 }
 
 }  // namespace polyarm

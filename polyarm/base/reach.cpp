@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/shell_word.hpp"
 
 namespace polyarm {
 
@@ -200,7 +201,7 @@ void Reach::check(const fs::path& path, const fs::path& real, Use use) const {
                           " this file, which is outside its folder" + newest_cell(open()) +
                           (link ? ": links lead to " + real.string() : ""),
                       "copy it into the cell's folder; or, if you trust the cell, add --allow " +
-                          real.string() + " to the command"});
+                          shell_word(real.string()) + " to the command"});
 }
 
 Reach& reach() {

@@ -65,7 +65,7 @@ fs::path secret_file(const std::string& name) {
     refuse("there is no secret '" + name + "' on this machine",
            "write it into this file and type chmod 600 " + file.string());
   if (status.st_uid != ::geteuid() && status.st_uid != 0)
-    refuse("this secret belongs to another user, who could exchange it", "write it as a file of your own");
+    refuse("this secret belongs to another user, and could be replaced", "write it as a file of your own");
   if ((status.st_mode & 0077) != 0) refuse("other users may read this secret", "chmod 600 " + file.string());
   return file;
 }

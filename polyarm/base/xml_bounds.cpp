@@ -40,7 +40,7 @@ void check_xml_bounds(std::string_view text, const std::string& file, std::size_
           Problem{"xml-syntax",
                   {file, static_cast<int>(1 + std::count(text.begin(), text.begin() + at, '\n'))},
                   "an element has more than " + std::to_string(bounds::kXmlAttributes) + " attributes",
-                  "put what they say into elements"});
+                  "use elements instead of attributes"});
     at = text.find('<', next);
   }
 }

@@ -54,11 +54,11 @@ std::string ForceTorqueSensorBroadcaster::read_interfaces(ControllerContext& con
   }
   if (!first.empty() && p.has("sensor_name"))
     p.problems().error("bad-value", place_of(p, "sensor_name"),
-                       "sensor_name and interface_names both say where the values come from",
+                       "sensor_name and interface_names both define the source of the values",
                        "leave one of them out");
   if (!first.empty()) {
     std::string sensor;
-    p.read("sensor_name", sensor, {"the sensor; may be left out where there is only one"});
+    p.read("sensor_name", sensor, {"the sensor; may be omitted if there is only one"});
     const std::string written = p.text(first);
     return written.substr(0, written.rfind('/'));
   }
@@ -76,7 +76,7 @@ void ForceTorqueSensorBroadcaster::read_corrections(Parameters& p) {
   for (std::size_t axis = 0; axis < 6; ++axis) {
     const std::string name = kForceTorqueInterfaces[axis];
     p.read("offset." + name, offset_[axis],
-           {.text = "added to what is measured, N or N m", .changeable = true});
+           {.text = "added to the measured value, N or N m", .changeable = true});
     p.read("multiplier." + name, multiplier_[axis], {.text = "times that", .changeable = true});
   }
 }
@@ -101,7 +101,7 @@ bool ForceTorqueSensorBroadcaster::read_filter(ControllerContext& context, const
     filter = FirstOrderFilter::exponential(alpha);
   } else {
     p.problems().warning("unknown-filter", place_of(p, prefix + "type"),
-                         "the filter " + type + " is not available; wrench_filtered is not told",
+                         "the filter " + type + " is not available; wrench_filtered is not published",
                          "there are LowPassFilterWrench and ExponentialFilterWrench");
     std::erase_if(p.entries, [&](const auto& entry) { return entry.first.starts_with(prefix); });
     return false;

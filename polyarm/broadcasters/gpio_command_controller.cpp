@@ -109,7 +109,7 @@ CallbackReturn GpioCommandController::on_configure(ControllerContext& context) {
   read_command_timeout(p);
   if (!gpios.empty() && command_names_.empty() && state_names_.empty())
     p.problems().error("bad-value", place_of(p, "gpios"),
-                       "there is nothing to command and nothing to tell: no gpio of these has states",
+                       "there is nothing to command and nothing to publish: no gpio of the list has states",
                        "write command_interfaces: {GPIO: {interfaces: [NAME, …]}}");
   states_ = &add_output("gpio_states", "control_msgs/DynamicJointState", state_names_);
   asked_ = {0, std::vector<double>(command_names_.size(), kNothing)};

@@ -16,7 +16,7 @@ CallbackReturn GpsSensorBroadcaster::on_configure(ControllerContext& context) {
   covariance_ = read_covariance(p, "static_position_covariance");
   measured_covariance_ = false;
   p.read("read_covariance_from_interface", measured_covariance_,
-         {"the receiver tells its covariance; static_position_covariance is not used"});
+         {"the receiver reports its covariance; static_position_covariance is not used"});
   for (const char* interface : kGpsInterfaces) claim_state(sensor.whole + "/" + interface);
   if (measured_covariance_) {
     covariance_ = {};

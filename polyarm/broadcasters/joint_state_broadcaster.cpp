@@ -42,15 +42,16 @@ CallbackReturn JointStateBroadcaster::on_configure(ControllerContext& context) {
   std::string frame = "base_link";
   bool local = false, filter = true;
   Parameters& p = context.parameters;
-  p.read("joints", joints, {"the joints to tell; all where empty"});
-  p.read("interfaces", wanted_, {"the state interfaces to tell; position, velocity and effort where empty"});
-  p.read("extra_joints", extra, {"joints that no hardware has, told at rest at zero"});
-  p.read("use_local_topics", local, {"tell them under the controller's own name instead of /joint_states"});
-  p.read("use_urdf_to_filter", filter, {"tell only joints of the description, in its order"});
+  p.read("joints", joints, {"the joints to publish; empty: all"});
+  p.read("interfaces", wanted_, {"the state interfaces to publish; empty: position, velocity and effort"});
+  p.read("extra_joints", extra, {"joints that no hardware has; published at rest at zero"});
+  p.read("use_local_topics", local,
+         {"publish them under the controller's own name instead of /joint_states"});
+  p.read("use_urdf_to_filter", filter, {"publish only joints of the description, in its order"});
   p.read("frame_id", frame, {"frame of the messages"});
   for (std::size_t k = 0; k < 3; ++k)
     p.read(std::string("map_interface_to_joint_state.") + kQuantities[k], renamed_[k],
-           {"the state interface that is told as this quantity"});
+           {"the state interface that is published as this quantity"});
   p.superseded("publish_dynamic_joint_states", "dynamic_joint_states can always be watched");
   joints_.clear();
   measured_.clear();

@@ -29,11 +29,11 @@ CallbackReturn PoseBroadcaster::on_configure(ControllerContext& context) {
   bool enabled = true;
   double rate = 0;
   std::string child = sensor.name;
-  p.read("tf.enable", enabled, {"false: no transform is told"});
-  p.read("tf.child_frame_id", child, {"what the transform leads to; the pose's name where it is not stated"});
+  p.read("tf.enable", enabled, {"false: no transform is published"});
+  p.read("tf.child_frame_id", child, {"child frame of the transform; default: the pose's name"});
   p.read("tf_publish_rate", rate, {"Hz of the transform; 0: with every update"});
   if (!(rate >= 0 && rate <= 1e6))
-    p.problems().error("bad-value", place_of(p, "tf_publish_rate"), "tf_publish_rate is no rate",
+    p.problems().error("bad-value", place_of(p, "tf_publish_rate"), "tf_publish_rate is not a rate",
                        "write Hz, 0 for every update");
   tf_period_ = rate > 0 ? static_cast<Nanoseconds>(std::llround(1e9 / rate)) : 0;
   tf_ = nullptr;

@@ -39,7 +39,7 @@ Location place_of(const Parameters& parameters, const std::string& key) {
 FoundSensor read_sensor(ControllerContext& context, std::span<const char* const> interfaces,
                         const std::string& what, const std::string& key) {
   std::string written;
-  context.parameters.read(key, written, {"the sensor; may be left out where there is only one"});
+  context.parameters.read(key, written, {"the sensor; may be omitted if there is only one"});
   const std::vector<std::string> known = sensors_with(context, interfaces);
   for (const std::string& sensor : known)
     if (sensor == written || without_robot(sensor) == written) return {sensor, written};
@@ -60,7 +60,7 @@ FoundSensor read_sensor(ControllerContext& context, std::span<const char* const>
 
 std::string read_frame(Parameters& parameters, const std::string& sensor) {
   std::string frame;
-  parameters.read("frame_id", frame, {"the frame in which it is told; else the sensor's name"});
+  parameters.read("frame_id", frame, {"the frame of the values; default: the sensor's name"});
   return frame.empty() ? sensor : frame;
 }
 

@@ -8,7 +8,7 @@ namespace polyarm::controllers {
 CallbackReturn StateInterfacesBroadcaster::on_configure(ControllerContext& context) {
   Parameters& p = context.parameters;
   std::vector<std::string> names;
-  p.read("interfaces", names, {"the states to tell: joint/interface, sensor/interface, …"});
+  p.read("interfaces", names, {"the states to publish: joint/interface, sensor/interface, …"});
   const Location where = place_of(p, "interfaces");
   if (names.empty())
     p.problems().error("bad-value", where, "it names no interfaces", "write interfaces: [joint/position, …]");

@@ -13,6 +13,7 @@
 #include "polyarm/description/srdf.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/base/reach.hpp"
+#include "polyarm/base/shell_word.hpp"
 #include "polyarm/xacro/xacro.hpp"
 
 namespace polyarm::description {
@@ -213,7 +214,7 @@ RobotModel load_robot(const std::string& name_or_path, const Catalogue& catalogu
   if (extension == ".yaml" && fs::exists(path, error)) return read_robot_file(path);
   if (is_launch_file(path) && fs::is_regular_file(path, error))
     throw Error("launch-file", path.string() + " is a launch file of ROS, not a description",
-                "polyarm run " + path.string() + " starts what it starts, or says what to type instead");
+                "polyarm run " + shell_word(path.string()) + " runs what it describes, or prints what to type instead");
   if (fs::is_regular_file(path, error) || extension == ".urdf" || extension == ".xacro" ||
       extension == ".xml") {
     RobotModel model = read_description(path, warnings, arguments);

@@ -16,7 +16,7 @@ double number_of(std::string_view text, std::string_view whole, const std::strin
                  Dimension dimension) {
   if (const auto value = parse_quantity(trim(text), dimension)) return *value;
   throw Error(
-      "bad-range", what + ": '" + std::string(whole) + "' is no range",
+      "bad-range", what + ": '" + std::string(whole) + "' is not a range",
       "write a number, '4..6', '>=1.2' or '<500' (in quotes, so that the shell leaves > and < alone)");
 }
 

@@ -22,7 +22,7 @@ JointType row_type(const Yaml& row) {
   const std::string text = row["type"].text("revolute");
   for (const JointType type : {JointType::revolute, JointType::continuous, JointType::prismatic})
     if (text == name(type)) return type;
-  throw Error(Problem{"bad-value", row["type"].where(), "'" + text + "' is no type of a row",
+  throw Error(Problem{"bad-value", row["type"].where(), "'" + text + "' is not a type of a row",
                       "revolute, continuous or prismatic"});
 }
 
@@ -63,13 +63,12 @@ Screw from_screw(const Yaml& yaml, bool slides) {
   const Vec3 w{s[0], s[1], s[2]}, v{s[3], s[4], s[5]};
   if (slides) {
     if (norm(w) > 1e-9)
-      throw Error(
-          Problem{"bad-value", yaml.where(), "a prismatic joint does not turn: w has to be zero", {}});
+      throw Error(Problem{"bad-value", yaml.where(), "a prismatic joint does not turn: w must be zero", {}});
     return {direction(v, yaml.where()), {}};
   }
   const Vec3 unit = direction(w, yaml.where());
   if (std::abs(norm(w) - 1) > 1e-6)
-    throw Error(Problem{"bad-value", yaml.where(), "w is no unit vector", "divide w and v by its length"});
+    throw Error(Problem{"bad-value", yaml.where(), "w is not a unit vector", "divide w and v by its length"});
   if (std::abs(dot(unit, v)) > 1e-6)
     throw Error(Problem{"screw-pitch", yaml.where(),
                         "w and v are not at right angles: such a joint would move along its axis as it turns",
@@ -188,9 +187,9 @@ TableKind table_kind(const Yaml& yaml) {
   const std::vector<std::string> names{"dh", "modified_dh", "poe"};
   const auto found = std::find(names.begin(), names.end(), text);
   if (found == names.end())
-    throw Error(
-        Problem{"bad-value", yaml.where(), "'" + text + "' is no kind of table" + did_you_mean(text, names),
-                "dh, modified_dh or poe; without `kinematics` joints have parent, child, xyz and rpy"});
+    throw Error(Problem{
+        "bad-value", yaml.where(), "'" + text + "' is not a kind of table" + did_you_mean(text, names),
+        "dh, modified_dh or poe; without `kinematics` joints have parent, child, xyz and rpy"});
   return static_cast<TableKind>(found - names.begin());
 }
 

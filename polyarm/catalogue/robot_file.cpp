@@ -19,7 +19,7 @@ JointType type_of(const Yaml& yaml) {
   for (const JointType type :
        {JointType::fixed, JointType::revolute, JointType::continuous, JointType::prismatic})
     if (text == name(type)) return type;
-  throw Error(Problem{"bad-value", yaml.where(), "'" + text + "' is no joint type",
+  throw Error(Problem{"bad-value", yaml.where(), "'" + text + "' is not a joint type",
                       "fixed, revolute, continuous or prismatic"});
 }
 
@@ -288,7 +288,7 @@ void read_allowed(const Yaml& yaml, RobotModel& model, Problems& problems) {
     }
     std::array<int, 2> links{model.find_link(names[0]), model.find_link(names[1])};
     if (links[0] < 0 || links[1] < 0)
-      problems.error("unknown-link", pair.where(), "'" + names[links[0] < 0 ? 0 : 1] + "' is no link");
+      problems.error("unknown-link", pair.where(), "'" + names[links[0] < 0 ? 0 : 1] + "' is not a link");
     else
       model.allowed_collisions.push_back({std::min(links[0], links[1]), std::max(links[0], links[1])});
   }
@@ -303,7 +303,7 @@ RobotModel read_robot_file(const fs::path& path) {
   if (kind != "robot/1")
     throw Error(Problem{"wrong-kind",
                         yaml.where(),
-                        kind.empty() ? "this is not a robot file: it does not say 'polyarm: robot/1'"
+                        kind.empty() ? "this is not a robot file: the line 'polyarm: robot/1' is missing"
                                      : "this is a '" + kind + "' file, a robot/1 was expected",
                         {}});
   yaml.check_keys(

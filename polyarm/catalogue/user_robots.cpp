@@ -23,7 +23,7 @@ bool plain_word(const std::string& word) {
 void check_name(const std::string& name) {
   const std::size_t slash = name.find('/');
   if (slash == std::string::npos || !plain_word(name.substr(0, slash)) || !plain_word(name.substr(slash + 1)))
-    throw Error("bad-name", "'" + name + "' is no name for a robot of the catalogue",
+    throw Error("bad-name", "'" + name + "' is not a name for a robot of the catalogue",
                 "write maker/model in small letters, digits, '_' and '-', as in --name acme/one");
 }
 
@@ -64,7 +64,7 @@ void check_for_catalogue(const RobotModel& model, Problems& problems) {
                      "joint '" + joint.name + "': the lower limit is not below the upper one");
     if (!joint.limits.velocity || !(*joint.limits.velocity > 0))
       problems.warning("no-velocity", {}, "joint '" + joint.name + "' states no speed",
-                       "without one it moves at the speed that cells take where none is known");
+                       "without a limit, cells use their default speed for it");
   }
 }
 
@@ -88,12 +88,12 @@ fs::path store_robot(const RobotModel& model, const std::string& name, const fs:
   std::error_code error;
   for (const char* ending : {".urdf", ".yaml"})
     if (fs::exists(folder / (name + ending), error) && !replace)
-      throw Error("exists", (folder / (name + ending)).string() + " is there already",
+      throw Error("exists", (folder / (name + ending)).string() + " exists already",
                   "take another --name, or --replace it");
   fs::create_directories(file.parent_path(), error);
   if (error)
-    throw Error("no-folder", file.parent_path().string() + " cannot be made: " + error.message(),
-                "say where with --folder");
+    throw Error("no-folder", file.parent_path().string() + " cannot be created: " + error.message(),
+                "choose a folder with --folder");
   write_file_atomically(file, write_urdf(model));
   return file;
 }

@@ -142,6 +142,7 @@ class Checker {
         plc = data::find_file(file_.plc, file_.folder, file_.plc_where);
         data_of(plc, known);
       });
+    add_elsewhere(known);
     if (!script.empty()) one_program(script, known);
     if (!plc.empty()) one_program(plc, known);
   }
@@ -218,6 +219,32 @@ class Checker {
     }
   }
 
+  /// Adds the names in data files of the folder that no program loads, for the advice to load them.
+  void add_elsewhere(program::KnownNames& known) const {
+    constexpr std::size_t kMostFiles = 50;
+    std::error_code error;
+    std::set<std::filesystem::path> files;
+    for (std::filesystem::directory_iterator each(file_.folder, error), end; !error && each != end;
+         each.increment(error)) {
+      const std::filesystem::path& path = each->path();
+      const bool data = path.extension() == ".points" || path.extension() == ".data";
+      if (data && each->symlink_status(error).type() == std::filesystem::file_type::regular && !taken_.contains(path))
+        files.insert(path);
+      if (files.size() >= kMostFiles) break;
+    }
+    for (const std::filesystem::path& path : files) {
+      try {
+        program::KnownNames own;
+        add_names(read_file(path, bounds::kDataBytes), own);
+        for (const auto& name : own.names)
+          if (!known.names.contains(name.first))
+            known.elsewhere.try_emplace(name.first, path.filename().string(), path.stem().string());
+      } catch (const Error&) {
+        continue;  // only for advice
+      }
+    }
+  }
+
   /// Names whose values are malformed still count as known names.
   static void add_names(const std::string& text, program::KnownNames& known) {
     for (const std::string& line : split_words(text, "\r\n")) {
@@ -268,25 +295,32 @@ class Checker {
     for (const signals::CameraLink& camera : signals_.cameras) later.insert(camera.point);
     FrameCheck frames(sets_, robots_, std::move(later));
     for (const auto& [path, read] : read_) frames.look_at(read.program);
-    const moves::RobotFacts* const robot = robots_.size() == 1 ? robots_.front()->facts.get() : nullptr;
+    // From another carrier's place a carried robot reaches other points; its moves are checked later.
+    const bool carried = std::any_of(robots_.begin(), robots_.end(),
+                                     [](const auto& robot) { return !robot->entry.on.empty(); });
     for (const data::DataSet& set : sets_)
       for (const data::Entry& entry : set.entries())
-        if (entry.value.is_place()) point(robot, entry, frames);
+        if (entry.value.is_place()) point(!carried || robots_.size() == 1, entry, frames);
   }
 
-  /// `robot` is null if the cell has several robots, because then the point's robot is unknown.
-  void point(const moves::RobotFacts* robot, const data::Entry& entry, const FrameCheck& frames) {
+  /// At least one robot must reach the point. Its moves are checked later.
+  void point(bool reach, const data::Entry& entry, const FrameCheck& frames) {
     PointReport report{entry.name, entry.where, true, "", {}};
     try {
-      const data::JointState* joints = entry.value.as_joints();
-      if (!joints) frames.in_world(entry);  // throws if a frame does not exist
-      if (!robot) return;
-      if (joints) {
-        report.joints = joints_by_name(*robot->model, *joints, entry.name);
-        moves::check_joints(*robot, report.joints, entry.name);
-      } else if (!frames.is_no_target(entry.name)) {
-        pose(*robot, entry, frames.meanings(entry), report);
+      if (!entry.value.as_joints()) frames.in_world(entry);  // throws if a frame does not exist
+      if (!reach) return;
+      std::vector<std::pair<std::string, Error>> why;
+      for (const auto& robot : robots_) {
+        try {
+          reached_by(*robot->facts, entry, frames, report);
+          why.clear();
+          break;
+        } catch (const Error& e) {
+          why.emplace_back(robot->entry.name, e);
+        }
       }
+      if (why.size() == 1) throw why.front().second;
+      if (!why.empty()) throw reached_by_none(entry.name, why);
     } catch (const Error& e) {
       Problem problem = e.problems().front();
       problem.where = entry.where;
@@ -299,6 +333,24 @@ class Checker {
       problems_.add(std::move(problem));
     }
     result_.points.push_back(std::move(report));
+  }
+
+  void reached_by(const moves::RobotFacts& robot, const data::Entry& entry, const FrameCheck& frames,
+                  PointReport& report) {
+    if (const data::JointState* joints = entry.value.as_joints()) {
+      report.joints = joints_by_name(*robot.model, *joints, entry.name);
+      moves::check_joints(robot, report.joints, entry.name);
+    } else if (!frames.is_no_target(entry.name)) {
+      pose(robot, entry, frames.meanings(entry), report);
+    }
+  }
+
+  static Error reached_by_none(const std::string& name, const std::vector<std::pair<std::string, Error>>& why) {
+    std::string what = "no robot reaches " + name;
+    for (std::size_t i = 0; i < why.size(); ++i)
+      what += (i == 0 ? " (" : "; ") + why[i].first + ": " + why[i].second.problems().front().what;
+    return {why.front().second.problems().front().code, what + ")",
+            why.front().second.problems().front().advice};
   }
 
   /// At least one of the possible meanings must be within reach; each move is checked later.
@@ -380,8 +432,8 @@ class Checker {
   void note_left_out(const Rehearsal& found, const std::string& of) {
     if (found.left_out == 0) return;
     result_.notes.push_back(fmt::format(
-        "the {} was followed with {} other values, answers, time-outs and errors; {} more were left out", of,
-        found.variants, found.left_out));
+        "the {} was also checked with {} other values, answers, time-outs and errors; {} more were left out",
+        of, found.variants, found.left_out));
   }
 
   void run_whole(CellOptions options) {

@@ -80,7 +80,7 @@ void run_cell(CellInside& cell, double limit_s, RobotVerdict& out) {
     if (out.problem->where.file.empty() && program) out.problem->where = program->status().where;
   } else if (!cell.life->finished()) {
     out.problem = Problem{"too-long", program ? program->status().where : Location{},
-                          "the program has not ended in time", "say --seconds"};
+                          "the program has not ended in time", "allow more with --seconds"};
   }
 }
 

@@ -127,7 +127,8 @@ void allow_one(const CellFile& file, const std::string& text) {
                                  : "files are allowed where the cell is started: polyarm run CELL --allow PATH");
   for (const Wanted& each : wanted_by(file))
     if (each.kind == kind && each.what == what) return remember_allowed(file, each);
-  throw Error("not-wanted", "the cell does not want to reach '" + text + "'", "cell.reach lists what it wants");
+  throw Error("not-wanted", "the cell does not access '" + text + "'",
+              "the request cell.reach lists what it accesses");
 }
 }  // namespace
 
@@ -153,7 +154,8 @@ protocol::CellReach::Answer reach_of_cell(const fs::path& open, const std::strin
     const std::vector<fs::path> known =
         openable(open.empty() ? open : fs::weakly_canonical(open, error).parent_path(), recent_cells());
     if (std::find(known.begin(), known.end(), asked) == known.end())
-      throw Error("unknown-cell", "'" + folder + "' is none of the cells that can be opened", "cells lists them");
+      throw Error("unknown-cell", "'" + folder + "' is not one of the cells that can be opened",
+                  "the request `cells` lists them");
     path = asked;
   }
   if (path.empty()) throw Error("no-cell", "no cell is open", "name one: folder");
@@ -164,9 +166,10 @@ protocol::CellReach::Answer reach_of_cell(const fs::path& open, const std::strin
 
 namespace {
 [[noreturn]] void refuse_outside(const char* what, const std::string& named) {
-  throw Error("outside-cell",
-              std::string("the ") + what + " '" + shortened(named) + "' is outside the project, and this cell goes on",
-              std::string("name one of the project; a ") + what + " elsewhere is named where Polyarm is started");
+  throw Error(
+      "outside-cell",
+      std::string("the ") + what + " '" + shortened(named) + "' is outside the project; this cell continues",
+      std::string("name one of the project; a ") + what + " elsewhere must be named when Polyarm is started");
 }
 
 /// The folder that the request names; the open cell's folder if it names none.
@@ -179,7 +182,8 @@ fs::path folder_wished(const std::string& cell, const fs::path& open) {
   const bool listed = std::find(known.begin(), known.end(), folder) != known.end();
   const bool beside = !open.empty() && polyarm::inside(folder, project_root(open));
   if (!fs::exists(named, error) || (!listed && !beside))
-    throw Error("unknown-cell", "'" + shortened(cell) + "' is none of the cells that can be opened, and this one goes on",
+    throw Error("unknown-cell",
+                "'" + shortened(cell) + "' is not one of the cells that can be opened; this one continues",
                 "name its folder or its file; `cells` lists those that are known");
   return folder;
 }

@@ -73,8 +73,9 @@ std::vector<ProgramTest> find_tests(const fs::path& path, Problems& problems) {
     if (found.has_errors()) continue;
     const auto cell = cell_above(file);
     if (!cell) {
-      problems.error("no-cell", {file.string()}, "no folder from that of this file upwards has a cell.yaml",
-                     "put the tests beside the cell that they are about");
+      problems.error("no-cell", {file.string()},
+                     "neither the folder of this file nor one above it has a cell.yaml",
+                     "put the tests into the folder of their cell");
       continue;
     }
     const auto tests = program::tests(program);
@@ -109,7 +110,7 @@ TestResult run_test(const ProgramTest& test, const description::Catalogue& catal
               Problem{"too-long",
                       {test.file.string(), test.line},
                       fmt::format("the test has not ended after {:g} s of cell time", options.seconds),
-                      "give its waits a timeout, or say --seconds"});
+                      "give its waits a timeout, or allow more with --seconds"});
       }
       loop.step_next();
     }

@@ -93,6 +93,20 @@ program::Handle Stage::start_move(const program::Move& move, const Location& whe
   return 1;
 }
 
+/// A trap springs between two moves here, because moves take no time.
+program::Handle Stage::suspend(const std::vector<std::string>&) {
+  arrive();
+  held_.clear();
+  for (const Arm& arm : arms_) held_.push_back(arm.at);
+  return 1;
+}
+
+program::Handle Stage::resume(const std::vector<std::string>&) {
+  arrive();
+  for (std::size_t i = 0; i < held_.size(); ++i) arms_[i].at = held_[i];
+  return 1;
+}
+
 program::Progress Stage::poll_move(program::Handle) {
   have_arrived();
   if (!pending_) return program::Progress::done();
@@ -145,12 +159,37 @@ program::Travel Stage::travel(program::Handle) const {
 }
 
 data::Value Stage::here(const std::string& robot, const std::string& tool, const std::string& frame) const {
+  return moves_of_program().here_at(robot, tool, frame, [this](std::size_t arm) { return joints_now(arm); });
+}
+
+ProgramMoves& Stage::moves_of_program() const {
   if (!moves_) throw Error("no-robot", "a PLC's script moves no robot");
-  return moves_->here_at(robot, tool, frame, [this](std::size_t arm) {
-    const Location last = arms_[arm].went.empty() ? Location{} : arms_[arm].went.back().asked.where;
-    if (!helped_.empty()) here_known_ = here_known_ && start_known(arms_[arm], last);
-    return arms_[arm].at;
-  });
+  return *moves_;
+}
+
+std::vector<double> Stage::joints_now(std::size_t arm) const {
+  const Location last = arms_[arm].went.empty() ? Location{} : arms_[arm].went.back().asked.where;
+  if (!helped_.empty()) here_known_ = here_known_ && start_known(arms_[arm], last);
+  return arms_[arm].at;
+}
+
+data::JointState Stage::here_joints(const std::string& robot) const {
+  return moves_of_program().here_joints(robot, [this](std::size_t arm) { return joints_now(arm); });
+}
+
+data::JointState Stage::joints_at(const data::Value& place, const data::JointState* near, const std::string& robot,
+                                  const std::string& tool, const std::string& frame) const {
+  return moves_of_program().joints_at(place, near, robot, tool, frame,
+                                      [this](std::size_t arm) { return joints_now(arm); });
+}
+
+data::Value Stage::pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
+                           const std::string& frame) const {
+  return moves_of_program().pose_at(joints, robot, tool, frame);
+}
+
+std::uint64_t Stage::seed() const {
+  return cell_.setup.file.seed;
 }
 
 void Stage::wait_until(Nanoseconds time) {

@@ -87,9 +87,20 @@ class Stage : public program::Host {
   bool room_for_move(const std::string&) override { return true; }
   program::Handle start_arrival(const std::string& robot) override;
   void end_move(program::Handle, const Location&) override {}
+  program::Handle suspend(const std::vector<std::string>& robots) override;
+  program::Handle resume(const std::vector<std::string>& robots) override;
   program::Travel travel(program::Handle handle) const override;
   data::Value here(const std::string& robot, const std::string& tool,
                    const std::string& frame) const override;
+  data::JointState here_joints(const std::string& robot) const override;
+  data::JointState joints_at(const data::Value& place, const data::JointState* near, const std::string& robot,
+                             const std::string& tool, const std::string& frame) const override;
+  data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
+                      const std::string& frame) const override;
+  /// Nothing touches here: until conditions of force do not come.
+  std::array<double, 6> wrench(const std::string&) override { return {}; }
+  void zero_force(const std::string&) override {}
+  std::uint64_t seed() const override;
   program::Handle start_load(const std::string&, program::LoadForm, const Location& where) override;
   program::Progress poll_load(program::Handle) override { return program::Progress::done(); }
   program::Handle start_ask(const std::string& text, const Location& where) override;
@@ -116,6 +127,8 @@ class Stage : public program::Host {
     std::vector<Went> went;  ///< all moves made so far
   };
 
+  ProgramMoves& moves_of_program() const;
+  std::vector<double> joints_now(std::size_t arm) const;
   program::Move from_now(const program::Move& move);
   void arrive();
   void have_arrived();
@@ -171,6 +184,7 @@ class Stage : public program::Host {
   mutable bool here_known_ = true;  ///< false if a here() returned a position that may differ between runs
   mutable std::optional<program::Certainty> certainty_;
   std::set<std::pair<std::string, std::string>> told_;
+  std::vector<std::vector<double>> held_;  ///< where a trap stopped each arm
   mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< of points that name a frame
   description::Scene fixed_scene_;
   std::shared_ptr<SharedBodies> fixed_;  ///< of the robots and `fixed_scene_`

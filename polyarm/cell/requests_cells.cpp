@@ -72,7 +72,7 @@ class Aside {
   void begin(std::function<void()> job) {
     const std::lock_guard lock(mutex_);
     if (busy_.load(std::memory_order_acquire))
-      throw Error("busy", "a dry run or check is under way", "wait until it has ended");
+      throw Error("busy", "a dry run or check is running", "wait until it has ended");
     busy_.store(true, std::memory_order_release);
     thread_ = std::jthread([this, job = std::move(job)] {
       job();
@@ -147,7 +147,8 @@ void add_contacts(const CellFile& file, const description::Catalogue& catalogue,
   constexpr Nanoseconds kMost = 120'000'000'000, kPatience = 20'000'000'000;
   if (!file.signals.empty() && !signals::load_signals((file.folder / file.signals).string()).live.empty()) {
     out.contacts.unchecked = {
-        "contacts are not looked for here, as the program writes live data files of yours: polyarm check --dry runs it"};
+        "contacts are not checked here, because the program writes live data files: polyarm check --dry runs "
+        "it"};
     return;
   }
   ContactList contacts;
@@ -214,7 +215,7 @@ fs::path new_project(const std::string& name) {
     return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-';
   };
   if (name.empty() || name.size() > 60 || !std::all_of(name.begin(), name.end(), good))
-    throw Error("bad-argument", "'" + name + "' is no name for a cell", "letters, digits, _ and -");
+    throw Error("bad-argument", "'" + name + "' is not a name for a cell", "letters, digits, _ and -");
   const fs::path folder = projects_folder() / name;
   std::error_code error;
   if (fs::exists(folder, error))

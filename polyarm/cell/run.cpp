@@ -272,11 +272,12 @@ class Runner {
     const std::uint64_t cycles = cell_.machine.loop().health().cycles,
                         gaps = cell_.machine.loop().health().gaps;
     if (std::exchange(gaps_, gaps) != gaps)
-      observer_.on_note("wall time went missing; a simulated cell goes on (loop: {stall: hold} holds it)");
+      observer_.on_note(
+          "wall time was lost; a simulated cell continues (loop: {stall: hold} holds it instead)");
     const Nanoseconds now = realtime::monotonic_now();
     if (cycles != seen_cycles_) {
       if (loop_silent_)
-        observer_.on_note("the control loop goes on after " +
+        observer_.on_note("the control loop continues after " +
                           format_number(std::round(seconds(now - cycles_seen_at_) * 10) / 10) + " s");
       loop_silent_ = false;
       seen_cycles_ = cycles;
@@ -292,12 +293,12 @@ class Runner {
     const hardware::Hardware& hardware = cell_.machine.loop().hardware();
     const control::ControllerManager& controllers = cell_.machine.loop().controllers();
     if (const int who = hardware.diagnostics().in_call(); who >= 0)
-      return "the control loop stands still: it waits for the hardware component " +
+      return "the control loop does not run: it waits for the hardware component " +
              hardware.component_name(static_cast<std::size_t>(who)) + "; give it is_async=\"true\"";
     if (const int who = controllers.in_call(); who >= 0)
-      return "the control loop stands still: it waits for the controller " + controllers.name_of(who) +
+      return "the control loop does not run: it waits for the controller " + controllers.name_of(who) +
              "; give it is_async: true";
-    return "the control loop stands still";
+    return "the control loop does not run";
   }
 
   void typed(const std::string& line) {
@@ -314,7 +315,22 @@ class Runner {
     } else if (request) {
       ask(*request);
     } else {
-      cell_.programs->answers().give(line);
+      answer(line);
+    }
+  }
+
+  /// At a terminal a line answers only a question that was asked: an early one would answer the next question.
+  /// A script may write its answers in advance.
+  void answer(const std::string& line) {
+    Answers& answers = cell_.programs->answers();
+    if (!console_.is_terminal()) return answers.give(line);
+    const auto asks = [](const Task* task) {
+      return task && !task->ended() && task->status().waiting.kind == program::WaitKind::user;
+    };
+    if (!asks(cell_.programs->program()) && !asks(cell_.programs->plc())) {
+      if (!line.empty()) observer_.on_note("nothing is asked now, and '" + line + "' is no command here");
+    } else if (!answers.answer(line)) {
+      observer_.on_note("the question is answered already, and the program has not gone on yet");
     }
   }
 
@@ -421,8 +437,8 @@ class Runner {
       out.outcome = Outcome::failed;
       out.problems.push_back({"stuck",
                               {},
-                              standing_still() + " (it did not come back when the run ended)",
-                              "what it drives is left to the driver's watchdog"});
+                              standing_still() + " (it did not return when the run ended)",
+                              "only the driver's watchdog can stop what it drives"});
       return;
     }
     if (cell_.life->failure()) {
@@ -435,13 +451,12 @@ class Runner {
       out.outcome = Outcome::failed;
       const std::optional<Problem>& why = cell_.machine.held_by();
       const Task* const program = cell_.programs->program();
-      out.problems.push_back(
-          {"held",
-           why && why->where.line > 0 ? why->where
-           : program                  ? program->status().where
-                                      : Location{},
-           "the cell is held, and in lock-step nobody is there to resume it",
-           "run it without --fast, or with --socket, and polyarm control resume"});
+      out.problems.push_back({"held",
+                              why && why->where.line > 0 ? why->where
+                              : program                  ? program->status().where
+                                                         : Location{},
+                              "the cell is held, and in lock-step nobody can resume it",
+                              "run it without --fast, or with --socket, and polyarm control resume"});
     }
     for (const Problem& problem : cell_.watches->group_faults()) {
       out.outcome = Outcome::failed;

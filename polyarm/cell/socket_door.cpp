@@ -66,7 +66,7 @@ void make_private(const fs::path& folder) {
                 "set XDG_RUNTIME_DIR to a folder of your own");
   fs::create_directories(folder.parent_path(), error);
   if (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
-    throw Error("no-socket", "the folder " + folder.string() + " cannot be made: " + std::strerror(errno));
+    throw Error("no-socket", "the folder " + folder.string() + " cannot be created: " + std::strerror(errno));
   struct stat status {};
   if (::lstat(folder.c_str(), &status) != 0 || !S_ISDIR(status.st_mode) || status.st_uid != ::geteuid() ||
       (status.st_mode & 0077) != 0)
@@ -392,7 +392,7 @@ class SocketDoor::Work {
     nlohmann::json answer{{"ok", false},
                           {"error",
                            {{"code", "too-long"},
-                            {"what", "a request may have 1 MB, and the connection is closed"},
+                            {"what", "a request has at most 1 MB; the connection is closed"},
                             {"advice", "send it in parts, on a new connection"},
                             {"where", ""}}}};
     if (nlohmann::json id = id_within(client.in); !id.is_null()) answer["id"] = std::move(id);

@@ -33,20 +33,24 @@ Problem problem_of(const Approach& a, const Location& where, double clearance) {
                        : "move the points or the obstacle, or let the move go around it: `around true`",
             Severity::error,
             facts_of(a)};
-  return {"clearance",
-          where,
-          surroundings::text_of(a),
-          fmt::format("the cell wants {:g} mm (contacts: {{clearance: …}}): move the points or the obstacle",
-                      1e3 * clearance),
-          Severity::warning,
-          facts_of(a)};
+  return {
+      "clearance",
+      where,
+      surroundings::text_of(a),
+      fmt::format("the cell requires {:g} mm (contacts: {{clearance: …}}): move the points or the obstacle",
+                  1e3 * clearance),
+      Severity::warning,
+      facts_of(a)};
 }
 
 }  // namespace
 
-SweptCheck::SweptCheck(const CellInside& cell)
-    : cell_(cell), bodies_(cell.motions->bodies()->get()), marks_{Location{}} {
-  sweep_ = std::make_unique<surroundings::Sweep>(bodies_->robots, bodies_->scene, cell.setup.file.clearance);
+SweptCheck::SweptCheck(const CellInside& cell, std::optional<double> clearance)
+    : cell_(cell),
+      clearance_(clearance.value_or(cell.setup.file.clearance)),
+      bodies_(cell.motions->bodies()->get()),
+      marks_{Location{}} {
+  sweep_ = std::make_unique<surroundings::Sweep>(bodies_->robots, bodies_->scene, clearance_);
 }
 
 SweptCheck::~SweptCheck() = default;
@@ -58,9 +62,21 @@ std::uint64_t SweptCheck::mark_of(std::size_t robot) {
   Location where;
   if (const moves::RobotMotion* motion = motions.motion(robot); motion && motion->under_way())
     where = programs.place_of(*motion, motion->move_under_way());
+  const moves::RobotMotion* const own = motions.motion(robot);
+  const Location touch = own ? programs.touch_of(*own) : Location{};
+  if (!touch.file.empty()) where = touch;
   if (where.file.empty() && programs.program()) where = programs.program()->status().where;
   if (!(marks_.back().file == where.file && marks_.back().line == where.line)) marks_.push_back(where);
+  if (!touch.file.empty()) meant_.insert({robot, marks_.size() - 1});
   return marks_.size() - 1;
+}
+
+/// The tool, or a part that it may hold, in a move that is meant to touch.
+bool SweptCheck::is_meant(const Approach& a) const {
+  if (!meant_.contains({a.robot, a.mark})) return false;
+  const std::string tool = cell_.setup.robots[a.robot]->entry.name + "/tool";
+  const auto may = [&](const std::string& name) { return name.starts_with(tool) || name.starts_with("part "); };
+  return may(a.first) || may(a.second);
 }
 
 void SweptCheck::look(Nanoseconds now) {
@@ -72,6 +88,7 @@ std::vector<Problem> SweptCheck::finish() {
   std::map<std::tuple<std::string, std::string, std::string>, const Approach*> worst;
   std::vector<const Approach*> in_order;
   for (const Approach& a : sweep_->approaches()) {
+    if (is_meant(a)) continue;
     const auto [at, is_new] = worst.insert({{marks_[a.mark].text(), a.first, a.second}, &a});
     if (!is_new && a.distance >= at->second->distance) continue;
     at->second = &a;
@@ -82,7 +99,7 @@ std::vector<Problem> SweptCheck::finish() {
   std::vector<Problem> out;
   for (const Approach* a : in_order) {
     if (!nearest_ || a->distance < nearest_->distance) nearest_ = *a;
-    out.push_back(problem_of(*a, marks_[a->mark], cell_.setup.file.clearance));
+    out.push_back(problem_of(*a, marks_[a->mark], clearance_));
   }
   return out;
 }

@@ -2,7 +2,9 @@
 /// Checks every move of a simulated run for contacts, whatever the hardware: swept, with proven edges.
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polyarm/base/error.hpp"
@@ -16,8 +18,9 @@ struct ContactBodies;
 /// Looks at the commanded joints of a cell in lock-step after each tick. Cell thread.
 class SweptCheck {
  public:
-  /// Throws Error for a robot whose bodies are too many or not finite.
-  explicit SweptCheck(const CellInside& cell);
+  /// Throws Error for a robot whose bodies are too many or not finite. `clearance`, m: approaches nearer than
+  /// this are found; the default is that of the cell file.
+  explicit SweptCheck(const CellInside& cell, std::optional<double> clearance = {});
   ~SweptCheck();
 
   void look(Nanoseconds now);
@@ -32,9 +35,12 @@ class SweptCheck {
   std::uint64_t mark_of(std::size_t robot);
 
   const CellInside& cell_;
+  double clearance_;
   std::shared_ptr<const ContactBodies> bodies_;
   std::unique_ptr<surroundings::Sweep> sweep_;
+  bool is_meant(const surroundings::Approach& approach) const;
   std::vector<Location> marks_;
+  std::set<std::pair<std::size_t, std::uint64_t>> meant_;  ///< robot and mark of moves that are meant to touch
   std::optional<surroundings::Approach> nearest_;
 };
 

@@ -21,7 +21,7 @@ auto guarded(const std::string& controller, const char* step, Step call) {
     return call();
   } catch (...) {
     rethrow_as_error("controller-failed", "the controller '" + controller + "', " + step + ",",
-                     "its plugin has an error; tell its makers");
+                     "its plugin has an error; report it to its author");
   }
 }
 

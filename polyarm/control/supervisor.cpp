@@ -18,14 +18,14 @@ const char* name(Event event) {
 const char* name(StopCause cause) {
   constexpr const char* kNames[] = {
       "nothing",
-      "a stop was asked for",
-      "wall time went missing (the process or the machine was suspended)",
+      "a stop was requested",
+      "wall time was lost (the process or the machine was suspended)",
       "the cell thread was silent for 0.5 s",
       "a hardware component failed",
       "a controller failed",
       "the program ended",
       "cycles were late, one after the other",
-      "a measured joint position is no number",
+      "a measured joint position is NaN or infinite",
       "a measured joint position jumped",
       "a joint does not follow its command",
       "a joint is far outside its limits",
@@ -61,10 +61,12 @@ Overrun Supervisor::when_late(const FaultEvent& event) const noexcept {
 }
 
 bool Supervisor::react(const FaultEvent& event, bool contained) noexcept {
-  const Reaction reaction = reaction_to(event.cause, contained, when_late(event), contact_stop_);
+  const bool meant = event.cause == StopCause::contact && contacts_meant_.load(std::memory_order_relaxed);
+  const ContactStop contact_stop = meant ? ContactStop::none : contact_stop_;
+  const Reaction reaction = reaction_to(event.cause, contained, when_late(event), contact_stop);
   if (reaction.loop == Reaction::Loop::stops) enter(Event::stop, event);
   if (reaction.loop == Reaction::Loop::faults) enter(Event::fault, event);
-  if (event.cause == StopCause::contact && contact_stop_ != ContactStop::none)
+  if (event.cause == StopCause::contact && contact_stop != ContactStop::none)
     touched_ = state() == RunState::stopping;
   return reaction.group_off;
 }

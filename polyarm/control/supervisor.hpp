@@ -132,6 +132,9 @@ class Supervisor {
   /// Call before the loop runs.
   void set_contact_stop(ContactStop stop) noexcept { contact_stop_ = stop; }
   ContactStop contact_stop() const noexcept { return contact_stop_; }
+  /// While it is true, contacts do not stop the robots by themselves: the cell thread, which knows which contacts
+  /// are meant, does. Any thread.
+  void set_contacts_meant(bool meant) noexcept { contacts_meant_.store(meant, std::memory_order_relaxed); }
 
   RunState state() const noexcept { return state_.load(std::memory_order_acquire); }
   StopCause cause() const noexcept { return cause_.load(std::memory_order_acquire); }
@@ -170,6 +173,7 @@ class Supervisor {
   StopTimes times_;
   bool stops_ = false;  // in the previous cycle
   ContactStop contact_stop_ = ContactStop::none;
+  std::atomic<bool> contacts_meant_{false};
   Overrun late_ = Overrun::report;
   std::vector<Overrun> component_late_;
   bool touched_ = false;  // the current stop brakes harder because of a contact

@@ -92,7 +92,7 @@ std::size_t Controller::export_state(const std::string& name) {
 void Controller::read_command_timeout(Parameters& p) {
   command_watch_.timeout = 0;
   p.read("command_timeout", command_watch_.timeout,
-         {.text = "s after which a command no longer counts; 0: never", .changeable = true, .least = 0});
+         {.text = "timeout of commands, s; 0: none", .changeable = true, .least = 0});
 }
 
 Output& Controller::add_output(std::string name, std::string type, std::vector<std::string> fields) {

@@ -295,10 +295,9 @@ void Parameters::note_changed(const ParameterChange& change) {
 void refuse_no_joints(Parameters& parameters) {
   const auto entry = parameters.entries.find("joints");
   const bool written = entry != parameters.entries.end();
-  parameters.problems().error(
-      "missing-parameter", written ? entry->second.where : Location{},
-      written ? "'joints' names no joint" : "it is not said which joints the controller moves",
-      "write joints: [NAME, …]");
+  parameters.problems().error("missing-parameter", written ? entry->second.where : Location{},
+                              written ? "'joints' names no joint" : "the controller has no joints",
+                              "write joints: [NAME, …]");
 }
 
 }  // namespace polyarm::controllers

@@ -26,7 +26,7 @@ std::optional<std::string> check(const PidGains& g) {
   if (g.error_deadband < 0) return "error_deadband is below 0";
   if (g.derivative_filter < 0) return "derivative_filter is below 0";
   if (g.integrate_first && g.antiwindup != AntiWindup::none)
-    return "integrate_first goes with antiwindup none only";
+    return "integrate_first requires antiwindup none";
   return std::nullopt;
 }
 

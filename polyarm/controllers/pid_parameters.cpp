@@ -70,8 +70,8 @@ void read_ros_control_gains(Parameters& p, const std::string& prefix, RosControl
   number("i", gains.i, "integral gain");
   number("d", gains.d, "derivative gain");
   number("i_clamp", gains.i_clamp, "limit of the integral's share of the output, both ways");
-  number("i_clamp_max", gains.i_clamp_max, "the upper limit, where it is another");
-  number("i_clamp_min", gains.i_clamp_min, "the lower limit, where it is another");
+  number("i_clamp_max", gains.i_clamp_max, "the upper limit, if it differs");
+  number("i_clamp_min", gains.i_clamp_min, "the lower limit, if it differs");
   number("u_clamp_max", gains.u_max, "largest output");
   number("u_clamp_min", gains.u_min, "smallest output");
   p.read(prefix + ".antiwindup", gains.antiwindup,

@@ -43,7 +43,7 @@ const std::vector<std::string>& file_endings() {
 
 fs::path find_file(const std::string& name, const fs::path& folder, Location named_at) {
   if (name.empty() || name.find('\0') != std::string::npos || name.size() > 1000)
-    throw Error(Problem{"no-file", named_at, "this is no name of a file", {}});
+    throw Error(Problem{"no-file", named_at, "this is not a name of a file", {}});
   std::vector<std::string> tried = {name};
   const std::vector<std::string>& endings = file_endings();
   const bool ends =

@@ -100,7 +100,7 @@ class CsvReader {
     if (auto value = read_value(lower(trim(field("type"))), why))
       keep(name, std::move(*value));
     else
-      problems_.error("bad-value", {file_, line_}, "'" + name + "' is no value: " + why);
+      problems_.error("bad-value", {file_, line_}, "'" + name + "' is not a value: " + why);
   }
 
   void keep(const std::string& name, Value value) {
@@ -117,7 +117,7 @@ class CsvReader {
     const std::string joints = field("joints");
     if (type == "joint state" || type == "joints" || (type.empty() && !trim(joints).empty())) {
       if (const auto state = read_csv_joints(joints)) return Value(*state);
-      why = "'" + joints + "' is no list of JOINT=POSITION";
+      why = "'" + joints + "' is not a list of JOINT=POSITION";
       return std::nullopt;
     }
     auto value = parse_literal(trim(written), why);
@@ -141,7 +141,7 @@ class CsvReader {
     }
     auto point = point_from(n);
     if (!point) {
-      why = "its quaternion is none";
+      why = "its quaternion is not valid";
       return std::nullopt;
     }
     Taught taught{field("frame"), field("tool"), field("robot"),

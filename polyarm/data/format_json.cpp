@@ -153,7 +153,7 @@ std::optional<Value> typed_record(const Record& record, std::string& why) {
   if (number && unit && number->as_number() && unit->as_text()) {
     const Unit* known = find_unit(*unit->as_text());
     if (known) return Value(Number{number->as_number()->value * known->scale, known->dimension});
-    why = "'" + *unit->as_text() + "' is no unit";
+    why = "'" + *unit->as_text() + "' is not a unit";
     return std::nullopt;
   }
   if (const Value* joints = record.find("joints"); joints && record.names.size() == 1)
@@ -166,12 +166,13 @@ std::optional<Value> typed_record(const Record& record, std::string& why) {
 /// A map from groups to lists of names.
 void read_groups(const Value& groups, const std::string& file, DataSet& out, Problems& problems) {
   const Record* record = groups.as_record();
-  if (!record) return problems.error("bad-value", {file}, "'groups' is no map of groups and lists of names");
+  if (!record)
+    return problems.error("bad-value", {file}, "'groups' is not a map of groups and lists of names");
   for (std::size_t i = 0; i < record->names.size(); ++i) {
     collect(problems, [&] { check_group(record->names[i]); });
     const List* names = record->values[i].as_list();
     if (!names)
-      problems.error("bad-value", {file}, "the group '" + record->names[i] + "' is no list of names");
+      problems.error("bad-value", {file}, "the group '" + record->names[i] + "' is not a list of names");
     else
       for (const Value& name : *names)
         if (name.as_text()) out.set_group(*name.as_text(), record->names[i]);
@@ -196,7 +197,7 @@ void read_tree(const Value& tree, const std::string& file, DataSet& out, Problem
   const Value* version = record->find("polyarm");
   if (version && version->text() != "data/1")
     return problems.error("bad-version", {file},
-                          "'" + version->text() + "' is no kind of file that is read here",
+                          "'" + version->text() + "' is not a kind of file that is read here",
                           "this version reads `polyarm: data/1`");
   const Value* groups = nullptr;
   if (const Value* values = record->find("values"); values && values->as_record()) {
@@ -209,7 +210,7 @@ void read_tree(const Value& tree, const std::string& file, DataSet& out, Problem
     if (const auto value = typed(record->values[i], why))
       out.set(record->names[i], *value);
     else
-      problems.error("bad-value", {file}, "'" + record->names[i] + "' is no value: " + why);
+      problems.error("bad-value", {file}, "'" + record->names[i] + "' is not a value: " + why);
   }
   if (groups) read_groups(*groups, file, out, problems);
 }
@@ -240,7 +241,7 @@ void read_json(std::string_view text, const std::string& file, DataSet& out, Pro
   if (const auto tree = parse_literal(text, why))
     read_tree(*tree, file, out, problems);
   else
-    problems.error("bad-json", {file}, "this is no JSON of values: " + why);
+    problems.error("bad-json", {file}, "this is not a JSON file of values: " + why);
 }
 
 void read_yaml(std::string_view text, const std::string& file, DataSet& out, Problems& problems) {

@@ -12,7 +12,7 @@ void read_srdf(std::string_view text, const std::string& file, DataSet& out, Pro
   tinyxml2::XMLDocument document;
   const std::string plain = without_instructions(text);
   if (document.Parse(plain.data(), plain.size()) != tinyxml2::XML_SUCCESS || !document.RootElement())
-    return problems.error("bad-xml", {file, document.ErrorLineNum()}, "this is no SRDF: it is no XML");
+    return problems.error("bad-xml", {file, document.ErrorLineNum()}, "this is not an SRDF: it is not XML");
   for (auto* state = document.RootElement()->FirstChildElement("group_state"); state;
        state = state->NextSiblingElement("group_state")) {
     JointState joints;

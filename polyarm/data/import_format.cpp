@@ -188,7 +188,7 @@ void check_can_keep(const std::string& name, const Value& value, const std::stri
   if (name.empty() || trim(name) != name || name.find_first_of("\r\n") != std::string::npos)
     refuse("a name here is one line without blanks around it");
   if (!is_finite(value)) refuse("it has a number that is not finite");
-  if (const std::string* text = value.as_text(); text && why_not_text(*text)) refuse("it is no text");
+  if (const std::string* text = value.as_text(); text && why_not_text(*text)) refuse("it is not a text");
   if (const JointState* joints = value.as_joints();
       joints && !joints->names.empty() && joints->names.size() != joints->positions.size())
     refuse("its joints do not all have a name and a position");
@@ -196,7 +196,7 @@ void check_can_keep(const std::string& name, const Value& value, const std::stri
 
 void check_group(const std::string& group) {
   if (group.size() <= 64 && trim(group) == group && group.find_first_of("\r\n#") == std::string::npos) return;
-  throw Error("bad-group", quote(group) + " is no name of a group",
+  throw Error("bad-group", quote(group) + " is not a name of a group",
               "one line of at most 64 letters, without # and without blanks around it");
 }
 
@@ -243,7 +243,7 @@ class ImportReader {
     if (colon == std::string::npos) {
       const std::string word = split_words(content).front();
       return error(line, content, "bad-line",
-                   quote(content) + " is no line of data" + did_you_mean(word, keys()),
+                   quote(content) + " is not a line of data" + did_you_mean(word, keys()),
                    "write `Key: value`; keys are " + join(keys(), ", "));
     }
     const std::string_view key = trim(std::string_view(line).substr(0, colon));
@@ -268,7 +268,8 @@ class ImportReader {
     if (lowered == "value") return read_literal(line, value);
     if (lowered == "group") return read_group(line, value);
     error(line, key.empty() ? std::string_view(line) : key, "unknown-key",
-          quote(key) + " is no kind of data" + did_you_mean(key, keys()), "kinds are " + join(keys(), ", "));
+          quote(key) + " is not a kind of data" + did_you_mean(key, keys()),
+          "kinds are " + join(keys(), ", "));
   }
 
   void read_name(const std::string& line, std::string_view value) {
@@ -330,21 +331,21 @@ class ImportReader {
     static const std::vector<std::string> words = {"True", "False"};
     if (equal_ignoring_case(value, words[0])) return store(line, Value(true));
     if (equal_ignoring_case(value, words[1])) return store(line, Value(false));
-    error(line, value, "bad-value", quote(value) + " is no boolean" + did_you_mean(value, words),
+    error(line, value, "bad-value", quote(value) + " is not a boolean" + did_you_mean(value, words),
           "write True or False");
     name_used_ = true;
   }
 
   void read_number(const std::string& line, std::string_view value) {
     if (const auto number = parse_any_quantity(value)) return store(line, Value(*number));
-    error(line, value, "bad-value", quote(value) + " is no number", "write a number such as 10, 0.5 or 40mm");
+    error(line, value, "bad-value", quote(value) + " is not a number", "write such as 10, 0.5 or 40mm");
     name_used_ = true;
   }
 
   void read_literal(const std::string& line, std::string_view value) {
     std::string why;
     if (auto read = parse_literal(value, why)) return store(line, std::move(*read));
-    error(line, value, "bad-value", quote(value) + " is no value: " + why,
+    error(line, value, "bad-value", quote(value) + " is not a value: " + why,
           "for example [1, 2], {name = \"x\", width = 40mm}, \"a text\"");
     name_used_ = true;
   }
@@ -404,7 +405,7 @@ class ImportReader {
       const auto number = read_field(fields[i], i);
       if (!number) {
         error_at(column_of(line, offset(line, value, i)), "bad-point",
-                 quote(fields[i]) + " is no number here, in place " + std::to_string(i + 1) + " of the point",
+                 quote(fields[i]) + " is not a number here, place " + std::to_string(i + 1) + " of the point",
                  "lengths are metres (or 40mm), angles radians (or 30deg)");
         continue;
       }
@@ -414,7 +415,7 @@ class ImportReader {
     if (degrees)
       problems_.warning("looks-like-degrees",
                         place(column_of(line, static_cast<std::size_t>(value.data() - line.data()))),
-                        quote(value) + " looks like degrees", "angles are radians unless they say deg");
+                        quote(value) + " looks like degrees", "angles without the unit deg are radians");
     return numbers.size() == fields.size();
   }
 
@@ -443,7 +444,7 @@ class ImportReader {
       return store(line, Value(Point{pose_xyz_rpy(position, {n[3], n[4], n[5]}), false, taught_}));
     const double length = std::hypot(std::hypot(n[3], n[4]), std::hypot(n[5], n[6]));
     if (!(length > 1e-6) || !std::isfinite(length))
-      return error(line, value, "bad-point", "the quaternion of this point is zero or no rotation",
+      return error(line, value, "bad-point", "the quaternion of this point is zero or not a rotation",
                    "no rotation is 0, 0, 0, 1");
     const bool unit = std::abs(length - 1) < 1e-12;
     const Quaternion q{n[3], n[4], n[5], n[6]};

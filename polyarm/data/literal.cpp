@@ -183,7 +183,7 @@ class Reader {
       if (!out.names.empty() && !expect(',')) return std::nullopt;
       std::string key;
       if (!name(key) || (!take(':') && !expect('='))) return std::nullopt;
-      if (out.find(key)) return fail("'" + key + "' stands twice");
+      if (out.find(key)) return fail("'" + key + "' occurs twice");
       auto value = read(depth + 1);
       if (!value) return std::nullopt;
       out.names.push_back(std::move(key));
@@ -203,7 +203,7 @@ class Reader {
       const auto value = parse_quantity(written, dimension);
       if (value && std::isfinite(*value)) return Value(Number{*value, dimension});
     }
-    return fail("'" + std::string(written) + "' is no number");
+    return fail("'" + std::string(written) + "' is not a number");
   }
 
   std::optional<Value> word(int depth) {
@@ -214,7 +214,7 @@ class Reader {
     if (lowered == "false") return Value(false);
     if (lowered == "joints") return joints();
     if (lowered == "pose" || lowered == "quat") return pose(lowered == "quat", depth);
-    return fail("'" + text + "' is no value; a text stands in quotes");
+    return fail("'" + text + "' is not a value; put a text in quotes");
   }
 
   std::optional<double> plain(Dimension dimension) {
@@ -244,7 +244,7 @@ class Reader {
       out.positions.push_back(*value);
     }
     if (!out.names.empty() && out.names.size() != out.positions.size())
-      return fail("some joints have names and some have none");
+      return fail("some joints have names and some do not");
     return Value(std::move(out));
   }
 
@@ -274,7 +274,7 @@ class Reader {
     Point out{pose_xyz_rpy({n[0], n[1], n[2]}, {n[3], n[4], n[5]}), quaternion};
     if (quaternion) {
       const double length = std::hypot(std::hypot(n[3], n[4]), std::hypot(n[5], n[6]));
-      if (!(length > 1e-6)) return fail("a quaternion of zeros is no rotation");
+      if (!(length > 1e-6)) return fail("a quaternion of zeros is not a rotation");
       const Quaternion q{n[3], n[4], n[5], n[6]};
       out.pose.rotation = std::abs(length - 1) < 1e-12 ? q : normalized(q);
     }

@@ -183,8 +183,8 @@ void require_history(const fs::path& path, std::size_t steps) {
   const auto refuse = [&](std::string what, std::string advice) {
     throw Error(Problem{"no-history", {path.string()}, std::move(what), std::move(advice)});
   };
-  if (steps == 0) refuse("0 changes were to be taken back", "say how many: 1 is the last one alone");
-  if (known == 0) refuse("there is nothing to take back: no change of this file is known", {});
+  if (steps == 0) refuse("0 changes cannot be undone", "give the number of changes; 1: only the last one");
+  if (known == 0) refuse("there is nothing to undo: no change of this file is known", {});
   refuse((known == 1 ? "1 change of this file is known, "
                      : std::to_string(known) + " changes of this file are known, ") +
              std::to_string(steps) + " were to be taken back",

@@ -86,7 +86,7 @@ TaughtTool tool_from_poses(std::span<const Pose> poses) {
         for (std::size_t j = 0; j < 7; ++j) normal[i][j] += row[i] * row[j];
   }
   if (solve(normal) < kWeakest)
-    refuse("the poses hardly differ in orientation, so they do not say where the tip is",
+    refuse("the poses hardly differ in orientation, so they do not determine the tip",
            "turn the tool by 30 degrees and more about two axes between them");
   TaughtTool out{
       {normal[0][6], normal[1][6], normal[2][6]}, {normal[3][6], normal[4][6], normal[5][6]}, {}, 0, 0};

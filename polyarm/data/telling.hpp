@@ -9,10 +9,14 @@
 
 namespace polyarm::data {
 
-/// Writes the text of a value, the same as Value::text(), piece by piece, so that no call takes long.
+/// The significant digits of numbers that a program shows to people.
+inline constexpr int kShownDigits = 9;
+
+/// Writes the text of a value piece by piece, so that no call takes long. The same as Value::text(), or with
+/// numbers rounded to `digits` significant digits; whole numbers keep all of theirs.
 class Telling {
  public:
-  explicit Telling(Value of) : value_{std::move(of)} {}
+  explicit Telling(Value of, int digits = 0) : value_{std::move(of)}, digits_{digits} {}
   /// Appends about `bytes` bytes to `out`; true when the text is complete.
   bool go_on(std::string& out, std::size_t bytes);
 
@@ -25,6 +29,7 @@ class Telling {
   void open(const Value& whole);
 
   Value value_;
+  int digits_;  ///< 0: all
   std::vector<Level> open_;  ///< open lists and records
   bool begun_ = false;
 };

@@ -1,6 +1,8 @@
 #include "polyarm/data/value.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <utility>
 
 #include "polyarm/base/text.hpp"
@@ -9,28 +11,43 @@
 namespace polyarm::data {
 
 namespace {
-std::string join_numbers(std::initializer_list<double> numbers) {
-  std::string out;
-  for (const double number : numbers) out += (out.empty() ? "" : ", ") + format_number(number);
+/// At most `digits` significant digits; whole numbers below 1e15 keep all of theirs.
+double rounded_to(double value, int digits) {
+  constexpr double kWhole = 1e15;
+  if (!std::isfinite(value) || (std::abs(value) < kWhole && value == std::floor(value))) return value;
+  char text[40];
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::scientific, digits - 1);
+  double out = value;
+  std::from_chars(text, end.ptr, out);
   return out;
 }
 
-std::string text_of(const JointState& joints) {
+std::string number_text(double value, int digits) {
+  return format_number(digits > 0 ? rounded_to(value, digits) : value);
+}
+
+std::string join_numbers(std::initializer_list<double> numbers, int digits) {
+  std::string out;
+  for (const double number : numbers) out += (out.empty() ? "" : ", ") + number_text(number, digits);
+  return out;
+}
+
+std::string text_of(const JointState& joints, int digits) {
   std::string out;
   if (joints.names.empty())
-    for (const double position : joints.positions) out += (out.empty() ? "" : ", ") + format_number(position);
+    for (const double position : joints.positions) out += (out.empty() ? "" : ", ") + number_text(position, digits);
   for (std::size_t i = 0; i < joints.names.size() && i < joints.positions.size(); ++i)
-    out += (i ? ", " : "") + joints.names[i] + ": " + format_number(joints.positions[i]);
+    out += (i ? ", " : "") + joints.names[i] + ": " + number_text(joints.positions[i], digits);
   return "{" + out + "}";
 }
 
-std::string text_of(const Point& point) {
+std::string text_of(const Point& point, int digits) {
   const Vec3& p = point.pose.position;
   const Quaternion& q = point.pose.rotation;
   const Vec3 rpy = to_rpy(q);
-  return "xyz(" + join_numbers({p.x, p.y, p.z}) +
-         (point.quaternion_given ? ") quaternion(" + join_numbers({q.x, q.y, q.z, q.w})
-                                 : ") rpy(" + join_numbers({rpy.x, rpy.y, rpy.z})) +
+  return "xyz(" + join_numbers({p.x, p.y, p.z}, digits) +
+         (point.quaternion_given ? ") quaternion(" + join_numbers({q.x, q.y, q.z, q.w}, digits)
+                                 : ") rpy(" + join_numbers({rpy.x, rpy.y, rpy.z}, digits)) +
          ")" + (point.frame().empty() ? "" : " in " + point.frame());
 }
 
@@ -257,17 +274,17 @@ void Telling::tell(const Value& value, std::string& out) {
       out += *value.as_boolean() ? "True" : "False";
       return;
     case Kind::number:
-      out += format_number(value.as_number()->value);
+      out += number_text(value.as_number()->value, digits_);
       out += unit_text(value.as_number()->dimension);
       return;
     case Kind::text:
       out += *value.as_text();
       return;
     case Kind::joints:
-      out += text_of(*value.as_joints());
+      out += text_of(*value.as_joints(), digits_);
       return;
     case Kind::pose:
-      out += text_of(*value.as_point());
+      out += text_of(*value.as_point(), digits_);
       return;
     default:
       out += value.as_list() ? '[' : '{';

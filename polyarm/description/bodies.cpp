@@ -109,10 +109,10 @@ std::vector<std::string> placeholders(const RobotModel& model) {
       efforts.push_back(*effort);
   if (efforts.size() >= kFewest && is_placeholder_effort(efforts.front()) &&
       std::all_of(efforts.begin(), efforts.end(), [&](double e) { return e == efforts.front(); }))
-    out.push_back(fmt::format(
-        "the effort limit of all {} joints is {:g}, which looks like a placeholder: forces and what the robot "
-        "can carry are not its own",
-        efforts.size(), efforts.front()));
+    out.push_back(
+        fmt::format("the effort limit of all {} joints is {:g}, which looks like a placeholder: forces and "
+                    "payload will be wrong",
+                    efforts.size(), efforts.front()));
   for (const Link& link : model.links) {
     if (!link.inertial) continue;
     ++masses;
@@ -120,15 +120,15 @@ std::vector<std::string> placeholders(const RobotModel& model) {
     if (link.inertial->mass == 1) ones.push_back(link.name);
   }
   if (!identities.empty())
-    out.push_back(fmt::format(
-        "the inertia of {} is the identity (1 kg m²), which looks like a placeholder: how the robot moves in "
-        "physics is not its own",
-        some(identities)));
+    out.push_back(
+        fmt::format("the inertia of {} is the identity (1 kg m²), which looks like a placeholder: its motion "
+                    "in physics will be wrong",
+                    some(identities)));
   if (masses > kFewest && ones.size() == masses)
-    out.push_back(fmt::format(
-        "the mass of all {} links is 1 kg, which looks like a placeholder: how the robot moves in physics is "
-        "not its own",
-        masses));
+    out.push_back(
+        fmt::format("the mass of all {} links is 1 kg, which looks like a placeholder: its motion in physics "
+                    "will be wrong",
+                    masses));
   return out;
 }
 

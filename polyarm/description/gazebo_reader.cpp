@@ -11,10 +11,10 @@ void GazeboReader::finish(RobotModel& model) {
   if (!weightless_.empty())
     warnings_.warning("gazebo", first_weightless_,
                       "<gazebo> turns gravity off for " + join(weightless_, ", ") +
-                          "; in physics here it pulls them all the same",
+                          "; physics here applies it to them all the same",
                       "the effort limits of the joints must hold them");
   if (!passed_over_.empty())
-    warnings_.warning("gazebo", first_, "<gazebo>: " + join(passed_over_, ", ") + " passed over",
+    warnings_.warning("gazebo", first_, "<gazebo>: " + join(passed_over_, ", ") + " ignored",
                       "only mu1, mu2, selfCollide, damping and friction are read");
 }
 
@@ -28,9 +28,9 @@ void GazeboReader::apply(const Element& e, RobotModel& model) {
       for (const Joint& j : model.joints) out.push_back(j.name);
       return out;
     };
-    return warning(
-        e, "unknown-link",
-        "<gazebo> names '" + reference + "', which is no link and no joint" + suggest_(reference, names));
+    return warning(e, "unknown-link",
+                   "<gazebo> names '" + reference + "', which is neither a link nor a joint" +
+                       suggest_(reference, names));
   }
   for (const Element* c = e.FirstChildElement(); c; c = c->NextSiblingElement()) {
     if (reference.empty()) controllers(*c, model);

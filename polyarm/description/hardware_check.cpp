@@ -118,15 +118,14 @@ class HardwareCheck {
       warnings_.warning(
           "no-mimic", component.where,
           "'" + component.name +
-              "' says mimic=\"true\", but the robot's joint follows no other; that is passed over",
+              "' has mimic=\"true\", but the robot's joint follows no other joint; this is ignored",
           "write <mimic joint=\"…\"/> into the robot's <joint>, or remove the attribute");
       component.mimic.reset();
     }
     if (joint.mimic && component.mimic.value_or(true) && !component.command_interfaces.empty()) {
-      warnings_.warning(
-          "mimic-commanded", component.command_interfaces.front().where,
-          "'" + component.name + "' follows another joint, so that its command interfaces are left out",
-          "remove them, or write mimic=\"false\" to command it on its own");
+      warnings_.warning("mimic-commanded", component.command_interfaces.front().where,
+                        "'" + component.name + "' follows another joint; its command interfaces are ignored",
+                        "remove them, or write mimic=\"false\" to command it on its own");
       component.command_interfaces.clear();
     }
     if (component.parameters.contains("mimic") && !joint.mimic)

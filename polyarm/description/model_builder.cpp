@@ -47,8 +47,8 @@ bool resolve(const RobotModel& model, std::vector<NamedJoint>& joints, const Ind
       const auto found = links.find(*link);
       if (found == links.end()) {
         problems.error("unknown-link", j.where,
-                       "the joint '" + j.joint.name + "' names the link '" + *link + "', which is not there" +
-                           suggest(*link, [&] { return names_of(links); }));
+                       "the joint '" + j.joint.name + "' names the link '" + *link +
+                           "', which does not exist" + suggest(*link, [&] { return names_of(links); }));
         good = false;
       } else {
         *target = found->second;
@@ -117,7 +117,7 @@ void find_mimicked(RobotModel& model, const std::vector<NamedJoint>& joints, Pro
   const auto alone = [&](std::size_t i, const std::string& why) {
     warnings.warning("bad-mimic", joints[i].where,
                      "the joint '" + joints[i].joint.name + "' mimics '" + joints[i].mimics + "', " + why,
-                     "its <mimic> is passed over: the joint moves by itself");
+                     "its <mimic> is ignored: the joint moves by itself");
     model.joints[i].mimic.reset();
   };
   Suggestions suggest;
@@ -125,7 +125,7 @@ void find_mimicked(RobotModel& model, const std::vector<NamedJoint>& joints, Pro
     if (!model.joints[i].mimic) continue;
     const int source = model.find_joint(joints[i].mimics);
     if (source < 0) {
-      alone(i, "which is not there" + suggest(joints[i].mimics, [&] { return names_to_follow(model); }));
+      alone(i, "which does not exist" + suggest(joints[i].mimics, [&] { return names_to_follow(model); }));
       continue;
     }
     const JointType type = model.joints[static_cast<std::size_t>(source)].type;
@@ -145,7 +145,7 @@ void shorten_mimic_rows(RobotModel& model, const std::vector<NamedJoint>& joints
       if (steps > joints.size()) {
         warnings.warning("bad-mimic", joints[i].where,
                          "the joint '" + model.joints[i].name + "' mimics itself in the end",
-                         "its <mimic> is passed over: the joint moves by itself");
+                         "its <mimic> is ignored: the joint moves by itself");
         mimic.reset();
         break;
       }

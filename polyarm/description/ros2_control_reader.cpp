@@ -54,7 +54,7 @@ HardwareInfo Ros2ControlReader::hardware(const Element& e) {
     out.type = small;
   }
   if (!out.type.empty() && !holds(kTypes, out.type))
-    error(e, "bad-type", "'" + out.type + "' is no type of hardware" + did_you_mean(out.type, kTypes),
+    error(e, "bad-type", "'" + out.type + "' is not a type of hardware" + did_you_mean(out.type, kTypes),
           out.type.find_first_of("/:") == std::string::npos
               ? "write system, actuator or sensor"
               : "write system, actuator or sensor; a plugin goes into <hardware><plugin>" + out.type +
@@ -74,7 +74,7 @@ HardwareInfo Ros2ControlReader::hardware(const Element& e) {
   }
   if (out.plugin.empty())
     warning(e, "missing-tag",
-            "the <ros2_control> '" + out.name + "' names no plugin, it is played as an unknown one",
+            "the <ros2_control> '" + out.name + "' names no plugin; it is treated as an unknown one",
             "write <hardware><plugin>mock_components/GenericSystem</plugin></hardware>");
   return out;
 }
@@ -116,7 +116,7 @@ void Ros2ControlReader::async_properties(const Element& e, HardwareInfo& out) {
   if (holds(kPolicies, policy))
     out.scheduling_policy = policy;
   else
-    error(e, "bad-value", "'" + policy + "' is no scheduling policy" + did_you_mean(policy, kPolicies),
+    error(e, "bad-value", "'" + policy + "' is not a scheduling policy" + did_you_mean(policy, kPolicies),
           "write synchronized or detached");
 }
 
@@ -187,7 +187,7 @@ InterfaceInfo Ros2ControlReader::interface(const Element& e, bool enabled) {
     if (holds(data_types(), type))
       out.data_type = type;
     else
-      error(e, "bad-type", "'" + type + "' is no data type" + did_you_mean(type, data_types()),
+      error(e, "bad-type", "'" + type + "' is not a data type" + did_you_mean(type, data_types()),
             "write one of " + join(data_types(), ", "));
   }
   if (const char* size = e.Attribute("size")) {
@@ -225,8 +225,8 @@ void Ros2ControlReader::value(const Element& e, const InterfaceInfo& info, const
   out = parse_value(info.data_type, found->second);
   if (!out && !found->second.empty())
     warning(e, "bad-number",
-            std::string(name) + " of '" + info.name + "' is '" + found->second + "', which is no " +
-                (info.data_type == "double" ? "number" : info.data_type) + "; it is passed over");
+            std::string(name) + " of '" + info.name + "' is '" + found->second + "', which is not a " +
+                (info.data_type == "double" ? "number" : info.data_type) + "; it is ignored");
 }
 
 TransmissionInfo Ros2ControlReader::transmission(const Element& e) {

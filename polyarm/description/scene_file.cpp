@@ -123,7 +123,7 @@ class SceneReader {
     const std::string kind = yaml_["polyarm"].text("");
     if (kind != "scene/1")
       problems_.error("wrong-kind", yaml_.where(),
-                      kind.empty() ? "this is not a scene file: it does not say 'polyarm: scene/1'"
+                      kind.empty() ? "this is not a scene file: the line 'polyarm: scene/1' is missing"
                                    : "this is a '" + kind + "' file, a scene/1 was expected");
     yaml_.check_keys({"polyarm", "floor", "gravity", "fixtures", "bins", "movers", "feeders", "outfeeds",
                       "sensors", "cameras", "parts"},
@@ -250,7 +250,7 @@ class SceneReader {
       throw Error(
           Problem{"bad-value", y["count"].where(), "count must be a whole number from 1 to 1000", {}});
     if (count > 1 && part.feeder.empty())
-      throw Error(Problem{"bad-value", y["count"].where(), "several parts cannot stand in one place",
+      throw Error(Problem{"bad-value", y["count"].where(), "several parts cannot be at the same place",
                           "give them a feeder, or a place each"});
     if (std::find(scene_.kinds.begin(), scene_.kinds.end(), part.kind) == scene_.kinds.end())
       scene_.kinds.push_back(part.kind);

@@ -19,12 +19,18 @@ namespace {
 double positive(const Yaml& yaml) {
   const double value = yaml.number(Dimension::length);
   constexpr double kLargest = bounds::kSceneMetres;
+  constexpr double kLong = 20;  // a size of this or more needs a unit
   if (!(value > 0 && value <= kLargest))
     throw Error(Problem{"bad-value",
                         yaml.where(),
-                        "'" + yaml.text() + "' is no size: it must be above zero and at most " +
+                        "'" + yaml.text() + "' is not a size: it must be above zero and at most " +
                             std::to_string(bounds::kSceneMetres) + " m",
                         {}});
+  const bool has_unit = yaml.text().find_first_not_of("+.0123456789eE") != std::string::npos;
+  if (value >= kLong && !has_unit)
+    throw Error(Problem{"bad-value", yaml.where(), "a size of " + yaml.text() + " m is unusual",
+                        "this looks like millimetres, write " + yaml.text() + "mm, or " + yaml.text() +
+                            "m: lengths without a unit are metres"});
   return value;
 }
 }  // namespace

@@ -188,7 +188,7 @@ class SrdfReader : private XmlReader {
     for (const std::string& group : {out.group, out.parent_group})
       if (!group.empty() && !drafts_.contains(group))
         return warning(e, "unknown-group",
-                       "the end effector '" + out.name + "' is passed over: there is no group '" + group + "'" +
+                       "the end effector '" + out.name + "' is ignored: there is no group '" + group + "'" +
                            suggest_(group, names_of_groups_));
     if (out.group.empty() || out.parent_link < 0) return;
     std::erase_if(model_.end_effectors, [&](const EndEffectorInfo& other) { return other.name == out.name; });
@@ -276,7 +276,7 @@ class SrdfReader : private XmlReader {
     const int out = name.empty() ? -1 : model_.find_link(name);
     if (out < 0 && !name.empty())
       warning(e, "unknown-link",
-              "there is no link '" + name + "'" + suggest_(name, links_) + "; the line is passed over");
+              "there is no link '" + name + "'" + suggest_(name, links_) + "; the line is ignored");
     return out;
   }
 

@@ -62,7 +62,7 @@ GripperKind gripper_of(const Yaml& yaml) {
   if (kind == "suction") return GripperKind::suction;
   if (kind == "parallel") return GripperKind::parallel;
   throw Error(
-      Problem{"bad-value", yaml.where(), "'" + kind + "' is no gripper", "none, suction or parallel"});
+      Problem{"bad-value", yaml.where(), "'" + kind + "' is not a gripper", "none, suction or parallel"});
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ class UrdfReader : private XmlReader {
     if (!robot)
       throw Error(Problem{"no-robot", {file_, 1}, "there is no <robot> element", "is this a URDF file?"});
     if (const XMLElement* macro = unexpanded(*robot))
-      throw Error(Problem{"xacro", at(*macro), "this file is xacro: it has to be expanded to URDF first",
+      throw Error(Problem{"xacro", at(*macro), "this file is xacro: it must be expanded to URDF first",
                           "name the xacro file itself, or run `polyarm xacro FILE -o robot.urdf`"});
     if (const char* name = robot->Attribute("name")) model_.name = name;
     for (const XMLElement* e = robot->FirstChildElement(); e; e = e->NextSiblingElement()) element(*e);
@@ -70,7 +70,7 @@ class UrdfReader : private XmlReader {
         warnings_.warning("free-joint", where,
                           "the joint '" + joint.name + "' is " + name(joint.type) +
                               ": kinematics takes it as fixed at its origin",
-                          "nothing to do where it is the base; else give the joint one axis");
+                          "nothing to do if it is the base; otherwise give the joint one axis");
   }
 
   /// The first element that needs xacro: an xacro tag, or `${…}` in an attribute. Comments and the name space
@@ -121,7 +121,7 @@ class UrdfReader : private XmlReader {
     else if (tag == "polyarm")
       facts_ = &e;
     else if (tag != "material" && passed_over_.insert(tag).second)
-      warnings_.warning("unknown-tag", at(e), "<" + tag + "> is passed over");
+      warnings_.warning("unknown-tag", at(e), "<" + tag + "> is ignored");
   }
 
   Vec3 vector(const XMLElement& e, const char* name, const Vec3& fallback) {
@@ -197,7 +197,7 @@ class UrdfReader : private XmlReader {
     const XMLElement* g = geometry ? geometry->FirstChildElement() : nullptr;
     if (!g) {
       warnings_.warning("no-geometry", at(e),
-                        std::string("<") + e.Name() + "> has no geometry, it is passed over");
+                        std::string("<") + e.Name() + "> has no geometry, it is ignored");
       return;
     }
     Shape s;
@@ -219,13 +219,13 @@ class UrdfReader : private XmlReader {
       s.scale = vector(*g, "scale", {1, 1, 1});
       s.mesh_path = resolve_mesh(s.mesh);
     } else {
-      warnings_.warning("unknown-tag", at(*g), "the geometry <" + kind + "> is passed over");
+      warnings_.warning("unknown-tag", at(*g), "the geometry <" + kind + "> is ignored");
       return;
     }
     if (has_size(s))
       out.push_back(std::move(s));
     else
-      warnings_.warning("no-size", at(*g), "the <" + kind + "> has no size above zero, it is passed over");
+      warnings_.warning("no-size", at(*g), "the <" + kind + "> has no size above zero, it is ignored");
   }
 
   static bool has_size(const Shape& s) {
@@ -276,7 +276,7 @@ class UrdfReader : private XmlReader {
       if (text == name(type)) return type;
       names.emplace_back(name(type));
     }
-    if (!text.empty()) error(e, "bad-type", "'" + text + "' is no joint type" + suggest_(text, names));
+    if (!text.empty()) error(e, "bad-type", "'" + text + "' is not a joint type" + suggest_(text, names));
     return JointType::fixed;
   }
 
@@ -339,7 +339,7 @@ class UrdfReader : private XmlReader {
         std::swap(*joint.limits.lower, *joint.limits.upper);
       }
       if (*joint.limits.lower == *joint.limits.upper) {
-        warnings_.warning("no-limit", at(*l), "the joint '" + joint.name + "' has a range of nothing",
+        warnings_.warning("no-limit", at(*l), "the joint '" + joint.name + "' has an empty range",
                           "it is taken as unlimited");
         joint.limits.lower.reset();
         joint.limits.upper.reset();
@@ -372,7 +372,7 @@ class UrdfReader : private XmlReader {
     }
     if (out.lower == out.upper) out.lower = out.upper = std::nullopt;
     if (out.k_position < 0 || out.k_velocity < 0)
-      error(*s, "bad-number", "k_position and k_velocity of '" + joint.name + "' have to be zero or more");
+      error(*s, "bad-number", "k_position and k_velocity of '" + joint.name + "' must be zero or more");
     joint.soft_limits = out;
   }
 

@@ -114,7 +114,7 @@ void XmlReader::check_children(const Element& e, const std::vector<std::string>&
     if (holds(known, c->Name())) continue;
     const std::string hint = suggest_(c->Name(), known);
     if (hint.empty())
-      warning(*c, "unknown-tag", tag_of(*c) + " in " + tag_of(e) + " is passed over",
+      warning(*c, "unknown-tag", tag_of(*c) + " in " + tag_of(e) + " is ignored",
               "known here: " + tags(known));
     else
       error(*c, "unknown-tag", tag_of(*c) + " is unknown in " + tag_of(e) + hint,
@@ -127,7 +127,7 @@ void XmlReader::check_attributes(const Element& e, const std::vector<std::string
     const std::string name = a->Name();
     if (name.find(':') != std::string::npos || name == "xmlns" || holds(known, name)) continue;
     warning(e, "unknown-attribute",
-            "the attribute '" + name + "' of " + tag_of(e) + " is passed over" + suggest_(name, known));
+            "the attribute '" + name + "' of " + tag_of(e) + " is ignored" + suggest_(name, known));
   }
 }
 

@@ -94,7 +94,7 @@ void judge_governors(const Machine& m, Findings& out) {
   if (!m.clock_source.empty() && (m.clock_source == "hpet" || m.clock_source == "acpi_pm"))
     out.push_back({Grade::note, Concern::real_time, "clock",
                    "the clock source is " + m.clock_source + ", which is slow to read",
-                   "dmesg | grep -i clocksource  # says why the processor's own clock was given up"});
+                   "dmesg | grep -i clocksource  # shows why the kernel rejected the processor's own clock"});
 }
 
 const char* purpose(const std::string& group) {
@@ -197,12 +197,12 @@ void judge_environment(const Machine& m, Findings& out) {
       out.push_back({Grade::ok, Concern::simulation, "folders", folder.variable + ": " + folder.path, ""});
     else
       out.push_back({Grade::note, Concern::simulation, "folders",
-                     folder.variable + " names " + folder.path + ", which is no folder",
-                     "unset " + folder.variable + "  # or name one that is there"});
+                     folder.variable + " names " + folder.path + ", which is not a folder",
+                     "unset " + folder.variable + "  # or name one that exists"});
   std::vector<std::string> set;
   for (const auto& [variable, value] : m.ros) set.push_back(variable + "=" + value);
   out.push_back({set.empty() ? Grade::ok : Grade::note, Concern::simulation, "ROS",
-                 set.empty() ? "no ROS environment, none is needed"
+                 set.empty() ? "no ROS environment; Polyarm needs none"
                              : join(set, " ") + ": not needed; packages of AMENT_PREFIX_PATH are found",
                  ""});
 }
@@ -233,7 +233,7 @@ Findings judge(const Clock& clock) {
     out.push_back(
         {Grade::ok, Concern::real_time, "clock", fmt::format("resolution {} ns", clock.resolution), ""});
   const std::string late = fmt::format(
-      "asked each 1 ms, {} wake-ups were late by {:.0f} us (half), {:.0f} us (99 %), {:.0f} us (most)",
+      "{} wake-ups, one each 1 ms, were late by {:.0f} us (half), {:.0f} us (99 %), {:.0f} us (most)",
       clock.wakeups, us(clock.late_p50), us(clock.late_p99), us(clock.late_max));
   const bool fine = clock.late_p99 < 500'000;
   out.push_back({fine ? Grade::ok : Grade::note, Concern::real_time, "clock", late,
@@ -282,7 +282,7 @@ Findings judge(const Disk& disk) {
   if (disk.free_bytes >= kBlackBox)
     return {{Grade::note, Concern::simulation, "disk", text + ": little for recordings", mend}};
   return {
-      {Grade::problem, Concern::simulation, "disk", text + ": not enough to keep what a fault leaves", mend}};
+      {Grade::problem, Concern::simulation, "disk", text + ": not enough for the records of a fault", mend}};
 }
 
 bool may_simulate(const Findings& findings) {

@@ -61,7 +61,7 @@ class Loop {
   /// A small move there and back; the velocity is zero at both ends.
   bool move(std::size_t command, double distance) {
     const double start = value_of(commands_[command]);
-    if (!std::isfinite(start)) return fail(commands_[command] + " cannot be moved: where it is is not known");
+    if (!std::isfinite(start)) return fail(commands_[command] + " cannot be moved: its position is unknown");
     const auto cycles = static_cast<int>(2 * options_.rate);
     for (int k = 0; k <= cycles; ++k) {
       written_[command] = start + distance * 0.5 * (1 - std::cos(2 * M_PI * k / cycles));
@@ -236,7 +236,7 @@ std::vector<std::string> highlights(const Trial& trial) {
                             trial.configure_ms, trial.reads, trial.late));
   out.push_back(fmt::format("a read took {:.0f} us (half), {:.0f} us (99 %), {:.0f} us (most)",
                             trial.read_us_p50, trial.read_us_p99, trial.read_us_max));
-  out.push_back(fmt::format("news every {:.1f} ms (half), {:.1f} ms (99 %), {:.1f} ms (most)",
+  out.push_back(fmt::format("new values every {:.1f} ms (half), {:.1f} ms (99 %), {:.1f} ms (most)",
                             trial.gap_ms_p50, trial.gap_ms_p99, trial.gap_ms_max));
   for (const TriedState& s : trial.states) {
     if (ends(s.name, "bad_frames") || ends(s.name, "lost_bytes"))

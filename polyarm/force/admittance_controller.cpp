@@ -54,7 +54,7 @@ std::uint64_t AdmittanceController::receive(const std::string& port, const Input
   for (std::size_t i = 0; i < point.positions.size(); ++i) {
     const JointFacts& joint = joints_[i].facts;
     if (point.positions[i] < joint.lower - kBeyondLimit || point.positions[i] > joint.upper + kBeyondLimit)
-      throw Error("beyond-limits", "'" + joint.name + "' is asked for a position of " +
+      throw Error("beyond-limits", "'" + joint.name + "' gets a command for a position of " +
                                        std::to_string(point.positions[i]) + " outside its limits");
   }
   points_inbox_.write({point.positions, point.velocities});

@@ -73,8 +73,8 @@ std::vector<std::string> twist_of(const std::string& prefix) {
 void AdmittanceController::claim(ControllerContext& context, const std::vector<std::string>& command_joints) {
   Parameters& p = context.parameters;
   std::vector<std::string> commands, states, references{"position", "velocity"};
-  p.read("command_interfaces", commands, {"what is commanded: position, velocity"});
-  p.read("state_interfaces", states, {"what is read: position, also velocity"});
+  p.read("command_interfaces", commands, {"interfaces to command: position, velocity"});
+  p.read("state_interfaces", states, {"interfaces to read: position, optionally velocity"});
   p.read("chainable_command_interfaces", references, {"references for a controller before this one"});
   require_known(p, "command_interfaces", commands);
   require_known(p, "state_interfaces", states);
@@ -109,7 +109,7 @@ void AdmittanceController::read_joints(ControllerContext& context) {
   Parameters& p = context.parameters;
   std::vector<std::string> names, command_joints;
   p.read("joints", names, {"the joints, in the order of references and commands"});
-  p.read("command_joints", command_joints, {"other names for the commands; none: the joints"});
+  p.read("command_joints", command_joints, {"other names for the commands; empty: the joints"});
   if (names.empty()) refuse_no_joints(p);
   if (command_joints.empty()) command_joints = names;
   if (command_joints.size() != names.size())
@@ -240,7 +240,7 @@ CallbackReturn AdmittanceController::on_configure(ControllerContext& context) {
   parameters_ = {};
   bool changes = true;
   p.read("enable_parameter_update_without_reactivation", changes,
-         {"no effect: what is marked changeable can always be changed"});
+         {"no effect: parameters marked changeable can always be changed"});
   p.superseded("robot_description", "the cell knows the robot");
   read_axes(p);
   read_gravity(p);

@@ -82,7 +82,7 @@ bool Components::prepare_mode_switch(std::span<const std::string> start, std::sp
       if (hosted->component->prepare_command_mode_switch(start, stop) != ReturnType::ok) return false;
     } catch (...) {
       rethrow_as_error("mode-refused", "the hardware component '" + hosted->name +
-                                           "', asked whether it takes the commands of the switch,");
+                                           "', when asked to accept the controller switch,");
     }
   }
   return true;

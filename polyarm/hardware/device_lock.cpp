@@ -81,7 +81,7 @@ DeviceLock::DeviceLock(const std::string& device, const std::string& holder) {
   file_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (file_ < 0)
     throw Error("lock-failed",
-                "the lock " + path.string() + " of " + device + " cannot be made: " + std::strerror(errno),
+                "the lock " + path.string() + " of " + device + " cannot be created: " + std::strerror(errno),
                 "remove that file, or run as the user who made it");
   fchmod(file_, 0666);  // the next process may belong to another user
   if (flock(file_, LOCK_EX | LOCK_NB) != 0) {

@@ -32,7 +32,7 @@ std::string found(const Hosted& hosted, const InterfaceTable& table) {
   const StopCause cause = hosted.failed_by.load(std::memory_order_acquire);
   const int at = hosted.failed_at.load(std::memory_order_relaxed);
   if (cause == StopCause::late)
-    return "its thread was late, or missed its turn, " + std::to_string(hosted.options.late_after) +
+    return "its thread was late, or missed runs, " + std::to_string(hosted.options.late_after) +
            " times in a row";
   if (cause == StopCause::controller) return "a controller that works on it failed";
   if (at < 0) return {};
@@ -40,7 +40,7 @@ std::string found(const Hosted& hosted, const InterfaceTable& table) {
   if (cause == StopCause::limits)
     return table.command_names()[index] + " is of a joint far outside its limits";
   const std::string& name = table.state_names()[index];
-  if (cause == StopCause::not_a_number) return name + " was measured and is no number any more";
+  if (cause == StopCause::not_a_number) return name + " became NaN or infinite";
   if (cause == StopCause::jump)
     return name + " changed by more between two reads than the joint can have moved";
   return name + " is more than " + format_number(hosted.following_error) + " from its command for " +
@@ -83,7 +83,7 @@ std::vector<std::string> Diagnostics::summaries() const {
     try {
       text = hosted->component->summary();
     } catch (...) {
-      text = "asked what it is it threw: " + what_was_thrown();
+      text = "its information function threw: " + what_was_thrown();
     }
     if (!text.empty()) out.push_back(hosted->name + ": " + text);
   }

@@ -67,9 +67,10 @@ Problem unknown_driver(const std::string& name) {
   std::vector<std::string> names = driver_names();
   const std::string known = "known are: " + join(names, ", ");
   names.emplace_back("mujoco");
-  std::string advice = name.find('/') == std::string::npos
-                           ? known
-                           : known + "; `polyarm plugins` lists plugins, and what was refused and why";
+  std::string advice =
+      name.find('/') == std::string::npos
+          ? known
+          : known + "; `polyarm plugins` lists plugins, and the refused ones with the reason";
   if (name == "mujoco") advice = "install libmujoco-dev and build again, or use --hardware mock";
   return {"unknown-driver",
           {},

@@ -53,7 +53,7 @@ std::string because(const Component& component) {
   try {
     reason = component.reason();
   } catch (...) {
-    reason = "asked for a reason it threw: " + what_was_thrown();
+    reason = "its reason function threw: " + what_was_thrown();
   }
   return reason.empty() ? reason : ": " + reason;
 }
@@ -64,7 +64,7 @@ void initialise(Component& component, const ComponentContext& context, const cha
     result = component.on_init(context);
   } catch (...) {
     rethrow_as_error("component-failed", "the hardware component '" + context.name + "', on_init,",
-                     "its plugin has an error; tell its makers");
+                     "its plugin has an error; report it to its author");
   }
   if (result != CallbackReturn::success)
     throw Error("component-failed",
@@ -181,7 +181,7 @@ void require_idle(const Hosted& hosted) {
   if (!hosted.pending) return;
   throw Error("busy",
               "the hardware component '" + hosted.name + "' is being " + done_word(hosted.pending->step()) +
-                  " and has not come back from it",
+                  " and has not returned from it",
               "wait until it has; polyarm hardware list shows it");
 }
 
@@ -287,7 +287,7 @@ void Hardware::go(std::shared_ptr<Transition> next, Caller& caller) {
     if (!caller.await(*next))
       throw Error("given-up",
                   "the hardware component '" + next->component() + "' is being " + done_word(next->step()) +
-                      " and has not come back from it",
+                      " and has not returned from it",
                   "check its device; polyarm drivers test opens one alone");
     next = finish(*next);
   }

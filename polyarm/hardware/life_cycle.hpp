@@ -23,7 +23,8 @@ std::vector<InterfaceDescription> offered(const std::string& name, List list) {
   try {
     return list();
   } catch (...) {
-    rethrow_as_error("component-failed", "the hardware component '" + name + "', asked for its interfaces,");
+    rethrow_as_error("component-failed",
+                     "the hardware component '" + name + "', when asked for its interfaces,");
   }
 }
 

@@ -37,7 +37,7 @@ class Library {
     if (reason.starts_with(from + ": ")) reason.erase(0, from.size() + 2);
     refuse(file, "it cannot be loaded: " + reason,
            reason.find("undefined symbol") != std::string::npos
-               ? std::string("it wants what this Polyarm does not have; ") + kRebuild
+               ? std::string("it needs functions that this Polyarm does not have; ") + kRebuild
                : "install the libraries that it needs, or build it again for this machine");
   }
   ~Library() {
@@ -55,15 +55,15 @@ class Library {
 const PluginTable* table_of(const Library& library, const std::filesystem::path& file) {
   void* const found = library.find("polyarm_plugin");
   if (!found)
-    refuse(file, "it exports no polyarm_plugin, so it is no plugin of Polyarm",
+    refuse(file, "it exports no polyarm_plugin, so it is not a plugin of Polyarm",
            "end its source with POLYARM_PLUGIN(…), or take the file out of the folder");
   const PluginTable* table = nullptr;
   try {
     table = reinterpret_cast<const PluginTable* (*)()>(found)();
   } catch (...) {
-    refuse(file, "its polyarm_plugin threw: " + what_was_thrown(), "tell its makers");
+    refuse(file, "its polyarm_plugin threw: " + what_was_thrown(), "report it to its author");
   }
-  if (!table) refuse(file, "its polyarm_plugin returns no table", "tell its makers");
+  if (!table) refuse(file, "its polyarm_plugin returns no table", "report it to its author");
   return table;
 }
 
@@ -96,7 +96,8 @@ void judge_entry(const PluginEntry& entry, std::uint32_t number, const std::file
            "make it with POLYARM_HARDWARE(…) or POLYARM_CONTROLLER(…)");
   if (hardware && entry.layout != kComponentLayout)
     refuse(file,
-           std::string("'") + entry.name + "' was built with headers whose types have other sizes than here",
+           std::string("'") + entry.name +
+               "' was built with headers whose types have other sizes than those of this Polyarm",
            kRebuild);
 }
 }  // namespace
@@ -145,11 +146,11 @@ std::unique_ptr<Component> make_component(const PluginEntry& entry, const std::f
     out.reset(entry.make_hardware());
   } catch (...) {
     rethrow_as_error("plugin-failed", file.string() + ": making '" + entry.name + "' it",
-                     "its makers have to mend that");
+                     "its author must fix that");
   }
   if (!out)
     throw Error("plugin-failed", file.string() + " makes nothing for '" + entry.name + "'",
-                "tell its makers");
+                "report it to its author");
   return out;
 }
 

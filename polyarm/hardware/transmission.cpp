@@ -138,7 +138,7 @@ void Transmission::check(const TransmissionInfo& info) const {
   for (std::size_t i = 0; i < size_; ++i)
     for (const Matrix* m : {&motion_, &inverse_})
       if (!std::isnormal((*m)[i][i]) || !std::isfinite((*m)[i][1 - i]))
-        refuse(info, "bad-reduction", "has reductions whose product is beyond what can be calculated with",
+        refuse(info, "bad-reduction", "has reductions whose product is too large or too small",
                "write the turns of the actuator for one turn of the joint");
 }
 

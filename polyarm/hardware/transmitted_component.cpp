@@ -69,7 +69,7 @@ void TransmittedComponent::drive(RobotInstance& robot, description::HardwareInfo
       if (at == block.components.end())
         throw Error(Problem{"unknown-joint", info.where,
                             "the transmission '" + info.name + "' drives '" + transmission.joints()[k] +
-                                "', which is no joint of '" + block.name + "'",
+                                "', which is not a joint of '" + block.name + "'",
                             "name one of its joints, or take the transmission out"});
       joints.push_back(*at);
       actuators.push_back(*at);

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <exception>
 #include <map>
+#include <mutex>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -181,8 +182,8 @@ struct Job {
   bool done = false;  ///< found in the cache, or failed
 };
 
-std::function<void(std::size_t)>& listener_to_making() {
-  static std::function<void(std::size_t)> listener;
+std::function<void(std::size_t, std::size_t)>& listener_to_making() {
+  static std::function<void(std::size_t, std::size_t)> listener;
   return listener;
 }
 
@@ -240,11 +241,21 @@ void for_each(std::vector<Job>& jobs, Step step) {
 
 void run(std::vector<Job>& jobs, const fs::path& cache) {
   for_each(jobs, [&](Job& job) { job.done = take_cached(*job.shapes.front(), cache, job.body); });
-  const auto left = std::count_if(jobs.begin(), jobs.end(), [](const Job& job) { return !job.done; });
+  const auto left = static_cast<std::size_t>(
+      std::count_if(jobs.begin(), jobs.end(), [](const Job& job) { return !job.done; }));
   if (left == 0) return;
-  if (listener_to_making()) listener_to_making()(static_cast<std::size_t>(left));
+  std::mutex mutex;
+  std::size_t ready = 0;
+  const auto report = [&](std::size_t more) {
+    const std::lock_guard lock(mutex);
+    ready += more;
+    if (listener_to_making()) listener_to_making()(ready, left);
+  };
+  report(0);
   for_each(jobs, [&](Job& job) {
-    if (!job.done) job.body = made(*job.shapes.front(), cache);
+    if (job.done) return;
+    job.body = made(*job.shapes.front(), cache);
+    report(1);
   });
 }
 
@@ -255,7 +266,7 @@ fs::path bodies_cache() {
   return folder.empty() ? folder : folder / "bodies";
 }
 
-void listen_to_making(std::function<void(std::size_t meshes)> listener) {
+void listen_to_making(std::function<void(std::size_t made, std::size_t meshes)> listener) {
   listener_to_making() = std::move(listener);
 }
 

@@ -28,9 +28,10 @@ struct BodiesMade {
 /// The folder in which this user's bodies are cached; empty without a home folder.
 std::filesystem::path bodies_cache();
 
-/// Sets a process-wide listener. It is called with the number of meshes before bodies are computed, which may
-/// take minutes; not for cached bodies. Set it before the first make_bodies.
-void listen_to_making(std::function<void(std::size_t meshes)> listener);
+/// Sets a process-wide listener. It is called before bodies are computed, which may take minutes, and after each one: with
+/// how many of how many are made; not for cached bodies. Calls come one at a time, from any thread. Set it before the
+/// first make_bodies.
+void listen_to_making(std::function<void(std::size_t made, std::size_t meshes)> listener);
 
 /// Fills `pieces` of each collision mesh of the robot. Meshes of the same file and scale are computed once,
 /// in parallel on all processors. `cache`: a folder of the user that stores results by the content of the

@@ -306,7 +306,7 @@ void InverseKinematics::Arm::find_seven() {
     if (effort(best.family) == 0 && best.exact()) break;
   }
   if (spare < 0) {
-    report = "no closed form: no joint whose hold leaves one";
+    report = "no closed form: no joint leaves one when it is locked";
     return;
   }
   std::array<int, 6> axes{};

@@ -57,8 +57,8 @@ std::string describe_task(const IkTask& task) {
   constexpr const char* kRows[] = {"x", "y", "z", "about x", "about y", "about z"};
   for (std::size_t i = 0; i < 6; ++i) {
     if (!(task.low[i] <= task.high[i]))
-      return fmt::format("the tolerance {} goes from {:g} to {:g}, which is no range", kRows[i], task.low[i],
-                         task.high[i]);
+      return fmt::format("the tolerance {} goes from {:g} to {:g}, which is not a range", kRows[i],
+                         task.low[i], task.high[i]);
     if (!(task.weight[i] >= 0) || !std::isfinite(task.weight[i]))
       return fmt::format("the weight {} is {:g}; write a finite number that is not negative", kRows[i],
                          task.weight[i]);

@@ -63,6 +63,7 @@ void CellInside::make_owners() {
   life.emplace(machine, *motions, events);
   watches.emplace(Watches::Owners{setup, machine, data, *motions, *programs, *jogging, *arming, *life,
                                   contacts, *parts, worker, events});
+  guards.emplace(Guards::Owners{setup, machine, *motions, *programs, *jogging, *life, planner, events});
   motions->set_profile(setup.file.profiles.name);
 }
 
@@ -181,6 +182,7 @@ void CellInside::read_outside(Nanoseconds now) {
 /// Runs PLC, test and program, as far as they may run.
 void CellInside::run_programs() {
   const bool may_run = !life->failure() && arming->armed() && data.links_ready();
+  programs->end_pulses();
   if (may_run) programs->tick_plc();
   if (test) test->tick();
   const bool stop_asked = machine.supervisor().latch().requested() != realtime::StopKind::none;
@@ -202,7 +204,9 @@ void CellInside::tick(Nanoseconds now) {
   read_outside(now);
   tick_motions();
   run_programs();
+  machine.supervisor().set_contacts_meant(programs->touches());
   tick_motions();
+  guards->tick();
   data.write(now, machine.snapshot(), programs_over());
   data.exchange_files(now);
   parts->update(now, machine.snapshot().world);

@@ -13,6 +13,7 @@
 #include "polyarm/machine/event_log.hpp"
 #include "polyarm/machine/machine.hpp"
 #include "polyarm/machine/motions.hpp"
+#include "polyarm/operation/guards.hpp"
 #include "polyarm/operation/held_motions.hpp"
 #include "polyarm/operation/jogging.hpp"
 #include "polyarm/operation/watches.hpp"
@@ -60,6 +61,7 @@ struct CellInside {
   std::optional<HeldMotions> held_motions;
   std::optional<LifeCycle> life;
   std::optional<Watches> watches;
+  std::optional<Guards> guards;
   Requests requests;
   std::unique_ptr<Recorder> recorder;  ///< null if the cell cannot record
 
@@ -109,6 +111,8 @@ Owner& CellInside::owner() {
     return *life;
   else if constexpr (std::is_same_v<O, Watches>)
     return *watches;
+  else if constexpr (std::is_same_v<O, Guards>)
+    return *guards;
   else
     return recorder;
 }

@@ -132,10 +132,10 @@ class Requests::Work {
     for (Open& each : open_)
       if (from && each.from == from && !each.begun && each.request &&
           protocol::role_needed(*each.request) == Role::operate) {
-        each.refused = Error("overtaken",
-                             std::string("'") + each.request->facts().name +
-                                 "' is refused: a stop came after it and was taken first",
-                             "send it again if it is still wanted");
+        each.refused = Error(
+            "overtaken",
+            std::string("'") + each.request->facts().name + "' is refused: a later stop was handled first",
+            "send it again if you still want it");
         each.request.reset();
       }
   }
@@ -161,7 +161,7 @@ class Requests::Work {
     if (open.urgent) return;
     const auto refuse = [](std::size_t most, const char* whose) {
       throw Error("busy", fmt::format("more than {} requests{} are open", most, whose),
-                  "wait for answers, or end what goes on");
+                  "wait for answers, or end open requests");
     };
     if (open_.size() >= bounds::kOpenRequests) refuse(bounds::kOpenRequests, "");
     if (bytes_ + open.bytes > bounds::kOpenRequestBytes)

@@ -14,7 +14,7 @@ std::size_t robot_named(const CellSetup& setup, const std::optional<std::string>
   if (wanted.empty() && names.size() == 1) return 0;
   if (wanted.empty())
     throw Error("which-robot", "the cell has " + std::to_string(names.size()) + " robots",
-                "say which: " + join(names, ", "));
+                "choose one: " + join(names, ", "));
   throw Error("unknown-robot", "there is no robot '" + wanted + "'" + did_you_mean(wanted, names),
               "there are: " + join(names, ", "));
 }

@@ -23,7 +23,7 @@ Problem still_moving(const Machine& machine) {
   return {"stopping",
           {},
           std::string("the cell is ") + control::name(machine.snapshot().state) + " and still moves",
-          "ask again when it stands",
+          "try again when it is at rest",
           Severity::error,
           {{"state", control::name(machine.snapshot().state)}}};
 }
@@ -45,10 +45,10 @@ std::optional<Problem> why_no_resume(const Machine& machine, const Motions& moti
     return Problem{
         "in-contact",
         {},
-        fmt::format("{} still touches {} ({} deep), and the motion that is held goes on from there",
+        fmt::format("{} still touches {} ({} deep), and the held motion would continue from there",
                     contact->a, contact->b, depth_text(contact->depth)),
-        "polyarm control back leads out along the path; or polyarm control discard forgets the motion, "
-        "then jog away slowly and polyarm control resume; --anyway goes on all the same",
+        "polyarm control back leads out along the path; or discard the motion (polyarm control discard), jog "
+        "away slowly, then polyarm control resume; --anyway continues in spite of the contact",
         Severity::error,
         {{"a", contact->a}, {"b", contact->b}, {"depth_m", contact->depth}}};
   return watches.held_place().pushed();
@@ -70,8 +70,8 @@ std::optional<Problem> why_no_back(const Machine& machine, const Watches& watche
   if (state != RunState::held)
     return Problem{"wrong-state",
                    {},
-                   std::string("the loop is at ") + control::name(state),
-                   "only what is held steps back: polyarm control hold",
+                   std::string("the control loop is in the state ") + control::name(state),
+                   "hold the cell first: polyarm control hold",
                    Severity::error,
                    {{"state", control::name(state)}}};
   return watches.held_place().pushed();
@@ -82,8 +82,8 @@ std::optional<Problem> why_no_recover(const Machine& machine) {
   if (state == RunState::fault) return std::nullopt;
   return Problem{"no-fault",
                  {},
-                 std::string("there is no fault to leave: the cell is ") + control::name(state),
-                 state == RunState::held ? "polyarm control resume" : "nothing has to be done",
+                 std::string("there is no fault: the cell is ") + control::name(state),
+                 state == RunState::held ? "polyarm control resume" : "nothing to do",
                  Severity::error,
                  {{"state", control::name(state)}}};
 }
@@ -91,7 +91,8 @@ std::optional<Problem> why_no_recover(const Machine& machine) {
 std::optional<Problem> why_no_statement(const Machine& machine, const Arming& arming, const LifeCycle& life) {
   const RunState state = machine.snapshot().state;
   if (!arming.armed())
-    return Problem{"disarmed", {}, "no program goes on: real hardware that nobody has armed", "polyarm control arm"};
+    return Problem{
+        "disarmed", {}, "no program can continue: the real hardware is not armed", "polyarm control arm"};
   if (state == RunState::fault) return in_fault(machine);
   if (is_moving_state(state)) return still_moving(machine);
   if (state == RunState::held)

@@ -95,7 +95,7 @@ void CellLinks::declare(const LinkEntry& entry, data::DataStore& store, Problems
       problems.error("bad-link", tag.where,
                      "'" + tag.name + "' is " + data::name(known->kind()) + ", over the link '" + entry.name +
                          "' it is " + data::name(kind_of(tag.type)),
-                     "say its type");
+                     "give its type");
     if (tag.direction != Direction::out && store.tag_role(tag.name) == data::TagRole::state)
       problems.error(
           "bad-link", tag.where,
@@ -126,7 +126,7 @@ std::optional<Problem> CellLinks::lost() const {
         return Problem{
             "link-stale",
             {},
-            "the link '" + entry.name + "' has brought nothing new of '" + entry.tags[i].name + "' for " +
+            "the link '" + entry.name + "' has sent no new value of '" + entry.tags[i].name + "' for " +
                 format_number(seconds(entry.tags[i].stale)) + " s",
             {},
             Severity::warning,
@@ -168,7 +168,7 @@ void CellLinks::take(Running& running, LinkEvent& event) {
     case LinkEvent::Kind::note:
       return tell("link-note", "the link '" + entry.name + "': " + event.text);
     case LinkEvent::Kind::found:
-      if (running.state.losses > 0) tell("link-found", "the link '" + entry.name + "' is there again");
+      if (running.state.losses > 0) tell("link-found", "the link '" + entry.name + "' is connected again");
       return;
   }
 }

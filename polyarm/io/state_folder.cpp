@@ -54,12 +54,12 @@ void refuse_links(const fs::path& state) {
       throw Error(Problem{"bad-state",
                           {place.string()},
                           "this link leads to " + real.string(),
-                          "remove it: runs keep what they write in this folder"});
+                          "remove it: runs store their files in this folder"});
     if (!fs::exists(place, error))
       throw Error(Problem{"bad-state",
                           {place.string()},
                           "this link leads to " + real.string() + ", which does not exist",
-                          "remove it: runs keep what they write in this folder"});
+                          "remove it: runs store their files in this folder"});
   };
   refuse(state);
   if (fs::is_symlink(state, error)) return;  // a link to a folder that the cell may write
@@ -76,8 +76,9 @@ StateLock::StateLock(const fs::path& file, int patience_ms) {
   if (fd_ < 0 && errno != EACCES && errno != EPERM && errno != EROFS && errno != ENOENT && errno != ENOTDIR)
     throw Error(Problem{"bad-state",
                         {file.string()},
-                        errno == ELOOP ? "this is a link, where a run keeps its lock"
-                                       : std::string("the lock of a run cannot be made: ") + std::strerror(errno),
+                        errno == ELOOP
+                            ? "this is a link, but a run needs a file for its lock here"
+                            : std::string("the lock of a run cannot be created: ") + std::strerror(errno),
                         "remove it"});
   const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(patience_ms);
   for (;;) {
@@ -140,10 +141,9 @@ void StateFolder::bring(const fs::path& original, bool again) const {
   std::error_code error;
   fs::create_directories(state_, error);
   if (error)
-    throw Error(
-        "unwritable", state_.string() + ": this folder cannot be made: " + error.message(),
-        "a run keeps copies of data files there: work on a copy of the cell where you may write, or have the "
-        "permissions of its folder changed (ls -ld shows them)");
+    throw Error("unwritable", state_.string() + ": this folder cannot be created: " + error.message(),
+                "a run stores copies of data files there: work on a copy of the cell in a folder where you "
+                "may write, or change the permissions (ls -ld shows them)");
   const fs::path ignore = state_.parent_path() / ".gitignore";
   const bool in_cell = state_.parent_path().filename() == ".state";
   if (in_cell && !fs::exists(ignore, error)) write_file_atomically(ignore, "*\n");

@@ -40,6 +40,14 @@ Suggestions states_of(const hardware::InterfaceTable& table, const CellStates& o
   known.insert(known.end(), own.names().begin(), own.names().end());
   return Suggestions(std::move(known));
 }
+
+/// What the hardware states before the first cycle, such as the parts of a feeder; else the tag's own.
+data::Value initial_value(const signals::Tag& tag, const hardware::InterfaceTable& table) {
+  if (tag.role != data::TagRole::state) return tag.initial;
+  const auto index = table.find_state(tag.interface);
+  const double value = index ? table.states()[*index] : std::numeric_limits<double>::quiet_NaN();
+  return std::isfinite(value) ? tag.from_interface(value) : tag.initial;
+}
 }  // namespace
 
 TagBinding::TagBinding(const std::vector<signals::Tag>& tags, const hardware::InterfaceTable& table,
@@ -47,7 +55,7 @@ TagBinding::TagBinding(const std::vector<signals::Tag>& tags, const hardware::In
     : store_(store) {
   Suggestions states = states_of(table, own), commands(table.command_names());
   for (const signals::Tag& tag : tags) {
-    store_.declare_tag(tag.name, tag.initial, tag.role);
+    store_.declare_tag(tag.name, initial_value(tag, table), tag.role);
     if (tag.role == data::TagRole::state) {
       const auto from_cell = own.find(tag.interface);
       const auto from_table = table.find_state(tag.interface);
@@ -58,13 +66,17 @@ TagBinding::TagBinding(const std::vector<signals::Tag>& tags, const hardware::In
       else
         problems.error("unknown-interface", tag.where,
                        "the tag '" + tag.name + "' reads '" + tag.interface + "', which nothing offers" +
-                           states(tag.interface));
+                           states(tag.interface),
+                       table.find_command(tag.interface) ? "it is a command: write {command: …}" : "");
     }
     if (tag.role == data::TagRole::command) {
       if (!table.find_command(tag.interface)) {
         problems.error("unknown-interface", tag.where,
                        "the tag '" + tag.name + "' drives '" + tag.interface + "', which nothing offers" +
-                           commands(tag.interface));
+                           commands(tag.interface),
+                       table.find_state(tag.interface) || own.find(tag.interface)
+                           ? "it is a state: write {state: …}"
+                           : "");
         continue;
       }
       const auto at = std::find(command_names_.begin(), command_names_.end(), tag.interface);

@@ -18,6 +18,8 @@ using Kind = JogWish::Kind;
 constexpr Nanoseconds kGivesUp = 200'000'000;
 /// Extrapolation of a moving target, s.
 constexpr double kThinkOn = 0.05;
+/// Limits of the way out of a contact.
+constexpr JogLimits kOut{0.05, 0.02, 0.1};
 }  // namespace
 
 JogController::JogController(const kinematics::Chain& chain, std::vector<controllers::JointFacts> joints,
@@ -57,6 +59,9 @@ CallbackReturn JogController::on_activate(const hardware::Cycle& cycle) noexcept
     if (!std::isfinite(q[j])) return CallbackReturn::error;
   }
   generator_->start({q.data(), joints_.size()});
+  barriers_.fetch();  // those of an earlier session
+  generator_->set_barriers(nullptr);
+  touching_ = false;
   inbox_.fetch();
   command_ = {};
   ended_ = std::max(ended_, session_);
@@ -132,6 +137,10 @@ ReturnType JogController::update(const hardware::Cycle& cycle, const controllers
     command_ = inbox_.value();
     received_ = cycle.time;
   }
+  if (barriers_.fetch()) {
+    generator_->set_barriers(&barriers_.value());
+    touching_ = barriers_.value().touching;
+  }
   const bool good = holds(cycle, verdict);
   JogWish wish;
   if (good) {
@@ -141,7 +150,10 @@ ReturnType JogController::update(const hardware::Cycle& cycle, const controllers
     wish.at_once = verdict.immediate;
     step_done_ = step_begun_;
   }
-  generator_->step(wish, limits());
+  JogLimits now = limits();
+  if (touching_) now = {std::min(now.joint_share, kOut.joint_share), std::min(now.tcp_speed, kOut.tcp_speed),
+                        std::min(now.tcp_turning, kOut.tcp_turning)};
+  generator_->step(wish, now);
   standing_ = !(good && wish.kind != Kind::rest) && generator_->standing();
   if (good && command_.by && step_done_ != step_begun_) {
     const bool stands = generator_->standing() || generator_->tcp_speed() < 1e-6;

@@ -76,6 +76,9 @@ class JogController : public controllers::Controller {
     while (seen < session && !let_go_.compare_exchange_weak(seen, session, std::memory_order_release)) {
     }
   }
+  /// Cell thread: what is near the robot now; fill draft_barriers(), then publish. Before the first, nothing.
+  Barriers& draft_barriers() noexcept { return barriers_.draft(); }
+  void publish_barriers() noexcept { barriers_.publish(); }
   /// Any thread; takes effect in the next cycle.
   void set_limits(const JogLimits& limits) noexcept {
     joint_share_.store(limits.joint_share, std::memory_order_relaxed);
@@ -109,9 +112,11 @@ class JogController : public controllers::Controller {
   std::int32_t step_which_ = -1;
   Nanoseconds blocked_since_ = -1;
   bool standing_ = true;
+  bool touching_ = false;
 
   realtime::Latest<JogCommand> inbox_;
   realtime::Latest<JogStatus> outbox_;
+  realtime::Latest<Barriers> barriers_;
   std::atomic<std::uint32_t> let_go_{0};
   std::atomic<double> joint_share_{1}, tcp_speed_{1e9}, tcp_turning_{1e9};
 };

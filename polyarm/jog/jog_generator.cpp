@@ -33,6 +33,8 @@ constexpr double kTargetSpeed = 1, kTargetTurning = 3;
 constexpr double kBelow = 0.93, kAtMost = 0.95;
 /// Distance kept from the boundaries of the workspace, m, by slowing down and by the guard.
 constexpr double kKeepFree = 2e-3, kKeepFreeAtLeast = 1.5e-3;
+/// What curved motion along a barrier may take of its room, m.
+constexpr double kBeside = 3e-4;
 /// Number of samples while all joints brake.
 constexpr std::size_t kPlaces = 20;
 constexpr double kMoment = 1e-5;  // s, step of a numeric derivative
@@ -49,7 +51,7 @@ bool is_zero(const Twist& t) {
 }  // namespace
 
 const char* name(JogHold hold) {
-  constexpr const char* kNames[] = {"none", "speed", "singularity", "direction", "joint limit", "workspace"};
+  constexpr const char* kNames[] = {"none", "speed", "singularity", "direction", "joint limit", "workspace", "body"};
   return kNames[static_cast<std::size_t>(hold)];
 }
 
@@ -226,6 +228,7 @@ void JogGenerator::wish_tcp(const JogWish& wish, const JogLimits& limits, JogVal
     for (double& x : wanted) x /= over;
     note(JogHold::speed, 0);
   }
+  if (barriers_ && wish.kind == JogWish::Kind::tcp_velocity) slide_tcp(wanted);
   const TcpLead::Target target = target_of(wish, limits);
   if (wish.kind == JogWish::Kind::tcp_target) wanted = lead_.way_to(target);
   std::array<double, kMostJogJoints> velocity;
@@ -289,13 +292,9 @@ void JogGenerator::tell(const TwistSolver::Solution& solution) noexcept {
 /// `common`: also before joint limits. Returns the remaining share.
 double JogGenerator::throttle(const JogLimits& limits, Before before, bool common,
                               JogValues& rates) noexcept {
-  double share = 1, a = 1e300, jerk = 1e300, most = 1e-9;
-  for (std::size_t j = 0; j < axes_.size(); ++j) {
-    const double r = std::max(std::abs(rates[j]), 1e-12);
-    most = std::max(most, r / axes_[j].velocity);
-    a = std::min(a, before.acceleration * axes_[j].acceleration / r);
-    jerk = std::min(jerk, before.jerk * axes_[j].jerk / r);
-  }
+  double share = 1, most = 1e-9;
+  for (std::size_t j = 0; j < axes_.size(); ++j) most = std::max(most, std::abs(rates[j]) / axes_[j].velocity);
+  const auto [a, jerk] = pull_of({rates.data(), axes_.size()}, before);
   const auto slow = [&](double left, JogHold hold, std::size_t which) {
     if (left < 0.999) note(hold, which);
     share = std::min(share, left);
@@ -307,6 +306,12 @@ double JogGenerator::throttle(const JogLimits& limits, Before before, bool commo
     const double room =
         rates[j] > 0 ? axes_[j].upper - state_[j].position : state_[j].position - axes_[j].lower;
     slow(stopping_speed(room / r, a, jerk), JogHold::joint_limit, j);
+  }
+  if (barriers_) {
+    const JogValues q = positions();
+    for (std::size_t i = 0; i < barriers_->count; ++i)
+      slow(barrier_share(i, {q.data(), axes_.size()}, {rates.data(), axes_.size()}, a, jerk), JogHold::body,
+           static_cast<std::size_t>(barriers_->which(i)));
   }
   const Twist twist = solver_.twist_of({rates.data(), axes_.size()});
   const double speed = linear(twist);
@@ -341,10 +346,12 @@ void JogGenerator::follow(const JogValues& rates, const JogLimits& limits, State
 /// speed.
 struct JogGenerator::Ahead {
   std::array<double, moves::Workspace::kMostBoundaries> distance;
+  std::array<double, Barriers::kMost + 1> room;
   double speed = 0, at_once = 0;  // speed: the highest; at_once: at the start
 };
 
-void JogGenerator::look_ahead(const States& from, Ahead& out) noexcept {
+void JogGenerator::look_ahead(const States& from, bool looks_at_tcp, Ahead& out) noexcept {
+  constexpr std::size_t kEach = 4;  // barriers are looked at in each fourth place
   const std::size_t n = axes_.size();
   std::array<double, kMostJogJoints> q{}, soon{};
   double duration = 0;
@@ -352,6 +359,7 @@ void JogGenerator::look_ahead(const States& from, Ahead& out) noexcept {
     duration = std::max(duration, AxisBrake(from[j], axes_[j].acceleration, axes_[j].jerk).duration());
   out.speed = out.at_once = 0;
   out.distance.fill(1e300);
+  out.room.fill(1e300);
   for (std::size_t k = 0; k <= kPlaces + n; ++k) {
     const double part = static_cast<double>(std::min(k, kPlaces)) / kPlaces;
     double t = duration * part * part;  // denser samples at high speed
@@ -365,6 +373,10 @@ void JogGenerator::look_ahead(const States& from, Ahead& out) noexcept {
       q[j] = s.position;
       soon[j] = s.position + kMoment * s.velocity;
     }
+    if (barriers_ && (k % kEach == 0 || k >= kPlaces))
+      for (std::size_t i = 0; i <= barriers_->count; ++i)
+        out.room[i] = std::min(out.room[i], barriers_->room(i, {q.data(), n}));
+    if (!looks_at_tcp) continue;
     const Vec3 at = chain_.forward({q.data(), n}).position;
     for (std::size_t i = 0; i < workspace_.boundaries(); ++i)
       out.distance[i] = std::min(out.distance[i], workspace_.distance(i, at).distance);
@@ -391,15 +403,17 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
   const bool any_speed = limits.tcp_speed < 1e3 || lead_.on();
   const double stray =
       lead_.on() ? kStray + kFaster * std::max(linear(asked_), linear(lead_.twist())) : limits.tcp_speed;
-  if (workspace_.empty() && !any_speed) return;
+  const bool looks_at_tcp = any_speed || !workspace_.empty();
+  if (!looks_at_tcp && !barriers_) return;
   Ahead now, then;  // for braking from now on, which cannot be avoided
-  look_ahead(braked, now);
+  look_ahead(braked, looks_at_tcp, now);
   std::array<double, kMostJogJoints> q{};
   for (std::size_t j = 0; j < n; ++j) q[j] = state_[j].position;
   const Vec3 here = chain_.forward({q.data(), n}).position;
   std::size_t worst = 0;
+  std::int32_t near_body = -1;  // that a barrier belongs to
   const auto safe = [&](const States& states) {
-    look_ahead(states, then);
+    look_ahead(states, looks_at_tcp, then);
     for (std::size_t i = 0; i < workspace_.boundaries(); ++i) {
       // If the TCP comes too near even while braking, it must brake or move away.
       const bool near = now.distance[i] < kKeepFreeAtLeast;
@@ -408,6 +422,13 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
       if (then.distance[i] < std::min(kKeepFreeAtLeast, least) - 1e-12) return false;
     }
     worst = workspace_.boundaries();
+    for (std::size_t i = 0; barriers_ && i <= barriers_->count; ++i) {
+      // If it is too near even while braking, it may move along, or away.
+      const double least = now.room[i] < 0 ? barriers_->room(i, {q.data(), n}) - kBeside : 0;
+      near_body = barriers_->which(i);
+      if (then.room[i] < std::min(0.0, least) - 1e-12) return false;
+    }
+    near_body = -1;
     // If the TCP is too fast even while braking, it must brake; a small excess in each step would add up.
     return !any_speed || (std::max(then.speed, now.speed) <= kAtMost * limits.tcp_speed &&
                           then.at_once <= std::max(stray, now.at_once) + 1e-12);
@@ -415,6 +436,8 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
   if (safe(next)) return;
   if (worst < workspace_.boundaries())
     note(JogHold::workspace, workspace_.zone_of(worst));
+  else if (near_body >= 0)
+    note(JogHold::body, static_cast<std::size_t>(near_body));
   else
     note(JogHold::speed, 0);
   double low = 0, high = 1;
@@ -461,6 +484,7 @@ void JogGenerator::step(const JogWish& wish, const JogLimits& limits) noexcept {
   bool planned = false;
   if (wish.kind == Kind::joint_velocity) {
     wish_joints(wish, limits, rates);
+    if (barriers_) slide_joints(rates);
     throttle(limits, kFirmly, false, rates);
   } else if (wish.kind == Kind::joint_target) {
     planned = step_to_joints(wish, limits, next);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "polyarm/base/pose.hpp"
+#include "polyarm/jog/barriers.hpp"
 #include "polyarm/jog/jog_axis.hpp"
 #include "polyarm/jog/tcp_lead.hpp"
 #include "polyarm/jog/twist.hpp"
@@ -42,8 +43,9 @@ enum class JogHold : std::uint8_t {
   direction,    ///< the arm has too few joints for this direction
   joint_limit,  ///< which(): the joint
   workspace,    ///< which(): the zone
+  body,         ///< something is near; which(): as the barrier says
 };
-inline constexpr int kJogHolds = 6;
+inline constexpr int kJogHolds = 7;
 /// "joint limit"
 const char* name(JogHold hold);
 
@@ -58,7 +60,7 @@ struct JogLimits {
 /// and the queries do not allocate, lock, throw or read a clock.
 ///
 /// A TCP wish goes through a lead (TcpLead) and becomes joint velocities (TwistSolver). These are reduced in
-/// time before joint limits and workspace boundaries on the path, and the joints follow them by jerk-limited
+/// time before joint limits, workspace boundaries and barriers on the path, and the joints follow them by jerk-limited
 /// steps. A step is accepted only if every joint can still brake within its limits after it, and the TCP
 /// stays in the workspace meanwhile. Otherwise it is reduced, down to braking, which the previous cycle has
 /// checked to be possible.
@@ -76,6 +78,8 @@ class JogGenerator {
   /// Starts at rest at `q`.
   void start(std::span<const double> q) noexcept;
   void step(const JogWish& wish, const JogLimits& limits) noexcept;
+  /// What is near, for the next steps; null: nothing. It stays valid until the next call.
+  void set_barriers(const Barriers* barriers) noexcept { barriers_ = barriers; }
 
   const AxisState& axis(std::size_t joint) const noexcept { return state_[joint]; }
   bool standing() const noexcept;
@@ -106,8 +110,17 @@ class JogGenerator {
   double throttle(const JogLimits& limits, Before before, bool common, JogValues& rates) noexcept;
   void follow(const JogValues& rates, const JogLimits& limits, States& next) noexcept;
   void guard(const JogLimits& limits, States& next) noexcept;
+  double barrier_share(std::size_t barrier, std::span<const double> q, std::span<const double> rates, double a,
+                       double jerk) const noexcept;
+  void slide_joints(JogValues& rates) noexcept;
+  void slide_tcp(Twist& wanted) noexcept;
+  struct Pull {
+    double acceleration, jerk;
+  };
+  Pull pull_of(std::span<const double> rates, Before before) const noexcept;
+  JogValues positions() const noexcept;
   struct Ahead;
-  void look_ahead(const States& from, Ahead& out) noexcept;
+  void look_ahead(const States& from, bool looks_at_tcp, Ahead& out) noexcept;
   void note(JogHold hold, std::size_t which) noexcept;
   AxisLimits limits_of(std::size_t joint, const JogLimits& limits) const noexcept;
 
@@ -121,6 +134,7 @@ class JogGenerator {
   TcpLead lead_;
   trajectory::StateToState to_joints_;
 
+  const Barriers* barriers_ = nullptr;
   States state_{};
   JogWish::Kind kind_ = JogWish::Kind::rest;
   JogValues rates_{}, wanted_{};  // rates_: of the last cycle; wanted_: the wanted rates

@@ -40,9 +40,9 @@ void AskedLimits::check_position(Problems& problems, std::size_t j, double value
   if (const double at = position(j); std::isfinite(at)) lower = std::min(lower, at), upper = std::max(upper, at);
   if (value >= lower - kRounding && value <= upper + kRounding) return;
   problems.error("beyond-limits", {},
-                 "'" + joint.told + "' is asked for a position of " + format_number(value) + where +
+                 "'" + joint.told + "' gets a command for a position of " + format_number(value) + where +
                      "; its limits are " + limits,
-                 "ask for a position within them, rad or m");
+                 "command a position within them, rad or m");
 }
 
 void AskedLimits::check(Problems& problems, std::size_t j, Asked kind, double value,
@@ -50,17 +50,17 @@ void AskedLimits::check(Problems& problems, std::size_t j, Asked kind, double va
   const Joint& joint = joints_[j];
   if (!std::isfinite(value))
     return problems.error("not-a-number", {},
-                          "'" + joint.told + "' is asked for " + name_of(kind) + " that is no finite number (" +
-                              format_number(value) + ")" + where);
+                          "'" + joint.told + "' gets a command for " + name_of(kind) +
+                              " that is not a finite number (" + format_number(value) + ")" + where);
   if (kind == Asked::position) return check_position(problems, j, value, where);
   const double limit = kind == Asked::velocity       ? joint.velocity
                        : kind == Asked::acceleration ? joint.acceleration
                                                      : joint.effort;
   if (std::abs(value) <= (limit > 0 ? std::min(kFarBeyond * limit, kMost) : kMost)) return;
   problems.error("beyond-limits", {},
-                 "'" + joint.told + "' is asked for " + name_of(kind) + " of " + format_number(value) + where +
-                     (limit < kMost ? "; its limit is " + format_number(limit) : ""),
-                 "what is a little more is limited, what is far beyond is refused");
+                 "'" + joint.told + "' gets a command for " + name_of(kind) + " of " + format_number(value) +
+                     where + (limit < kMost ? "; its limit is " + format_number(limit) : ""),
+                 "a command a little above is limited; one far above is refused");
 }
 
 void AskedLimits::require(std::size_t joint, Asked kind, double value) const {

@@ -39,7 +39,7 @@ void tell_gains(Parameters& p) {
   }
   for (const auto& [block, where] : blocks)
     p.problems().warning("no-effect", where,
-                         "'" + block + "' has no effect: this controller hands its commands on as they are",
+                         "'" + block + "' has no effect: this controller forwards its commands unchanged",
                          "effort_controllers/JointPositionController and JointVelocityController have a PID");
 }
 
@@ -48,7 +48,7 @@ std::vector<std::string> wanted_interfaces(ControllerContext& context) {
   std::vector<std::string> joints, interfaces, names;
   std::string joint, interface = "";
   p.read("joints", joints, {"the joints, in the order of the values"});
-  p.read("joint", joint, {"the joint, where there is only one"});
+  p.read("joint", joint, {"the joint, if there is only one"});
   p.read("interface_name", interface, {"the interface of each joint: position, velocity, effort, …"});
   p.read("interface_names", names, {"several interfaces of the one joint, in the order of the values"});
   p.read("interfaces", interfaces, {"whole interface names, in place of joints"});

@@ -25,8 +25,9 @@ std::string GripperActionController::read_parameters(Parameters& p) {
   speed_interface_.clear();
   effort_interface_.clear();
   p.read("joint", joint, {"the joint of the gripper"});
-  p.read("command_interface", command,
-         {.text = "what is commanded; it comes with the type's name", .choices = {"position", "effort"}});
+  p.read(
+      "command_interface", command,
+      {.text = "interface to command; it follows from the type's name", .choices = {"position", "effort"}});
   p.read("goal_tolerance", settings_.tolerance,
          {.text = "how near the goal is reached, rad or m", .changeable = true, .least = 0});
   p.read("allow_stalling", settings_.allow_stalling,
@@ -36,20 +37,17 @@ std::string GripperActionController::read_parameters(Parameters& p) {
   p.read("stall_timeout", settings_.stall_timeout,
          {.text = "s for which it is slow before it has stalled", .changeable = true, .least = 0});
   p.read("max_effort", settings_.max_effort,
-         {.text = "N m or N, where a goal says none; 0: as much as the joint may", .least = 0});
-  p.read("max_velocity", settings_.max_velocity,
-         {.text = "rad/s or m/s, where a goal says none", .least = 0});
-  p.read("max_effort_interface", effort_interface_, {"command interface that is told the effort"});
-  p.read("max_velocity_interface", speed_interface_, {"command interface that is told the velocity"});
-  p.read("state_interfaces", states,
-         {"states that are read; here position, and velocity where there is one"});
+         {.text = "N m or N, if a goal has none; 0: the limit of the joint", .least = 0});
+  p.read("max_velocity", settings_.max_velocity, {.text = "rad/s or m/s, if a goal has none", .least = 0});
+  p.read("max_effort_interface", effort_interface_, {"command interface for the effort"});
+  p.read("max_velocity_interface", speed_interface_, {"command interface for the velocity"});
+  p.read("state_interfaces", states, {"states to read; here position, and velocity if it exists"});
   p.read("reject_goals_when_held", reject_when_held,
          {"a goal that comes while the cell is held is refused with the reason"});
-  p.read("action_monitor_rate", monitor, {"Hz at which the goal is told of; it is looked at every cycle"});
+  p.read("action_monitor_rate", monitor, {"rate of feedback, Hz; the goal is checked every cycle"});
   by_effort_ = command == "effort";
   if (joint.empty())
-    p.problems().error("missing-parameter", {}, "it is not said which joint the gripper has",
-                       "write joint: NAME");
+    p.problems().error("missing-parameter", {}, "the gripper controller has no joint", "write joint: NAME");
   return joint;
 }
 

@@ -35,10 +35,10 @@ CallbackReturn JointPidController::on_configure(ControllerContext& context) {
   Parameters& p = context.parameters;
   std::vector<std::string> names;
   std::string one, reference = "position", command = "effort";
-  p.read("joint", one, {"the joint, where there is only one"});
+  p.read("joint", one, {"the joint, if there is only one"});
   p.read("joints", names, {"the joints, in the order of the values"});
-  p.read("reference", reference, {.text = "what is asked for", .choices = {"position", "velocity"}});
-  p.read("command_interface", command, {.text = "what is commanded", .choices = {"effort", "velocity"}});
+  p.read("reference", reference, {.text = "quantity of the reference", .choices = {"position", "velocity"}});
+  p.read("command_interface", command, {.text = "interfaces to command", .choices = {"effort", "velocity"}});
   if (!one.empty()) names.insert(names.begin(), one);
   if (names.empty()) {
     refuse_no_joints(p);

@@ -28,6 +28,10 @@ bool is_ended(const TrajectoryGoal& goal) {
   return goal.ends && goal.ends->load(std::memory_order_relaxed);
 }
 
+double pace_of(const TrajectoryGoal& goal) {
+  return goal.pace ? goal.pace->load(std::memory_order_relaxed) : 1;
+}
+
 bool is_in_order(const std::vector<std::uint32_t>& joints) {
   for (std::size_t k = 0; k < joints.size(); ++k)
     if (joints[k] != k) return false;
@@ -471,7 +475,7 @@ inline void JointTrajectoryController::advance_paths(const Verdict& verdict) noe
     if (path && back)
       path->advance_back(verdict.back);
     else if (path)
-      path->advance(is_ended(*track.goal) ? 0 : target, verdict.immediate);
+      path->advance(is_ended(*track.goal) ? 0 : target * pace_of(*track.goal), verdict.immediate);
   }
 }
 

@@ -62,15 +62,14 @@ void JointTrajectoryController::read_interfaces(ControllerContext& context) {
   Parameters& p = context.parameters;
   std::vector<std::string> commands{"position"}, states{"position", "velocity"}, command_joints;
   p.read("command_interfaces", commands,
-         {.text = "what is commanded: position; position, velocity; position, velocity, acceleration; "
+         {.text = "interfaces to command: position; position, velocity; position, velocity, acceleration; "
                   "velocity; effort; "
                   "position, effort",
           .choices = {"position", "velocity", "acceleration", "effort"}});
   p.read("state_interfaces", states,
-         {.text = "what is read", .choices = {"position", "velocity", "acceleration"}});
-  p.read(
-      "command_joints", command_joints,
-      {"names in place of the joints for what is commanded, such as the references of another controller"});
+         {.text = "interfaces to read", .choices = {"position", "velocity", "acceleration"}});
+  p.read("command_joints", command_joints,
+         {"names to command in place of the joints, such as the references of another controller"});
   const bool cp = contains(commands, "position"), cv = contains(commands, "velocity"),
              ca = contains(commands, "acceleration"), ce = contains(commands, "effort");
   const auto refuse = [&](const std::string& what, const char* advice) {
@@ -131,7 +130,7 @@ void JointTrajectoryController::read_gains(ControllerContext& context) {
   if (!closed_loop_)
     for (const auto& [key, entry] : p.entries)
       if (key.starts_with("gains.")) {
-        p.problems().warning("no-effect", entry.where, "gains have no effect where positions are commanded",
+        p.problems().warning("no-effect", entry.where, "gains have no effect if positions are commanded",
                              "they work with command_interfaces: [velocity] or [effort]");
         break;
       }
@@ -188,13 +187,13 @@ void JointTrajectoryController::read_behaviour(ControllerContext& context) {
   p.read("interpolation_method", method,
          {.text = "splines, or none: from point to point in steps", .choices = {"splines", "none"}});
   p.read("allow_partial_joints_goal", rules_.partial,
-         {"trajectories may leave joints out; these hold, or go on"});
+         {"trajectories may omit joints; these hold, or continue"});
   p.read("allow_trajectory_replacement", replacement_,
-         {"a new trajectory takes over smoothly from the one under way, which goes on for other joints"});
+         {"a new trajectory replaces the active one smoothly; joints that it omits continue the active one"});
   p.read("open_loop_control", open_loop, {"the older name of interpolate_from_desired_state"});
   from_desired_ = open_loop;
   p.read("interpolate_from_desired_state", from_desired_,
-         {"begin at the last command instead of where it is"});
+         {"begin at the last command instead of the measured position"});
   p.read("allow_integration_in_goal_trajectories", rules_.integrate,
          {"points may have velocities or accelerations alone"});
   p.read("set_last_command_interface_value_as_state_on_activation", keep_command_,
@@ -210,11 +209,11 @@ void JointTrajectoryController::read_behaviour(ControllerContext& context) {
           .changeable = true,
           .least = 0});
   p.read("action_monitor_rate", monitor,
-         {.text = "Hz at which a goal under way is told of; it is looked at every cycle", .least = 0});
+         {.text = "rate of feedback, Hz; the goal is checked every cycle", .least = 0});
   p.read("speed_scaling.initial_scaling_factor", initial_scaling_,
          {.text = "speed at the start, 1: as planned", .least = 0, .most = kMostScaling});
-  p.read("speed_scaling.state_interface", state_interface, {"state interface that says the speed"});
-  p.read("speed_scaling.command_interface", command_interface, {"command interface that is told the speed"});
+  p.read("speed_scaling.state_interface", state_interface, {"state interface with the speed factor"});
+  p.read("speed_scaling.command_interface", command_interface, {"command interface for the speed factor"});
   if (!state_interface.empty())
     scaling_state_ = static_cast<int>(claim_state(context.whole_name(state_interface)));
   if (!command_interface.empty())

@@ -59,9 +59,9 @@ CallbackReturn PidController::on_configure(ControllerContext& context) {
   read_command_timeout(p);
   p.read("command_interface", command, {"the interface that is commanded"});
   p.read("reference_and_state_interfaces", interfaces,
-         {"what is asked for and measured; the second is its derivative"});
+         {"interfaces of references and measured states; the second is the derivative of the first"});
   p.read("use_external_measured_states", external_, {"measured states come as messages"});
-  p.read("set_current_state_as_first_setpoint", start_here_, {"begin by holding what is measured"});
+  p.read("set_current_state_as_first_setpoint", start_here_, {"begin by holding the measured value"});
   p.read("enable_feedforward", forward_,
          {.text = "feed forward is used where feedforward_gain is not 0", .changeable = true});
   require(p, "dof_names", !names.empty(), "the PID has no degrees of freedom", "write dof_names: [JOINT, …]");

@@ -17,8 +17,9 @@ CallbackReturn SimpleTrajectoryController::on_configure(ControllerContext& conte
   told_.clear();
   joints_.clear();
   p.read("joints", told_, {"the joints, in the order of commands"});
-  p.read("command_interfaces", commands, {.text = "what is commanded", .choices = {"position", "velocity"}});
-  p.read("state_interfaces", states, {.text = "what is read", .choices = {"position", "velocity"}});
+  p.read("command_interfaces", commands,
+         {.text = "interfaces to command", .choices = {"position", "velocity"}});
+  p.read("state_interfaces", states, {.text = "interfaces to read", .choices = {"position", "velocity"}});
   asked_.reset(told_.size());
   for (const std::string& joint : told_) {
     joints_.push_back(context.whole_joint(joint));

@@ -134,7 +134,8 @@ class Maker {
   void check_tolerances() {
     const auto check = [&](const std::string& of, double value) {
       if (!std::isfinite(value))
-        problems_.error("not-a-number", {}, "the " + of + " is no finite number", "-1 switches a check off");
+        problems_.error("not-a-number", {}, "the " + of + " is not a finite number",
+                        "-1 switches a check off");
     };
     for (const auto& [list, name] :
          {std::pair{&message_.path_tolerance, "path"}, {&message_.goal_tolerance, "goal"}})

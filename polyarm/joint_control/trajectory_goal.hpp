@@ -33,6 +33,9 @@ struct TrajectoryGoal {
   /// Of a planned path, shared with who sent it: set, it comes to rest on the path as soon as its limits
   /// allow, and is over there as if it were at its end. Null: nobody ends it.
   std::shared_ptr<std::atomic<bool>> ends = nullptr;
+  /// Of a planned path, shared with who sent it: a share of the speed, 0 to 1, which may change at any time. 0:
+  /// it comes to rest on the path, and goes on when the share rises. Null: 1.
+  std::shared_ptr<std::atomic<double>> pace = nullptr;
   /// The controller's joint behind each of the trajectory's; empty: all of them, in order.
   std::vector<std::uint32_t> joints = {};
   trajectory::Trajectory effort = {};  ///< feed-forward, of the same joints; empty: none

@@ -21,7 +21,7 @@ bool is_comparison(Operator op) {
 const char* spelling(Clause::Kind kind) {
   static constexpr const char* kSpellings[] = {"robot",  "tool",   "frame", "payload", "near",
                                                "around", "speed",  "accel", "blend",   "duration",
-                                               "exact",  "smooth", "until", "at"};
+                                               "exact",  "smooth", "touch", "until", "at"};
   return kSpellings[static_cast<int>(kind)];
 }
 
@@ -49,6 +49,10 @@ std::string short_text(const Value& value) {
 }
 }  // namespace
 
+bool has_value(Clause::Kind kind) {
+  return kind != Clause::Kind::exact && kind != Clause::Kind::smooth && kind != Clause::Kind::touch;
+}
+
 std::string spelled(const Expression& expression) {
   using Kind = Expression::Kind;
   switch (expression.kind) {
@@ -75,6 +79,17 @@ std::string spelled(const Expression& expression) {
 
 namespace {
 void collect_names(const Expression& expression, std::vector<std::string>& out) {
+  if (expression.kind == Expression::Kind::each) {  // its own names are none that it reads
+    std::vector<std::string> inside;
+    for (const ExpressionPtr& part : expression.parts) collect_names(*part, inside);
+    const auto own = [&](const std::string& name) {
+      const std::string first = name.substr(0, name.find('.'));
+      return first == expression.name || (!expression.names.empty() && first == expression.names.front());
+    };
+    for (std::string& name : inside)
+      if (!own(name) && std::find(out.begin(), out.end(), name) == out.end()) out.push_back(std::move(name));
+    return;
+  }
   if (expression.kind == Expression::Kind::name &&
       std::find(out.begin(), out.end(), expression.name) == out.end())
     out.push_back(expression.name);

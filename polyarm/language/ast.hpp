@@ -54,6 +54,7 @@ struct Expression {
     list,     ///< parts
     record,   ///< names and parts
     joined,   ///< parts, each as text, concatenated
+    each,     ///< parts[0] for name in parts[1] [.. parts[2]], as a list; names: of the count, if any
   };
   Kind kind = Kind::literal;
   Place place;
@@ -92,12 +93,13 @@ struct Clause {
     duration,
     exact,
     smooth,
+    touch,
     until,
     at
   };
   Kind kind = Kind::exact;
   Place place;
-  ExpressionPtr value;    ///< all except exact and smooth; for `at` the distance or time, if given
+  ExpressionPtr value;    ///< all except exact, smooth and touch; for `at` the distance or time, if given
   Block otherwise;        ///< until … else
   bool has_else = false;  ///< for until
   bool from_end = false;  ///< for at: before the end instead of after the start
@@ -106,6 +108,8 @@ struct Clause {
 };
 /// The clause's spelling in a program.
 const char* spelling(Clause::Kind kind);
+/// False for exact, smooth and touch.
+bool has_value(Clause::Kind kind);
 
 /// A part of the target of `=` after the name: a field or a list index.
 struct PathPart {
@@ -152,6 +156,9 @@ struct Statement {
     meet,
     lock,
     when,
+    trap,
+    every,
+    pulse,
     on_stop,
     test,
     run,

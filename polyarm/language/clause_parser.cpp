@@ -14,6 +14,7 @@ constexpr std::array kClauses = {Clause::Kind::robot,    Clause::Kind::tool,  Cl
                                  Clause::Kind::payload,  Clause::Kind::near,  Clause::Kind::around,
                                  Clause::Kind::speed,    Clause::Kind::accel, Clause::Kind::blend,
                                  Clause::Kind::duration, Clause::Kind::exact, Clause::Kind::smooth,
+                                 Clause::Kind::touch,
                                  Clause::Kind::until,    Clause::Kind::at};
 
 std::optional<Clause::Kind> clause_at(const TokenCursor& cursor, std::size_t ahead) {
@@ -31,6 +32,7 @@ std::vector<std::string> clause_words() {
 [[noreturn]] void refuse_clause(const TokenCursor& cursor, bool after_comma) {
   const Token& token = cursor.peek();
   refuse_bad(token);
+  refuse_lone_unit(cursor);
   const std::vector<std::string> words = clause_words();
   const bool word = token.kind == TokenKind::name;
   std::string advice = "clauses are " + join(words, ", ");
@@ -55,7 +57,7 @@ void parse_at(TokenCursor& cursor, Clause& out) {
     const Token& sign = cursor.take();
     if ((sign.text == "-") != out.from_end)
       throw SyntaxError{"bad-place", sign.place,
-                        out.from_end ? "what is set after the end stands on the next line"
+                        out.from_end ? "write what is set after the end on the next line"
                                      : "nothing can be set before the start of a move",
                         "write `at end - 20mm` or `at start + 20mm`"};
     out.value = cursor.expression();
@@ -80,7 +82,7 @@ void parse_clause(TokenCursor& cursor, Statement& out) {
     throw SyntaxError{"twice", clause.place,
                       std::string("'") + spelling(clause.kind) + "' is said twice here", ""};
   const bool moves_only = clause.kind == Clause::Kind::until || clause.kind == Clause::Kind::at ||
-                          clause.kind == Clause::Kind::duration;
+                          clause.kind == Clause::Kind::touch || clause.kind == Clause::Kind::duration;
   if (moves_only && out.kind == Kind::use)
     throw SyntaxError{"bad-clause", clause.place,
                       std::string("'") + spelling(clause.kind) + "' belongs to one move", ""};
@@ -101,18 +103,18 @@ void parse_clause(TokenCursor& cursor, Statement& out) {
   const bool of_speed = clause.kind == Kinds::duration || clause.kind == Kinds::accel ||
                         clause.kind == Kinds::robot || clause.kind == Kinds::tool ||
                         clause.kind == Kinds::frame || clause.kind == Kinds::payload ||
-                        clause.kind == Kinds::until || clause.kind == Kinds::at;
+                        clause.kind == Kinds::touch || clause.kind == Kinds::until || clause.kind == Kinds::at;
   if (at_speed && !of_speed)
     throw SyntaxError{"bad-clause", clause.place,
                       std::string("'") + spelling(clause.kind) + "' belongs to a move to a point",
-                      out.name + " takes duration, accel, until, at, robot, tool, frame and payload"};
+                      out.name + " takes duration, accel, touch, until, at, robot, tool, frame and payload"};
   if (out.moves_base() && !of_base)
     throw SyntaxError{"bad-clause", clause.place,
                       std::string("'") + spelling(clause.kind) + "' belongs to a move of an arm",
                       "drive and turn take speed, accel, duration and robot"};
   if (clause.kind == Clause::Kind::at) {
     parse_at(cursor, clause);
-  } else if (clause.kind != Clause::Kind::exact && clause.kind != Clause::Kind::smooth) {
+  } else if (has_value(clause.kind)) {
     clause.value = cursor.expression();
   }
   if (clause.kind == Clause::Kind::until) clause.has_else = cursor.take_word("else");

@@ -83,7 +83,7 @@ char unescaped(char c, Place place) {
   if (c == 'n') return '\n';
   if (c == 't') return '\t';
   if (c == '"' || c == '\\' || c == '{' || c == '}') return c;
-  throw SyntaxError{"bad-escape", place, std::string("'\\") + c + "' is no escape in a text",
+  throw SyntaxError{"bad-escape", place, std::string("'\\") + c + "' is not an escape in a text",
                     "there are \\\" \\\\ \\n \\t \\{ \\}"};
 }
 
@@ -147,6 +147,15 @@ bool TokenCursor::take_word(std::string_view word) {
   return true;
 }
 
+void refuse_lone_unit(const TokenCursor& cursor) {
+  const Token& unit = cursor.peek();
+  if (cursor.position() == 0 || unit.kind != TokenKind::name || !find_unit(unit.text)) return;
+  const Token& number = cursor.tokens()[cursor.position() - 1];
+  if (number.kind == TokenKind::number && number.dimension == Dimension::none)
+    throw SyntaxError{"unexpected", unit.place, "a blank separates the unit '" + unit.text + "' from its number",
+                      "write the unit right behind it, such as 5mm"};
+}
+
 void TokenCursor::expect_end(const std::string& statement) const {
   if (at_end()) return;
   refuse_bad(peek());
@@ -155,17 +164,16 @@ void TokenCursor::expect_end(const std::string& statement) const {
   if (peek().kind == TokenKind::name && (peek().text == "then" || peek().text == "do"))
     throw SyntaxError{"unexpected", peek().place, "'" + peek().text + "' is not written here",
                       "the block begins on the next line"};
-  if (peek().kind == TokenKind::name && at_ > 0 && tokens_[at_ - 1].kind == TokenKind::number &&
-      tokens_[at_ - 1].dimension == Dimension::none && find_unit(peek().text))
-    throw SyntaxError{"unexpected", peek().place,
-                      "a blank separates the unit '" + peek().text + "' from its number",
-                      "write the unit right behind it, such as 5mm"};
+  refuse_lone_unit(*this);
   throw SyntaxError{"unexpected", peek().place, shown(peek()) + " is not expected here, after " + statement,
-                    "one statement stands on a line; a name with blanks goes in `back-quotes`"};
+                    "write one statement per line; put a name with blanks in `back-quotes`"};
 }
 
 ExpressionPtr TokenCursor::expression() {
-  return binary(kOr);
+  const bool before = std::exchange(in_with_, false);
+  ExpressionPtr out = binary(kOr);
+  in_with_ = before;
+  return out;
 }
 
 ExpressionPtr TokenCursor::binary(int level) {
@@ -230,6 +238,25 @@ ExpressionPtr TokenCursor::postfix() {
       throw SyntaxError{"unclosed", open.place, "this '[' is not closed before " + shown(peek()), "add ']'"};
     out = std::move(index);
   }
+  while (!in_with_ && is_word("with") && peek(1).kind != TokenKind::end && is_symbol("=", 2)) out = with(std::move(out));
+  return out;
+}
+
+/// PLACE with NAME = VALUE is the call with(PLACE, NAME = VALUE).
+ExpressionPtr TokenCursor::with(ExpressionPtr of) {
+  auto out = node(Expression::Kind::call, take().place);
+  out->name = "with";
+  const Token& field = peek();
+  if (field.kind != TokenKind::name && field.kind != TokenKind::quoted)
+    throw SyntaxError{"no-name", field.place, "a field was expected after 'with', here is " + shown(field),
+                      "write such as P with z = 10mm"};
+  out->names = {"", take().text};
+  take();
+  const Nesting nested(nesting_, out->place);
+  adopt(*out, std::move(of));
+  in_with_ = true;
+  adopt(*out, binary(kSum));
+  in_with_ = false;
   return out;
 }
 
@@ -248,10 +275,7 @@ std::vector<ExpressionPtr> TokenCursor::list_until(std::string_view close, const
     if (named) take(), take();
     out.push_back(expression());
     if (take_symbol(",") || is_symbol(close)) continue;
-    refuse_bad(peek());
-    throw SyntaxError{"unclosed", open.place,
-                      "this " + shown(open) + " is not closed before " + shown(peek()),
-                      "add '" + std::string(close) + "'"};
+    refuse_unclosed(open, close);
   }
   take();
   return out;
@@ -271,15 +295,53 @@ ExpressionPtr TokenCursor::primary() {
     if (inside.size() == 1) return std::move(inside.front());
     throw SyntaxError{"bad-brackets", token.place, "one value was expected between these brackets", ""};
   }
-  if (is_symbol("[")) {
-    auto out = node(Expression::Kind::list, token.place);
-    take();
-    for (ExpressionPtr& part : list_until("]", token)) adopt(*out, std::move(part));
-    return out;
-  }
+  if (is_symbol("[")) return list(take());
   if (is_symbol("{")) return record(take());
   throw SyntaxError{"no-value", token.place, "a value was expected, here is " + shown(token),
                     is_symbol("=") ? "write == to compare" : ""};
+}
+
+/// [A, B, …] or [VALUE for X in LIST]
+ExpressionPtr TokenCursor::list(const Token& open) {
+  const Nesting nested(nesting_, open.place);
+  auto out = node(Expression::Kind::list, open.place);
+  if (!is_symbol("]")) adopt(*out, expression());
+  if (!out->parts.empty() && is_word("for")) return each(std::move(out), open);
+  if (!out->parts.empty() && !take_symbol(",") && !is_symbol("]")) refuse_unclosed(open, "]");
+  for (ExpressionPtr& part : list_until("]", open)) adopt(*out, std::move(part));
+  return out;
+}
+
+/// [VALUE for NAME [, NAME] in EXPR [.. EXPR]]
+ExpressionPtr TokenCursor::each(ExpressionPtr value, const Token& open) {
+  ExpressionPtr out = std::move(value);
+  out->kind = Expression::Kind::each;
+  take();
+  out->name = loop_name();
+  if (take_symbol(",")) out->names = {std::exchange(out->name, loop_name())};
+  if (!take_word("in"))
+    throw SyntaxError{"no-in", peek().place, "'in' was expected here, is " + shown(peek()),
+                      "write such as [i * 2 for i in 1 .. 5]"};
+  adopt(*out, expression());
+  if (take_symbol("..")) adopt(*out, expression());
+  if (!take_symbol("]")) refuse_unclosed(open, "]");
+  return out;
+}
+
+std::string TokenCursor::loop_name() {
+  const Token& token = peek();
+  refuse_bad(token);
+  const bool named = token.kind == TokenKind::quoted || (token.kind == TokenKind::name && !is_reserved(token.text));
+  if (!named)
+    throw SyntaxError{"no-name", token.place, "a name was expected after 'for', here is " + shown(token),
+                      "write such as [i * 2 for i in 1 .. 5]"};
+  return take().text;
+}
+
+void TokenCursor::refuse_unclosed(const Token& open, std::string_view close) const {
+  refuse_bad(peek());
+  throw SyntaxError{"unclosed", open.place, "this " + shown(open) + " is not closed before " + shown(peek()),
+                    "add '" + std::string(close) + "'"};
 }
 
 ExpressionPtr TokenCursor::record(const Token& open) {
@@ -321,6 +383,24 @@ ExpressionPtr TokenCursor::name_or_call() {
   return out;
 }
 
+/// The value in the braces of a text: EXPR, or EXPR:SPEC as format("{:SPEC}", EXPR).
+ExpressionPtr TokenCursor::in_braces(std::string_view inside, const Token& token, std::size_t at) {
+  const std::size_t colon = inside.rfind(':');
+  const auto inner = read_tokens(inside.substr(0, colon),
+                                 {token.place.line, token.place.column + static_cast<int>(at) + 1, token.place.file});
+  const Nesting nested(nesting_, token.place);
+  TokenCursor cursor(inner, nesting_);
+  ExpressionPtr value = cursor.expression();
+  cursor.expect_end("the value in braces");
+  if (colon == std::string_view::npos) return value;
+  auto out = node(Expression::Kind::call, value->place);
+  out->name = "format";
+  out->names = {"", ""};
+  adopt(*out, literal("{" + std::string(inside.substr(colon)) + "}", value->place));
+  adopt(*out, std::move(value));
+  return out;
+}
+
 /// A text with {expressions} becomes its pieces, joined.
 ExpressionPtr TokenCursor::text_parts(const Token& token) {
   auto out = node(Expression::Kind::joined, token.place);
@@ -337,13 +417,13 @@ ExpressionPtr TokenCursor::text_parts(const Token& token) {
       if (close == std::string::npos)
         throw SyntaxError{"unclosed", token.place, "a '{' in this text is never closed",
                           "write \\{ for the sign"};
-      finish_piece();
-      const auto inner = read_tokens(std::string_view(token.text).substr(i + 1, close - i - 1),
-                                     {token.place.line, token.place.column + static_cast<int>(i) + 2});
-      const Nesting nested(nesting_, token.place);
-      TokenCursor cursor(inner, nesting_);
-      adopt(*out, cursor.expression());
-      cursor.expect_end("the value in braces");
+      const std::string_view inside = std::string_view(token.text).substr(i + 1, close - i - 1);
+      if (inside.empty() || inside.front() == ':') {  // a field of format()
+        piece.append(token.text, i, close + 1 - i);
+      } else {
+        finish_piece();
+        adopt(*out, in_braces(inside, token, i + 1));
+      }
       i = close;
     } else {
       piece += c;

@@ -52,17 +52,26 @@ class TokenCursor {
   ExpressionPtr power();
   ExpressionPtr postfix();
   ExpressionPtr primary();
+  ExpressionPtr with(ExpressionPtr of);
+  ExpressionPtr list(const Token& open);
+  ExpressionPtr each(ExpressionPtr value, const Token& open);
+  std::string loop_name();
+  [[noreturn]] void refuse_unclosed(const Token& open, std::string_view close) const;
   ExpressionPtr record(const Token& open);
   ExpressionPtr name_or_call();
+  ExpressionPtr in_braces(std::string_view inside, const Token& token, std::size_t at);
   ExpressionPtr text_parts(const Token& token);
 
   const std::vector<Token>& tokens_;
   std::size_t at_ = 0;
   int nesting_ = 0;
+  bool in_with_ = false;  ///< the next `with` belongs to the value before this one
 };
 
 /// "'x'", or "the end of the line".
 std::string shown(const Token& token);
+/// Throws SyntaxError if the next token is a unit that a blank separates from its number.
+void refuse_lone_unit(const TokenCursor& cursor);
 /// Throws SyntaxError for a token of kind bad.
 void refuse_bad(const Token& token);
 /// and or not mod true false.

@@ -1,10 +1,13 @@
 #include "polyarm/language/functions.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/unit_advice.hpp"
+#include "polyarm/language/text_functions.hpp"
 
 namespace polyarm::program {
 
@@ -30,7 +33,7 @@ const Pose& pose_of(const Value& value) {
 }
 
 Value number(double value, Dimension dimension = Dimension::none) {
-  if (!std::isfinite(value)) throw OperationError{"overflow", "the result is no finite number", {}};
+  if (!std::isfinite(value)) throw OperationError{"overflow", "the result is not a finite number", {}};
   return Number{value, dimension};
 }
 
@@ -135,6 +138,57 @@ Value interpolate(Values a, Names) {
   return out;
 }
 
+double as_field(const Value& value, Dimension dimension, const std::string& field) {
+  const Number* n = value.as_number();
+  const bool fits = n && (n->dimension == dimension || (n->dimension == Dimension::none && n->value == 0));
+  if (fits) return n->value;
+  throw OperationError{"bad-type", "'" + field + "' is " + name(dimension) + ", here is " + described(value),
+                       n && n->dimension == Dimension::none ? unit_advice(dimension, n->value) : std::string{}};
+}
+
+/// A point that is changed is no longer the one that was taught.
+Value unnamed(const Value& place) {
+  if (place.as_joints()) return *place.as_joints();
+  return Point{place.as_point()->pose, place.as_point()->quaternion_given};
+}
+
+void set_field_of(Value& of, const std::string& field, const Value& value) {
+  if (of.as_record()) {
+    const PathStep path{field, {}};
+    return replace(of, {&path, 1}, value);
+  }
+  if (const JointState* joints = of.as_joints()) {
+    JointState out = *joints;
+    const auto at = std::find(out.names.begin(), out.names.end(), field);
+    if (at == out.names.end())
+      throw OperationError{"unknown-joint",
+                           "this joint state has no '" + field + "'" + did_you_mean(field, out.names),
+                           {}};
+    const Number* n = value.as_number();  // of a slide it is a length
+    const Dimension dimension = n && n->dimension == Dimension::length ? Dimension::length : Dimension::angle;
+    out.positions[static_cast<std::size_t>(at - out.names.begin())] = as_field(value, dimension, field);
+    of = std::move(out);
+    return;
+  }
+  Point point = *of.as_point();
+  Vec3 turn = to_rpy(point.pose.rotation);
+  const std::array<std::pair<const char*, double*>, 3> lengths = {
+      {{"x", &point.pose.position.x}, {"y", &point.pose.position.y}, {"z", &point.pose.position.z}}};
+  const std::array<std::pair<const char*, double*>, 3> angles = {
+      {{"rx", &turn.x}, {"ry", &turn.y}, {"rz", &turn.z}}};
+  for (const auto& [name, at] : lengths)
+    if (field == name) return *at = as_field(value, Dimension::length, field), void(of = std::move(point));
+  for (const auto& [name, at] : angles) {
+    if (field != name) continue;
+    *at = as_field(value, Dimension::angle, field);
+    point.pose.rotation = pose_xyz_rpy({}, turn).rotation;
+    point.quaternion_given = false;
+    of = std::move(point);
+    return;
+  }
+  throw OperationError{"bad-type", "a pose has no '" + field + "'", "a pose has x y z rx ry rz"};
+}
+
 /// `count` places of a grid along one edge; the first is at its start.
 int count_of(const Value& value, const char* what) {
   const double n = of(value);
@@ -176,11 +230,24 @@ Value pallet(Values a, Names) {
   return make_list(std::move(out));
 }
 
+Value with(Values a, Names names) {
+  if (!a[0].is_place() && !a[0].as_record())
+    refuse("with() copies a pose, a joint state or a record, here is " + described(a[0]),
+           "write such as P with z = 10mm");
+  Value out = a[0].as_record() ? a[0] : unnamed(a[0]);
+  for (std::size_t i = 1; i < a.size(); ++i) {
+    if (i >= names.size() || names[i].empty())
+      refuse("with() needs the name of each new value", "write such as P with z = 10mm");
+    set_field_of(out, names[i], a[i]);
+  }
+  return out;
+}
+
 Value here(Values, Names) {
-  refuse("here() stands in a running program only");
+  refuse("here() works only in a running program");
 }
 Value ask(Values, Names) {
-  refuse("ask() stands in a running program only");
+  refuse("ask() works only in a running program");
 }
 
 std::vector<FunctionParameter> shifts(std::vector<FunctionParameter> before = {}) {
@@ -244,8 +311,8 @@ std::vector<Function> all_functions() {
         Kind::pose, {}, &quat);
   out.push_back({"joints",
                  "joints(a, b, …) or joints(NAME = a, …)",
-                 "a joint state, in the order of the robot or by joint names",
-                 {{"value", W::angle, {}}},
+                 "a joint state, in the order of the robot or by joint names; a length for a joint that slides",
+                 {{"value", W::joint, {}}},
                  true,
                  true,
                  Kind::joints,
@@ -256,8 +323,17 @@ std::vector<Function> all_functions() {
         shifts({{"p", W::pose, {}}}), Kind::pose, {}, &offset);
   gives("tool_offset", "tool_offset(p, x, y, z, rx, ry, rz)", "a pose shifted and turned in its own axes",
         shifts({{"p", W::pose, {}}}), Kind::pose, {}, &tool_offset);
-  gives("inverse", "inverse(p)", "the pose that p undoes: inverse(p) * p is no shift", {{"p", W::pose, {}}},
-        Kind::pose, {}, &inverse_of);
+  out.push_back({"with",
+                 "p with NAME = value, with(p, NAME = value, …)",
+                 "a copy of a pose, a joint state or a record with another value of a field",
+                 {{"p", W::any, {}}, {"value", W::any, {}}},
+                 true,
+                 true,
+                 {},
+                 {},
+                 &with});
+  gives("inverse", "inverse(p)", "the pose that p undoes: inverse(p) * p is not a shift",
+        {{"p", W::pose, {}}}, Kind::pose, {}, &inverse_of);
   gives("distance", "distance(a, b)", "the length between two poses",
         {{"a", W::pose, {}}, {"b", W::pose, {}}}, Kind::number, Dimension::length, &distance);
   gives("interpolate", "interpolate(a, b, share)", "what lies between two poses or joint states, 50% halfway",
@@ -285,6 +361,51 @@ std::vector<Function> all_functions() {
                  {},
                  {},
                  &ask});
+  const auto live = [&](std::string_view name, std::string_view signature, std::string_view meaning,
+                        std::vector<FunctionParameter> parameters, Kind kind,
+                        std::optional<Dimension> dimension, Live which) -> Function& {
+    out.push_back({name, signature, meaning, std::move(parameters), false, false, kind, dimension, nullptr,
+                   false, nullptr, which});
+    return out.back();
+  };
+  live("here_joints", "here_joints()", "the joints of the robot; waits until it has arrived", {}, Kind::joints,
+       {}, Live::here_joints)
+      .waits = true;
+  live("ik", "ik(place, near)",
+       "the joints at a point: those it was taught with, else the nearest to `near`, or to the present ones; "
+       "waits until the robot has arrived where `near` is left out",
+       {{"place", W::place, {}}, {"near", W::joints, 0.0}}, Kind::joints, {}, Live::ik)
+      .waits = true;
+  live("fk", "fk(joints)", "the pose of the tool centre point at these joints", {{"joints", W::joints, {}}},
+       Kind::pose, {}, Live::fk);
+  Function& by_chance =
+      live("random", "random(), random(a, b)",
+           "a number between 0 and 1, or between a and b; `seed` in cell.yaml selects the series",
+           {{"a", W::number, 0.0}, {"b", W::number, 1.0}}, Kind::number, {}, Live::random);
+  by_chance.open = true;
+  Function& clock = live("clock", "clock()",
+                         "the time since the program began; waits until the robot has arrived", {},
+                         Kind::number, Dimension::time, Live::clock);
+  clock.open = clock.waits = true;
+  const auto measured = [&](std::string_view name, std::string_view signature, std::string_view meaning, Kind kind,
+                            std::optional<Dimension> dimension, Live which, bool waits) {
+    Function& function = live(name, signature, meaning, {}, kind, dimension, which);
+    function.open = true;
+    function.waits = waits;
+  };
+  measured("force", "force()", "the size of the force at the robot's force sensor", Kind::number, Dimension::force,
+           Live::force, true);
+  measured("wrench", "wrench()",
+           "the forces x, y, z and torques rx, ry, rz at the robot's force sensor, in its axes", Kind::record, {},
+           Live::wrench, true);
+  measured("zero_force", "zero_force()",
+           "the present wrench counts as zero from now on, such as the weight of the tool", Kind::boolean, {},
+           Live::zero_force, true);
+  measured("met", "met()", "true if the condition of the last `until` of this task came", Kind::boolean, {},
+           Live::met, false);
+  measured("travelled", "travelled()", "how far the tool went in the last move with `until` of this task",
+           Kind::number, Dimension::length, Live::travelled, false);
+  add_text_functions(out);
   const auto of_tests = [&](std::string_view name, std::string_view signature, std::string_view meaning,
                             std::vector<FunctionParameter> parameters, std::optional<Kind> gives_kind) {
     out.push_back(
@@ -321,6 +442,8 @@ bool fits(Wanted wanted, const Value& value) {
       return n && (n->dimension == Dimension::length || is_bare_zero(*n));
     case Wanted::angle:
       return n && (n->dimension == Dimension::angle || is_bare_zero(*n));
+    case Wanted::joint:
+      return n && (n->dimension == Dimension::angle || n->dimension == Dimension::length || is_bare_zero(*n));
     case Wanted::scalar:
       return n && n->dimension == Dimension::none;
     case Wanted::text:
@@ -333,6 +456,8 @@ bool fits(Wanted wanted, const Value& value) {
       return value.as_point() != nullptr;
     case Wanted::place:
       return value.is_place();
+    case Wanted::joints:
+      return value.as_joints() || (n && is_bare_zero(*n));  // 0: left out
   }
   return true;
 }
@@ -345,7 +470,8 @@ std::string counted(std::size_t n) {
 const char* name(Wanted wanted) {
   static constexpr const char* kNames[] = {
       "a value", "a number", "a length",         "an angle", "a number without unit",
-      "a text",  "a list",   "a list or a text", "a pose",   "a pose or a joint state"};
+      "a text",  "a list",   "a list or a text", "a pose",   "a pose or a joint state",
+      "a joint state", "an angle or a length"};
   return kNames[static_cast<int>(wanted)];
 }
 
@@ -368,7 +494,7 @@ std::vector<std::string> function_names() {
 
 std::optional<Dimension> dimension_of(Wanted wanted) {
   if (wanted == Wanted::length) return Dimension::length;
-  if (wanted == Wanted::angle) return Dimension::angle;
+  if (wanted == Wanted::angle || wanted == Wanted::joint) return Dimension::angle;
   if (wanted == Wanted::scalar) return Dimension::none;
   return std::nullopt;
 }
@@ -431,7 +557,7 @@ Bound bind_arguments(const Signature& signature, std::span<const std::string> ar
         fail(called + " has no '" + given + "'" + did_you_mean(given, signature.parameters), takes);
       place = static_cast<std::size_t>(at - signature.parameters.begin());
     } else if (named_before) {
-      fail("a value without a name stands behind one with a name", "name it, too; " + takes);
+      fail("a value without a name follows one with a name", "name it, too; " + takes);
     } else {
       ++next;
     }

@@ -13,8 +13,23 @@
 
 namespace polyarm::program {
 
-/// The required type of an argument.
-enum class Wanted { any, number, length, angle, scalar, text, list, list_or_text, pose, place };
+/// The required type of an argument. `joint` is the position of a joint: an angle or a length.
+enum class Wanted { any, number, length, angle, scalar, text, list, list_or_text, pose, place, joints, joint };
+
+/// Functions of the running program: their results depend on when they are called.
+enum class Live {
+  none,
+  random,
+  clock,
+  here_joints,
+  ik,
+  fk,
+  force,
+  wrench,
+  zero_force,
+  met,
+  travelled
+};
 
 struct FunctionParameter {
   std::string_view name;
@@ -44,6 +59,9 @@ struct Function {
   bool in_tests = false;  ///< available only in tests
   /// For results that may be long lists: as `call`, but produces the list value by value. Owns its data.
   Series (*series)(std::span<const Value> arguments) = nullptr;
+  Live live = Live::none;  ///< the running program executes it; `call` is null
+  bool waits = false;      ///< a live function that waits until queued motion has arrived
+  bool open = false;       ///< a live function whose result differs between runs of one program
 };
 
 /// The function of that name, in any case, or nullptr. Includes here() and ask(), which only the interpreter
@@ -54,7 +72,7 @@ const std::vector<Function>& functions();
 
 /// Throws OperationError if `value` does not have the required type.
 void require(const Function& function, std::size_t place, const Value& value);
-/// Of a number that is wanted with a certain unit, or without one.
+/// Of a number that is wanted with a certain unit, or without one. Of a joint: an angle, which most have.
 std::optional<Dimension> dimension_of(Wanted wanted);
 /// "a length", "a pose".
 const char* name(Wanted wanted);

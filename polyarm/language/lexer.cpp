@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <span>
+#include <utility>
 
 #include "polyarm/base/text.hpp"
 
@@ -158,7 +160,7 @@ class LineLexer {
     if (!number) return bad(after - at_, "this number is too big");
     if (!unit_text.empty() && !unit)
       return bad(after - at_,
-                 "'" + unit_text.substr(0, 40) + "' is no unit, and no name starts with a digit");
+                 "'" + unit_text.substr(0, 40) + "' is not a unit, and no name starts with a digit");
     const double value = *number * (unit ? unit->scale : 1);
     if (!std::isfinite(value)) return bad(after - at_, "this number is too big");
     push(TokenKind::number, std::string(text_.substr(at_, after - at_)), after - at_);
@@ -175,8 +177,31 @@ class LineLexer {
     if (kSingles.find(text_[at_]) != std::string_view::npos)
       return push(TokenKind::symbol, std::string(1, text_[at_]), 1);
     const bool visible = static_cast<unsigned char>(text_[at_]) >= 0x20;
-    bad(length, (visible ? "'" + std::string(text_.substr(at_, length)) + "'" : "this control character") +
-                    " has no meaning here");
+    const std::string_view symbol = text_.substr(at_, length);
+    bad(length, (visible ? "'" + std::string(symbol) + "'" : "this control character") +
+                    " has no meaning here" + std::string(instead_of(symbol)));
+  }
+
+  /// What to write instead of symbols of other languages, and of those that text processors put in.
+  static std::string_view instead_of(std::string_view symbol) {
+    static constexpr std::pair<std::string_view, std::string_view> kInstead[] = {
+        {"!", "; write `not`"},
+        {"&", "; write `and`"},
+        {"|", "; write `or`"},
+        {"'", "; a text stands in double quotes"},
+        {"\u2018", "; a text stands in double quotes"},
+        {"\u2019", "; a text stands in double quotes"},
+        {"\u201c", "; a text stands in plain double quotes"},
+        {"\u201d", "; a text stands in plain double quotes"},
+        {"\u2212", "; a minus sign is written -"},
+        {"\u2013", "; a minus sign is written -"},
+        {"\u00a0", ": it is a special blank; write a plain one"},
+        {";", "; a statement ends with its line"},
+        {":", "; a block begins on the next line"},
+        {"%", "; it stands right behind a number, and the rest of a division is `mod`"}};
+    const auto at = std::find_if(std::begin(kInstead), std::end(kInstead),
+                                 [&](const auto& each) { return each.first == symbol; });
+    return at == std::end(kInstead) ? std::string_view() : at->second;
   }
 
   std::string_view text_;

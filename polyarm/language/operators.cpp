@@ -32,7 +32,7 @@ std::string same_unit_advice(const Number& a, const Number& b) {
 }
 
 Value number(double value, Dimension dimension) {
-  if (!std::isfinite(value)) throw OperationError{"overflow", "the result is no finite number", {}};
+  if (!std::isfinite(value)) throw OperationError{"overflow", "the result is not a finite number", {}};
   return Number{value, dimension};
 }
 
@@ -224,7 +224,7 @@ namespace {
 std::size_t place_in(const List& items, const Value& index) {
   const Number* at = index.as_number();
   if (!at || at->dimension != Dimension::none || at->value != std::floor(at->value))
-    refuse("the place in a list is a whole number, here is " + index.excerpt());
+    refuse("the index of a list is a whole number, here is " + index.excerpt());
   if (at->value < 1 || at->value > static_cast<double>(items.size()))
     throw OperationError{
         "no-element", "there is no element " + index.text() + " in a list of " + std::to_string(items.size()),
@@ -327,7 +327,7 @@ bool same_type(const Value& a, const Value& b) {
 
 void require_fits(Value::Extent extent) {
   constexpr std::uint32_t kDeepest = 8;
-  if (extent.depth > kDeepest) throw OperationError{"too-deep", "lists stand in lists more than 8 deep", {}};
+  if (extent.depth > kDeepest) throw OperationError{"too-deep", "lists are nested more than 8 deep", {}};
   if (extent.values > kMostListItems + 1)
     throw OperationError{
         "too-long", "this list would hold more than " + std::to_string(kMostListItems) + " values", {}};

@@ -9,6 +9,7 @@
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/data/import_format.hpp"
 #include "polyarm/language/lexer.hpp"
+#include "polyarm/language/libraries.hpp"
 #include "polyarm/language/statement_parser.hpp"
 
 namespace polyarm::program {
@@ -55,7 +56,7 @@ bool ends_with_else(const Line& line) {
 
 bool opens_block(const Line& line) {
   return one_of(line.word,
-                {"while", "if", "for", "func", "task", "together", "when", "lock", "try", "on", "test"}) ||
+                {"while", "if", "for", "func", "task", "together", "when", "trap", "every", "lock", "try", "on", "test"}) ||
          ends_with_else(line);
 }
 
@@ -124,7 +125,7 @@ class Parser {
       Line line;
       line.word = keyword_of(source.tokens.front(), line.misspelt);
       line.source = std::move(source);
-      const bool also_names = one_of(line.word, {"drive", "turn", "speedj", "speedl"});
+      const bool also_names = one_of(line.word, {"drive", "turn", "speedj", "speedl", "trap", "every", "pulse"});
       if ((line.misspelt || also_names) && is_call(line.source)) line.misspelt = false, line.word = "call";
       lines_.push_back(std::move(line));
     }
@@ -142,10 +143,10 @@ class Parser {
     if (misspelt) {
       error("unknown-word", first.place,
             "no statement begins with " + shown(first) + "; did you mean '" + word + "'?",
-            "every closing word stands on its own line");
+            "write each closing word on its own line");
     } else {
-      error("unexpected", source.tokens[1].place, "one statement stands on a line, here are several",
-            "every closing word stands on its own line");
+      error("unexpected", source.tokens[1].place, "there are several statements on this line",
+            "write each closing word on its own line");
     }
     for (std::size_t i = 0; i + 1 < source.tokens.size(); ++i) {
       Line line;
@@ -206,6 +207,7 @@ class Parser {
   /// The functions and names of another file, once, even if it is included repeatedly.
   void include(const Statement& s, Block& out) {
     constexpr std::size_t kMostFiles = 50;
+    if (s.name.starts_with(kLibraryPrefix)) return include_library(s, out);
     const std::string by = file_ == 0 ? program_.file : included().file;
     const std::filesystem::path path = (std::filesystem::path(by).parent_path() / s.name).lexically_normal();
     const auto same = [&](const Program::Included& other) { return other.file == path.string(); };
@@ -230,7 +232,24 @@ class Parser {
                    "the name is relative to the folder of this file");
     }
     if (const auto why = data::why_not_text(text)) return error("not-text", s.name_place, *why);
-    program_.included.push_back({path.string(), split_lines(text)});
+    add_included(path.string(), text, out);
+  }
+
+  /// include "polyarm:NAME"
+  void include_library(const Statement& s, Block& out) {
+    const auto text = library_text(s.name);
+    if (!text) {
+      const std::vector<std::string> names = library_names();
+      return error("no-file", s.name_place, "there is no library '" + s.name + "'" + did_you_mean(s.name, names),
+                   "libraries are " + join(names, ", "));
+    }
+    const bool known = std::any_of(program_.included.begin(), program_.included.end(),
+                                   [&](const Program::Included& other) { return other.file == s.name; });
+    if (!known) add_included(s.name, *text, out);
+  }
+
+  void add_included(const std::string& file, std::string_view text, Block& out) {
+    program_.included.push_back({file, split_lines(text)});
     Block more = Parser(program_, problems_, static_cast<int>(program_.included.size())).run();
     std::move(more.begin(), more.end(), std::back_inserter(out));
   }
@@ -245,8 +264,20 @@ class Parser {
     if (second.kind == TokenKind::symbol && second.text == "=")
       return error("unknown-word", first.place, "no statement begins with " + shown(first),
                    "to change it write `set " + first.text.substr(0, 40) + " = …`, for a new name `let`");
+    if (changes_in_place(line.source.tokens))
+      return error("unknown-word", first.place, "no statement begins with " + shown(first),
+                   "to change it write `set " + first.text.substr(0, 40) + " = " + first.text.substr(0, 40) + " " +
+                       second.text + " …`");
     error("unknown-word", first.place,
           "no statement begins with " + shown(first) + did_you_mean(first.text, statement_words()), "");
+  }
+
+  /// True for `i += 1` and `i++`.
+  static bool changes_in_place(const std::vector<Token>& tokens) {
+    if (tokens.size() < 3 || tokens[1].kind != TokenKind::symbol || tokens[2].kind != TokenKind::symbol) return false;
+    const std::string &operation = tokens[1].text, &then = tokens[2].text;
+    const bool calculates = operation == "+" || operation == "-" || operation == "*" || operation == "/";
+    return calculates && (then == "=" || (then == operation && then != "*" && then != "/"));
   }
 
   /// The block that `line` opens, with its branches, up to and including its closing word.
@@ -293,7 +324,7 @@ class Parser {
       closed_line_ends(line);
       if (opener.word == "try" && !opener.handles)
         error("no-handler", opener.place, "this 'try' has no 'on error'",
-              "write `on error e` before its end, with what is to be done then");
+              "write `on error e` before its end, and the statements for an error");
       return true;
     }
     return mismatch(line);
@@ -327,9 +358,8 @@ class Parser {
     const Token& second = line.source.tokens[1];
     if (second.kind == TokenKind::end) return;
     const bool two_words = line.word == "end" && second.kind == TokenKind::name;
-    error(
-        "unexpected", second.place, shown(second) + " is not expected here, after '" + line.word + "'",
-        two_words ? "a closing word is written in one, such as endwhile" : "one statement stands on a line");
+    error("unexpected", second.place, shown(second) + " is not expected here, after '" + line.word + "'",
+          two_words ? "a closing word is written in one, such as endwhile" : "write one statement per line");
   }
 
   bool mismatch(const Line& line) {

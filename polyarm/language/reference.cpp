@@ -40,6 +40,39 @@ const std::map<std::string_view, std::string_view>& function_examples() {
       {"ask",
        "# answer 4\n# answer\nlet count = ask(\"How many?\", 1)\nlet name = ask(\"Who are you?\")\n"
        "log(count + 1)                           # expect: 5"},
+      {"with",
+       "# given P: point 0.4 0 0.3\nlet above = P with z = 400mm\nlog(above.x, above.z)                    # expect: "
+       "0.4m 0.4m"},
+      {"here_joints", "let before = here_joints()\nmovej before                             # expect move: joint before exact"},
+      {"ik",
+       "# given P: point 0.4 0 0.3\nlet there = ik(P)\nmovej there, speed 20%                   # expect move: joint "
+       "there speed 0.2 exact"},
+      {"fk", "# given Home: joints\nlog(fk(Home).z)                          # expect: 0m"},
+      {"random",
+       "let weight = random(1kg, 2kg)\nlog(weight >= 1kg and weight < 2kg)      # expect: True"},
+      {"clock",
+       "let begin = clock()\nwait 200ms\nlog(round((clock() - begin) / 100ms))    # expect: 2"},
+      {"force",
+       "# given P: point 0.4 0 0.1\nmovel P, touch, until force() > 20N\nlog(force() > 20N)                       # expect: "
+       "True"},
+      {"wrench", "log(wrench().z)                          # expect: 30N"},
+      {"zero_force", "zero_force()\nlog(force())                             # expect: 0N"},
+      {"met",
+       "# given P: point 0.4 0 0.1\nmovel P, until false\nlog(met())                               # expect: False"},
+      {"travelled",
+       "# given P: point 0.4 0 0.1\nmovel P, until false\nlog(travelled())                         # expect: 1m"},
+      {"format", "log(format(\"{:.2f} {:>4} {:.1mm}\", 2.0 / 3, 7, 12mm)) # expect: 0.67    7 12.0mm"},
+      {"text", "log(text(1.5) + text(true))              # expect: 1.5True"},
+      {"number", "log(number(\" 2.5mm\") * 2)               # expect: 0.005m"},
+      {"is_number", "log(is_number(\"12\"), is_number(\"twelve\")) # expect: True False"},
+      {"split", "log(split(\"a,b,,c\", \",\"))                # expect: [a, b, , c]"},
+      {"join", "log(join([1, \"b\", 3], \";\"))              # expect: 1;b;3"},
+      {"trim", "log(\"<\" + trim(\" a b \") + \">\")           # expect: <a b>"},
+      {"upper", "log(upper(\"ok 1\"))                       # expect: OK 1"},
+      {"lower", "log(lower(\"OK 1\"))                       # expect: ok 1"},
+      {"find", "log(find(\"abcb\", \"b\"), find([3, 5], 5), find(\"a\", \"x\")) # expect: 2 2 0"},
+      {"replace", "log(replace(\"1,5\", \",\", \".\"))           # expect: 1.5"},
+      {"slice", "log(slice(\"abcdef\", 2, 3), slice([1, 2, 3], -2)) # expect: bc [2, 3]"},
       {"fault",
        "# given HasPart: False\ntest \"suction fails\"\n  fault(\"arm/tool/vacuum\", false)\n"
        "  expect not HasPart\n  log(\"seen\")                            # expect: seen\nend"},
@@ -63,13 +96,13 @@ void add_words(std::string& out, std::string_view title, WordRole role, bool in_
     if (!word.example.empty()) {
       add_program(out, word.example);
     } else {
-      out += "An example stands at **" + std::string(word.shown_by) + "**.\n\n";
+      out += "For an example, see **" + std::string(word.shown_by) + "**.\n\n";
     }
   }
 }
 
 void add_closers(std::string& out) {
-  out += "## Ends of blocks\n\nEvery block ends with `end`; who likes writes what ends: ";
+  out += "## Ends of blocks\n\nEvery block ends with `end`. You may also write what ends: ";
   bool first = true;
   for (const Word& word : words()) {
     if (word.role != WordRole::closer || word.name == "end") continue;
@@ -104,13 +137,15 @@ statement = ( load | import ) NAME | include TEXT | log EXPR | CALL
           | if EXPR { statement } { elif EXPR { statement } } [ else { statement } ] end
           | func NAME ( [ NAME [= EXPR] { , … } ] ) block | return [EXPR] | break | continue | stop | hold [EXPR]
           | try { statement } on error [NAME] block | raise [EXPR] | retry [EXPR]
-          | task NAME block | together block | when EXPR block | on stop block
+          | task NAME block | together block | when EXPR block | trap [when] EXPR block | every EXPR block
+          | on stop block | pulse NAME for EXPR
           | meet NAME [timeout EXPR [else block]] | lock NAME [timeout EXPR] block
           | test TEXT block | run [TEXT] | expect EXPR [timeout EXPR]
-clause    = [,] ( robot | tool | frame | payload | near | around | speed | accel | blend | duration ) EXPR | exact | smooth
+clause    = [,] ( robot | tool | frame | payload | near | around | speed | accel | blend | duration ) EXPR | exact | smooth | touch
           | until EXPR [else block] | at ( start [+ EXPR] | end [- EXPR] ) set NAME = EXPR
-EXPR      = or < and < not < ( == != < <= > >= ) < ( + - ) < ( * / mod ) < unary - < ^ < .NAME (…) […]
+EXPR      = or < and < not < ( == != < <= > >= ) < ( + - ) < ( * / mod ) < unary - < ^ < .NAME (…) […] with NAME = EXPR
 primary   = NUMBER[UNIT] | TEXT | true | false | NAME | ( EXPR ) | [ EXPR, … ] | { NAME = EXPR, … }
+          | [ EXPR for NAME [, NAME] in EXPR [.. EXPR] ]
 ```
 
 )";
@@ -120,7 +155,7 @@ std::string language_reference() {
   std::string out =
       "# Reference of the language\n\nWritten by `polyarm language page` from the lists that the parser "
       "itself "
-      "uses; every program on this page\nruns in the tests, with what its lines say they do. "
+      "uses; every program on this page\nruns in the tests, with the results that its comments state. "
       "[The language](language.md) explains it in order.\n\n";
   out += kGrammar;
   add_words(out, "Statements", WordRole::statement, false);

@@ -218,7 +218,7 @@ void parse_single(const Line& line, TokenCursor& cursor, Statement& out, const O
   });
   const bool in_loop = around != open.rend() && among(around->word, {"while", "for"});
   if (out.kind != Kind::stop && !in_loop)
-    throw SyntaxError{"no-loop", out.place, "'" + line.word + "' stands in no loop", ""};
+    throw SyntaxError{"no-loop", out.place, "'" + line.word + "' is not in a loop", ""};
   cursor.expect_end("'" + line.word + "'");
 }
 
@@ -253,7 +253,7 @@ void parse_call(const Line& line, Statement& out) {
   out.expression = cursor.expression();
   cursor.expect_end("the call");
   if (out.expression->kind != Expression::Kind::call)
-    throw SyntaxError{"unexpected", line.source.place, "a value alone is no statement",
+    throw SyntaxError{"unexpected", line.source.place, "a value alone is not a statement",
                       "write `log(…)` or `set … = …`"};
 }
 
@@ -319,7 +319,7 @@ bool stands_in(const Openers& open, Fits fits) {
 void parse_return(TokenCursor& cursor, Statement& out, const Openers& open) {
   out.kind = Kind::return_value;
   if (!stands_in(open, [](const Opener& o) { return o.word == "func"; }))
-    throw SyntaxError{"no-function", out.place, "'return' stands in no function",
+    throw SyntaxError{"no-function", out.place, "'return' is not in a function",
                       "write `stop` to end; the statements of a 'together' are tasks of their own"};
   if (!cursor.at_end()) out.expression = cursor.expression();
   cursor.expect_end("the value");
@@ -332,7 +332,7 @@ bool in_handler(const Openers& open) {
 void parse_raise(const Line& line, TokenCursor& cursor, Statement& out, const Openers& open) {
   out.kind = line.word == "raise" ? Kind::raise : Kind::retry;
   if (!in_handler(open) && (out.kind == Kind::retry || cursor.at_end()))
-    throw SyntaxError{"no-handler", out.place, "'" + line.word + "' stands in no 'on error'",
+    throw SyntaxError{"no-handler", out.place, "'" + line.word + "' is not in an 'on error'",
                       out.kind == Kind::raise ? "write `raise \"what is wrong\"`" : ""};
   if (!cursor.at_end()) out.expression = cursor.expression();
   cursor.expect_end("'" + line.word + "'");
@@ -367,6 +367,31 @@ void parse_opener(const Line& line, TokenCursor& cursor, Statement& out) {
     out.kind = line.word == "try" ? Kind::try_block : Kind::together;
   }
   cursor.expect_end("'" + line.word + "'");
+}
+
+/// trap [when] EXPR, every EXPR
+void parse_event(const Line& line, TokenCursor& cursor, Statement& out) {
+  const bool traps = line.word == "trap";
+  out.kind = traps ? Kind::trap : Kind::every;
+  if (traps) cursor.take_word("when");
+  if (cursor.at_end())
+    throw SyntaxError{"no-value", cursor.peek().place,
+                      traps ? "'trap' needs to know when" : "'every' needs to know how often",
+                      traps ? "write `trap when CONDITION`" : "write `every 500ms`"};
+  out.expression = cursor.expression();
+  cursor.expect_end("'" + line.word + "'");
+}
+
+/// pulse NAME for EXPR
+void parse_pulse(TokenCursor& cursor, Statement& out) {
+  out.kind = Kind::pulse;
+  out.name_place = cursor.peek().place;
+  out.name = parse_target(cursor, "pulse");
+  if (!cursor.take_word("for"))
+    throw SyntaxError{"no-for", cursor.peek().place, "'for' was expected here, is " + shown(cursor.peek()),
+                      "write `pulse " + out.name + " for 200ms`"};
+  out.expression = cursor.expression();
+  cursor.expect_end("the time");
 }
 
 void parse_hold(TokenCursor& cursor, Statement& out) {
@@ -406,7 +431,7 @@ bool stands_in_test(const Openers& open) {
 void parse_of_test(const Line& line, TokenCursor& cursor, Statement& out, const Openers& open) {
   out.kind = line.word == "run" ? Kind::run : Kind::expect;
   if (!stands_in_test(open))
-    throw SyntaxError{"no-test", out.place, "'" + line.word + "' stands in no test",
+    throw SyntaxError{"no-test", out.place, "'" + line.word + "' is not in a test",
                       "tests have files of their own: test \"…\", its lines, end"};
   if (out.kind == Kind::run) {
     out.name_place = cursor.peek().place;
@@ -424,10 +449,11 @@ void parse_of_test(const Line& line, TokenCursor& cursor, Statement& out, const 
 }
 
 void require_top(const Line& line, const Openers& open) {
-  const bool top = among(line.word, {"func", "task", "when", "on", "include", "test"});
-  if (top && !open.empty())
+  const bool top = among(line.word, {"func", "task", "when", "every", "trap", "on", "include", "test"});
+  const bool in_task = line.word == "trap" && open.size() == 1 && open.front().word == "task";
+  if (top && !open.empty() && !in_task)
     throw SyntaxError{"nested", line.source.place,
-                      "'" + line.word + "' stands inside the '" + open.back().word + "' of line " +
+                      "'" + line.word + "' is inside the '" + open.back().word + "' of line " +
                           std::to_string(open.back().place.line),
                       "it belongs outside of every block"};
 }
@@ -456,6 +482,8 @@ void parse_statement(const Line& line, TokenCursor& cursor, Statement& out, cons
   if (word == "on") return parse_on(cursor, out);
   if (word == "test") return parse_test(cursor, out);
   if (word == "run" || word == "expect") return parse_of_test(line, cursor, out, open);
+  if (word == "trap" || word == "every") return parse_event(line, cursor, out);
+  if (word == "pulse") return parse_pulse(cursor, out);
   if (among(word, {"task", "when", "try", "together"})) return parse_opener(line, cursor, out);
   throw SyntaxError{"unexpected", line.source.place, "'" + word + "' begins no statement here", ""};
 }

@@ -32,12 +32,12 @@ std::vector<Word> data_words() {
        "log(height + 2cm, bins.blue)             # expect: 0.1m 2",
        ""},
       {"include", kStatement, "include \"FILE\"",
-       "The functions and names of another file, whose name is relative to this one.",
+       "Includes the functions and names of another file; its name is relative to this one.",
        "include \"../tests/program/cases/included/tools.script\"\n"
        "log(twice(4), height)                    # expect: 8 0.1m",
        ""},
       {"log", kStatement, "log EXPR, log(EXPR, …)",
-       "A line for the person who watches; it does not wait for motion.",
+       "Prints a line for the operator; it does not wait for motion.",
        "log \"three\"                              # expect: three\n"
        "log(1 + 1, 20mm < 3cm)                   # expect: 2 True",
        ""},
@@ -46,7 +46,7 @@ std::vector<Word> data_words() {
 
 std::vector<Word> motion_words() {
   return {
-      {"moveto", kStatement, "moveto P {clause}", "Joint move; the program goes on when it has arrived.",
+      {"moveto", kStatement, "moveto P {clause}", "Joint move; the program continues when it has arrived.",
        "# given Home: joints\n# given Ready: False\nmoveto Home                              "
        "# expect move: joint Home exact waits\nset Ready = true",
        ""},
@@ -64,22 +64,23 @@ std::vector<Word> motion_words() {
        "movec Via, End, speed 100mm/s            # expect move: arc Via End speed 0.1m/s exact",
        ""},
       {"speedj", kStatement, "speedj {JOINT = V, …}, duration T {clause}",
-       "Joints move at these velocities for so long, or until a condition ends it, and come to rest.",
+       "Joints move at these velocities for this duration, or until a condition ends the move. Then they "
+       "come to rest.",
        "speedj {elbow = 0.2rad/s}, duration 2s   # expect move: joint speedj … speed 0.2rad/s exact", ""},
       {"speedl", kStatement, "speedl {z = V, rx = W, …}, duration T {clause}",
-       "The tool moves at this velocity along the frame's axes, and turns about them, for so long, or until "
-       "a "
-       "condition ends it, and comes to rest.",
+       "The tool moves at this velocity along the frame's axes, and turns about them, for this duration, or "
+       "until a condition ends the move. Then it comes to rest.",
        "# given Contact: False\n# after 50ms Contact: True\n"
        "speedl {z = -20mm/s}, duration 3s, until Contact\nlog(\"down\")                              "
        "# expect: down",
        ""},
-      {"drive", kStatement, "drive D {clause}", "A base with wheels goes so far ahead, or back, and stands.",
+      {"drive", kStatement, "drive D {clause}",
+       "A base with wheels drives this distance ahead, or back, and stops.",
        "drive 500mm, speed 100mm/s\ndrive -500mm", ""},
-      {"turn", kStatement, "turn A {clause}", "A base with wheels turns so far to the left and stands.",
+      {"turn", kStatement, "turn A {clause}", "A base with wheels turns by this angle to the left and stops.",
        "turn 90deg", ""},
       {"use", kStatement, "use clause, clause, …",
-       "What moves take when they do not say it themselves, to the end of the block and in the functions it "
+       "Defaults for moves without these clauses, to the end of the block and in the functions that it "
        "calls.",
        "# given P: point 0.4 0 0.3\nif true\n  use tool gripper, speed 50%\n  movel P                        "
        "        "
@@ -126,7 +127,8 @@ std::vector<Word> motion_words() {
        "2m/s2 exact",
        ""},
       {"blend", kClause, "blend LENGTH",
-       "The path may leave the point by that much, and the robot goes on into the next move.",
+       "The path may leave the point by this length, and the robot continues into the next move without a "
+       "stop.",
        "# given P: point 0.4 0 0.3\n# given Q: point 0.4 0.2 0.3\nmovel P, blend 20mm                      "
        "# expect move: line P blend 0.02m\nmovel Q, exact                           # expect move: line Q "
        "exact",
@@ -141,6 +143,11 @@ std::vector<Word> motion_words() {
        "One curve through all points instead of lines between them.",
        "# given P: point 0.4 0 0.3\n# given Q: point 0.4 0.2 0.3\n"
        "movel [P, Q], smooth                     # expect move: line P Q smooth exact",
+       ""},
+      {"touch", kClause, "touch",
+       "The tool is meant to touch something in this move; a contact of any other part still stops the robot.",
+       "# given P: point 0.4 0 0.1\nmovel P, speed 10mm/s, touch, until force() > 20N\n"
+       "log(met(), travelled() < 1m)             # expect: True True",
        ""},
       {"until", kClause, "until C [else … end]",
        "The move ends where C becomes true; `else` is done when it came to its end without that.",
@@ -203,15 +210,14 @@ std::vector<Word> flow_words() {
        "  log(e.kind, e.line)                    # expect: timeout 3\nend",
        ""},
       {"on", kStatement, "on stop … end, on error E",
-       "What is done once when the program has ended for whatever reason and its robots stand; or the second "
-       "part of "
-       "a `try`.",
+       "Statements that run once when the program has ended for any reason and its robots are at rest; or "
+       "the second part of a `try`.",
        "# given Belt: True\nlog(\"at work\")                           # expect: at work\non stop\n  set "
        "Belt = false\n"
        "  log(\"stopped\")                         # expect: stopped\nend",
        ""},
       {"raise", kStatement, "raise TEXT, raise",
-       "Makes an error; alone in a handler it lets the error go on.",
+       "Raises an error; alone in a handler it passes the error on.",
        "try\n  raise \"no part\"\non error e\n  log(e.kind, e.text)                    # expect: user no "
        "part\nend",
        ""},
@@ -253,18 +259,43 @@ std::vector<Word> flow_words() {
   };
 }
 
+std::vector<Word> event_words() {
+  return {
+      {"trap", kStatement, "trap [when] C … end",
+       "Each time C becomes true, the robot stops on its path, the block runs, which may move and wait, and the "
+       "interrupted motion goes on from its place.",
+       "# given P: point 0.4 0 0.3\n# given Aside: point 0.4 0.3 0.3\n# given Door: False\n# after 20ms Door: True\n"
+       "trap when Door\n  movel Aside                            # expect move: line Aside exact\nend\nmovel P   "
+       "                               # expect move: line P exact\nwait 100ms\nlog(\"end\")                            "
+       "   # expect: end",
+       ""},
+      {"every", kStatement, "every T … end",
+       "Runs its block each time T has passed, from this line on and within one cycle: nothing in it moves or waits.",
+       "# given Life: False\nlet n = 0\nevery 100ms\n  set Life = not Life\n  set n = n + 1\nend\nwait 350ms\n"
+       "log(n)                                   # expect: 3",
+       ""},
+      {"pulse", kStatement, "pulse NAME for T",
+       "Sets a tag to True, and to False when T has passed; the program goes on. It ends in time even while the cell "
+       "is held.",
+       "# given Blow: False\npulse Blow for 200ms\nlog(Blow)                                # expect: True\nwait 250ms\n"
+       "log(Blow)                                # expect: False",
+       ""},
+  };
+}
+
 std::vector<Word> test_words() {
   return {
       {"test", kStatement, "test \"WHAT\" … end",
-       "A test in a file of tests; it stands beside the program that it runs, on the same tags.",
+       "A test in a file of tests; it runs beside the program, on the same tags.",
        "# given Ready: False\n# after 50ms Ready: True\ntest \"it gets ready\"\n  run\n  expect Ready "
        "timeout 1s\n"
        "  log(\"well\")                            # expect: well\nend",
        "", true},
-      {"run", kStatement, "run [\"PROGRAM\"]", "Starts the program of the cell, or another one, and goes on.",
-       "", "test", true},
+      {"run", kStatement, "run [\"PROGRAM\"]",
+       "Starts the program of the cell, or another one, and continues.", "", "test", true},
       {"expect", kStatement, "expect C [timeout T]",
-       "The test fails unless C is true, now or before T has passed; the message says what its parts are.",
+       "The test fails unless C is true, now or before T has passed; the message has the values of its "
+       "parts.",
        "# given Placed: 2\ntest \"counts\"\n  expect Placed == 3                     # expect failure: "
        "Placed is 2\nend",
        "", true},
@@ -284,6 +315,8 @@ std::vector<Word> other_words() {
                                     {"endtogether", "together"},
                                     {"endlock", "lock"},
                                     {"endwhen", "when"},
+                                    {"endtrap", "trap"},
+                                    {"endevery", "every"},
                                     {"endon", "on"},
                                     {"endwait", "wait"},
                                     {"endmeet", "meet"},
@@ -294,12 +327,12 @@ std::vector<Word> other_words() {
                             std::string_view example) {
     out.push_back({name, kReserved, form, meaning, example, ""});
   };
-  reserved("and", "A and B", "Both; B is not looked at where A is false.",
+  reserved("and", "A and B", "Both; B is not evaluated if A is false.",
            "log(1 < 2 and 2 < 3)                     # expect: True");
-  reserved("or", "A or B", "One of them; B is not looked at where A is true.",
+  reserved("or", "A or B", "One of them; B is not evaluated if A is true.",
            "log(1 > 2 or 2 < 3)                      # expect: True");
   reserved("not", "not A", "The opposite.", "log(not 1 > 2)                           # expect: True");
-  reserved("mod", "A mod B", "What is left of a division; it has the sign of B.",
+  reserved("mod", "A mod B", "The remainder of a division; it has the sign of B.",
            "log(7 mod 3)                             # expect: 1");
   reserved("true", "true", "A boolean.",
            "let open = true\nlog(open)                                # expect: True");
@@ -312,7 +345,7 @@ std::vector<Word> other_words() {
 const std::vector<Word>& words() {
   static const std::vector<Word> all = [] {
     std::vector<Word> out = data_words();
-    for (const auto& more : {motion_words(), flow_words(), test_words(), other_words()})
+    for (const auto& more : {motion_words(), flow_words(), event_words(), test_words(), other_words()})
       out.insert(out.end(), more.begin(), more.end());
     return out;
   }();

@@ -1,9 +1,9 @@
 /// Builds the polyarm command lines that replace a ROS 2 launch file.
 #include <algorithm>
-#include <cctype>
 #include <set>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/shell_word.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/launch/python_launch.hpp"
 #include "polyarm/xacro/packages.hpp"
@@ -17,17 +17,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostLines = 5;
 constexpr int kMostFiles = 5000;
-
-std::string quoted(const std::string& word) {
-  const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
-    return std::isalnum(c) ||
-           std::string_view("/._-:=+,@%").find(static_cast<char>(c)) != std::string_view::npos;
-  });
-  if (plain) return word;
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
 
 bool is_there(const fs::path& file) {
   std::error_code error;
@@ -179,25 +168,24 @@ std::string PythonLaunch::why_no_activate() const {
 }
 
 std::string PythonLaunch::line(const std::string& verb) const {
-  using launch_lines::quoted;
   if (descriptions.empty()) return "";
   const PythonLaunchDescription& description = descriptions.front();
-  std::string out = "polyarm " + verb + " --description " + quoted(description.file.string());
+  std::string out = "polyarm " + verb + " --description " + shell_word(description.file.string());
   for (const PythonLaunchFile& file : parameters) {
     const std::string text = launch_lines::text_of(file.file);
     if (launch_lines::is_there(file.file) && !launch_lines::has_controllers(text)) continue;
-    out += " --controllers " + quoted(file.file.string());
+    out += " --controllers " + shell_word(file.file.string());
   }
   if (verb == "run" && why_no_activate().empty())
     for (const std::string& name : std::set<std::string>(spawned.begin(), spawned.end()))
-      out += " --activate " + quoted(name);
+      out += " --activate " + shell_word(name);
   std::set<std::string> said;
   for (const auto& [name, value] : description.arguments)
-    if (said.insert(name).second) out += " " + quoted(name + ":=" + value);
+    if (said.insert(name).second) out += " " + shell_word(name + ":=" + value);
   for (const auto& [name, value] : variables())
-    if (said.insert(name).second) out += " " + quoted(name + ":=" + value);
+    if (said.insert(name).second) out += " " + shell_word(name + ":=" + value);
   for (const PythonLaunchNeed& need : needed())
-    if (said.insert(need.name).second) out += " " + quoted(need.name) + ":=VALUE";
+    if (said.insert(need.name).second) out += " " + shell_word(need.name) + ":=VALUE";
   return out;
 }
 
@@ -217,10 +205,10 @@ std::vector<std::string> lines_of_package(const std::filesystem::path& launch, c
   for (const fs::path& folder : folders) {
     const Found found = look_into(folder);
     if (controllers.empty() && !found.controllers.empty())
-      controllers = " --controllers " + quoted(found.controllers.front().string());
+      controllers = " --controllers " + shell_word(found.controllers.front().string());
     for (const fs::path& description : found.descriptions)
       if (out.size() < kMostLines)
-        out.push_back("polyarm " + verb + " --description " + quoted(description.string()));
+        out.push_back("polyarm " + verb + " --description " + shell_word(description.string()));
     if (folder == package && !out.empty()) break;
   }
   for (std::string& line : out) line += controllers;

@@ -97,7 +97,7 @@ bool named_arg(const std::string& name, const Substitution& with, XacroValue& ou
 
 std::string evaluated(std::string_view expression, const Substitution& with) {
   if (expression.find("__") != std::string_view::npos)
-    refuse("two underscores stand in the expression '" + std::string(expression.substr(0, 60)) +
+    refuse("two underscores are in the expression '" + std::string(expression.substr(0, 60)) +
            "', which is not allowed");
   const XacroNames names{
       [&](const std::string& name, XacroValue& out) { return named_arg(name, with, out); },
@@ -131,7 +131,7 @@ std::string single(const std::string& inside, const Substitution& with) {
     if (name == "anon") return words[1] + "_anonymous";
   }
   if (name == "eval")
-    refuse("'$(eval …)' does not stand alone here", "let it be the whole value of the attribute");
+    refuse("'$(eval …)' is not the whole value here", "let it be the whole value of the attribute");
   refuse(
       "'$(" + inside.substr(0, 60) + ")' is not understood" + did_you_mean(name, kKnown),
       "known are: $(find PACKAGE), $(arg NAME), $(env NAME), $(optenv NAME VALUE), $(anon NAME), $(dirname), "
@@ -175,7 +175,7 @@ std::string evaluate_launch_expression(std::string_view expression, const Substi
     if (problem.what.starts_with(kBegin) && problem.what.ends_with(kEnd))
       arg_value(problem.what.substr(kBegin.size(), problem.what.size() - kBegin.size() - kEnd.size()), with);
     refuse("the expression '" + std::string(trim(expression).substr(0, 200)) + "': " + problem.what,
-           "expressions are those of Python; args stand in them by name or as arg('NAME')");
+           "expressions are those of Python; write an arg by its name or as arg('NAME')");
   }
 }
 

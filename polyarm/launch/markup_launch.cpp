@@ -305,7 +305,7 @@ Element read_xml(std::string_view text, const std::string& name) {
   if (error != tinyxml2::XML_SUCCESS || !root || std::string_view(root->Name()) != "launch")
     throw Error(Problem{"not-launch",
                         {name, std::max(1, xml.ErrorLineNum())},
-                        "this is no launch file in XML",
+                        "this is not a launch file in XML",
                         "check this line and the tags above it"});
   return element_of(*root, name, 0);
 }

@@ -231,7 +231,7 @@ class LaunchReader : private PythonReader, private LaunchActions {
       return not_taken(where, unknown_file("launch file that is included", named));
     const fs::path file = located(named);
     if (!is_there(file))
-      return not_taken(where, "the launch file '" + named + "' that is included is not there");
+      return not_taken(where, "the launch file '" + named + "' that is included does not exist");
     if (depth_ >= kDeepestInclude || ++together_.included > kMostIncluded)
       return not_taken(where, "'" + named + "' is included, too many or too deep");
     std::string text;

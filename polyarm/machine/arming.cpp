@@ -70,7 +70,7 @@ bool Arming::is_real(std::size_t component) const {
 void Arming::require_armed(std::size_t component) const {
   if (may_be_enabled(component)) return;
   throw Error("disarmed",
-              "'" + loop_.hardware().component_name(component) + "' is real hardware that nobody has armed",
+              "'" + loop_.hardware().component_name(component) + "' is real hardware that is not armed",
               "polyarm control arm");
 }
 

@@ -100,7 +100,7 @@ class CellObstacles : public moves::Obstacles {
             fmt::format("the move to {} of {} would hit something after {:.2f} s: {} is {:.1f} mm inside {}",
                         moves[index].end().name, robot.name, hit.time, hit.first,
                         std::max(0.0, -1e3 * hit.distance), hit.second),
-            "put a point on a free way before it; `movej P, around true` finds one"),
+            "add a point on a free path before it; `movej P, around true` finds one"),
         index);
   }
 

@@ -146,7 +146,7 @@ const std::optional<Problem>& CellData::watch_links(Nanoseconds now) {
       for (const CellLinks::Status& link : links_->status())
         if (!link.state.was_up)
           observer_.on_note("the programs begin when the link '" + link.entry->name +
-                            "' is there: " + link.state.reason);
+                            "' is connected: " + link.state.reason);
   }
   const std::optional<Problem> lost = links_->lost();
   missing_ = lost ? lost : heartbeats_->stopped();

@@ -31,7 +31,7 @@ std::string ContactReport::sentence() const {
     return fmt::format("{} is inside {} where it starts, {} deep", a, b, depth_text(depth));
   std::string out = fmt::format("{} touched {} at {:.3f} s, {} deep", a, b, seconds(time), depth_text(depth));
   if (during == ContactDuring::jog) out += ", moved by hand";
-  if (during == ContactDuring::move) out += ", on the way to a point that somebody asked for";
+  if (during == ContactDuring::move) out += ", on the way to a requested point";
   return out;
 }
 

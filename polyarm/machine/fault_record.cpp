@@ -185,7 +185,7 @@ RecordedCycles read_cycles(const fs::path& csv) {
              std::to_string(kHead.size() + out.states.size() + out.commands.size()));
     RecordedCycles::Row row;
     const auto cycle = parse_number(fields[0]);
-    if (!cycle || !(*cycle >= 0 && *cycle <= 1e15)) refuse("'" + fields[0] + "' is no cycle");
+    if (!cycle || !(*cycle >= 0 && *cycle <= 1e15)) refuse("'" + fields[0] + "' is not a cycle");
     row.cycle = static_cast<std::uint64_t>(*cycle);
     row.state = fields[1];
     row.cause = fields[2];
@@ -199,7 +199,7 @@ RecordedCycles read_cycles(const fs::path& csv) {
       else if (const auto read = parse_number(field))
         value = *read;
       else if (field != "nan")
-        refuse("'" + field + "' is no number");
+        refuse("'" + field + "' is not a number");
       (k < kHead.size() + out.states.size() ? row.states : row.commands).push_back(value);
     }
     out.rows.push_back(std::move(row));
@@ -257,14 +257,14 @@ Replay replay_record(const fs::path& folder, const std::string& hardware) {
   if (lines.size() < 3 || lines[0] != "polyarm: fault/1")
     throw Error(Problem{"no-record",
                         {(folder / "fault.txt").string(), 1},
-                        "this is no record of a fault",
+                        "this is not a record of a fault",
                         "name the folder of a fault: .state/faults/0001"});
   out.problem = lines[2];
   const double period = parse_number(lines[1].substr(lines[1].find(' ') + 1)).value_or(1e-3);
   if (!(period >= 1e-5 && period <= 10))
     throw Error(Problem{"no-record",
                         {(folder / "fault.txt").string(), 2},
-                        "'" + shortened(lines[1]) + "' is no period of a control loop",
+                        "'" + shortened(lines[1]) + "' is not a period of a control loop",
                         "it has the seconds of one cycle, as in 'period: 0.001'"});
 
   realtime::Jobs jobs;

@@ -24,7 +24,7 @@ void HardwareCalls::tell_waiting(const hardware::Transition& transition, Nanosec
 
 bool HardwareCalls::give_up(const hardware::Transition& transition, Nanoseconds waited) {
   if ((patience_ < 0 || waited < patience_) && !(asked_ && asked_())) return false;
-  tell_waiting(transition, waited, "nobody waits for it any longer, and it is left as it is");
+  tell_waiting(transition, waited, "the cell stops waiting for it, and leaves it as it is");
   return true;
 }
 
@@ -49,7 +49,7 @@ bool HardwareCalls::advance(hardware::Hardware& hardware, std::shared_ptr<hardwa
     if (!transition->done()) {
       Since& since = since_.try_emplace(transition.get(), Since{now, kWorthTelling}).first->second;
       if (now - since.begun >= since.told_next) {
-        tell_waiting(*transition, now - since.begun, "the cell goes on");
+        tell_waiting(*transition, now - since.begun, "the cell continues");
         since.told_next *= 2;
       }
       return false;

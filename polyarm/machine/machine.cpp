@@ -126,12 +126,12 @@ void Machine::report_loop_event(const control::LoopEvent& event) {
   const auto who = static_cast<std::size_t>(event.who);
   const std::string name = of_hardware ? hardware().component_name(who) : controllers().name_of(event.who);
   constexpr const char* kTexts[] = {
-      "the controller {} failed and is inactive, with all that works through it",
+      "the controller {} failed and is inactive, with all controllers that work through it",
       "the controller {} was stopped with what it works on",
       "the controller {} took over",
       "the hardware component {} failed",
       "the hardware component {} asked to be deactivated",
-      "nothing new comes for the controller {}: what it was sent last has ended"};
+      "the controller {} receives nothing new: the last message has expired"};
   std::string text = fmt::format(fmt::runtime(kTexts[static_cast<std::size_t>(event.kind)]), name);
   if (const std::string reason = of_hardware ? hardware().diagnostics().reason(who) : ""; !reason.empty())
     text += ": " + reason;
@@ -162,9 +162,9 @@ void Machine::report_overruns() {
   realtime::Overrun overrun;
   while (hardware().diagnostics().take_overrun(overrun))
     report(hardware().component_name(static_cast<std::size_t>(overrun.who)), overrun,
-           "is_async=\"true\" of its <ros2_control> gives it a thread of its own");
+           "is_async=\"true\" of its <ros2_control> gives it its own thread");
   while (controllers().take_overrun(overrun))
-    report(controllers().name_of(overrun.who), overrun, "is_async: true gives it a thread of its own");
+    report(controllers().name_of(overrun.who), overrun, "is_async: true gives it its own thread");
 }
 
 /// Reports once what the machine refused a component's thread, and that the thread is late.
@@ -174,9 +174,10 @@ void Machine::report_threads() {
   for (std::int32_t who = 0; hardware.diagnostics().take_late(who);) {
     const auto i = static_cast<std::size_t>(who);
     const realtime::ThreadHealth& health = *hardware.diagnostics().thread_health(i);
-    constexpr const char* kThen[] = {"it goes on", "the loop stops on the path and holds", "it is taken off"};
+    constexpr const char* kThen[] = {"it continues", "the loop stops on the path and holds",
+                                     "it is switched off"};
     observer_.on_note(
-        fmt::format("the thread of {} is late: {} runs were, and {} missed their turn; {} "
+        fmt::format("the thread of {} is late: {} late runs, {} missed runs; {} "
                     "('overrun' of its thread); polyarm health shows its times",
                     hardware.component_name(i), std::uint64_t{health.late}, std::uint64_t{health.missed},
                     kThen[static_cast<std::size_t>(hardware.diagnostics().when_late(i))]));
@@ -203,7 +204,7 @@ const std::vector<controllers::GoalEvent>& Machine::goal_events(const std::strin
     while (const auto event = controller ? controller->next_goal_event() : std::nullopt)
       out.push_back(*event);
   } catch (...) {
-    observer_.on_note(name + ": asking what became of its goals threw: " + what_was_thrown());
+    observer_.on_note(name + ": the report of its goals threw: " + what_was_thrown());
   }
   if (out.size() > 2 * kKept) out.erase(out.begin(), out.end() - kKept);
   return out;
@@ -254,7 +255,7 @@ Problems Machine::load_controller(const std::string& name, const std::string& ty
   problems.throw_if_errors();
   throw Error("unknown-controller",
               "no controllers file describes '" + name + "'" + did_you_mean(name, known),
-              "say its type, or put it into the controllers file");
+              "give its type, or put it into the controllers file");
 }
 
 std::shared_ptr<const Remaking> Machine::remake(const std::string& name, Worker& worker) const {

@@ -144,10 +144,11 @@ std::optional<Problem> HeldPlace::pushed() const {
   return Problem{
       "moved-while-held",
       {},
-      fmt::format("{} was moved by {:+.4f} {} since it is held, off where it is to go on from", joint_, most_,
-                  slides_ ? "m" : "rad"),
-      "let it go back; or forget the motion: polyarm control discard; or go on all the same: polyarm control "
-      "resume --anyway",
+      fmt::format(
+          "{} was moved by {:+.4f} {} during the hold, away from the position where the motion continues",
+          joint_, most_, slides_ ? "m" : "rad"),
+      "let it go back; or discard the motion: polyarm control discard; or continue from here: polyarm "
+      "control resume --anyway",
       Severity::error,
       {{"joint", joint_}, {slides_ ? "moved_m" : "moved_rad", most_}}};
 }

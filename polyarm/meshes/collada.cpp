@@ -93,7 +93,7 @@ class ColladaReader {
 
  private:
   [[noreturn]] void refuse(const std::string& what) const {
-    throw Error("bad-mesh", "the mesh " + name_ + " is no whole Collada: " + what, "export it again");
+    throw Error("bad-mesh", "the mesh " + name_ + " is not a whole Collada: " + what, "export it again");
   }
 
   void index(const Element* e, int depth) {
@@ -124,7 +124,7 @@ class ColladaReader {
       const auto [end, wrong] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
       if (wrong != std::errc())
         refuse("'" + std::string(rest.substr(0, rest.find_first_of(" \t\r\n"))).substr(0, 40) + "' in line " +
-               std::to_string(e->GetLineNum()) + " is no number");
+               std::to_string(e->GetLineNum()) + " is not a number");
       out.push_back(value);
       rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
     }

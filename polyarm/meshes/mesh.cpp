@@ -163,8 +163,9 @@ Mesh read_mesh(const fs::path& path) {
     throw Error("no-mesh", "there is no mesh file " + path.string(),
                 "put it there, or name its package's folder in POLYARM_PACKAGES");
   if (fs::file_size(path, error) > kLargestFile)
-    throw Error("large-mesh", "the mesh " + path.string() + " is larger than " + std::to_string(kLargestFile >> 20) + " MB",
-                "simplify it: what is only looked at needs some thousand triangles");
+    throw Error("large-mesh",
+                "the mesh " + path.string() + " is larger than " + std::to_string(kLargestFile >> 20) + " MB",
+                "simplify it: some thousand triangles are enough to draw it");
   const std::string kind = lower(path.extension().string()), name = path.string();
   const std::string bytes = read_file(path, kLargestFile);
   Mesh out;

@@ -108,7 +108,7 @@ class ObjReader {
     if (words.size() < 4) refuse("'" + words[0] + "' needs three numbers");
     for (std::size_t k = 0; k < 3; ++k) {
       const auto value = number<float>(words[k + 1]);
-      if (!value) refuse("'" + words[k + 1].substr(0, 40) + "' is no number");
+      if (!value) refuse("'" + words[k + 1].substr(0, 40) + "' is not a number");
       out[k] = *value;
     }
     return out;
@@ -120,7 +120,7 @@ class ObjReader {
     const std::int64_t size = static_cast<std::int64_t>(count);
     const std::int64_t at = !given ? -1 : *given < 0 ? size + *given : *given - 1;
     if (at < 0 || at >= size)
-      refuse("'" + std::string(text.substr(0, 40)) + "' is none of its " + std::to_string(count) +
+      refuse("'" + std::string(text.substr(0, 40)) + "' is not one of its " + std::to_string(count) +
              " corners");
     return static_cast<std::size_t>(at);
   }

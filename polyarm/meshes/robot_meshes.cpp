@@ -61,7 +61,7 @@ Mesh mesh_of(const Link& link, std::size_t& left) {
                   "name its package's folder in POLYARM_PACKAGES");
     const auto large = [] {
       return Error("large-mesh", "the meshes of this robot have too many triangles together",
-                   "simplify them: what is only looked at needs some thousand triangles");
+                   "simplify them: some thousand triangles are enough to draw them");
     };
     if (left == 0) throw large();  // without further reading
     Mesh mesh = read_mesh(shape.mesh_path);

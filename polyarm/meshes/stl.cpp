@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kHead = 84, kFacet = 50;
 
 [[noreturn]] void refuse(const std::string& name, const std::string& what) {
-  throw Error("bad-mesh", "the mesh " + name + " is no whole STL: " + what, "export it again");
+  throw Error("bad-mesh", "the mesh " + name + " is not a whole STL: " + what, "export it again");
 }
 
 Mesh binary(const std::string& bytes, const std::string& name, std::size_t count) {
@@ -59,7 +59,7 @@ Mesh ascii(const std::string& text, const std::string& name) {
       const std::string_view number = words.next();
       const auto [end, wrong] = std::from_chars(number.data(), number.data() + number.size(), c);
       if (wrong != std::errc() || end != number.data() + number.size() || !std::isfinite(c))
-        refuse(name, "'" + std::string(number.substr(0, 40)) + "' is no coordinate");
+        refuse(name, "'" + std::string(number.substr(0, 40)) + "' is not a coordinate");
     }
     part.triangles.push_back(static_cast<std::uint32_t>(part.positions.size()));
     part.positions.push_back(p);
@@ -82,7 +82,7 @@ Mesh read_stl(const std::string& bytes, const std::string& name) {
   if (text) return ascii(bytes, name);
   if (bytes.size() < kHead) refuse(name, "it has " + std::to_string(bytes.size()) + " bytes");
   if (bytes.size() < whole)
-    refuse(name, "it says that it has " + std::to_string(count) + " triangles, and has room for " +
+    refuse(name, "its header states " + std::to_string(count) + " triangles, but the file has room for " +
                      std::to_string((bytes.size() - kHead) / kFacet));
   return binary(bytes, name, count);
 }

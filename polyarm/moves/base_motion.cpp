@@ -133,9 +133,9 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
       problem_ = Problem{
           "base-short",
           {},
-          move_.turns ? fmt::format("the base has turned by {:.1f} of {:.1f} deg and comes no further",
+          move_.turns ? fmt::format("the base has turned by {:.1f} of {:.1f} deg and does not get further",
                                     done * 180 / std::numbers::pi, move_.amount * 180 / std::numbers::pi)
-                      : fmt::format("the base has driven {:.3f} of {:.3f} m and comes no further", done,
+                      : fmt::format("the base has driven {:.3f} of {:.3f} m and does not get further", done,
                                     move_.amount),
           "is it blocked, or do its wheels slip?"};
       return end(State::failed);

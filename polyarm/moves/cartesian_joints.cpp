@@ -250,10 +250,10 @@ class Follower {
     const FastestJoint fastest = fastest_joint(arm_, path_.at(node.s));
     const double gap = kinematics::smallest_singular_value(chain_, node.q);
     if (fastest.rate > kFast || !(gap > kinematics::kSingular)) throw_singular(node, fastest, gap);
-    throw Error("branch",
-                fmt::format("the path goes on at {:.4f} m, but only in another configuration of the arm",
-                            place(node.s)),
-                "begin in that configuration, or move there by joints");
+    throw Error(
+        "branch",
+        fmt::format("the path continues at {:.4f} m only in another configuration of the arm", place(node.s)),
+        "begin in that configuration, or move there by joints");
   }
 
   [[noreturn]] void throw_singular(const Node& node, const FastestJoint& fastest, double gap) const {

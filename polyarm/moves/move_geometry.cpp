@@ -70,6 +70,7 @@ class Geometry {
   void joint_run(MoveRun& run) {
     std::vector<paths::JointWaypoint> points{{q_, 0, "the start"}};
     std::vector<double> ends{0};
+    std::vector<std::size_t> moves;
     for (std::size_t i = run.first; i <= run.last; ++i) {
       const MoveTarget& target = r_.moves[i].end();
       try {
@@ -85,6 +86,7 @@ class Geometry {
         }
         ends.push_back(ends.back() + length + distance_of(before, q));
         points.push_back({q, i == run.last ? 0 : r_.moves[i].blend, target.name});
+        moves.resize(points.size() - 1, i);
       } catch (const Error& why) {
         throw MoveError(why, i);
       }
@@ -95,7 +97,7 @@ class Geometry {
     const bool curve = goes_through(r_.moves[run.first]) && points.size() > 2;
     auto path = curve ? paths::joint_spline(points, options) : paths::joint_lines(points, options);
     if (curve) pass_points(*path.sections.front(), run.first, points, ends);
-    take_warnings(path.warnings, run);
+    take_warnings(path.warnings, moves);
     double begin = 0;
     for (auto& section : path.sections) {
       PathPtr joints(std::move(section));
@@ -139,14 +141,16 @@ class Geometry {
   void cartesian_run(MoveRun& run, std::size_t last) {
     CartesianPathBuilder builder(r_.robot.chain.forward(q_));
     std::vector<double> ends{0};
+    std::vector<std::size_t> moves;
     for (std::size_t i = run.first; i <= last; ++i) {
       add_to(builder, r_.moves[i], i == run.last ? 0 : r_.moves[i].blend);
+      moves.push_back(i);
       ends.push_back(builder.length());
     }
     paths::CartesianSections path = builder.build();
     paths::PathSections joints = joints_along(r_.robot.chain, path, q_);
     if (last < run.last) return;  // called only to check whether the moves are possible
-    take_warnings(path.warnings, run);
+    take_warnings(path.warnings, moves);
     double begin = 0;
     auto follow = joints.sections.begin();
     for (CartesianPath& section : path.sections) {
@@ -203,14 +207,12 @@ class Geometry {
     return out;
   }
 
-  /// Assigns the warnings of a run's geometry to its moves. The texts identify the moves by name.
-  void take_warnings(std::vector<Problem>& warnings, const MoveRun& run) {
-    for (Problem& warning : warnings) {
+  /// Assigns the warnings of a path to its moves. `moves` has the move that ends at each waypoint, from the
+  /// second on.
+  void take_warnings(std::vector<paths::PathWarning>& warnings, std::span<const std::size_t> moves) {
+    for (paths::PathWarning& warning : warnings) {
       if (warning.code == "waypoint-repeated") continue;  // a move to the present position is not a fault
-      std::size_t move = run.first;
-      while (move < run.last && warning.what.find(r_.moves[move].end().name + " is ") == std::string::npos)
-        ++move;
-      warnings_.push_back({move, std::move(warning)});
+      warnings_.push_back({moves[warning.waypoint - 1], std::move(static_cast<Problem&>(warning))});
     }
   }
 

@@ -88,7 +88,7 @@ void check(std::span<const Move> moves, const RobotFacts& robot) {
                                       {"joint pace", m.joint_pace},
                                       {"joint acceleration", m.joint_acceleration},
                                       {"duration", m.duration}})
-      if (!(value >= 0) || !std::isfinite(value)) refuse(name, value, "it has to be above 0");
+      if (!(value >= 0) || !std::isfinite(value)) refuse(name, value, "it must be above 0");
   }
 }
 

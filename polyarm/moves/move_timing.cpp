@@ -69,7 +69,7 @@ class MoveTimer {
     ZoneNorms norms;
     norms.add(translation, on_translation, "the TCP's way");
     norms.add(rotation, on_rotation, "the TCP's turn");
-    norms.add(std::make_shared<ParameterPath>(joints), on_parameter, "what the move says");
+    norms.add(std::make_shared<ParameterPath>(joints), on_parameter, "the limits of the move");
     time(std::move(joints), norms, motion);
     return motion;
   }

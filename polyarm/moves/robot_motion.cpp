@@ -47,6 +47,7 @@ void RobotMotion::close() {
 
 void RobotMotion::tick(Nanoseconds now) {
   watch();
+  look_at_return();
   collect();
   plan();
   collect();
@@ -55,7 +56,7 @@ void RobotMotion::tick(Nanoseconds now) {
 }
 
 bool RobotMotion::idle() const {
-  return goal_ == 0 && ready_.empty() && !job_ && waiting_.empty();
+  return !apart_ && goal_ == 0 && ready_.empty() && !job_ && waiting_.empty();
 }
 
 bool RobotMotion::is_far_ahead() const {
@@ -138,7 +139,7 @@ void RobotMotion::collect() {
     const double share = motion.path.duration() / total;
     ready_.push_back({job->first_id + motion.first, job->first_id + motion.last, std::move(motion),
                       std::move(job->followers[i]), job->with, job->step, i == 0, false, share, job->options,
-                      nullptr});
+                       nullptr, nullptr, job->plan.limits});
   }
   // Moves of zero length finish together with the moves before them.
   if (!ready_.empty())
@@ -184,6 +185,7 @@ void RobotMotion::hand_over(Nanoseconds now) {
   goal->id = controller_.new_goal_id();
   goal->planned = std::move(ready_.front().follower);
   goal->ends = ready_.front().ends = std::make_shared<std::atomic<bool>>(false);
+  goal->pace = ready_.front().pace = std::make_shared<std::atomic<double>>(1.0);
   if (ready_.front().step && ready_.front().leads) goal->start = ready_.front().step->start_;
   const std::uint64_t id = goal->id;
   if (!controller_.follow(goal)) {  // refused for now: try again in the next tick
@@ -203,10 +205,24 @@ void RobotMotion::watch() {
     goal_ = 0;
     job_ = nullptr;
     ready_.clear(), waiting_.clear();
+    give_up_apart();
     end_badly(settled_ + 1, MoveState::discarded);
     if (refused) ended_badly_[active_.last_id] = MoveState::refused;
   } else if (status.finished.load(std::memory_order_acquire) >= goal_) {
     goal_ = 0;
+    if (apart_ && apart_->phase == Apart::Phase::stopping) {
+      apart_->time = controller_.status().time.load(std::memory_order_relaxed);
+      std::size_t hint = 0;
+      planned_.resize(active_.motion.path.joints());
+      active_.motion.path.sample(apart_->time, planned_, {}, {}, {}, hint);
+      apart_->held = planned_;
+      apart_->phase = Apart::Phase::away;
+      if (apart_->ending)
+        apart_->settled = settled_ = active_.last_id;
+      else
+        apart_->active = std::move(active_);
+      return;
+    }
     settled_ = active_.last_id;
     if (active_.ends->load(std::memory_order_relaxed)) {  // stopped early: the next move begins where the
                                                           // robot stopped
@@ -218,13 +234,85 @@ void RobotMotion::watch() {
   }
 }
 
+void RobotMotion::suspend() {
+  if (apart_) return;
+  apart_.emplace();
+  apart_->settled = settled_, apart_->last = last_id_;
+  apart_->planned = planned_;
+  if (goal_ != 0) {
+    apart_->ending = active_.ends->exchange(true, std::memory_order_relaxed);
+  } else {
+    apart_->phase = Apart::Phase::away;
+    if (!ready_.empty()) {  // not begun yet
+      const timing::TimedPath& path = ready_.front().motion.path;
+      std::size_t hint = 0;
+      planned_.resize(path.joints());
+      path.sample(0, planned_, {}, {}, {}, hint);
+    } else if (job_) {
+      planned_ = job_->from;
+    }
+    apart_->held = planned_;
+  }
+  apart_->waiting = std::exchange(waiting_, {});
+  apart_->job = std::exchange(job_, nullptr);
+  apart_->ready = std::exchange(ready_, {});
+}
+
+void RobotMotion::resume() {
+  if (!suspended() || apart_->phase == Apart::Phase::returning) return;
+  apart_->phase = Apart::Phase::returning;
+  if (planned_ == apart_->held) return;
+  Move back;
+  back.targets = {{apart_->held, "the place where a trap stopped the robot"}};
+  apart_->back = queue(std::move(back));
+}
+
+/// Takes the moves that were set apart up again when the robot is back in its place.
+void RobotMotion::look_at_return() {
+  if (!apart_ || apart_->phase != Apart::Phase::returning) return;
+  if (apart_->back != 0 && ended_badly_.contains(apart_->back)) {
+    const std::uint64_t first = apart_->settled + 1;
+    const auto why = problem_of(apart_->back);
+    give_up_apart();
+    if (!why) return;
+    ended_badly_[first] = MoveState::failed;
+    problems_[first] = *why;
+    return;
+  }
+  if (goal_ != 0 || job_ || !ready_.empty() || !waiting_.empty()) return;
+  if (apart_->active) {
+    Ready& active = *apart_->active;
+    active.follower =
+        std::make_unique<timing::PathFollower>(active.motion.path, active.limits, controller_.period());
+    active.follower->start_at(apart_->time);
+    apart_->ready.push_front(std::move(active));
+  }
+  waiting_ = std::move(apart_->waiting);
+  job_ = std::move(apart_->job);
+  ready_ = std::move(apart_->ready);
+  planned_ = std::move(apart_->planned);
+  settled_ = apart_->settled;
+  apart_.reset();
+}
+
+void RobotMotion::give_up_apart() {
+  if (!apart_) return;
+  const std::uint64_t first = apart_->settled + 1, last = apart_->last;
+  apart_.reset();
+  for (std::uint64_t id = first; id <= last; ++id) ended_badly_.try_emplace(id, MoveState::discarded);
+}
+
 void RobotMotion::drop() {
+  give_up_apart();
   waiting_.clear(), ready_.clear();
   job_ = nullptr;  // the result of that job is dropped
   end_badly((goal_ != 0 ? active_.last_id : settled_) + 1, MoveState::discarded);
 }
 
 void RobotMotion::end(std::uint64_t id) {
+  if (apart_ && id <= apart_->last) {  // they end where the robot stands
+    apart_.reset();
+  }
   while (!waiting_.empty() && waiting_.back().id >= id) waiting_.pop_back();
   if (job_ && job_->first_id + job_->moves.size() > id) job_ = nullptr;
   while (!ready_.empty() && ready_.back().last_id >= id) ready_.pop_back();
@@ -271,8 +359,14 @@ void RobotMotion::add_travel(const Ready& ready, double time, std::uint64_t firs
 
 std::optional<RobotMotion::UnderWay> RobotMotion::under_way() const {
   if (goal_ == 0) return std::nullopt;
-  return UnderWay{&active_.motion, &facts(active_.with), goal_,
-                  controller_.status().time.load(std::memory_order_relaxed)};
+  const controllers::GoalStatus& status = controller_.status();
+  const bool begun = status.active.load(std::memory_order_acquire) == goal_;
+  return UnderWay{&active_.motion, &facts(active_.with), goal_, status.time.load(std::memory_order_relaxed),
+                  status.speed.load(std::memory_order_relaxed), begun, active_.step.get()};
+}
+
+void RobotMotion::set_pace(double share) {
+  if (goal_ != 0) active_.pace->store(share, std::memory_order_relaxed);
 }
 
 std::uint64_t RobotMotion::move_under_way() const {
@@ -300,6 +394,7 @@ Travel RobotMotion::travel(std::uint64_t first, std::uint64_t last) const {
 
 MoveState RobotMotion::state_of(std::uint64_t id) const {
   if (const auto bad = ended_badly_.find(id); bad != ended_badly_.end()) return bad->second;
+  if (apart_ && apart_->holds(id)) return MoveState::running;
   return id <= settled_ ? MoveState::done : MoveState::running;
 }
 

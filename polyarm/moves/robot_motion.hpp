@@ -83,6 +83,19 @@ class RobotMotion {
   /// when the robot is at standstill.
   void end(std::uint64_t id);
 
+  /// Stops on the path and sets the present move and all moves behind it apart; moves queued from then on are
+  /// carried out first. Once only, until resumed() again.
+  void suspend();
+  /// True when the robot is at standstill after suspend().
+  bool suspended() const { return apart_ && apart_->phase != Apart::Phase::stopping; }
+  /// After the moves in between have arrived: goes back by a joint move to where suspend() stopped the robot,
+  /// and goes on along the path.
+  void resume();
+  /// True when the moves that were set apart are the present ones again.
+  bool resumed() const { return !apart_; }
+  /// The newest move that is not set apart; 0 if there is none.
+  std::uint64_t newest_present() const { return apart_ && apart_->last == last_id_ ? 0 : last_id_; }
+
   MoveState state_of(std::uint64_t id) const;
   /// True if the move `id` or a later one failed, was refused or was discarded. O(log n).
   bool ended_badly_from(std::uint64_t id) const;
@@ -121,8 +134,14 @@ class RobotMotion {
     const RobotFacts* robot;  ///< with the TCP of the plan
     std::uint64_t goal;
     double time;  ///< s of the plan
+    double speed;         ///< share of the planned speed now
+    bool begun;           ///< the controller follows it
+    const InStep* step;   ///< null: not in step with other robots
   };
   std::optional<UnderWay> under_way() const;
+  /// The motion under way goes on at this share of its speed, 0 to 1, until the next call; the next motion
+  /// begins with 1.
+  void set_pace(double share);
   /// The id of the present or the next move; 0 if nothing is queued, planned or under way.
   std::uint64_t move_under_way() const;
 
@@ -161,8 +180,28 @@ class RobotMotion {
     double share = 0;    ///< fraction of the total duration of the step's motions
     MovePlanOptions options;
     std::shared_ptr<std::atomic<bool>> ends;
+    std::shared_ptr<std::atomic<double>> pace;
+    std::vector<trajectory::MotionLimits> limits;  ///< of the follower
   };
 
+  /// The moves that suspend() has set apart.
+  struct Apart {
+    enum class Phase { stopping, away, returning } phase = Phase::stopping;
+    std::uint64_t settled = 0, last = 0;  ///< they have the ids from settled + 1 to last
+    std::uint64_t back = 0;               ///< id of the move back
+    std::vector<double> held;             ///< where the robot stopped
+    std::vector<double> planned;          ///< the end of all moves that are planned
+    std::optional<Ready> active;          ///< the motion that was under way
+    double time = 0;                      ///< s of its plan
+    bool ending = false;                  ///< end() had stopped it already
+    std::deque<Waiting> waiting;
+    std::shared_ptr<Job> job;
+    std::deque<Ready> ready;
+    bool holds(std::uint64_t id) const { return id > settled && id <= last; }
+  };
+
+  void look_at_return();
+  void give_up_apart();
   bool is_far_ahead() const;
   void plan();
   void collect();
@@ -188,6 +227,7 @@ class RobotMotion {
   std::uint64_t goal_ = 0;  ///< of the controller, under way; 0: none
   Ready active_;            ///< the motion of that goal
   std::uint64_t last_id_ = 0, settled_ = 0;
+  std::optional<Apart> apart_;
   std::map<std::uint64_t, MoveState> ended_badly_;
   std::map<std::uint64_t, Problem> problems_;
   std::vector<Warning> warnings_;

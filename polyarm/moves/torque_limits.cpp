@@ -79,7 +79,7 @@ TorqueLimits::TorqueLimits(const description::RobotModel& model, const Pose& T_w
       loaded_(dynamics_of(carrying(model, payload), T_world_base)),
       bare_(dynamics_of(model, T_world_base)) {
   if (bare_.tree().velocities() != effort_.size() || bare_.tree().positions() != effort_.size())
-    throw Error("bad-model", "torques are judged of joints with one value each");
+    throw Error("bad-model", "torques are checked only for joints with one value each");
   leave_out_what_holds_not_itself(model);
 }
 

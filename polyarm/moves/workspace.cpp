@@ -24,7 +24,8 @@ Workspace::Workspace(std::vector<WorkspaceZone> zones) : zones_(std::move(zones)
     }
     const Vec3 size = zone.high - zone.low;
     if (!(size.x > 0 && size.y > 0 && size.z > 0))
-      bad(zone, "is a box without room", "every value of its first corner is less than of its second");
+      bad(zone, "is a box without room",
+          "every value of its first corner must be less than that of its second");
     if (zone.kind == ZoneKind::outside) {
       boundaries_.push_back({i, true, {}, {}});
       continue;

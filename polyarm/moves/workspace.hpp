@@ -21,6 +21,7 @@ struct WorkspaceZone {
   ZoneKind kind = ZoneKind::plane;
   Vec3 point, normal{0, 0, 1};  ///< of a plane; unit normal
   Vec3 low, high;               ///< opposite corners of a box
+  bool bodies = false;          ///< it is also of the bodies of the robot, which guards keep
 };
 
 /// Const after construction: any thread; only check() allocates.

@@ -289,9 +289,8 @@ bool HeldMotions::is_there(const Motion& motion, const jog::JogStatus& status) c
 void HeldMotions::report_hold(Motion& motion, const jog::JogStatus& status) {
   const bool going = status.session == motion.session && !status.standing;
   const jog::JogHold hold = going ? status.hold : jog::JogHold::none;
-  const CellRobot& robot = *cell_.setup.robots[motion.robot];
-  const Motion::HeldBack now{word_of(hold), reason_text(robot, hold, status.which),
-                             which_text(robot, hold, status.which)};
+  const Motion::HeldBack now{word_of(hold), reason_text(cell_, motion.robot, hold, status.which),
+                             which_text(cell_, motion.robot, hold, status.which)};
   if (motion.reported == now) return;
   motion.reported = now;
   HeldEvent out = event(motion, HeldEvent::What::held_back);
@@ -366,7 +365,8 @@ void HeldMotions::finish(Motion& motion, const std::string& why, const std::stri
   HeldEvent out = event(motion, had_begun ? HeldEvent::What::over : HeldEvent::What::refused);
   out.why = why;
   out.text = text;
-  if (!had_begun) out.refusal = refusal ? *refusal : Error(why, "the key was let go before it moved");
+  if (!had_begun)
+    out.refusal = refusal ? *refusal : Error(why, "the key was released before the robot moved");
   events_.push_back(std::move(out));
 }
 

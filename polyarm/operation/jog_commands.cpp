@@ -47,8 +47,8 @@ double jog_quantity(const Any& value, const std::string& of, Dimension dimension
   std::optional<double> number = value.number();
   if (const auto text = value.text()) number = parse_quantity(*text, dimension);
   if (number && std::abs(*number) > kMostJogged)
-    throw Error("beyond-limits", "'" + of + "' is asked for " + format_number(*number),
-                "a robot goes ways of some m or rad, at some m/s or rad/s");
+    throw Error("beyond-limits", "'" + of + "' gets a command for " + format_number(*number),
+                "robots move by a few m or rad, at a few m/s or rad/s");
   if (number && std::isfinite(*number)) return *number;
   throw Error("bad-argument",
               "'" + of + "' is " + value.text().value_or(value.dump()) + ", not " + name(dimension),
@@ -118,31 +118,34 @@ Nanoseconds hold_of(const std::optional<double>& given) {
   const double hold = given.value_or(0.25);
   if (!(hold >= 0.02 && hold <= kMostHold))
     throw Error("bad-argument", "'hold' is " + format_number(hold) + " s",
-                "a command is good for 0.02 to 10 s without another one");
+                "a command is valid for 0.02 to 10 s");
   return nanoseconds(hold);
 }
 
 double speed_of(const std::optional<double>& given) {
   const double speed = given.value_or(1);
   if (!(speed > 0 && speed <= 1))
-    throw Error("bad-argument", "'speed' is " + format_number(speed), "a share of the greatest: 0.01 to 1");
+    throw Error("bad-argument", "'speed' is " + format_number(speed), "a fraction of the maximum: 0.01 to 1");
   return speed;
 }
 
 }  // namespace
 
-std::string which_text(const CellRobot& robot, JogHold hold, std::int32_t which) {
+std::string which_text(const JogOwners& cell, std::size_t index, JogHold hold, std::int32_t which) {
+  const CellRobot& robot = *cell.setup.robots[index];
   const auto i = static_cast<std::size_t>(std::max(which, 0));
   if (hold == JogHold::joint_limit && i < robot.joints.size()) return short_name(robot.joints[i]);
   if (hold == JogHold::workspace && i < robot.facts->workspace.zones().size())
     return robot.facts->workspace.zones()[i].name;
+  if (hold == JogHold::body) return cell.jogging.barrier_name(index, which);
   return "";
 }
 
-std::string reason_text(const CellRobot& robot, JogHold hold, std::int32_t which) {
+std::string reason_text(const JogOwners& cell, std::size_t robot, JogHold hold, std::int32_t which) {
   if (hold == JogHold::none) return "";
-  if (const std::string what = which_text(robot, hold, which); !what.empty())
-    return std::string(name(hold)) + " " + what;
+  const std::string what = which_text(cell, robot, hold, which);
+  if (hold == JogHold::body) return what.empty() ? "something is near" : "near " + what;
+  if (!what.empty()) return std::string(name(hold)) + " " + what;
   if (hold == JogHold::direction) return "direction: the arm has too few joints for it";
   return name(hold);
 }
@@ -176,8 +179,8 @@ protocol::JogAnswer jog_answer(const JogOwners& cell, std::size_t i) {
   out.speed = ours ? status.tcp_speed : 0.0;
   out.moving = ours && !status.standing;
   out.held_back = going ? name(status.hold) : "none";
-  out.reason = going ? reason_text(robot, status.hold, status.which) : "";
-  out.which = going ? which_text(robot, status.hold, status.which) : "";
+  out.reason = going ? reason_text(cell, i, status.hold, status.which) : "";
+  out.which = going ? which_text(cell, i, status.hold, status.which) : "";
   out.profile = cell.motions.profile();
   out.control = control_holder(cell.programs, cell.jogging);
   return out;
@@ -189,9 +192,8 @@ JogCommand jog_command(const JogOwners& cell, const CellRobot& robot, const prot
   out.by = request.by;
   out.wish.speed = speed_of(request.speed);
   if (request.joints.has_value() == request.tcp.has_value())
-    throw Error(
-        "bad-argument", request.joints ? "jog moves joints or the TCP, not both" : "jog what?",
-        "'joints': {elbow_joint: 0.1} or 'tcp': {z: 0.02}, in rad or m (and s); with 'by' by so much");
+    throw Error("bad-argument", request.joints ? "jog moves joints or the TCP, not both" : "jog what?",
+                "'joints': {elbow_joint: 0.1} or 'tcp': {z: 0.02}, in rad/s or m/s; with 'by', in rad or m");
   if (request.joints) {
     out.wish.kind = out.by ? Kind::joint_target : Kind::joint_velocity;
     out.wish.joints = joint_values(robot, *request.joints, !out.by, 0);
@@ -209,7 +211,7 @@ std::uint32_t session_of(const std::optional<double>& given) {
   const double number = given.value_or(0);
   if (!(number >= 0 && number < 4e9 && number == std::floor(number)))
     throw Error("bad-argument", "'session' is " + format_number(number),
-                "it is the number that an answer had");
+                "use the number from an earlier answer");
   return static_cast<std::uint32_t>(number);
 }
 
@@ -231,7 +233,7 @@ Pose wanted_pose(const JogOwners& cell, std::size_t i, const protocol::FollowTar
           out.push_back(item.get<double>());
     if (out.size() != count)
       throw Error("bad-argument",
-                  std::string("'") + key + "' of the pose has to be " + std::to_string(count) + " numbers");
+                  std::string("'") + key + "' of the pose must be " + std::to_string(count) + " numbers");
     return out;
   };
   Pose out = cell.jogging.last_target(i, session_of(request.session));
@@ -244,7 +246,7 @@ Pose wanted_pose(const JogOwners& cell, std::size_t i, const protocol::FollowTar
   if (map.contains("orientation")) {
     const auto q = numbers("orientation", 4);
     if (std::abs(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1) > 1e-3)
-      throw Error("bad-argument", "'orientation' of the pose is no unit quaternion x y z w");
+      throw Error("bad-argument", "'orientation' of the pose is not a unit quaternion x y z w");
     out.rotation = normalized(Quaternion{q[0], q[1], q[2], q[3]});
   } else if (map.contains("rpy")) {
     const auto r = numbers("rpy", 3);
@@ -267,9 +269,10 @@ void require_within_limits(const JogOwners& cell, std::size_t i, const jog::JogV
     const double upper = std::isfinite(at) ? std::max(joint.upper, at) : joint.upper;
     if (wanted[j] >= lower - kTargetRounding && wanted[j] <= upper + kTargetRounding) continue;
     problems.error("beyond-limits", {},
-                   "'" + short_name(joint) + "' is asked for a position of " + format_number(wanted[j]) +
-                       "; its limits are " + format_number(joint.lower) + " to " + format_number(joint.upper),
-                   "ask for a position within them, rad or m");
+                   "'" + short_name(joint) + "' gets a command for a position of " +
+                       format_number(wanted[j]) + "; its limits are " + format_number(joint.lower) + " to " +
+                       format_number(joint.upper),
+                   "command a position within them, rad or m");
   }
   problems.throw_if_errors();
 }

@@ -24,10 +24,10 @@ jog::JogCommand target_command(const JogOwners& cell, std::size_t robot,
 std::uint32_t session_of(const std::optional<double>& given);
 /// Position of the robot, and what holds it back.
 protocol::JogAnswer jog_answer(const JogOwners& cell, std::size_t robot);
-/// The joint or workspace zone that holds a motion back; empty if neither does.
-std::string which_text(const CellRobot& robot, jog::JogHold hold, std::int32_t which);
+/// The joint, workspace zone or body that holds a motion back; empty if none does.
+std::string which_text(const JogOwners& cell, std::size_t robot, jog::JogHold hold, std::int32_t which);
 /// The reason that holds a motion back, as text for people.
-std::string reason_text(const CellRobot& robot, jog::JogHold hold, std::int32_t which);
+std::string reason_text(const JogOwners& cell, std::size_t robot, jog::JogHold hold, std::int32_t which);
 /// Who moves the robots: "program", "jog" or "nobody".
 const char* control_holder(const Programs& programs, const Jogging& jogging);
 

@@ -92,24 +92,24 @@ void Jogging::require_allowed(std::size_t i) const {
 std::optional<Problem> Jogging::why_not(std::size_t i) const {
   const std::string& name = setup_.robots[i]->entry.name;
   if (!arming_.armed())
-    return problem_of(name, "disarmed", "real hardware that nobody has armed", "polyarm control arm");
+    return problem_of(name, "disarmed", "the real hardware is not armed", "polyarm control arm");
   const control::Snapshot& snapshot = machine_.snapshot();
   if (snapshot.state == control::RunState::fault)
     return problem_of(name, "fault", "the cell is in a fault", "polyarm control recover",
                       {{"cause", control::code(snapshot.cause)}});
   if (snapshot.state == control::RunState::stopping)
-    return problem_of(name, "stopping", "the cell is stopping", "ask again when it stands");
+    return problem_of(name, "stopping", "the cell is stopping", "try again when it is at rest");
   if (const std::string component = inactive_component(machine_, *setup_.robots[i]); !component.empty())
     return problem_of(name, "not-active", "the hardware component '" + component + "' is not active",
                       "polyarm hardware recover NAME, or polyarm hardware state NAME active",
                       {{"component", component}});
   const bool running = snapshot.state == control::RunState::running;
   if (running && programs_.runs())
-    return problem_of(name, "program-runs", "the program is running and holds control",
+    return problem_of(name, "program-runs", "the program is running and has control",
                       "hold it first: polyarm control hold");
   if (!running && !has_joints(robot(i).state) && !motions_.idle(i))
-    return problem_of(name, "motion-held", "a motion is held half way along its path",
-                      "go on: polyarm control resume; or forget it: polyarm control discard");
+    return problem_of(name, "motion-held", "a motion is held halfway along its path",
+                      "continue: polyarm control resume; or discard it: polyarm control discard");
   const std::string mover = mover_of(i);
   if (mover.empty()) return std::nullopt;
   const auto* follower =
@@ -259,11 +259,11 @@ std::uint32_t Jogging::session(std::size_t i, std::uint32_t wanted) {
     if (wanted == robot.session && wanted > robot.over && status(i).ended < wanted) return wanted;
     throw Error("session-over",
                 "jogging as session " + std::to_string(wanted) + " is over: something stopped it",
-                "let the key go and press it again");
+                "release the key and press it again");
   }
   if (alive(robot))
-    throw Error("jogged", "somebody else jogs '" + setup_.robots[i]->entry.name + "' now",
-                "one at a time: wait until they let go, or stop them: polyarm control hold");
+    throw Error("jogged", "another client jogs '" + setup_.robots[i]->entry.name + "' now",
+                "one at a time: wait until that has ended, or stop it: polyarm control hold");
   // Session numbers only increase, over all robots.
   std::uint32_t next = 0;
   for (const auto& each : robots_) next = std::max(next, each->session);
@@ -336,6 +336,15 @@ void Jogging::end_all() {
 jog::JogStatus Jogging::status(std::size_t i) const {
   jog::JogController* const jog = controller(robot(i));
   return jog ? jog->status() : jog::JogStatus{};
+}
+
+jog::Barriers* Jogging::draft_barriers(std::size_t i) {
+  jog::JogController* const jog = has_joints(state(i)) ? controller(robot(i)) : nullptr;
+  return jog ? &jog->draft_barriers() : nullptr;
+}
+
+void Jogging::publish_barriers(std::size_t i) {
+  if (jog::JogController* const jog = controller(robot(i))) jog->publish_barriers();
 }
 
 /// Null before the controller is loaded, and after somebody has unloaded it.

@@ -2,9 +2,11 @@
 /// Jogging of the robots of a cell: when it is allowed, which session has control, and which controllers are
 /// replaced meanwhile.
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polyarm/base/error.hpp"
@@ -58,6 +60,17 @@ class Jogging {
   jog::JogStatus status(std::size_t robot) const;
   std::uint32_t new_step() { return ++steps_; }
 
+  /// What is near a robot that is jogged, for its controller: fill it, then publish_barriers(). Null: it is not
+  /// jogged.
+  jog::Barriers* draft_barriers(std::size_t robot);
+  void publish_barriers(std::size_t robot);
+  /// How to name what a barrier of a robot is for.
+  using BarrierNames = std::function<std::string(std::size_t robot, std::int32_t which)>;
+  void set_barrier_names(BarrierNames names) { barrier_names_ = std::move(names); }
+  std::string barrier_name(std::size_t robot, std::int32_t which) const {
+    return barrier_names_ ? barrier_names_(robot, which) : std::string();
+  }
+
   JogPhase state(std::size_t robot) const;
   /// True if a session is alive or a robot is not back with its usual controllers.
   bool engaged() const;
@@ -89,6 +102,7 @@ class Jogging {
   std::vector<std::unique_ptr<Robot>> robots_;
   std::uint32_t steps_ = 0;
   bool was_held_ = false;
+  BarrierNames barrier_names_;
 };
 
 }  // namespace polyarm::cell

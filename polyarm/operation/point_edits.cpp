@@ -49,7 +49,8 @@ void check_point_name(const std::string& name) {
   const auto good = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '.' || c >= 0x80; };
   if (name.empty() || name.size() > 64 || std::isdigit(static_cast<unsigned char>(name[0])) ||
       !std::all_of(name.begin(), name.end(), good))
-    throw Error("bad-name", "'" + name + "' is no name for a point", "letters, digits and _, a letter first");
+    throw Error("bad-name", "'" + name + "' is not a name for a point",
+                "letters, digits and _, a letter first");
 }
 
 std::string set_for(const CellData& data, const std::optional<std::string>& file, const std::string& name) {
@@ -71,8 +72,8 @@ std::string set_for(const CellData& data, const std::optional<std::string>& file
     if (best.empty() || count > most) best = set, most = count;
   }
   if (best.empty())
-    throw Error("no-set", "the cell has no data file that could keep a point",
-                "a program that says 'load points' and a file points.points beside it");
+    throw Error("no-set", "the cell has no data file for points",
+                "write 'load points' into the program, and create the file points.points beside it");
   return best;
 }
 
@@ -253,10 +254,10 @@ Pose pose_value(const Json& map) {
   const Json q = map.is_object() ? map.value("q", Json()) : Json();
   const auto number = [](const Json& each) { return each.is_number() && std::isfinite(each.get<double>()); };
   if (!q.is_array() || q.size() != 4 || !std::all_of(q.begin(), q.end(), number))
-    throw Error("bad-argument", map.dump() + " is no pose", "{p: [x, y, z], q: [x, y, z, w]}");
+    throw Error("bad-argument", map.dump() + " is not a pose", "{p: [x, y, z], q: [x, y, z, w]}");
   const Quaternion turn{q[0].get<double>(), q[1].get<double>(), q[2].get<double>(), q[3].get<double>()};
   if (std::abs(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z + turn.w * turn.w - 1) > 1e-3)
-    throw Error("bad-argument", "'q' is no unit quaternion x y z w");
+    throw Error("bad-argument", "'q' is not a unit quaternion x y z w");
   return {vector_value(map.value("p", Json()), "p"), normalized(turn)};
 }
 

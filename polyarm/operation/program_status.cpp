@@ -108,7 +108,7 @@ ProgramStatus program_status(const StatusOwners& cell) {
   for (const program::TaskStatus& each : task.interpreter().status())
     out.tasks.push_back(facts_of(task.interpreter(), each));
   const program::Waiting& waiting = task.status().waiting;
-  if (cell.programs.begun() && waiting.kind == program::WaitKind::user) 
+  if (cell.programs.begun() && waiting.kind == program::WaitKind::user)
     out.question = waiting.text + (waiting.note.empty() ? "" : "\n" + waiting.note);
   return out;
 }

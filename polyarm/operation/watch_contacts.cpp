@@ -82,6 +82,21 @@ Problem Watches::problem_of(const ContactReport& contact) const {
   return out;
 }
 
+/// True for a contact of a robot's tool, or of a part that it holds, in a move that is meant to touch.
+bool Watches::is_meant(const ContactReport& contact) const {
+  const auto& parts = cell_.machine.snapshot().world.parts;
+  for (std::size_t r = 0; r < cell_.setup.robots.size(); ++r) {
+    const moves::RobotMotion* const motion = cell_.motions.motion(r);
+    if (!motion || cell_.programs.touch_of(*motion).file.empty()) continue;
+    for (const std::string* name : {&contact.a, &contact.b}) {
+      if (name->starts_with(cell_.setup.robots[r]->entry.name + "/tool")) return true;
+      for (std::size_t p = 0; p < cell_.setup.scene.parts.size() && p < parts.size(); ++p)
+        if (*name == "part " + cell_.setup.scene.parts[p].name && parts[p].held_by == static_cast<int>(r)) return true;
+    }
+  }
+  return false;
+}
+
 void Watches::watch_contacts() {
   const CellOptions& options = cell_.setup.options;
   const Nanoseconds now = cell_.machine.now();
@@ -89,7 +104,7 @@ void Watches::watch_contacts() {
   for (ContactReport* contact :
        cell_.contacts.tick(cell_.machine.snapshot(), cell_.machine.hardware().diagnostics().world_names())) {
     find_cause(*contact);
-    if (cell_.life.failure()) continue;
+    if (cell_.life.failure() || is_meant(*contact)) continue;
     Problem problem = problem_of(*contact);
     if (options.allow_contact) {
       problem.severity = options.contact_errors ? Severity::error : Severity::warning;
@@ -97,6 +112,7 @@ void Watches::watch_contacts() {
       if (options.contact_errors && contact->during == ContactDuring::start) inside = std::move(problem);
     } else if (cell_.programs.waits()) {  // a person is present; the loop has already begun to stop
       cell_.observer.on_problem(now, problem);
+      if (cell_.programs.touches()) cell_.machine.hold_for(std::move(problem));  // then the loop has not
     } else {
       cell_.life.fail(std::move(problem));
     }

@@ -40,9 +40,8 @@ Problem LifeCycle::stop_cause() const {
   return {control::code(cause), {}, control::name(cause), {}};
 }
 
-bool Watches::recovered_by_others() const {
-  return cell_.programs.waits() ||
-         (!cell_.setup.options.lock_step && !cell_.programs.program() && cell_.setup.file.send.empty());
+bool recovered_by_others(const CellSetup& setup, const Programs& programs) {
+  return programs.waits() || (!setup.options.lock_step && !programs.program() && setup.file.send.empty());
 }
 
 FaultRecord Watches::begin_record(const Problem& problem) const {
@@ -77,7 +76,7 @@ void Watches::hold_if_missing(const std::optional<Problem>& missing) {
   if (latch.requested() != realtime::StopKind::none) return;
   Problem problem = *missing;
   if (const Task* const program = cell_.programs.program()) problem.where = program->status().where;
-  problem.advice = "mend it, then polyarm control resume";
+  problem.advice = "correct this, then polyarm control resume";
   cell_.observer.on_problem(cell_.machine.now(), problem);
   cell_.machine.hold_for(std::move(problem));
 }
@@ -159,8 +158,8 @@ void Watches::watch_fault() {
   problem.advice =
       !waits ? "see the recorded cycles of this run"
       : snapshot.cause == control::StopCause::limits
-          ? "polyarm control recover and resume; it may then be moved inwards only"
-          : "bring the hardware back (Health on the pendant, or polyarm hardware recover), start its "
+          ? "polyarm control recover and resume; it can then only move inwards"
+          : "recover the hardware (Health on the pendant, or polyarm hardware recover), start its "
             "controllers, resume";
   if (!waits) return cell_.life.fail(std::move(problem));
   cell_.observer.on_problem(cell_.machine.now(), problem);
@@ -174,7 +173,7 @@ void Watches::report_group_fault(std::size_t i) {
   Problem problem{
       "fault",
       {},
-      fmt::format("{} ({}{}); only what works on {} has stopped", control::name(cause), name,
+      fmt::format("{} ({}{}); only the controllers of {} have stopped", control::name(cause), name,
                   reason.empty() ? "" : ": " + reason, hardware.group(i)),
       "polyarm hardware recover " + name + ", then start its controllers: polyarm control switch -a NAME",
       Severity::error,
@@ -246,6 +245,7 @@ void Watches::warn_of_long_wait() {
 }
 
 void Watches::warn_of_busy_tasks() {
+  if (cell_.machine.snapshot().state != control::RunState::running) return;  // a held program takes no steps
   const Nanoseconds now = cell_.machine.now();
   for (const Task* task : {cell_.programs.program(), cell_.programs.plc()})
     if (is_busy_for(task, now, kBusyPatience) && reported_warnings_.insert("busy " + task->name()).second)
@@ -269,10 +269,10 @@ void Watches::fail_for_deadlock() {
   if (const Task* const plc = cell_.programs.plc(); plc && !plc->ended()) waiting += "; " + plc->sentences();
   const bool busy = program.busy_since().has_value();
   const std::string advice =
-      busy ? "end the loop, or let it wait for what it needs" : "check who is to set these tags";
+      busy ? "end the loop, or let it wait for what it needs" : "check what should set these tags";
   cell_.life.fail({busy ? "endless-loop" : "deadlock",
                    program.status().where,
-                   (busy ? "the program goes round without end, and nothing changes what it reads: "
+                   (busy ? "the program loops forever, and nothing changes the values that it reads: "
                          : "every task waits, and no clock, link or motion can change what it waits for: ") +
                        waiting,
                    hint.empty() ? advice : hint,

@@ -43,6 +43,9 @@ class LifeCycle {
   std::optional<RestartWish> restart_;
 };
 
+/// True if faults and stops of this run are recovered externally, by people or programs.
+bool recovered_by_others(const CellSetup& setup, const Programs& programs);
+
 /// Cell thread.
 class Watches {
  public:
@@ -65,6 +68,7 @@ class Watches {
   // Call each of these once per tick.
   /// Call before moves that a contact ended are removed.
   void watch_contacts();
+  bool is_meant(const ContactReport& contact) const;
   void watch_stops();
   /// `missing`: why the cell may not run now. Holds the cell while it is set; a resume meanwhile is held
   /// again.
@@ -105,8 +109,7 @@ class Watches {
   void warn_of_long_wait();
   void warn_of_busy_tasks();
   void fail_for_deadlock();
-  /// True if faults are recovered externally, by people or programs.
-  bool recovered_by_others() const;
+  bool recovered_by_others() const { return cell::recovered_by_others(cell_.setup, cell_.programs); }
 
   Owners cell_;
   StopWatch stop_watch_;

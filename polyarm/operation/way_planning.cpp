@@ -25,7 +25,7 @@ std::vector<double> joints_at(const PointOwners& cell, const CellRobot& robot, c
       throw Error("unknown-joint",
                   "'" + robot.entry.name + "' has no joint '" + key + "'" + did_you_mean(key, names));
     const std::optional<double> number = value.number();
-    if (!number) throw Error("bad-argument", "'" + key + "' is no number");
+    if (!number) throw Error("bad-argument", "'" + key + "' is not a number");
     out[static_cast<std::size_t>(found - names.begin())] = *number;
   }
   return out;

@@ -122,8 +122,8 @@ PoseDerivatives CartesianPathBuilder::Segment::at(double x) const noexcept {
 CartesianPathBuilder::CartesianPathBuilder(const Pose& start) : start_(start), end_(start) {
   if (!finite(start.position) || !finite(start.rotation))
     problems_.error("bad-number", {},
-                    "the start of the path is not a pose: a number is none, or the quaternion "
-                    "is not of length 1");
+                    "the start of the path is not a pose: a number is NaN or infinite, or the quaternion is "
+                    "not of length 1");
   start_.rotation = end_.rotation = normalized(start.rotation);
 }
 
@@ -134,9 +134,10 @@ std::string CartesianPathBuilder::next_name(const Corner& corner) const {
 bool CartesianPathBuilder::fine(const Pose& pose, const Corner& corner) {
   const std::size_t before = problems_.list().size();
   if (!finite(pose.position) || !finite(pose.rotation))
-    problems_.error("bad-number", {},
-                    fmt::format("{} is not a pose: a number is none, or the quaternion is not of length 1",
-                                next_name(corner)));
+    problems_.error(
+        "bad-number", {},
+        fmt::format("{} is not a pose: a number is NaN or infinite, or the quaternion is not of length 1",
+                    next_name(corner)));
   if (!std::isfinite(corner.radius) || corner.radius < 0)
     problems_.error("bad-radius", {},
                     fmt::format("the radius of {} is {} m", next_name(corner), corner.radius),
@@ -148,7 +149,7 @@ bool CartesianPathBuilder::fine(const Pose& pose, const Corner& corner) {
 
 void CartesianPathBuilder::add(std::vector<PosePiece> pieces, double curve_radius, const Pose& end,
                                const Corner& corner) {
-  Segment out{std::move(pieces), {}, 0, curve_radius, {corner.radius, next_name(corner)}, end};
+  Segment out{std::move(pieces), {}, 0, curve_radius, {corner.radius, next_name(corner)}, end, waypoints_};
   for (const PosePiece& piece : out.pieces) {
     out.begins.push_back(out.length);
     out.length += piece.length;
@@ -172,8 +173,12 @@ CartesianPathBuilder& CartesianPathBuilder::line(const Pose& to, const Corner& c
     add({line_piece(end_, target, length)}, kInfinite, target, corner);
     return *this;
   }
-  problems_.warning("waypoint-repeated", {},
-                    fmt::format("{} is where the path is already; they count once", next_name(corner)));
+  repeated_.push_back({{"waypoint-repeated",
+                        {},
+                        fmt::format("{} is where the path is already; they count once", next_name(corner)),
+                        {},
+                        Severity::warning},
+                       waypoints_});
   if (!segments_.empty())
     segments_.back().corner.radius = std::min(segments_.back().corner.radius, corner.radius);
   ++waypoints_;

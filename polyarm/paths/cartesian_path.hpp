@@ -10,6 +10,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/pose.hpp"
+#include "polyarm/paths/path_warning.hpp"
 #include "polyarm/paths/pose_piece.hpp"
 
 namespace polyarm::paths {
@@ -63,7 +64,7 @@ struct Corner {
 
 struct CartesianSections {
   std::vector<CartesianPath> sections;  ///< at least one; the path stops between two sections
-  std::vector<Problem> warnings;        ///< "blend-shrunk", "waypoint-repeated"
+  std::vector<PathWarning> warnings;    ///< "blend-shrunk", "waypoint-repeated"
 };
 
 /// A sequence of segments; each begins where the previous one ends.
@@ -110,6 +111,7 @@ class CartesianPathBuilder {
     double curve_radius;
     Corner corner;  ///< its end, named
     Pose end;
+    std::size_t waypoint = 0;  ///< the number of its end
     PoseDerivatives at(double x) const noexcept;
   };
   class Assembly;
@@ -125,6 +127,7 @@ class CartesianPathBuilder {
   std::size_t waypoints_ = 1;
   std::vector<Segment> segments_;
   Problems problems_;
+  std::vector<PathWarning> repeated_;
 };
 
 }  // namespace polyarm::paths

@@ -34,7 +34,7 @@ class CartesianPathBuilder::Assembly {
   explicit Assembly(const CartesianPathBuilder& from) : from_(from), segments_(from.segments_) {}
 
   CartesianSections make() {
-    out_.warnings = from_.problems_.list();
+    out_.warnings = from_.repeated_;
     out_.sections.emplace_back(from_.start_);
     double trimmed = 0;
     for (std::size_t i = 0; i < segments_.size(); ++i) {
@@ -105,11 +105,12 @@ class CartesianPathBuilder::Assembly {
   void warn(std::size_t i, double d, const std::string& why) {
     const Corner& at = segments_[i].corner;
     out_.warnings.push_back(
-        {"blend-shrunk",
-         {},
-         fmt::format("the radius {:.6g} m at {} is shrunk to {:.6g} m: {}", at.radius, at.name, d, why),
-         "give a smaller radius, or move the waypoints apart",
-         Severity::warning});
+        {{"blend-shrunk",
+          {},
+          fmt::format("the radius {:.6g} m at {} is shrunk to {:.6g} m: {}", at.radius, at.name, d, why),
+          "give a smaller radius, or move the waypoints apart",
+          Severity::warning},
+         segments_[i].waypoint});
   }
 
   /// The part of a segment from `begin` to `end`.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "polyarm/paths/hermite.hpp"
 #include "polyarm/paths/polynomial_path.hpp"
@@ -56,6 +57,7 @@ struct Point {
   std::vector<double> q;
   double radius = 0;
   std::string name;
+  std::size_t waypoint = 0;
 };
 
 /// The line from a point to the next.
@@ -115,16 +117,13 @@ class Lines {
     const double way = points_.empty() ? 1 : norm_of(difference(points_.back().q, waypoint.q));
     // A path of one very small move is still a move.
     if (way <= kSameWaypoint && !(last && way > 0 && points_.size() == 1)) {
-      out_.warnings.push_back({"waypoint-repeated",
-                               {},
-                               fmt::format("{} is where {} is; they count once", name, points_.back().name),
-                               {},
-                               Severity::warning});
+      warn("waypoint-repeated", index,
+           fmt::format("{} is where {} is; they count once", name, points_.back().name), {});
       points_.back().radius = std::min(points_.back().radius, waypoint.radius);
       if (last && points_.size() > 1) points_.back().q = waypoint.q;
       return;
     }
-    points_.push_back({waypoint.q, waypoint.radius, name});
+    points_.push_back({waypoint.q, waypoint.radius, name, index});
   }
 
   Line line(std::size_t i) const {
@@ -145,13 +144,10 @@ class Lines {
     return norm_of(sum) <= kTurnsBack;
   }
   void warn_of_turning_back(std::size_t i, double radius) {
-    out_.warnings.push_back(
-        {"blend-shrunk",
-         {},
+    warn("blend-shrunk", points_[i].waypoint,
          fmt::format("the radius {:.6g} at {} is shrunk to 0: the way turns straight back there", radius,
                      points_[i].name),
-         "move to the point exactly, or a little aside of the way back",
-         Severity::warning});
+         "move to the point exactly, or a little aside of the way back");
   }
 
   std::vector<double> on_line(std::size_t i, double s) const {
@@ -189,11 +185,11 @@ class Lines {
     }
     const double before = lines_[i - 1].length, after = lines_[i].length, half = std::min(before, after) / 2;
     if (!options_.tcp_distance) {
-      if (radius > half * (1 + 1e-9)) warn(i, radius, half, "");
+      if (radius > half * (1 + 1e-9)) warn_of_shrinking(i, radius, half, "");
       return std::min(radius, half);
     }
     if (const double reached = tcp_radius(i, half); reached <= radius) {
-      if (reached < radius * (1 - 2e-2)) warn(i, radius, reached, " m");
+      if (reached < radius * (1 - 2e-2)) warn_of_shrinking(i, radius, reached, " m");
       return half;
     }
     double low = 0, high = half;
@@ -204,17 +200,17 @@ class Lines {
     return low;
   }
 
-  void warn(std::size_t i, double radius, double shrunk, const char* unit) {
+  void warn(const char* code, std::size_t waypoint, std::string what, std::string advice) {
+    out_.warnings.push_back({{code, {}, std::move(what), std::move(advice), Severity::warning}, waypoint});
+  }
+  void warn_of_shrinking(std::size_t i, double radius, double shrunk, const char* unit) {
     const bool before = lines_[i - 1].length <= lines_[i].length;
-    out_.warnings.push_back(
-        {"blend-shrunk",
-         {},
+    warn("blend-shrunk", points_[i].waypoint,
          fmt::format(
              "the radius {:.6g}{} at {} is shrunk to {:.6g}{}: half of the way {} {}, which is {:.6g} long",
              radius, unit, points_[i].name, shrunk, unit, before ? "from" : "to",
              points_[before ? i - 1 : i + 1].name, lines_[before ? i - 1 : i].length),
-         "give a smaller radius, or move the waypoints apart",
-         Severity::warning});
+         "give a smaller radius, or move the waypoints apart");
   }
 
   void append_line(PolynomialPath& path, std::size_t i, double from, double to) const {

@@ -9,6 +9,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/paths/path.hpp"
+#include "polyarm/paths/path_warning.hpp"
 
 namespace polyarm::paths {
 
@@ -35,7 +36,7 @@ struct JointPathOptions {
 /// One path for each section from stop to stop.
 struct PathSections {
   std::vector<std::unique_ptr<const Path>> sections;  ///< at least one
-  std::vector<Problem> warnings;                      ///< "blend-shrunk", "waypoint-repeated"
+  std::vector<PathWarning> warnings;                  ///< "blend-shrunk", "waypoint-repeated"
 };
 
 /// Straight lines in joint space. The parameter is the way in the joint norm; on lines its derivative has the

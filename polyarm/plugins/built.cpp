@@ -12,15 +12,19 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/sha256.hpp"
+#include "polyarm/base/shell_word.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/hardware/plugin_library.hpp"
+#include "polyarm/plugins/plugins.hpp"
+#include "polyarm/plugins/types.hpp"
 
 namespace polyarm::plugins {
 
 namespace fs = std::filesystem;
 
 namespace {
+constexpr const char* kControllerWord = "controller";
 constexpr std::size_t kLargestModule = 256 << 20, kLargestRecord = 1 << 20;
 
 std::set<std::string>& known_built() {
@@ -28,7 +32,8 @@ std::set<std::string>& known_built() {
   return names;
 }
 
-std::unique_ptr<hardware::Component> make_built(const BuiltClass& built) {
+/// The entry of the class, from exactly the bytes that are approved.
+const hardware::PluginEntry& open_built(const BuiltClass& built) {
   std::string bytes;
   {
     const AsUser user;
@@ -39,13 +44,13 @@ std::unique_ptr<hardware::Component> make_built(const BuiltClass& built) {
     throw Error(
         "plugin-not-approved",
         built.module.string() + " has changed since it was built (sha256 " + hash + ")",
-        "build it again with `polyarm plugin build`, or: polyarm plugins approve " + built.module.string());
+        "build it again with `polyarm plugin build`, or: polyarm plugins approve " + shell_word(built.module.string()));
   static std::map<std::string, const hardware::PluginTable*> open;  // a library is opened once
   const hardware::PluginTable*& table = open[hash];
   if (!table) table = &hardware::open_plugin(built.module, bytes);
   for (std::uint32_t i = 0; i < table->count; ++i)
-    if (built.name == table->entries[i].name)
-      return hardware::make_component(table->entries[i], built.module);
+    if (built.name == table->entries[i].name && built.kind == table->entries[i].kind)
+      return table->entries[i];
   throw Error("plugin-failed", built.module.string() + " has no '" + built.name + "'",
               "build it again with `polyarm plugin build`");
 }
@@ -56,9 +61,11 @@ void read_record(const fs::path& file, std::vector<BuiltClass>& out) {
   if (!fs::is_regular_file(module, error)) return;
   std::istringstream lines(read_file(file, kLargestRecord));
   for (std::string line; std::getline(lines, line);) {
-    const auto tab = line.find('\t');
-    if (tab != std::string::npos && tab > 0)
-      out.push_back({line.substr(0, tab), module, line.substr(tab + 1)});
+    const std::vector<std::string> words = split_fields(line, '\t');
+    if (words.size() < 2 || words[0].empty()) continue;
+    const bool controller = words.size() > 2 && words[1] == kControllerWord;
+    out.push_back({words[0], module, words.back(),
+                   controller ? hardware::PluginKind::controller : hardware::PluginKind::hardware});
   }
 }
 }  // namespace
@@ -73,7 +80,10 @@ fs::path built_folder() {
 
 void record_built(const fs::path& module, const std::vector<BuiltClass>& classes) {
   std::string text;
-  for (const BuiltClass& each : classes) text += each.name + "\t" + join(split_words(each.help), " ") + "\n";
+  for (const BuiltClass& each : classes)
+    text += each.name + "\t" +
+            (each.kind == hardware::PluginKind::controller ? std::string(kControllerWord) + "\t" : "") +
+            join(split_words(each.help), " ") + "\n";
   write_file_atomically(fs::path(module).replace_extension(".plugin"), text);
   const std::string hash = sha256(read_file(module, kLargestModule)), file = resolved(module).string();
   for (const Approval& old : approvals())
@@ -97,10 +107,21 @@ std::vector<BuiltClass> built_classes() {
 
 void register_built() {
   for (const BuiltClass& each : built_classes()) {
+    if (each.kind == hardware::PluginKind::controller) {
+      for (const std::string& name : {each.name, kBuiltPrefix + each.name})
+        if (!controllers::find_controller_type(name) && known_built().insert(name).second)
+          controllers::register_controller_type(
+              {name, [each] { return make_controller(open_built(each), each.module); }, each.help});
+      continue;
+    }
     if (hardware::driver_available(each.name)) continue;
     known_built().insert(each.name);
-    hardware::register_driver(each.name, [each] { return make_built(each); });
+    hardware::register_driver(each.name, [each] { return hardware::make_component(open_built(each), each.module); });
   }
+}
+
+bool is_own_controller(const std::string& name) {
+  return controllers::find_controller_type(name) && !known_built().contains(name);
 }
 
 bool is_built(const std::string& name) {

@@ -54,14 +54,20 @@ std::string where_taken(const std::string& name, PluginKind kind) {
   return "by Polyarm itself";
 }
 
+void judge_layout(const PluginEntry& entry, const fs::path& file) {
+  if (entry.layout != controllers::kControllerLayout)
+    refuse(file,
+           std::string("'") + entry.name + "' was built with headers whose types have other sizes than here",
+           "build it again against this Polyarm: cmake -DCMAKE_PREFIX_PATH=<where Polyarm is installed>");
+}
+
 void judge_entry(const PluginEntry& entry, const fs::path& file) {
   const std::string name = entry.name;
   if (!is_type_name(name))
-    refuse(file, "'" + name + "' is no name for a type", "names have the form vendor/Type, without blanks");
+    refuse(file, "'" + name + "' is not a name for a type",
+           "names have the form vendor/Type, without blanks");
   const bool is_hardware = entry.kind == PluginKind::hardware;
-  if (!is_hardware && entry.layout != controllers::kControllerLayout)
-    refuse(file, "'" + name + "' was built with headers whose types have other sizes than here",
-           "build it again against this Polyarm: cmake -DCMAKE_PREFIX_PATH=<where Polyarm is installed>");
+  if (!is_hardware) judge_layout(entry, file);
   const bool taken =
       is_hardware ? hardware::driver_available(name) : controllers::find_controller_type(name) != nullptr;
   if (taken)
@@ -83,20 +89,6 @@ void judge(const PluginTable& table, const fs::path& file) {
     if (!own.emplace(entry.kind, entry.name).second)
       refuse(file, std::string("it has '") + entry.name + "' twice", "give them different names");
   }
-}
-
-std::unique_ptr<controllers::Controller> make_controller(const PluginEntry& entry, const fs::path& file) {
-  std::unique_ptr<controllers::Controller> out;
-  try {
-    out.reset(entry.make_controller());
-  } catch (...) {
-    rethrow_as_error("plugin-failed", file.string() + ": making '" + entry.name + "' it",
-                     "its makers have to mend that");
-  }
-  if (!out)
-    throw Error("plugin-failed", file.string() + " makes nothing for '" + entry.name + "'",
-                "tell its makers");
-  return out;
 }
 
 void take(const PluginEntry& entry, const fs::path& file) {
@@ -187,6 +179,21 @@ std::vector<fs::path> folders_of_user() {
   return out;
 }
 }  // namespace
+
+std::unique_ptr<controllers::Controller> make_controller(const PluginEntry& entry, const fs::path& file) {
+  judge_layout(entry, file);
+  std::unique_ptr<controllers::Controller> out;
+  try {
+    out.reset(entry.make_controller());
+  } catch (...) {
+    rethrow_as_error("plugin-failed", file.string() + ": making '" + entry.name + "' it",
+                     "its makers have to mend that");
+  }
+  if (!out)
+    throw Error("plugin-failed", file.string() + " makes nothing for '" + entry.name + "'",
+                "tell its makers");
+  return out;
+}
 
 std::vector<fs::path> libraries_in(const fs::path& folder) {
   std::error_code error;

@@ -5,9 +5,11 @@
 /// are then found by name like built-in ones. Building thread only.
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "polyarm/controllers/controller.hpp"
 #include "polyarm/hardware/plugin.hpp"
 
 namespace polyarm::plugins {
@@ -56,6 +58,11 @@ std::vector<std::filesystem::path> not_loaded_in(const std::filesystem::path& fo
 std::vector<std::filesystem::path> default_folders();
 /// Loads the existing default folders. A missing folder of POLYARM_PLUGINS is a refusal.
 void load_default_folders();
+
+/// The controller of an entry. Throws Error("plugin-refused") if it was built for other types, and
+/// Error("plugin-failed") if the plugin makes none.
+std::unique_ptr<controllers::Controller> make_controller(const hardware::PluginEntry& entry,
+                                                         const std::filesystem::path& file);
 
 const std::vector<Plugin>& found();
 const std::vector<Refusal>& refused();

@@ -40,7 +40,7 @@ SharedMemory::SharedMemory(std::size_t size)
 SharedMemory::SharedMemory(Descriptor descriptor, std::size_t size) : descriptor_{std::move(descriptor)} {
   struct stat seen {};
   if (::fstat(descriptor_.number(), &seen) != 0 || seen.st_size != static_cast<off_t>(size))
-    refuse("the memory of another process is not there");
+    refuse("the memory of another process does not exist");
   map(size);
 }
 

@@ -32,6 +32,9 @@ class BlendCheck {
   /// The part of an expression that reads from the cell, or an empty text.
   std::string world_in(const Expression& e) const {
     if (e.kind == Expression::Kind::call && (e.name == "here" || e.name == "ask")) return e.name + "()";
+    const Function* function = e.kind == Expression::Kind::call ? find_function(e.name) : nullptr;
+    const bool near_given = function && function->live == Live::ik && e.parts.size() > 1;
+    if (function && function->waits && !near_given) return e.name + "()";
     if (e.kind == Expression::Kind::name && !is_variable(e.name)) {
       const auto at = scope_.names.find(e.name);
       const bool waits = at != scope_.names.end() && at->second.kind && !is_place(at->second) &&
@@ -50,7 +53,7 @@ class BlendCheck {
       case Kind::import:
         return "loads data";
       case Kind::move:
-        if (s.moves_at_speed()) return "goes on from where the robot stands";
+        if (s.moves_at_speed()) return "starts at the present position of the robot";
         break;
       case Kind::wait:
       case Kind::wait_time:
@@ -90,7 +93,7 @@ class BlendCheck {
 
   static bool goes_on(const Statement& s) {
     return s.kind == Kind::let || s.kind == Kind::set || s.kind == Kind::log || s.kind == Kind::use ||
-           s.kind == Kind::function || s.kind == Kind::task || s.kind == Kind::when ||
+           s.kind == Kind::function || s.kind == Kind::task || s.kind == Kind::when || s.kind == Kind::trap || s.kind == Kind::every ||
            s.kind == Kind::on_stop;
   }
 

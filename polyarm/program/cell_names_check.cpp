@@ -38,7 +38,8 @@ class CellNamesCheck {
 
   /// A test plays the far side and may set every tag; a program must not set measured ones.
   void targets(const Statement& s) {
-    if (s.kind == Statements::set || s.kind == Statements::set_literal) not_measured(s.name, s.name_place);
+    if (s.kind == Statements::set || s.kind == Statements::set_literal || s.kind == Statements::pulse)
+      not_measured(s.name, s.name_place);
     for (const Clause& clause : s.clauses)
       if (clause.kind == Clause::Kind::at) not_measured(clause.target, clause.place);
   }
@@ -51,8 +52,8 @@ class CellNamesCheck {
                      "wait for it; if both sides set it, say direction: both in signals.yaml");
     if (!known_.measured.contains(name)) return;
     scope_.error("read-only", place,
-                 "'" + name + "' says what the hardware measures; a program cannot set it",
-                 "wait for it, or set the tag of the command that brings it about");
+                 "'" + name + "' is a measured value of the hardware; a program cannot set it",
+                 "wait for it, or set the tag of the command that changes it");
   }
 
   void meant(const Clause& clause) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "polyarm/language/functions.hpp"
 #include "polyarm/program/code.hpp"
 
 namespace polyarm::program {
@@ -188,6 +189,8 @@ bool Certainty::in_open_block() const {
 bool Certainty::reads_open(const Expression& e) const {
   using Kinds = Expression::Kind;
   if (e.kind == Kinds::name && (open_.contains(e.name) || open_.contains(first_part(e.name)))) return true;
+  const Function* live = e.kind == Kinds::call && !functions_.contains(e.name) ? find_function(e.name) : nullptr;
+  if (live && live->open) return true;
   if (e.kind == Kinds::call && (e.name == "ask" || open_results_.contains(e.name))) return true;
   return std::any_of(e.parts.begin(), e.parts.end(),
                      [this](const ExpressionPtr& part) { return reads_open(*part); });

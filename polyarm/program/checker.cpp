@@ -122,8 +122,18 @@ class Checker {
       block(s.body);
     }
     if (s.kind == Statements::task || s.kind == Statements::test) block(s.body);
+    if (s.kind == Statements::trap) check_trap(s);
+    if (s.kind == Statements::trap && has_tasks())
+      warning("trap-outside", s.place, "this trap interrupts the lines outside of tasks alone",
+              "put it into the task that it is to interrupt");
+    if (s.kind == Statements::every) check_time(s.expression, false);
+    if (s.kind == Statements::task) {
+      scope_.forget(outer);
+      for (const Statement& inner : s.body)
+        if (inner.kind == Statements::trap) check_trap(inner);
+    }
     if (s.kind == Statements::test) check_test(s);
-    if (s.kind == Statements::when || s.kind == Statements::on_stop) check_at_once(s);
+    if (s.kind == Statements::when || s.kind == Statements::every || s.kind == Statements::on_stop) check_at_once(s);
     scope_.forget(outer);
   }
 
@@ -136,14 +146,44 @@ class Checker {
   }
 
   void check_at_once(const Statement& s) {
-    const std::string what = s.kind == Statements::when ? "when" : "on stop";
-    if (s.expression) condition(*s.expression, what);
+    const std::string what = s.kind == Statements::when    ? "when"
+                             : s.kind == Statements::every ? "every"
+                                                           : "on stop";
+    if (s.kind == Statements::when && s.expression) condition(*s.expression, what);
     for_each_statement(s.body, [&](const Statement& inner) {
       if (takes_time(inner))
         error("waits", inner.place, "'" + what + "' runs within one cycle: nothing in it moves or waits",
               "set a tag here and let a task do it");
     });
     block(s.body);
+  }
+
+  bool has_tasks() const {
+    return std::any_of(program_.statements.begin(), program_.statements.end(),
+                       [](const Statement& s) { return s.kind == Statements::task; });
+  }
+
+  /// The block may move and wait, but not for its own task.
+  void check_trap(const Statement& s) {
+    const std::size_t outer = scope_.variables.size();
+    if (s.expression) condition(*s.expression, "trap");
+    for_each_statement(s.body, [&](const Statement& inner) {
+      if (inner.kind == Statements::meet)
+        error("deadlock", inner.place, "a trap cannot meet: the task that it interrupts would be missing",
+              "set a tag here and let the task come to the meeting");
+    });
+    block(s.body);
+    scope_.forget(outer);
+  }
+
+  void check_pulse(const Statement& s) {
+    check_time(s.expression, false);
+    if (s.name.empty()) return;
+    if (!scope_.variable_in(s.name).empty())
+      return error("bad-target", s.name_place, "a pulse is one of a tag, and '" + s.name + "' is a name of this program",
+                   "name an output");
+    scope_.used.emplace(s.name, s.name_place);
+    check_target(s.name, s.name_place, kBoolean);
   }
 
   void condition(const Expression& e, const std::string& of) {
@@ -248,6 +288,8 @@ class Checker {
       case Statements::lock:
         check_time(s.second, false);
         return block(s.body);
+      case Statements::pulse:
+        return check_pulse(s);
       case Statements::expect:
         if (s.expression) condition(*s.expression, "expect");
         return check_time(s.second, false);
@@ -275,7 +317,7 @@ class Checker {
     if (!inner && at == names.end()) {
       warning("new-name", s.name_place,
               "'" + s.name + "' is made here" + did_you_mean(s.name, scope_.all_names()),
-              "give it a line in the data file if it is meant");
+              "add it to the data file if it is intended");
       names[s.name] = now;
       return;
     }
@@ -293,7 +335,7 @@ class Checker {
     const Type value = s.expression ? infer(*s.expression) : kUnknown;
     for (const PathPart& part : s.path)
       if (part.index && surely_other(infer(*part.index), number_of(Dimension::none)))
-        error("bad-type", part.place, "the place in a list is a whole number", "write such as LIST[1]");
+        error("bad-type", part.place, "the index of a list is a whole number", "write such as LIST[1]");
     if (s.name.empty()) return;
     scope_.used.emplace(s.name, s.name_place);
     check_target(s.name, s.name_place, s.path.empty() ? value : kUnknown);
@@ -316,14 +358,15 @@ class Checker {
             "'" + name + "' is " + described(before) + " and cannot become " + described(value),
             before.kind == Kind::number && before.dimension && value.kind == Kind::number
                 ? "a name keeps its unit: " + unit_advice(*before.dimension)
-                : "a name keeps its type and unit");
+            : before.kind == Kind::boolean && value.kind == Kind::number ? "write true or false"
+                                                                         : "a name keeps its type and unit");
   }
 
   void check_not_fixed(const std::string& variable, Place place) {
     for (std::size_t i = 0; i < fixed_ && i < scope_.variables.size(); ++i)
       if (scope_.variables[i].name == variable)
         return error("fixed", place, "'" + variable + "' cannot be changed inside 'together'",
-                     "its statements run side by side; set a tag, or change it before or after");
+                     "its statements run at the same time; set a tag, or change it before or after");
   }
 
   void declare(const Statement& s, Type type) { scope_.declare(s.name, s.name_place, type); }
@@ -357,7 +400,7 @@ class Checker {
       const std::string& name = velocities.names[i];
       const std::string_view axes[] = {"x", "y", "z", "rx", "ry", "rz"};
       if (line && std::find(std::begin(axes), std::end(axes), name) == std::end(axes)) {
-        error("bad-type", velocities.parts[i]->place, "'" + name + "' is none of x, y, z, rx, ry and rz",
+        error("bad-type", velocities.parts[i]->place, "'" + name + "' is not one of x, y, z, rx, ry and rz",
               advice);
         continue;
       }
@@ -473,7 +516,7 @@ class Checker {
         clause.value->kind == Expression::Kind::literal ? clause.value->value.as_number() : nullptr;
     if (value && value->dimension == Dimension::none && value->value > 1)
       error("bad-value", clause.value->place,
-            word + " as a share of what the robot can is at most 100%, here is " + percent(value->value),
+            word + " as a percentage is at most 100%, here it is " + percent(value->value),
             std::string("with a unit write such as ") + such_as);
   }
 
@@ -487,9 +530,9 @@ class Checker {
     const Type value = clause.to ? infer(*clause.to) : kUnknown;
     if (clause.target.empty()) return;
     if (!scope_.variable_in(clause.target).empty())
-      return error(
-          "bad-target", clause.place,
-          "a move on its way sets tags and data, and '" + clause.target + "' is a name of this program", "");
+      return error("bad-target", clause.place,
+                   "an `at` clause sets tags and data, but '" + clause.target + "' is a name of this program",
+                   "");
     check_target(clause.target, clause.place, value);
   }
 

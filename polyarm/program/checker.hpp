@@ -24,6 +24,8 @@ Type type_of(const Value& value);
 struct KnownNames {
   std::map<std::string, Type> names;
   std::map<std::string, Location> defined;  ///< where those are that a file defines
+  /// Names in data files that the program does not load: the file, and how `load` writes it.
+  std::map<std::string, std::pair<std::string, std::string>> elsewhere;
   /// Where `load` looks for files; empty: files are not checked.
   std::optional<std::filesystem::path> folder;
   std::set<std::string> measured;              ///< tags that only the hardware sets

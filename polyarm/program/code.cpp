@@ -17,6 +17,8 @@ Code Compiler::run() {
   sure_globals_.assign(code_.globals.size(), false);
   for (std::size_t i = 0; i < functions_.size(); ++i) compile_function(*functions_[i], code_.functions[i]);
   for (std::size_t i = 0; i < whens_.size(); ++i) compile_when(*whens_[i], code_.whens[i]);
+  for (std::size_t i = 0; i < timers_.size(); ++i) compile_when(*timers_[i], code_.timers[i]);
+  for (std::size_t i = 0; i < traps_.size(); ++i) compile_trap(*traps_[i], code_.traps[i]);
   if (on_stop_) {
     FunctionCode entry;
     compile_apart(*on_stop_, entry);
@@ -44,8 +46,14 @@ void Compiler::collect(const Block& top) {
       function_at_.try_emplace(s.name, functions_.size());
       functions_.push_back(&s), code_.functions.push_back({s.name, 0, 0});
     }
-    if (s.kind == Kind::task) tasks_.push_back(&s), code_.tasks.push_back({s.name, 0, 0});
+    if (s.kind == Kind::task) {
+      tasks_.push_back(&s), code_.tasks.push_back({s.name, 0, 0});
+      for (const Statement& inner : s.body)
+        if (inner.kind == Kind::trap) traps_.push_back(&inner), code_.traps.push_back({"trap", 0, 0});
+    }
     if (s.kind == Kind::when) whens_.push_back(&s), code_.whens.push_back({"when", 0, 0});
+    if (s.kind == Kind::every) timers_.push_back(&s), code_.timers.push_back({"every", 0, 0});
+    if (s.kind == Kind::trap) traps_.push_back(&s), code_.traps.push_back({"trap", 0, 0});
     if (s.kind == Kind::on_stop) on_stop_ = &s;
     if (s.kind == Kind::test) tests_.push_back(&s), code_.tests.push_back({s.name, 0, 0});
   }
@@ -158,6 +166,16 @@ void Compiler::structure(const Statement& s) {
       add(Op::begin_when, s.place,
           {.a = static_cast<int>(std::find(whens_.begin(), whens_.end(), &s) - whens_.begin())});
       return;
+    case Kind::trap:
+      add(Op::begin_trap, s.place,
+          {.a = static_cast<int>(std::find(traps_.begin(), traps_.end(), &s) - traps_.begin())});
+      return;
+    case Kind::every:
+      add(Op::begin_every, s.place,
+          {.a = static_cast<int>(std::find(timers_.begin(), timers_.end(), &s) - timers_.begin())});
+      return;
+    case Kind::pulse:
+      return pulse(s);
     case Kind::run:
       add(Op::run, s.place);
       return;
@@ -193,12 +211,30 @@ void Compiler::compile_when(const Statement& s, FunctionCode& out) {
   out.entry = here();
   {
     const Temporaries inner(*this);
-    const Operand condition = read(*s.expression);
-    add(Op::edge, s.expression->place, {.a = out.entry, .b = condition});
+    const Operand of = read(*s.expression);
+    add(s.kind == Kind::every ? Op::due : Op::edge, s.expression->place, {.a = out.entry, .b = of});
   }
   compile_block(s.body);
   statement_ = &s, line_ = s.place;
   add(Op::rest, s.place, {.a = out.entry});
+}
+
+/// First what looks at the condition in every tick, then the block, which runs as a task of its own.
+void Compiler::compile_trap(const Statement& s, FunctionCode& out) {
+  begin_apart(s, false);
+  out.entry = here();
+  {
+    const Temporaries inner(*this);
+    const Operand condition = read(*s.expression);
+    add(Op::edge, s.expression->place, {.a = out.entry, .b = condition});
+  }
+  add(Op::spring, s.place);
+  add(Op::rest, s.place, {.a = out.entry});
+  begin_apart(s, false);
+  out.body = here();
+  compile_block(s.body);
+  statement_ = &s;
+  add(Op::finish, line_);
 }
 
 void Compiler::compile_function(const Statement& s, FunctionCode& out) {
@@ -230,7 +266,12 @@ void Compiler::compile_function(const Statement& s, FunctionCode& out) {
 /// The meetings in `block`, including those in the functions that it calls.
 void Compiler::meetings_in(const Block& block, std::set<std::string>& out,
                            std::set<std::string>& seen) const {
+  std::set<const Statement*> in_traps;  // a trap does not come in place of its task
   for_each_statement(block, [&](const Statement& s) {
+    if (s.kind == Kind::trap) for_each_statement(s.body, [&](const Statement& inner) { in_traps.insert(&inner); });
+  });
+  for_each_statement(block, [&](const Statement& s) {
+    if (in_traps.contains(&s)) return;
     if (s.kind == Kind::meet) out.insert(s.name);
     for_each_expression(s, [&](const Expression& e) {
       for_each_call(e, [&](const Expression& call) {
@@ -258,7 +299,7 @@ int weight(const Step& step) {
   constexpr int kCall = 2, kLarge = 8, kHost = 16, kSet = 64, kLog = 128, kMove = 320;
   if (step.op == Op::move || step.op == Op::load_file) return kMove;
   if (step.op == Op::log) return kLog + step.c * kCall;
-  if (step.op == Op::set_host || step.op == Op::of_host) return kSet;
+  if (step.op == Op::set_host || step.op == Op::pulse || step.op == Op::of_host) return kSet;
   if (step.op == Op::host) return kHost;
   if (step.op == Op::call || step.op == Op::give || step.op == Op::element || step.op == Op::field)
     return kCall;

@@ -111,9 +111,10 @@ enum class Op : std::uint8_t {
   unmet,      ///< b first, c count, d their spellings
   meet,       ///< a text, c timeout or kNone
   lock,       ///< a text, c timeout or kNone
+  pulse,      ///< a text, b duration
   // Control flow.
   for_begin,  ///< a first of the loop's registers, which hold the list or both ends; b as in for_next, c 1: a
-              ///< range
+              ///< range; d 1: of the statement, whose names may not be names of the host
   leave,      ///< a depths to restore, b number of names
   pass,       ///< end of a pass of an outermost while; to d if the pass limit is reached
   try_begin,  ///< a register of the error, d handler
@@ -123,7 +124,11 @@ enum class Op : std::uint8_t {
   retry,        ///< a register of the counter, b count, c depths there, d try_begin
   together,     ///< a entries of its statements; b all of them are moves
   begin_when,   ///< a index
+  begin_trap,   ///< a index
+  begin_every,  ///< a index
   edge,         ///< a step of the next check, b condition; continues when it has become true
+  due,          ///< a step of the next check, b period; continues when it has passed again
+  spring,       ///< the trap interrupts its task
   rest,         ///< to a, in the next tick
   refuse,       ///< a problem
   stop,
@@ -159,6 +164,7 @@ struct FunctionCode {
   std::string name;
   int entry = 0;
   int registers = 0;
+  int body = -1;  ///< of a trap: the block that interrupts
 };
 
 /// The values read by a condition that others can change.
@@ -192,7 +198,7 @@ struct Code {
   std::vector<ConditionReads> reads;
   std::vector<std::vector<int>> entries;
   std::vector<Problem> problems;
-  std::vector<FunctionCode> functions, tasks, whens, tests;
+  std::vector<FunctionCode> functions, tasks, whens, traps, timers, tests;
   std::map<std::string, std::vector<std::string>> meetings;  ///< the tasks that come to each
   std::vector<std::string> globals;
   std::vector<VariableName> variables;

@@ -53,9 +53,7 @@ void CodeWriter::call_builtin(const Expression& e, const Function& function, Ope
       continue;
     }
     const FunctionParameter& parameter = function.parameters[i];
-    const Dimension dimension = parameter.wanted == Wanted::length  ? Dimension::length
-                                : parameter.wanted == Wanted::angle ? Dimension::angle
-                                                                    : Dimension::none;
+    const Dimension dimension = dimension_of(parameter.wanted).value_or(Dimension::none);
     const Operand from = constant(data::Number{*parameter.otherwise, dimension}), argument_ = temporary();
     add(Op::load, e.place, {.a = argument_, .b = from});
   }

@@ -51,6 +51,7 @@ bool calculates(const Expression& e) {
 
 /// Calls, and requests to the host, may let others run meanwhile.
 bool CodeWriter::at_once(const Expression& e) const {
+  if (e.kind == Kinds::each) return false;
   if (e.kind == Kinds::name && resolve(e.name).where == Resolved::Where::host) return false;
   if (e.kind == Kinds::call) {
     const Function* builtin = function_at_.contains(e.name) ? nullptr : find_function(e.name);
@@ -107,6 +108,8 @@ void CodeWriter::into(const Expression& e, Operand to) {
       const Temporaries inner(*this);
       return fields(read(*e.parts[0]), {e.name}, to, e.place);
     }
+    case Kinds::each:
+      return each(e, to);
     default:
       return several(e, to);
   }
@@ -187,6 +190,48 @@ void CodeWriter::several(const Expression& e, Operand to) {
   if (e.kind == Kinds::record) operands.d = names(e.names);
   const Op op = e.kind == Kinds::list ? Op::list : e.kind == Kinds::record ? Op::record : Op::joined;
   add(op, e.place, operands);
+}
+
+/// [VALUE for NAME in …]: a loop that appends to a list. Registers in use become nameless variables, so that
+/// the names of the loop lie above them.
+void CodeWriter::each(const Expression& e, Operand to) {
+  const Temporaries inner(*this);
+  const int outside = static_cast<int>(scope_.locals.size());
+  const Operand made = temporary();
+  add(Op::list, e.place, {.a = made, .b = height(), .c = 0});
+  const int kept = temporaries_;
+  for (temporaries_ = 0; static_cast<int>(scope_.locals.size()) < outside + kept;) declare("");
+  const bool counted = !e.names.empty(), range = e.parts.size() > 2;
+  const int slot = height();
+  for (const std::string& name : {counted ? e.names.front() : std::string{}, e.name})
+    if (!name.empty()) add(Op::check_new, e.place, {.a = text(name)});
+  {
+    const Temporaries ends(*this);
+    push(*e.parts[1]);
+    if (range) push(*e.parts[2]);
+    need(slot + 4);
+    add(Op::for_begin, e.parts[1]->place, {.a = slot, .b = counted ? 1 : 0, .c = range ? 1 : 0});
+  }
+  declare("");
+  declare("");
+  if (counted) declare(e.names.front());
+  declare(e.name);
+  const int next = add(Op::for_next, e.place, {.a = slot, .b = counted ? 1 : 0});
+  add_step(Op::pace, e.place, {.begins = 1});  // each value counts
+  {
+    const Temporaries value(*this);
+    const int first = height();
+    push(*e.parts[0]);
+    code_.places.insert(code_.places.end(), {e.place, e.parts[0]->place});
+    add(Op::append, e.place,
+        {.a = operand(Where::local, index(made)), .b = first, .c = 1, .d = static_cast<int>(code_.places.size()) - 2});
+  }
+  add(Op::for_again, e.place, {.a = slot, .b = counted ? 1 : 0, .d = next + 1});
+  land(next);
+  add(Op::let_go, e.place, {.a = slot, .b = height() - slot});
+  forget(outside);
+  temporaries_ = kept;
+  move_to(to, made, e.place);
 }
 
 void CodeWriter::change(const Expression& e, Operand variable, Place place) {

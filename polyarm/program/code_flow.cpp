@@ -29,7 +29,8 @@ void Compiler::for_loop(const Statement& s) {
     push(*s.expression);
     if (s.second) push(*s.second);
     need(slot + 4);
-    add(Op::for_begin, s.place, {.a = slot, .b = named_place ? 1 : 0, .c = s.second ? 1 : 0});
+    const Expression& over = s.second ? *s.second : *s.expression;
+    add(Op::for_begin, over.place, {.a = slot, .b = named_place ? 1 : 0, .c = s.second ? 1 : 0, .d = 1});
   }
   declare("");
   declare("");
@@ -52,7 +53,7 @@ void Compiler::for_loop(const Statement& s) {
 }
 
 void Compiler::leave_loop(const Statement& s, bool breaks) {
-  if (scope_.loops.empty()) return refuse(s.place, {"no-loop", "this stands in no loop", {}});
+  if (scope_.loops.empty()) return refuse(s.place, {"no-loop", "this is not in a loop", {}});
   Loop& loop = scope_.loops.back();
   leave(depths(), breaks ? loop.outside : loop.body, s.place);
   (breaks ? loop.breaks : loop.continues).push_back(add(Op::jump, s.place));

@@ -12,8 +12,7 @@ void Compiler::clause_value(const Clause& clause) {
   using Clauses = Clause::Kind;
   const bool is_name =
       clause.kind == Clauses::robot || clause.kind == Clauses::tool || clause.kind == Clauses::frame;
-  if (clause.kind == Clauses::exact || clause.kind == Clauses::smooth || clause.kind == Clauses::until)
-    return;
+  if (!has_value(clause.kind) || clause.kind == Clauses::until) return;
   if (clause.kind == Clauses::at) {
     if (clause.value) push(*clause.value);
     push(*clause.to);
@@ -197,6 +196,13 @@ void Compiler::meet(const Statement& s) {
   add(Op::arrive, s.place);
   timeout(s);
   or_else(add(Op::meet, s.place, {.a = text(s.name)}), s.has_else, s.body, s);
+}
+
+void Compiler::pulse(const Statement& s) {
+  add(Op::arrive, s.place);
+  const Temporaries inner(*this);
+  const Operand time = read(*s.expression);
+  add(Op::pulse, s.name_place, {.a = text(s.name), .b = time});
 }
 
 void Compiler::lock(const Statement& s) {

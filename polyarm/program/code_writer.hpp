@@ -108,6 +108,7 @@ class CodeWriter {
   void logic(const Expression& e, Operand to);
   void element(const Expression& e, Operand to);
   void several(const Expression& e, Operand to);
+  void each(const Expression& e, Operand to);
   void append(const Expression& e, Operand variable, Place place);
 
   // Conditions: conditions.cpp
@@ -134,7 +135,7 @@ class CodeWriter {
   std::unordered_map<std::string, std::size_t> function_at_;
   std::vector<bool> sure_globals_;  ///< those that certainly have a value where the present code runs
   bool all_sure_ = false;
-  std::vector<const Statement*> functions_, tasks_, whens_, tests_;
+  std::vector<const Statement*> functions_, tasks_, whens_, traps_, timers_, tests_;
   const Statement* on_stop_ = nullptr;
   const Statement* statement_ = nullptr;
   Place line_;

@@ -20,6 +20,7 @@ class Compiler : private CodeWriter {
   void begin_apart(const Statement& s, bool counts_passes);
   void compile_apart(const Statement& s, FunctionCode& out);
   void compile_when(const Statement& s, FunctionCode& out);
+  void compile_trap(const Statement& s, FunctionCode& out);
   void compile_function(const Statement& s, FunctionCode& out);
   void compile_block(const Block& statements, bool top = false);
   void statement(const Statement& s, bool top);
@@ -64,6 +65,7 @@ class Compiler : private CodeWriter {
   void together(const Statement& s);
   void meet(const Statement& s);
   void lock(const Statement& s);
+  void pulse(const Statement& s);
 
   bool in_main_ = true;
   int function_ = -1;

@@ -65,13 +65,13 @@ class EndlessCheck {
     if (asked.empty() && doing.leaves) return false;
     if (asked.empty() && !doing.acts && always) {
       scope_.error("endless-loop", s.place,
-                   "this loop never ends and never waits: the program comes to nothing else",
+                   "this loop never ends and never waits: the program does not get past it",
                    "end it with `break`, or let it `wait` or move");
       return true;
     }
     if (asked.empty() && !doing.acts) return false;  // nothing changes this name
     scope_.warning("busy-loop", s.place,
-                   "this loop never waits: it goes round as often as it can" +
+                   "this loop never waits: it runs as often as it can" +
                        (asked.empty() ? std::string{} : " until " + join(asked, " or ") + " changes"),
                    s.body.empty() && asked.size() == 1 ? "a `wait` for the opposite condition does the same"
                                                        : "add `wait 10ms` to it, or `wait CONDITION`");
@@ -86,7 +86,7 @@ class EndlessCheck {
       out.leaves = out.leaves || s.kind == Kind::stop || s.kind == Kind::raise ||
                    s.kind == Kind::return_value || (s.kind == Kind::break_loop && !ends_inner);
       const bool loops = s.kind == Kind::while_loop || s.kind == Kind::for_loop;
-      if (s.kind == Kind::set || s.kind == Kind::set_literal) change(s.name, out);
+      if (s.kind == Kind::set || s.kind == Kind::set_literal || s.kind == Kind::pulse) change(s.name, out);
       if (s.expression) look(*s.expression, out, seen, loops);
       if (s.second) look(*s.second, out, seen, loops);
       for (const ExpressionPtr& argument : s.arguments) look(*argument, out, seen, false);

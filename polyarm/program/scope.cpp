@@ -1,9 +1,13 @@
 #include "polyarm/program/scope.hpp"
 
 #include <algorithm>
+#include <iterator>
+#include <string_view>
+#include <utility>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/unit_advice.hpp"
+#include "polyarm/language/text_functions.hpp"
 #include "polyarm/program/code.hpp"
 
 namespace polyarm::program {
@@ -32,6 +36,8 @@ bool surely_not(Wanted wanted, const Type& type) {
       return number(Dimension::length);
     case Wanted::angle:
       return number(Dimension::angle);
+    case Wanted::joint:
+      return number(Dimension::angle) && number(Dimension::length);
     case Wanted::scalar:
       return number(Dimension::none);
     case Wanted::text:
@@ -42,6 +48,8 @@ bool surely_not(Wanted wanted, const Type& type) {
       return *type.kind != Kind::list && *type.kind != Kind::text;
     case Wanted::pose:
       return *type.kind != Kind::pose;
+    case Wanted::joints:
+      return *type.kind != Kind::joints;
     default:
       return !is_place(*type.kind);
   }
@@ -78,7 +86,7 @@ bool is_place(const Type& type) {
 }
 
 Scope::Scope(const Program& program, const KnownNames& known, Problems& problems)
-    : names{known.names}, program_{program}, problems_{problems}, defined_{known.defined} {
+    : names{known.names}, program_{program}, problems_{problems}, defined_{known.defined}, elsewhere_{known.elsewhere} {
   for_each_statement(program.statements, [&](const Statement& s) {
     if (s.kind == Statement::Kind::set_literal && !s.name.empty() && !known.names.contains(s.name))
       made.insert(s.name);
@@ -192,8 +200,14 @@ Type Scope::type_of_name(const std::string& name, Place place) {
     return end == name.size() ? at->second : type_of_field(at->second, name.substr(end + 1), place);
   }
   if (made.contains(name) || program_.lacks_included) return kUnknown;
+  if (find_function(name)) {
+    error("unknown-name", place, "'" + name + "' is a function", "write `" + name + "()`");
+    return kUnknown;
+  }
+  const auto elsewhere = elsewhere_.find(name);
   error("unknown-name", place, "there is nothing called '" + name + "'" + suggested(name),
-        "names are data, points, tags and what `let` made");
+        elsewhere != elsewhere_.end() ? "it is in " + elsewhere->second.first + ": write `load " + elsewhere->second.second + "` above"
+                                      : "names are data, points, tags and variables of `let`");
   return kUnknown;
 }
 
@@ -210,6 +224,8 @@ Type Scope::infer(const Expression& e) {
       return infer_binary(e);
     case Kinds::call:
       return infer_call(e);
+    case Kinds::each:
+      return infer_each(e);
     default:
       break;
   }
@@ -227,6 +243,67 @@ std::vector<Type> Scope::infer_all(const Expression& e) {
   std::vector<Type> out;
   for (const ExpressionPtr& part : e.parts) out.push_back(infer(*part));
   return out;
+}
+
+Type Scope::infer_each(const Expression& e) {
+  const Type first = infer(*e.parts[1]);
+  const bool range = e.parts.size() > 2;
+  const Type last = range ? infer(*e.parts[2]) : kUnknown;
+  if (range && (surely_other(first, last) || surely_other(first, number_of({}))))
+    error("bad-type", e.parts[2]->place,
+          "a range goes from one number to another of the same unit, here are " + described(first) + " and " +
+              described(last),
+          "write such as 1 .. 5");
+  if (!range && first.kind && *first.kind != Kind::list)
+    error("bad-type", e.parts[1]->place,
+          "a list, or a range such as 1 .. 5, was expected, here is " + described(first));
+  const std::size_t outer = variables.size();
+  if (!e.names.empty()) declare(e.names.front(), e.place, number_of(Dimension::none));
+  declare(e.name, e.place, range ? first : kUnknown);
+  infer(*e.parts[0]);
+  forget(outer);
+  return {Kind::list, {}};
+}
+
+/// The fields of a literal text of format(), and the types of their values.
+void Scope::check_format(const Expression& e, const std::vector<Type>& arguments) {
+  const Expression& text = *e.parts.front();
+  if (text.kind != Expression::Kind::literal || !text.value.as_text()) return;
+  const std::vector<FormatField> fields = format_fields(*text.value.as_text());
+  if (fields.size() + 1 != e.parts.size())
+    return error("bad-format", text.place,
+                 "format() has " + std::to_string(fields.size()) + " fields and " +
+                     std::to_string(e.parts.size() - 1) + " values",
+                 "every value has a field {}");
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const Type& type = arguments[i + 1];
+    const Unit* unit = fields[i].unit.empty() ? nullptr : find_unit(fields[i].unit);
+    const Type wanted = number_of(unit ? std::optional(unit->dimension) : std::nullopt);
+    if (fields[i].of_number() && surely_other(type, wanted))
+      error("bad-format", e.parts[i + 1]->place,
+            "this field of format() shows " + described(wanted) + ", here is " + described(type));
+  }
+}
+
+/// p with NAME = value
+Type Scope::infer_with(const Expression& e, const std::vector<Type>& arguments) {
+  const Type& of = arguments.front();
+  if (of.kind && !is_place(*of.kind) && *of.kind != Kind::record)
+    error("bad-type", e.parts.front()->place, "'with' copies a pose, a joint state or a record, here is " + described(of),
+          "write such as P with z = 10mm");
+  for (std::size_t i = 1; i < e.parts.size(); ++i) {
+    if (e.names[i].empty()) {
+      error("bad-call", e.parts[i]->place, "'with' needs the name of each new value", "write such as P with z = 10mm");
+      continue;
+    }
+    const Type field = of.kind == Kind::pose ? type_of_field(of, e.names[i], e.parts[i]->place) : kUnknown;
+    const bool zero = bare_number(*e.parts[i]) == 0.0;
+    if (surely_other(field, arguments[i]) && !zero)
+      error("bad-type", e.parts[i]->place,
+            "'" + e.names[i] + "' is " + described(field) + ", here is " + described(arguments[i]),
+            field.dimension ? unit_advice(*field.dimension, bare_number(*e.parts[i])) : std::string{});
+  }
+  return of;
 }
 
 Type Scope::infer_unary(const Expression& e) {
@@ -311,22 +388,35 @@ std::optional<Dimension> Scope::dimension_of(const Expression& e, const Type& a,
   return out;
 }
 
+namespace {
+/// What to write instead of functions of other languages; null for other names.
+const char* instead_of(std::string_view function) {
+  static constexpr std::pair<std::string_view, const char*> kInstead[] = {
+      {"print", "a line is printed with `log(…)`"},       {"printf", "a line is printed with `log(…)`"},
+      {"echo", "a line is printed with `log(…)`"},        {"sleep", "a time is waited with `wait 500ms`"},
+      {"delay", "a time is waited with `wait 500ms`"},    {"range", "write `for i in 1 .. 5`"},
+      {"input", "a person answers to `ask(\"How many?\", 4)`"}, {"len", "it is called `length(…)`"}};
+  const auto at = std::find_if(std::begin(kInstead), std::end(kInstead),
+                               [&](const auto& each) { return each.first == function; });
+  return at == std::end(kInstead) ? nullptr : at->second;
+}
+}  // namespace
+
 Type Scope::infer_call(const Expression& e) {
   const std::vector<Type> arguments = infer_all(e);
   const Statement* own = function(e.name);
   const Function* builtin = own ? nullptr : find_function(e.name);
   if (!own && !builtin) {
     if (program_.lacks_included) return kUnknown;
-    if (e.name == "print" || e.name == "printf" || e.name == "echo") {
-      error("unknown-function", e.place, "there is no function '" + e.name + "'",
-            "a line is printed with `log(…)`");
+    if (const char* instead = instead_of(e.name)) {
+      error("unknown-function", e.place, "there is no function '" + e.name + "'", instead);
       return kUnknown;
     }
     std::vector<std::string> all;
+    for (const Statement* each : functions) all.push_back(each->name);
     const bool has_tests = !tests(program_).empty();
     for (const std::string& name : function_names())
       if (has_tests || !find_function(name)->in_tests) all.push_back(name);
-    for (const Statement* each : functions) all.push_back(each->name);
     error("unknown-function", e.place, "there is no function '" + e.name + "'" + did_you_mean(e.name, all),
           "functions are " + join(all, ", "));
     return kUnknown;
@@ -349,9 +439,8 @@ Type Scope::infer_builtin(const Expression& e, const Function& function, const s
     if (!surely_not(wanted.wanted, type)) return;
     const Expression& given = *e.parts[static_cast<std::size_t>(argument)];
     const data::Number* literal = given.kind == Expression::Kind::literal ? given.value.as_number() : nullptr;
-    if (literal && literal->value == 0 && (wanted.wanted == Wanted::length || wanted.wanted == Wanted::angle))
-      return;
     const auto dimension = type.kind == Kind::number ? program::dimension_of(wanted.wanted) : std::nullopt;
+    if (literal && literal->value == 0 && dimension && *dimension != Dimension::none) return;
     error("bad-type", e.parts[static_cast<std::size_t>(argument)]->place,
           "'" + std::string(wanted.name) + "' of " + std::string(function.name) + "() is " +
               name(wanted.wanted) + ", here is " + described(type),
@@ -360,10 +449,15 @@ Type Scope::infer_builtin(const Expression& e, const Function& function, const s
   for (std::size_t i = 0; i < bound.argument_of.size(); ++i) look(i, bound.argument_of[i]);
   for (const int argument : bound.further) look(function.parameters.size() - 1, argument);
   const Type first = arguments.empty() ? kUnknown : arguments.front();
-  if (function.name == "interpolate") return first;
+  if (function.name == "interpolate" || function.name == "slice") return first;
+  if (function.name == "with") return infer_with(e, arguments);
+  if (function.name == "format") check_format(e, arguments);
+  if (function.live == Live::random && arguments.empty()) return number_of(Dimension::none);
+  if (function.live == Live::random && (arguments.size() != 2 || surely_other(arguments[0], arguments[1])))
+    error("bad-call", e.place, "random() takes no values, or two of one unit", "write such as random(1mm, 5mm)");
   if (function.name == "ask") return arguments.size() > 1 ? arguments[1] : Type{Kind::text, {}};
   if (function.in_tests && tests(program_).empty())
-    error("no-test", e.place, std::string(function.name) + "() is there in tests only",
+    error("no-test", e.place, std::string(function.name) + "() exists in tests only",
           "tests have files of their own: test \"…\", its lines, end");
   if (function.gives == Kind::number)
     return number_of(function.dimension ? function.dimension : first.dimension);

@@ -67,6 +67,9 @@ class Scope {
   Type type_of_name(const std::string& name, Place place);
   Type type_of_field(const Type& of, const std::string& field, Place place);
   std::vector<Type> infer_all(const Expression& e);
+  Type infer_each(const Expression& e);
+  Type infer_with(const Expression& e, const std::vector<Type>& arguments);
+  void check_format(const Expression& e, const std::vector<Type>& arguments);
   Type infer_unary(const Expression& e);
   void refuse_pair(const Expression& e, const Type& a, const Type& b);
   Type infer_binary(const Expression& e);
@@ -83,6 +86,7 @@ class Scope {
   std::unordered_map<std::string, std::vector<std::size_t>> places_;  ///< of variables, innermost last
   std::unordered_map<std::string, const Statement*> function_at_;
   std::map<std::string, Location> defined_;  ///< where files of the cell define names
+  std::map<std::string, std::pair<std::string, std::string>> elsewhere_;  ///< see KnownNames
 };
 
 /// True if it waits or moves, and so cannot be in a block that runs within one cycle.

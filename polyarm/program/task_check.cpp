@@ -18,7 +18,10 @@ struct Use {
 
 class TaskCheck {
  public:
-  TaskCheck(const Program& program, Scope& scope) : program_{program}, scope_{scope} {}
+  TaskCheck(const Program& program, const KnownNames& known, Scope& scope)
+      : program_{program}, scope_{scope} {
+    if (known.robots && known.robots->names.size() == 1) only_ = known.robots->names.front();
+  }
 
   void run() {
     std::map<std::string, Use> robots;
@@ -34,8 +37,8 @@ class TaskCheck {
     }
     for (const auto& [name, tasks] : meetings)
       if (tasks.size() == 1 && (*tasks.begin())->kind != Statements::function)
-        error("no-meeting", first_meeting.at(name), "no other task comes to '" + name + "'",
-              "`meet` stands in two or more tasks");
+        error("no-meeting", first_meeting.at(name), "no other task reaches '" + name + "'",
+              "use `meet` in two or more tasks");
   }
 
  private:
@@ -43,21 +46,28 @@ class TaskCheck {
   void robots_in(const Block& block_, const Statement& task, std::map<std::string, Use>& robots) {
     for (const Statement& s : block_) {
       if (s.kind == Statements::lock) continue;
+      bool named = false;
       for (const Clause& clause : s.clauses) {
         if (clause.kind != Clause::Kind::robot || !clause.value) continue;
         const std::string name =
             clause.value->kind == Expression::Kind::literal ? clause.value->value.text() : clause.value->name;
-        const auto [at, made] = robots.try_emplace(name, Use{clause.place, &task});
-        if (!made && at->second.task != &task)
-          error("two-tasks", clause.place,
-                "the robot '" + name + "' is used by the task '" + at->second.task->name + "' in line " +
-                    std::to_string(at->second.place.line) + ", too",
-                "a robot belongs to one task; where they take turns, use it inside a `lock`");
+        used(name, clause.place, task, robots);
+        named = true;
       }
+      if (s.kind == Statements::move && !named && !only_.empty() && !s.moves_base()) used(only_, s.place, task, robots);
       robots_in(s.body, task, robots);
       robots_in(s.handler, task, robots);
       for (const Branch& branch : s.branches) robots_in(branch.body, task, robots);
     }
+  }
+
+  void used(const std::string& name, Place place, const Statement& task, std::map<std::string, Use>& robots) {
+    const auto [at, made] = robots.try_emplace(name, Use{place, &task});
+    if (!made && at->second.task != &task)
+      error("two-tasks", place,
+            "the robot '" + name + "' is used by the task '" + at->second.task->name + "' in line " +
+                std::to_string(at->second.place.line) + ", too",
+            "only one task may command a robot, unless each use is inside a `lock`");
   }
 
   void error(std::string code, Place place, std::string what, std::string advice) {
@@ -66,6 +76,7 @@ class TaskCheck {
 
   const Program& program_;
   Scope& scope_;
+  std::string only_;  ///< the robot of a cell with one robot
 };
 
 /// Statements of one `together` run at the same time, so each moves robots of its own.
@@ -159,7 +170,7 @@ class TogetherCheck {
 }  // namespace
 
 void check_tasks(const Program& program, const KnownNames& known, Scope& scope) {
-  TaskCheck(program, scope).run();
+  TaskCheck(program, known, scope).run();
   TogetherCheck(program, known, scope).run();
 }
 

@@ -83,6 +83,9 @@ class ValueCheck {
         return binary(e);
       case Kinds::call:
         return call(e);
+      case Kinds::each:  // its value depends on the loop
+        for (std::size_t i = 1; i < e.parts.size(); ++i) fold(*e.parts[i]);
+        return std::nullopt;
       default:
         break;
     }
@@ -218,7 +221,8 @@ class ValueCheck {
     for_each_expression(s, [&](const Expression& e) {
       const Known value = fold(e);
       if (!value) return;
-      if (&e == s.expression.get() && (s.kind == Statements::wait_time || s.kind == Statements::wait))
+      if (&e == s.expression.get() && (s.kind == Statements::wait_time || s.kind == Statements::wait ||
+                                       s.kind == Statements::every || s.kind == Statements::pulse))
         time(e, *value);
       const bool timeout = s.kind == Statements::wait || s.kind == Statements::meet ||
                            s.kind == Statements::lock || s.kind == Statements::expect;
@@ -276,12 +280,11 @@ class ValueCheck {
     const std::string word = std::string("'") + spelling(clause.kind) + "'";
     const bool may_be_zero = clause.kind == Kinds::blend || clause.kind == Kinds::payload;
     if (n->value < 0 || (n->value == 0 && !may_be_zero))
-      return report(clause.value->place, "bad-type",
-                    word + " has to be more than nothing, here is " + value.text());
+      return report(clause.value->place, "bad-type", word + " must be above 0, here is " + value.text());
     const bool share = clause.kind == Kinds::speed || clause.kind == Kinds::accel;
     if (share && n->dimension == Dimension::none && n->value > 1)
       report(clause.value->place, "bad-value",
-             word + " as a share of what the robot can is at most 100%, here is " + percent(n->value),
+             word + " as a percentage is at most 100%, here it is " + percent(n->value),
              clause.kind == Kinds::speed ? "with a unit write such as 500mm/s, 30deg/s or 50%"
                                          : "with a unit write such as 2m/s2, 200deg/s2 or 50%");
   }
@@ -317,8 +320,8 @@ class RecursionCheck {
       std::string through;
       for (std::size_t i = 0; i + 1 < way.size(); ++i) through += (i ? ", '" : " through '") + way[i] + "'";
       scope_.error("endless-recursion", place,
-                   "'" + function->name + "' always calls itself" + through + ", and never comes to its end",
-                   "return before the call where there is nothing left to do");
+                   "'" + function->name + "' always calls itself" + through + ", and never ends",
+                   "return before the call when there is nothing left to do");
     }
   }
 

@@ -26,7 +26,7 @@ struct ControlList {
   static constexpr Facts kFacts{
       .name = "control.list",
       .role = Role::watch,
-      .text = "list the controllers, their states, what they claim and what they offer"};
+      .text = "Lists the controllers: state, rate, claimed interfaces, inputs and outputs."};
   using Answer = std::vector<ListedController>;
   POLYARM_MEMBERS(ControlList)
 };
@@ -37,9 +37,8 @@ struct ControllerTypeText {
 };
 
 struct ControlTypes {
-  static constexpr Facts kFacts{.name = "control.types",
-                                .role = Role::watch,
-                                .text = "list the types of controllers that can be loaded"};
+  static constexpr Facts kFacts{
+      .name = "control.types", .role = Role::watch, .text = "Lists the controller types that can be loaded."};
   using Answer = std::vector<ControllerTypeText>;
   POLYARM_MEMBERS(ControlTypes)
 };
@@ -51,9 +50,10 @@ struct ChainLink {
 };
 
 struct ControlChains {
-  static constexpr Facts kFacts{.name = "control.chains",
-                                .role = Role::watch,
-                                .text = "list which controller writes references of which"};
+  static constexpr Facts kFacts{
+      .name = "control.chains",
+      .role = Role::watch,
+      .text = "Lists which controller commands the references of which other controller."};
   using Answer = std::vector<ChainLink>;
   POLYARM_MEMBERS(ControlChains)
 };
@@ -77,16 +77,15 @@ struct SwitchOutcome {
 };
 
 struct ControlSwitch {
-  static constexpr Facts kFacts{.name = "control.switch",
-                                .role = Role::administer,
-                                .text =
-                                    "start and stop controllers in one step between two cycles; `strictness` "
-                                    "is strict, best_effort, auto or "
-                                    "force (default: what the controllers' file says, else strict); with "
-                                    "`dry` the answer says what would "
-                                    "happen, and nothing does",
-                                .moves = true,
-                                .watch_with = "dry"};
+  static constexpr Facts kFacts{
+      .name = "control.switch",
+      .role = Role::administer,
+      .text =
+          "Stops and starts controllers in one step between two cycles. `strictness` is strict, "
+          "best_effort, auto or force. Its default is the value in the controllers file, else strict. "
+          "With `dry` nothing changes: the answer says what would happen.",
+      .moves = true,
+      .watch_with = "dry"};
   std::optional<Names> activate, deactivate;
   std::optional<Strictness> strictness;
   bool dry = false;
@@ -105,11 +104,12 @@ struct JustName {
 };
 
 struct ControlLoad {
-  static constexpr Facts kFacts{.name = "control.load",
-                                .role = Role::administer,
-                                .text =
-                                    "make and configure a controller: one of the cell's controllers files, "
-                                    "one of `file`, or one of `type`"};
+  static constexpr Facts kFacts{
+      .name = "control.load",
+      .role = Role::administer,
+      .text =
+          "Creates and configures a controller. It is defined in the controllers files of the cell, in "
+          "`file`, or by `type` and `parameters`."};
   std::string name;
   std::optional<std::string> type, file;
   std::optional<Map> parameters;
@@ -123,16 +123,18 @@ struct ControlLoad {
 };
 
 struct ControlConfigure {
-  static constexpr Facts kFacts{
-      .name = "control.configure", .role = Role::administer, .text = "unconfigured → inactive"};
+  static constexpr Facts kFacts{.name = "control.configure",
+                                .role = Role::administer,
+                                .text = "Configures a controller: unconfigured → inactive."};
   std::string name;
   using Answer = NameAndState;
   POLYARM_MEMBERS(ControlConfigure, name)
 };
 
 struct ControlCleanup {
-  static constexpr Facts kFacts{
-      .name = "control.cleanup", .role = Role::administer, .text = "inactive → unconfigured"};
+  static constexpr Facts kFacts{.name = "control.cleanup",
+                                .role = Role::administer,
+                                .text = "Cleans a controller up: inactive → unconfigured."};
   std::string name;
   using Answer = NameAndState;
   POLYARM_MEMBERS(ControlCleanup, name)
@@ -140,7 +142,7 @@ struct ControlCleanup {
 
 struct ControlUnload {
   static constexpr Facts kFacts{
-      .name = "control.unload", .role = Role::administer, .text = "remove a controller that is not active"};
+      .name = "control.unload", .role = Role::administer, .text = "Removes a controller that is not active."};
   std::string name;
   using Answer = JustName;
   POLYARM_MEMBERS(ControlUnload, name)
@@ -150,7 +152,9 @@ struct ControlState {
   static constexpr Facts kFacts{
       .name = "control.state",
       .role = Role::administer,
-      .text = "take a controller to unconfigured, inactive or active, through all states between",
+      .text =
+          "Brings a controller to the state unconfigured, inactive or active, through all states in "
+          "between.",
       .moves = true};
   std::string name, state;
   struct Answer {

@@ -13,14 +13,15 @@ struct ExpectedJoint {
 };
 
 struct ControlArm {
-  static constexpr Facts kFacts{.name = "control.arm",
-                                .role = Role::operate,
-                                .text =
-                                    "without `confirmed`: where real joints are measured and expected; with "
-                                    "it: a person at a terminal has "
-                                    "compared them, the hardware is activated and its controllers start",
-                                .moves = true,
-                                .watch_without = "confirmed"};
+  static constexpr Facts kFacts{
+      .name = "control.arm",
+      .role = Role::operate,
+      .text =
+          "Without `confirmed`: returns the measured and the expected position of each real joint. With "
+          "`confirmed`, a person confirms that both agree: the cell activates the hardware and starts "
+          "its controllers.",
+      .moves = true,
+      .watch_without = "confirmed"};
   bool confirmed = false;
   struct Answer {
     static constexpr const char* kOf = "ControlArm";
@@ -52,7 +53,7 @@ struct ListedHardware {
 struct HardwareList {
   static constexpr Facts kFacts{.name = "hardware.list",
                                 .role = Role::watch,
-                                .text = "list the hardware components, their states and interfaces"};
+                                .text = "Lists the hardware components with their states and interfaces."};
   using Answer = std::vector<ListedHardware>;
   POLYARM_MEMBERS(HardwareList)
 };
@@ -62,9 +63,9 @@ struct HardwareState {
       .name = "hardware.state",
       .role = Role::administer,
       .text =
-          "take a component to unconfigured, inactive, active or finalized; controllers that use it are "
-          "stopped "
-          "first, with their chains; `with` names the components that are one with it in physics",
+          "Brings a component to the state unconfigured, inactive, active or finalized. The cell first "
+          "stops the controllers that use it, and their chains. `with` lists components that share its "
+          "physics and change with it.",
       .moves = true};
   std::string name, state;
   struct Answer {
@@ -78,12 +79,13 @@ struct HardwareState {
 };
 
 struct HardwareRecover {
-  static constexpr Facts kFacts{.name = "hardware.recover",
-                                .role = Role::operate,
-                                .text =
-                                    "bring a component back that has failed; the controllers that stopped "
-                                    "with it are named, not started",
-                                .moves = true};
+  static constexpr Facts kFacts{
+      .name = "hardware.recover",
+      .role = Role::operate,
+      .text =
+          "Configures and activates a failed component again. The answer lists the controllers that "
+          "stopped with it; they are not started.",
+      .moves = true};
   std::string name;
   struct Answer {
     static constexpr const char* kOf = "HardwareRecover";
@@ -96,13 +98,13 @@ struct HardwareRecover {
 };
 
 struct HardwareReload {
-  static constexpr Facts kFacts{.name = "hardware.reload",
-                                .role = Role::administer,
-                                .text =
-                                    "make a component anew from its description as it is now, with the same "
-                                    "interfaces; controllers that use "
-                                    "it are stopped and not started again",
-                                .moves = true};
+  static constexpr Facts kFacts{
+      .name = "hardware.reload",
+      .role = Role::administer,
+      .text =
+          "Creates a component anew from its present description, with the same interfaces. Controllers "
+          "that use it are stopped, and not started again.",
+      .moves = true};
   std::string name;
   struct Answer {
     static constexpr const char* kOf = "HardwareReload";
@@ -127,8 +129,9 @@ struct CommandValue {
 };
 
 struct InterfacesList {
-  static constexpr Facts kFacts{
-      .name = "interfaces", .role = Role::watch, .text = "every state and command interface"};
+  static constexpr Facts kFacts{.name = "interfaces",
+                                .role = Role::watch,
+                                .text = "Lists every state and command interface with its value."};
   struct Answer {
     static constexpr const char* kOf = "InterfacesList";
     std::vector<StateValue> states;
@@ -177,8 +180,9 @@ struct FallenComponent {
 };
 
 struct LoopHealth {
-  static constexpr Facts kFacts{
-      .name = "health", .role = Role::watch, .text = "how the control loop is doing"};
+  static constexpr Facts kFacts{.name = "health",
+                                .role = Role::watch,
+                                .text = "Reports cycles, late cycles and times of the control loop."};
   struct Answer {
     static constexpr const char* kOf = "LoopHealth";
     std::string state, cause, cause_code;
@@ -208,11 +212,12 @@ struct ClampedCommand {
 };
 
 struct LimitsList {
-  static constexpr Facts kFacts{.name = "limits",
-                                .role = Role::watch,
-                                .text =
-                                    "which limits clamped commands, how often, what was asked and given the "
-                                    "last time, and who commands now"};
+  static constexpr Facts kFacts{
+      .name = "limits",
+      .role = Role::watch,
+      .text =
+          "Lists which limits changed commands, how often, the requested and the given value of the "
+          "last time, and the present source of the command."};
   using Answer = std::vector<ClampedCommand>;
   POLYARM_MEMBERS(LimitsList)
 };

@@ -32,16 +32,15 @@ struct JogAnswer : JogFacts {
 };
 
 struct JogMotion {
-  static constexpr Facts kFacts{.name = "jog",
-                                .role = Role::operate,
-                                .text =
-                                    "move joints or the TCP by hand: with velocities {elbow_joint: 0.1} or "
-                                    "{z: 0.02} in `frame` (base, world, "
-                                    "tool or the name of a point) for `hold` seconds (0.25) unless it comes "
-                                    "again with the `session` of the "
-                                    "answer; with `by` it moves by that much, and the last answer comes when "
-                                    "it is done; with `end` it ends",
-                                .moves = true};
+  static constexpr Facts kFacts{
+      .name = "jog",
+      .role = Role::operate,
+      .text =
+          "Moves joints or the TCP by hand. Velocities are {elbow_joint: 0.1} or {z: 0.02} in `frame` "
+          "(base, world, tool or the name of a point). The motion ends after `hold` seconds (0.25) "
+          "unless the request is repeated with the `session` of the answer. With `by`, the values are "
+          "distances, and the last answer comes at the end of the motion. `end` ends the session.",
+      .moves = true};
   std::optional<std::string> robot;
   std::optional<Map> joints, tcp;
   std::optional<std::string> frame;
@@ -53,23 +52,23 @@ struct JogMotion {
 };
 
 struct JogState {
-  static constexpr Facts kFacts{
-      .name = "jog.state", .role = Role::watch, .text = "where a robot is, and what holds it back"};
+  static constexpr Facts kFacts{.name = "jog.state",
+                                .role = Role::watch,
+                                .text = "Returns the pose of a robot, and what limits its jog."};
   std::optional<std::string> robot;
   using Answer = JogAnswer;
   POLYARM_MEMBERS(JogState, robot)
 };
 
 struct FollowTarget {
-  static constexpr Facts kFacts{.name = "target",
-                                .role = Role::operate,
-                                .text =
-                                    "go to joints or a pose {position, orientation or rpy}, again and again "
-                                    "with the `session` of the answer: "
-                                    "what a sensor or a hand streams becomes smooth motion, which ends "
-                                    "`hold` seconds (0.25) after the last "
-                                    "one",
-                                .moves = true};
+  static constexpr Facts kFacts{
+      .name = "target",
+      .role = Role::operate,
+      .text =
+          "Moves towards joint values or a pose {position, orientation or rpy}. Repeat it with the "
+          "`session` of the answer: a stream of targets becomes smooth motion. The motion ends `hold` "
+          "seconds (0.25) after the last target.",
+      .moves = true};
   std::optional<std::string> robot;
   std::optional<Map> joints, pose;
   std::optional<std::string> frame;
@@ -82,7 +81,9 @@ struct LimitsProfile {
   static constexpr Facts kFacts{
       .name = "profile",
       .role = Role::operate,
-      .text = "the limits profile of the cell, or another one: reduced (teaching) or full",
+      .text =
+          "Returns the limits profile of the cell, or changes it to `name`: reduced (for teaching) or "
+          "full.",
       .moves = true,
       .watch_without = "name"};
   std::optional<std::string> name;
@@ -108,13 +109,11 @@ struct MoveTo {
       .name = "move",
       .role = Role::operate,
       .text =
-          "go to points on one path through all of them (with `rests` it comes to rest at each); a point is "
-          "a name "
-          "of the cell's data, {joints: …} or {pose: {position, rpy or orientation}}, with a `duration` that "
-          "the way "
-          "to it takes at least; `kind` is joint (default) or line, `pace` s for each rad of the way, "
-          "`speed` a "
-          "share of the limits. When the asker disconnects, the robot stops on the path",
+          "Moves to points on one path; with `rests` the robot stops at each point. A point is a name "
+          "from the data of the cell, {joints: …} or {pose: {position, rpy or orientation}}. It may "
+          "have a `duration`: the minimum time of the way to it. `kind` is joint (default) or line. "
+          "`pace` is a time in s for each rad of the path, `speed` a fraction of the limits. If the "
+          "client disconnects, the robot stops on the path.",
       .moves = true};
   Message points;
   std::optional<std::string> robot;

@@ -17,14 +17,14 @@ struct Parameter {
 
 struct ParamList {
   static constexpr Facts kFacts{
-      .name = "param.list", .role = Role::watch, .text = "list the parameters of a controller"};
+      .name = "param.list", .role = Role::watch, .text = "Lists the parameters of a controller."};
   std::string name;
   using Answer = std::vector<Parameter>;
   POLYARM_MEMBERS(ParamList, name)
 };
 
 struct ParamGet {
-  static constexpr Facts kFacts{.name = "param.get", .role = Role::watch, .text = "one parameter"};
+  static constexpr Facts kFacts{.name = "param.get", .role = Role::watch, .text = "Returns one parameter."};
   std::string name, key;
   using Answer = Parameter;
   POLYARM_MEMBERS(ParamGet, name, key)
@@ -33,7 +33,7 @@ struct ParamGet {
 struct ParamSet {
   static constexpr Facts kFacts{.name = "param.set",
                                 .role = Role::administer,
-                                .text = "change parameters between two cycles, all or none",
+                                .text = "Changes parameters between two cycles, all or none.",
                                 .moves = true};
   std::string name;
   Map values;
@@ -46,13 +46,13 @@ struct ParamSet {
 };
 
 struct SendMessage {
-  static constexpr Facts kFacts{.name = "send",
-                                .role = Role::operate,
-                                .text =
-                                    "give a message to a controller; a goal is followed to its end: its "
-                                    "status, {goal, feedback} meanwhile, "
-                                    "and of a gripper where it stands",
-                                .moves = true};
+  static constexpr Facts kFacts{
+      .name = "send",
+      .role = Role::operate,
+      .text =
+          "Sends a message to a controller. A goal is followed until it ends: answers with {goal, "
+          "feedback} come meanwhile, and the result at the end.",
+      .moves = true};
   std::string to;
   Message message;
   bool goal = false;
@@ -77,7 +77,7 @@ struct SendMessage {
 
 struct GoalCancel {
   static constexpr Facts kFacts{
-      .name = "goal.cancel", .role = Role::operate, .text = "end a goal that is under way", .moves = true};
+      .name = "goal.cancel", .role = Role::operate, .text = "Cancels an active goal.", .moves = true};
   std::string to;
   double goal = 0;
   using Answer = Asked;
@@ -88,7 +88,9 @@ struct QueryTrajectory {
   static constexpr Facts kFacts{
       .name = "query",
       .role = Role::watch,
-      .text = "where the trajectory of a controller will be at a time of the cell, s; now without one"};
+      .text =
+          "Returns the state of a controller's trajectory at a cell time in s; without a time, its "
+          "present state."};
   std::string name;
   std::optional<double> at;
   struct Answer {
@@ -108,12 +110,12 @@ struct NoMessage {
 };
 
 struct WatchOutput {
-  static constexpr Facts kFacts{.name = "watch",
-                                .role = Role::watch,
-                                .text =
-                                    "what a controller puts out, in the shape of its ROS message, `rate` "
-                                    "times a second (10); with `patience` "
-                                    "one answer says why nothing has come for so many seconds"};
+  static constexpr Facts kFacts{
+      .name = "watch",
+      .role = Role::watch,
+      .text =
+          "Returns the output of a controller as its ROS message, `rate` times a second (10). With "
+          "`patience`, one answer gives the reason if nothing has come for that many seconds."};
   std::string name;
   std::optional<double> rate, patience;
   using Answer = std::variant<Any, NoMessage>;

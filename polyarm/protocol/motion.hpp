@@ -13,8 +13,11 @@ struct Asked {
 };
 
 struct ControlHold {
-  static constexpr Facts kFacts{
-      .name = "control.hold", .role = Role::watch, .text = "stop on the path", .moves = true, .urgent = true};
+  static constexpr Facts kFacts{.name = "control.hold",
+                                .role = Role::watch,
+                                .text = "Stops on the path.",
+                                .moves = true,
+                                .urgent = true};
   using Answer = Asked;
   POLYARM_MEMBERS(ControlHold)
 };
@@ -24,8 +27,8 @@ struct ControlStop {
       .name = "control.stop",
       .role = Role::watch,
       .text =
-          "stop at once, on the path, as hard as the joints can; category 1 then switches "
-          "the drives off, 2 (default) holds",
+          "Stops on the path as hard as the joints can. Category 1 then switches the drives off, "
+          "category 2 (default) holds.",
       .moves = true,
       .urgent = true};
   std::optional<double> category;
@@ -40,13 +43,13 @@ struct ControlStop {
 };
 
 struct ControlResume {
-  static constexpr Facts kFacts{.name = "control.resume",
-                                .role = Role::operate,
-                                .text =
-                                    "go on along the path after a hold; refused if the robot was moved "
-                                    "meanwhile, or still touches something "
-                                    "that the motion goes on into, unless `anyway`",
-                                .moves = true};
+  static constexpr Facts kFacts{
+      .name = "control.resume",
+      .role = Role::operate,
+      .text =
+          "Continues along the path after a hold. Refused if the robot was moved meanwhile, or if it "
+          "touches something that the motion would press against, unless `anyway`.",
+      .moves = true};
   bool anyway = false;
   using Answer = Asked;
   POLYARM_MEMBERS(ControlResume, anyway)
@@ -57,8 +60,8 @@ struct ControlBack {
       .name = "control.back",
       .role = Role::operate,
       .text =
-          "from a hold, slowly back along the planned path: by `time` s of the plan (1) or "
-          "`distance` along the path; then hold again",
+          "During a hold, moves slowly back along the planned path, by `time` seconds of the plan (1) "
+          "or by `distance`. Then it holds again.",
       .moves = true};
   std::optional<double> time, distance;
   struct Answer {
@@ -74,7 +77,9 @@ struct ControlOverride {
   static constexpr Facts kFacts{
       .name = "control.override",
       .role = Role::operate,
-      .text = "how much of the planned speed is used, 0 to 100; without `percent` the answer only says it",
+      .text =
+          "Sets how much of the planned speed is used, 0 to 100 percent. Without `percent` it only "
+          "returns the value. `allowed` is the share that arming allows now, 0 to 1.",
       .moves = true,
       .watch_without = "percent"};
   std::optional<double> percent;
@@ -91,7 +96,9 @@ struct ControlDiscard {
   static constexpr Facts kFacts{
       .name = "control.discard",
       .role = Role::operate,
-      .text = "forget what is left of a motion that is held, and where it was to go on from",
+      .text =
+          "During a hold, discards the rest of the motion, and the position from which it would "
+          "continue.",
       .moves = true};
   struct Answer {
     static constexpr const char* kOf = "ControlDiscard";
@@ -135,7 +142,8 @@ struct Contacts {
       .name = "contacts",
       .role = Role::watch,
       .text =
-          "what touched what in physics and where, what touches now, and which contacts are not detected"};
+          "Returns past and present contacts in physics, with positions, and the bodies whose contacts "
+          "are not detected."};
   using Answer = ContactState;
   POLYARM_MEMBERS(Contacts)
 };
@@ -143,7 +151,7 @@ struct Contacts {
 struct ControlRecover {
   static constexpr Facts kFacts{.name = "control.recover",
                                 .role = Role::operate,
-                                .text = "leave the fault state for held; nothing moves",
+                                .text = "Changes the state from fault to held. Nothing moves.",
                                 .moves = true};
   using Answer = Asked;
   POLYARM_MEMBERS(ControlRecover)

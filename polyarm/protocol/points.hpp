@@ -58,7 +58,9 @@ struct PointsList {
   static constexpr Facts kFacts{
       .name = "points",
       .role = Role::watch,
-      .text = "points and variables of the cell's data, and the file that new ones go into"};
+      .text =
+          "Returns the points and variables of the cell's data, and the file that new ones are written "
+          "to."};
   struct Answer {
     static constexpr const char* kOf = "PointsList";
     std::string file;
@@ -71,7 +73,9 @@ struct PointsList {
 
 struct PointsHere {
   static constexpr Facts kFacts{
-      .name = "points.here", .role = Role::watch, .text = "where a robot is, in the world"};
+      .name = "points.here",
+      .role = Role::watch,
+      .text = "Returns the present pose and joint values of a robot, in the world frame."};
   std::optional<std::string> robot;
   struct Answer {
     static constexpr const char* kOf = "PointsHere";
@@ -92,13 +96,14 @@ struct Words<PointKind> {
 };
 
 struct PointsTeach {
-  static constexpr Facts kFacts{.name = "points.teach",
-                                .role = Role::program,
-                                .text =
-                                    "the place of the robot becomes a point (`kind` pose or joints; in "
-                                    "`frame`), in the user's file and in the "
-                                    "running cell; with `replace` an existing one is touched up",
-                                .moves = true};
+  static constexpr Facts kFacts{
+      .name = "points.teach",
+      .role = Role::program,
+      .text =
+          "Stores the present position of the robot as a point, in the user's file and in the running "
+          "cell. `kind` is pose or joints; a pose is relative to `frame`. `replace` overwrites an "
+          "existing point.",
+      .moves = true};
   std::string name;
   std::optional<std::string> robot;
   std::optional<PointKind> kind;
@@ -112,7 +117,9 @@ struct PointsSet {
   static constexpr Facts kFacts{
       .name = "points.set",
       .role = Role::program,
-      .text = "a point or variable gets a value: `pose(0.3, 0, 0.1, 180deg, 0, 0)`, `joints(…)`, `40mm`",
+      .text =
+          "Sets the value of a point or variable: `pose(0.3, 0, 0.1, 180deg, 0, 0)`, `joints(…)`, "
+          "`40mm`.",
       .moves = true};
   std::string name, value;
   std::optional<std::string> frame, file;
@@ -132,8 +139,8 @@ struct PointsShift {
       .name = "points.shift",
       .role = Role::program,
       .text =
-          "poses move `by` {x, y, z, rx, ry, rz} along the axes of their `frame` (default) "
-          "or their `own`",
+          "Shifts poses by {x, y, z, rx, ry, rz}, `along` the axes of their `frame` (default) or their "
+          "`own` axes.",
       .moves = true};
   Names names;
   Map by;
@@ -143,13 +150,13 @@ struct PointsShift {
 };
 
 struct PointsGroup {
-  static constexpr Facts kFacts{.name = "points.group",
-                                .role = Role::program,
-                                .text =
-                                    "points and variables go into a group (an empty text: into none) by a "
-                                    "line of their file; programs do not "
-                                    "see it",
-                                .moves = true};
+  static constexpr Facts kFacts{
+      .name = "points.group",
+      .role = Role::program,
+      .text =
+          "Puts points and variables into a group, by a line of their file. An empty text takes them "
+          "out of their group. Programs ignore groups.",
+      .moves = true};
   Names names;
   std::string group;
   using Answer = ChangedPoints;
@@ -160,7 +167,7 @@ struct PointsRename {
   static constexpr Facts kFacts{
       .name = "points.rename",
       .role = Role::program,
-      .text = "a point gets another name; `uses` are lines of programs that still say the old one",
+      .text = "Renames a point. `uses` lists the program lines that still have the old name.",
       .moves = true};
   std::string name, to;
   struct Answer : ChangedPoint {
@@ -174,7 +181,7 @@ struct PointsRename {
 struct PointsDelete {
   static constexpr Facts kFacts{.name = "points.delete",
                                 .role = Role::program,
-                                .text = "delete a point; points.undo brings it back",
+                                .text = "Deletes a point. `points.undo` restores it.",
                                 .moves = true};
   std::string name;
   struct Answer {
@@ -200,7 +207,7 @@ struct PointsOutside {
   static constexpr Facts kFacts{
       .name = "points.outside",
       .role = Role::watch,
-      .text = "what others have written into the user's data files since the run copied them, by name"};
+      .text = "Lists the names that others changed in the user's data files since the run copied them."};
   using Answer = OutsideChanges;
   POLYARM_MEMBERS(PointsOutside)
 };
@@ -208,7 +215,7 @@ struct PointsOutside {
 struct PointsTake {
   static constexpr Facts kFacts{.name = "points.take",
                                 .role = Role::program,
-                                .text = "bring these changes into the running cell",
+                                .text = "Loads these changes into the running cell.",
                                 .moves = true};
   using Answer = OutsideChanges;
   POLYARM_MEMBERS(PointsTake)
@@ -223,7 +230,7 @@ struct PastChange {
 struct PointsHistory {
   static constexpr Facts kFacts{.name = "points.history",
                                 .role = Role::watch,
-                                .text = "the changes of a data file that can be undone, newest first"};
+                                .text = "Lists the changes of a data file that can be undone, newest first."};
   std::optional<std::string> file;
   using Answer = std::vector<PastChange>;
   POLYARM_MEMBERS(PointsHistory, file)
@@ -232,7 +239,7 @@ struct PointsHistory {
 struct PointsUndo {
   static constexpr Facts kFacts{.name = "points.undo",
                                 .role = Role::program,
-                                .text = "undo the last changes of a data file, in the running cell as well",
+                                .text = "Undoes the last changes of a data file, in the running cell, too.",
                                 .moves = true};
   std::optional<std::string> file;
   std::optional<double> steps;
@@ -245,14 +252,15 @@ struct PointsUndo {
 };
 
 struct PointsFrame {
-  static constexpr Facts kFacts{.name = "points.frame",
-                                .role = Role::program,
-                                .text =
-                                    "a frame from three places, [x, y, z] or points by name `from`: its "
-                                    "origin, one on x, one in the xy plane; "
-                                    "`angle` is between the two directions; `dry`: only look",
-                                .moves = true,
-                                .watch_with = "dry"};
+  static constexpr Facts kFacts{
+      .name = "points.frame",
+      .role = Role::program,
+      .text =
+          "Computes a frame from three places: its origin, one on the x axis, one in the xy plane. Each "
+          "is [x, y, z]; `from` names three points instead. `angle` is the angle between the two "
+          "directions. With `dry` it stores nothing.",
+      .moves = true,
+      .watch_with = "dry"};
   std::string name;
   std::optional<Any> origin, on_x, in_plane;
   std::optional<Names> from;
@@ -271,14 +279,14 @@ struct PointsFrame {
 };
 
 struct PointsTool {
-  static constexpr Facts kFacts{.name = "points.tool",
-                                .role = Role::program,
-                                .text =
-                                    "the TCP of a tool from four or more poses {p, q} of tool0 (or points "
-                                    "`from` which they were taught) with "
-                                    "the tip at one place; `dry`: only look",
-                                .moves = true,
-                                .watch_with = "dry"};
+  static constexpr Facts kFacts{
+      .name = "points.tool",
+      .role = Role::program,
+      .text =
+          "Computes the TCP of a tool from four or more poses {p, q} of tool0 with the tip at one "
+          "place; `from` names points that were taught this way. With `dry` it stores nothing.",
+      .moves = true,
+      .watch_with = "dry"};
   std::string name;
   std::optional<Any> poses;
   std::optional<Names> from;
@@ -297,12 +305,12 @@ struct PointsTool {
 };
 
 struct PlanPreview {
-  static constexpr Facts kFacts{.name = "plan.preview",
-                                .role = Role::watch,
-                                .text =
-                                    "the way `to` a point, joints or a pose {p, q} from where the robot is, "
-                                    "of `kind` joint or line; nothing "
-                                    "moves"};
+  static constexpr Facts kFacts{
+      .name = "plan.preview",
+      .role = Role::watch,
+      .text =
+          "Plans the motion from the present position `to` a point, joint values or a pose {p, q}. "
+          "`kind` is joint or line. Nothing moves."};
   std::optional<std::string> to;
   std::optional<Map> joints, pose;
   std::optional<MoveKind> kind;

@@ -72,8 +72,9 @@ struct ProgramState {
       .name = "program",
       .role = Role::watch,
       .text =
-          "where the program is (none, ready, running, waiting, finished, stopped or failed): tasks, calls, "
-          "variables, what moves use; with `data` also every value that it can read"};
+          "Returns the state of the program (none, ready, running, waiting, finished, stopped or "
+          "failed), its tasks, calls, variables and settings of moves. With `data` also every value "
+          "that it can read."};
   bool data = false;
   struct Answer : ProgramStatus {
     static constexpr const char* kOf = "ProgramState";
@@ -87,7 +88,7 @@ struct ProgramWatch {
   static constexpr Facts kFacts{
       .name = "program.watch",
       .role = Role::watch,
-      .text = "the same whenever it has changed, at most `rate` times a second (10)"};
+      .text = "Returns the same whenever it changes, at most `rate` times a second (10)."};
   std::optional<double> rate;
   using Answer = ProgramStatus;
   POLYARM_MEMBERS(ProgramWatch, rate)
@@ -98,8 +99,8 @@ struct ProgramPause {
       .name = "program.pause",
       .role = Role::operate,
       .text =
-          "pause before the next statement; queued motion goes on; answered when the program has paused, or "
-          "`at_once`",
+          "Pauses before the next statement; queued motion continues. The answer comes when the program "
+          "has paused, or immediately with `at_once`.",
       .moves = true,
       .patient = true};
   bool at_once = false;
@@ -109,7 +110,7 @@ struct ProgramPause {
 
 struct ProgramGo {
   static constexpr Facts kFacts{
-      .name = "program.go", .role = Role::operate, .text = "go on after a pause", .moves = true};
+      .name = "program.go", .role = Role::operate, .text = "Continues after a pause.", .moves = true};
   using Answer = ProgramStatus;
   POLYARM_MEMBERS(ProgramGo)
 };
@@ -122,14 +123,15 @@ struct Words<StepHow> {
 };
 
 struct ProgramStep {
-  static constexpr Facts kFacts{.name = "program.step",
-                                .role = Role::operate,
-                                .text =
-                                    "one statement of the paused task: `into` functions, `over` them "
-                                    "(default) or `out` of this one; answered "
-                                    "when the program has paused again, or `at_once`",
-                                .moves = true,
-                                .patient = true};
+  static constexpr Facts kFacts{
+      .name = "program.step",
+      .role = Role::operate,
+      .text =
+          "Runs one statement of the paused task: `into` functions, `over` them (default), or until the "
+          "present function has returned (`out`). The answer comes when the program has paused again, "
+          "or immediately with `at_once`.",
+      .moves = true,
+      .patient = true};
   std::optional<StepHow> how;
   bool at_once = false;
   using Answer = ProgramStatus;
@@ -142,14 +144,14 @@ struct BreakpointList {
 };
 
 struct ProgramBreak {
-  static constexpr Facts kFacts{.name = "program.break",
-                                .role = Role::program,
-                                .text =
-                                    "add breakpoints before the lines `at`, LINE or FILE:LINE, remove those "
-                                    "at `off`, or with `clear` all "
-                                    "earlier ones; a script that has not begun keeps its breakpoints for its "
-                                    "start; `text`: the text that the "
-                                    "lines count in, if it is not the one that the program has read"};
+  static constexpr Facts kFacts{
+      .name = "program.break",
+      .role = Role::program,
+      .text =
+          "Adds breakpoints before the lines `at` (LINE or FILE:LINE), and removes those at `off`; "
+          "`clear` first removes all. A program that has not started keeps its breakpoints for its "
+          "start. `text` is the text that the line numbers refer to, if it differs from the text that "
+          "the program has read."};
   std::optional<Names> at, off;
   bool clear = false;
   std::optional<std::string> text;
@@ -162,9 +164,9 @@ struct ProgramEdited {
       .name = "program.edited",
       .role = Role::program,
       .text =
-          "the script `name` reads `text` now, saved or not: its breakpoints move with their lines, or are "
-          "at "
-          "`lines` of it; a running program keeps its text and pauses at the same lines there"};
+          "Reports that `text` is the present text of the script `name`, saved or not. Its breakpoints "
+          "move with their lines, or are set to `lines`. A running program keeps its text, and pauses "
+          "at the same lines there."};
   std::string name, text;
   std::optional<Any> lines;
   using Answer = BreakpointList;
@@ -176,10 +178,10 @@ struct ProgramFrom {
       .name = "program.from",
       .role = Role::operate,
       .text =
-          "a program that has ended or is paused begins anew at `line` (its first), read from its file: the "
-          "answer "
-          "says what it assumes; it waits for program.go unless `confirmed`. Refused as program-changed if "
-          "`program`, a script, does not have the `hash` that `files.read` reported",
+          "Starts a program that has ended or is paused anew at `line` (its first line), read from its "
+          "file. The answer lists what the program assumes at that line; it waits for `program.go` "
+          "unless `confirmed`. Refused as program-changed if the script `program` does not have the "
+          "`hash` that `files.read` reported.",
       .moves = true};
   std::optional<double> line;
   std::optional<std::string> program;
@@ -201,21 +203,20 @@ struct ProgramStop {
   static constexpr Facts kFacts{
       .name = "program.stop",
       .role = Role::operate,
-      .text = "end the program where it is: moves end on their paths, and its `on stop` runs",
+      .text = "Ends the program: moves stop on their paths, and its `on stop` block runs.",
       .moves = true};
   using Answer = ProgramStatus;
   POLYARM_MEMBERS(ProgramStop)
 };
 
 struct ProgramLoad {
-  static constexpr Facts kFacts{.name = "program.load",
-                                .role = Role::operate,
-                                .text =
-                                    "read a script, or a data file that names one, with its data as the "
-                                    "files are now, and check it; the "
-                                    "present program must not have begun, or have ended. The new one is "
-                                    "ready, and the cell goes on when it "
-                                    "has ended"};
+  static constexpr Facts kFacts{
+      .name = "program.load",
+      .role = Role::operate,
+      .text =
+          "Reads and checks a script, or a data file that names one, with its data. Refused while a "
+          "program runs. The loaded program is then ready, and the cell keeps running after it has "
+          "ended."};
   std::string file;
   struct Answer : ProgramStatus {
     static constexpr const char* kOf = "ProgramLoad";
@@ -230,13 +231,11 @@ struct ProgramStart {
       .name = "program.start",
       .role = Role::operate,
       .text =
-          "begin the program that is ready; `passes` ends its outermost while after that many, `paused` "
-          "before its "
-          "first line, `as_saved` reads it anew if its file has been written since. Refused as "
-          "program-changed if "
-          "the ready program is not the `file` or does not have the `hash` that `program` reported, or if "
-          "its files "
-          "as they are now do not have the hash `saved` (of `program`, or of `files.read`)",
+          "Starts the program that is ready. `passes` ends its outermost loop after that many passes; "
+          "`paused` pauses before its first line; `as_saved` reads it anew if its file has changed. "
+          "Refused as program-changed if the ready program is not `file`, if it does not have the "
+          "`hash` that `program` reported, or if its files do not have the hash `saved` (of `program` "
+          "or `files.read`).",
       .moves = true};
   std::optional<double> passes;
   bool paused = false, as_saved = false;
@@ -247,10 +246,15 @@ struct ProgramStart {
 
 struct ProgramAnswer {
   static constexpr Facts kFacts{
-      .name = "program.answer", .role = Role::operate, .text = "answer what the program asks"};
-  std::optional<std::string> text;
+      .name = "program.answer",
+      .role = Role::operate,
+      .text = "Answers the question of the program. Refused as answered-already until the program has taken an earlier "
+              "answer, and as other-question if the question of the program is not `question` (the first line of the "
+              "question that `program` reports).",
+      .moves = true};
+  std::optional<std::string> text, question;
   using Answer = Asked;
-  POLYARM_MEMBERS(ProgramAnswer, text)
+  POLYARM_MEMBERS(ProgramAnswer, text, question)
 };
 
 /// An event; `event` decides which members are present.
@@ -274,12 +278,12 @@ struct Event {
 };
 
 struct WatchEvents {
-  static constexpr Facts kFacts{.name = "events",
-                                .role = Role::watch,
-                                .text =
-                                    "what happens: lines, logs, questions, tags, states, stops, problems and "
-                                    "notes, those after number `since` "
-                                    "(0: all that are kept) first"};
+  static constexpr Facts kFacts{
+      .name = "events",
+      .role = Role::watch,
+      .text =
+          "Reports events: lines, logs, questions, tags, states, stops, problems and notes. Begins with "
+          "those after number `since` (0: all that are kept)."};
   std::optional<double> since;
   using Answer = std::vector<Event>;
   POLYARM_MEMBERS(WatchEvents, since)

@@ -18,7 +18,8 @@ struct ListedFile {
 };
 
 struct FilesList {
-  static constexpr Facts kFacts{.name = "files", .role = Role::watch, .text = "the project's files"};
+  static constexpr Facts kFacts{
+      .name = "files", .role = Role::watch, .text = "Lists the files of the project."};
   struct Answer {
     static constexpr const char* kOf = "FilesList";
     std::string folder;
@@ -38,7 +39,7 @@ struct FileDraft {
 
 struct FilesRead {
   static constexpr Facts kFacts{
-      .name = "files.read", .role = Role::watch, .text = "a file, and the draft of it that was not saved"};
+      .name = "files.read", .role = Role::watch, .text = "Returns a file, and its unsaved draft."};
   std::string name;
   struct Answer {
     static constexpr const char* kOf = "FilesRead";
@@ -51,12 +52,12 @@ struct FilesRead {
 };
 
 struct FilesDraft {
-  static constexpr Facts kFacts{.name = "files.draft",
-                                .role = Role::program,
-                                .text =
-                                    "keep an edit on the disk beside the file; `base` is the hash it was "
-                                    "begun on; without `text` the draft is "
-                                    "deleted"};
+  static constexpr Facts kFacts{
+      .name = "files.draft",
+      .role = Role::program,
+      .text =
+          "Stores an edit beside the file without changing the file. `base` is the hash of the text "
+          "that the edit began with. Without `text`, the draft is deleted."};
   std::string name;
   std::optional<std::string> text, base, by;
   struct Answer {
@@ -68,13 +69,13 @@ struct FilesDraft {
 };
 
 struct FilesWrite {
-  static constexpr Facts kFacts{.name = "files.write",
-                                .role = Role::program,
-                                .text =
-                                    "write a file; refused as changed-meanwhile if its hash is not `base` "
-                                    "(empty: it is new), unless `force`; "
-                                    "what was there becomes a version",
-                                .moves = true};
+  static constexpr Facts kFacts{
+      .name = "files.write",
+      .role = Role::program,
+      .text =
+          "Writes a file and keeps the previous text as a version. Refused as changed-meanwhile if its "
+          "hash is not `base` (empty: a new file), unless `force`.",
+      .moves = true};
   std::string name, text;
   std::optional<std::string> base;
   bool force = false;
@@ -94,8 +95,9 @@ struct FileVersion {
 };
 
 struct FilesVersions {
-  static constexpr Facts kFacts{
-      .name = "files.versions", .role = Role::watch, .text = "earlier versions of a file, newest first"};
+  static constexpr Facts kFacts{.name = "files.versions",
+                                .role = Role::watch,
+                                .text = "Lists the earlier versions of a file, newest first."};
   std::string name;
   struct Answer {
     static constexpr const char* kOf = "FilesVersions";
@@ -108,7 +110,7 @@ struct FilesVersions {
 
 struct FilesVersion {
   static constexpr Facts kFacts{
-      .name = "files.version", .role = Role::watch, .text = "an earlier version of a file"};
+      .name = "files.version", .role = Role::watch, .text = "Returns an earlier version of a file."};
   std::string name;
   double number = 0;
   struct Answer {
@@ -124,7 +126,7 @@ struct FilesVersion {
 struct FilesDelete {
   static constexpr Facts kFacts{.name = "files.delete",
                                 .role = Role::program,
-                                .text = "delete a file; its versions stay",
+                                .text = "Deletes a file. Its versions remain.",
                                 .moves = true};
   std::string name;
   using Answer = JustName;
@@ -133,7 +135,7 @@ struct FilesDelete {
 
 struct FilesRename {
   static constexpr Facts kFacts{
-      .name = "files.rename", .role = Role::program, .text = "a file gets another name", .moves = true};
+      .name = "files.rename", .role = Role::program, .text = "Renames a file.", .moves = true};
   std::string name, to;
   using Answer = JustName;
   POLYARM_MEMBERS(FilesRename, name, to)
@@ -151,8 +153,9 @@ struct FunctionText {
 };
 
 struct LanguageWords {
-  static constexpr Facts kFacts{
-      .name = "language.words", .role = Role::watch, .text = "every word and function that programs have"};
+  static constexpr Facts kFacts{.name = "language.words",
+                                .role = Role::watch,
+                                .text = "Lists every word and function of the program language."};
   struct Answer {
     static constexpr const char* kOf = "LanguageWords";
     std::vector<WordText> words;
@@ -173,9 +176,10 @@ struct Finding {
 };
 
 struct ProgramCheck {
-  static constexpr Facts kFacts{.name = "program.check",
-                                .role = Role::watch,
-                                .text = "what is wrong with a program, as it is in the file or as `text`"};
+  static constexpr Facts kFacts{
+      .name = "program.check",
+      .role = Role::watch,
+      .text = "Checks a program, from its file or from `text`, and lists the problems."};
   std::string name;
   std::optional<std::string> text;
   struct Answer {
@@ -196,9 +200,10 @@ struct StatementFacts {
 };
 
 struct ProgramSteps {
-  static constexpr Facts kFacts{.name = "program.steps",
-                                .role = Role::watch,
-                                .text = "a program as the list of its statements, with the lines of each"};
+  static constexpr Facts kFacts{
+      .name = "program.steps",
+      .role = Role::watch,
+      .text = "Returns the statements of a program as a list, each with its lines."};
   std::string name;
   std::optional<std::string> text;
   struct Answer {
@@ -216,8 +221,9 @@ struct KnownName {
 };
 
 struct ProgramNames {
-  static constexpr Facts kFacts{
-      .name = "program.names", .role = Role::watch, .text = "every name that a program of this cell may use"};
+  static constexpr Facts kFacts{.name = "program.names",
+                                .role = Role::watch,
+                                .text = "Lists every name that a program of this cell may use."};
   struct Answer {
     static constexpr const char* kOf = "ProgramNames";
     std::vector<KnownName> names;
@@ -228,13 +234,14 @@ struct ProgramNames {
 };
 
 struct CellRestart {
-  static constexpr Facts kFacts{.name = "cell.restart",
-                                .role = Role::administer,
-                                .text =
-                                    "stop on the path, and build the cell anew from its files: with another "
-                                    "`robot` (MODEL or NAME=MODEL), "
-                                    "`hardware`, `program` or `cell`; parts are where they begin",
-                                .moves = true};
+  static constexpr Facts kFacts{
+      .name = "cell.restart",
+      .role = Role::administer,
+      .text =
+          "Stops on the path and builds the cell anew from its files, if you wish with another `robot` "
+          "(MODEL or NAME=MODEL), `hardware`, `program` or `cell`. Parts return to their initial "
+          "places.",
+      .moves = true};
   std::optional<std::string> robot, hardware, program, cell;
   using Answer = Asked;
   POLYARM_MEMBERS(CellRestart, robot, hardware, program, cell)
@@ -261,9 +268,9 @@ struct ProgramDry {
       .name = "program.dry",
       .role = Role::watch,
       .text =
-          "go through a program, as it is in the file or as `text`, without moving anything: moves that "
-          "cannot be "
-          "made, the way of the TCP (two passes of its loop), and what it touches in physics (one pass)"};
+          "Goes through a program, from its file or from `text`, without moving anything. Reports "
+          "impossible moves, the path of the TCP (two passes of its loop), and contacts in physics (one "
+          "pass)."};
   std::string name;
   std::optional<std::string> text;
   struct Answer {
@@ -283,7 +290,7 @@ struct CellCheck {
   static constexpr Facts kFacts{
       .name = "cell.check",
       .role = Role::watch,
-      .text = "what is wrong with the cell's files, as they are now, as polyarm check reports it"};
+      .text = "Checks the present files of the cell, like `polyarm check`, and lists the problems."};
   struct Answer {
     static constexpr const char* kOf = "CellCheck";
     std::vector<Finding> problems;
@@ -301,17 +308,15 @@ struct WantedThing {
 };
 
 struct CellReach {
-  static constexpr Facts kFacts{.name = "cell.reach",
-                                .role = Role::administer,
-                                .text =
-                                    "what the cell's files want to reach beyond its folder: plugins, hosts, "
-                                    "devices, files, secrets; of the "
-                                    "open cell, or of the one in `folder`, which `cells` lists. `allow`: "
-                                    "remember that it may reach these "
-                                    "hosts (host:NAME) and secrets (secret:NAME) of the list, from when it "
-                                    "is opened next. `unread`: what is "
-                                    "wrong in a file that could name more",
-                                .watch_without = "allow"};
+  static constexpr Facts kFacts{
+      .name = "cell.reach",
+      .role = Role::administer,
+      .text =
+          "Lists what the files of a cell access outside its folder: plugins, hosts, devices, files, "
+          "secrets. The cell is the open one, or the one in `folder` (`cells` lists them). `allow` "
+          "allows hosts (host:NAME) and secrets (secret:NAME) of the list from the next opening on. "
+          "`unread` is the problem of a file that could not be read, and that may name more.",
+      .watch_without = "allow"};
   std::optional<std::string> folder;
   std::optional<Names> allow;
   struct Answer {
@@ -335,7 +340,8 @@ struct CellsList {
       .name = "cells",
       .role = Role::watch,
       .text =
-          "cells that can be opened: those beside this one, the user's own, and those that were open lately"};
+          "Lists the cells that can be opened: those beside the open one, those of the user, and those "
+          "opened lately."};
   struct Answer {
     static constexpr const char* kOf = "CellsList";
     std::string open;
@@ -354,7 +360,7 @@ struct CellSaveAs {
   static constexpr Facts kFacts{
       .name = "cell.save_as",
       .role = Role::administer,
-      .text = "copy the cell's files to a cell of the user's own, without opening it",
+      .text = "Copies the files of the cell to a new cell of the user, without opening it.",
       .moves = true};
   std::string name;
   using Answer = NameAndFolder;
@@ -362,12 +368,13 @@ struct CellSaveAs {
 };
 
 struct CellNew {
-  static constexpr Facts kFacts{.name = "cell.new",
-                                .role = Role::administer,
-                                .text =
-                                    "a cell of the user's own with a table, a robot of the catalogue and an "
-                                    "empty program; it is not opened",
-                                .moves = true};
+  static constexpr Facts kFacts{
+      .name = "cell.new",
+      .role = Role::administer,
+      .text =
+          "Creates a cell of the user with a table, a robot of the catalogue and an empty program, "
+          "without opening it.",
+      .moves = true};
   std::string name, robot;
   using Answer = NameAndFolder;
   POLYARM_MEMBERS(CellNew, name, robot)
@@ -385,14 +392,15 @@ struct RealHardware {
 };
 
 struct CellConnect {
-  static constexpr Facts kFacts{.name = "cell.connect",
-                                .role = Role::administer,
-                                .text =
-                                    "without `real`: which real hardware the cell names, and whether it can "
-                                    "be connected; with it: build the "
-                                    "cell anew, on that hardware, held and disarmed, or simulated",
-                                .moves = true,
-                                .watch_without = "real"};
+  static constexpr Facts kFacts{
+      .name = "cell.connect",
+      .role = Role::administer,
+      .text =
+          "Without `real`: returns the real hardware that the cell names, and whether it can be "
+          "connected. With `real`: builds the cell anew, on that hardware (held and disarmed), or "
+          "simulated.",
+      .moves = true,
+      .watch_without = "real"};
   std::optional<bool> real;
   struct Answer {
     static constexpr const char* kOf = "CellConnect";
@@ -417,9 +425,10 @@ struct RecordFacts {
 };
 
 struct RecordState {
-  static constexpr Facts kFacts{.name = "record",
-                                .role = Role::watch,
-                                .text = "whether the cell is recorded, and how far the recording is"};
+  static constexpr Facts kFacts{
+      .name = "record",
+      .role = Role::watch,
+      .text = "Reports whether the cell is recorded, and the size of the recording."};
   using Answer = RecordFacts;
   POLYARM_MEMBERS(RecordState)
 };
@@ -429,7 +438,8 @@ struct RecordStart {
       .name = "record.start",
       .role = Role::operate,
       .text =
-          "record into a file of this name in .state/recordings of the cell, `rate` times a second (100)"};
+          "Starts a recording with this file name in .state/recordings of the cell, `rate` times a "
+          "second (100)."};
   std::optional<std::string> file;
   std::optional<double> rate;
   using Answer = RecordFacts;
@@ -437,7 +447,8 @@ struct RecordStart {
 };
 
 struct RecordStop {
-  static constexpr Facts kFacts{.name = "record.stop", .role = Role::operate, .text = "close the recording"};
+  static constexpr Facts kFacts{
+      .name = "record.stop", .role = Role::operate, .text = "Closes the recording."};
   using Answer = RecordFacts;
   POLYARM_MEMBERS(RecordStop)
 };
@@ -456,7 +467,9 @@ struct HelpRow {
 };
 
 struct Help {
-  static constexpr Facts kFacts{.name = "help", .role = Role::watch, .text = "this table"};
+  static constexpr Facts kFacts{.name = "help",
+                                .role = Role::watch,
+                                .text = "Returns all requests of the cell, with arguments and results."};
   using Answer = std::vector<HelpRow>;
   POLYARM_MEMBERS(Help)
 };

@@ -1,6 +1,9 @@
 #include "polyarm/protocol/reference.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <map>
+#include <string_view>
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/protocol/families.hpp"
@@ -16,28 +19,6 @@ Help::Answer help_rows() {
     for (const Member& member : type->arguments->members())
       row.arguments.push_back({member.name, member.type->word(), member.needed});
     out.push_back(std::move(row));
-  }
-  return out;
-}
-
-namespace {
-
-/// A bar would end the table cell, so it is escaped.
-std::string in_table(std::string text) {
-  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
-  return text;
-}
-
-}  // namespace
-
-std::string request_reference() {
-  std::string out = "| request | arguments | result | what it does | may move |\n|---|---|---|---|---|\n";
-  for (const HelpRow& row : help_rows()) {
-    std::vector<std::string> arguments;
-    for (const HelpArgument& a : row.arguments)
-      arguments.push_back("`" + a.name + "`" + (a.needed ? "" : "?") + ": " + a.type);
-    out += "| `" + row.request + "` | " + join(arguments, ", ") + " | `" + in_table(row.result) + "` | " +
-           row.text + " | " + (row.moves ? "yes" : "") + " |\n";
   }
   return out;
 }
@@ -111,6 +92,98 @@ std::string request_typescript() {
            "}; answer: " + type->answer->typescript() + " };\n";
   }
   return out + "}\n";
+}
+
+namespace {
+
+/// The text with a capital first letter and a full stop.
+std::string sentence(std::string text) {
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  return text.ends_with('.') ? text : text + ".";
+}
+
+/// How many requests answer with a struct.
+using Uses = std::map<const Type*, int>;
+
+std::vector<const Type*> structs_of(const RequestType& type) {
+  std::vector<const Type*> out;
+  type.answer->collect(out);
+  return out;
+}
+
+Uses uses_of_structs() {
+  Uses out;
+  for (const RequestType* type : request_types())
+    for (const Type* each : structs_of(*type)) ++out[each];
+  return out;
+}
+
+/// "control.switch" → "controlswitch": the anchor of its heading.
+std::string anchor_of(std::string name) {
+  std::erase(name, '.');
+  return name;
+}
+
+/// "role `operate` (without `percent`: `watch`); may start or stop motion"
+std::string conditions_of(const Facts& facts) {
+  std::string out = std::string("Role `") + name(facts.role) + "`";
+  if (facts.watch_with) out += std::string(" (with `") + facts.watch_with + "`: `watch`)";
+  if (facts.watch_without) out += std::string(" (without `") + facts.watch_without + "`: `watch`)";
+  if (facts.moves) out += " · may start or stop motion";
+  if (facts.urgent) out += " · overtakes earlier requests";
+  if (facts.patient) out += " · may wait for a person";
+  return out + "\n\n";
+}
+
+std::string arguments_of(const Type& arguments) {
+  std::string out;
+  add_members(arguments, arguments, true, out);
+  return out.empty() ? "{}" : "{\n" + out + "}";
+}
+
+std::string section_of(const RequestType& type, const Uses& uses) {
+  const Facts& facts = *type.facts;
+  std::string out = std::string("### ") + facts.name + "\n\n" + sentence(facts.text) + "\n\n" +
+                    conditions_of(facts) + "```ts\narguments: " + arguments_of(*type.arguments) +
+                    "\nanswer: " + type.answer->typescript() + "\n";
+  std::vector<std::string> shared;
+  for (const Type* each : structs_of(type)) {
+    if (uses.at(each) == 1)
+      out += "\n" + interface_of(*each).substr(std::string_view("export ").size());
+    else
+      shared.push_back("[`" + each->name() + "`](#type-" + lower(each->name()) + ")");
+  }
+  out += "```\n\n";
+  if (!shared.empty()) out += "Shared types: " + join(shared, ", ") + ".\n\n";
+  return out;
+}
+
+std::string contents_of(const FamilyOfRequests& family) {
+  std::vector<std::string> links;
+  for (const RequestType* type : family.requests())
+    links.push_back(std::string("[`") + type->facts->name + "`](#" + anchor_of(type->facts->name) + ")");
+  return std::string("| ") + family.title + " | " + join(links, ", ") + " |\n";
+}
+
+}  // namespace
+
+std::string request_reference() {
+  std::string out = "| group | requests |\n|---|---|\n";
+  for (const FamilyOfRequests& family : kFamilies) out += contents_of(family);
+  out += "\n";
+  const Uses uses = uses_of_structs();
+  for (const FamilyOfRequests& family : kFamilies) {
+    out += std::string("## ") + family.title + "\n\n";
+    for (const RequestType* type : family.requests()) out += section_of(*type, uses);
+  }
+  std::map<std::string, const Type*> shared;
+  for (const auto& [type, count] : uses)
+    if (count > 1) shared.emplace(type->name(), type);
+  out += "## Shared types\n\n";
+  for (const auto& [name, type] : shared)
+    out += "### Type " + name + "\n\n```ts\n" +
+           interface_of(*type).substr(std::string_view("export ").size()) + "```\n\n";
+  return out;
 }
 
 }  // namespace polyarm::protocol

@@ -8,7 +8,7 @@ namespace polyarm::protocol {
 
 /// The answer of `help`: the requests of a cell.
 Help::Answer help_rows();
-/// The same as a Markdown table, for docs/control.md.
+/// All requests by family with arguments and answers as Markdown, for docs/requests.md.
 std::string request_reference();
 /// The requests by required role as Markdown, for docs/pendant.md.
 std::string role_reference();

@@ -22,7 +22,8 @@ std::optional<Role> role_named(std::string_view text) {
 const std::vector<const RequestType*>& request_types() {
   static const std::vector<const RequestType*> all = [] {
     std::vector<const RequestType*> out;
-    for (const auto family : kFamilies) out.insert(out.end(), family().begin(), family().end());
+    for (const FamilyOfRequests& family : kFamilies)
+      out.insert(out.end(), family.requests().begin(), family.requests().end());
     return out;
   }();
   return all;

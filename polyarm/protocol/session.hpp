@@ -23,7 +23,7 @@ struct ClientName {
 struct SessionHello {
   static constexpr Facts kFacts{.name = "session.hello",
                                 .role = Role::watch,
-                                .text = "introduce this client by a name; events come from now on",
+                                .text = "Gives this client a name. Events are sent from now on.",
                                 .session = true};
   std::optional<std::string> name;
   struct Answer {
@@ -45,7 +45,7 @@ struct SessionWatch {
   static constexpr Facts kFacts{
       .name = "session.watch",
       .role = Role::watch,
-      .text = "binary state frames, `rate` times a second (30, at most 60; 0: none)",
+      .text = "Sends binary state frames, `rate` times a second (30, at most 60; 0: none).",
       .session = true};
   std::optional<double> rate;
   struct Answer {
@@ -59,7 +59,7 @@ struct SessionWatch {
 struct SessionEnd {
   static constexpr Facts kFacts{.name = "session.end",
                                 .role = Role::watch,
-                                .text = "end this client's request with the id `of`",
+                                .text = "Ends the request of this client with the id `of`.",
                                 .session = true};
   std::optional<Any> of;
   using Answer = Nothing;
@@ -69,7 +69,7 @@ struct SessionEnd {
 struct JogBeat {
   static constexpr Facts kFacts{.name = "jog.beat",
                                 .role = Role::watch,
-                                .text = "the key of `jog` is still held; has no answer",
+                                .text = "The heartbeat of a held key. It has no answer.",
                                 .session = true};
   std::optional<Any> jog;
   using Answer = Nothing;
@@ -77,22 +77,24 @@ struct JogBeat {
 };
 
 struct JogEnd {
-  static constexpr Facts kFacts{.name = "jog.end",
-                                .role = Role::watch,
-                                .text = "the key of `jog` was released; without one all of this client's",
-                                .session = true};
+  static constexpr Facts kFacts{
+      .name = "jog.end",
+      .role = Role::watch,
+      .text = "Ends the motion `jog` of a released key; without `jog`, all of this client.",
+      .session = true};
   std::optional<std::uint64_t> jog;
   using Answer = Nothing;
   POLYARM_MEMBERS(JogEnd, jog)
 };
 
 struct SessionTake {
-  static constexpr Facts kFacts{.name = "session.take",
-                                .role = Role::watch,
-                                .text =
-                                    "take control; its holder is asked first, unless this client is at the "
-                                    "machine itself and says `force`",
-                                .session = true};
+  static constexpr Facts kFacts{
+      .name = "session.take",
+      .role = Role::watch,
+      .text =
+          "Takes control. The client that has control is asked first, unless this client is on the same "
+          "machine and sets `force`.",
+      .session = true};
   bool force = false;
   struct Answer {
     static constexpr const char* kOf = "SessionTake";
@@ -112,7 +114,7 @@ struct ControlHolder {
 
 struct SessionRelease {
   static constexpr Facts kFacts{
-      .name = "session.release", .role = Role::watch, .text = "give control away", .session = true};
+      .name = "session.release", .role = Role::watch, .text = "Gives control up.", .session = true};
   using Answer = ControlHolder;
   POLYARM_MEMBERS(SessionRelease)
 };
@@ -120,7 +122,7 @@ struct SessionRelease {
 struct SessionAnswer {
   static constexpr Facts kFacts{.name = "session.answer",
                                 .role = Role::watch,
-                                .text = "the holder of control gives it to the client that asks, or keeps it",
+                                .text = "Answers a client that asks for control: gives it, or keeps it.",
                                 .session = true};
   bool give = false;
   using Answer = ControlHolder;
@@ -136,14 +138,15 @@ struct JogBegun {
 };
 
 struct JogBegin {
-  static constexpr Facts kFacts{.name = "jog.begin",
-                                .role = Role::operate,
-                                .text =
-                                    "move while a key is held: `mode` joint, tcp or drive (a base: axis 0 "
-                                    "ahead, 1 to the left); `axis`: one "
-                                    "by its number, or a share in [-1, 1] of each; answered once it moves",
-                                .moves = true,
-                                .session = true};
+  static constexpr Facts kFacts{
+      .name = "jog.begin",
+      .role = Role::operate,
+      .text =
+          "Begins to move while a key is held. `mode` is joint, tcp or drive (a mobile base: axis 0 "
+          "ahead, 1 to the left). `axis` is the number of one axis, or a list with a fraction in [-1, "
+          "1] for each. The answer comes when the robot moves.",
+      .moves = true,
+      .session = true};
   std::optional<std::string> robot, mode, frame;
   Any axis;
   std::optional<double> direction, speed;
@@ -152,15 +155,15 @@ struct JogBegin {
 };
 
 struct JogGoto {
-  static constexpr Facts kFacts{.name = "jog.goto",
-                                .role = Role::operate,
-                                .text =
-                                    "go to joints or a pose {p, q} while a key is held, of `kind` joint or "
-                                    "line; refused if there is no way; "
-                                    "with `dry` as plan.preview",
-                                .moves = true,
-                                .watch_with = "dry",
-                                .session = true};
+  static constexpr Facts kFacts{
+      .name = "jog.goto",
+      .role = Role::operate,
+      .text =
+          "Moves to joint values or a pose {p, q} while a key is held. `kind` is joint or line. Refused "
+          "if there is no path. With `dry` it only plans, like `plan.preview`.",
+      .moves = true,
+      .watch_with = "dry",
+      .session = true};
   std::optional<std::string> robot, to;
   std::optional<Map> joints, pose;
   std::optional<MoveKind> kind;
@@ -171,11 +174,12 @@ struct JogGoto {
 };
 
 struct JogStep {
-  static constexpr Facts kFacts{.name = "jog.step",
-                                .role = Role::operate,
-                                .text = "move by `amount` (rad or m) in the direction that jog.begin has",
-                                .moves = true,
-                                .session = true};
+  static constexpr Facts kFacts{
+      .name = "jog.step",
+      .role = Role::operate,
+      .text = "Moves by `amount` (rad or m). The other arguments are those of `jog.begin`.",
+      .moves = true,
+      .session = true};
   std::optional<std::string> robot, mode, frame;
   Any axis;
   std::optional<double> direction, amount, speed;
@@ -186,7 +190,7 @@ struct JogStep {
 struct CellChange {
   static constexpr Facts kFacts{.name = "cell.change",
                                 .role = Role::administer,
-                                .text = "build the cell anew with another `model` for `robot`",
+                                .text = "Builds the cell anew with another `model` for `robot`.",
                                 .moves = true,
                                 .session = true};
   std::optional<std::string> robot, model, folder;
@@ -197,7 +201,7 @@ struct CellChange {
 struct CellOpen {
   static constexpr Facts kFacts{.name = "cell.open",
                                 .role = Role::administer,
-                                .text = "open the cell in `folder`",
+                                .text = "Opens the cell in `folder`.",
                                 .moves = true,
                                 .session = true};
   std::optional<std::string> robot, model, folder;
@@ -208,7 +212,7 @@ struct CellOpen {
 struct CellReset {
   static constexpr Facts kFacts{.name = "cell.reset",
                                 .role = Role::administer,
-                                .text = "build the cell anew from its files",
+                                .text = "Builds the cell anew from its files.",
                                 .moves = true,
                                 .session = true};
   std::optional<std::string> robot, model, folder;

@@ -38,7 +38,7 @@ struct TagsList {
   static constexpr Facts kFacts{
       .name = "tags.list",
       .role = Role::watch,
-      .text = "every tag, or those named (variables of data as well), and the links"};
+      .text = "Returns all tags, or those in `names` (variables of the data, too), and the links."};
   std::optional<Names> names;
   struct Answer {
     static constexpr const char* kOf = "TagsList";
@@ -50,13 +50,13 @@ struct TagsList {
 };
 
 struct TagsSet {
-  static constexpr Facts kFacts{.name = "tags.set",
-                                .role = Role::operate,
-                                .text =
-                                    "change a tag or variable once, as a person; `by` is reported as who has "
-                                    "changed it (the pendant's port "
-                                    "puts the name of its client there)",
-                                .moves = true};
+  static constexpr Facts kFacts{
+      .name = "tags.set",
+      .role = Role::operate,
+      .text =
+          "Sets a tag or variable once, as a person. `by` is reported as the author of the change; the "
+          "port of the pendant uses the name of its client.",
+      .moves = true};
   std::string name;
   Any value;
   std::optional<std::string> by;
@@ -65,13 +65,13 @@ struct TagsSet {
 };
 
 struct TagsForce {
-  static constexpr Facts kFacts{.name = "tags.force",
-                                .role = Role::operate,
-                                .text =
-                                    "the tag keeps the value whatever is set meanwhile, as long as the asker "
-                                    "is connected; answered again and "
-                                    "again",
-                                .moves = true};
+  static constexpr Facts kFacts{
+      .name = "tags.force",
+      .role = Role::operate,
+      .text =
+          "Forces a tag to a value until `tags.release`, or until this client disconnects. Answered "
+          "repeatedly.",
+      .moves = true};
   std::string name;
   Any value;
   std::optional<std::string> by;
@@ -80,10 +80,11 @@ struct TagsForce {
 };
 
 struct TagsRelease {
-  static constexpr Facts kFacts{.name = "tags.release",
-                                .role = Role::operate,
-                                .text = "a forced tag follows its source again, whoever forced it",
-                                .moves = true};
+  static constexpr Facts kFacts{
+      .name = "tags.release",
+      .role = Role::operate,
+      .text = "Ends the forcing of a tag, by whichever client. The tag follows its source again.",
+      .moves = true};
   std::string name;
   std::optional<std::string> by;
   using Answer = TagState;
@@ -99,12 +100,12 @@ struct TagChange {
 };
 
 struct TagsHistory {
-  static constexpr Facts kFacts{.name = "tags.history",
-                                .role = Role::watch,
-                                .text =
-                                    "who changed what, oldest first: the newest 1024 changes of tags, "
-                                    "variables and points, or those after a "
-                                    "number"};
+  static constexpr Facts kFacts{
+      .name = "tags.history",
+      .role = Role::watch,
+      .text =
+          "Lists the newest 1024 changes of tags, variables and points, oldest first, with their "
+          "authors; with `after`, those after that number."};
   std::optional<Names> names;
   std::optional<double> after;
   struct Answer {

@@ -111,7 +111,8 @@ Request read_request(const RequestType& type, const Any& fields) {
       if (member.needed)
         throw Error("bad-argument", request + " needs '" + member.name + "' (" + member.type->word() + ")");
     } else if (!member.type->read(*found, static_cast<char*>(out.get()) + member.offset)) {
-      throw Error("bad-argument", "'" + member.name + "' of " + request + " is no " + member.type->word());
+      throw Error("bad-argument",
+                  "'" + member.name + "' of " + request + " is not of type " + member.type->word());
     }
   }
   if (!type.facts->session) require_known(type, fields.json());

@@ -85,8 +85,8 @@ CellChannels::CellChannels(cell::CellView& cell, std::int64_t offset)
   add_descriptions();
   add_interfaces();
   loop_ = add_json("/loop", "polyarm.Loop", kLoopSchema, "the control loop: state, lateness and cost");
-  line_ = add_json("/program", "polyarm.ProgramLine", kLineSchema, "the line that a task has come to");
-  log_ = add<ros::rcl_interfaces::msg::Log>("/rosout", "what the cell and its programs tell");
+  line_ = add_json("/program", "polyarm.ProgramLine", kLineSchema, "the line that a task has reached");
+  log_ = add<ros::rcl_interfaces::msg::Log>("/rosout", "log of the cell and its programs");
   health_ =
       add<ros::diagnostic_msgs::msg::DiagnosticArray>("/diagnostics", "the control loop, once a second");
   add_tags();
@@ -113,8 +113,7 @@ void CellChannels::add_descriptions() {
 }
 
 void CellChannels::add_commands() {
-  commanded_ =
-      add<ros::sensor_msgs::msg::JointState>("/joint_commands", "what those joints are commanded to");
+  commanded_ = add<ros::sensor_msgs::msg::JointState>("/joint_commands", "the commands of those joints");
   const cell::CellRobots& robots = cell_.robots();
   bool velocity = false, effort = false;
   for (const auto& robot : robots)
@@ -390,7 +389,7 @@ void CellChannels::tell_health(Nanoseconds time, const Tell& tell) {
 }
 
 std::string channel_reference(const std::vector<Channel>& channels) {
-  std::string out = "| channel | messages | what it says |\n|---|---|---|\n";
+  std::string out = "| channel | messages | content |\n|---|---|---|\n";
   std::set<std::string> told;
   for (const Channel& channel : channels) {
     const bool tag = channel.topic.starts_with("/tags/");

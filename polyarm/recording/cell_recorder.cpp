@@ -242,8 +242,7 @@ class Session {
     const std::lock_guard lock(mutex_);
     if (problem_.empty())
       problem_ = "nothing more is recorded: " + sink_.problem() +
-                 "; the run goes on, and the file is readable "
-                 "up to here";
+                 "; the run continues, and the file is readable up to here";
   }
 
   void end() {
@@ -299,7 +298,7 @@ class CellRecorder : public cell::Recorder, private cell::Observer {
       throw Error("recording", "the cell is being recorded into " + path_.string(), "stop that first");
     if (!(options.rate > 0 && std::isfinite(options.rate)))
       throw Error("bad-value", "a recording cannot have " + format_number(options.rate) + " cycles a second",
-                  "say a rate from 0.1 Hz up to that of the control loop");
+                  "give a rate from 0.1 Hz to that of the control loop");
     const fs::path path = options.file.empty() ? new_file() : options.file;
     session_.reset();
     session_ = std::make_unique<Session>(cell_, path, options.rate, version_);

@@ -43,7 +43,8 @@ FileSink::FileSink(const std::filesystem::path& path) : path_(path) {
   remove_recording(path);
   fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NONBLOCK, 0600);
   if (fd_ < 0)
-    throw Error("unwritable", "the recording " + path.string() + " cannot be made: " + std::strerror(errno),
+    throw Error("unwritable",
+                "the recording " + path.string() + " cannot be created: " + std::strerror(errno),
                 "name a file in a folder that you may write to");
 }
 

@@ -228,12 +228,27 @@ void FoxgloveClient::put_message(std::uint32_t subscription, std::string_view ti
 }
 
 std::optional<FoxgloveClient::Out> FoxgloveClient::next() {
-  const std::lock_guard lock(server_.mutex_);
-  if (waiting_.empty()) return std::nullopt;
-  Out out = std::move(waiting_.front().out);
-  waiting_bytes_ -= out.body->size();
-  server_.asset_bytes_ -= waiting_.front().asset;
-  waiting_.pop_front();
+  std::optional<AssetRequest> asset;
+  AssetSource source;
+  Out out;
+  {
+    const std::lock_guard lock(server_.mutex_);
+    if (waiting_.empty()) return std::nullopt;
+    out = std::move(waiting_.front().out);
+    waiting_bytes_ -= out.body->size();
+    server_.asset_bytes_ -= waiting_.front().asset;
+    waiting_.pop_front();
+    if (!later_.empty() && may_read_asset()) {
+      asset = std::move(later_.front());
+      later_.pop_front();
+      source = server_.assets_;
+      if (source)
+        ++assets_;
+      else
+        refuse_asset(asset->id, "files cannot be read now");
+    }
+  }
+  if (source) read_asset(source, *asset);
   return out;
 }
 
@@ -251,7 +266,9 @@ void FoxgloveClient::take_text(std::string_view text) {
 
 void FoxgloveClient::take_binary(std::string_view) {
   const std::lock_guard lock(server_.mutex_);
-  put_status(kError, "a cell is watched here, and takes no messages or calls: it is moved from its pendant");
+  put_status(
+      kError,
+      "this connection only watches the cell: messages and calls are refused; use the pendant to move it");
 }
 
 void FoxgloveClient::dispatch(const Json& message) {
@@ -266,9 +283,10 @@ void FoxgloveClient::dispatch(const Json& message) {
   if (op == "fetchAsset") return fetch_asset(message);
   const std::lock_guard lock(server_.mutex_);
   if (op == "setParameters")
-    put_status(kError, "parameters are read here, and set in the cell's files");
+    put_status(kError, "parameters are read-only here; set them in the cell's files");
   else if (op == "advertise" || op == "unadvertise")
-    put_status(kError, "a cell is watched here, and takes no messages: it is moved from its pendant");
+    put_status(kError,
+               "this connection only watches the cell: messages are refused; use the pendant to move it");
   else
     put_status(kError, "'" + op.substr(0, 40) + "' is not offered here");
 }
@@ -338,41 +356,54 @@ void FoxgloveClient::watch_parameters(const Json& message, bool on) {
 }
 
 void FoxgloveClient::fetch_asset(const Json& message) {
-  const auto request = number(message.value("requestId", Json()));
+  const auto id = number(message.value("requestId", Json()));
   const auto uri = message.find("uri");
+  AssetRequest request;
   AssetSource source;
   {
     const std::lock_guard lock(server_.mutex_);
-    if (!request || uri == message.end() || !uri->is_string()) {
+    if (!id || uri == message.end() || !uri->is_string()) {
       put_status(kError, "an asset needs the text 'uri' and the number 'requestId'");
       return;
     }
-    if (assets_ < kMostAssets && waiting_bytes_ < kMostWaiting) source = server_.assets_;
-    if (source) ++assets_;
+    request = {*id, uri->get<std::string>()};
+    if (!server_.assets_) return refuse_asset(*id, "files cannot be read now");
+    if (request.uri.size() > kLongestUri) return refuse_asset(*id, "this URI is too long");
+    if (!later_.empty() || !may_read_asset()) {
+      if (later_.size() >= kMostLater) return refuse_asset(*id, "too many requests wait: read their answers first");
+      later_.push_back(std::move(request));
+      return;
+    }
+    source = server_.assets_;
+    ++assets_;
   }
-  if (!source) {
-    const std::lock_guard lock(server_.mutex_);
-    return send_asset(*request, {std::nullopt, "nobody can read files now"});
-  }
-  source(uri->get<std::string>(), [weak = weak_from_this(), request = *request](const Asset& asset) {
+  read_asset(source, request);
+}
+
+void FoxgloveClient::read_asset(const AssetSource& source, const AssetRequest& request) {
+  source(request.uri, [weak = weak_from_this(), id = request.id](const Asset& asset) {
     const auto self = weak.lock();
     if (!self) return;
     std::function<void()> wake;
     {
       const std::lock_guard lock(self->server_.mutex_);
       --self->assets_;
-      self->send_asset(request, asset);
+      self->send_asset(id, asset);
       wake = self->server_.wake_;
     }
     if (wake) wake();
   });
 }
 
+/// A client that asks on and on without reading gets no more refusals.
+void FoxgloveClient::refuse_asset(std::uint32_t request, const std::string& why) {
+  if (waiting_bytes_ < kMostWaiting + kRefusals) send_asset(request, {std::nullopt, why});
+}
+
 void FoxgloveClient::send_asset(std::uint32_t request, const Asset& given) {
-  if (waiting_bytes_ >= kMostWaiting) return;  // the client does not read
   const std::size_t bytes = given.data ? given.data->size() : 0;
   const bool room = server_.asset_bytes_ + bytes <= bounds::kAssetBytes;
-  const Asset none{std::nullopt, "too much waits for those who watch: ask again"};
+  const Asset none{std::nullopt, "too much data waits for viewers: try again"};
   const Asset& asset = room ? given : none;
   std::string body(1, kFetchAssetResponse);
   put_number(body, request);

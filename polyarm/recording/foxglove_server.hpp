@@ -106,6 +106,10 @@ class FoxgloveClient : public std::enable_shared_from_this<FoxgloveClient> {
   static constexpr std::size_t kComfortable = 256 << 10, kMostWaiting = 8 << 20;
   /// Limit of assets that are being read for the client.
   static constexpr int kMostAssets = 16;
+  /// Limits of requests for assets that wait until the client has read enough, and of their URIs.
+  static constexpr std::size_t kMostLater = 64, kLongestUri = 4096;
+  /// Queued bytes beyond kMostWaiting up to which further requests for assets get a refusal.
+  static constexpr std::size_t kRefusals = 64 << 10;
 
   ~FoxgloveClient();
   FoxgloveClient(const FoxgloveClient&) = delete;
@@ -137,19 +141,27 @@ class FoxgloveClient : public std::enable_shared_from_this<FoxgloveClient> {
   void unsubscribe(const Json& message);
   void get_parameters(const Json& message);
   void watch_parameters(const Json& message, bool on);
+  struct AssetRequest {
+    std::uint32_t id = 0;
+    std::string uri;
+  };
   void fetch_asset(const Json& message);
-  void send_asset(std::uint32_t request, const Asset& asset);
+  void read_asset(const AssetSource& source, const AssetRequest& request);
   // The caller holds the server's mutex.
   void put(const Json& message);
   void put(std::int64_t subscription, std::string body);
   void put_status(int level, const std::string& text);
   void put_message(std::uint32_t subscription, std::string_view time_and_payload);
+  bool may_read_asset() const { return assets_ < kMostAssets && waiting_bytes_ < kMostWaiting; }
+  void refuse_asset(std::uint32_t request, const std::string& why);
+  void send_asset(std::uint32_t request, const Asset& asset);
 
   FoxgloveServer& server_;
   std::map<std::uint32_t, std::uint32_t> subscriptions_;  ///< by channel id: the subscription id
   std::set<std::string> watched_;
   bool watches_all_ = false;
-  int assets_ = 0;
+  int assets_ = 0;  ///< being read
+  std::deque<AssetRequest> later_;
   std::deque<Waiting> waiting_;
   std::size_t waiting_bytes_ = 0;
   std::uint64_t left_out_ = 0;

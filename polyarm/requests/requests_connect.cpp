@@ -64,8 +64,8 @@ std::optional<Error> refusal(const ConnectOwners& cell, const std::vector<RealHa
     for (const DeviceFacts& device : each.devices)
       if (!device.there)
         return Error("no-device",
-                     "'" + device.path + "' is not there, by which '" + each.component + "' (" +
-                         each.driver + ") is reached",
+                     "'" + device.path + "' does not exist; it connects '" + each.component + "' (" +
+                         each.driver + ")",
                      "plug it in and switch it on, or correct '" + device.parameter + "' in cell.yaml");
   return std::nullopt;
 }

@@ -141,7 +141,7 @@ Poll<SwitchOutcome> control_switch(const ControllerOwners& cell, const ControlSw
   control::SwitchRequest wanted{request.activate.value_or(Names{}), request.deactivate.value_or(Names{}),
                                 strictness_of(cell, request)};
   if (wanted.activate.empty() && wanted.deactivate.empty())
-    throw Error("bad-argument", "nothing is to be activated and nothing deactivated");
+    throw Error("bad-argument", "there is nothing to activate or deactivate");
   if (request.dry) return at_once(outcome_of(cell.machine.controllers().plan(wanted)));
   return then(switch_controllers(cell.machine, std::move(wanted)),
               [](const control::SwitchPlan& plan) { return at_once(outcome_of(plan)); });
@@ -186,7 +186,7 @@ Poll<ControlState::Answer> control_state(const ControllerOwners& cell, const Con
   ControlState::Answer answer{name, hardware::name(wanted), {}};
   if (now == wanted) return at_once(answer);
   if (wanted == LifecycleState::finalized)
-    throw Error("bad-argument", "a controller is not finalized by hand", "unload it");
+    throw Error("bad-argument", "a controller cannot be finalized by a request", "unload it");
   const auto with_outcome = [answer](const control::SwitchPlan& plan) {
     ControlState::Answer out = answer;
     out.outcome.emplace(outcome_of(plan));

@@ -221,10 +221,10 @@ FilesWrite::Answer written(const fs::path& folder, const std::string& path, cons
   if ((exists ? content_hash(there) : "") != base && !force && !(exists && there == text))
     throw Error("changed-meanwhile",
                 "'" + path + "' " +
-                    (base.empty() ? "is there already"
+                    (base.empty() ? "exists already"
                      : exists     ? "was changed meanwhile"
                                   : "was deleted meanwhile"),
-                "read it again and choose, or say 'force'");
+                "read it again and choose, or set 'force'");
   if (!exists) require_room_for_file(folder);
   if (exists && there != text) keep_version(folder, path, there);
   fs::create_directories(file.parent_path());
@@ -237,25 +237,29 @@ FilesWrite::Answer written(const fs::path& folder, const std::string& path, cons
 
 fs::path project_file(const fs::path& folder, const std::string& path) {
   const auto refuse = [&](const std::string& why) -> Error {
-    return Error("bad-path", "'" + path + "' is no file of the project: " + why,
+    return Error("bad-path", "'" + path + "' is not a file of the project: " + why,
                  "a path in its folder, for example pick.script");
   };
   if (printable_line(path) != path)
-    throw Error("bad-path", "'" + printable_line(path) + "' is no file of the project: its name has control characters",
-                "give it a name of letters, digits, spaces and - _ .");
-  if (path.empty() || path.size() > 200 || path.find('\\') != std::string::npos) throw refuse("that is no path");
+    throw Error(
+        "bad-path",
+        "'" + printable_line(path) + "' is not a file of the project: its name has control characters",
+        "give it a name of letters, digits, spaces and - _ .");
+  if (path.empty() || path.size() > 200 || path.find('\\') != std::string::npos)
+    throw refuse("that is not a path");
   const fs::path wanted(path);
   if (wanted.is_absolute()) throw refuse("it is not in the folder");
   for (const fs::path& part : wanted)
-    if (part.string().starts_with('.') || part.empty()) throw refuse("it leads out, or is hidden");
-  if (!has_ending(wanted)) throw refuse("its kind is none of " + join(endings(), ", "));
+    if (part.string().starts_with('.') || part.empty())
+      throw refuse("it leads out of the folder, or is hidden");
+  if (!has_ending(wanted)) throw refuse("its kind is not one of " + join(endings(), ", "));
   // No link on the path may lead outside either.
   std::error_code error;
   const fs::path root = resolved(folder), whole = resolved(folder / wanted);
   if (!inside(whole, root)) throw refuse("it leads out of the folder");
   for (fs::path at = whole; at != root && at.has_relative_path(); at = at.parent_path())
-    if (fs::is_symlink(at, error)) throw refuse("a link on its way leads to itself");
-  if (fs::exists(whole, error) && !fs::is_regular_file(whole, error)) throw refuse("it is no file");
+    if (fs::is_symlink(at, error)) throw refuse("a link on its path points to itself");
+  if (fs::exists(whole, error) && !fs::is_regular_file(whole, error)) throw refuse("it is not a file");
   return whole;
 }
 

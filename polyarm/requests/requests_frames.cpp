@@ -24,7 +24,7 @@ Pose flange_at(const PointOwners& cell, const CellRobot& robot, const std::strin
   const data::JointState* joints = value.as_joints();
   if (!joints && value.as_point()->taught) joints = &value.as_point()->taught->joints;
   if (!joints || joints->positions.size() != robot.joints.size())
-    throw Error("bad-points", "'" + name + "' does not say in which joints it was taught", "teach it again");
+    throw Error("bad-points", "'" + name + "' has no joint values of its teaching", "teach it again");
   return robot.facts->chain.forward(joints_by_name(robot.model, *joints, name)) * inverse(robot.tool.tcp);
 }
 
@@ -88,7 +88,8 @@ Poll<PointsTool::Answer> points_tool(const PointOwners& cell, const PointsTool& 
     for (const std::string& each : *request.from) poses.push_back(flange_at(cell, robot, each));
   } else if (request.poses) {
     const nlohmann::json& given = request.poses->json();
-    if (!given.is_array() || given.size() > 100) throw Error("bad-argument", "'poses' is no list of poses");
+    if (!given.is_array() || given.size() > 100)
+      throw Error("bad-argument", "'poses' is not a list of poses");
     for (const nlohmann::json& each : given) poses.push_back(pose_value(each));
   }
   const data::TaughtTool tool = data::tool_from_poses(poses);

@@ -92,7 +92,7 @@ Poll<Done> walk(Machine& machine, std::size_t i, LifecycleState wanted) {
     return [&machine, i, on, step](Done) { return then(follow(machine, i, step), on); };
   };
   if (now == LifecycleState::finalized)
-    throw Error("finalized", "the component is finalized and comes back only by a reload",
+    throw Error("finalized", "the component is finalized; only a reload brings it back",
                 "polyarm hardware reload NAME");
   if (wanted == LifecycleState::finalized)
     return then(wait_for(hardware.begin_cleanup(i)), called(Step::shutdown));
@@ -210,7 +210,7 @@ Poll<HardwareReload::Answer> begin_again(const HardwareOwners& cell, const Remak
     cell.arming.look_again();
     const bool waits = wanted == LifecycleState::active && !cell.arming.may_be_enabled(i);
     answer.next = waits ? "it is real hardware: polyarm control arm"
-                        : "start its controllers: polyarm control switch --start NAME";
+                        : "start its controllers: polyarm control switch -a NAME";
     return then(walk(cell.machine, i, waits ? LifecycleState::inactive : wanted, answer.stopped),
                 [answer](const Taken& taken) mutable {
                   answer.name = taken.name;
@@ -323,7 +323,7 @@ Poll<ControlArm::Answer> control_arm(const HardwareOwners& cell, const ControlAr
   cell.arming.require_verified();
   const control::RunState state = cell.machine.snapshot().state;
   if (state != control::RunState::running && state != control::RunState::held)
-    throw Error("wrong-state", std::string("the loop is at ") + control::name(state),
+    throw Error("wrong-state", std::string("the control loop is in the state ") + control::name(state),
                 "polyarm control recover, then arm");
   return arm_from(cell, 0);
 }

@@ -35,7 +35,7 @@ Error stopped(const JogOwners& cell) {
   const control::StopCause cause = cell.machine.snapshot().cause;
   return {"stopped",
           std::string("the step ended early: ") +
-              (cause == control::StopCause::none ? "somebody else has the robot now" : control::name(cause)),
+              (cause == control::StopCause::none ? "another client has the robot now" : control::name(cause)),
           "polyarm health shows the state"};
 }
 
@@ -64,8 +64,8 @@ Poll<JogAnswer> follow_step(const JogOwners& cell, std::size_t i, std::uint32_t 
       if (own) jogging.end(i, session);
       out.done = status.step_hold == jog::JogHold::none;
       out.held_back = name(status.step_hold);
-      out.reason = reason_text(*cell.setup.robots[i], status.step_hold, status.step_which);
-      out.which = which_text(*cell.setup.robots[i], status.step_hold, status.step_which);
+      out.reason = reason_text(cell, i, status.step_hold, status.step_which);
+      out.which = which_text(cell, i, status.step_hold, status.step_which);
       return Stepped::done(std::move(out));
     }
     if (cell.machine.now() - renewed >= kRenewEvery) {

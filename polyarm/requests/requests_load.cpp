@@ -113,21 +113,22 @@ bool done(const LoadOwners& cell, const std::shared_ptr<Loading>& loading, bool&
 
 void require_may_begin(const LoadOwners& cell) {
   if (!cell.arming.armed())
-    throw Error("disarmed", "nothing moves: real hardware that nobody has armed", "polyarm control arm");
+    throw Error("disarmed", "nothing moves: the real hardware is not armed", "polyarm control arm");
   const control::RunState state = cell.machine.snapshot().state;
   if (state == control::RunState::fault)
     throw Error("fault", "the cell is in a fault", "polyarm control recover, then resume");
   if (state == control::RunState::stopping || state == control::RunState::backing)
-    throw Error("stopping", std::string("the cell is ") + control::name(state), "ask again when it stands");
+    throw Error("stopping", std::string("the cell is ") + control::name(state),
+                "try again when it is at rest");
   if (state != control::RunState::running)
     throw Error("held", std::string("the cell is ") + control::name(state),
-                "go on: polyarm control resume; or forget the motion: polyarm control discard");
+                "continue: polyarm control resume; or discard the motion: polyarm control discard");
 }
 
 Poll<ProgramLoad::Answer> program_load(const LoadOwners& cell, const ProgramLoad& request) {
   using Loaded = Progress<ProgramLoad::Answer>;
   if (cell.programs.program() && cell.programs.begun() && !cell.programs.program()->ended())
-    throw Error("program-runs", "a program is under way: " + cell.programs.program()->sentence(),
+    throw Error("program-runs", "a program is running: " + cell.programs.program()->sentence(),
                 "end it first: program.stop");
   auto loading = std::make_shared<Loading>(request.file, cell, cell.data.files().folder());
   enum class At { reading, data, checking } at = At::reading;
@@ -192,11 +193,11 @@ void require_as_shown(const LoadOwners& cell, const ProgramStart& request) {
   const bool same = file == loaded.file || fs::equivalent(cell.setup.file.folder / file, loaded.file, error);
   if (!file.empty() && !same)
     throw Error("program-changed",
-                "'" + loaded.file + "' stands ready now, and not '" + file + "', which was to be started",
-                "look at it, and start it then");
+                "'" + loaded.file + "' is ready now, not '" + file + "', which was to start",
+                "check it, then start it");
   if (!hash.empty() && hash != program_hash(loaded))
     throw Error("program-changed", "'" + loaded.file + "' was changed since it was shown",
-                "look at it, and start it then");
+                "check it, then start it");
 }
 
 /// `saved` is the hash of the program with its includes, or of its script alone as files.read reports it.
@@ -205,7 +206,7 @@ void require_saved_as_shown(const LoadOwners& cell, const std::string& saved) {
   if (saved.empty() || saved == program_hash(program::load_program(file)) || saved == content_hash(read_file(file)))
     return;
   throw Error("program-changed", "the files of '" + file + "' were changed since they were shown",
-              "look at them, and start it then");
+              "check them, then start it");
 }
 
 ProgramStatus program_start(const LoadOwners& cell, const ProgramStart& request) {
@@ -214,7 +215,7 @@ ProgramStatus program_start(const LoadOwners& cell, const ProgramStart& request)
     throw Error("no-program", "the cell has no program", "load one: program.load, polyarm console");
   if (cell.programs.begun())
     throw Error("program-begun", "the program has begun already: " + cell.programs.program()->sentence(),
-                cell.programs.program()->ended() ? "load it again: program.load" : "go on: program.go");
+                cell.programs.program()->ended() ? "load it again: program.load" : "continue: program.go");
   const double passes = request.passes.value_or(0);
   if (!(passes >= 0 && passes < 1e15 && passes == std::floor(passes)))
     throw Error("bad-argument", "'passes' is " + format_number(passes), "a whole number; 0: no limit");
@@ -237,8 +238,16 @@ ProgramStatus program_start(const LoadOwners& cell, const ProgramStart& request)
 Asked program_answer(const LoadOwners& cell, const ProgramAnswer& request) {
   const bool asks = cell.programs.program() && cell.programs.begun() && !cell.programs.program()->ended() &&
                     cell.programs.program()->status().waiting.kind == program::WaitKind::user;
-  if (!asks) throw Error("no-question", "the program asks nothing now", "program tells what it waits for");
-  cell.programs.answers().give(request.text.value_or(""));
+  if (!asks)
+    throw Error("no-question", "the program has no question now",
+                "the request `program` reports what it waits for");
+  const std::string& whole = cell.programs.program()->status().waiting.text;
+  const std::string question = whole.substr(0, whole.find('\n'));
+  if (request.question && *request.question != question)
+    throw Error("other-question", "the program has another question now: " + question, "read it, then answer again");
+  if (!cell.programs.answers().answer(request.text.value_or("")))
+    throw Error("answered-already", "the question is answered already, and the program has not continued yet",
+                "resume the cell");
   return {"answer"};
 }
 

@@ -258,7 +258,7 @@ Parameter param_get(const MessageOwners& cell, const ParamGet& request) {
 Poll<ParamSet::Answer> param_set(const MessageOwners& cell, const ParamSet& request) {
   using Changed = Progress<ParamSet::Answer>;
   std::vector<std::pair<std::string, std::string>> values;
-  if (request.values.empty()) throw Error("bad-argument", "'values' is no map of parameters");
+  if (request.values.empty()) throw Error("bad-argument", "'values' is not a map of parameters");
   for (const auto& [key, value] : request.values) values.emplace_back(key, value.text().value_or(value.dump()));
   const auto job = cell.machine.controllers().begin_change(request.name, values);
   return [job, count = values.size()] { return job->done() ? Changed::done({count}) : Changed{}; };
@@ -400,7 +400,7 @@ Poll<QueryTrajectory::Answer> query_state(const MessageOwners& cell, const Query
     controller->forget_sample();
     if (!out.found)
       throw Error("no-trajectory", "no trajectory leads all joints of '" + name + "' at that time",
-                  "ask for a time between the start and the end of one that is under way");
+                  "ask for a time between its start and its end");
     return Sampled::done(std::move(out));
   };
 }
@@ -420,9 +420,9 @@ NoMessage why_nothing_comes(const MessageOwners& cell, const Address& from, bool
   const std::string name = from.controller + "/" + from.port;
   const bool active = state == hardware::LifecycleState::active;
   return {name, hardware::name(state),
-          "'" + name + "' has put out nothing " + (never ? "yet" : "more") + ": its controller is " +
+          "'" + name + "' has sent nothing " + (never ? "yet" : "more") + ": its controller is " +
               hardware::name(state) + (active ? ", and is not updated" : ""),
-          active ? "look at the cell's state: polyarm health"
+          active ? "check the cell's state: polyarm health"
                  : "start it: polyarm control state " + from.controller + " active"};
 }
 

@@ -68,7 +68,7 @@ Poll<ControlBack::Answer> wait_for_step_back(const StopOwners& cell) {
       if (at[j] != from[j]) answer.joints[cell.machine.joint_places().all()[j].name] = at[j] - from[j];
     if (answer.joints.empty())
       throw Error("nothing-to-step-back", "nothing moved: no planned path is held, or it is at its start",
-                  "polyarm control resume goes on, polyarm control discard forgets the rest");
+                  "polyarm control resume continues, polyarm control discard drops the rest");
     return Back::done(std::move(answer));
   };
 }
@@ -87,9 +87,9 @@ Asked control_hold(const StopOwners& cell, const ControlHold&) {
 Poll<ControlStop::Answer> control_stop(const StopOwners& cell, const ControlStop& request) {
   const double category = request.category.value_or(2);
   if (category != 1 && category != 2)
-    throw Error(
-        "bad-argument", fmt::format("there is no stop category {:g} here", category),
-        "1: stop, then the drives are switched off; 2: stop and hold; 0 is the emergency stop's wire");
+    throw Error("bad-argument", fmt::format("there is no stop category {:g} here", category),
+                "1: stop, then the drives are switched off; 2: stop and hold; 0 is the circuit of the "
+                "emergency stop");
   cell.machine.supervisor().latch().request(realtime::StopKind::immediate);
   cell.watches.stop_watch().set_category(static_cast<int>(category));
   ControlStop::Answer answer;
@@ -124,7 +124,7 @@ Poll<ControlDiscard::Answer> control_discard(const StopOwners& cell, const Contr
     if (cell.motions.motion_left() && cell.machine.now() - asked < kPatience) return Discarded{};
     cell.watches.forget_pushes();
     return Discarded::done(
-        {"discard", held, "the robot may be jogged; polyarm control resume lets the cell go on"});
+        {"discard", held, "the robot can be jogged; polyarm control resume lets the cell continue"});
   };
 }
 
@@ -163,7 +163,7 @@ ControlOverride::Answer control_override(const StopOwners& cell, const ControlOv
   const double now = 100 * supervisor.override_share();
   const double percent = request.percent.value_or(now);
   if (!(percent >= 0 && percent <= 100))
-    throw Error("bad-argument", fmt::format("an override of {:g} % cannot be", percent),
+    throw Error("bad-argument", fmt::format("an override of {:g} % is not possible", percent),
                 "0 to 100 % of the planned speed");
   if (percent != now) {
     supervisor.set_override(percent / 100);

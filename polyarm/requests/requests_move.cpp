@@ -51,7 +51,7 @@ double quantity(const Json& value, const std::string& of, Dimension dimension) {
 
 std::vector<double> numbers(const Json& list, const std::string& of, std::initializer_list<Dimension> as) {
   if (!list.is_array() || list.size() != as.size())
-    throw Error("bad-argument", fmt::format("{} is no list of {} numbers", of, as.size()));
+    throw Error("bad-argument", fmt::format("{} is not a list of {} numbers", of, as.size()));
   std::vector<double> out;
   for (const Dimension dimension : as) out.push_back(quantity(list[out.size()], of, dimension));
   return out;
@@ -63,7 +63,7 @@ Pose pose_of(const Json& map, const std::string& of) {
   constexpr auto one = Dimension::none;
   const bool rpy = map.is_object() && map.contains("rpy");
   if (!map.is_object() || !map.contains("position") || rpy == map.contains("orientation") || map.size() != 2)
-    throw Error("bad-argument", of + " is no pose",
+    throw Error("bad-argument", of + " is not a pose",
                 "{position: [x, y, z], rpy: [roll, pitch, yaw]} or with orientation: [x, y, z, w]");
   const std::vector<double> p = numbers(map["position"], "the position of " + of, {m, m, m});
   if (rpy) {
@@ -78,7 +78,7 @@ Pose pose_of(const Json& map, const std::string& of) {
 }
 
 data::JointState joints_of(const Json& map, const CellRobot& robot, const std::string& of) {
-  if (!map.is_object()) throw Error("bad-argument", of + " is no map of joints", "{elbow_joint: 1.2, …}");
+  if (!map.is_object()) throw Error("bad-argument", of + " is not a map of joints", "{elbow_joint: 1.2, …}");
   const std::vector<std::string> known = robot.model.joint_names();
   data::JointState out;
   for (const auto& [joint, value] : map.items()) {
@@ -103,7 +103,7 @@ moves::MoveTarget target_of(const MoveOwners& cell, const CellRobot& robot, cons
   if (!value)
     throw Error("unknown-point",
                 "there is no point '" + name + "'" + did_you_mean(name, cell.data.store.names()),
-                "name a point of the cell's data, or say {joints: …} or {pose: …}");
+                "name a point of the cell's data, or give {joints: …} or {pose: …}");
   if (const data::JointState* joints = value->as_joints())
     return {joints_by_name(robot.model, *joints, name), name};
   if (const data::Point* place = value->as_point()) return {place->pose, name};
@@ -118,9 +118,9 @@ void check_keys(const Json& point, const std::string& what) {
       throw Error("bad-argument", what + " has no '" + key + "'" + did_you_mean(key, known),
                   "it takes " + join(known, ", "));
     if (key == "name" && !value.is_string())
-      throw Error("bad-argument", "the name of " + what + " is no text");
+      throw Error("bad-argument", "the name of " + what + " is not a text");
     if (key == "point" && !value.is_string())
-      throw Error("bad-argument", "the point of " + what + " is no name");
+      throw Error("bad-argument", "the point of " + what + " is not a name");
     places += key == "joints" || key == "pose" || key == "point" ? 1 : 0;
   }
   if (places != 1) throw Error("bad-argument", what + " needs one of joints, pose and point");
@@ -174,7 +174,7 @@ std::vector<moves::Move> read_move(const MoveOwners& cell, const CellRobot& robo
 void require_may_move(const MoveOwners& cell, std::size_t i) {
   const std::string& robot = cell.setup.robots[i]->entry.name;
   if (!cell.arming.armed())
-    throw Error("disarmed", "'" + robot + "' is not moved: real hardware that nobody has armed",
+    throw Error("disarmed", "'" + robot + "' is not moved: the real hardware is not armed",
                 "polyarm control arm");
   if (!cell.motions.motion(i))
     throw Error("no-motion", "no trajectory controller moves all joints of '" + robot + "'",
@@ -185,12 +185,12 @@ void require_may_move(const MoveOwners& cell, std::size_t i) {
                 "polyarm control recover, resume");
   if (state == control::RunState::stopping || state == control::RunState::backing)
     throw Error("stopping", "'" + robot + "' is not moved: the cell is " + control::name(state),
-                "ask again when it stands");
+                "try again when it is at rest");
   if (state != control::RunState::running)
     throw Error("held", "'" + robot + "' is not moved: the cell is " + control::name(state),
-                "go on: polyarm control resume; or forget the motion: polyarm control discard");
+                "continue: polyarm control resume; or discard the motion: polyarm control discard");
   if (cell.programs.runs())
-    throw Error("program-runs", "'" + robot + "' is not moved: the program is running and holds control",
+    throw Error("program-runs", "'" + robot + "' is not moved: the program is running and has control",
                 "pause it: program.pause");
   if (!cell.motions.idle(i))
     throw Error("moving", "'" + robot + "' is moving already", "wait until it has arrived");
@@ -240,7 +240,7 @@ void throw_bad_end(const moves::RobotMotion& motion, UnderWay& moves) {
   }
   if (!worst) return;
   moves.over = true;
-  throw Error("discarded", "the rest of the motion was discarded", "the robot stands where it was stopped");
+  throw Error("discarded", "the rest of the motion was discarded", "the robot stays where it was stopped");
 }
 
 Poll<MoveTo::Answer> follow_moves(const MoveOwners& cell, std::size_t i, std::vector<moves::Move> asked) {
@@ -252,8 +252,8 @@ Poll<MoveTo::Answer> follow_moves(const MoveOwners& cell, std::size_t i, std::ve
       const bool free = !cell.jogging.engaged(i) && cell.machine.snapshot().standing;
       if (!free && cell.machine.now() - asked_at > kJogPatience)
         throw Error("jogged",
-                    "'" + cell.setup.robots[i]->entry.name + "' is moved by hand or by somebody else now",
-                    "wait until they let go");
+                    "'" + cell.setup.robots[i]->entry.name + "' is moved by hand or by another client now",
+                    "wait until that has ended");
       if (!free || !std::exchange(stood, true)) return Moved{};
       require_may_move(cell, i);
       moves = std::make_shared<UnderWay>(cell);

@@ -27,7 +27,7 @@ using data::ImportFile;
 data::Value standing_value(const PointOwners& cell, std::size_t i, bool as_joints, const std::string& frame) {
   const CellRobot& robot = *cell.setup.robots[i];
   if (!cell.machine.snapshot().standing && !cell.motions.idle(i))
-    throw Error("moving", "'" + robot.entry.name + "' moves", "teach where it stands");
+    throw Error("moving", "'" + robot.entry.name + "' moves", "wait until it is at rest");
   data::JointState joints;
   joints.positions = joints_now(cell.machine, robot);
   for (const controllers::JointFacts& joint : robot.joints)
@@ -131,7 +131,7 @@ Poll<ChangedPoint> points_teach(const PointOwners& cell, const PointsTeach& requ
   if (old && !old->is_place())
     throw Error("exists", "'" + name + "' is " + data::name(old->kind()), "give the point another name");
   if (old && !request.replace)
-    throw Error("exists", "there is a point '" + name + "' already", "say 'replace' to touch it up");
+    throw Error("exists", "there is a point '" + name + "' already", "set 'replace' to overwrite it");
   const PointKind kind = request.kind.value_or(old && old->as_joints() ? PointKind::joints : PointKind::pose);
   const std::string frame = request.frame.value_or(old && old->as_point() ? old->as_point()->frame() : "");
   const data::Value value =
@@ -147,7 +147,7 @@ Poll<ChangedPoint> points_set(const PointOwners& cell, const PointsSet& request)
   auto value = data::parse_literal(request.value, why);
   if (!value)
     throw Error(
-        "bad-argument", "'value' is no value" + (why.empty() ? "" : ": " + why),
+        "bad-argument", "'value' is not a value" + (why.empty() ? "" : ": " + why),
         "for example true, 40mm, pose(x, y, z, roll, pitch, yaw), quat(…), joints(elbow_joint = 0.5, …)");
   const std::string frame = request.frame.value_or("");
   if (const data::Point* point = value->as_point(); point && !frame.empty()) {

@@ -46,7 +46,7 @@ void require_running(const ProgramOwners& cell, const Task& task) {
     throw Error("not-begun", "the program has not begun", "begin it: program.start");
   if (task.ended())
     throw Error("has-ended", std::string("the program has ended: ") + program::name(task.status().state),
-                "polyarm control from LINE begins it anew");
+                "polyarm control from LINE starts it again");
 }
 
 /// Waits until the program has paused before a statement or has ended; with `at_once` it does not wait.
@@ -152,7 +152,7 @@ Location breakpoint_at(const ProgramOwners& cell, const std::string& text) {
   const std::string number = colon == std::string::npos ? text : text.substr(colon + 1);
   const auto line = parse_number(number);
   if (!line || *line < 1 || *line > 1e6 || *line != std::floor(*line))
-    throw Error("bad-argument", "'" + text + "' is no line", "write LINE or FILE:LINE");
+    throw Error("bad-argument", "'" + text + "' is not a line", "write LINE or FILE:LINE");
   const std::string file =
       colon == std::string::npos ? program_of(cell).interpreter().program().file : text.substr(0, colon);
   return {file, static_cast<int>(*line), 0};
@@ -184,7 +184,7 @@ BreakpointList program_edited(const ProgramOwners& cell, const ProgramEdited& re
     for (const nlohmann::json& each : request.lines->json()) {
       const double line = each.is_number() ? each.get<double>() : 0;
       if (line < 1 || line > 1e6 || line != std::floor(line))
-        throw Error("bad-argument", "'lines' is no list of lines", "numbers from 1 on");
+        throw Error("bad-argument", "'lines' is not a list of lines", "numbers from 1 on");
       lines->push_back(static_cast<int>(line));
     }
   }
@@ -193,7 +193,7 @@ BreakpointList program_edited(const ProgramOwners& cell, const ProgramEdited& re
 }
 
 Error changed_since_shown(const std::string& name) {
-  return Error("program-changed", "'" + name + "' was changed since it was shown", "look at it, and start it then");
+  return Error("program-changed", "'" + name + "' was changed since it was shown", "check it, then start it");
 }
 
 /// The script as the person saw it before starting it: its file and lines.
@@ -225,7 +225,7 @@ void require_read_as_shown(const Shown& shown, const program::Program& read) {
 ProgramFrom::Answer program_from(const ProgramOwners& cell, const ProgramFrom& request) {
   const double line = request.line.value_or(0);
   if (!cell.arming.armed())  // otherwise it would start by itself as soon as somebody arms the cell
-    throw Error("disarmed", "no program begins: real hardware that nobody has armed", "polyarm control arm");
+    throw Error("disarmed", "no program begins: the real hardware is not armed", "polyarm control arm");
   const Task* const task = cell.programs.program();
   const bool runs = task && cell.programs.begun() && !task->ended() && !task->interpreter().paused();
   if (const auto why = why_no_statement(cell.machine, cell.arming, cell.life);
@@ -245,7 +245,7 @@ ProgramFrom::Answer program_from(const ProgramOwners& cell, const ProgramFrom& r
   if (request.confirmed)
     cell.programs.program()->interpreter().resume();
   else
-    out.next = "the program stands in front of this line: program.go";
+    out.next = "the program is paused before this line: program.go";
   if (const auto why = why_no_statement(cell.machine, cell.arming, cell.life))
     out.next = why->what + ": " + why->advice;
   return out;

@@ -20,7 +20,7 @@ struct RecordOwners {
 
 Recorder& recorder_of(const RecordOwners& cell) {
   if (Recorder* recorder = cell.recorder.get()) return *recorder;
-  throw Error("no-recorder", "whoever runs this cell records nothing", "run it with polyarm run");
+  throw Error("no-recorder", "this cell was started without a recorder", "run it with polyarm run");
 }
 
 RecordFacts facts_of(const RecordStatus& status) {
@@ -33,7 +33,7 @@ std::filesystem::path recording_named(const RecordOwners& cell, const std::strin
   if (name.empty()) return {};
   const std::filesystem::path plain = name;
   if (plain.filename() != plain || name == "." || name == ".." || name.find('\0') != std::string::npos)
-    throw Error("bad-argument", "'" + name + "' is no plain name of a file",
+    throw Error("bad-argument", "'" + name + "' is not a plain name of a file",
                 "recordings go to .state/recordings of the cell");
   const bool has = plain.extension() == ".mcap";
   return cell.setup.file.folder / ".state" / "recordings" / (has ? name : name + ".mcap");

@@ -159,7 +159,7 @@ TagsList::Answer tags_list(const TagOwners& cell, const TagsList& request) {
 TagState tags_set(const TagOwners& cell, const TagsSet& request) {
   const data::Value& like = value_named(cell, request.name);
   if (cell.data.store.tag_role(request.name) == data::TagRole::state)
-    throw Error("read-only", "'" + request.name + "' says what the hardware measures",
+    throw Error("read-only", "'" + request.name + "' is a measured value of the hardware",
                 "force it: polyarm tags force " + request.name + " VALUE keeps the value as long as it runs");
   if (const auto link = cell.data.links().source_of(request.name); link && link->direction == "in")
     throw Error("read-only", "'" + request.name + "' comes from the link '" + link->link + "'",

@@ -180,7 +180,7 @@ class Server : public std::enable_shared_from_this<Server> {
       if (c.name == port_.controller && c.state != hardware::LifecycleState::active)
         return "the controller is not active any more";
     const bool newer = goals_.empty() || goals_.back().get() != &goal;
-    return asking_ > 0 || newer ? "another goal took its place" : "the motion was given up at the cell";
+    return asking_ > 0 || newer ? "another goal took its place" : "the motion was ended at the cell";
   }
 
   /// The ROS reply has no field for the reason, so it is logged in the cell. The same reason is not logged

@@ -57,7 +57,7 @@ class Ros2Door : public cell::Door {
 
   std::string address() const override {
     return "ROS 2: domain " + std::to_string(options_.domain) +
-           (!options_.discovery ? ", found by nobody"
+           (!options_.discovery ? ", not discoverable"
             : options_.loopback ? ", this machine alone"
                                 : ", reachable from other machines");
   }

@@ -34,8 +34,8 @@ ParticipantOptions participant_options(const Options& options) {
       number && *number >= 0 && *number <= 232 && *number == static_cast<int>(*number))
     out.domain = static_cast<std::uint32_t>(*number);
   else
-    throw Error("bad-value", "the domain '" + domain + "' is no number from 0 to 232",
-                "look at `ros2: {domain: …}` and ROS_DOMAIN_ID");
+    throw Error("bad-value", "the domain '" + domain + "' is not a number from 0 to 232",
+                "check `ros2: {domain: …}` and ROS_DOMAIN_ID");
   std::string range = lower(option(options, "range", "ROS_AUTOMATIC_DISCOVERY_RANGE"));
   std::string peers = option(options, "peers", "ROS_STATIC_PEERS");
   // The older variable takes precedence over other environment variables.
@@ -43,7 +43,8 @@ ParticipantOptions participant_options(const Options& options) {
     range = "localhost", peers.clear();
   if (!range.empty() && range != "localhost" && range != "subnet" && range != "system_default" &&
       range != "off")
-    throw Error("bad-value", "the range '" + range + "' is none of OFF, LOCALHOST, SUBNET and SYSTEM_DEFAULT",
+    throw Error("bad-value",
+                "the range '" + range + "' is not one of OFF, LOCALHOST, SUBNET and SYSTEM_DEFAULT",
                 "SUBNET lets the robot be reached from other machines");
   out.loopback = range != "subnet" && range != "system_default";
   out.discovery = range != "off";

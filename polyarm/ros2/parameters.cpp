@@ -199,12 +199,12 @@ class Parameters : public std::enable_shared_from_this<Parameters> {
 
   void set(Json values, const Done& done) {
     if (const auto time = values.find(kSimTime); time != values.end()) {
-      if (*time != simulated()) return done("which clock stamps are of is said when the cell is started");
+      if (*time != simulated()) return done("the clock of time stamps is chosen when the cell is started");
       values.erase(time);
     }
     if (values.empty()) return done("");
     for (const auto& [name, value] : values.items())
-      if (value.is_null()) return done("the parameter '" + name + "' has a type, and is not taken away");
+      if (value.is_null()) return done("the parameter '" + name + "' has a type, and cannot be removed");
     if (!bridge_.wire().wanted(events_)) return source_.set(values, done);
     listed([self = shared_from_this(), values, done](const Json& before) {
       self->source_.set(values, [self, values, before, done](const std::string& refusal) {

@@ -67,8 +67,8 @@ rtps::Locator_t locator_of(const std::string& told) {
   if (IPLocator::isIPv4(peer) && IPLocator::setIPv4(out, peer)) return out;
   const auto found = IPLocator::resolveNameDNS(peer).first;
   if (found.empty() || !IPLocator::setIPv4(out, *found.begin()))
-    refuse("the peer '" + peer + "' is no IPv4 address, and no name of a machine that has one",
-           "look at ROS_STATIC_PEERS and `ros2: {peers: …}`");
+    refuse("the peer '" + peer + "' is neither an IPv4 address nor the name of a machine that has one",
+           "check ROS_STATIC_PEERS and `ros2: {peers: …}`");
   return out;
 }
 
@@ -111,7 +111,7 @@ class Participant::Work : public DiscoveryListener {
     participant_ = rtps::RTPSDomain::createParticipant(options.domain, attributes_of(options), this);
     if (!participant_)
       refuse("no participant in domain " + std::to_string(options.domain) + " can be made",
-             "look whether its ports are free: 7400 + 250 × domain and those after it");
+             "check that its ports are free: 7400 + 250 × domain and those after it");
     const std::lock_guard lock(mutex_);
     own_ = participant_->getGuid().guidPrefix;
   }
@@ -136,7 +136,7 @@ class Participant::Work : public DiscoveryListener {
     if (!announce(*participant_, endpoint->writer, topic, type, endpoint->depth,
                   stated<rtps_qos::WriterQos>(qos, user_data))) {
       rtps::RTPSDomain::removeRTPSWriter(endpoint->writer);
-      refuse("the writer of " + topic + " cannot be told to others");
+      refuse("the writer of " + topic + " cannot be announced");
     }
     return keep(std::move(endpoint));
   }
@@ -155,7 +155,7 @@ class Participant::Work : public DiscoveryListener {
     if (!announce(*participant_, endpoint->reader, topic, type, std::max<std::size_t>(1, qos.depth),
                   stated<rtps_qos::ReaderQos>(qos, user_data))) {
       rtps::RTPSDomain::removeRTPSReader(endpoint->reader);
-      refuse("the reader of " + topic + " cannot be told to others");
+      refuse("the reader of " + topic + " cannot be announced");
     }
     return keep(std::move(endpoint));
   }

@@ -199,10 +199,10 @@ class RemoteParticipant::Work {
         lose("broke the rules of the exchange, and was ended");
       } else if (!lives()) {
         child_.kill();
-        lose("gave no sign of life for " + seconds_of(remote_.patience) + ", and was ended");
+        lose("sent nothing for " + seconds_of(remote_.patience) + ", and was ended");
       } else if (pulse_.silent(*channel_, now, remote_.silence)) {
         child_.kill();
-        lose("hangs: it gave no sign of life for " + seconds_of(remote_.silence) + ", and was ended");
+        lose("hangs: it sent nothing for " + seconds_of(remote_.silence) + ", and was ended");
       }
     }
     leave();
@@ -362,10 +362,10 @@ class RemoteParticipant::Work {
     std::string what = std::string("the process that speaks ROS 2 (") + kDdsProgram + ") " + how;
     if (!refused_.what.empty()) what += ": " + refused_.what;
     if (const auto times = std::exchange(untold_, 0); times > 0)
-      what += ", after " + std::to_string(times) + " other ends since this was said last";
+      what += ", after " + std::to_string(times) + " other ends since the last report";
     tell({false, what,
-          "robots and programs go on; it is started again in " + seconds_of(pause_) +
-              ", and what others had under way with it is lost"});
+          "robots and programs continue; it is started again in " + seconds_of(pause_) +
+              ", and open requests of others are lost"});
     told_ = now;
     told_of_loss_ = true;
   }

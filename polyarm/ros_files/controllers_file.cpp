@@ -182,11 +182,11 @@ class Ros2Reader {
       out_.manager = read;
     } else if (read.update_rate > 0 && out_.manager.update_rate > 0 &&
                read.update_rate != out_.manager.update_rate) {
-      problems_->warning("several-rates", gathered.parameters.entries.at("update_rate").where,
-                         "the manager in " + read.ns + " asks for " + format_number(read.update_rate) +
-                             " Hz, the one in " + out_.manager.ns + " for " +
-                             format_number(out_.manager.update_rate) + " Hz",
-                         "a cell has one rate, the first counts; set update_rate of the slower controllers");
+      problems_->warning(
+          "several-rates", gathered.parameters.entries.at("update_rate").where,
+          "the manager in " + read.ns + " asks for " + format_number(read.update_rate) + " Hz, the one in " +
+              out_.manager.ns + " for " + format_number(out_.manager.update_rate) + " Hz",
+          "a cell has one rate, and the first is used; set update_rate of the slower controllers");
     }
     out_.update_rate = out_.manager.update_rate > 0 ? out_.manager.update_rate : read.update_rate;
   }
@@ -285,7 +285,8 @@ class Ros2Reader {
     entry.type = type->values.front();
     entry.where = type->where;
     if (!is_class_name(entry.type) || type->list) {
-      problems_->error("bad-type", type->where, "'" + entry.type + "' is no type of controller", kTypeAdvice);
+      problems_->error("bad-type", type->where, "'" + entry.type + "' is not a type of controller",
+                       kTypeAdvice);
       return false;
     }
     if (block) own.parameters.entries.erase(in_block);
@@ -308,12 +309,12 @@ class Ros2Reader {
       if (rest.find('.') == std::string::npos && nearest_name(rest, kControllerKeys))
         problems_->warning(
             "unknown-key", where,
-            "'" + rest + "' is no key of a controller here" + did_you_mean(rest, kControllerKeys),
+            "'" + rest + "' is not a key of a controller here" + did_you_mean(rest, kControllerKeys),
             "known are: " + join(kControllerKeys, ", "));
       else
         problems_->warning(
             "misplaced-key", where,
-            "'" + rest + "' stands below the controller manager, where '" + name + "' does not look for it",
+            "'" + rest + "' is below the controller manager, where '" + name + "' does not look for it",
             "write it below '" + name + ":' and 'ros__parameters:' at the left margin");
     }
   }
@@ -334,8 +335,8 @@ class Ros2Reader {
     Gathered more = gather(name, extra.nodes, nullptr);
     if (more.parameters.entries.empty())
       problems_->warning("params-file", entry.where,
-                         "'" + file + "' says nothing about '" + join_name(name) + "'",
-                         "its lines stand below '" + name.back() + ":' and 'ros__parameters:'");
+                         "'" + file + "' has no entry for '" + join_name(name) + "'",
+                         "its lines must be below '" + name.back() + ":' and 'ros__parameters:'");
     more.parameters.entries.erase("type");
     for (auto& [key, value] : more.parameters.entries) own.parameters.entries[key] = std::move(value);
     for (JointLimitsSource& limits : extra.joint_limits) set_.joint_limits.push_back(std::move(limits));
@@ -371,7 +372,7 @@ class Ros2Reader {
     problems_->warning(
         "other-namespace", node.where,
         "'" + join_name(node.path) + "' is not where the controller '" + entry.full_name() + "' is",
-        "its parameters are taken all the same; ROS would not: write '" + entry.full_name() + ":'");
+        "its parameters are used; ROS would ignore them: write '" + entry.full_name() + ":'");
     for (const auto& [key, value] : node.parameters.entries)
       if (key != "type") entry.parameters.entries[key] = value;
   }
@@ -388,7 +389,7 @@ class Ros2Reader {
     }
     problems_->warning("no-type", node.where,
                        "no controller manager declares a controller '" + join_name(node.path) + "'" + hint,
-                       "its lines are passed over; write '" + name +
+                       "its lines are ignored; write '" + name +
                            ": type: PACKAGE/CLASS' below the manager's "
                            "'ros__parameters:'");
   }
@@ -434,7 +435,7 @@ class Ros2Reader {
       policy(value, out);
     else if (key != "wait_until_initial_trigger")
       problems_->warning("unknown-key", value.where,
-                         "'" + key + "' is no key of async_parameters" + did_you_mean(key, kKnown),
+                         "'" + key + "' is not a key of async_parameters" + did_you_mean(key, kKnown),
                          "known are: " + join(kKnown, ", "));
   }
 
@@ -444,7 +445,7 @@ class Ros2Reader {
     if (written == "synchronized" || written == "detached")
       out.scheduling_policy = written;
     else
-      problems_->error("bad-value", value.where, "'" + written + "' is no scheduling_policy",
+      problems_->error("bad-value", value.where, "'" + written + "' is not a scheduling_policy",
                        "write synchronized or detached");
   }
 
@@ -456,12 +457,12 @@ class Ros2Reader {
       std::erase_if(entry.fallback_controllers, [&](const std::string& name) {
         if (name == entry.name)
           problems_->warning("bad-fallback", entry.where,
-                             "'" + name + "' is named as its own fallback; it has none",
-                             "name another controller, or take the line away");
+                             "'" + name + "' is named as its own fallback; this is ignored",
+                             "name another controller, or remove the line");
         else if (std::find(names.begin(), names.end(), name) == names.end())
           problems_->warning("bad-fallback", entry.where,
                              "'" + entry.name + "' falls back to '" + name +
-                                 "', which is no controller here" + did_you_mean(name, names) +
+                                 "', which is not a controller here" + did_you_mean(name, names) +
                                  "; it has no such fallback");
         else
           return false;
@@ -539,7 +540,7 @@ class Ros1Reader {
     if (!is_class_name(type))
       return problems_.warning(
           "bad-type", written->where,
-          "'" + type + "' is no type of controller; '" + join_name(path) + "' is left out",
+          "'" + type + "' is not a type of controller; '" + join_name(path) + "' is left out",
           "write PACKAGE/CLASS, such as effort_controllers/JointEffortController");
     ControllerEntry entry;
     entry.name = path.back();
@@ -561,7 +562,8 @@ class Ros1Reader {
     if (rate >= 1 && rate <= 10000)
       out_.update_rate = rate;
     else if (rate != 0)
-      problems_.error("bad-value", node.where, "'loop_hz: " + format_number(rate) + "' is no rate of a cell",
+      problems_.error("bad-value", node.where,
+                      "'loop_hz: " + format_number(rate) + "' is not a rate of a cell",
                       "write a number from 1 to 10000");
   }
 

@@ -35,7 +35,7 @@ HardwareChoice choose_hardware(const std::string& plugin, const std::string& com
       const std::string driver = available(alias.driver) ? alias.driver : "mock";
       const std::string real = available(alias.real) ? alias.real : "";
       return {driver, alias.flag,
-              fmt::format("{}: {} is played by {}{}", component, plugin,
+              fmt::format("{}: {} is simulated by {}{}", component, plugin,
                           driver == "mujoco" ? "physics (mujoco)" : driver,
                           real.empty() ? "" : ", on the robot itself it is `hardware: " + real + "`"),
               real};

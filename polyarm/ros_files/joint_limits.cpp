@@ -36,8 +36,7 @@ void positions_by_interface(const description::InterfaceInfo& interface, JointFa
         "bad-limit", interface.where,
         "no position of '" + facts.name + "' is left: the command interface 'position' allows " +
             range(lowest, highest) + ", the joint " + range(facts.lower, facts.upper),
-        "correct min and max here, or the joint's <limit>; <limits enable=\"false\"/> passes min and "
-        "max over");
+        "correct min and max here, or the joint's <limit>; <limits enable=\"false\"/> ignores min and max");
     return;
   }
   facts.lower = lower;
@@ -150,8 +149,8 @@ class JointReader {
     if (!(*value > 0)) {
       problems_.warning("bad-limit", yaml_[key].where(),
                         std::string(key) + " of '" + facts_.name + "' is " + format_number(*value) +
-                            ", which would freeze the joint; it is passed over",
-                        std::string("write ") + flag + ": false where there is no limit");
+                            ", which would freeze the joint; it is ignored",
+                        std::string("write ") + flag + ": false if there is no limit");
       return false;
     }
     limit = stated ? std::min(limit, *value) : *value;

@@ -30,9 +30,9 @@ const char* reason(tinyxml2::XMLError error) {
     case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
       return "a closing tag does not fit the one that is open";
     case tinyxml2::XML_ERROR_PARSING_ELEMENT:
-      return "a tag is not written to its end";
+      return "a tag is not complete";
     case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
-      return "an attribute is not written as NAME=\"VALUE\"";
+      return "an attribute does not have the form NAME=\"VALUE\"";
     case tinyxml2::XML_ERROR_EMPTY_DOCUMENT:
       return "the file is empty";
     case tinyxml2::XML_ERROR_PARSING_COMMENT:
@@ -82,7 +82,7 @@ class LaunchReader {
     if (!root || std::string_view(root->Name()) != "launch")
       throw Error(Problem{"not-launch",
                           {name, root ? root->GetLineNum() : 1},
-                          "this is no launch file: it does not begin with <launch>",
+                          "this is not a launch file: it does not begin with <launch>",
                           "a description is given with --description"});
     frames_.push_back(std::move(frame));
     Scope scope;
@@ -232,12 +232,12 @@ class LaunchReader {
     if (tag == "machine") return not_applicable(element, "a cell runs on this machine");
     if (tag == "test") return not_applicable(element, "a test of ROS is not run");
     warning(element, "unknown-element",
-            "<" + tag + "> is no element of a launch file" + did_you_mean(tag, kKnown), "it is passed over");
-    not_applicable(element, "<" + tag + "> is no element of a launch file");
+            "<" + tag + "> is not an element of a launch file" + did_you_mean(tag, kKnown), "it is ignored");
+    not_applicable(element, "<" + tag + "> is not an element of a launch file");
   }
 
   Error ros2(const XMLElement& element) const {
-    return Error(Problem{"ros2-launch", at(element), "this is a launch file of ROS 2, which is not followed",
+    return Error(Problem{"ros2-launch", at(element), "this is a launch file of ROS 2, which is not read here",
                          "start with: polyarm run --description FILE --controllers FILE"});
   }
 
@@ -326,7 +326,7 @@ class LaunchReader {
       const Problem& problem = thrown.problems().front();
       if (problem.code != "no-package") throw;
       const std::string written = element.Attribute("file");
-      warning(element, "no-package", problem.what + ", so '" + written + "' is passed over", problem.advice);
+      warning(element, "no-package", problem.what + ", so '" + written + "' is ignored", problem.advice);
       not_applicable(element, "'" + written + "' is not here");
       return false;
     }
@@ -353,7 +353,7 @@ class LaunchReader {
     for (const Frame& frame : frames_)
       if (frame.path == next.path && frame.passed == next.passed) {
         error(element, "include-loop", "'" + next.path.filename().string() + "' includes itself",
-              "take the <include> away, or give it an 'if' that ends");
+              "remove the <include>, or give it an 'if' that ends");
         return true;
       }
     if (frames_.size() < kDeepestInclude) return false;
@@ -435,7 +435,7 @@ class LaunchReader {
   void rosparam(const XMLElement& element, const Scope& scope) {
     const std::string command = has(element, "command") ? attribute(element, "command", scope) : "load";
     if (command != "load" && command != "delete" && command != "dump")
-      throw Error("bad-value", "'" + command + "' is no command of rosparam",
+      throw Error("bad-value", "'" + command + "' is not a command of rosparam",
                   "write load, which is also the default");
     if (command != "load")
       return not_applicable(element, "rosparam " + command + ": there is no parameter server");
@@ -514,8 +514,7 @@ class LaunchReader {
               "write their names in args=\"…\"");
     for (const std::string& option : read.unknown)
       warning(element, "unknown-option",
-              "the spawner has no option '" + option + "'" + spawner_option_hint(option),
-              "it is passed over");
+              "the spawner has no option '" + option + "'" + spawner_option_hint(option), "it is ignored");
     for (const std::string& name : read.names) spawn(element, name, resolve_name(ns, read.ns), read.stopped);
   }
 

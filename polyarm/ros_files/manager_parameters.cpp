@@ -43,14 +43,14 @@ struct Settled {
   const char* why;
 };
 constexpr Settled kSettled[] = {
-    {"handle_exceptions", true, "a controller that throws is stopped, and the process goes on"},
+    {"handle_exceptions", true, "a controller that throws is stopped, and the process continues"},
     {"hardware_components_initial_state.shutdown_on_initial_state_failure", true,
      "a cell whose hardware does not reach its first state does not start"},
     {"defaults.allow_controller_activation_with_inactive_hardware", false,
      "a controller starts when the hardware that it commands is active"},
     {"defaults.deactivate_controllers_on_hardware_self_deactivate", true,
-     "the controllers of hardware that takes itself off stop"},
-    {"overruns.manage", true, "after a late cycle the next one comes at its own time again"},
+     "if hardware deactivates itself, its controllers stop"},
+    {"overruns.manage", true, "after a late cycle, the next one comes at its normal time"},
     {"hardware_synchronization.expect_blocking_read_write", false, "the control loop keeps the time"},
 };
 
@@ -120,7 +120,7 @@ void check_strictness(const ParameterReader::Entry& entry, M& out, Problems& pro
   out.strictness = lower(out.strictness);
   if (std::find(kKnown.begin(), kKnown.end(), out.strictness) != kKnown.end()) return;
   problems.error("bad-value", entry.where,
-                 "'" + out.strictness + "' is no strictness" + did_you_mean(out.strictness, kKnown),
+                 "'" + out.strictness + "' is not a strictness" + did_you_mean(out.strictness, kKnown),
                  "write one of " + join(kKnown, ", "));
   out.strictness.clear();
 }
@@ -129,9 +129,10 @@ void unknown(const std::string& key, const Location& where, Problems& problems) 
   if (const char* instead = superseded("controller_manager", key))
     return problems.warning("superseded-key", where,
                             "'" + key + "' is no longer known to a controller manager", instead);
-  problems.warning("unknown-key", where,
-                   "'" + key + "' is no parameter of a controller manager" + did_you_mean(key, known_keys()),
-                   "it is passed over");
+  problems.warning(
+      "unknown-key", where,
+      "'" + key + "' is not a parameter of a controller manager" + did_you_mean(key, known_keys()),
+      "it is ignored");
 }
 }  // namespace
 
@@ -196,7 +197,7 @@ void ParameterReader::whole(const std::string& key, const Entry& entry, double l
     return refuse(key, entry, range);
   out = *value;
   if (text.find_first_of(".eE") != std::string::npos)
-    problems_.warning("bad-value", entry.where, "'" + key + ": " + text + "' is no whole number to ROS",
+    problems_.warning("bad-value", entry.where, "'" + key + ": " + text + "' is not a whole number to ROS",
                       "write " + format_number(*value));
 }
 

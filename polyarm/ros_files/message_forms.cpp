@@ -43,14 +43,14 @@ double seconds_of(const Yaml& yaml, double fallback) {
 std::optional<Nanoseconds> stamp_of(const Yaml& header) {
   const double stamp = seconds_of(header["stamp"]);
   if (stamp == 0) return std::nullopt;
-  if (!(stamp > 0 && stamp < 9e9)) refuse(header["stamp"], "the stamp is no time", "0 means now");
+  if (!(stamp > 0 && stamp < 9e9)) refuse(header["stamp"], "the stamp is not a time", "0 means now");
   return nanoseconds(stamp);
 }
 
 namespace {
 
 void require_map(const Yaml& yaml, const char* what, const char* example) {
-  if (!yaml.is_map()) refuse(yaml, std::string("this is no ") + what, std::string("write ") + example);
+  if (!yaml.is_map()) refuse(yaml, std::string("this is not a ") + what, std::string("write ") + example);
 }
 
 std::vector<controllers::JointTolerance> tolerances_of(const Yaml& yaml) {
@@ -137,7 +137,7 @@ Input numbers_of(const Yaml& yaml) {
 
 /// The pose of a mobile robot: {x, y, yaw}.
 Input place_of(const Yaml& yaml) {
-  if (!yaml.is_map()) refuse(yaml, "this is no place", "write {x: 0, y: 0, yaw: 0}");
+  if (!yaml.is_map()) refuse(yaml, "this is not a place", "write {x: 0, y: 0, yaw: 0}");
   check_keys(yaml, {"x", "y", "z", "roll", "pitch", "yaw"});
   const auto at = [&](const char* key) { return yaml[key].number(Dimension::none, 0); };
   return controllers::Numbers{{at("x"), at("y"), at("yaw")}};
@@ -146,7 +146,7 @@ Input place_of(const Yaml& yaml) {
 void require_as_many(const Yaml& at, std::size_t names, const std::string& of, std::size_t values,
                      const std::string& what) {
   if (names != values)
-    refuse(at, std::to_string(names) + " " + of + " stand beside " + std::to_string(values) + " " + what);
+    refuse(at, std::to_string(names) + " " + of + " do not match " + std::to_string(values) + " " + what);
 }
 
 /// {joint_names, interface_values: [{interface_names, values}]}

@@ -91,14 +91,14 @@ class Reader {
   void twice(const Yaml::Entry& entry, const Location& first) {
     if (!told_twice_.insert(entry.where.line).second) return;
     const std::string what =
-        "'" + entry.key + "' stands twice, here and in line " + std::to_string(first.line);
+        "'" + entry.key + "' occurs twice, here and in line " + std::to_string(first.line);
     if (entry.value.is_map() && ros2_)
       problems_.warning("duplicate-name", entry.where, what, "both are read; put their lines together");
     else if (entry.value.is_map())  // ROS 1 drops the first
       problems_.error("duplicate-name", entry.where, what,
                       "put its lines together, or give one another name");
     else
-      problems_.warning("duplicate-key", entry.where, what, "the later line counts; take one of them away");
+      problems_.warning("duplicate-key", entry.where, what, "the later line counts; remove one of them");
   }
 
   bool speaks_ros2(const Yaml& node, std::size_t depth) {
@@ -156,18 +156,17 @@ class Reader {
 
   void no_parameters(const std::string& key, const Location& where, const std::string& node) {
     problems_.error(
-        "no-ros-parameters", where, "'" + key + "' stands before any 'ros__parameters'",
+        "no-ros-parameters", where, "'" + key + "' comes before any 'ros__parameters'",
         "write 'ros__parameters:' in a line of its own below '" + node + ":' and indent what follows");
   }
 
   void parameters(const Yaml::Entry& entry, const Path& path, const Path& keys) {
     if (entry.key != kParameters)
-      problems_.error("unknown-key", entry.where, "'" + entry.key + "' is no key of a parameter file",
+      problems_.error("unknown-key", entry.where, "'" + entry.key + "' is not a key of a parameter file",
                       "write 'ros__parameters:', with two underscores after ros");
     if (path.empty())
-      return problems_.error("no-node-name", entry.where,
-                             "'ros__parameters' stands here without a node above it",
-                             "indent it under 'controller_manager:', and what belongs to it further still");
+      return problems_.error("no-node-name", entry.where, "'ros__parameters' has no node above it",
+                             "indent it below 'controller_manager:', and indent its content further");
     if (!entry.value.defined())
       return problems_.warning("no-value", entry.where, "'ros__parameters' of '" + path.back() + "' is empty",
                                "indent the lines that belong to it");
@@ -196,8 +195,7 @@ class Reader {
       if (entry.value.is_map())
         flatten(name, entry.value, inner_keys, path, out);
       else if (entry.key == kParameters || misspelled_parameters(entry.key))
-        problems_.error("bad-value", entry.where,
-                        "'" + entry.key + "' stands below another 'ros__parameters'",
+        problems_.error("bad-value", entry.where, "'" + entry.key + "' is below another 'ros__parameters'",
                         "it belongs directly below a node's name");
       else
         value(name, entry, inner_keys, path, out);
@@ -223,7 +221,7 @@ class Reader {
     Parameters::Entry out{{}, entry.where, entry.value.is_list()};
     if (!entry.value.defined())
       problems_.warning("no-value", entry.where, "'" + entry.key + "' has no value",
-                        "write one behind the colon, or leave the line out");
+                        "write one after the colon, or remove the line");
     for (const Yaml& item : entry.value.items()) {
       count(entry.where, 0);
       if (item.is_scalar())
@@ -312,7 +310,7 @@ Error explained(const Error& error, const std::string& text, const std::string& 
     if (first < end && text[first] == '\t')
       return Error(Problem{"yaml-tab",
                            {file, line, static_cast<int>(first - at) + 1},
-                           "a tab stands in the indentation, which YAML does not allow",
+                           "the indentation contains a tab, which YAML does not allow",
                            "replace it by spaces"});
     at = end + 1;
   }

@@ -49,7 +49,7 @@ class Line {
       const std::string value = value_of(split_words(text.substr(open + 2, close - open - 2), " \t"));
       if (value.find_first_of("\r\n") != std::string::npos)
         throw Error("bad-substitution",
-                    "'" + text.substr(open, close + 1 - open) + "' stands for more than one line",
+                    "'" + text.substr(open, close + 1 - open) + "' has a value of more than one line",
                     "give it a value of one line");
       text.replace(open, close + 1 - open, value);
     }
@@ -94,7 +94,7 @@ class Line {
     const std::filesystem::path folder = with_.find ? with_.find(name) : std::filesystem::path();
     if (!folder.empty()) return folder.string();
     throw Error("no-package", "the ROS package '" + name + "' is not found",
-                "say where packages are in POLYARM_PACKAGES");
+                "name the folders of packages in POLYARM_PACKAGES");
   }
 
   const std::string& file_;

@@ -14,15 +14,14 @@ constexpr Superseded kRows[] = {
      "odometry is published every update; leave the line out, or set the controller's update_rate"},
     {kDrive, "use_stamped_vel", "Twist and TwistStamped are both understood; leave the line out"},
     {kDrive, "*has_velocity_limits",
-     "a velocity limit holds where its number stands; leave the line out, and for no limit leave out "
-     "max_velocity and min_velocity too"},
+     "a velocity limit applies if its number is given; remove this line, and for no limit also max_velocity "
+     "and min_velocity"},
     {kDrive, "*has_acceleration_limits",
-     "an acceleration limit holds where its number stands; leave the line out, and for no limit leave out "
-     "max_acceleration and max_deceleration too"},
+     "an acceleration limit applies if its number is given; remove this line, and for no limit also "
+     "max_acceleration and max_deceleration"},
     {kDrive, "*has_jerk_limits",
-     "a jerk limit holds where its number stands; leave the line out, and for no limit leave out max_jerk "
-     "and "
-     "min_jerk too"},
+     "a jerk limit applies if its number is given; remove this line, and for no limit also max_jerk and "
+     "min_jerk"},
     {kDrive, "*.min_acceleration",
      "write max_deceleration (zero or negative), and max_acceleration_reverse where driving backwards "
      "differs"},

@@ -67,7 +67,7 @@ std::vector<double> values_of(const Yaml& yaml, const char* field, std::size_t i
 
 TrajectoryPoint point_of(const Yaml& yaml, std::size_t index, const std::vector<std::string>& joints) {
   if (!yaml.is_map())
-    refuse(yaml, fmt::format("point {} is no point", index + 1),
+    refuse(yaml, fmt::format("point {} is not a point", index + 1),
            "write {positions: [0.1, 0.2], time_from_start: 1.0}");
   check_keys(yaml, {"positions", "velocities", "accelerations", "effort", "efforts", "time_from_start"});
   TrajectoryPoint out;
@@ -83,7 +83,7 @@ TrajectoryPoint point_of(const Yaml& yaml, std::size_t index, const std::vector<
 
 TrajectoryMessage trajectory_of(const Yaml& yaml) {
   if (!yaml.is_map())
-    refuse(yaml, "this is no trajectory",
+    refuse(yaml, "this is not a trajectory",
            "write {joint_names: [joint_1], points: [{positions: [0.1], time_from_start: 1.0}]}");
   if (yaml.has("trajectory") || yaml.has("goal"))
     refuse(yaml, "this is a goal around a trajectory", "send it as a goal: polyarm send … --goal");
@@ -131,7 +131,7 @@ void check_times(const JointTrajectoryFile& file, Problems& problems) {
       problems.error("bad-time", file.where[i],
                      fmt::format("point {} is at {} s, not after point {} at {} s", i + 1, t, i,
                                  points[i - 1].time_from_start),
-                     "time_from_start has to grow from point to point");
+                     "time_from_start must grow from point to point");
   }
 }
 
@@ -208,7 +208,7 @@ void order_joints(JointTrajectoryFile& file, const std::vector<std::string>& nam
     if (from[j] == kNone) left_out.push_back(names[j]);
   if (!left_out.empty())
     warnings.warning("joint-left-out", where,
-                     "the trajectory does not say what these joints do: " + join(left_out, ", "),
+                     "the trajectory has no values for these joints: " + join(left_out, ", "),
                      "they stay where they are");
   for (TrajectoryPoint& p : m.points)
     for (const Field& f : kFields) {
@@ -304,7 +304,7 @@ class PointMaker {
 TrajectoryMessage sampled(const timing::TimedPath& timed, double rate,
                           const std::vector<std::string>& joints) {
   if (!(rate > 0) || !std::isfinite(rate) || timed.duration() * rate > 1e7)
-    throw Error("bad-value", fmt::format("{} Hz is no rate to sample {:.3f} s at", rate, timed.duration()),
+    throw Error("bad-value", fmt::format("{} Hz is not a rate to sample {:.3f} s at", rate, timed.duration()),
                 "100 Hz will do for most controllers");
   PointMaker points(timed, joints);
   const auto whole = std::size_t(timed.duration() * rate * (1 - 1e-9));
@@ -315,7 +315,7 @@ TrajectoryMessage sampled(const timing::TimedPath& timed, double rate,
 
 TrajectoryMessage knots_of(const timing::TimedPath& timed, double tolerance,
                            const std::vector<std::string>& joints) {
-  if (!(tolerance > 0)) throw Error("bad-value", fmt::format("{} is no tolerance", tolerance), "1e-6");
+  if (!(tolerance > 0)) throw Error("bad-value", fmt::format("{} is not a tolerance", tolerance), "1e-6");
   const trajectory::Trajectory pieces = to_trajectory(timed, tolerance);
   PointMaker points(timed, joints);
   points.add(0);

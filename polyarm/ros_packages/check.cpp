@@ -14,7 +14,6 @@ namespace polyarm::ros_packages {
 namespace fs = std::filesystem;
 
 namespace {
-constexpr std::size_t kLargestSource = 4 << 20, kMostSources = 5'000, kMostProviders = 50;
 
 bool is_source(const fs::path& file) {
   for (const char* ending : {".cpp", ".cc", ".cxx", ".c", ".hpp", ".h", ".hh", ".hxx"})
@@ -34,7 +33,7 @@ std::vector<fs::path> sources_of(const Package& package) {
   auto at = fs::recursive_directory_iterator(package.folder, error);
   for (; !error && at != fs::recursive_directory_iterator() && out.size() < kMostSources;
        at.increment(error)) {
-    if (at->is_directory(error) && (at.depth() > kDeepest || at->path().filename().string().starts_with(".")))
+    if (at->is_directory(error) && (at.depth() > static_cast<int>(kDeepest) || at->path().filename().string().starts_with(".")))
       at.disable_recursion_pending();
     if (is_source(at->path()) && !of_tests(at->path().lexically_relative(package.folder)))
       out.push_back(at->path());
@@ -59,24 +58,25 @@ struct Check {
       for (const Package& each : all) providers.push_back(&each);
     for (const Package* each : providers) {
       take_messages(*each);
+      take_parameters(*each);
       for (const fs::path& file : sources_of(*each)) take_own(*each, file);
     }
     check_cmake(package.folder / "CMakeLists.txt");
-    for (waiting = hardware_sources(); !waiting.empty();) {
+    for (waiting = plugin_sources(); !waiting.empty();) {
       const fs::path file = waiting.back();
       waiting.pop_back();
       if (visited.insert(file.string()).second) collect(problems, [&] { check_source(file); });
     }
   }
 
-  /// What the build file lists for the libraries of the hardware; all sources if it is not that plain.
-  std::vector<fs::path> hardware_sources() const {
+  /// What the build file lists for the libraries of the plugins; all sources if it is not that plain.
+  std::vector<fs::path> plugin_sources() const {
     std::vector<fs::path> out;
     std::error_code error;
     if (!fs::exists(package.folder / "CMakeLists.txt", error)) return sources_of(package);
     const std::string text = read_file(package.folder / "CMakeLists.txt", kLargestSource);
     for (const PluginClass& c : plugin_classes(package)) {
-      if (!c.is_hardware() || c.library.empty()) continue;
+      if (c.library.empty()) continue;
       for (auto at = text.find("add_library("); at != std::string::npos;
            at = text.find("add_library(", at + 1)) {
         const auto begin = at + 12, end = std::min(text.find(')', begin), text.size());
@@ -109,6 +109,20 @@ struct Check {
         }
         declared.insert(name);
       }
+  }
+  /// Headers that the build makes of the package's parameter files.
+  void take_parameters(const Package& from) {
+    std::error_code error;
+    if (!fs::exists(from.folder / "CMakeLists.txt", error)) return;
+    const std::string text = read_file(from.folder / "CMakeLists.txt", kLargestSource);
+    constexpr std::string_view kCall = "generate_parameter_library(";
+    for (auto at = text.find(kCall); at != std::string::npos; at = text.find(kCall, at + 1)) {
+      const auto begin = at + kCall.size(), end = std::min(text.find(')', begin), text.size());
+      const std::vector<std::string> words = split_words(text.substr(begin, end - begin));
+      if (words.empty()) continue;
+      own.emplace(words[0] + ".hpp", "");
+      own.emplace(from.name + "/" + words[0] + ".hpp", "");
+    }
   }
   /// Headers that the build makes of the package's interfaces.
   void take_messages(const Package& from) {
@@ -144,8 +158,10 @@ struct Check {
     for (std::string line; std::getline(lines, line);) {
       ++number;
       check_include(file, number, line);
+      if (trim(line).starts_with("*") || trim(line).starts_with("/*")) continue;  // a comment
       for (const char* space :
-           {"hardware_interface::", "rclcpp::", "rclcpp_lifecycle::", "realtime_tools::", "pluginlib::"})
+           {"hardware_interface::", "rclcpp::", "rclcpp_lifecycle::", "rclcpp_action::", "realtime_tools::",
+            "controller_interface::", "control_toolbox::", "semantic_components::", "pluginlib::"})
         check_names(file, number, line, space);
     }
   }
@@ -175,7 +191,7 @@ struct Check {
     missing(header, {file.string(), number}, "no header '" + header + "' is here",
             kit.source_of_header(header),
             known ? "Polyarm has the package " + folder +
-                        ", but not this header: leave it out, or tell Polyarm's makers"
+                        ", but not this header: leave it out, or report it to the Polyarm project"
                   : "put the package that has it into the same workspace, or install it");
   }
 
@@ -192,7 +208,7 @@ struct Check {
       const std::string package_name = space.substr(0, space.size() - 2);
       if (name.empty() || declared.contains(name) || kit.words(package_name).contains(name)) continue;
       missing(space + name, {file.string(), number}, "Polyarm has no " + space + name, std::nullopt,
-              "write this part without it, or tell Polyarm's makers");
+              "write this part without it, or report it to the Polyarm project");
     }
   }
 
@@ -227,7 +243,7 @@ struct Check {
     const auto source = kit.source_of_package(name);
     if (reported.insert("package " + name).second)
       problems.warning("missing", {file.string(), number},
-                       "no package '" + name + "' is here; the hardware may not need it",
+                       "no package '" + name + "' is here; the plugins may not need it",
                        source ? source->advice() : "put it into the same workspace, or install it");
   }
   static bool found_by_cmake(const std::string& name) {

@@ -61,7 +61,7 @@ struct Writer {
     std::vector<std::string> words = split_words(type, "/");
     if (words.size() == 1) words.insert(words.begin(), interface.package);
     if (words.size() == 3) words.erase(words.begin() + 1);
-    if (words.size() != 2) refuse(where, "'" + type + "' is no type");
+    if (words.size() != 2) refuse(where, "'" + type + "' is not a type");
     for (const std::string& word : words) check_name(word, where);
     includes.insert(words[0] + "/msg/" + header_name(words[1]) + ".hpp");
     return words[0] + "::msg::" + words[1];
@@ -69,10 +69,10 @@ struct Writer {
 
   static void check_name(const std::string& name, const Location& where) {
     if (name.empty() || std::isdigit(static_cast<unsigned char>(name[0])))
-      refuse(where, "'" + name + "' is no name");
+      refuse(where, "'" + name + "' is not a name");
     for (const char c : name)
       if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_')
-        refuse(where, "'" + name + "' is no name");
+        refuse(where, "'" + name + "' is not a name");
   }
 
   static std::string value(const std::string& type, std::string text) {
@@ -89,7 +89,7 @@ struct Writer {
 
   static void check_number(const std::string& text, const Location& where) {
     if (text.find_first_not_of("0123456789+-.eExXabcdefABCDEFinfINFnaNtrueTRUEfals") != std::string::npos)
-      refuse(where, "'" + text + "' is no value");
+      refuse(where, "'" + text + "' is not a value");
   }
 
   Member field(std::string_view line, const Location& where) {
@@ -159,15 +159,20 @@ struct Writer {
     for (const std::string pointer : {"SharedPtr", "ConstSharedPtr"})
       out += "  using " + pointer + " = std::shared_ptr<" + (pointer[0] == 'C' ? "const " : "") + made.name +
              ">;\n";
+    out += "  " + made.name + "() = default;\n  explicit " + made.name +
+           "(rosidl_runtime_cpp::MessageInitialization) {}\n";
     out += "  using UniquePtr = std::unique_ptr<" + made.name + ">;\n";
     for (const Member& m : made.members)
       if (m.constant) out += "  static constexpr " + m.type + " " + m.name + " = " + m.initial + ";\n";
-    std::string equal;
+    std::string equal, setters;
     for (const Member& m : made.members)
       if (!m.constant) {
         out += "  " + m.type + " " + m.name + "{" + m.initial + "};\n";
+        setters += "  " + made.name + "& set__" + m.name + "(const " + m.type + "& value) { return " + m.name +
+                   " = value, *this; }\n";
         equal += (equal.empty() ? "" : " && ") + m.name + " == o." + m.name;
       }
+    out += setters;
     out += "  bool operator==(const " + made.name + "& " + (equal.empty() ? "" : "o") + ") const { return " +
            (equal.empty() ? "true" : equal) + "; }\n";
     out += "  bool operator!=(const " + made.name + "& o) const { return !(*this == o); }\n};\n";
@@ -179,7 +184,7 @@ struct Writer {
     std::string out =
         "#pragma once\n// Made by `polyarm plugin`.\n#include <array>\n#include <cstdint>\n#include "
         "<memory>\n"
-        "#include <string>\n#include <vector>\n\n";
+        "#include <string>\n#include <vector>\n\n#include \"rosidl_runtime_cpp/message_initialization.hpp\"\n";
     for (const std::string& header : includes) out += "#include \"" + header + "\"\n";
     out += "\nnamespace " + interface.package + "::" + interface.kind + " {\n\n";
     for (const Struct& made : structs) out += code_of(made) + "\n";

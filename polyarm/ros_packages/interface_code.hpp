@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/ros_packages/bounds.hpp"
 
 namespace polyarm::ros_packages {
 
-inline constexpr std::size_t kLargestInterface = 1 << 20;
 
 struct Interface {
   std::string package, kind, name;  ///< "std_msgs", "msg", "Float64"

@@ -12,7 +12,6 @@ namespace polyarm::ros_packages {
 namespace fs = std::filesystem;
 
 namespace {
-constexpr std::size_t kLargestSource = 4 << 20;
 
 fs::path find_folder() {
   const auto found = installation::data_folders("ros", "packages.list");
@@ -59,6 +58,13 @@ Kit::Kit() : folder_(find_folder()) {
       source.debian = row[2];
     (row[0] == "header" ? header_sources_ : package_sources_)[row[1]] = source;
   }
+}
+
+void Kit::require_headers() const {
+  std::error_code error;
+  if (!fs::exists(headers_ / "polyarm/hardware/component.hpp", error))
+    throw Error("no-kit", "Polyarm's headers for plugins are not in " + headers_.string(),
+                "sudo apt install polyarm-dev; from source: cmake --install build --prefix DIR");
 }
 
 std::set<std::string> Kit::message_packages() const {

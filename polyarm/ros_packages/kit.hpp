@@ -25,6 +25,8 @@ class Kit {
 
   const std::filesystem::path& folder() const { return folder_; }    ///< has include/ and cmake/
   const std::filesystem::path& headers() const { return headers_; }  ///< Polyarm's own headers for plugins
+  /// Throws Error("no-kit") if these are not installed.
+  void require_headers() const;
   const std::vector<Interface>& interfaces() const { return interfaces_; }
   std::set<std::string> message_packages() const;
   /// A package of packages.list or of messages.

@@ -32,28 +32,39 @@ std::string one_line(const std::string& text) {
 
 std::string module_code(const Package& package, const std::vector<PluginClass>& classes,
                         const std::vector<const Package*>& order, const ModuleOptions& options) {
-  std::string out =
-                  "// Made by `polyarm plugin build`.\n#include \"polyarm_ros/module.hpp\"\n\nnamespace {\n",
-              entries;
-  std::string described;
+  std::string out, entries, described;
+  bool any_hardware = false, any_controller = false;
   int number = 0;
   for (const PluginClass& c : classes) {
     described += "  polyarm_ros::described_types()[" + literal(c.name) + "] = " + literal(c.type) + ";\n";
-    if (!c.is_hardware()) continue;
-    const std::string make = "make_" + std::to_string(number++);
-    out += "polyarm::hardware::Component* " + make + "() {\n  return new polyarm_ros::RosComponent(" +
-           literal(c.name) + ", " + literal(c.type) + ", " + (options.simulated ? "true" : "false") +
-           ");\n}\n";
-    entries += ",\n    {" + literal(c.name) +
-               ", polyarm::hardware::PluginKind::hardware, polyarm::hardware::kComponentLayout, &" + make +
-               ", nullptr, " + literal(one_line(c.description)) + "}";
+    if (c.is_hardware()) {
+      any_hardware = true;
+      out += "polyarm::hardware::Component* make_" + std::to_string(number) +
+             "() {\n  return new polyarm_ros::RosComponent(" + literal(c.name) + ", " + literal(c.type) +
+             ", " + (options.simulated ? "true" : "false") + ");\n}\n";
+      entries += ",\n    {" + literal(c.name) +
+                 ", polyarm::hardware::PluginKind::hardware, polyarm::hardware::kComponentLayout, &make_" +
+                 std::to_string(number++) + ", nullptr, " + literal(one_line(c.description)) + "}";
+    } else if (c.is_controller()) {
+      any_controller = true;
+      out += "polyarm::controllers::Controller* make_" + std::to_string(number) +
+             "() {\n  return new polyarm_ros::RosController(" + literal(c.type) + ");\n}\n";
+      entries += ",\n    {" + literal(c.name) +
+                 ", polyarm::hardware::PluginKind::controller, polyarm::controllers::kControllerLayout, "
+                 "nullptr, &make_" +
+                 std::to_string(number++) + ", " + literal(one_line(c.description)) + "}";
+    }
   }
   for (const Package* each : order)
     described += "  polyarm_ros::package_folders()[" + literal(each->name) +
                  "] = " + literal(each->folder.string()) + ";\n";
   out += "[[maybe_unused]] const bool described = [] {\n" + described +
          "  return true;\n}();\n}  // namespace\n\n";
-  return out + "POLYARM_PLUGIN(" + literal(package.name) + ", " + literal(package.version) + entries + ")\n";
+  const std::string begin =
+      std::string("// Made by `polyarm plugin build`.\n#include \"polyarm_ros/module.hpp\"\n") +
+      (any_hardware ? "#include \"polyarm_ros/component.hpp\"\n" : "") +
+      (any_controller ? "#include \"polyarm_ros/controller.hpp\"\n" : "") + "\nnamespace {\n";
+  return begin + out + "POLYARM_PLUGIN(" + literal(package.name) + ", " + literal(package.version) + entries + ")\n";
 }
 
 std::string module_cmake(const Package& package, const std::vector<PluginClass>& classes,
@@ -83,7 +94,7 @@ std::string module_cmake(const Package& package, const std::vector<PluginClass>&
       "polyarm_ros_module(" + package.name + " " + package.name + " ${CMAKE_CURRENT_SOURCE_DIR}/module.cpp";
   std::set<std::string> libraries;
   for (const PluginClass& c : classes)
-    if (c.is_hardware() && !c.library.empty()) libraries.insert(c.library);
+    if (!c.library.empty()) libraries.insert(c.library);
   for (const std::string& library : libraries) out += " " + cmake_text(library);
   return out + ")\n";
 }

@@ -43,7 +43,7 @@ struct Search {
   std::size_t folders = 0;
 
   void look(const fs::path& folder, int depth) {
-    if (++folders > kMostFolders || out.size() >= kMostPackages || depth > kDeepest) return;
+    if (++folders > kMostFolders || out.size() >= kMostPackages || depth > static_cast<int>(kDeepest)) return;
     std::error_code error;
     if (fs::is_regular_file(folder / "package.xml", error))
       return collect(problems, [&] { out.push_back(read_package(folder / "package.xml")); });
@@ -98,6 +98,19 @@ void read_classes(const fs::path& file, std::vector<PluginClass>& out) {
   }
 }
 }  // namespace
+
+std::string bounds_table() {
+  std::string out = "| what | at most | beyond |\n|---|---|---|\n";
+  const auto row = [&](std::size_t value, std::string unit, const char* what, const char* beyond) {
+    const bool mebibytes = unit == "bytes" && value % (1 << 20) == 0;
+    out += std::string("| ") + what + " | " + std::to_string(mebibytes ? value >> 20 : value) + " " +
+           (mebibytes ? "MiB" : unit) + " | " + beyond + " |\n";
+  };
+#define POLYARM_ROS_PACKAGES_ROW(name, value, unit, what, beyond) row(value, unit, what, beyond);
+  POLYARM_ROS_PACKAGES_BOUNDS(POLYARM_ROS_PACKAGES_ROW)
+#undef POLYARM_ROS_PACKAGES_ROW
+  return out;
+}
 
 bool Package::has_cmake() const {
   std::error_code error;
@@ -171,7 +184,7 @@ bool PluginClass::is_hardware() const {
   return false;
 }
 bool PluginClass::is_controller() const {
-  return base.starts_with("controller_interface::");
+  return base.starts_with("controller_interface::") && base.ends_with("Interface");
 }
 
 std::vector<PluginClass> plugin_classes(const Package& package) {

@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/ros_packages/bounds.hpp"
 
 namespace polyarm::ros_packages {
 
-inline constexpr std::size_t kLargestXml = 1 << 20, kMostFolders = 20'000, kMostPackages = 2'000;
-inline constexpr int kDeepest = 8;
 
 struct Dependency {
   std::string name;

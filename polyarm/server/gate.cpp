@@ -161,9 +161,9 @@ Verdict judge(const Head& head, const GateRules& rules, bool changes) {
   if (!host_allowed(head.host, rules))
     return {421, "this address is not served: open the link that polyarm printed"};
   if (!head.origin.empty() && head.origin != (head.secure ? "https://" : "http://") + head.host)
-    return {403, "a page from elsewhere is not let in"};
+    return {403, "a page from another site is refused"};
   if (!head.fetch_site.empty() && head.fetch_site != "same-origin" && head.fetch_site != "none")
-    return {403, "a page from elsewhere is not let in"};
+    return {403, "a page from another site is refused"};
   const Shown shown = shown_token(head, rules);
   if (shown == Shown::nothing) return {401, "the token is missing: open the link that polyarm printed"};
   if (shown == Shown::wrong) return {403, "the token is wrong: open the link that polyarm printed last"};

@@ -133,7 +133,7 @@ class Port::Work {
     Failure failed;
     const auto address = net::ip::make_address(options.address, failed);
     if (failed)
-      throw Error("no-port", "'" + options.address + "' is no address of this machine",
+      throw Error("no-port", "'" + options.address + "' is not an address of this machine",
                   "for example 0.0.0.0");
     const tcp::endpoint where(address, options.port);
     const auto step = [&](auto action) {
@@ -230,7 +230,7 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
 
   void pump() {
     if (!open_ || closing_) return;
-    if (client_->gone()) return close(ws::close_code::policy_error, "it does not read what it asked for");
+    if (client_->gone()) return close(ws::close_code::policy_error, "it does not read its answers");
     if (writing_) return;
     auto out = client_->next();
     if (!out) return;

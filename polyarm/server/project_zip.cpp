@@ -94,9 +94,10 @@ std::vector<fs::path> files_of(const fs::path& folder) {
 fs::path place_of(const std::string& name) {
   const fs::path path(name);
   const auto refuse = [&] {
-    return Error("bad-zip",
-                 "the zip has the file '" + shortened(printable_line(name)) + "', which is none of a project",
-                 "names are plain text and stay within the folder");
+    return Error(
+        "bad-zip",
+        "the zip has the file '" + shortened(printable_line(name)) + "', which cannot belong to a project",
+        "names are plain text and stay within the folder");
   };
   if (name.empty() || name.find('\\') != std::string::npos || path.is_absolute() || name.size() > 400 ||
       printable_line(name) != name)
@@ -149,7 +150,8 @@ void require_plain(zip_t* zip, zip_uint64_t index, const std::string& name) {
                      zip_stat_index(zip, index, 0, &stat) == 0;
   const zip_uint32_t kind = system == ZIP_OPSYS_UNIX ? (attributes >> 16) & kKind : 0;
   if (!known || (kind != 0 && kind != kFile))
-    throw Error("bad-zip", "'" + name + "' of the zip is no ordinary file", "pack files and folders alone");
+    throw Error("bad-zip", "'" + name + "' of the zip is not an ordinary file",
+                "pack files and folders alone");
   if ((stat.valid & ZIP_STAT_ENCRYPTION_METHOD) && stat.encryption_method != ZIP_EM_NONE)
     throw Error("bad-zip", "'" + name + "' of the zip is encrypted", "pack the project without a password");
   // Only Deflate, which every zip program writes, is accepted: libzip would use other libraries for the rest.
@@ -242,12 +244,12 @@ void unzip_into(std::string_view bytes, const fs::path& folder) {
       refuse_native(name, text);
       fs::create_directories(file.parent_path(), error);
       if (error)
-        throw Error("bad-zip", "the zip has '" + name + "', which cannot be made: " + error.message(),
+        throw Error("bad-zip", "the zip has '" + name + "', which cannot be created: " + error.message(),
                     "use short names, and no name for a file and a folder");
       write_file_atomically(file, text);
     }
     if (!fs::exists(coming / "cell.yaml", error))
-      throw Error("bad-zip", "the zip has no cell.yaml: it is no project");
+      throw Error("bad-zip", "the zip has no cell.yaml: it is not a project");
     fs::rename(coming, folder);
   } catch (...) {
     fs::remove_all(coming, error);

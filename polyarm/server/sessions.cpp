@@ -68,7 +68,7 @@ class Sessions::Work {
 
   void detach() {
     if (!cell_) return;
-    const Error gone("no-cell", "the cell was closed or started anew before it answered", "ask again");
+    const Error gone("no-cell", "the cell was closed or restarted before it answered", "ask again");
     for (const auto& [number, seat] : seats_) cell_->requests().refuse(seat.client.get(), gone);
     cell_ = nullptr;
     jogs_.reset();
@@ -257,14 +257,14 @@ class Sessions::Work {
     if (!line.before_stop && !(line.before_end && jogs)) return;
     if (protocol::role_needed(type, fields) != Role::operate) return;
     throw Error("overtaken",
-                std::string("'") + type.facts->name + "' is refused: a stop of yours came after it and was taken first",
-                "send it again if it is still wanted");
+                std::string("'") + type.facts->name + "' is refused: your later stop was handled first",
+                "send it again if you still want it");
   }
 
   void require_control(const Seat& seat, const std::string& what) const {
     if (control_.holds(seat.client->number)) return;
     const std::string who =
-        control_.holder() ? "'" + name_of(control_.holder()) + "' holds control" : "nobody holds control";
+        control_.holder() ? "'" + name_of(control_.holder()) + "' has control" : "nobody has control";
     throw Error("no-control", "'" + what + "' is refused: " + who, "take control first: session.take");
   }
 
@@ -382,7 +382,7 @@ class Sessions::Work {
   }
   std::string name_of(std::uint64_t client) const {
     const auto found = seats_.find(client);
-    return found == seats_.end() ? "somebody who is gone" : found->second.name;
+    return found == seats_.end() ? "a client that is gone" : found->second.name;
   }
 
   protocol::SessionHello::Answer hello(Seat& seat, const protocol::SessionHello& request) {
@@ -402,7 +402,7 @@ class Sessions::Work {
   protocol::SessionWatch::Answer watch(Seat& seat, const protocol::SessionWatch& request) {
     const double rate = request.rate.value_or(30.0);
     if (!(rate >= 0 && rate <= 1000))
-      throw Error("bad-argument", "'rate' is no number of frames a second", "0 to 60");
+      throw Error("bad-argument", "'rate' is not a number of frames a second", "0 to 60");
     const bool news = seat.rate == 0 && rate > 0;
     seat.rate = std::min(rate, kFastest);
     seat.listens = true;
@@ -413,7 +413,7 @@ class Sessions::Work {
   protocol::SessionTake::Answer take_control(Seat& seat, const protocol::SessionTake& request) {
     const std::uint64_t client = seat.client->number;
     if (request.force && !seat.client->local && control_.holder() != 0)
-      throw Error("no-force", "control is taken without asking only at the machine itself",
+      throw Error("no-force", "only a client on this machine can take control without asking",
                   "ask: session.take");
     const std::uint64_t before = control_.holder();
     const Control::Taken taken = control_.take(client, request.force, now_);
@@ -433,7 +433,7 @@ class Sessions::Work {
 
   protocol::ControlHolder answer_asker(Seat& seat, const protocol::SessionAnswer& request) {
     if (!control_.answer(seat.client->number, request.give))
-      throw Error("not-asked", "nobody asks you for control");
+      throw Error("not-asked", "no client asks you for control");
     if (request.give && jogs_) jogs_->end_all(seat.client->number, "control");
     return {control_.holds(seat.client->number), who(control_.holder())};
   }

@@ -114,7 +114,7 @@ Text PageSite::plain_of(const std::string& path, const Asset& asset) const {
 
 HttpReply PageSite::page(const HttpRequest& request) const {
   if (request.token == Shown::query) {
-    HttpReply out = plain(302, "go on at /");
+    HttpReply out = plain(302, "continue at /");
     out.headers.emplace_back("Location", "/");
     out.headers.emplace_back("Set-Cookie", "polyarm_token_" + std::to_string(port_) + "=" +
                                                query_value(request.target, "token") +
@@ -125,7 +125,7 @@ HttpReply PageSite::page(const HttpRequest& request) const {
   if (request.token == Shown::wrong && request.target.find("token=") != std::string::npos)
     return plain(403, "the token is wrong: open the link that polyarm printed last");
   if (request.path == "/help") {
-    HttpReply out = plain(302, "go on at /help/");
+    HttpReply out = plain(302, "continue at /help/");
     out.headers.emplace_back("Location", "/help/");
     return out;
   }
@@ -177,7 +177,7 @@ bool PageSite::later(const HttpRequest& request, const Reply& reply) {
 }
 
 void PageSite::post(std::function<HttpReply()> job, const Reply& reply) {
-  if (waiting_ >= kMostWaiting || !worker_) return reply(plain(503, "too much is asked for at once"));
+  if (waiting_ >= kMostWaiting || !worker_) return reply(plain(503, "too many requests at once"));
   ++waiting_;
   worker_->post([this, job = std::move(job), reply] {
     HttpReply out;
@@ -212,7 +212,7 @@ void PageSite::project(HttpRequest request, const Reply& reply) {
   const std::string name = query_value(request.target, "name");
   const auto good = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; };
   if (name.empty() || name.size() > 60 || !std::all_of(name.begin(), name.end(), good))
-    return reply(plain(400, "?name= has to be letters, digits, _ and -"));
+    return reply(plain(400, "?name= must be letters, digits, _ and -"));
   post(
       [folder, name, zip = std::move(request.body)] {
         const std::filesystem::path into =

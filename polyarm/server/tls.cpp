@@ -67,10 +67,10 @@ std::string fingerprint_of(X509* certificate) {
 std::string judge(Certificate& both, bool expires) {
   const auto refuse_password = [](char*, int, int, void*) { return 0; };
   const Held<X509> first(::PEM_read_bio_X509(reader(both.chain).get(), nullptr, nullptr, nullptr));
-  if (!first) return "the file of the certificate is no PEM";
+  if (!first) return "the certificate file is not a PEM file";
   const Held<EVP_PKEY> key(
       ::PEM_read_bio_PrivateKey(reader(both.key).get(), nullptr, refuse_password, nullptr));
-  if (!key) return "the file of the key is no PEM without a password";
+  if (!key) return "the key file is not a PEM file without a password";
   if (::X509_check_private_key(first.get(), key.get()) != 1) return "key and certificate do not belong together";
   std::time_t until = std::time(nullptr) + (expires ? kRenew_s : 0);
   if (::X509_cmp_time(::X509_get0_notAfter(first.get()), &until) < 0) return "the certificate has expired";
@@ -99,7 +99,7 @@ void write_private(const fs::path& file, const std::string& text) {
   const bool written = fd >= 0 && ::write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size());
   const std::string why = std::strerror(errno);
   if (fd >= 0) ::close(fd);
-  if (!written) fail("the certificate cannot be kept in " + file.string() + ": " + why);
+  if (!written) fail("the certificate cannot be stored in " + file.string() + ": " + why);
 }
 
 void add_extension(X509* certificate, int kind, const std::string& value) {

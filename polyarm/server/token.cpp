@@ -93,7 +93,7 @@ std::string kept_token(const std::filesystem::path& file) {
   const std::string why = std::strerror(errno);
   if (fd >= 0) ::close(fd);
   if (!written)
-    throw Error("no-token", "the pendant's token cannot be kept in " + file.string() + ": " + why);
+    throw Error("no-token", "the pendant's token cannot be stored in " + file.string() + ": " + why);
   return token;
 }
 

@@ -152,7 +152,8 @@ std::string why_it_falls(const CellRobot& robot) {
                                over.torque, unit));
   }
   if (weak.empty()) return {};
-  return robot.entry.name + ": it falls in physics, as its efforts do not hold it at the start: " + join(weak, ", ");
+  return robot.entry.name +
+         ": it falls in physics, because its efforts do not hold it at the start: " + join(weak, ", ");
 }
 
 }  // namespace polyarm::cell

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "polyarm/base/shell_word.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/plugins/plugins.hpp"
 #include "polyarm/program/checker.hpp"
@@ -20,8 +21,8 @@ void each_folder(const CellFile& file, Problems& problems, Look look) {
     if (std::filesystem::is_directory(folder, error))
       look(written, folder);
     else
-      problems.warning("no-folder", file.plugins_where, "'" + written + "' is no folder with plugins",
-                       "build your plugin, or mend 'plugins:'; folders are relative to the file");
+      problems.warning("no-folder", file.plugins_where, "'" + written + "' is not a folder with plugins",
+                       "build your plugin, or correct 'plugins:'; folders are relative to the file");
   }
 }
 
@@ -38,9 +39,9 @@ void load_plugins(const CellFile& file, Problems& problems) {
     for (const plugins::Library& library : plugins::unapproved())
       if (library.file.parent_path() == folder)
         problems.error("plugin-not-approved", {library.file.string()},
-                       "the cell brings native code, which would run with all your rights and which nobody "
-                       "has approved on this machine",
-                       "if you trust where it comes from: polyarm plugins approve " + library.file.string());
+                       "the cell brings native code that nobody has approved on this machine; it would run "
+                       "with all your rights",
+                       "if you trust where it comes from: polyarm plugins approve " + shell_word(library.file.string()));
   });
   load_the_users(problems);
 }
@@ -57,7 +58,7 @@ bool look_at_plugins(const CellFile& file, Problems& problems) {
                          files.front().filename().string() +
                          (files.size() > 1 ? " and " + std::to_string(files.size() - 1) + " more" : "") +
                          ") are not looked into",
-                     "if you trust it: polyarm check CELL --plugins " + folder.lexically_normal().string());
+                     "if you trust it: polyarm check CELL --plugins " + shell_word(folder.lexically_normal().string()));
   });
   return any;
 }

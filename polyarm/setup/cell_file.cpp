@@ -6,6 +6,7 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/reach.hpp"
+#include "polyarm/base/shell_word.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/there.hpp"
 #include "polyarm/setup/cell_reach.hpp"
@@ -78,7 +79,7 @@ std::string read_carrier(const std::string& name, const Yaml& yaml) {
   std::string carrier = yaml["on"].text("");
   if (carrier.empty())
     throw Error(Problem{"bad-carrier", yaml.key_location("on"), "'on' of '" + name + "' names no robot",
-                        "name the robot that carries it, or take 'on' away"});
+                        "name the robot that carries it, or remove 'on'"});
   return carrier;
 }
 
@@ -86,10 +87,16 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   RobotEntry robot;
   robot.name = name;
   robot.where = yaml.where();
+  if (!yaml.is_map()) {
+    const std::string model = yaml.is_list() ? std::string() : yaml.text("");
+    problems.error("bad-type", yaml.where(), "the robot '" + name + "' is not described",
+                   "write '" + name + ": {model: " + (model.empty() ? "universal_robots/ur3" : model) + "}'");
+    return robot;
+  }
   for (const std::string& key : yaml.keys()) robot.places[key] = yaml.key_location(key);
   yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
                    "accept_unverified", "budget", "rate", "thread", "on_fault", "workspace", "joint_ranges",
-                   "payload", "tip", "on"},
+                   "payload", "tip", "on", "force_sensor"},
                   problems);
   robot.payload = read_payload(yaml["payload"], problems);
   robot.workspace = read_workspace(yaml["workspace"], problems);
@@ -113,8 +120,9 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
     if (!(robot.rate > 0 && robot.rate <= 10000))
       problems.error("bad-rate", yaml["rate"].where(),
                      "the rate of '" + name + "' does not lie above zero and at most at 10000 Hz",
-                     "write how often a second it is read and commanded, Hz");
+                     "write how often per second it is read and commanded, Hz");
   });
+  collect(problems, [&] { robot.force_sensor = yaml["force_sensor"].boolean(false); });
   robot.budget = read_budget(yaml["budget"], problems);
   for (const std::string& key : yaml["parameters"].keys())
     collect(problems, [&] { robot.parameters[key] = yaml["parameters"][key].text(); });
@@ -138,13 +146,12 @@ void place_carried(std::vector<RobotEntry>& robots, Problems& problems) {
                          did_you_mean(robot.on, others),
                      "name another robot; fixtures and movers of the scene carry no robot");
     else if (carrier->name == robot.name)
-      problems.error("bad-carrier", robot.place_of("on"), "'" + robot.name + "' stands on itself",
-                     "name another robot, or take 'on' away");
+      problems.error("bad-carrier", robot.place_of("on"), "'" + robot.name + "' is on itself",
+                     "name another robot, or remove 'on'");
     else if (!carrier->on.empty())
-      problems.error(
-          "bad-carrier", robot.place_of("on"),
-          "'" + robot.name + "' stands on '" + robot.on + "', which stands on '" + carrier->on + "'",
-          "let it stand on one that stands on the ground");
+      problems.error("bad-carrier", robot.place_of("on"),
+                     "'" + robot.name + "' is on '" + robot.on + "', which is on '" + carrier->on + "'",
+                     "choose a robot that is on the ground");
     else
       robot.base = carrier->base * robot.base;
   }
@@ -220,10 +227,10 @@ void check_kind(const Yaml& yaml, Problems& problems) {
     throw Error(Problem{"no-cell",
                         {yaml.where().file, 1, 1},
                         "this is a controllers file of ROS, not a cell",
-                        "polyarm run --description ROBOT --controllers " + yaml.where().file});
+                        "polyarm run --description ROBOT --controllers " + shell_word(yaml.where().file)});
   if (kind.empty())
     problems.error("missing-key", {yaml.where().file, 1, 1},
-                   "this is not a cell file: it does not say 'polyarm: cell/1'",
+                   "this is not a cell file: the line 'polyarm: cell/1' is missing",
                    "write that as its first line");
   else if (kind.starts_with("cell/"))
     problems.error("newer-file", yaml["polyarm"].where(),
@@ -262,11 +269,12 @@ void apply(const Overrides& overrides, CellFile& cell, Problems& problems) {
     if (cell.robots.size() == 1)
       cell.robots.front().model = overrides.robot;
     else
-      problems.error("which-robot", {cell.path.string()},
-                     "the cell has " + std::to_string(cell.robots.size()) + " robots",
-                     is_robot(cell, overrides.robot)
-                         ? "'" + overrides.robot + "' is one of them; --robot NAME=MODEL gives one another model"
-                         : "say which: --robot NAME=MODEL");
+      problems.error(
+          "which-robot", {cell.path.string()},
+          "the cell has " + std::to_string(cell.robots.size()) + " robots",
+          is_robot(cell, overrides.robot)
+              ? "'" + overrides.robot + "' is one of them; --robot NAME=MODEL gives one another model"
+              : "choose one: --robot NAME=MODEL");
     return;
   }
   const std::string name = overrides.robot.substr(0, equals);
@@ -324,8 +332,8 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   if (cell.path.extension() == ".script")
     throw Error(Problem{"no-cell",
                         {given.string()},
-                        "this is a program, and a cell is asked for",
-                        "polyarm run CELL --program " + given.string()});
+                        "this is a program, but a cell is needed",
+                        "polyarm run CELL --program " + shell_word(given.string())});
   cell.grant = reach().open_cell(cell.folder);
   allow_remembered(cell);
   const Yaml yaml = Yaml::load(cell.path.string());
@@ -335,7 +343,8 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   std::vector<std::string> keys{"polyarm",  "rate",      "robots",  "scene",   "controllers",
                                 "activate", "send",      "plugins", "budget",  "signals",
                                 "program",  "plc",       "motion",  "loop",    "profile",
-                                "profiles", "workspace", "record",  "contacts"};
+                                "profiles", "workspace", "record",  "contacts",
+                                "guards",   "seed"};
   for (const DoorKind& kind : door_kinds()) keys.push_back(kind.name);
   yaml.check_keys(keys, problems);
   cell.profiles = read_profiles(yaml, problems);
@@ -344,6 +353,9 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   collect(problems, [&] { cell.rate = yaml["rate"].number(Dimension::rate, 1000); });
   if (!(cell.rate >= 1 && cell.rate <= 10000))
     problems.error("bad-value", yaml["rate"].where(), "the control rate must lie between 1 and 10000 Hz");
+  if (yaml.has("robots") && !yaml["robots"].is_map())
+    throw Error(Problem{"bad-type", yaml["robots"].where(), "'robots' has no names of robots",
+                        "write 'robots: {arm: {model: universal_robots/ur3}}'"});
   if (yaml["robots"].keys().size() > bounds::kRobots)
     throw Error(Problem{"too-many", yaml["robots"].where(),
                         "the cell has more than " + std::to_string(bounds::kRobots) + " robots",
@@ -372,8 +384,10 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   file("plc", cell.plc, cell.plc_where);
   cell.motion = read_motion(yaml["motion"], problems);
   cell.loop = read_loop(yaml["loop"], problems);
+  cell.seed = static_cast<std::uint64_t>(whole(yaml, "seed", 0, 0, 1'000'000'000, problems));
   cell.contact_stop = read_contact_stop(yaml["contacts"], problems);
   cell.clearance = read_clearance(yaml["contacts"], problems);
+  cell.guards = read_guards(yaml["guards"], cell.clearance, problems);
   for (const DoorKind& kind : door_kinds())
     collect(problems, [&] { read_door(kind, yaml[kind.name], cell, problems); });
   collect(problems, [&] { cell.record = read_record(yaml["record"], cell.folder, problems); });

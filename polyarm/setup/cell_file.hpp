@@ -51,6 +51,7 @@ struct RobotEntry {
   std::vector<moves::WorkspaceZone> workspace;  ///< of this robot only
   PayloadEntry payload;                         ///< in addition to its tool
   std::vector<RangeEntry> ranges;               ///< joint ranges narrower than the robot's
+  bool force_sensor = false;  ///< physics measures the wrench between robot and tool
   std::string text;  ///< the description itself, if `model` is the file that contains it
   Location where;
   std::map<std::string, Location> places;  ///< of its keys in the file
@@ -103,8 +104,10 @@ struct CellFile {
       launched;  ///< from a launch file, instead of `controllers`
   MotionEntry motion;
   LoopEntry loop;
+  std::uint64_t seed = 0;  ///< of the programs' random()
   control::ContactStop contact_stop = control::ContactStop::path;  ///< what follows a contact in physics
   double clearance = kClearance;  ///< m that should stay between a robot and everything else
+  GuardsEntry guards;             ///< what stops robots before contacts
   ProfileEntries profiles;
   std::vector<moves::WorkspaceZone> workspace;   ///< for all robots
   std::map<std::string, DoorOptions> doors;      ///< by module name

@@ -8,6 +8,7 @@
 #include "polyarm/base/approvals.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/secrets.hpp"
+#include "polyarm/base/shell_word.hpp"
 
 namespace polyarm::cell {
 
@@ -134,9 +135,9 @@ void admit_host(const CellFile& file, const std::string& host, const std::string
                 Problems& problems) {
   if (reach().host_allowed(host, file.grant.get())) return;
   problems.error("host-not-allowed", where,
-                 who + " wants to reach " + (host == "subnet" ? "the whole network (subnet)" : "the host " + host) +
+                 who + " accesses " + (host == "subnet" ? "the whole network (subnet)" : "the host " + host) +
                      ", which you have not allowed",
-                 "if you trust the cell, run it at a terminal and answer, or add --allow host:" + host +
+                 "if you trust the cell, run it at a terminal and answer, or add --allow " + shell_word("host:" + host) +
                      " to the command");
 }
 
@@ -152,9 +153,9 @@ bool admit_file(const CellFile& file, const LinkEntry& link, std::string& named,
   const std::string name = named.substr(kSecretPrefix.size());
   if (!secret_allowed(file, name)) {
     problems.error("secret-not-allowed", link.where,
-                   "the link '" + link.name + "' wants to send your secret '" + name + "' to " + link.host +
+                   "the link '" + link.name + "' sends your secret '" + name + "' to " + link.host +
                        ", which you have not allowed",
-                   "if you trust the cell, run it at a terminal and answer, or add --allow secret:" + name +
+                   "if you trust the cell, run it at a terminal and answer, or add --allow " + shell_word("secret:" + name) +
                        " to the command");
     return false;
   }

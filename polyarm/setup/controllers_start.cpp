@@ -136,7 +136,7 @@ std::vector<std::string> start_controllers(std::vector<PlannedController> plan, 
     if (std::find(names.begin(), names.end(), name) == names.end() && !is_described(described, name))
       problems.error(
           "unknown-controller", {},
-          "'activate' names the controller '" + name + "', which there is not" + did_you_mean(name, names));
+          "'activate' names the controller '" + name + "', which does not exist" + did_you_mean(name, names));
   for (const std::string& name : configure(manager, names, problems)) std::erase(request.activate, name);
   for (const std::string& name : names) tell_findings(manager.findings(name), problems);
   if (problems.has_errors()) return {};

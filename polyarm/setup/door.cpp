@@ -34,7 +34,7 @@ std::unique_ptr<Door> open_door(const std::string& name, CellView& cell, const D
     void* const module = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);  // stays loaded
     if (!module) throw Error("no-door", path.string() + " cannot be loaded: " + ::dlerror());
     const auto make = reinterpret_cast<MakeDoor>(::dlsym(module, "polyarm_open_door"));
-    if (!make) throw Error("no-door", path.string() + " is no door of Polyarm");
+    if (!make) throw Error("no-door", path.string() + " is not a door of Polyarm");
     return std::unique_ptr<Door>(make(cell, options));
   }
   std::string advice;

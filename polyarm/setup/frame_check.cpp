@@ -74,7 +74,7 @@ std::optional<Pose> FrameCheck::frame(const std::string& name, const data::Entry
     throw Error(Problem{"frame-cycle", of.where,
                         circle.size() == 2
                             ? "the frame '" + name + "' is stated in itself"
-                            : "frames hang on one another in a circle: " + join(circle, " in "),
+                            : "frames depend on each other in a circle: " + join(circle, " in "),
                         "one frame of the chain must be in the world, or on a robot"});
   }
   way.push_back(name);

@@ -31,7 +31,7 @@ class Components {
       for (const std::string& name : *names)
         if (hardware.find(name) < 0 && std::find(played.begin(), played.end(), name) == played.end())
           problems.warning("unknown-component", {},
-                           "hardware_components_initial_state names '" + name + "', which there is not");
+                           "hardware_components_initial_state names '" + name + "', which does not exist");
   }
 
   void make_one(const std::string& name, Remade& out) {
@@ -115,6 +115,21 @@ class Components {
     return {robot.entry.name, &robot.model, nullptr, robot.entry.base, robot.start, {}, robot.entry.on};
   }
 
+  /// Physics measures the wrench between the tool and the robot if the cell asks for it.
+  static void add_force_sensor(const CellRobot& robot, hardware::RobotInstance& made) {
+    const int link = robot.model.tool_link();
+    if (!robot.entry.force_sensor || link == robot.model.root) return;
+    description::ComponentInfo sensor;
+    sensor.name = "force_sensor";
+    sensor.kind = "sensor";
+    sensor.parameters["frame_id"] = robot.model.links[static_cast<std::size_t>(link)].name;
+    for (const char* axis : {"force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z"})
+      sensor.state_interfaces.push_back({axis});
+    description::HardwareInfo block;
+    block.components.push_back(std::move(sensor));
+    made.hardware.push_back(std::move(block));
+  }
+
   void take(const CellRobot& robot) {
     bool tool_given = false;
     const auto with_tool = [&](hardware::RobotInstance& made) {
@@ -129,6 +144,7 @@ class Components {
       planned.context.parameters.insert(robot.entry.parameters.begin(), robot.entry.parameters.end());
       planned.context.robots.push_back(instance(robot));
       with_tool(planned.context.robots.back());
+      if (robot.driver == "mujoco") add_force_sensor(robot, planned.context.robots.back());
       return;
     }
     for (const HardwareBlock& block : robot.blocks) take_block(robot, block, with_tool);
@@ -156,6 +172,7 @@ class Components {
       if (!physics || instances.empty() || instances.back().name != robot.entry.name) {
         instances.push_back(instance(robot));
         with_tool(instances.back());
+        if (physics) add_force_sensor(robot, instances.back());
       }
       instances.back().hardware.push_back(physics ? joints : *block.info);
     }

@@ -75,7 +75,7 @@ std::string unless_real(const std::string& driver, const std::string& who, bool 
                         std::vector<std::string>& notes) {
   if (real || driver == "declared" || !drives_real_hardware(driver)) return driver;
   const std::string simulated = hardware::driver_available("mujoco") ? "mujoco" : "mock";
-  notes.push_back(who + ": " + driver + " drives real hardware; it is played by " +
+  notes.push_back(who + ": " + driver + " drives real hardware; it is simulated by " +
                   (simulated == "mujoco" ? "physics (mujoco)" : simulated) + " unless --real is given");
   return simulated;
 }
@@ -104,8 +104,8 @@ void all_or_none_by_physics(CellRobot& robot, std::vector<std::string>& notes) {
   for (HardwareBlock& block : robot.blocks) {
     if (!has_joints(*block.info) || block.driver != (others ? "mujoco" : "mock")) continue;
     notes.push_back(block.info->name +
-                    (others ? ": played by mock, as physics plays all joints of a robot or none"
-                            : ": played by physics, as the other joints of the robot are"));
+                    (others ? ": simulated by mock, because physics simulates all joints of a robot or none"
+                            : ": simulated by physics, like the other joints of the robot"));
     block = {block.info, others ? "mock" : "mujoco", ""};
   }
 }
@@ -131,7 +131,7 @@ void choose_drivers(CellRobot& robot, bool real, std::vector<std::string>& notes
     }
   if (asked != "declared" || !robot.blocks.empty()) return;
   robot.driver = ros_files::choose_hardware("", robot.entry.name).driver;
-  notes.push_back(robot.entry.name + ": the description declares no hardware, it is played by " +
+  notes.push_back(robot.entry.name + ": the description declares no hardware; it is simulated by " +
                   robot.driver);
 }
 
@@ -195,16 +195,22 @@ void check_carried(const CellRobot& robot, Problems& problems) {
   for (const HardwareBlock& block : robot.blocks)
     if (const auto base = block.info->parameters.find("base");
         base != block.info->parameters.end() && base->second == "free")
-      problems.error("bad-carrier", robot.entry.place_of("on"),
-                     "'" + robot.entry.name + "' stands on '" + robot.entry.on +
-                         "', and by its description it stands free",
-                     "take 'on' away, or <param name=\"base\">free</param> out of its description");
+      problems.error(
+          "bad-carrier", robot.entry.place_of("on"),
+          "'" + robot.entry.name + "' is on '" + robot.entry.on + "', and by its description it stands free",
+          "remove 'on', or remove <param name=\"base\">free</param> from its description");
 }
 
-/// Refuses a payload above the robot's rating, like a program's `payload`.
+/// Refuses a payload above the robot's rating, like a program's `payload`; warns of a tool above it.
 void refuse_overload(const CellRobot& robot, Problems& problems) {
   const std::optional<double>& rated = robot.model.provenance.payload_kg;
   const double payload = robot.entry.payload.mass;
+  if (rated && robot.tool.mass > *rated)
+    problems.warning("payload", robot.entry.place_of("tool"),
+                     fmt::format("the tool {} has {:g} kg, more than the {:g} kg that {} may carry",
+                                 robot.entry.tool, robot.tool.mass, *rated, robot.model.name),
+                     "correct its 'mass' (a number without a unit is in kilograms), or choose a robot that "
+                     "carries it");
   if (!rated || !(payload > *rated)) return;
   problems.error("payload", robot.entry.place_of("payload"),
                  fmt::format("a payload of {:g} kg is more than the {:g} kg that {} may carry", payload,
@@ -329,7 +335,7 @@ void check_carriers(const CellRobots& robots, Problems& problems) {
     const auto carrier = std::find_if(robots.begin(), robots.end(), carries);
     if (carrier == robots.end() || !checks_contacts(*robot) || checks_contacts(**carrier)) continue;
     problems.warning("bad-carrier", robot->entry.place_of("on"),
-                     "'" + robot->entry.name + "' stands on '" + robot->entry.on +
+                     "'" + robot->entry.name + "' is on '" + robot->entry.on +
                          "', which is not in physics: it stays where '" + robot->entry.on + "' begins",
                      "give both the same hardware, for example hardware: mujoco");
   }
@@ -377,7 +383,7 @@ unsigned divisor_of(const CellRobot& robot, Nanoseconds period, Problems& proble
   if (!on_threads(robot))
     problems.error("bad-rate", entry.where,
                    "'" + entry.name + "' is to run at " + format_number(entry.rate) +
-                       " Hz in the control loop, which is no part of its " + format_number(loop) + " Hz",
+                       " Hz in the control loop, which is not a part of its " + format_number(loop) + " Hz",
                    (exact < 1 ? "the loop runs at least as fast as what it calls: raise the cell's rate"
                               : "choose " + format_number(loop / std::ceil(exact)) + " or " +
                                     format_number(loop / below) + ", or another rate of the cell") +

@@ -36,11 +36,18 @@ moves::WorkspaceZone read_zone(const std::string& name, const Yaml& yaml, Proble
   moves::WorkspaceZone out;
   out.name = name;
   out.where = yaml.where();
-  yaml.check_keys({"plane", "normal", "inside", "outside"}, problems);
+  yaml.check_keys({"plane", "normal", "inside", "outside", "of"}, problems);
+  if (yaml.has("of")) {
+    const std::string of = yaml["of"].text();
+    out.bodies = of == "bodies";
+    if (!out.bodies && of != "tcp")
+      throw Error(Problem{"bad-value", yaml["of"].where(), "the zone '" + name + "' is of '" + of + "'",
+                          "tcp: of the TCP alone; bodies: also of the links, the tool and what it holds"});
+  }
   const int kinds = yaml.has("plane") + yaml.has("inside") + yaml.has("outside");
   if (kinds != 1)
     throw Error(Problem{"bad-value", out.where,
-                        "the zone '" + name + "' says " + (kinds == 0 ? "none" : "more than one") +
+                        "the zone '" + name + "' has " + (kinds == 0 ? "none" : "more than one") +
                             " of plane, inside and outside",
                         "{plane: [x, y, z], normal: [0, 0, 1]} or {inside: [[x, y, z], [x, y, z]]}"});
   if (yaml.has("plane")) {
@@ -80,6 +87,32 @@ double read_clearance(const Yaml& yaml, Problems& problems) {
   if (!(out >= 0) || out > kMostClearance)
     problems.error("bad-value", yaml["clearance"].where(), "clearance is " + yaml["clearance"].text(),
                    "a distance from 0 to 1 m, such as 5mm");
+  return out;
+}
+
+GuardsEntry read_guards(const Yaml& yaml, double clearance_of_contacts, Problems& problems) {
+  GuardsEntry out;
+  out.clearance = std::min(out.clearance, clearance_of_contacts);
+  if (!yaml.defined()) return out;
+  if (!yaml.is_map()) {
+    const std::string text = yaml.text();
+    out.on = text == "on" || text == "true";
+    if (!out.on && text != "off" && text != "false")
+      problems.error("bad-value", yaml.where(), "guards is '" + text + "'",
+                     "off, on, or {clearance: 5mm, moves: true, slow_from: 60mm}");
+    return out;
+  }
+  yaml.check_keys({"clearance", "moves", "slow_from"}, problems);
+  const auto length = [&](const char* key, double& value) {
+    if (!yaml.has(key)) return;
+    collect(problems, [&] { value = yaml[key].number(Dimension::length); });
+    if (!(value >= 0) || value > kMostClearance)
+      problems.error("bad-value", yaml[key].where(), std::string(key) + " is " + yaml[key].text(),
+                     "a distance from 0 to 1 m, such as 5mm");
+  };
+  length("clearance", out.clearance);
+  length("slow_from", out.slow_from);
+  collect(problems, [&] { out.moves = yaml["moves"].boolean(true); });
   return out;
 }
 

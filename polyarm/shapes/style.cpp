@@ -250,7 +250,7 @@ Style style_of(const description::RobotModel& model, Problems& problems) {
     if (!target)
       warn("there is no such key", "use style, base, body, forearm, wrist, joints or covers");
     else if (!color)
-      warn("'" + value + "' is no colour", "write #rrggbb");
+      warn("'" + value + "' is not a colour", "write #rrggbb");
     else
       target->color = color->color;
   }

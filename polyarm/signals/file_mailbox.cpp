@@ -20,7 +20,9 @@
 #include <unordered_map>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/descriptor.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/signals/file_watch.hpp"
 #include "polyarm/signals/folder_turn.hpp"
 #include "polyarm/signals/mailbox_merge.hpp"
@@ -49,6 +51,8 @@ std::optional<Identity> identity_of(int fd) {
   return identity(s);
 }
 
+constexpr std::size_t kMostBytes = bounds::kDataBytes;
+
 std::optional<std::string> read_through(int fd) {
   std::string out;
   char buffer[16384];
@@ -57,6 +61,7 @@ std::optional<std::string> read_through(int fd) {
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return std::nullopt;
     out.append(buffer, static_cast<std::size_t>(n));
+    if (out.size() > kMostBytes) return std::nullopt;
     if (n < static_cast<ssize_t>(sizeof buffer)) return out;  // read in one piece, so it cannot mix two
                                                               // versions
     at += n;
@@ -80,13 +85,14 @@ std::string copied(const char* mapping, std::size_t size) {
   return content;
 }
 
-/// The content of a file, read through a mapping. Unlike a read, this causes no event, so every read event
-/// belongs to another process.
+/// The content of a file, read through a mapping; none of a file that is too large. Unlike a read, this causes no
+/// event, so every read event belongs to another process.
 std::optional<std::string> content_of(int fd) {
   const auto found = identity_of(fd);
   if (!found) return std::nullopt;
   if (found->size == 0) return std::string{};
   const auto size = static_cast<std::size_t>(found->size);
+  if (size > kMostBytes) return std::nullopt;
   void* const mapping = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, fd, 0);
   if (mapping == MAP_FAILED) return read_through(fd);
   std::string content = copied(static_cast<const char*>(mapping), size);
@@ -287,6 +293,7 @@ class FileMailbox::Io {
     const FileWatch::Label label = watch_.standing();
     struct stat now {};
     if (::stat(path_.c_str(), &now) != 0) return missing();
+    if (auto foreign = not_ours(now)) return displaced_by(std::move(*foreign));
     const Identity found = identity(now);
     if (!told && !held_ && found == known_ && !may_be_stale(found)) return;
     const auto content = read_path(found);
@@ -303,10 +310,44 @@ class FileMailbox::Io {
     const bool same = held && held->inode == found.inode && held->device == found.device;
     watch_.expect_own_open(!same);
     if (!same) standing_ = Descriptor(::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+    if (!same && standing_ && !may_read(standing_.number())) standing_ = Descriptor{};  // a link came in between
     auto content = standing_ ? content_of(standing_.number()) : std::nullopt;
     watch_.collect();
     watch_.expect_own_open(false);
     return content;
+  }
+
+  /// Why what now has the file's name is not read; nothing for an ordinary file that the cell may reach. Links on the
+  /// way are followed: after the start, another process may have put one there.
+  std::optional<Problem> not_ours(const struct stat& now) const {
+    const char* const advice = "its values stay as they were; put the file back";
+    if (!S_ISREG(now.st_mode)) return Problem{"not-a-file", {path_}, "this is no ordinary file any more", advice};
+    if (static_cast<std::uintmax_t>(now.st_size) > kMostBytes)
+      return Problem{"too-large", {path_}, "the file has more than " + std::to_string(kMostBytes) + " bytes", advice};
+    return out_of_reach(Reach::Use::read);
+  }
+
+  std::optional<Problem> out_of_reach(Reach::Use use) const {
+    if (!reach().confined()) return std::nullopt;
+    try {
+      reach().check(path_, use);
+      return std::nullopt;
+    } catch (const Error& e) {
+      return e.problems().front();
+    }
+  }
+
+  bool may_read(int fd) const {
+    std::error_code error;
+    const fs::path place = fs::read_symlink("/proc/self/fd/" + std::to_string(fd), error);
+    return error || reach().allows(path_, place, Reach::Use::read) || !reach().confined();
+  }
+
+  /// Nothing is written while it stands there.
+  void displaced_by(Problem what) {
+    held_ = true;
+    same_looks_ = 0;
+    complain(std::move(what));
   }
 
   bool may_be_stale(const Identity& found) const {
@@ -400,6 +441,7 @@ class FileMailbox::Io {
   // --- what we write ---
 
   void write() {
+    if (auto why = out_of_reach(Reach::Use::write)) return complain(std::move(*why));
     const std::string text = image_.text();
     std::string temporary = temporary_path();
     Descriptor made = written_file(temporary, text);
@@ -477,7 +519,7 @@ class FileMailbox::Io {
       const bool there = ::stat(temporary.c_str(), &displaced) == 0;
       const auto held = standing_ ? identity_of(standing_.number()) : std::nullopt;
       const bool same = there && held && held->inode == displaced.st_ino && held->device == displaced.st_dev;
-      if (!same) standing_ = Descriptor(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
+      if (!same) standing_ = Descriptor(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
       opened_displaced_ = !same;
       ::unlink(temporary.c_str());
       return true;

@@ -51,7 +51,9 @@ struct MailboxOptions {
 
 class FileMailbox {
  public:
-  /// `start`: the file as loaded. A rewrite since then is merged like any other.
+  /// `start`: the file as loaded. A rewrite since then is merged like any other. What takes its place and is no
+  /// ordinary file, is too large, or is a link that leads out of the cell (base/reach.hpp) is a problem, and is neither
+  /// read nor replaced.
   explicit FileMailbox(const data::ImportFile& start, MailboxOptions options = {});
   /// Writes what was posted, then stops.
   ~FileMailbox();

@@ -59,7 +59,8 @@ std::optional<std::string> PoseRange::refuses(const Pose& pose) const {
   const Quaternion& q = pose.rotation;
   for (const double number : {position[0], position[1], position[2], q.x, q.y, q.z, q.w})
     if (!std::isfinite(number)) return "it has a number that is not finite";
-  if (std::abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1) > 0.02) return "its rotation is none";
+  if (std::abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1) > 0.02)
+    return "its quaternion is not of length 1";
   for (std::size_t k = 0; k < 3; ++k)
     if (position[k] < lower[k] || position[k] > upper[k])
       return std::string(1, "xyz"[k]) + " = " + format_number(position[k]) + " m is outside of " +
@@ -70,7 +71,7 @@ std::optional<std::string> PoseRange::refuses(const Pose& pose) const {
 std::optional<data::Value> taken_number(const LinkTag& tag, double raw, std::string& why) {
   const double value = tag.scale * raw + tag.offset;
   if (!std::isfinite(value)) {
-    why = "it is no finite number";
+    why = "it is not a finite number";
     return std::nullopt;
   }
   if (tag.range && (value < (*tag.range)[0] || value > (*tag.range)[1])) {

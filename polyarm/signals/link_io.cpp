@@ -205,7 +205,7 @@ class Link::Io {
     if (news.alive)
       up();
     else
-      down("nobody has asked for longer than its timeout");
+      down("no client has sent a request within its timeout");
     for (std::string& note : news.notes)
       events_.push_back({{LinkEvent::Kind::note, 0, {}, std::move(note)}, UINT64_MAX});
     for (const std::size_t tag : news.seen) heard_at_[tag] = now, state_.heard[tag] = 1;

@@ -42,7 +42,7 @@ int whole(const Yaml& node, int fallback, int lower, int upper) {
 Nanoseconds time_of(const Yaml& node, Nanoseconds fallback) {
   const double value = node.number(Dimension::time, seconds(fallback));
   if (!(value > 0) || value > 1e6)
-    throw Error(Problem{"bad-value", node.where(), "this is a time longer than none", "for example 50ms"});
+    throw Error(Problem{"bad-value", node.where(), "this must be a time above 0", "for example 50ms"});
   return nanoseconds(value);
 }
 
@@ -50,7 +50,7 @@ Nanoseconds time_of(const Yaml& node, Nanoseconds fallback) {
 double unit_scale(const Yaml& node, Dimension dimension) {
   const Unit* unit = find_unit(node.text());
   if (!unit || unit->dimension != dimension)
-    refuse(node, "'" + node.text() + "' is no unit of " + polyarm::name(dimension),
+    refuse(node, "'" + node.text() + "' is not a unit of " + polyarm::name(dimension),
            dimension == Dimension::length ? "mm, cm or m" : "deg or rad");
   return unit->scale;
 }
@@ -102,7 +102,7 @@ class TagReader {
       tag_.address = whole(node_[areas[k]], 0, 0, 65535);
     }
     if (found != 1)
-      refuse(node_, "'" + tag_.name + "' says " + (found ? "more than one place" : "no place"),
+      refuse(node_, "'" + tag_.name + "' has " + (found ? "more than one place" : "no place"),
              "one of: " + join(areas, ", ") + ", with its address from 0");
     const bool bits = tag_.area == LinkTag::Area::coil || tag_.area == LinkTag::Area::discrete;
     tag_.type = bits ? LinkTag::Type::boolean : LinkTag::Type::number;
@@ -130,7 +130,8 @@ class TagReader {
                      problems_);
     tag_.topic = node_.required("topic").text();
     if (tag_.topic.empty() || tag_.topic.find_first_of("+#") != std::string::npos)
-      refuse(node_["topic"], "'" + tag_.topic + "' is no topic of one value", "+ and # do not stand here");
+      refuse(node_["topic"], "'" + tag_.topic + "' is not a topic of one value",
+             "+ and # are not allowed here");
     if (node_.has("type")) tag_.type = static_cast<LinkTag::Type>(one_of(node_["type"], types()));
     tag_.field = node_["field"].text("");
     tag_.json = node_["json"].boolean(!tag_.field.empty() || tag_.type == LinkTag::Type::pose);
@@ -155,7 +156,7 @@ class TagReader {
       tag_.topic = node_[roles[k]].text();
     }
     if (found != 1)
-      refuse(node_, "'" + tag_.name + "' says " + (found ? "more than one place" : "no place"),
+      refuse(node_, "'" + tag_.name + "' has " + (found ? "more than one place" : "no place"),
              "one of: " + join(roles, ", ") + ", with the name of a topic or service");
     const bool service = tag_.role != LinkTag::Role::topic;
     if (tag_.role == LinkTag::Role::topic || tag_.role == LinkTag::Role::call)
@@ -187,7 +188,7 @@ class TagReader {
     else if (theirs)
       tag_.direction = only;
     else
-      refuse(node_, "'" + tag_.name + "' says no direction", "in (comes into the cell), out, or both");
+      refuse(node_, "'" + tag_.name + "' has no direction", "in (comes into the cell), out, or both");
     if (theirs && tag_.direction != only)
       refuse(node_["direction"], std::string("of a ") + (link_.server ? "server" : "client") +
                                      ", discrete inputs and input registers go " + name(only) + " only");
@@ -218,7 +219,7 @@ void read_host(const Yaml& node, LinkEntry& out, int fallback_port) {
   out.host = node["host"].text(out.host);
   if (!is_loopback(out.host) && !node["beyond_loopback"].boolean(false))
     refuse(node["host"], "'" + out.host + "' is beyond this machine",
-           "say `beyond_loopback: true` where the link is meant to go there");
+           "set `beyond_loopback: true` if the link is meant to go there");
   out.port = whole(node["port"], fallback_port, 1, 65535);
   out.poll = time_of(node["poll"], out.poll);
   out.timeout = time_of(node["timeout"], out.timeout);
@@ -317,7 +318,7 @@ LinkEntry read_link(const std::string& name, const Yaml& node, const Location& w
   out.name = name;
   out.where = where;
   if (node.has("modbus") + node.has("mqtt") + node.has("ros2") != 1)
-    throw Error(Problem{"bad-link", where, "the link '" + name + "' says no protocol, or two",
+    throw Error(Problem{"bad-link", where, "the link '" + name + "' has no protocol, or two",
                         "write `modbus: client`, `modbus: server`, `mqtt: client` or `ros2: node`"});
   if (node.has("modbus")) read_modbus(node, out, problems);
   if (node.has("mqtt")) read_mqtt(node, folder, out, problems);

@@ -97,7 +97,7 @@ void RemotePort::open() {
 
 void RemotePort::exchange(const std::vector<LinkValue>& writes, Nanoseconds now, Nanoseconds patience,
                           LinkNews& news) {
-  if (!child_.running()) lose("is not there");
+  if (!child_.running()) lose("does not run");
   order(LinkOrder::exchange, [&](Packer& out) {
     out.number(now).number(patience);
     pack(out, writes);
@@ -153,7 +153,7 @@ bool RemotePort::receive(Nanoseconds until) {
     const Nanoseconds left = until - clock_now();
     if (left <= 0) return false;
     if (pulse_.silent(*channel_, Clock::now(), options_.silence))
-      lose("hangs: it gave no sign of life for " + format_number(seconds(options_.silence.count())) +
+      lose("hangs: it sent nothing for " + format_number(seconds(options_.silence.count())) +
            " s, and was ended");
     if (channel_->may_sleep()) {
       std::array<pollfd, 4> fds{{{channel_->bell(), POLLIN, 0},

@@ -19,7 +19,7 @@ void check_version(const Yaml& root, Problems& problems) {
   const std::string version = root.required("polyarm").text();
   if (version != "signals/1")
     problems.error("bad-version", root["polyarm"].where(),
-                   "'" + version + "' is no kind of file that is read here",
+                   "'" + version + "' is not a kind of file that is read here",
                    "this version reads `polyarm: signals/1`");
 }
 
@@ -31,7 +31,7 @@ Tag::Type read_type(const Yaml& node, Tag::Type fallback) {
   if (word == "text") return Tag::Type::text;
   const std::vector<std::string> types = {"bool", "number", "text"};
   throw Error(Problem{"bad-value", node.where(),
-                      "'" + word + "' is no type of a tag" + did_you_mean(word, types),
+                      "'" + word + "' is not a type of a tag" + did_you_mean(word, types),
                       "types are bool, number and text"});
 }
 
@@ -71,7 +71,7 @@ void read_rules(const Yaml& node, Tag& tag) {
   for (const auto& [key, rule] : rules) {
     if (!node.has(key) || node[key].text() == "keep") continue;
     if (tag.role == data::TagRole::state)
-      throw Error(Problem{"bad-tag", node[key].where(), "the tag '" + tag.name + "' is no output", {}});
+      throw Error(Problem{"bad-tag", node[key].where(), "the tag '" + tag.name + "' is not an output", {}});
     *rule = read_ruled(node[key], tag);
   }
 }

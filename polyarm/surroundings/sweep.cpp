@@ -96,13 +96,6 @@ struct Sweep::Work : SweepBodies {
   std::uint64_t measured_ = 0;
 
  private:
-  struct PartMode {
-    bool in_world = false;
-    int held_by = -1;
-    Pose in_hand;  ///< T_frame_part, of the frame of the tool
-    bool operator==(const PartMode& o) const { return in_world == o.in_world && held_by == o.held_by; }
-  };
-
   void add_pairs() {
     for (std::size_t r = 0; r < models_.size(); ++r)
       for (const collision::LinkPairBody& pair : models_[r]->pairs()) {
@@ -125,24 +118,6 @@ struct Sweep::Work : SweepBodies {
   }
 
   // --- parts ----------------------------------------------------------------------------------------------
-
-  bool active(const Body& a, const Body& b) const {
-    const Body &part = a.part >= 0 ? a : b, &other = a.part >= 0 ? b : a;
-    const PartMode& mode = states_[static_cast<std::size_t>(part.part)];
-    if (!mode.in_world) return false;
-    if (other.part >= 0) {
-      const PartMode& second = states_[static_cast<std::size_t>(other.part)];
-      return second.in_world && mode.held_by != second.held_by;
-    }
-    if (mode.held_by < 0) {
-      if (!other.of_robot() || other.kind == Kind::fingers) return false;
-      return !other.is_root || robots_[static_cast<std::size_t>(other.robot)].is_free;
-    }
-    if (!other.of_robot()) return true;
-    if (other.robot != mode.held_by) return other.kind != Kind::fingers;
-    return other.kind == Kind::link &&
-           !near_tool_[static_cast<std::size_t>(other.robot)][static_cast<std::size_t>(other.link)];
-  }
 
   void take_part_changes(const Placed& now) {
     for (std::size_t p = 0; p < states_.size(); ++p) {
@@ -169,7 +144,7 @@ struct Sweep::Work : SweepBodies {
       const Body &a = bodies_[pair.a], &b = bodies_[pair.b];
       if (a.part != part && b.part != part) continue;
       close(pair, taken);
-      pair.active = active(a, b);
+      pair.active = counts(a, b, states_);
       pair.fresh = true;
       pair.excused = taken;
       pair.slack = kNever;
@@ -189,12 +164,6 @@ struct Sweep::Work : SweepBodies {
         if (body.part == part)
           body.lever = models_[r]->levers_of(tool_frame_[r], balls_in_hand(body, mode.in_hand));
     }
-  }
-
-  static std::vector<Ball> balls_in_hand(const Body& part, const Pose& in_hand) {
-    std::vector<Ball> out = part.balls;
-    for (Ball& ball : out) ball.center = in_hand * ball.center;
-    return out;
   }
 
   // --- where it is and how far it goes --------------------------------------------------------------------
@@ -390,7 +359,7 @@ struct Sweep::Work : SweepBodies {
       pair.approach = {};
       pair.approach.first = a.name, pair.approach.second = b.name;
       pair.approach.robot =
-          static_cast<std::size_t>(std::max(0, robot_of(a) >= 0 ? robot_of(a) : robot_of(b)));
+          static_cast<std::size_t>(std::max(0, robot_of(a, states_) >= 0 ? robot_of(a, states_) : robot_of(b, states_)));
       pair.approach.at_start = first_ && here.value <= 0;
       pair.open = true;
     }
@@ -400,9 +369,6 @@ struct Sweep::Work : SweepBodies {
     if (mark_of) pair.approach.mark = mark_of(pair.approach.robot);
   }
 
-  int robot_of(const Body& body) const {
-    return body.part >= 0 ? states_[static_cast<std::size_t>(body.part)].held_by : body.robot;
-  }
 
   void close(Pair& pair, bool taken) {
     if (!std::exchange(pair.open, false)) return;

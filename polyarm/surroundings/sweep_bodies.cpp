@@ -93,6 +93,30 @@ bool SweepBodies::counts(const Body& a, const Body& b) const {
   return !own.is_root && !own.is_first;
 }
 
+bool SweepBodies::counts(const Body& a, const Body& b, const std::vector<PartMode>& parts) const {
+  const Body &part = a.part >= 0 ? a : b, &other = a.part >= 0 ? b : a;
+  const PartMode& mode = parts[static_cast<std::size_t>(part.part)];
+  if (!mode.in_world) return false;
+  if (other.part >= 0) {
+    const PartMode& second = parts[static_cast<std::size_t>(other.part)];
+    return second.in_world && mode.held_by != second.held_by;
+  }
+  if (mode.held_by < 0) {
+    if (!other.of_robot() || other.kind == Kind::fingers) return false;
+    return !other.is_root || robots_[static_cast<std::size_t>(other.robot)].is_free;
+  }
+  if (!other.of_robot()) return true;
+  if (other.robot != mode.held_by) return other.kind != Kind::fingers;
+  return other.kind == Kind::link &&
+         !near_tool_[static_cast<std::size_t>(other.robot)][static_cast<std::size_t>(other.link)];
+}
+
+std::vector<collision::Ball> SweepBodies::balls_in_hand(const Body& part, const Pose& in_hand) {
+  std::vector<collision::Ball> out = part.balls;
+  for (collision::Ball& ball : out) ball.center = in_hand * ball.center;
+  return out;
+}
+
 /// Is `a` something that `b` may not touch, as far as one robot carries the other, or none moves?
 bool SweepBodies::may_meet(const Body& a, const Body& b) const {
   const Robot &ra = robots_[static_cast<std::size_t>(a.robot)],

@@ -28,6 +28,14 @@ struct SweptBody {
   bool of_robot() const { return robot >= 0 && part < 0; }
 };
 
+/// How a part is in the world at a moment.
+struct PartMode {
+  bool in_world = false;
+  int held_by = -1;  ///< index of a robot; -1: none
+  Pose in_hand;      ///< T_frame_part, of the frame of the tool
+  bool operator==(const PartMode& o) const { return in_world == o.in_world && held_by == o.held_by; }
+};
+
 /// All bodies of a cell. `robots` and `scene` outlive it.
 class SweepBodies {
  public:
@@ -36,6 +44,14 @@ class SweepBodies {
  protected:
   /// Two bodies, neither a part, that are not of one robot: may they not touch?
   bool counts(const SweptBody& a, const SweptBody& b) const;
+  /// The same for two bodies of which at least one is a part. `parts`: of all parts.
+  bool counts(const SweptBody& a, const SweptBody& b, const std::vector<PartMode>& parts) const;
+  /// The robot that moves a body, as its own or in its hand; -1: none.
+  static int robot_of(const SweptBody& body, const std::vector<PartMode>& parts) {
+    return body.part >= 0 ? parts[static_cast<std::size_t>(body.part)].held_by : body.robot;
+  }
+  /// The bounding balls of the pieces of a part, in the frame of the tool that holds it.
+  static std::vector<collision::Ball> balls_in_hand(const SweptBody& part, const Pose& in_hand);
 
   std::vector<Robot> robots_;
   const description::Scene& scene_;

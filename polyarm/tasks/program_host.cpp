@@ -23,7 +23,7 @@ std::vector<double> joints_by_name(const description::RobotModel& model, const d
       throw Error("unknown-joint",
                   fmt::format("{} names the joint '{}', which {} does not have{}", what, joint, model.name,
                               did_you_mean(joint, names)),
-                  "joint states belong to one make of robot; a pose works for all");
+                  "joint states fit one robot model; a pose works for all");
   std::vector<double> out;
   for (const std::string& joint : names) {
     const double* position = joints.find(joint);
@@ -59,14 +59,53 @@ program::Handle ProgramHost::start_arrival(const std::string& robot) {
   return c_.moves ? c_.moves->start_arrival(robot) : 0;
 }
 
+program::Handle ProgramHost::suspend(const std::vector<std::string>& robots) {
+  return c_.moves ? c_.moves->suspend(robots) : 0;
+}
+
+program::Handle ProgramHost::resume(const std::vector<std::string>& robots) {
+  return c_.moves ? c_.moves->resume(robots) : 0;
+}
+
+void ProgramHost::abandon(const std::vector<std::string>& robots) {
+  if (c_.moves) c_.moves->abandon(robots);
+}
+
 program::Progress ProgramHost::poll_move(program::Handle handle) {
   return c_.moves ? c_.moves->poll(handle) : program::Progress::done();
 }
 
 data::Value ProgramHost::here(const std::string& robot, const std::string& tool,
                               const std::string& frame) const {
+  return moves().here(robot, tool, frame);
+}
+
+ProgramMoves& ProgramHost::moves() const {
   if (!c_.moves) throw Error("no-robot", "'" + c_.task + "' moves no robot");
-  return c_.moves->here(robot, tool, frame);
+  return *c_.moves;
+}
+
+data::JointState ProgramHost::here_joints(const std::string& robot) const {
+  return moves().here_joints(robot);
+}
+
+data::JointState ProgramHost::joints_at(const data::Value& place, const data::JointState* near,
+                                        const std::string& robot, const std::string& tool,
+                                        const std::string& frame) const {
+  return moves().joints_at(place, near, robot, tool, frame);
+}
+
+data::Value ProgramHost::pose_at(const data::JointState& joints, const std::string& robot,
+                                 const std::string& tool, const std::string& frame) const {
+  return moves().pose_at(joints, robot, tool, frame);
+}
+
+std::array<double, 6> ProgramHost::wrench(const std::string& robot) {
+  return c_.force ? c_.force->wrench(moves().name_of(robot)) : Host::wrench(robot);
+}
+
+void ProgramHost::zero_force(const std::string& robot) {
+  c_.force ? c_.force->zero(moves().name_of(robot)) : Host::zero_force(robot);
 }
 
 void ProgramHost::hold(const std::string& reason, const Location& where) {
@@ -87,17 +126,18 @@ program::Progress ProgramHost::poll_load(program::Handle handle) {
 }
 
 program::Handle ProgramHost::start_ask(const std::string& text, const Location& where) {
-  if (c_.answers->given().empty() && !c_.answers->somebody_there)
-    throw Error(Problem{"nobody-there", where, "the program waits for a user, and there is none: " + text,
+  c_.answers->begin();
+  if (c_.answers->none() && !c_.answers->somebody_there)
+    throw Error(Problem{"nobody-there", where, "the program waits for a user, but nobody can answer: " + text,
                         "run it in a terminal, or give the answer in advance with --answer TEXT"});
-  c_.observer->on_question(text.empty() ? "The program waits for you. Press Enter to go on." : text);
+  c_.observer->on_question(text.empty() ? "The program waits for you. Press Enter to continue." : text);
   return 1;
 }
 
 program::Progress ProgramHost::poll_ask(program::Handle) {
-  if (c_.answers->given().empty()) return {};
-  answer_ = c_.answers->given().front();
-  c_.answers->given().pop_front();
+  std::optional<std::string> answer = c_.answers->take();
+  if (!answer) return {};
+  answer_ = std::move(*answer);
   return program::Progress::done();
 }
 

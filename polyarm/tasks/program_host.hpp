@@ -3,14 +3,17 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "polyarm/io/data_files.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/setup/observer.hpp"
+#include "polyarm/tasks/force_readings.hpp"
 #include "polyarm/tasks/program_moves.hpp"
 #include "polyarm/vm/host.hpp"
 
@@ -19,13 +22,31 @@ namespace polyarm::cell {
 /// Answers to the questions of programs: given in advance, or typed while a program waits. Cell thread.
 class Answers {
  public:
+  /// Adds an answer in advance, for the present or a later question.
   void give(std::string text) { given_.push_back(std::move(text)); }
+  /// Answers the present question. False if it is answered already.
+  bool answer(std::string text) {
+    if (present_) return false;
+    present_ = std::move(text);
+    return true;
+  }
+  /// A new question was asked. What answered the one before does not answer it.
+  void begin() { present_.reset(); }
+  bool none() const { return !present_ && given_.empty(); }
+  /// The next answer, if there is one.
+  std::optional<std::string> take() {
+    if (present_) return std::exchange(present_, std::nullopt);
+    if (given_.empty()) return std::nullopt;
+    std::string out = std::move(given_.front());
+    given_.pop_front();
+    return out;
+  }
   /// True if a person can type answers.
   bool somebody_there = false;
-  std::deque<std::string>& given() { return given_; }
 
  private:
   std::deque<std::string> given_;
+  std::optional<std::string> present_;
 };
 
 /// Implements program::Host for a task of the cell: data under the task's name, and motion of its robots if
@@ -48,6 +69,8 @@ class ProgramHost : public program::Host {
     Answers* answers = nullptr;
     Observer* observer = nullptr;
     const Nanoseconds* now = nullptr;
+    std::uint64_t seed = 0;  ///< of random()
+    ForceReadings* force = nullptr;
   };
   explicit ProgramHost(Context context) : c_(std::move(context)) {}
 
@@ -67,9 +90,20 @@ class ProgramHost : public program::Host {
   bool given_up(program::Handle handle) const override { return c_.moves && c_.moves->given_up(handle); }
   program::Handle start_arrival(const std::string& robot) override;
   void end_move(program::Handle handle, const Location&) override { c_.moves->end(handle); }
+  program::Handle suspend(const std::vector<std::string>& robots) override;
+  program::Handle resume(const std::vector<std::string>& robots) override;
+  void abandon(const std::vector<std::string>& robots) override;
   program::Travel travel(program::Handle handle) const override { return c_.moves->travel(handle); }
   data::Value here(const std::string& robot, const std::string& tool,
                    const std::string& frame) const override;
+  data::JointState here_joints(const std::string& robot) const override;
+  data::JointState joints_at(const data::Value& place, const data::JointState* near, const std::string& robot,
+                             const std::string& tool, const std::string& frame) const override;
+  data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
+                      const std::string& frame) const override;
+  std::array<double, 6> wrench(const std::string& robot) override;
+  void zero_force(const std::string& robot) override;
+  std::uint64_t seed() const override { return c_.seed; }
   program::Handle start_load(const std::string& name, program::LoadForm form, const Location& where) override;
   program::Progress poll_load(program::Handle handle) override;
   program::Handle start_ask(const std::string& text, const Location& where) override;
@@ -91,6 +125,8 @@ class ProgramHost : public program::Host {
   bool moving() const { return c_.moves && c_.moves->moving(); }
 
  private:
+  ProgramMoves& moves() const;
+
   Context c_;
   mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< points that are given in a frame
   std::string answer_;

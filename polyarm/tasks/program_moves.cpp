@@ -31,7 +31,7 @@ std::size_t ProgramMoves::robot_of(const std::string& robot, const Location& whe
   }
   if (found == arms_.size())
     throw Error(Problem{"unknown-robot", where,
-                        robot.empty() ? "the cell has several robots and the move names none"
+                        robot.empty() ? "the cell has several robots, and the move does not name one"
                                       : "the cell has no robot '" + robot + "'" + did_you_mean(robot, names),
                         "write `use robot " + names.front() + "`, or a robot clause: " + join(names, ", ")});
   return found;
@@ -181,7 +181,7 @@ std::vector<moves::Move> ProgramMoves::moves_of(const program::Move& move, const
               : move.kind == program::Move::Kind::line ? moves::MoveKind::line
                                                        : moves::MoveKind::arc;
   pace(move, made);
-  made.around = move.around.value_or(pace_.around);
+  made.around = !move.touch && move.around.value_or(pace_.around);
   const bool curve = move.smooth && move.targets.size() > 1;
   if (curve) made.kind = moves::MoveKind::spline;
   const double blend = move.blend ? move.blend->value : 0;
@@ -196,7 +196,7 @@ std::vector<moves::Move> ProgramMoves::moves_of(const program::Move& move, const
   }
   if (move.duration && out.size() > 1)
     throw Error(Problem{"bad-move", where,
-                        "a duration is that of one move, here are " + std::to_string(out.size()),
+                        "a duration applies to one move, here are " + std::to_string(out.size()),
                         "write one move for each point, or state a speed"});
   return out;
 }
@@ -260,7 +260,7 @@ program::Handle ProgramMoves::start_base(const program::Move& move, const Locati
     } else if (said->dimension == own) {
       most = said->value;
     } else {
-      throw Error(Problem{"bad-move", where, std::string(what) + " is not one of what this does",
+      throw Error(Problem{"bad-move", where, std::string(what) + " does not fit this move",
                           out.turns ? "a turn has 30deg/s and 90deg/s2" : "a drive has 0.2m/s and 0.5m/s2"});
     }
   };
@@ -301,6 +301,7 @@ program::Handle ProgramMoves::start(const program::Move& asked, const Location& 
     queued.last = arm.robot.motion->queue(std::move(one), facts, step);
     arm.open.push_back({queued.last, where, std::move(name), move.called});
   }
+  note_touch(arm, queued.first, move.touch, where);
   forget_ended();
   asked_[++last_handle_] = {queued};
   return last_handle_;
@@ -386,6 +387,11 @@ std::optional<program::Progress> ProgramMoves::bad_end(Arm& arm, std::uint64_t t
 }
 
 program::Progress ProgramMoves::poll(program::Handle handle) {
+  if (const auto at = interruptions_.find(handle); at != interruptions_.end()) {
+    if (!is_over(at->second)) return {};
+    interruptions_.erase(at);
+    return program::Progress::done();
+  }
   const auto found = asked_.find(handle);
   if (found == asked_.end()) return program::Progress::done();
   bool arrived = true;
@@ -426,7 +432,7 @@ program::Handle ProgramMoves::start_arrival(const std::string& robot) {
     moves::RobotMotion* motion = arms_[i].robot.motion;
     if (!motion || (!robot.empty() && arms_[i].robot.robot->entry.name != robot)) continue;
     motion->close();
-    asked.push_back({i, 0, motion->last_id()});
+    asked.push_back({i, 0, motion->newest_present()});
   }
   asked_[++last_handle_] = std::move(asked);
   return last_handle_;
@@ -461,8 +467,47 @@ data::Value ProgramMoves::here(const std::string& robot, const std::string& tool
   return here_at(robot, tool, frame, [this](std::size_t arm) { return arms_[arm].robot.motion->planned(); });
 }
 
+data::JointState ProgramMoves::here_joints(const std::string& robot) const {
+  return here_joints(robot, [this](std::size_t arm) { return arms_[arm].robot.motion->planned(); });
+}
+
+data::JointState ProgramMoves::here_joints(const std::string& robot, const JointsOf& joints_of) const {
+  const std::size_t index = arm_of(robot, {});
+  return {arms_[index].robot.robot->model.joint_names(), joints_of(index)};
+}
+
+data::JointState ProgramMoves::joints_at(const data::Value& place, const data::JointState* near,
+                                         const std::string& robot, const std::string& tool,
+                                         const std::string& frame) {
+  return joints_at(place, near, robot, tool, frame,
+                   [this](std::size_t arm) { return arms_[arm].robot.motion->planned(); });
+}
+
+/// The joints in which a joint move to `place` would end.
+data::JointState ProgramMoves::joints_at(const data::Value& place, const data::JointState* near,
+                                         const std::string& robot, const std::string& tool,
+                                         const std::string& frame, const JointsOf& joints_of) {
+  program::Move move;
+  move.targets = {{place, "the place of ik()"}};
+  move.robot = robot, move.tool = tool, move.frame = frame;
+  if (near) move.near = *near;
+  const Prepared made = prepare(move, {});
+  const CellRobot& own = *arms_[made.arm].robot.robot;
+  const moves::MoveTarget& end = made.moves.front().end();
+  if (const auto* joints = std::get_if<std::vector<double>>(&end.at)) return {own.model.joint_names(), *joints};
+  return {own.model.joint_names(), moves::joints_for(made.with ? *made.with : *own.facts, std::get<Pose>(end.at),
+                                                     joints_of(made.arm), end.name)};
+}
+
+data::Value ProgramMoves::pose_at(const data::JointState& joints, const std::string& robot,
+                                  const std::string& tool, const std::string& frame) const {
+  return here_at(robot, tool, frame, [&](std::size_t arm) {
+    return joints_by_name(arms_[arm].robot.robot->model, joints, "fk()");
+  });
+}
+
 data::Value ProgramMoves::here_at(const std::string& robot, const std::string& tool, const std::string& frame,
-                                  const std::function<std::vector<double>(std::size_t)>& joints_of) const {
+                                  const JointsOf& joints_of) const {
   const std::size_t index = arm_of(robot, {});
   const Arm& arm = arms_[index];
   const Pose tcp = arm.robot.motion->robot().chain.forward(joints_of(index));

@@ -41,9 +41,22 @@ class ProgramMoves {
   program::Progress poll(program::Handle handle);
   bool has_room(const std::string& robot);
   program::Handle start_arrival(const std::string& robot);
+  program::Handle suspend(const std::vector<std::string>& robots);
+  program::Handle resume(const std::vector<std::string>& robots);
+  void abandon(const std::vector<std::string>& robots);
   program::Travel travel(program::Handle handle) const;
   void end(program::Handle handle);
   data::Value here(const std::string& robot, const std::string& tool, const std::string& frame) const;
+  data::JointState here_joints(const std::string& robot) const;
+  data::JointState joints_at(const data::Value& place, const data::JointState* near, const std::string& robot,
+                             const std::string& tool, const std::string& frame);
+  data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
+                      const std::string& frame) const;
+
+  /// The name of a robot of the program; empty: its only one.
+  const std::string& name_of(const std::string& robot) const;
+  /// The line of the move under way, or of the last one, if it is meant to touch something; else empty.
+  Location touch_of(const moves::RobotMotion& motion) const;
 
   /// A move in the planner's form, not queued. `with`: facts of the robot with another TCP.
   struct Prepared {
@@ -57,9 +70,13 @@ class ProgramMoves {
   void set_busy(std::function<bool(std::size_t)> busy) { busy_ = std::move(busy); }
   /// The index of the robot whose base a `drive` or `turn` moves. Throws Error if no controller drives it.
   std::size_t base_of(const program::Move& move, const Location& where) const;
-  /// here() for the joints that `joints_of` returns.
+  /// here(), here_joints() and joints_at() for the present joints that `joints_of` returns.
+  using JointsOf = std::function<std::vector<double>(std::size_t arm)>;
   data::Value here_at(const std::string& robot, const std::string& tool, const std::string& frame,
-                      const std::function<std::vector<double>(std::size_t arm)>& joints_of) const;
+                      const JointsOf& joints_of) const;
+  data::JointState here_joints(const std::string& robot, const JointsOf& joints_of) const;
+  data::JointState joints_at(const data::Value& place, const data::JointState* near, const std::string& robot,
+                             const std::string& tool, const std::string& frame, const JointsOf& joints_of);
 
   /// Call before their controllers are unloaded.
   void forget(const moves::BaseMotion& base);
@@ -89,6 +106,11 @@ class ProgramMoves {
     Robot robot;
     std::deque<Open> open;
     std::map<std::string, MadeTool> tools;
+    struct Touch {
+      std::uint64_t from = 0, to = 0;  ///< ids: from the move that may touch up to the one before the next that may not
+      Location where;
+    };
+    std::deque<Touch> touches;
   };
   struct Moves {
     std::size_t arm = 0;
@@ -114,6 +136,15 @@ class ProgramMoves {
                  std::vector<moves::Move>& moves) const;
   void check_payload(const program::Move& move, const Arm& arm, const Location& where) const;
   void forget_ended();
+  static void note_touch(Arm& arm, std::uint64_t first, bool touch, const Location& where);
+  /// Arms that a trap stops, or lets go on.
+  struct Interruption {
+    std::vector<std::size_t> arms;
+    bool ends = false;
+  };
+  program::Handle interrupt(const std::vector<std::string>& robots, bool ends);
+  bool is_over(const Interruption& interruption) const;
+  std::map<program::Handle, Interruption> interruptions_;
   std::shared_ptr<moves::InStep> step_of(const program::Move& move, std::size_t arm, const Location& where);
   std::optional<program::Progress> bad_end(Arm& arm, std::uint64_t through);
 

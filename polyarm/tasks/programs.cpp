@@ -34,6 +34,7 @@ ProgramHost::Context Programs::context(const std::string& task) const {
   out.answers = const_cast<Answers*>(&answers_);
   out.observer = &observer_;
   out.now = &machine_.clock();
+  out.seed = setup_.file.seed;
   return out;
 }
 
@@ -72,6 +73,8 @@ void Programs::start(program::Program program) {
   moves_ = std::make_unique<ProgramMoves>("program", std::move(robots), setup_.file.motion, data_.store);
   ProgramHost::Context context = this->context("program");
   context.moves = moves_.get();
+  force_ = std::make_unique<ForceReadings>(setup_, machine_, observer_);
+  context.force = force_.get();
   context.standing = [this] { return machine_.snapshot().standing; };
   context.seen_outside = [this](const std::string& name) {
     const std::string set = data_.store.set_of(name);
@@ -97,7 +100,7 @@ void Programs::start(program::Program program) {
 
 void Programs::put(program::Program program) {
   if (under_way())
-    throw Error("program-runs", "a program is under way: " + program_->sentence(),
+    throw Error("program-runs", "a program is running: " + program_->sentence(),
                 "end it first: program.stop");
   waits_ = true;
   start(std::move(program));
@@ -116,7 +119,7 @@ std::string Programs::hint_of_live() const {
     if (!task) continue;
     program::for_each_statement(task->interpreter().program().statements, [&](const program::Statement& s) {
       using Kind = program::Statement::Kind;
-      if (s.kind == Kind::set || s.kind == Kind::set_literal) set_here.insert(s.name);
+      if (s.kind == Kind::set || s.kind == Kind::set_literal || s.kind == Kind::pulse) set_here.insert(s.name);
       for (const program::Clause& clause : s.clauses) set_here.insert(clause.target);
     });
   }
@@ -125,11 +128,21 @@ std::string Programs::hint_of_live() const {
     if (set.empty() || data_.files().is_live(set) || set_here.contains(name) || data_.links().source_of(name))
       continue;
     const std::string file = data_.files().file_of(set).filename().string();
-    return "nobody in the cell sets '" + name + "', which comes from " + file +
-           ": the run has a copy of that file; where another program writes it, say live: [" +
+    return "nothing in the cell sets '" + name + "', which comes from " + file +
+           ": the run has a copy of that file; if another program writes it, set live: [" +
            fs::path(file).stem().string() + "] in signals.yaml";
   }
   return {};
+}
+
+Location Programs::touch_of(const moves::RobotMotion& motion) const {
+  return moves_ && under_way() ? moves_->touch_of(motion) : Location{};
+}
+
+bool Programs::touches() const {
+  for (std::size_t i = 0; i < setup_.robots.size(); ++i)
+    if (const moves::RobotMotion* motion = motions_.motion(i); motion && !touch_of(*motion).file.empty()) return true;
+  return false;
 }
 
 Location Programs::place_of(const moves::RobotMotion& motion, std::uint64_t move) const {
@@ -206,13 +219,11 @@ void Programs::begin(const std::string& name, const Location& where) {
 void Programs::continue_plc(const SafePoint& point) {
   Task* const plc = plc_.get();
   if (!plc) return;
-  const auto anew = [&](const std::string& why) {
-    observer_.on_note("the PLC's script begins anew: " + why);
-  };
+  const auto anew = [&](const std::string& why) { observer_.on_note("the PLC's script restarts: " + why); };
   if (point.plc_ended) {
     plc->interpreter().stop();
   } else if (!point.plc) {
-    return anew("it was waiting for a person or a file when the program was cut off");
+    return anew("it was waiting for a person or a file when the program was interrupted");
   } else {
     try {
       plc->interpreter().restore(*point.plc);
@@ -238,12 +249,18 @@ program::StartReport Programs::continue_from_safe_point() {
   continue_plc(point);
   held_before_ = point.held;
   if (!setup_.scene.parts.empty() && !setup_.options.real)
-    observer_.on_note("the simulated parts lie where the scene puts them: what was held or moved is not");
+    observer_.on_note(
+        "the simulated parts are at their initial places, not where the program had moved them");
   return report;
 }
 
 void Programs::keep_safe_point() {
   if (program_ && safe_points_) safe_points_->finish(*program_);
+}
+
+void Programs::end_pulses() {
+  for (Task* task : {program_.get(), plc_.get()})
+    if (task) task->interpreter().end_pulses();
 }
 
 void Programs::tick_program() {

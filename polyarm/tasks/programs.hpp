@@ -76,10 +76,16 @@ class Programs {
   /// If the program waits for a name that nothing in the cell sets and whose file the run has copied: a hint
   /// how others can set it. Otherwise empty.
   std::string hint_of_live() const;
+  /// The line of the program's move by which the robot may touch something now; empty: it may not.
+  Location touch_of(const moves::RobotMotion& motion) const;
+  /// True if any robot may.
+  bool touches() const;
   /// The program line of a move; empty if it is not from the program.
   Location place_of(const moves::RobotMotion& motion, std::uint64_t move) const;
 
   void tick_program();
+  /// Call each tick in which the program is not ticked: its pulses end in time.
+  void end_pulses();
   void tick_plc() {
     if (plc_) plc_->tick();
   }
@@ -119,6 +125,7 @@ class Programs {
   Worker& worker_;
   Observer& observer_;
   std::unique_ptr<ProgramMoves> moves_;  // of the program
+  std::unique_ptr<ForceReadings> force_;
   Answers answers_;
   std::unique_ptr<Task> program_, plc_;
   bool begun_ = true, waits_;

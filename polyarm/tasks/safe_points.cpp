@@ -113,6 +113,7 @@ Json from_uses(const program::MoveDefaults& use) {
     if (value) out[name] = from_number(*value);
   };
   some("speed", use.speed), some("accel", use.accel), some("blend", use.blend), some("payload", use.payload);
+  if (use.around) out["around"] = *use.around;
   if (use.frame_pose) out["pose"] = from_pose(*use.frame_pose);
   return out;
 }
@@ -124,6 +125,7 @@ program::MoveDefaults to_uses(const Json& j) {
     if (j.contains(name)) value = to_number(j[name]);
   };
   some("speed", out.speed), some("accel", out.accel), some("blend", out.blend), some("payload", out.payload);
+  if (j.contains("around")) out.around = j["around"].get<bool>();
   if (j.contains("pose")) out.frame_pose = to_pose(j["pose"]);
   return out;
 }
@@ -151,6 +153,9 @@ Json from_task(const SavedTask& t) {
            {"passes", t.passes}};
   if (t.waits_for) out["waits_for"] = *t.waits_for;
   if (t.deadline) out["deadline"] = *t.deadline;
+  if (t.trap >= 0) out["trap"] = {t.trap, t.owner, t.sprung};
+  if (t.next_due) out["next_due"] = *t.next_due;
+  out["commanded"] = t.commanded;
   return out;
 }
 
@@ -168,6 +173,9 @@ SavedTask to_task(const Json& j) {
   t.waits_at = j.at("waits_at"), t.passes = j.at("passes");
   if (j.contains("waits_for")) t.waits_for = j["waits_for"].get<Nanoseconds>();
   if (j.contains("deadline")) t.deadline = j["deadline"].get<Nanoseconds>();
+  if (j.contains("trap")) t.trap = j["trap"].at(0), t.owner = j["trap"].at(1), t.sprung = j["trap"].at(2);
+  if (j.contains("next_due")) t.next_due = j["next_due"].get<Nanoseconds>();
+  t.commanded = j.at("commanded").get<std::vector<std::string>>();
   return t;
 }
 
@@ -177,7 +185,8 @@ Json from_state(const program::SavedState& state) {
   return {{"program", state.program},   {"tasks", tasks},
           {"meetings", state.meetings}, {"globals", from_slots(state.globals)},
           {"locks", state.locks},       {"last_id", state.last_id},
-          {"groups", state.groups}};
+          {"groups", state.groups},     {"random", state.random},
+          {"clock", state.clock}};
 }
 
 program::SavedState to_state(const Json& j) {
@@ -188,6 +197,7 @@ program::SavedState to_state(const Json& j) {
   out.meetings = j.at("meetings").get<std::map<std::string, std::vector<std::uint64_t>>>();
   out.locks = j.at("locks").get<std::map<std::string, std::uint64_t>>();
   out.last_id = j.at("last_id"), out.groups = j.at("groups");
+  out.random = j.at("random"), out.clock = j.at("clock");
   return out;
 }
 
@@ -206,7 +216,7 @@ Named to_named(const Json& j) {
 }  // namespace
 
 std::string to_json(const SafePoint& point) {
-  Json out{{"polyarm", "safe-point/2"},    {"file", point.program},
+  Json out{{"polyarm", "safe-point/3"},    {"file", point.program},
            {"line", point.line},           {"state", from_state(point.state)},
            {"plc_ended", point.plc_ended}, {"tags", from_named(point.tags)},
            {"held", point.held},           {"values", from_named(point.values)}};
@@ -217,7 +227,7 @@ std::string to_json(const SafePoint& point) {
 SafePoint safe_point_from_json(const std::string& text, const std::string& file) {
   try {
     const Json j = Json::parse(text);
-    if (j.at("polyarm") != "safe-point/2") throw Error("bad-state", "another version");
+    if (j.at("polyarm") != "safe-point/3") throw Error("bad-state", "another version");
     SafePoint out;
     out.program = j.at("file"), out.line = j.at("line");
     out.state = to_state(j.at("state"));
@@ -230,7 +240,7 @@ SafePoint safe_point_from_json(const std::string& text, const std::string& file)
   } catch (const std::exception& e) {
     throw Error(Problem{"bad-state",
                         {file},
-                        std::string("what was written of the program's state is damaged: ") + e.what(),
+                        std::string("the stored state of the program is damaged: ") + e.what(),
                         "begin at a line: --from LINE"});
   }
 }
@@ -310,7 +320,7 @@ void SafePoints::finish(const Task& task) {
 SafePoint SafePoints::read(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error))
-    throw Error("no-state", "no program was cut off here: there is no " + file.string(),
+    throw Error("no-state", "no program was interrupted here: there is no " + file.string(),
                 "run it from its beginning, or --from LINE");
   return safe_point_from_json(read_file(file), file.string());
 }

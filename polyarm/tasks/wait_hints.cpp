@@ -44,7 +44,7 @@ std::string hint_of(const WaitOwners& cell, const std::string& feeder, bool at_f
   if (!at_feeder || asked > *presented) return {};
   const std::string asks = tag ? "set '" + tag->name + "' to one more"
                                : "no tag of signals.yaml has 'command: scene/" + feeder + "/feed'";
-  return fmt::format("the feeder '{}' was asked for {} and has brought {}: {}", feeder, parts(asked),
+  return fmt::format("the feeder '{}' was to bring {} and has brought {}: {}", feeder, parts(asked),
                      *presented <= 0 ? "none" : "as many", asks);
 }
 

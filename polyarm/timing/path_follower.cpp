@@ -25,7 +25,13 @@ PathFollower::PathFollower(TimedPath path, std::vector<trajectory::MotionLimits>
       period_(period_s),
       override_(path_, limits_, period_s) {}
 
+void PathFollower::start_at(double time) noexcept {
+  start_ = std::clamp(time, 0.0, path_.duration());
+  override_.begin(start_, 0);
+}
+
 void PathFollower::begin(double target) noexcept {
+  if (start_ > 0) return override_.begin(start_, 0);
   std::size_t hint = 0;
   const PathMotion start = path_.profile().at(0, hint);
   const bool at_rest = start.speed == 0 && start.acceleration == 0;

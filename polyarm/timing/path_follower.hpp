@@ -29,6 +29,8 @@ class PathFollower {
   /// Call it before the first cycle. Sets the place to the start of the path, and the factor to `target` at
   /// once if the path begins at rest.
   void begin(double target) noexcept;
+  /// Call it before begin(): the path begins at this time of the plan, s, at rest.
+  void start_at(double time) noexcept;
   /// One control cycle towards the factor `target` in [-1, 1]: 1 as planned, 0 held, negative backwards. No
   /// joint exceeds its limits. `immediate`: stops as fast as kHarder times the acceleration (and its square
   /// times the jerk) allow, still on the path; once begun, the stop continues to standstill.
@@ -63,7 +65,7 @@ class PathFollower {
   double period_;
   PathOverride override_;
   bool stepping_back_ = false;
-  double back_to_ = 0;
+  double back_to_ = 0, start_ = 0;
 };
 
 }  // namespace polyarm::timing

@@ -20,7 +20,7 @@ bool contains(const auto& values, const auto& value) {
 bool Interpreter::waits_for_others() const {
   return std::all_of(tasks_.begin(), tasks_.end(), [](const auto& task) {
     const Waiting& waiting = task->waiting;
-    if (task->over() || waiting.kind == WaitKind::turn) return true;
+    if (task->over() || task->frozen || waiting.kind == WaitKind::turn) return true;
     if (task->state != TaskState::waiting) return false;
     const bool for_data = waiting.kind == WaitKind::condition && !task->deadline;
     return for_data || waits_at(*task) || waiting.kind == WaitKind::together;
@@ -35,11 +35,13 @@ void Interpreter::fail_for_deadlock() {
   std::vector<std::string> reasons;
   bool at_lock = false;
   for (const Task* task : stuck) {
-    if (task->waiting.kind == WaitKind::together) continue;
+    if (task->waiting.kind == WaitKind::together || task->frozen) continue;
     reasons.push_back(why_stuck(*task));
     at_lock = at_lock || task->waiting.kind == WaitKind::lock;
   }
-  const auto top = std::find_if(stuck.begin(), stuck.end(), [](const Task* task) { return !task->parent; });
+  auto top = std::find_if(stuck.begin(), stuck.end(),
+                          [](const Task* task) { return !task->parent && !task->frozen; });
+  if (top == stuck.end()) top = stuck.begin();
   const std::string waiting = join(reasons, "; ");
   Problem problem{"deadlock",
                   program_.at(place_of(**top)),
@@ -56,6 +58,10 @@ std::vector<const Interpreter::Task*> Interpreter::tasks_in_deadlock() const {
   std::vector<const Task*> stuck;
   bool any = false;
   for (const auto& task : tasks_) {
+    if (task->frozen && !task->over()) {
+      stuck.push_back(task.get());
+      continue;
+    }
     if (task->state != TaskState::waiting) continue;
     any = any || waits_at(*task);
     if (waits_at(*task) || task->waiting.kind == WaitKind::together) stuck.push_back(task.get());
@@ -72,6 +78,7 @@ std::vector<const Interpreter::Task*> Interpreter::tasks_in_deadlock() const {
 /// its other parts.
 bool Interpreter::goes_on(const Task& task, const std::vector<const Task*>& stuck) const {
   if (task.parent && !contains(stuck, task_of(task.parent))) return true;
+  if (task.frozen) return !contains(stuck, task_of(task.frozen));
   const auto may_act = [&](const auto& other) { return !other->over() && !contains(stuck, other.get()); };
   if (task.waiting.kind == WaitKind::lock) {
     const auto owner = locks_.find(task.waiting.text);
@@ -103,7 +110,8 @@ std::string Interpreter::why_stuck(const Task& task) const {
   if (task.waiting.kind == WaitKind::lock) {
     const auto owner = locks_.find(name);
     const Task* has = owner == locks_.end() ? nullptr : task_of(owner->second);
-    return begin + " for the lock '" + name + "'" + (has ? ", which '" + has->name + "' has" : "");
+    return begin + " for the lock '" + name + "'" + (has ? ", which '" + has->name + "' has" + (has->frozen ? ", and it is interrupted by a trap" : "")
+                    : "");
   }
   std::set<std::string> missing(code_.meetings.at(name).begin(), code_.meetings.at(name).end());
   std::vector<std::string> ended, others;

@@ -168,7 +168,8 @@ void Interpreter::run_prelude(const StartingPoint& start) {
   for (const StartingPoint& each : code_.starts) {
     const Kind kind = each.statement->kind;
     if (each.begin >= start.begin) break;
-    if (!each.top || (kind != Kind::let && kind != Kind::use && kind != Kind::when)) continue;
+    const bool watches = kind == Kind::when || kind == Kind::trap || kind == Kind::every;
+    if (!each.top || (kind != Kind::let && kind != Kind::use && !watches)) continue;
     task.pc = static_cast<std::size_t>(each.begin);
     for (int steps = 0; task.pc != static_cast<std::size_t>(each.end) || task.frames.size() > 1; ++steps) {
       execute(task);

@@ -8,6 +8,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/language/functions.hpp"
 #include "polyarm/language/operators.hpp"
+#include "polyarm/language/text_functions.hpp"
 #include "polyarm/vm/task.hpp"
 
 namespace polyarm::program {
@@ -24,7 +25,7 @@ void Interpreter::execute(Task& task) {
     if (step.op <= Op::let_go) return execute_plain(task, step);
     if (step.op <= Op::here) return execute_value(task, step);
     if (step.op <= Op::given) return execute_name(task, step);
-    if (step.op <= Op::lock) return execute_world(task, step);
+    if (step.op <= Op::pulse) return execute_world(task, step);
     execute_flow(task, step);
   } catch (const OperationError& error) {
     fail_at(source(step).place, error.code, error.what, error.advice);
@@ -53,14 +54,14 @@ Value Interpreter::take_value(Task& task, Operand operand, const Step& step) {
 void Interpreter::require_values(Task& task, const Step& step, int first, int count) {
   for (int i = first; i < first + count; ++i)
     if (!task.local(i).set)
-      fail_at(source(step).place, "no-value", "a value was expected, and this function returns none",
+      fail_at(source(step).place, "no-value", "a value was expected, but this function returns none",
               "write `return` with a value in it");
 }
 
 const Value& Interpreter::value_of(Task& task, Operand operand, const Step& step) {
   const Slot& from = slot(task, operand);
   if (!from.set)
-    fail_at(source(step).place, "no-value", "a value was expected, and this function returns none",
+    fail_at(source(step).place, "no-value", "a value was expected, but this function returns none",
             "write `return` with a value in it");
   return from.value;
 }
@@ -123,7 +124,7 @@ bool Interpreter::write(Task& task, int first, int count, std::string_view betwe
     for (int i = first; i < first + count && text.size() <= kLongestText; ++i) {
       const Value& part = task.local(i).value;
       if (i > first) text += between;
-      text += part.as_text() ? *part.as_text() : part.text();
+      text += part.as_text() ? *part.as_text() : shown_text(part);
     }
     charge(text.size() / kBytesOfAStep);
     return true;
@@ -378,7 +379,7 @@ bool Interpreter::push_host(Task& task, const Step& step) {
     auto names = host_.names();
     fail_at(source(step).place, "unknown-name",
             "there is nothing called '" + wanted + "'" + did_you_mean(wanted, names),
-            "names are data, points, tags and what `let` made");
+            "names are data, points, tags and variables of `let`");
   }
   if (waits_for_motion(*found) && !arrived(task)) return false;
   Value value = *found;
@@ -398,19 +399,27 @@ void Interpreter::take_field(Task& task, const Step& step) {
   slot(task, step.a).fill(std::move(part));
 }
 
+namespace {
+constexpr std::size_t kStepsOfAListItem = 8;
+}  // namespace
+
 bool Interpreter::call_function(Task& task, const Step& step) {
   const Function& function = functions()[step.more];
   require_values(task, step, step.b, step.c);
   if (function.series) return call_in_pieces(task, step);
+  const bool near_given = function.live == Live::ik && task.local(step.b + 1).value.as_joints();
+  if (function.waits && !near_given && !arrived(task)) return false;
   arguments_.clear();
   for (int i = 0; i < step.c; ++i) arguments_.push_back(std::move(task.local(step.b + i).value));
   for (std::size_t i = 0; i < arguments_.size(); ++i) require(function, i, arguments_[i]);
   for (const Value& argument : arguments_) charge_for(argument);
-  Value result = step.op == Op::builtin
-                     ? function.call(arguments_, at(code_.name_lists, step.d))
+  Value result = step.op == Op::builtin ? function.call(arguments_, at(code_.name_lists, step.d))
+                 : function.live != Live::none
+                     ? live_call(task, function)
                      : host_.call(function.name, arguments_, program_.at(source(step).place));
   arguments_.clear();
   charge_for(result);
+  if (result.as_list()) charge(kStepsOfAListItem * result.as_list()->size());
   slot(task, step.a).fill(std::move(result));
   return true;
 }

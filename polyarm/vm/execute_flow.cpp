@@ -41,6 +41,17 @@ void Interpreter::execute_flow(Task& task, const Step& step) {
       wait_for(when, WaitKind::turn);
       break;
     }
+    case Op::begin_trap:
+    case Op::begin_every:
+      begin_event(task, step);
+      break;
+    case Op::spring:
+      task.sprung = true;
+      break;
+    case Op::due:
+      if (is_due(task, step)) break;
+      task.pc = static_cast<std::size_t>(step.a);
+      return wait_for(task, WaitKind::turn);
     case Op::edge: {
       const bool now = take_boolean(task, step.b, step, "when");
       if (now && !std::exchange(task.was_true, true)) break;
@@ -101,23 +112,25 @@ void Interpreter::leave(Task& task, const Depths& to, int names) {
 /// Registers of a loop: the position, the list or the last number, and its names.
 void Interpreter::begin_for(Task& task, const Step& step) {
   const Statement& s = *source(step).statement;
+  const bool statement = step.d == 1;  // else [… for …]
   for (const std::string& name : {s.name, s.second_name})
-    if (!name.empty() && host_.find(name))
+    if (statement && !name.empty() && host_.find(name))
       fail_at(s.name_place, "shadowing", "there is a '" + name + "' already",
               "choose another name for the loop");
   const bool range = step.c == 1;
+  const Place place = source(step).place;
   Value over = take_value(task, operand(Where::temporary, step.a + step.c), step);
   Value first = 0;
   if (range) {
     first = take_value(task, operand(Where::temporary, step.a), step);
     const data::Number *from = first.as_number(), *to = over.as_number();
     if (!from || !to || from->dimension != to->dimension)
-      fail_at(s.second->place, "bad-type", "a range goes from one number to another of the same unit");
+      fail_at(place, "bad-type", "a range goes from one number to another of the same unit");
     constexpr double kLargest = 1e15;  // beyond it an increment of one may be lost
     if (std::abs(from->value) > kLargest || std::abs(to->value) > kLargest)
-      fail_at(s.second->place, "bad-type", "this range is too large to count");
+      fail_at(place, "bad-type", "this range is too large to count");
   } else if (!over.as_list()) {
-    fail_at(s.expression->place, "bad-type", "a list, or a range such as 1 .. 5, was expected");
+    fail_at(place, "bad-type", "a list, or a range such as 1 .. 5, was expected");
   }
   task.local(step.a).fill(0);
   task.local(step.a + 1).fill(std::move(over));
@@ -185,7 +198,7 @@ void Interpreter::retry(Task& task, const Step& step) {
 
 /// The end of a task. After the last line of the program its tasks begin, with its move defaults.
 void Interpreter::finish(Task& task) {
-  if (!arrived(task)) return;
+  if (!arrived(task) || !gone_back(task)) return;
   task.state = TaskState::finished;
   if (&task != tasks_.front().get()) return;
   for (const FunctionCode& each : code_.tasks) {

@@ -106,7 +106,7 @@ bool Interpreter::append(Task& task, const Step& step) {
   try {
     for (int i = step.b + step.c - 1; i >= step.b; --i)
       if (!task.local(i).set)
-        fail_at(list, "no-value", "a value was expected, and this function returns none",
+        fail_at(list, "no-value", "a value was expected, but this function returns none",
                 "write `return` with a value in it");
     const auto more_values = static_cast<std::size_t>(step.c);
     if (variable.set && variable.value.as_list() && !part_from_others(task, variable.value, {}, more_values))
@@ -116,7 +116,7 @@ bool Interpreter::append(Task& task, const Step& step) {
     const Value more = make_list(std::move(items));
     place = sum;
     if (!variable.set)
-      fail_at(sum, "no-value", "a value was expected, and this function returns none",
+      fail_at(sum, "no-value", "a value was expected, but this function returns none",
               "write `return` with a value in it");
     if (!variable.value.as_list()) {
       change(variable, apply(Operator::add, variable.value, more), nullptr, *source(step).statement);

@@ -13,19 +13,40 @@ void Host::end_move(Handle, const Location& where) {
 }
 
 Travel Host::travel(Handle) const {
-  refuse_at({}, "this cell does not tell how far a move has come");
+  refuse_at({}, "this cell does not report the progress of a move");
 }
 
 data::Value Host::here(const std::string&, const std::string&, const std::string&) const {
+  refuse_at({}, "this cell does not report where its robot is");
+}
+
+data::JointState Host::here_joints(const std::string&) const {
   refuse_at({}, "this cell does not tell where its robot is");
 }
 
+data::JointState Host::joints_at(const data::Value&, const data::JointState*, const std::string&, const std::string&,
+                                 const std::string&) const {
+  refuse_at({}, "this cell has no kinematics");
+}
+
+data::Value Host::pose_at(const data::JointState&, const std::string&, const std::string&, const std::string&) const {
+  refuse_at({}, "this cell has no kinematics");
+}
+
+std::array<double, 6> Host::wrench(const std::string&) {
+  refuse_at({}, "this cell has no force sensor");
+}
+
+void Host::zero_force(const std::string&) {
+  refuse_at({}, "this cell has no force sensor");
+}
+
 void Host::run_program(const std::string&, const Location& where) {
-  refuse_at(where, "this is no test of a cell: no program can be run here");
+  refuse_at(where, "this is not a test of a cell: no program can be run here");
 }
 
 data::Value Host::call(std::string_view function, std::span<const data::Value>, const Location& where) {
-  refuse_at(where, std::string(function) + "() is there in the tests of a cell");
+  refuse_at(where, std::string(function) + "() exists only in the tests of a cell");
 }
 
 void Host::hold(const std::string&, const Location& where) {

@@ -1,5 +1,6 @@
 #pragma once
 /// The interface of a program to its cell. The interpreter itself knows no robot, file or clock. SI units.
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -55,6 +56,7 @@ struct Move {
   std::optional<bool> around;
   /// Stops at its last target: the program requests it, or states no blend.
   bool exact = true;
+  bool touch = false;   ///< the tool is meant to touch something: a contact of it is no fault
   bool smooth = false;  ///< line: one curve through all targets instead of lines between them
   /// The statement ends when the move has arrived (moveto); other moves are only queued.
   bool waits = false;
@@ -116,11 +118,34 @@ class Host {
   /// Stops a move on its path as soon as the limits allow, and drops the moves queued after it; poll_move()
   /// reports done at standstill.
   virtual void end_move(Handle handle, const Location& where);
+  /// For a trap: stops these robots (empty: all of the task) on their paths and sets their moves apart. poll_move()
+  /// reports done at standstill; moves that are started then are carried out first.
+  virtual Handle suspend(const std::vector<std::string>& /*robots*/) { return 0; }
+  /// They return to where they stopped and go on along their paths; poll_move() reports done when they go on.
+  virtual Handle resume(const std::vector<std::string>& /*robots*/) { return 0; }
+  /// The program has ended between suspend() and resume(): the moves that were set apart end where the robots are.
+  virtual void abandon(const std::vector<std::string>& /*robots*/) {}
   /// The progress of a move with `waits`.
   virtual Travel travel(Handle handle) const;
   /// The pose of the tool centre point, T_frame_tool; empty names mean the task's own robot and tool, and the
   /// world. Only called after all queued moves have arrived.
   virtual data::Value here(const std::string& robot, const std::string& tool, const std::string& frame) const;
+  /// The joints of the robot after all queued moves; empty: the task's own.
+  virtual data::JointState here_joints(const std::string& robot) const;
+  /// The joints of `robot` at a place: a joint state in its order, a pose in `frame` of the tool centre point of
+  /// `tool`. `near`: the configuration to choose; null: as taught, else near the present joints. Throws Error if
+  /// there are none.
+  virtual data::JointState joints_at(const data::Value& place, const data::JointState* near, const std::string& robot,
+                                     const std::string& tool, const std::string& frame) const;
+  /// The pose of the tool centre point at these joints, T_frame_tool.
+  virtual data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
+                              const std::string& frame) const;
+  /// Force in N and torque in Nm at the force sensor of `robot`, x y z rx ry rz in the axes of the sensor, without
+  /// what zero_force() took as zero. Throws Error if it has no sensor.
+  virtual std::array<double, 6> wrench(const std::string& robot);
+  virtual void zero_force(const std::string& robot);
+  /// Selects the series of random().
+  virtual std::uint64_t seed() const { return 0; }
   /// Starts to reload the data set from the file called `name`.
   virtual Handle start_load(const std::string& name, LoadForm form, const Location& where) = 0;
   virtual Progress poll_load(Handle handle) = 0;

@@ -23,6 +23,8 @@ Interpreter::Interpreter(std::shared_ptr<Compiled> compiled, Host& host, std::op
       program_{compiled_->program},
       code_{compiled_->code},
       host_{host},
+      random_{host.seed()},
+      began_{host.now()},
       test_{test} {
   Slot empty;
   empty.set = false;
@@ -160,7 +162,9 @@ StepResult Interpreter::step(int budget) {
   if (!remains_.empty()) budget -= remains_.free(budget * kStepsOfAStatement / 2) / kStepsOfAStatement;
   if (!outcome_ && looked_at_ != host_.now()) {
     looked_at_ = host_.now();
+    end_pulses();
     step_whens();
+    spring_traps();
     look_at_watches();
   }
   std::size_t idle = 0;
@@ -184,7 +188,7 @@ StepResult Interpreter::step(int budget) {
 
 /// Runs `task` until it waits, has ended, or the budget is used up; true only in the last case.
 bool Interpreter::run_task(Task& task, int& budget) {
-  if (task.over()) return false;
+  if (task.over() || is_frozen(task)) return false;
   try {
     const WaitKind waited = task.waiting.kind;
     forget_arrived(task);
@@ -225,7 +229,7 @@ void Interpreter::step_whens() {
 void Interpreter::finish_when_all_have() {
   const bool all = std::all_of(tasks_.begin(), tasks_.end(),
                                [](const auto& task) { return !task->shown || task->over(); });
-  if (all && watches_.empty()) end_program(TaskState::finished);
+  if (all && watches_.empty() && pulses_.empty()) end_program(TaskState::finished);
 }
 
 void Interpreter::end_program(TaskState outcome) {
@@ -235,12 +239,15 @@ void Interpreter::end_program(TaskState outcome) {
     tasks_.front()->passes = 1;  // a program without a loop is one pass
   for (const auto& task : tasks_) {
     if (outcome != TaskState::finished) task->ended_cycles = cycles_of(*task);
+    if (task->interrupts && (!task->over() || outcome != TaskState::finished)) host_.abandon(task->stopped_robots);
     if (task->over()) continue;
     task->ended_in = place_of(*task);
     task->state = TaskState::stopped;
     task->waiting = {};
   }
   outcome_ = outcome;
+  for (Pulse& pulse : pulses_) pulse.until = 0;
+  end_pulses();
   watches_.clear();
   paused_ = 0;
 }
@@ -347,7 +354,9 @@ void Interpreter::end_children(std::uint64_t parent) {
 }
 
 void Interpreter::remove_children() {
-  const auto gone = [](const auto& task) { return task->parent != 0 && task->over(); };
+  const auto gone = [](const auto& task) {
+    return (task->parent != 0 || task->interrupts != 0) && task->over();
+  };
   if (outcome_ || std::none_of(tasks_.begin(), tasks_.end(), gone)) return;
   std::erase_if(tasks_, gone);
   turn_ = 0, turn_left_ = 0;

@@ -21,6 +21,7 @@
 namespace polyarm::program {
 
 struct PathStep;
+struct Function;
 
 struct TaskStatus {
   std::string name;
@@ -85,6 +86,9 @@ class Interpreter {
   /// At the end of the nth pass of an outermost while, its condition is set to False if it is a plain name,
   /// and the loop ends. 0: unlimited.
   void limit_passes(std::uint64_t n) { pass_limit_ = n; }
+  /// Ends the pulses whose time has passed; step() does so, too. Call it in each tick in which the program is
+  /// not stepped.
+  void end_pulses();
   /// Ends the program as stopped; the host ends what the program had requested. Its `on stop` block is still
   /// stepped.
   void stop();
@@ -152,6 +156,15 @@ class Interpreter {
   void step_whens();
   void step_clean_up(int& budget);
   void finish_when_all_have();
+  // Traps, timers, pulses: events.cpp
+  void begin_event(Task& task, const Step& step);
+  bool is_frozen(const Task& task) const;
+  void spring_traps();
+  void interrupt(Task& watcher, Task& owner);
+  bool gone_back(Task& task);
+  void collect_robots(const Task& task, std::vector<std::string>& out) const;
+  bool is_due(Task& task, const Step& step);
+  void pulse(Task& task, const Step& step);
   void end_program(TaskState outcome);
   void end_children(std::uint64_t parent);
   void remove_children();
@@ -214,6 +227,11 @@ class Interpreter {
   void make_parts(Task& task, const Step& step);
   bool call_function(Task& task, const Step& step);
   bool call_in_pieces(Task& task, const Step& step);
+  // Functions of the running program, on arguments_: live_functions.cpp
+  Value live_call(const Task& task, const Function& function);
+  Value joints_at(const MoveDefaults& use) const;
+  Value pose_at(const MoveDefaults& use) const;
+  Value random();
   bool take_answer(Task& task, const Step& step);
 
   // Names: execute_names.cpp
@@ -272,6 +290,7 @@ class Interpreter {
   void use(Task& task, const Step& step);
   Move asked_move(Task& task, const Step& step, std::size_t first) const;
   void look_at_watches();
+  void measure(Task& task) const;
   // World: world_steps.cpp
   void wait_step(Task& task, const Step& step);
   void until_step(Task& task, const Step& step);
@@ -293,8 +312,16 @@ class Interpreter {
   std::map<std::string, std::uint64_t> locks_;                  ///< the holder
   std::uint64_t groups_ = 0;                                    ///< number of groups of moves in step so far
   std::vector<Watch> watches_;
+  struct Pulse {
+    std::string name;
+    Nanoseconds until = 0;
+    Location where;
+  };
+  std::vector<Pulse> pulses_;
   std::function<void()> wait_over_;
   std::uint64_t last_id_ = 0;
+  std::uint64_t random_;     ///< state of random()
+  Nanoseconds began_;        ///< for clock()
   std::optional<std::size_t> test_;
   std::uint64_t pass_limit_ = 0;
   std::size_t turn_ = 0;

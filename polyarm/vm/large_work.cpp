@@ -91,7 +91,7 @@ bool Writing::go_on(int& left) {
   while (left > 0 && next_ < parts_.size() && text_.size() <= kLongestText) {
     if (telling_.empty()) {
       if (next_ > 0) text_ += between_;
-      telling_.emplace_back(parts_[next_]);
+      telling_.emplace_back(parts_[next_], data::kShownDigits);
     }
     const std::size_t before = text_.size();
     const bool told = telling_.back().go_on(text_, static_cast<std::size_t>(left) / kLettersOfAStep + 1);

@@ -32,11 +32,10 @@ Number quantity(const Value& value, const Clause& clause, std::initializer_list<
                   std::string("write such as ") + such_as};
   if (n->value < 0 ||
       (n->value == 0 && clause.kind != Clause::Kind::blend && clause.kind != Clause::Kind::payload))
-    throw Refused{
-        clause.value->place, "'" + word + "' has to be more than nothing, here is " + value.text(), {}};
+    throw Refused{clause.value->place, "'" + word + "' must be above 0, here is " + value.text(), {}};
   if (n->dimension == Dimension::none && n->value > 1)
     throw Refused{clause.value->place,
-                  "'" + word + "' as a share of what the robot can is at most 100%, here is " + percent(n->value),
+                  "'" + word + "' as a percentage is at most 100%, here it is " + percent(n->value),
                   std::string("with a unit write such as ") + such_as};
   return *n;
 }
@@ -102,8 +101,7 @@ data::JointState near_of(const Value& value, const Clause& clause) {
 }
 
 bool takes_value(const Clause& clause) {
-  return clause.kind != Clause::Kind::exact && clause.kind != Clause::Kind::smooth &&
-         clause.kind != Clause::Kind::until && clause.kind != Clause::Kind::at;
+  return has_value(clause.kind) && clause.kind != Clause::Kind::until && clause.kind != Clause::Kind::at;
 }
 std::size_t values_of(const Clause& clause) {
   if (clause.kind == Clause::Kind::at) return clause.value ? 2 : 1;
@@ -154,7 +152,7 @@ void take_velocities(Move& move, const Value& value, const Expression& e, Statem
     const std::string& name = record->names[i];
     const Number* v = record->values[i].as_number();
     const auto axis = std::find(std::begin(kAxes), std::end(kAxes), name);
-    if (line && axis == std::end(kAxes)) throw refuse("'" + name + "' is none of x, y, z, rx, ry and rz");
+    if (line && axis == std::end(kAxes)) throw refuse("'" + name + "' is not one of x, y, z, rx, ry and rz");
     const bool turns = line ? axis - std::begin(kAxes) >= 3 : v && v->dimension == Dimension::angular_speed;
     const bool fits = v && (v->dimension == (turns ? Dimension::angular_speed : Dimension::speed) ||
                             (v->value == 0 && v->dimension == Dimension::none));
@@ -212,6 +210,7 @@ Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) co
     exact = exact || clause.kind == Clause::Kind::exact;
     blends = blends || clause.kind == Clause::Kind::blend;
     out.smooth = out.smooth || clause.kind == Clause::Kind::smooth;
+    out.touch = out.touch || clause.kind == Clause::Kind::touch;
     out.waits = out.waits || clause.kind == Clause::Kind::until;
     if (clause.kind == Clause::Kind::duration)
       out.duration = quantity(task.stack[first].value, clause, {Dimension::time}, "2s");
@@ -282,6 +281,8 @@ void Interpreter::move(Task& task, const Step& step) {
   }
   let_go(task, step.a, count);
   ++task.pc;
+  if (std::find(task.commanded.begin(), task.commanded.end(), move.robot) == task.commanded.end())
+    task.commanded.push_back(move.robot);
   if (!move.waits) {
     if (std::find(task.robots.begin(), task.robots.end(), move.robot) == task.robots.end())
       task.robots.push_back(move.robot);
@@ -291,6 +292,7 @@ void Interpreter::move(Task& task, const Step& step) {
   task.handles = {handle};
   const bool looks = std::any_of(s.clauses.begin(), s.clauses.end(),
                                  [](const Clause& c) { return c.kind == Clause::Kind::until; });
+  if (looks) task.until_met = false, task.travelled = task.whole = 0, task.measured = handle;
   if (!looks) wait_for(task, WaitKind::move, move.targets.back().name);
 }
 
@@ -316,10 +318,23 @@ void Interpreter::use(Task& task, const Step& step) {
   ++task.pc;
 }
 
+/// The way of a move with `until`, for travelled().
+void Interpreter::measure(Task& task) const {
+  if (!task.measured) return;
+  const Travel travel = host_.travel(*task.measured);
+  if (!std::isfinite(travel.covered_m)) return;  // it has ended
+  task.travelled = travel.covered_m;
+  if (std::isfinite(travel.left_m)) task.whole = travel.covered_m + travel.left_m;
+}
+
 /// Sets the values that moves set on their way.
 void Interpreter::look_at_watches() {
   for (std::size_t i = 0; i < watches_.size() && !outcome_;) {
     const Watch watch = watches_[i];
+    if (const Task* of = task_of(watch.task); of && is_frozen(*of)) {  // its move is set apart
+      ++i;
+      continue;
+    }
     bool reached = false;
     try {
       const Travel travel = host_.travel(watch.handle);

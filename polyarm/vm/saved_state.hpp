@@ -20,6 +20,11 @@ struct SavedTask {
   std::uint64_t id = 0;
   std::string name;
   bool shown = true, apart = false, met = false, was_true = false;
+  int trap = -1;            ///< what looks at the condition of a trap: its index
+  std::uint64_t owner = 0;  ///< the task that it interrupts
+  bool sprung = false;
+  std::vector<std::string> commanded;   ///< robots that it has moved
+  std::optional<Nanoseconds> next_due;  ///< of an `every`: the rest of its time
   TaskState state = TaskState::running;
   std::size_t step = 0;
   std::vector<SavedSlot> stack;
@@ -41,6 +46,8 @@ struct SavedState {
   std::map<std::string, std::vector<std::uint64_t>> meetings;
   std::map<std::string, std::uint64_t> locks;
   std::uint64_t last_id = 0, groups = 0;
+  std::uint64_t random = 0;       ///< state of random()
+  Nanoseconds clock = 0;          ///< of clock()
 };
 
 }  // namespace polyarm::program

@@ -15,7 +15,7 @@ void add_to(std::uint64_t& hash, const std::string& text) {
 
 std::uint64_t fingerprint(const Program& program) {
   std::uint64_t hash = 14695981039346656037ull;
-  add_to(hash, "registers 1");  // version of the compiled form: a state of other steps would have another
+  add_to(hash, "registers 2");  // version of the compiled form: a state of other steps would have another
                                 // meaning
   for (const std::string& line : program.lines) add_to(hash, line);
   for (const Program::Included& included : program.included)
@@ -30,8 +30,9 @@ SavedSlot saved(const Slot& slot) {
 
 /// True if no state exists only in this process: no motion, question, file or part of a `together`.
 bool Interpreter::safe() const {
-  if (outcome_ || !watches_.empty()) return false;
+  if (outcome_ || !watches_.empty() || !pulses_.empty()) return false;
   return std::all_of(tasks_.begin(), tasks_.end(), [](const auto& task) {
+    if (task->frozen || task->interrupts) return false;
     if (task->over()) return task->parent == 0;
     const WaitKind kind = task->waiting.kind;
     const bool alone = kind == WaitKind::none || kind == WaitKind::time || kind == WaitKind::condition ||
@@ -45,10 +46,17 @@ SavedState Interpreter::save() const {
   out.program = fingerprint(program_);
   const auto left = [&](Nanoseconds until) { return std::max<Nanoseconds>(0, until - host_.now()); };
   for (const auto& task : tasks_) {
-    SavedTask saved_task{
-        task->id,       task->name,         task->shown, task->apart,  task->met,  task->was_true,
-        task->state,    task->pc,           {},          task->frames, task->uses, task->locks,
-        task->handlers, task->waiting.kind, {},          {},           {},         task->passes};
+    SavedTask saved_task;
+    saved_task.id = task->id, saved_task.name = task->name;
+    saved_task.shown = task->shown, saved_task.apart = task->apart;
+    saved_task.met = task->met, saved_task.was_true = task->was_true;
+    saved_task.trap = task->trap, saved_task.owner = task->owner, saved_task.sprung = task->sprung;
+    saved_task.commanded = task->commanded;
+    if (task->next_due) saved_task.next_due = left(*task->next_due);
+    saved_task.state = task->state, saved_task.step = task->pc, saved_task.passes = task->passes;
+    saved_task.frames = task->frames, saved_task.uses = task->uses;
+    saved_task.locks = task->locks, saved_task.handlers = task->handlers;
+    saved_task.waits = task->waiting.kind;
     for (const Slot& slot : task->stack) saved_task.stack.push_back(saved(slot));
     if (task->waiting.kind == WaitKind::meet || task->waiting.kind == WaitKind::lock)
       saved_task.waits_at = task->waiting.text;
@@ -66,12 +74,14 @@ SavedState Interpreter::save() const {
   out.locks = locks_;
   out.last_id = last_id_;
   out.groups = groups_;
+  out.random = random_;
+  out.clock = host_.now() - began_;
   return out;
 }
 
 StartReport Interpreter::restore(const SavedState& from) {
   const auto fits = [&](const SavedTask& task) {
-    return task.step < code_.steps.size() && !task.frames.empty() &&
+    return task.trap >= -1 && task.trap < static_cast<int>(code_.traps.size()) && task.step < code_.steps.size() && !task.frames.empty() &&
            std::all_of(task.frames.begin(), task.frames.end(),
                        [&](const CallFrame& frame) {
                          return frame.return_to <= code_.steps.size() && frame.base <= task.stack.size() &&
@@ -87,7 +97,7 @@ StartReport Interpreter::restore(const SavedState& from) {
   if (from.program != fingerprint(program_))
     throw Error(Problem{"other-program",
                         {program_.file},
-                        "the program has changed since it was cut off: it cannot go on where it stood",
+                        "the program has changed since it was interrupted, so it cannot continue there",
                         "begin at a line: --from LINE"});
   if (from.tasks.empty() || from.globals.size() != globals_.size() ||
       !std::all_of(from.tasks.begin(), from.tasks.end(), fits))
@@ -105,6 +115,9 @@ StartReport Interpreter::restore(const SavedState& from) {
     Task& task = add_task(each.name, static_cast<int>(each.step), each.shown);
     task.id = each.id;
     task.apart = each.apart, task.met = each.met, task.was_true = each.was_true;
+    task.trap = each.trap, task.owner = each.owner, task.sprung = each.sprung;
+    task.commanded = each.commanded;
+    if (each.next_due) task.next_due = host_.now() + *each.next_due;
     task.state = each.state;
     task.frames = each.frames;
     task.stack.clear();
@@ -126,6 +139,8 @@ StartReport Interpreter::restore(const SavedState& from) {
   locks_ = from.locks;
   last_id_ = from.last_id;
   groups_ = from.groups;
+  random_ = from.random;
+  began_ = host_.now() - from.clock;
   const TaskStatus now = overview();
   StartReport out{now.where, {}, {}, {}, {}, {}, {}};
   const MoveDefaults use = uses(now.name);

@@ -52,6 +52,21 @@ struct Interpreter::Task {
   Nanoseconds seen_at = 0;
   std::string refused;  ///< why the latest answer to its question was refused
   bool met = false, was_true = false;
+  // Of its last move with `until`.
+  bool until_met = false;
+  std::optional<Handle> measured;  ///< while it is under way
+  double travelled = 0, whole = 0;  ///< m: its way so far, and up to its end
+  // Traps. Of what looks at the condition: its trap, the task that it interrupts, and that it is to do so.
+  int trap = -1;
+  std::uint64_t owner = 0;
+  bool sprung = false;
+  // Of the block: the task that it interrupts, and its robots.
+  std::uint64_t interrupts = 0;
+  std::vector<std::string> stopped_robots;
+  bool goes_back = false;
+  std::uint64_t frozen = 0;             ///< by this block of a trap
+  std::vector<std::string> commanded;   ///< robots that it has moved
+  std::optional<Nanoseconds> next_due;  ///< of an `every`
   std::unique_ptr<Work> work;  ///< of its step, in pieces
   std::uint64_t passes = 0;
   std::optional<std::uint64_t> ended_cycles;  ///< the number of finished cycles when it was stopped

@@ -70,6 +70,7 @@ bool Interpreter::poll(Task& task) {
 
 bool Interpreter::poll_handles(Task& task) {
   const WaitKind kind = task.waiting.kind;
+  if (task.until_met) measure(task);
   while (!task.handles.empty()) {
     const Handle handle = task.handles.back();
     const Progress progress = kind == WaitKind::load   ? host_.poll_load(handle)
@@ -84,6 +85,7 @@ bool Interpreter::poll_handles(Task& task) {
     if (progress.state == Progress::State::ended) throw Ended{std::move(problem)};
     throw Error(std::move(problem));
   }
+  if (task.until_met) task.measured.reset();
   go_on(task);
   return true;
 }

@@ -87,6 +87,9 @@ void Interpreter::execute_world(Task& task, const Step& step) {
       return tell_unmet(task, step);
     case Op::meet:
       return meet(task, step);
+    case Op::pulse:
+      pulse(task, step);
+      break;
     default:
       return lock(task, step);
   }
@@ -142,7 +145,9 @@ void Interpreter::wait_step(Task& task, const Step& step) {
 
 /// True: the move ends here. If the move reaches its end first, the block after `else` runs.
 void Interpreter::until_step(Task& task, const Step& step) {
+  measure(task);
   if (take_boolean(task, step.d, step, "until")) {
+    task.until_met = true;
     host_.end_move(task.handles.back(), program_.at(source(step).line));
     wait_for(task, WaitKind::move, "its end");
     ++task.pc;
@@ -156,6 +161,8 @@ void Interpreter::until_step(Task& task, const Step& step) {
     task.waiting.kind = kind;
     return;
   }
+  task.travelled = task.whole;
+  task.measured.reset();
   task.pc = step.c >= 0 ? static_cast<std::size_t>(step.c) : task.pc + 1;
 }
 
@@ -177,10 +184,14 @@ void Interpreter::ask(Task& task, const Step& step) {
 /// Passed when all tasks that mention it have arrived.
 void Interpreter::meet(Task& task, const Step& step) {
   const std::string& name = code_.texts[static_cast<std::size_t>(step.a)];
+  if (task.interrupts)
+    fail_at(source(step).place, "deadlock",
+            "a trap cannot come to '" + name + "': the task that it interrupts would be missing",
+            "set a tag here and let the task come to the meeting");
   const auto parties = code_.meetings.find(name);
   if (parties == code_.meetings.end() || parties->second.size() < 2)
-    fail_at(source(step).place, "no-meeting", "no other task comes to '" + name + "'",
-            "`meet` stands in two or more tasks");
+    fail_at(source(step).place, "no-meeting", "no other task reaches '" + name + "'",
+            "use `meet` in two or more tasks");
   auto& come = meetings_[name];
   come.push_back(task.id);
   if (come.size() < parties->second.size()) {
@@ -201,6 +212,12 @@ void Interpreter::lock(Task& task, const Step& step) {
   const auto owner = locks_.find(name);
   if (owner != locks_.end() && owner->second == task.id)
     fail_at(source(step).place, "locked", "this task has '" + name + "' already", {});
+  if (const Task* has = owner == locks_.end() ? nullptr : task_of(owner->second); has && is_frozen(*has))
+    for (const Task* block = &task; block; block = block->parent ? task_of(block->parent) : nullptr)
+      if (block->interrupts && (block->interrupts == has->id || block->interrupts == has->parent))
+        fail_at(source(step).place, "deadlock",
+                "'" + has->name + "', which this trap interrupts, has the lock '" + name + "' and cannot give it back",
+                "take the lock before the trap can spring, or leave it out of the trap");
   if (owner != locks_.end()) {
     wait_for(task, WaitKind::lock, name);
     task.waiting.until = task.deadline;

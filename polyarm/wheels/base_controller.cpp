@@ -78,7 +78,7 @@ std::uint64_t BaseController::receive(const std::string& port, const Input& mess
   if (!twist) throw Error("wrong-message", port + " takes a twist (" + kTwistStamped + " or " + kTwist + ")");
   const PlanarTwist wanted{twist->linear.x, style_.lateral ? twist->linear.y : 0, twist->angular.z};
   if (!is_twist(wanted))
-    throw Error("not-a-number", "the twist has a value that is no speed; it is ignored",
+    throw Error("not-a-number", "the twist has a value that is not a speed; it is ignored",
                 "the command before it holds until it times out");
   const bool stamped = twist->stamp && *twist->stamp != 0;  // a stamp of zero means: now
   commands_inbox_.write({wanted, stamped ? twist->stamp : std::optional<Nanoseconds>{},

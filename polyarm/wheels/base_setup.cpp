@@ -34,7 +34,7 @@ namespace {
 /// `has_…_limits: false` switched a kind of limit off, whatever its numbers were.
 void heed_switch(Parameters& p, const std::string& key, const std::vector<std::string>& numbers) {
   if (!p.has(key)) return;
-  if (p.boolean(key, true)) return p.superseded(key, "a limit holds where its number stands");
+  if (p.boolean(key, true)) return p.superseded(key, "a limit applies if its number is given");
   p.problems().warning("superseded-key", place_in_file(p, key),
                        "'" + key + ": false' is an older release's way to switch a limit off",
                        "leave out its numbers instead");
@@ -68,9 +68,8 @@ std::vector<std::string> with(const std::string& prefix, std::vector<std::string
 std::string frame_prefix(ControllerContext& context) {
   std::string prefix;
   bool enabled = true;
-  context.parameters.read(
-      "tf_frame_prefix", prefix,
-      {"prefix of the names of frames; ~ or nothing: the robot, where there are several"});
+  context.parameters.read("tf_frame_prefix", prefix,
+                          {"prefix of the names of frames; ~ or nothing: the robot, if there are several"});
   context.parameters.read("tf_frame_prefix_enable", enabled, {"false: no prefix"});
   if (!enabled) return {};
   const bool several =
@@ -162,7 +161,7 @@ void BaseController::read_behaviour(Parameters& p) {
   double& timeout = command_watch().timeout;
   timeout = style_.timeout;
   if (style_.has_open_loop)
-    p.read("open_loop", open_loop_, {"odometry from what is commanded, not from what the wheels do"});
+    p.read("open_loop", open_loop_, {"odometry from the commands, not from the wheels"});
   if (style_.has_position_feedback)
     p.read("position_feedback", position_feedback_,
            {"odometry from the positions of the wheels; false: from their velocities"});

@@ -217,7 +217,7 @@ class Expander : private XacroTexts {
 
   void property(const XMLElement& e, Frame& frame) {
     const std::string name = text_of(required(e, "name"), frame.scope);
-    if (!is_identifier(name)) fail("'" + name + "' is no name for a property");
+    if (!is_identifier(name)) fail("'" + name + "' is not a name for a property");
     const char* value = e.Attribute("value");
     const char* fallback = e.Attribute("default");
     if (flag(e, "remove", false, frame)) {

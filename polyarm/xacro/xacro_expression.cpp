@@ -562,7 +562,7 @@ class Evaluator {
         if (key.text() && *key.text() == member) return value;
       refuse("there is no key '" + member + "'");
     }
-    refuse("'" + member + "' cannot be asked of " + repr_of(on));
+    refuse("'" + member + "' is not available for " + repr_of(on));
   }
 
   void check_defined(const std::string& name) {

@@ -26,7 +26,7 @@ std::int64_t int_of(const XacroValue& value) {
 }
 
 std::int64_t index_in(const XacroValue& index, std::size_t size) {
-  if (!whole(index)) refuse(repr_of(index) + " is no place in a list");
+  if (!whole(index)) refuse(repr_of(index) + " is not a place in a list");
   const std::int64_t at = int_of(index);
   return at < 0 ? at + static_cast<std::int64_t>(size) : at;
 }

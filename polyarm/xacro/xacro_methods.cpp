@@ -320,7 +320,7 @@ XacroValue method_of(const XacroValue& on, const std::string& name, const XacroL
     if (name == "count") return count;
     refuse(repr_of(a[0]) + " is not in the list");
   }
-  refuse("'" + name + "' cannot be asked of " + repr_of(on));
+  refuse("'" + name + "' is not available for " + repr_of(on));
 }
 
 }  // namespace

@@ -200,6 +200,14 @@ std::vector<double> Yaml::numbers(Dimension dimension) const {
   return out;
 }
 
+std::string Yaml::named() const {
+  return Data::named(data_);
+}
+
+std::string Yaml::kind() const {
+  return Data::kind(data_);
+}
+
 std::vector<std::string> Yaml::texts() const {
   std::vector<std::string> out;
   for (const Yaml& item : items()) out.push_back(item.text());

@@ -65,7 +65,7 @@ class YamlBuilder : public YAML::EventHandler {
     const auto known = named_.find(anchor);
     if (known == named_.end())
       throw Error(Problem{"yaml-syntax", marked_place(mark, out_.file),
-                          "this alias stands within what it names", "write the values out"});
+                          "this alias is inside the node that it names", "write the values out"});
     add(*known->second.node, known->second.values);
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,

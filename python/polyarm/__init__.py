@@ -7,27 +7,30 @@
 Metres, radians, seconds; poses are 4 x 4 matrices in the world. `polyarm.client` controls a cell that runs elsewhere.
 The pages: docs/python.md.
 """
-import os as _os
+import importlib as _importlib
 
-from . import _polyarm
 from .errors import Error
 
-
-def _installation():
-    """The folder with lib/polyarm and share/polyarm, or the build folder: seen from this file."""
-    here = _os.path.dirname(_os.path.realpath(_polyarm.__file__))
-    build = _os.path.dirname(_os.path.dirname(here))  # BUILD/python/polyarm
-    prefix = _os.path.dirname(_os.path.dirname(build))  # PREFIX/lib/python3/dist-packages/polyarm
-    return prefix if _os.path.isdir(_os.path.join(prefix, "lib", "polyarm")) else build
-
-
-_polyarm.use_installation(_installation())
-__version__ = _polyarm.version
-
-from .cell import Cell  # noqa: E402  (needs the installation)
-from .motion import Motion, state_to_state, through_waypoints  # noqa: E402
-from .robot import Robot, pose, robots  # noqa: E402
-from .surroundings import Surroundings, Way  # noqa: E402
+# Imported when they are used: they need the compiled module and NumPy, which polyarm.client does not.
+_MODULES = {"Cell": "cell", "Motion": "motion", "state_to_state": "motion", "through_waypoints": "motion", "Robot": "robot",
+            "pose": "robot", "robots": "robot", "Surroundings": "surroundings", "Way": "surroundings"}
 
 __all__ = ["Cell", "Error", "Motion", "Robot", "Surroundings", "Way", "pose", "robots", "state_to_state",
            "through_waypoints"]
+
+
+def __getattr__(name):
+    if name == "__version__":
+        value = _importlib.import_module("._compiled", __name__)._polyarm.version
+    elif name in _MODULES:
+        value = getattr(_importlib.import_module("." + _MODULES[name], __name__), name)
+    elif name in _MODULES.values():
+        return _importlib.import_module("." + name, __name__)
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__():
+    return sorted({*globals(), *_MODULES, "__version__"})

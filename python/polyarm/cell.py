@@ -6,7 +6,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from . import _polyarm
+from ._compiled import _polyarm
 from .errors import Error
 
 Event = namedtuple("Event", "time kind text where")
@@ -73,7 +73,7 @@ class Cell:
         return self.commands()[self._index(self.command_names, name)]
 
     def ask(self, request, follow=False, patience=20.0, **arguments):
-        """The answer to a request of docs/control.md, as in `cell.ask("tags.set", name="Vacuum", value=True)`.
+        """The answer to a request of docs/requests.md, as in `cell.ask("tags.set", name="Vacuum", value=True)`.
 
         Cell time goes on until the answer is there, at most `patience` s. `follow`: to the last answer of a goal or a
         move. Raises Error with the code of the refusal; code "no-answer" after `patience`.

@@ -240,7 +240,7 @@ class CellClient(Requests):
         await self._channel.close()
 
     async def ask(self, request: str, **arguments: Any) -> Any:
-        """The last answer to a request of docs/control.md. Raises Error, Closed."""
+        """The last answer to a request of docs/requests.md. Raises Error, Closed."""
         return await self._ask(request, arguments)
 
     async def _ask(self, request: str, arguments: dict[str, Any]) -> Any:

@@ -1,7 +1,7 @@
 """Timing: the fastest motion within limits of velocity, acceleration and jerk."""
 import numpy as np
 
-from . import _polyarm
+from ._compiled import _polyarm
 
 
 class Motion:

@@ -1,7 +1,7 @@
 """Requests to a cell and their answers, as types, and a method for each.
 
 Made by python/make_requests from the list of requests. Do not edit. Lengths in m, angles in rad, quaternions x y z w; a
-number that is NaN or infinite comes as None. What a request does: docs/control.md.
+number that is NaN or infinite comes as None. What a request does: docs/requests.md.
 """
 from __future__ import annotations
 
@@ -1203,8 +1203,8 @@ class Requests:
     async def program_start(self, *, passes: float | None = None, paused: bool | None = None, as_saved: bool | None = None, file: str | None = None, hash: str | None = None, saved: str | None = None) -> ProgramStatus:
         return await self._ask("program.start", {"passes": passes, "paused": paused, "as_saved": as_saved, "file": file, "hash": hash, "saved": saved})
 
-    async def program_answer(self, *, text: str | None = None) -> Asked:
-        return await self._ask("program.answer", {"text": text})
+    async def program_answer(self, *, text: str | None = None, question: str | None = None) -> Asked:
+        return await self._ask("program.answer", {"text": text, "question": question})
 
     async def program(self, *, data: bool | None = None) -> ProgramStateAnswer:
         return await self._ask("program", {"data": data})

@@ -1,7 +1,7 @@
 """Robots of the catalogue or of a description file, and their kinematics."""
 import numpy as np
 
-from . import _polyarm
+from ._compiled import _polyarm
 from .errors import Error
 
 

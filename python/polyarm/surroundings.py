@@ -1,7 +1,7 @@
 """A robot among the obstacles of a scene: contacts, distances, ways around them."""
 import numpy as np
 
-from . import _polyarm
+from ._compiled import _polyarm
 from .motion import Motion, through_waypoints
 
 

@@ -54,5 +54,7 @@ function(polyarm_ros_module package out main)
     endif()
     target_link_libraries(polyarm_ros_plugin PRIVATE ${library})
   endforeach()
+  # Plugin libraries of one package may be made of the same source files: the first definition counts.
+  target_link_options(polyarm_ros_plugin PRIVATE -Wl,-z,muldefs)
   target_link_options(polyarm_ros_plugin PRIVATE -Wl,--version-script=${POLYARM_ROS_KIT}/cmake/module.map)
 endfunction()

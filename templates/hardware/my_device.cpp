@@ -156,7 +156,7 @@ std::string MyDevice::reason() const {
     case Failure::no_device:
       return "no device answers" + where + "; check cable, power and the parameter 'port'";
     case Failure::not_enabled:
-      return "the device" + where + " could not be enabled or disabled; look at its lamps";
+      return "the device" + where + " could not be enabled or disabled; check its lamps";
     case Failure::no_answer:
       return joint + where + " does not answer; check its cable";
     case Failure::not_taken:

@@ -158,7 +158,7 @@ TEST_F(AReach, ACellWithinACellReachesBoth) {
   place.write("cell/far/cell.yaml", "x");
   place.write("cell/deep/down/cell.yaml", "x");
   EXPECT_EQ(project_root(cell() / "far"), resolved(cell()));
-  EXPECT_EQ(project_root(cell() / "deep/down"), resolved(cell() / "deep/down")) << "deep is no cell";
+  EXPECT_EQ(project_root(cell() / "deep/down"), resolved(cell() / "deep/down")) << "deep is not a cell";
 }
 
 TEST_F(AReach, HostsBeyondThisMachineHaveToBeAllowed) {

@@ -234,7 +234,7 @@ std::string carry_a_part(const Robot& robot) {
   work.go(pass.over_place);
   work.go(pass.place);
   work.vacuum(0);
-  if (held()) return "the cup does not let go";
+  if (held()) return "the cup does not switch its torque off";
   work.go(pass.over_place);
   rig.run(0.3);
   const Vec3 wanted = pass.T_place * Vec3{0, 0, 0.54 * edge};

@@ -220,7 +220,8 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"ComponentCannotBeRead", "fault", "a hardware component failed", 1, "read_error@1000"},
         Row{"ComponentCannotBeWritten", "fault", "a hardware component failed", 1, "write_error@1000"},
         Row{"ComponentAsksToBeDeactivated", "fault", "a hardware component failed", 2, "deactivate@1000"},
-        Row{"MeasuredPositionIsNoNumber", "fault", "a measured joint position is no number", 2, "nan@1000:b"},
+        Row{"MeasuredPositionIsNoNumber", "fault", "a measured joint position is NaN or infinite", 2,
+            "nan@1000:b"},
         Row{"MeasuredPositionJumps", "fault", "a measured joint position jumped", 2, "jump@1000:a=0.6"},
         Row{"JointDoesNotFollow", "fault", "a joint does not follow its command", 1, "freeze@1000",
             ", following_error: 0.1"},
@@ -232,12 +233,12 @@ INSTANTIATE_TEST_SUITE_P(
             [](Rows& rows) { rows.wakes_late = true; }},
         Row{"LateCyclesFault", "fault", "cycles were late", 80, "", "", kOverrun + "fault}\n",
             [](Rows& rows) { rows.wakes_late = true; }},
-        Row{"WallTimeWentMissing", "held", "wall time went missing", 200, "", "", "",
+        Row{"WallTimeWentMissing", "held", "wall time was lost", 200, "", "", "",
             [](Rows& rows) { rows.gap = true; }},
         Row{"CellThreadIsSilent", "held", "the cell thread was silent", 700, "", "", "",
             [](Rows& rows) { rows.silent = rows.loop().supervisor().watch_cell = true; }},
-        Row{"StopIsAskedFor", "held", "a stop was asked for", 200, "", "", "", stop},
-        Row{"StopIsAskedForTwice", "held", "a stop was asked for", 70, "", "", "",
+        Row{"StopIsAskedFor", "held", "a stop was requested", 200, "", "", "", stop},
+        Row{"StopIsAskedForTwice", "held", "a stop was requested", 70, "", "", "",
             [](Rows& rows) {
               stop(rows);
               rows.loop().supervisor().latch().request(realtime::StopKind::immediate);

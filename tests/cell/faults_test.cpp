@@ -105,11 +105,11 @@ TEST_P(FaultTable, EndsTheSameWay) {
 const std::string kFailed = "a hardware component failed";
 INSTANTIATE_TEST_SUITE_P(
     All, FaultTable,
-    testing::Values(InjectedFault{"read", "read_error@500", "", kFailed, "told to do this: read_error"},
+    testing::Values(InjectedFault{"read", "read_error@500", "", kFailed, "injected fault: read_error"},
                     InjectedFault{"write", "write_error@500", "", kFailed, ""},
                     InjectedFault{"deactivate", "deactivate@500", "", kFailed, "deactivate at cycle 500"},
-                    InjectedFault{"nan", "nan@500:b", "", "a measured joint position is no number",
-                                  "arm/b/position was measured and is no number"},
+                    InjectedFault{"nan", "nan@500:b", "", "a measured joint position is NaN or infinite",
+                                  "arm/b/position became NaN or infinite"},
                     InjectedFault{"jump", "jump@500:a=0.6", "", "a measured joint position jumped",
                                   "arm/a/position changed by more"},
                     InjectedFault{"freeze", "freeze@300", "<param name='following_error'>0.2</param>",
@@ -227,7 +227,7 @@ TEST(Arming, WithoutRealTheCellIsSimulatedAndSaysSo) {
   } notes;
   const auto cell = real_cell(folder, false, false, notes);
   EXPECT_TRUE(cell->arming().armed());
-  EXPECT_NE(notes.all.find("real_mock drives real hardware; it is played by"), std::string::npos)
+  EXPECT_NE(notes.all.find("real_mock drives real hardware; it is simulated by"), std::string::npos)
       << notes.all;
   EXPECT_EQ(ask(*cell, {{"request", "control.arm"}})["error"]["code"], "not-real");
   cell->loop().end();

@@ -134,7 +134,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(GroupRow{"read", "read_error@800", "", kComponentFailed},
                     GroupRow{"write", "write_error@800", "", kComponentFailed},
                     GroupRow{"deactivate", "deactivate@800", "", kComponentFailed},
-                    GroupRow{"nan", "nan@800", "", "a measured joint position is no number"},
+                    GroupRow{"nan", "nan@800", "", "a measured joint position is NaN or infinite"},
                     GroupRow{"jump", "jump@800=0.6", "", "a measured joint position jumped"},
                     GroupRow{"freeze", "freeze@500", ", following_error: 0.05",
                              "a joint does not follow its command"}),

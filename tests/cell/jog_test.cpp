@@ -294,7 +294,7 @@ TEST(JogCellFile, WhatIsWrongIsToldWithItsPlace) {
     return std::string("nothing");
   };
   EXPECT_NE(told("profile: ful\n").find("did you mean 'full'"), std::string::npos);
-  EXPECT_NE(told("workspace: {table: {plain: [0, 0, 0]}}\n").find("'table' says none of plane"),
+  EXPECT_NE(told("workspace: {table: {plain: [0, 0, 0]}}\n").find("'table' has none of plane"),
             std::string::npos);
   EXPECT_NE(told("workspace:\n  table: {plane: [0, 0, 0], normal: [0, 0, 0]}\n").find("cell.yaml:5"),
             std::string::npos);

@@ -200,15 +200,15 @@ TEST(MessageForms, RefusalsSayWhichKeyAndWhere) {
        "'seconds' is not known");
   says("{joint_names: [a]}", kTrajectory, "no points");
   says("{points: []}", kTrajectory, "joint_names");
-  says("5", kTrajectory, "no trajectory");
-  says("", kTrajectory, "no trajectory");
-  says("{joint_names: [a], points: [1, 2]}", kTrajectory, "no point");
+  says("5", kTrajectory, "not a trajectory");
+  says("", kTrajectory, "not a trajectory");
+  says("{joint_names: [a], points: [1, 2]}", kTrajectory, "not a point");
   says("{trajectory: {joint_names: [a], points: []}}", kTrajectory, "--goal");
   says("{trajectory: {joint_names: [a], points: []}, path_tolerance: [{nam: a}]}", kGoal,
        "did you mean 'name'");
-  says("{trajectory: {joint_names: [a], points: []}, path_tolerance: [0.1]}", kGoal, "no tolerance");
+  says("{trajectory: {joint_names: [a], points: []}, path_tolerance: [0.1]}", kGoal, "not a tolerance");
   says("{}", kGoal, "trajectory");
-  says("{header: {stamp: -4}, joint_names: [a], points: []}", kTrajectory, "no time");
+  says("{header: {stamp: -4}, joint_names: [a], points: []}", kTrajectory, "not a time");
   says("{linaer: {x: 1}}", "geometry_msgs/Twist", "did you mean 'linear'");
   says("{}", "geometry_msgs/Twist", "neither linear nor angular");
   says("{linear: {w: 1}}", "geometry_msgs/Twist", "'w' is not known");
@@ -216,10 +216,10 @@ TEST(MessageForms, RefusalsSayWhichKeyAndWhere) {
   says("{values: [1]}", "std_msgs/Float64MultiArray", "not known");
   says("{}", "std_msgs/Float64", "no data");
   says("{joint_names: [a], interface_values: []}", "control_msgs/DynamicJointState",
-       "1 joint_names stand beside 0");
+       "1 joint_names do not match 0");
   says("{dof_names: [a], values: [1, 2]}", "control_msgs/MultiDOFCommand",
-       "1 dof_names stand beside 2 values");
-  says("3", "control_msgs/DynamicJointState", "no message of named values");
+       "1 dof_names do not match 2 values");
+  says("3", "control_msgs/DynamicJointState", "not a message of named values");
   says("{force_: {x: 1}}", "geometry_msgs/WrenchStamped", "force_");
   says("{header: {}}", "geometry_msgs/WrenchStamped", "neither force nor torque");
   says("{}", "trajectory_msgs/JointTrajectoryPoint", "no positions");

@@ -112,7 +112,7 @@ TEST_F(Mistakes, AProgramSetsNoTagThatTheHardwareMeasures) {
                "  Lamp: {initial: false}\n");
   folder.write("job.script", "set Where = 1\n");
   cell("", "signals: signals.yaml\nprogram: job.script\n");
-  EXPECT_NE(both().find("job.script:1 'Where' says what the hardware measures; a program cannot set it"),
+  EXPECT_NE(both().find("job.script:1 'Where' is a measured value of the hardware; a program cannot set it"),
             std::string::npos)
       << checked();
   folder.write("job.script", "set Lamp = Where > 1\n");
@@ -218,6 +218,78 @@ TEST_F(Mistakes, ABooleanTagThatIsComparedWithANumberSaysWhatItsTypeIs) {
       << checked();
 }
 
+TEST_F(Mistakes, RobotsThatAreNotDescribedAreNamedAndShowHowToDescribeThem) {
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots: [arm]\n");
+  EXPECT_EQ(checked(), "cell.yaml:2 'robots' has no names of robots (write 'robots: {arm: {model: universal_robots/ur3}}')\n");
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots: {arm: kuka/kr_3_r540}\n");
+  EXPECT_EQ(checked(), "cell.yaml:2 the robot 'arm' is not described (write 'arm: {model: kuka/kr_3_r540}')\n");
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm:\n");
+  EXPECT_NE(checked().find("the robot 'arm' is not described"), std::string::npos) << checked();
+}
+
+TEST_F(Mistakes, ATagOfTheWrongDirectionSaysWhichOneItIs) {
+  folder.write("signals.yaml",
+               "polyarm: signals/1\ntags:\n  Set: {state: program/running}\n  Asked: {command: program/running}\n");
+  cell("", "signals: signals.yaml\n");
+  EXPECT_NE(both().find("(it is a state: write {state: …})"), std::string::npos) << checked();
+}
+
+TEST_F(Mistakes, SizesThatLookLikeMillimetresNeedAUnit) {
+  const auto scene = [&](const std::string& box) {
+    folder.write("scene.yaml", "polyarm: scene/1\nparts:\n  a: {box: " + box + ", mass: 1kg, at: [1, 0, 0.02]}\n");
+    cell("", "scene: scene.yaml\n");
+    return checked();
+  };
+  EXPECT_NE(scene("[40, 40, 40]").find("a size of 40 m is unusual (this looks like millimetres, write 40mm"),
+            std::string::npos);
+  EXPECT_EQ(scene("[40mm, 40mm, 40mm]"), "");
+  EXPECT_EQ(scene("[0.04, 0.04, 0.04]"), "");
+}
+
+TEST_F(Mistakes, APointInAFileThatIsNotLoadedSaysWhichFile) {
+  folder.write("places.points", "Pose: RPY\nName: A\nPoint: 0.3, 0, 1, 0, 0, 0\n");
+  folder.write("job.script", "movej A\n");
+  cell("", "program: job.script\n");
+  EXPECT_EQ(checked(), "job.script:1 there is nothing called 'A' (it is in places.points: write `load places` above)\n");
+}
+
+TEST_F(Mistakes, TwoTasksMayNotMoveTheOnlyRobot) {
+  folder.write("places.points", "Pose: RPY\nName: A\nPoint: 0.3, 0, 1, 0, 0, 0\n");
+  folder.write("job.script", "load places\ntask one\n  movej A\nend\ntask two\n  movej A\nend\n");
+  cell("", "program: job.script\n");
+  EXPECT_NE(checked().find("job.script:6 the robot 'arm' is used by the task 'one' in line 3, too"), std::string::npos)
+      << checked();
+}
+
+TEST_F(Mistakes, AFeederHasItsPartsFromTheStart) {
+  folder.write("scene.yaml",
+               "polyarm: scene/1\nfeeders:\n  belt: {at: [0.4, 0.3, 0.02]}\n"
+               "parts:\n  a: {kind: red, box: [40mm, 40mm, 40mm], mass: 80g, feeder: belt}\n");
+  folder.write("signals.yaml",
+               "polyarm: signals/1\ntags:\n  Left: {state: scene/belt/remaining, type: number}\n"
+               "  Kind: {state: scene/belt/kind, type: number}\n");
+  folder.write("places.points", "Pose: RPY\nName: A\nPoint: 0.3, 0.2, 0.6, 0, 0, 0\n");
+  folder.write("job.script",
+               "load places\nwhile Left > 0\n  if Kind == 1\n    movej offset(A, z = 5m)\n  end\n  wait 1s\nend\n");
+  cell("", "scene: scene.yaml\nsignals: signals.yaml\nprogram: job.script\n");
+  EXPECT_NE(checked().find("job.script:4 "), std::string::npos) << "the branch in the loop is planned: " << checked();
+}
+
+TEST_F(Mistakes, WithSeveralRobotsOneMustReachEachPoint) {
+  const auto two = [&](const std::string& x) {
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  left: {model: " + test::kSixAxes +
+                                  "}\n  right: {model: " + test::kSixAxes + ", at: [3, 0, 0]}\nprogram: job.script\n");
+    folder.write("places.points", "Pose: RPY\nName: A\nPoint: " + x + ", 0.2, 0.6, 0, 0, 0\n");
+    folder.write("job.script", "load places\n");
+    return checked();
+  };
+  EXPECT_EQ(two("0.3"), "");
+  EXPECT_EQ(two("3.3"), "");
+  const std::string none = two("9");
+  EXPECT_EQ(none.find("places.points:3 no robot reaches A (left: A is "), 0u) << none;
+  EXPECT_NE(none.find("; right: A is "), std::string::npos) << none;
+}
+
 TEST_F(Mistakes, OneMistakeIsOneError) {
   folder.write("signals.yaml",
                "polyarm: signals/1\ntags:\n  Where: {state: arm/joint_9/position, type: number}\n");
@@ -230,8 +302,8 @@ TEST_F(Mistakes, OneMistakeIsOneError) {
                "Pose: RPY\nName: A\nPoint: nan, 0, 1, 0, 0, 0\nName: B\nPoint: 0.3, 0, 1, 0, 0, 0\n");
   folder.write("job.script", "load places\nmovej A\nmovej B\n");
   cell("", "program: job.script\n");
-  EXPECT_EQ(run().find("places.points:3 'nan' is no number here"), 0u) << run();
-  EXPECT_EQ(run().find('\n'), run().size() - 1) << "what comes of it is no error of its own: " << run();
+  EXPECT_EQ(run().find("places.points:3 'nan' is not a number here"), 0u) << run();
+  EXPECT_EQ(run().find('\n'), run().size() - 1) << "what comes of it is not an error of its own: " << run();
 }
 
 TEST_F(Mistakes, NamesThatOnlyThePlcLoadsAreKnown) {
@@ -284,8 +356,7 @@ TEST_F(Mistakes, AControllerWithoutJointsSaysSo) {
                       "…])"),
             std::string::npos)
       << told;
-  EXPECT_NE(told.find("'push' is left unconfigured: it is not said which joints the controller moves"),
-            std::string::npos)
+  EXPECT_NE(told.find("'push' is left unconfigured: the controller has no joints"), std::string::npos)
       << told;
 }
 
@@ -301,16 +372,15 @@ std::string waiting(const test::Folder& folder, const std::string& signals, cons
   test::LockStepCell cell(read_cell_file(folder.path()));
   cell.run(4);
   if (cell.cell().failure()) return cell.cell().failure()->problem.advice;
-  return cell.told("say live: [cycledata]") > 0 ? "a note" : "";
+  return cell.told("set live: [cycledata]") > 0 ? "a note" : "";
 }
 
 TEST_F(Mistakes, WhoWaitsForWhatAnotherProgramWritesIsToldOfLiveFiles) {
   EXPECT_EQ(waiting(folder, ""),
-            "nobody in the cell sets 'Ready', which comes from cycledata.data: the run has a copy of that "
-            "file; where "
-            "another program writes it, say live: [cycledata] in signals.yaml");
+            "nothing in the cell sets 'Ready', which comes from cycledata.data: the run has a copy of that "
+            "file; if another program writes it, set live: [cycledata] in signals.yaml");
   EXPECT_EQ(waiting(folder, "live: [cycledata]\n"), "") << "somebody outside may write it";
-  EXPECT_EQ(waiting(folder, "", "if Ready\n  set Ready = true\nend\n"), "check who is to set these tags");
+  EXPECT_EQ(waiting(folder, "", "if Ready\n  set Ready = true\nend\n"), "check what should set these tags");
 }
 
 }  // namespace

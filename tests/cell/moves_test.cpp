@@ -276,6 +276,49 @@ TEST(Moves, AtAVelocityItIsNoFasterAndEndsWhereAConditionIsTrue) {
   EXPECT_LT(highest - lowest, 0.11);
 }
 
+/// A trap stops the line, moves the robot aside and lets it go on: the TCP is on the line before and afterwards.
+TEST(Moves, ATrapInterruptsALineWhichGoesOnFromItsPlace) {
+  const test::Folder folder;
+  folder.write("d.data", "Name: Door\nBool: False\nName: Lamp\nBool: False\n");
+  LockStepCell run(with_program(folder,
+                                "load d\n"
+                                "let n = 0\n"
+                                "trap when Door\n"
+                                "  set n = n + 1\n"
+                                "  movej joints(20deg, -30deg, 60deg, 0, 60deg, 0), speed 40%\n"
+                                "  set Lamp = true\n"
+                                "end\n"
+                                "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\n"
+                                "let from = here()\n"
+                                "movel offset(from, z = -200mm), speed 100mm/s, at start + 50mm set Door = true\n"
+                                "wait 10ms\n"
+                                "if n != 1 or not Lamp or abs(here().z - (from.z - 200mm)) > 0.001mm\n"
+                                "  raise \"it did not do what it should\"\n"
+                                "end\n",
+                                ""));
+  Vec3 from, before;
+  Nanoseconds sprung = 0;
+  double away = 0, after = 0;
+  bool lamp = false;
+  while (!run.cell().finished() && run.cell().loop().cycle().time < nanoseconds(60.0)) {
+    run.tick();
+    const Vec3 now = run.cell().tcp(0).position;
+    const auto status = run.cell().program()->interpreter().status();
+    const bool in_trap = std::any_of(status.begin(), status.end(), [](const auto& task) { return task.name == "trap"; });
+    if (status.front().where.line == 9) from = now;
+    if (in_trap && sprung == 0) sprung = run.cell().loop().cycle().time, before = now;
+    if (in_trap) away = std::max(away, std::hypot(now.x - from.x, now.y - from.y));
+    lamp = lamp || run.cell().in().data.store.find("Lamp")->text() == "True";
+    if (sprung > 0 && !in_trap) after = std::max(after, std::hypot(now.x - from.x, now.y - from.y));
+  }
+  EXPECT_FALSE(run.cell().program()->failed())
+      << run.cell().program()->status().problem.value_or(Problem{}).text();
+  EXPECT_GT(sprung, 0);
+  EXPECT_GT(away, 0.05) << "the block moved the robot";
+  EXPECT_LT(after, 1e-6) << "afterwards it is on the line";
+  EXPECT_TRUE(lamp);
+}
+
 TEST(Moves, VelocitiesThatCannotBeAreRefusedWithTheirLine) {
   const auto told = [](const std::string& line) {
     const test::Folder folder;

@@ -108,11 +108,10 @@ TEST(MovingBase, WhatCarriesNobodyIsAnError) {
                 .find("'bse'"),
             std::string::npos);
   EXPECT_NE(problem("  a: {model: universal_robots/ur3, on: b}\n  b: {model: universal_robots/ur3, on: a}\n")
-                .find("which stands on"),
+                .find("which is on"),
             std::string::npos);
-  for (const auto& [on, what] : {std::pair{"a", "'a' stands on itself"},
-                                 {"", "'on' of 'a' names no robot"},
-                                 {"\"\"", "names no robot"}}) {
+  for (const auto& [on, what] :
+       {std::pair{"a", "'a' is on itself"}, {"", "'on' of 'a' names no robot"}, {"\"\"", "names no robot"}}) {
     const std::string told = problem(std::string("  a: {model: universal_robots/ur3, on: ") + on + "}\n");
     EXPECT_NE(told.find(what), std::string::npos) << told;
   }

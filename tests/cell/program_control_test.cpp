@@ -104,7 +104,7 @@ TEST_F(ProgramControl, ABreakpointNowhereIsRefusedInWords) {
 
 TEST_F(ProgramControl, ALineHasOneBreakpointWhichIsTakenOffByItself) {
   EXPECT_EQ(ask("program.break", {{"at", Json::array({"1", "job.script:2", "3"})}})["breakpoints"].size(), 2u)
-      << "a function's head is no statement";
+      << "a function's head is not a statement";
   const Json left = ask("program.break", {{"off", "job.script:3"}})["breakpoints"];
   ASSERT_EQ(left.size(), 1u);
   EXPECT_EQ(left[0]["line"], 1);
@@ -397,7 +397,7 @@ TEST_F(WithPlc, ThePlcGoesOnWhereItWasCutOffAndItsTagsAreThere) {
   EXPECT_EQ(now_turns(), before);
   EXPECT_TRUE(*second->store().find("Lamp")->as_boolean());
   EXPECT_EQ(second->store().find("Pass")->as_number()->value, 0) << "this one the cell tells";
-  EXPECT_EQ(notes.find("begins anew"), std::string::npos) << notes;
+  EXPECT_EQ(notes.find("script restarts"), std::string::npos) << notes;
   second->loop().begin();
   go(0.25);
   EXPECT_GE(now_turns(), before + 2) << "its own variables were not lost";
@@ -419,7 +419,7 @@ TEST_F(WithPlc, APlcThatHasChangedBeginsAnewAndIsToldOf) {
   plc("set Turns = 77\nwait false\n");
   cut_off();
   second->continue_program();
-  EXPECT_NE(notes.find("the PLC's script begins anew: the program has changed"), std::string::npos) << notes;
+  EXPECT_NE(notes.find("the PLC's script restarts: the program has changed"), std::string::npos) << notes;
   second->loop().begin();
   go(0.1);
   EXPECT_EQ(now_turns(), 77);

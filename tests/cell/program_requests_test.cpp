@@ -277,6 +277,38 @@ TEST_F(ProgramRequests, AQuestionWaitsForItsAnswer) {
   until("finished");
 }
 
+TEST_F(ProgramRequests, AnAnswerBelongsToTheQuestionThatWasSeen) {
+  folder.write("ask.script", "let n = ask(\"How many?\", 2)\nwait user \"Stand back\"\nlog(\"{n}\")\n");
+  ASSERT_TRUE(load("ask.script")["ok"].get<bool>());
+  cell->cell().answers().somebody_there = true;
+  cell->ask({{"request", "program.start"}});
+  cell->run(1);
+  const auto answer = [&](const std::string& text, const std::string& question) {
+    return error_of(cell->ask({{"request", "program.answer"}, {"text", text}, {"question", question}}));
+  };
+  EXPECT_EQ(answer("3", "Stand back"), "other-question");
+  const std::string shown = "How many?";
+  cell->ask({{"request", "control.hold"}});
+  cell->run(1);
+  EXPECT_EQ(answer("3", shown), "none");
+  EXPECT_EQ(answer("3", shown), "answered-already") << "the program is held: a second answer would be the next question's";
+  cell->ask({{"request", "control.resume"}});
+  cell->run(1);
+  EXPECT_EQ(state()["question"], "Stand back");
+  EXPECT_EQ(answer("", shown), "other-question");
+  // What answers a question that ends with its program does not answer one of the next program.
+  cell->ask({{"request", "control.hold"}});
+  cell->run(1);
+  EXPECT_EQ(answer("", "Stand back"), "none");
+  cell->ask({{"request", "program.stop"}});
+  cell->ask({{"request", "control.resume"}});
+  cell->run(1);
+  ASSERT_TRUE(load("ask.script")["ok"].get<bool>());
+  cell->ask({{"request", "program.start"}});
+  cell->run(1);
+  EXPECT_EQ(state()["question"], "How many?\nEnter alone means 2");
+}
+
 TEST_F(ProgramRequests, ABeginningInTheMiddleSaysWhatItTakesForGranted) {
   ASSERT_TRUE(load("work_data")["ok"].get<bool>());
   const Json told =

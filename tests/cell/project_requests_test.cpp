@@ -81,7 +81,7 @@ TEST_F(ProjectTest, WhatSomebodyWritesIntoTheFileIsToldAndTakenWhenSomebodySaysS
   EXPECT_TRUE(point("Count").is_null());
   EXPECT_FALSE(point("Own").is_null());
   EXPECT_TRUE(result({{"request", "points.outside"}})["files"].empty());
-  folder.write("points.points", "this is no data file");
+  folder.write("points.points", "this is not a data file");
   EXPECT_TRUE(result({{"request", "points.outside"}})["files"].empty()) << "a broken file is nobody's news";
 }
 
@@ -233,7 +233,7 @@ TEST_F(ProjectTest, AFrameComesFromThreePlacesAndATheToolFromFourPoses) {
   const Json kept = point("Gripper");
   EXPECT_EQ(kept["taught"]["frame"], "tool0");
   EXPECT_NEAR(kept["pose"]["p"][2].get<double>(), 0.1, 1e-9);
-  EXPECT_TRUE(kept["world"].is_null()) << "it is no place of the cell";
+  EXPECT_TRUE(kept["world"].is_null()) << "it is not a place of the cell";
   EXPECT_NE(read_file(folder.path() / "points.points").find("tool0"), std::string::npos);
 }
 
@@ -330,7 +330,7 @@ TEST_F(ProjectTest, AFileIsWrittenWhereItCanBeAndSaysWhyElsewhere) {
   EXPECT_EQ(writes("away/a.script"), "bad-path");
   EXPECT_EQ(writes("away/b/a.script"), "bad-path");
   EXPECT_EQ(writes("round/a.script"), "bad-path");
-  EXPECT_EQ(writes("main.script/a.script"), "unwritable") << "a file is no folder";
+  EXPECT_EQ(writes("main.script/a.script"), "unwritable") << "a file is not a folder";
   EXPECT_EQ(writes("here/a.script"), "ok") << "the link stays in the project";
   EXPECT_EQ(read_file(folder.path() / "later/a.script"), "log 1\n");
   for (const char* name : {"a\nb.script", "a\x1b[2J.script", "a\x7f.script", "a\tb/c.script"}) {

@@ -49,8 +49,9 @@ TEST_F(RequestsTest, WrongRequestsAreAnsweredWithASentence) {
       what_of(cell.ask({{"request", "control.switch"}, {"activat", "tail"}})).find("did you mean 'activate'"),
       std::string::npos);
   EXPECT_NE(what_of(cell.ask({{"request", "control.unload"}})).find("needs 'name'"), std::string::npos);
-  EXPECT_NE(what_of(cell.ask({{"request", "watch"}, {"name", 3}})).find("'name' of watch is no text"),
-            std::string::npos);
+  EXPECT_NE(
+      what_of(cell.ask({{"request", "watch"}, {"name", 3}})).find("'name' of watch is not of type text"),
+      std::string::npos);
   EXPECT_EQ(error_of(cell.ask({{"request", "control.unload"}, {"name", "tial"}})), "unknown-controller");
   for (const char* line :
        {"", "[]", "7", "\"control.list\"", "{", "{\"request\":", "{\"request\":null}", "\x01\xff"}) {
@@ -132,7 +133,7 @@ TEST(StreamedCommands, ThatStopComingAreToldOnceAndSeen) {
   EXPECT_FALSE(stale());
   cell.run(2);
   EXPECT_TRUE(stale());
-  EXPECT_EQ(cell.told("nothing new comes for the controller tail"), 1);
+  EXPECT_EQ(cell.told("the controller tail receives nothing new"), 1);
   EXPECT_EQ(cell.result({{"request", "health"}})["state"], "running") << "the cell goes on";
   send();
   cell.run(0.02);

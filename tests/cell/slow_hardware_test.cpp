@@ -89,7 +89,7 @@ TEST_F(SlowHardware, TheCellGoesOnWhileItIsConfigured) {
   cell.run(3);
   EXPECT_GE(std::uint64_t{cell.cell().loop().health().cycles}, before + 3000);
   EXPECT_EQ(cell.cell().snapshot().state, control::RunState::running);
-  EXPECT_EQ(cell.told("is being configured for 2 s; the cell goes on"), 1);
+  EXPECT_EQ(cell.told("is being configured for 2 s; the cell continues"), 1);
   EXPECT_TRUE(waiting->empty());
   FailingMock::configuring.open();
   come_back();
@@ -193,7 +193,7 @@ TEST(SlowHardwareAtTheEnd, ACallbackThatNeverComesBackIsLeftBehindWithASentence)
   cell.give(Json{{"request", "hardware.state"}, {"name", name}, {"state", "active"}});
   cell.tick();
   cell.end();
-  EXPECT_EQ(cell.told("nobody waits for it any longer"), 1);
+  EXPECT_EQ(cell.told("the cell stops waiting for it"), 1);
   FailingMock::configuring.open();
   FailingMock::configuring.wait_for(passed + 1);
 }

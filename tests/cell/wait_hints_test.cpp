@@ -57,7 +57,7 @@ TEST_F(Waits, ATimeOutNamesTheFeederThatIsEmpty) {
 TEST_F(Waits, ATimeOutSaysThatNobodyAskedTheFeeder) {
   EXPECT_NE(
       failure("wait Lying > 0 timeout 1s\n")
-          .what.find("the feeder 'chute' was asked for 0 parts and has brought none: set 'Feed' to one more"),
+          .what.find("the feeder 'chute' was to bring 0 parts and has brought none: set 'Feed' to one more"),
       std::string::npos);
 }
 
@@ -100,7 +100,7 @@ TEST_F(Waits, AProgramThatGoesRoundWithoutEndEndsTheRun) {
   EXPECT_EQ(failure(text).text(), Problem{}.text()) << "a program may have much to calculate";
   const Problem told = failure(text, "", 40);
   EXPECT_EQ(told.code, "endless-loop") << told.text();
-  EXPECT_NE(told.what.find("goes round without end"), std::string::npos) << told.text();
+  EXPECT_NE(told.what.find("loops forever"), std::string::npos) << told.text();
 }
 
 }  // namespace

@@ -46,12 +46,13 @@ TEST(AskedLimits, ATrajectoryBeyondThemIsRefusedWithJointAndValue) {
   LimitedRig rig;
   rig.start();
   const std::pair<trajectory::TrajectoryPoint, const char*> kWrong[] = {
-      {point(1, {0, 100, 0}), "'j2' is asked for a position of 100 at point 1; its limits are -2 to 2"},
-      {point(1, {0, 0, -1e308}), "'j3' is asked for a position of -1e+308"},
-      {point(1, {0, 0, 2.001}), "'j3' is asked for a position of 2.001"},
-      {point(1, {0, 0, 0}, {1e308, 0, 0}), "'j1' is asked for a velocity of 1e+308"},
-      {point(1, {0, 0, 0}, {0, 31, 0}), "'j2' is asked for a velocity of 31 at point 1; its limit is 3"},
-      {point(1, {0, 0, 0}, {0, 0, 0}, {0, 101, 0}), "'j2' is asked for an acceleration of 101"},
+      {point(1, {0, 100, 0}), "'j2' gets a command for a position of 100 at point 1; its limits are -2 to 2"},
+      {point(1, {0, 0, -1e308}), "'j3' gets a command for a position of -1e+308"},
+      {point(1, {0, 0, 2.001}), "'j3' gets a command for a position of 2.001"},
+      {point(1, {0, 0, 0}, {1e308, 0, 0}), "'j1' gets a command for a velocity of 1e+308"},
+      {point(1, {0, 0, 0}, {0, 31, 0}),
+       "'j2' gets a command for a velocity of 31 at point 1; its limit is 3"},
+      {point(1, {0, 0, 0}, {0, 0, 0}, {0, 101, 0}), "'j2' gets a command for an acceleration of 101"},
       {point(1, {0, kNan, 0}), "not a finite number"},
       {point(1, {0, 0, 0}, {kInf, 0, 0}), "not a finite number"},
       {point(1, {0, 0, 0}, {0, 0, 0}, {0, kNan, 0}), "not a finite number"},
@@ -116,7 +117,7 @@ TEST(AskedLimits, IntegratedPointsAreJudgedByWhereTheyLead) {
   const auto go = [&](double v) {
     return refusal_of([&] { rig.send({point(0, {}, {v, 0, 0}), point(1, {}, {v, 0, 0}), point(2, {}, {0, 0, 0})}); });
   };
-  EXPECT_NE(go(1).find("'j1' is asked for a position of"), std::string::npos) << go(1);
+  EXPECT_NE(go(1).find("'j1' gets a command for a position of"), std::string::npos) << go(1);
   EXPECT_EQ(go(-1), "");
 }
 
@@ -154,7 +155,8 @@ TEST(AskedLimits, EveryControllerOfNumbersRefuses) {
       const std::string why =
           refusal_of([&] { m.controller->receive("commands", Numbers{{wrong}}, false); });
       EXPECT_NE(why.find("j1"), std::string::npos) << c.type << ": " << why;
-      EXPECT_NE(why.find(std::isfinite(wrong) ? c.sentence : "no finite number"), std::string::npos) << why;
+      EXPECT_NE(why.find(std::isfinite(wrong) ? c.sentence : "not a finite number"), std::string::npos)
+          << why;
     }
     EXPECT_EQ(refusal_of([&] { m.controller->receive("commands", Numbers{{c.good}}, false); }), "") << c.type;
   }
@@ -178,7 +180,7 @@ TEST(AskedLimits, ReferencesOfAPidAreJudged) {
     return refusal_of([&] { m.controller->receive("reference", NamedValues{{"j1"}, {value}}, false); });
   };
   EXPECT_EQ(ask(1), "");
-  EXPECT_NE(ask(100).find("'j1' is asked for a position of 100"), std::string::npos) << ask(100);
+  EXPECT_NE(ask(100).find("'j1' gets a command for a position of 100"), std::string::npos) << ask(100);
   EXPECT_NE(ask(kNan), "");
 }
 

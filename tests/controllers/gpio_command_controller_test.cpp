@@ -162,7 +162,7 @@ TEST(GpioController, RefusesWhatItCannotCommand) {
       {{{"gpios", {"gpio1"}}, {"command_interfaces.gpio1.interfaces", {"dig.9"}}},
        "no command 'gpio1/dig.9'"},
       {{{"gpios", {"gpio1"}}, {"state_interfaces.gpio1.interfaces", {"dog.1"}}}, "no state 'gpio1/dog.1'"},
-      {{{"gpios", {"gpio7"}}}, "nothing to command and nothing to tell"},
+      {{{"gpios", {"gpio7"}}}, "nothing to command and nothing to publish"},
   };
   for (const auto& [values, sentence] : kWrong) {
     Gpio g(values);

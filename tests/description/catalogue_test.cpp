@@ -500,7 +500,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"OtherKind", "robot/1", "scene/1", 1, "scene/1"},
         Bad{"UnknownKey", "maker:", "makr:", 2, "did you mean 'maker'"},
         Bad{"UnknownJointKey", "velocity: 1", "velocty: 1", 7, "did you mean 'velocity'"},
-        Bad{"UnknownType", "prismatic", "sliding", 7, "'sliding' is no joint type"},
+        Bad{"UnknownType", "prismatic", "sliding", 7, "'sliding' is not a joint type"},
         Bad{"UnknownLink", "child: tool0", "child: tol0", 7, "did you mean 'tool0'"},
         Bad{"WrongUnit", "50mm", "50deg", 7, "50deg"},
         Bad{"NoNumber", "upper: 50mm", "upper: .nan", 7, "nan"},

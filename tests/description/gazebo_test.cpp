@@ -90,8 +90,7 @@ TEST(Gazebo, ListsWhatIsPassedOverInOneWarning) {
       warnings);
   ASSERT_EQ(warnings.list().size(), 1u);
   EXPECT_EQ(warnings.list()[0].where.line, 5);
-  EXPECT_TRUE(
-      has(warnings.list()[0].what, "<material> (line 5), <kp> (line 6), <plugin> (line 9) passed over"));
+  EXPECT_TRUE(has(warnings.list()[0].what, "<material> (line 5), <kp> (line 6), <plugin> (line 9) ignored"));
 }
 
 TEST(Gazebo, SaysThatGravityIsNotTurnedOff) {
@@ -102,7 +101,8 @@ TEST(Gazebo, SaysThatGravityIsNotTurnedOff) {
       warnings);
   ASSERT_EQ(warnings.list().size(), 1u);
   EXPECT_EQ(warnings.list()[0].where.line, 5);
-  EXPECT_TRUE(has(warnings.list()[0].what, "turns gravity off for arm, base; in physics here it pulls them"));
+  EXPECT_TRUE(
+      has(warnings.list()[0].what, "turns gravity off for arm, base; physics here applies it to them"));
   read("<gazebo reference=\"arm\"><gravity>1</gravity><turnGravityOff>0</turnGravityOff></gazebo>\n");
 }
 

@@ -148,7 +148,7 @@ TEST(KinematicTable, ErrorsNameTheRow) {
   };
   const std::string good = "  - {name: one, a: 0, alpha: 0, d: 1" + kLimits;
   const Case cases[] = {
-      {"denavit", good, "'denavit' is no kind of table"},
+      {"denavit", good, "'denavit' is not a kind of table"},
       {"dh", good + "  - {name: two, a: 0, d: 1" + kLimits, "row 2 (two): 'alpha'"},
       {"dh", good + "  - {name: two, a: 0, alpha: 3m, d: 1" + kLimits, "row 2 (two): "},
       {"dh", good + "  - {name: two, a: 1e9, alpha: 0, d: 1" + kLimits, "row 2 (two): a robot is smaller"},
@@ -158,7 +158,7 @@ TEST(KinematicTable, ErrorsNameTheRow) {
        "row 1 (one): the axis has no dir"},
       {"poe", "  - {name: one, axis: [0, 0, 1]" + kLimits, "row 1 (one): 'point'"},
       {"poe", "  - {name: one, screw: [0, 0, 1, 0, 0, 1]" + kLimits, "row 1 (one): w and v"},
-      {"poe", "  - {name: one, screw: [0, 0, 2, 0, 0, 0]" + kLimits, "row 1 (one): w is no unit"},
+      {"poe", "  - {name: one, screw: [0, 0, 2, 0, 0, 0]" + kLimits, "row 1 (one): w is not a unit"},
       {"poe", "  - {name: one, screw: [0, 0, 1]" + kLimits, "six numbers, here are 3"},
   };
   const Folder folder;

@@ -146,7 +146,7 @@ TEST(SceneFile, RefusesCountsThatMakeNoSense) {
                         ", box: [1, 1, 1], feeder: f}}\n"),
               "accepted")
         << count;
-  EXPECT_TRUE(has(complaint("parts: {a: {count: 2, box: [1, 1, 1], at: [0, 0, 0]}}\n"), "in one place"));
+  EXPECT_TRUE(has(complaint("parts: {a: {count: 2, box: [1, 1, 1], at: [0, 0, 0]}}\n"), "at the same place"));
 }
 
 TEST(SceneFile, ChecksNamesAgainstEachOtherAndNamesTheNearest) {

@@ -127,7 +127,7 @@ TEST_P(BadTool, IsRefusedWithLineAndReason) {
 INSTANTIATE_TEST_SUITE_P(
     Table, BadTool,
     ::testing::Values(Bad{"UnknownKey", "mass: 1\nstrok: 1\n", 2, "did you mean 'stroke'"},
-                      Bad{"UnknownGripper", "mass: 1\n\ngripper: magnet\n", 3, "'magnet' is no gripper"},
+                      Bad{"UnknownGripper", "mass: 1\n\ngripper: magnet\n", 3, "'magnet' is not a gripper"},
                       Bad{"NegativeMass", "mass: -1\n", 1, "above zero"},
                       Bad{"NoStroke", "mass: 1\nstroke: 0\n", 2, "above zero"},
                       Bad{"OtherKind", "polyarm: scene/1\n", 1, "tool/1 was expected"},

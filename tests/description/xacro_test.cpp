@@ -281,7 +281,7 @@ TEST(Xacro, ADefaultOfThreeQuotesIsAQuote) {
 
 TEST(Xacro, PropertiesHaveNamesThatExpressionsCanSay) {
   for (const char* name : {"2a", "a-b", "__a", "a b", ""})
-    EXPECT_NE(complaint(std::string("<xacro:property name='") + name + "' value='1'/>").find("no name"),
+    EXPECT_NE(complaint(std::string("<xacro:property name='") + name + "' value='1'/>").find("not a name"),
               std::string::npos)
         << name;
 }

@@ -305,6 +305,68 @@ TEST(Mock, ThePartFollowsTheToolAndStaysWhereItIsLetGo) {
   EXPECT_NEAR(rig.part(0).pose.position.x, 0.3, 1e-9);
 }
 
+TEST(Mock, APartIsHeldByTheRobotThatHoldsItAmongOthersWithoutAGripper) {
+  Stage stage;
+  stage.model = gantry();
+  stage.tool = description::find_tool("suction_cup", "");
+  stage.scene = table();
+  stage.scene.parts = {cube("cube", {0, 0, 0.02})};
+  hardware::ComponentContext context = stage.context();
+  hardware::RobotInstance bare = context.robots.front();
+  bare.name = "bare";
+  bare.tool = nullptr;
+  // A robot with two hardware blocks has two instances of one name.
+  context.robots.insert(context.robots.begin(), 2, bare);
+  Rig rig(std::make_unique<drivers::MockComponent>(), context);
+  rig.move({{"arm/z/position", -0.36}}, 0.2);
+  rig.command("arm/tool/vacuum") = 1;
+  rig.run(0.15);
+  EXPECT_EQ(rig.part(0).held_by, 1) << "the second robot of the cell";
+}
+
+TEST(Mock, AReleasedPartLiesOnWhatIsBelowItAndRidesOnIt) {
+  Stage stage;
+  stage.model = gantry();
+  stage.tool = description::find_tool("suction_cup", "");
+  stage.scene = table();
+  stage.scene.parts = {cube("lower", {0, 0, 0.02}), cube("upper", {0.2, 0, 0.02})};
+  stage.scene.movers = {{.name = "shuttle", .axis = {0, 1, 0}, .upper = 0.1, .speed = 1}};
+  description::Fixture plate;
+  plate.name = "plate";
+  plate.mover = "shuttle";
+  plate.pose.position = {-0.2, 0, 0.005};
+  description::Shape box;
+  box.kind = description::ShapeKind::box;
+  box.size = {0.1, 0.1, 0.01};
+  plate.shapes = {box};
+  stage.scene.fixtures.push_back(plate);
+  Rig rig = mock(stage);
+  const auto take_to = [&](double from, double x) {
+    rig.move({{"arm/x/position", from}, {"arm/z/position", -0.3}}, 0.1);
+    rig.move({{"arm/z/position", -0.36}}, 0.1);
+    rig.command("arm/tool/vacuum") = 1;
+    rig.run(0.2);
+    rig.move({{"arm/z/position", -0.2}}, 0.1);
+    rig.move({{"arm/x/position", x}}, 0.1);
+    rig.command("arm/tool/vacuum") = 0;
+    rig.run(0.01);
+  };
+  take_to(0.2, 0);
+  EXPECT_NEAR(rig.part(1).pose.position.z, 0.06, 1e-9) << "on the other cube";
+  rig.move({{"arm/z/position", -0.32}}, 0.1);
+  rig.command("arm/tool/vacuum") = 1;
+  rig.run(0.2);
+  rig.move({{"arm/z/position", -0.2}}, 0.1);
+  rig.move({{"arm/x/position", -0.2}}, 0.1);
+  rig.command("arm/tool/vacuum") = 0;
+  rig.run(0.01);
+  EXPECT_NEAR(rig.part(1).pose.position.z, 0.03, 1e-9) << "on the plate";
+  rig.command("scene/shuttle/position") = 0.1;
+  rig.run(0.2);
+  EXPECT_NEAR(rig.part(1).pose.position.y, 0.1, 1e-9) << "the shuttle carries it";
+  EXPECT_NEAR(rig.part(0).pose.position.y, 0, 1e-9);
+}
+
 TEST(Mock, FeederMoverAndOutfeedCountAsTheyAreAsked) {
   Stage stage;
   stage.model = gantry();

@@ -115,6 +115,43 @@ TEST(MujocoModes, AJumpOfTheSetPointSettlesThere) {
   EXPECT_NEAR(rig.state("arm/shoulder/velocity"), 0, 1e-3);
 }
 
+TEST(MujocoModes, AJumpOfTheSetPointIsNotOvershot) {
+  for (const double effort : {30.0, 150.0})
+    for (const bool ramp : {false, true}) {  // all at once, or at 2 rad/s, with a sudden beginning and end
+      Stage stage;
+      stage.model = two_links(effort);
+      stage.scene.gravity = {};
+      Rig rig = physics(stage);
+      double farthest = 0, command = 0;
+      for (int k = 0; k < 3000; ++k) {
+        command = ramp ? std::min(1.0, command + 2e-3) : 1.0;
+        rig.command("arm/shoulder/position") = command;
+        rig.cycle();
+        farthest = std::max(farthest, rig.state("arm/shoulder/position"));
+      }
+      EXPECT_LT(farthest, 1.002) << effort << (ramp ? " ramp" : "");
+      EXPECT_NEAR(rig.state("arm/shoulder/position"), 1, 1e-4) << effort << (ramp ? " ramp" : "");
+    }
+}
+
+TEST(MujocoModes, TheBrakeOfAJointThatNobodyCommandsSlipsAndDoesNotPullBack) {
+  for (const double effort : {2.0, 50.0}) {
+    Stage stage;
+    stage.model = two_links(20);
+    stage.model.joints[0].limits.effort = effort;
+    stage.scene.gravity = {};
+    Rig rig = physics(stage);
+    rig.command("arm/elbow/position") = 1;  // its jerk turns the shoulder the other way
+    rig.run(3);
+    EXPECT_NEAR(rig.state("arm/elbow/position"), 1, 1e-3);
+    EXPECT_NEAR(rig.state("arm/shoulder/velocity"), 0, 1e-3);
+    if (effort > 10)
+      EXPECT_NEAR(rig.state("arm/shoulder/position"), 0, 1e-3) << "the brake holds";
+    else
+      EXPECT_GT(std::abs(rig.state("arm/shoulder/position")), 0.02) << "it stays where it slipped to";
+  }
+}
+
 // --- joints
 // -----------------------------------------------------------------------------------------------------
 

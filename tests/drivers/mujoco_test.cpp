@@ -137,6 +137,23 @@ TEST(Mujoco, PushingALoadItDoesNotKnowCostsTheServoAccuracy) {
   EXPECT_LT(rig.worst_tracking(), 5e-3);
 }
 
+TEST(Mujoco, AJointWithoutACommandHasNoTrackingError) {
+  Stage stage;
+  stage.model = two_links(10);
+  stage.start = {0, 0};
+  stage.scene.floor = false;
+  Rig rig = simulate(stage);
+  rig.run(0.3);
+  EXPECT_GT(rig.state("arm/shoulder/position"), 0.05) << "it sinks";
+  EXPECT_EQ(rig.world().tracking_error, 0) << "and nobody asked it to stay";
+  rig.command("arm/shoulder/position") = 0;
+  rig.run(0.01);
+  EXPECT_GT(rig.world().tracking_error, 0.05);
+  rig.switch_mode({}, {"arm/shoulder/position"});
+  rig.run(0.01);
+  EXPECT_EQ(rig.world().tracking_error, 0);
+}
+
 TEST(Mujoco, NotANumberIsNoCommand) {
   Stage stage;
   stage.model = gantry();

@@ -93,7 +93,7 @@ TEST(Rolling, AFreeBaseStandsOnItsWheels) {
   EXPECT_NEAR(base.z(), kRadius, 1e-3);
   EXPECT_NEAR(base.x(), 0, 1e-3);
   EXPECT_NEAR(base.heading(), 0, 1e-2);
-  EXPECT_EQ(base.rig->findings(), "") << "standing on the floor is no collision";
+  EXPECT_EQ(base.rig->findings(), "") << "standing on the floor is not a collision";
 }
 
 TEST(Rolling, WheelsThatTurnCarryItAlong) {

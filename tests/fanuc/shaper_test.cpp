@@ -1,5 +1,5 @@
 /// Commands keep the controller's limits whatever the loop asks for.
-#include "drivers/fanuc/shaper.hpp"
+#include "drivers/fanuc/limit_tables.hpp"
 
 #include <gtest/gtest.h>
 

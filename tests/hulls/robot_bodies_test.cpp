@@ -98,9 +98,9 @@ TEST_F(RobotBodies, AreKeptUnderTheContentOfTheMesh) {
   EXPECT_FALSE(make_bodies(moved, cache).reports.at(0).cached);
 }
 
-TEST_F(RobotBodies, AreAnnouncedBeforeTheyAreComputedAndNotWhenTheyAreKept) {
-  std::vector<std::size_t> announced;
-  listen_to_making([&](std::size_t meshes) { announced.push_back(meshes); });
+TEST_F(RobotBodies, AreAnnouncedWhileTheyAreComputedAndNotWhenTheyAreKept) {
+  std::vector<std::pair<std::size_t, std::size_t>> announced;  // so many of so many are made
+  listen_to_making([&](std::size_t made, std::size_t meshes) { announced.emplace_back(made, meshes); });
   RobotModel first = robot_of({mesh_at(mesh, 0.1), mesh_at(mesh, 0.2), mesh_at(mesh, 0.1)}), again = first;
   RobotModel more = robot_of({mesh_at(mesh, 0.1), mesh_at(mesh, 0.3)}), boxes = robot_of({Shape{}});
   make_bodies(first, cache);
@@ -108,7 +108,7 @@ TEST_F(RobotBodies, AreAnnouncedBeforeTheyAreComputedAndNotWhenTheyAreKept) {
   make_bodies(more, cache);
   make_bodies(boxes, cache);
   listen_to_making({});
-  EXPECT_EQ(announced, (std::vector<std::size_t>{2, 1}));
+  EXPECT_EQ(announced, (std::vector<std::pair<std::size_t, std::size_t>>{{0, 2}, {1, 2}, {2, 2}, {0, 1}, {1, 1}}));
 }
 
 TEST_F(RobotBodies, AreComputedAgainWhereTheCacheIsBroken) {

@@ -129,7 +129,7 @@ TEST_F(LinkedCell, AProcessOfALinkThatIsKilledIsALossLikeAnyOther) {
   ASSERT_TRUE(test::eventually([&] { return tick(), plc->look(), state() == RunState::held; }));
   EXPECT_TRUE(says("the link 'plc' is lost: modbus at 127.0.0.1")) << told;
   EXPECT_TRUE(says("(polyarm_link_modbus) was ended by SIGKILL")) << told;
-  ASSERT_TRUE(becomes([&] { return says("the link 'plc' is there again"); })) << told;
+  ASSERT_TRUE(becomes([&] { return says("the link 'plc' is connected again"); })) << told;
   EXPECT_EQ(state(), RunState::held) << "nothing resumes by itself";
   plc->post("Start", true);
   ask({{"request", "control.resume"}});

@@ -92,7 +92,7 @@ TEST(KilledLinkProcess, TheRobotMovesOnAndTheLinkComesBackWithItsHeartbeatAndOut
   EXPECT_EQ(result["error"], nullptr);
   EXPECT_LE(result["stops"].size(), 1u) << result["stops"];
   EXPECT_NE(finished.output.find("(polyarm_link_modbus) was ended by SIGKILL"), std::string::npos) << finished.output;
-  EXPECT_NE(finished.output.find("is there again"), std::string::npos);
+  EXPECT_NE(finished.output.find("is connected again"), std::string::npos);
 }
 
 }  // namespace

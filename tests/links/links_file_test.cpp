@@ -43,9 +43,9 @@ TEST(LinksFile, GoesBeyondThisMachineOnlyWhenToldSo) {
 }
 
 TEST(LinksFile, SaysWhatIsWrong) {
-  EXPECT_NE(wrong_with("plc: {host: 127.0.0.1}").find("says no protocol"), std::string::npos);
-  EXPECT_NE(wrong_tag("direction: in").find("says no place"), std::string::npos);
-  EXPECT_NE(wrong_tag("coil: 1").find("says no direction"), std::string::npos);
+  EXPECT_NE(wrong_with("plc: {host: 127.0.0.1}").find("has no protocol"), std::string::npos);
+  EXPECT_NE(wrong_tag("direction: in").find("has no place"), std::string::npos);
+  EXPECT_NE(wrong_tag("coil: 1").find("has no direction"), std::string::npos);
   EXPECT_NE(wrong_tag("coil: 70000, direction: in").find("from 0 to 65535"), std::string::npos);
   EXPECT_NE(wrong_tag("input: 1, direction: out").find("go in only"), std::string::npos);
   EXPECT_NE(wrong_tag("holding: 1, direction: in, format: flaot32").find("did you mean 'float32'"),
@@ -59,9 +59,9 @@ TEST(LinksFile, SaysWhatIsWrong) {
           "direction: in}}}")
           .find("share an address"),
       std::string::npos);
-  EXPECT_NE(
-      wrong_with("b: {mqtt: client, tags: {A: {topic: a/#, direction: in}}}").find("no topic of one value"),
-      std::string::npos);
+  EXPECT_NE(wrong_with("b: {mqtt: client, tags: {A: {topic: a/#, direction: in}}}")
+                .find("not a topic of one value"),
+            std::string::npos);
 }
 
 }  // namespace

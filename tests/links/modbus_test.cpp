@@ -517,7 +517,7 @@ TEST_F(AskedModbusServer, RubbishIsNoRequestAndSpoilsNothing) {
 
 TEST_F(AskedModbusServer, AMasterThatWritesANumberThatIsNoneIsRefused) {
   EXPECT_EQ(master->ask("write hr 0 32704 0"), "done");  // NaN
-  EXPECT_TRUE(link->refuses("no finite number"));
+  EXPECT_TRUE(link->refuses("not a finite number"));
   EXPECT_EQ(master->ask("write hr 0 17000 0"), "done");
   EXPECT_TRUE(link->refuses("is outside of 0 to 10"));
   EXPECT_FALSE(link->values.contains("Wanted"));

@@ -45,7 +45,7 @@ TEST(MqttPayload, PlainTextIsABooleanANumberOrAText) {
   EXPECT_EQ(taken(tag_of(LinkTag::Type::boolean, false), "0"), data::Value(false));
   EXPECT_EQ(taken(tag_of(LinkTag::Type::number, false), " 2.5 "), data::Value(2.5));
   EXPECT_EQ(taken(tag_of(LinkTag::Type::text, false), "red part"), data::Value("red part"));
-  EXPECT_NE(refusal(tag_of(LinkTag::Type::number, false), "warm").find("'warm' is no number"),
+  EXPECT_NE(refusal(tag_of(LinkTag::Type::number, false), "warm").find("'warm' is not a number"),
             std::string::npos);
   EXPECT_NE(refusal(tag_of(LinkTag::Type::boolean, false), "2"), "");
 }
@@ -190,7 +190,7 @@ TEST_F(Broker, RefusesRubbishAndKeepsTheLastGoodPose) {
   const data::Value good = cell->values.at("pick");
   for (const auto& [text, why] : {std::pair{"[9, 0, 0, 0, 0, 0]", "outside"},
                                   {"\x01\x02\xff", "no JSON"},
-                                  {"{\"x\": 0.1}", "no whole pose"}}) {
+                                  {"{\"x\": 0.1}", "no complete pose"}}) {
     other->post("Raw", text);
     EXPECT_TRUE(cell->refuses(why)) << text;
   }

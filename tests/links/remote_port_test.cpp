@@ -180,7 +180,7 @@ TEST_F(RemoteModbus, AProcessThatNoLongerAnswersIsEndedAndStartedAgain) {
   EXPECT_NO_THROW(port.exchange({}, 0, 0, news));
 }
 
-constexpr const char* kHangs = "hangs: it gave no sign of life for 1 s, and was ended";
+constexpr const char* kHangs = "hangs: it sent nothing for 1 s, and was ended";
 
 TEST_F(RemoteModbus, AServersProcessThatIsStoppedIsALostLinkAndStartedAgain) {
   plc->post("Wanted", 7);

@@ -36,7 +36,8 @@ TEST(CtrlC, TwiceStopsAtOnce) {
 }
 
 TEST(Signals, EachThatCanBeCaughtStopsOnThePath) {
-  for (const int number : {SIGTERM, SIGQUIT, SIGHUP, SIGUSR1, SIGALRM, SIGSTKFLT, SIGTRAP, SIGRTMIN, SIGRTMAX}) {
+  for (const int number : {SIGTERM, SIGQUIT, SIGHUP, SIGUSR1, SIGALRM, SIGSTKFLT, SIGTRAP, SIGRTMIN, SIGRTMAX, SIGABRT, SIGSYS,
+                           SIGSEGV, SIGBUS, SIGFPE, SIGILL}) {
     const ExampleCopy copy("pick_and_place");
     Command run({"run", copy.path(), "--json", "--hardware", "mock"});
     ASSERT_TRUE(run.wait_for("moveto PrePick"));
@@ -100,7 +101,7 @@ TEST(Stall, ASimulatedCellGoesOnAndSaysSo) {
   run.signal(SIGSTOP);
   ::usleep(900'000);  // what is tested is the gap itself
   run.signal(SIGCONT);
-  ASSERT_TRUE(run.wait_for("wall time went missing; a simulated cell goes on"));
+  ASSERT_TRUE(run.wait_for("wall time was lost; a simulated cell continues"));
   ASSERT_TRUE(run.wait_for("moveto Pass1")) << "the program goes on";
   run.signal(SIGINT);
   EXPECT_EQ(run.wait().exit_code, 3);
@@ -117,7 +118,7 @@ TEST(Stall, HoldsWhereTheCellSaysSo) {
   ASSERT_TRUE(run.wait_for("\"state\":\"held\""));
   run.signal(SIGINT);
   const test::Finished& ended = run.wait();
-  EXPECT_NE(ended.output.find("wall time went missing"), std::string::npos);
+  EXPECT_NE(ended.output.find("wall time was lost"), std::string::npos);
   EXPECT_EQ(ended.output.find("moveto Pass1"), std::string::npos) << "it did not go on by itself";
 }
 

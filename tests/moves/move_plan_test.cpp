@@ -437,5 +437,33 @@ TEST(MovePlan, ABlendThatHasNoRoomIsShrunkAndSaysSo) {
   EXPECT_NE(plan.warnings[0].problem.what.find("up"), std::string::npos);
 }
 
+TEST(MovePlan, AWarningBelongsToItsMoveWhateverThePointsAreCalled) {
+  const Arm arm("universal_robots/ur5e");
+  const Values from = bent(arm);
+  const Pose start = arm.chain().forward(from);
+  // The third line is short. Points have one name, or a name that ends another's.
+  for (const char* name : {"p", "above p"}) {
+    const std::vector<Move> moves{line(shifted(start, {0, 0, 0.1}), "p", 0.01),
+                                  line(shifted(start, {0, 0.1, 0.1}), "p"),
+                                  line(shifted(start, {0, 0.1, 0.11}), name, 0.02),
+                                  line(shifted(start, {0, 0.2, 0.11}), "p")};
+    const MovePlan plan = plan_moves(*arm.facts, from, moves);
+    ASSERT_EQ(plan.warnings.size(), 1u) << plan.warnings[0].problem.what;
+    EXPECT_EQ(plan.warnings[0].move, 2u) << plan.warnings[0].problem.what;
+  }
+  const auto turned = [&](double by) {
+    Values q = from;
+    q[0] += by;
+    return q;
+  };
+  Values bent_more = turned(0.45);
+  bent_more[1] += 0.4;
+  const std::vector<Move> joints{joint(turned(0.2), "p", 0.01), joint(turned(0.4), "p", 0.01),
+                                 joint(turned(0.45), "p", 0.3), joint(bent_more, "p")};
+  const MovePlan plan = plan_moves(*arm.facts, from, joints);
+  ASSERT_EQ(plan.warnings.size(), 1u);
+  EXPECT_EQ(plan.warnings[0].move, 2u) << plan.warnings[0].problem.what;
+}
+
 }  // namespace
 }  // namespace polyarm::moves::move_plan_test

@@ -252,6 +252,90 @@ TEST(RobotMotion, AMoveIsEndedOnItsPathAndTheNextBeginsThere) {
   for (std::size_t j = 0; j < rig.from.size(); ++j) EXPECT_NEAR(rig.commanded()[j], rig.from[j], 1e-9);
 }
 
+/// A line, an arc-like blend and a joint move, interrupted in the middle: other moves come in between, and the robot
+/// goes on along the path from where it was stopped.
+TEST(RobotMotion, SuspendedMovesGoOnFromTheirPlaceOnTheirPath) {
+  const auto queue_all = [](Rig& rig) {
+    rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.2}), "up", 0.02));
+    rig.motion->queue(line(shifted(rig.start(), {0.1, 0, 0.2}), "aside"));
+    return rig.motion->queue(joint(rig.from, "back"));
+  };
+  Rig whole;
+  queue_all(whole);
+  whole.motion->close();
+  std::vector<Vec3> way;  // uninterrupted
+  for (int i = 0; i < 20000 && !(i > 10 && whole.motion->idle()); ++i) whole.pass(1), way.push_back(whole.tcp().position);
+  for (const int when : {1, 150, 300, 520}) {
+    Rig rig;
+    const auto last = queue_all(rig);
+    rig.motion->close();
+    rig.pass(when);
+    rig.motion->suspend();
+    for (int i = 0; i < 2000 && !rig.motion->suspended(); ++i) rig.pass(1);
+    ASSERT_TRUE(rig.motion->suspended());
+    EXPECT_EQ(rig.motion->state_of(last), MoveState::running);
+    const Values held = rig.commanded();
+    const auto between = rig.motion->queue(joint({0, -1.5, 1.5, 0, 0.5, 0}, "elsewhere"));
+    for (int i = 0; i < 20000 && rig.motion->state_of(between) == MoveState::running; ++i) rig.pass(1);
+    EXPECT_EQ(rig.motion->state_of(between), MoveState::done);
+    EXPECT_EQ(rig.motion->state_of(last), MoveState::running);
+    EXPECT_FALSE(rig.motion->idle());
+    rig.motion->resume();
+    bool was_there = false;
+    for (int i = 0; i < 20000 && !rig.motion->resumed(); ++i) {
+      rig.pass(1);
+      double most = 0;
+      for (std::size_t j = 0; j < held.size(); ++j) most = std::max(most, std::abs(rig.commanded()[j] - held[j]));
+      was_there = was_there || most < 1e-9;
+    }
+    ASSERT_TRUE(rig.motion->resumed());
+    EXPECT_TRUE(was_there) << "it came back to where it was stopped";
+    for (int i = 0, cycle = 0; i < 20000 && !rig.motion->idle(); ++i) {
+      rig.pass(1);
+      if (++cycle % 16 != 0) continue;
+      double nearest = 1;
+      for (std::size_t k = 1; k < way.size(); ++k) {  // distance from the uninterrupted way
+        const Vec3 a = way[k - 1], d = way[k] - a;
+        const double l = dot(d, d);
+        const double t = l > 0 ? std::clamp(dot(rig.tcp().position - a, d) / l, 0.0, 1.0) : 0;
+        nearest = std::min(nearest, norm(rig.tcp().position - (a + t * d)));
+      }
+      EXPECT_LT(nearest, 2e-6);
+    }
+    EXPECT_EQ(rig.motion->state_of(last), MoveState::done);
+    for (std::size_t j = 0; j < held.size(); ++j) EXPECT_NEAR(rig.commanded()[j], rig.from[j], 1e-9);
+    const auto next = rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.05}), "next"));
+    rig.until_idle();
+    EXPECT_EQ(rig.motion->state_of(next), MoveState::done);
+  }
+}
+
+TEST(RobotMotion, SuspendedMovesAreDiscardedWithTheRest) {
+  Rig rig;
+  const auto id = rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.2}), "up"));
+  rig.pass(200);
+  rig.motion->suspend();
+  for (int i = 0; i < 2000 && !rig.motion->suspended(); ++i) rig.pass(1);
+  rig.motion->drop();
+  rig.until_idle();
+  EXPECT_EQ(rig.motion->state_of(id), MoveState::discarded);
+  const auto next = rig.motion->queue(joint(rig.from, "back"));
+  rig.until_idle();
+  EXPECT_EQ(rig.motion->state_of(next), MoveState::done);
+}
+
+TEST(RobotMotion, AStandingRobotReturnsToItsPlace) {
+  Rig rig;
+  rig.motion->suspend();
+  EXPECT_TRUE(rig.motion->suspended());
+  rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.05}), "aside"));
+  for (int i = 0; i < 5000; ++i) rig.pass(1);
+  rig.motion->resume();
+  for (int i = 0; i < 5000 && !rig.motion->resumed(); ++i) rig.pass(1);
+  EXPECT_TRUE(rig.motion->resumed());
+  for (std::size_t j = 0; j < rig.from.size(); ++j) EXPECT_NEAR(rig.commanded()[j], rig.from[j], 1e-9);
+}
+
 TEST(RobotMotion, PlansBesideTheOneWhoAsks) {
   Rig rig;
   rig.holds_jobs = true;

@@ -87,9 +87,9 @@ TEST_P(WrongSettings, AreNamed) {
 INSTANTIATE_TEST_SUITE_P(
     Table, WrongSettings,
     ::testing::Values(Wrong{"pin_enable_0", "-", "pin_enable_0 is not stated"},
-                      Wrong{"pin_pos_1", "16", "pin_pos_1 = '16' is no channel"},
-                      Wrong{"pin_neg_1", "x", "pin_neg_1 = 'x' is no channel"},
-                      Wrong{"pin_neg_1", "-3", "pin_neg_1 = '-3' is no channel"},
+                      Wrong{"pin_pos_1", "16", "pin_pos_1 = '16' is not a channel"},
+                      Wrong{"pin_neg_1", "x", "pin_neg_1 = 'x' is not a channel"},
+                      Wrong{"pin_neg_1", "-3", "pin_neg_1 = '-3' is not a channel"},
                       Wrong{"pin_pos_1", "8", "channel 8 is used twice, by motors 0 and 1"},
                       Wrong{"pin_enable_2", "3", "no parameter 'pin_enable_2'"},
                       Wrong{"address", "0x20", "0x40 to 0x7F"}, Wrong{"address", "0x", "0x40 to 0x7F"},
@@ -98,8 +98,8 @@ INSTANTIATE_TEST_SUITE_P(
                       Wrong{"speed_scale", "0", "speed_scale"}, Wrong{"speed_scale_1", "-1", "speed_scale_1"},
                       Wrong{"trim", "100", "trim"}, Wrong{"dead_band", "-1", "dead_band"},
                       Wrong{"max_duty_0", "1.5", "max_duty_0"}, Wrong{"least_duty", "1", "least_duty"},
-                      Wrong{"direction_0", "2", "none of 1, -1"},
-                      Wrong{"stop", "halt", "none of coast, brake"}, Wrong{"watchdog_ms", "30", "two writes"},
+                      Wrong{"direction_0", "2", "not one of 1, -1"},
+                      Wrong{"stop", "halt", "not one of coast, brake"}, Wrong{"watchdog_ms", "30", "two writes"},
                       Wrong{"watchdog_ms", "60000", "watchdog_ms"},
                       Wrong{"spede_scale", "1", "did you mean 'speed_scale'"},
                       Wrong{"bus", "", "bus is empty"}));

@@ -56,7 +56,7 @@ TEST_F(ForeignCell, RunsNoneOfItsCodeBeforeSomebodyHasApprovedIt) {
   bring_library();
   const auto refused = run();
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_TELLS(refused.output, "which nobody has approved on this machine");
+  EXPECT_TELLS(refused.output, "that nobody has approved on this machine");
   EXPECT_TELLS(refused.output, "polyarm plugins approve ");
   test::run_command({"check", cell(), "--dry", "--cycles", "1"});
   const auto listed = test::run_command({"plugins", cell(), "--json"});
@@ -189,10 +189,10 @@ TEST_F(ForeignCell, ARunWithoutItsLockDoesNotBegin) {
   place.write("foreign/other", "");
   fs::create_directories(cell() / ".state");
   fs::create_symlink("../other", cell() / ".state/lock.cell.yaml");
-  EXPECT_TELLS(run().output, "this is a link, where a run keeps its lock");
+  EXPECT_TELLS(run().output, "this is a link, but a run needs a file for its lock here");
   fs::remove(cell() / ".state/lock.cell.yaml");
   fs::create_directory(cell() / ".state/lock.cell.yaml");
-  EXPECT_TELLS(run().output, "the lock of a run cannot be made");
+  EXPECT_TELLS(run().output, "the lock of a run cannot be created");
   fs::remove(cell() / ".state/lock.cell.yaml");
   EXPECT_EQ(run().exit_code, 0);
 }

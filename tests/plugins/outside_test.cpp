@@ -86,7 +86,7 @@ TEST(New, WritesHardwareAndControllersThatBuildPassAndRunOutsideTheTree) {
   const Shell run = shell(command + " run " + quoted(cell) + " --fast --json");
   EXPECT_EQ(run.exit_code, 0) << run.output;
   EXPECT_NE(run.output.find("MyArm with 2 joints, pretended"), std::string::npos) << run.output;
-  EXPECT_EQ(run.output.find("played by"), std::string::npos) << run.output;
+  EXPECT_EQ(run.output.find("simulated by"), std::string::npos) << run.output;
   const Shell listed = shell(command + " plugins " + quoted(cell) + " --json");
   EXPECT_EQ(listed.exit_code, 0) << listed.output;
   const auto plugins = nlohmann::json::parse(listed.output)["plugins"];

@@ -83,14 +83,14 @@ INSTANTIATE_TEST_SUITE_P(
         Row{"no_factory", "entry 1 of its table has holes", "POLYARM_HARDWARE"},
         Row{"other_kind", "'table/Planner' is neither hardware nor a controller but kind 9", ""},
         Row{"throws", "its polyarm_plugin threw: not today", ""}, Row{"no_table", "returns no table", ""},
-        Row{"no_slash", "'follower' is no name for a type", "vendor/Type"},
+        Row{"no_slash", "'follower' is not a name for a type", "vendor/Type"},
         Row{"same_plugin", "there is a plugin 'both' already: ", "rename"},
         Row{"same_type", "the name 'things/Follower' is taken by ", "a name of its own"}),
     [](const auto& row) { return std::string(row.param.library); });
 
 TEST(Plugins, AFileThatDoesNotLoadIsToldWithTheLoadersWords) {
   const test::Folder folder;
-  folder.write("broken.so", "this is no shared library");
+  folder.write("broken.so", "this is not a shared library");
   folder.write("notes.txt", "nor is this, and it does not say so");
   plugins::load_folder(folder.path());
   ASSERT_NE(refused("broken"), nullptr);
@@ -147,7 +147,7 @@ TEST(Plugins, AFactoryThatThrowsIsReportedWithTheFile) {
   EXPECT_SAYS(said, "throwing_factory.so: making 'throwing/Hardware' it threw: no licence found");
   controllers::Parameters parameters;
   EXPECT_SAYS(thrown_by([&] { controllers::make_controller("throwing/Controller", parameters); }),
-              "threw: something that is no std::exception");
+              "threw: something that is not a std::exception");
 }
 
 // --- callbacks that throw, in a cell ---
@@ -291,7 +291,7 @@ TEST_F(ACell, ToldOfAControllerThatThrowsWhatIsNoException) {
   const auto cell = make();  // the rest of the cell starts
   std::string said;
   for (const auto& event : cell->events().events()) said += protocol::any_of(event).dump();
-  EXPECT_SAYS(said, "the controller 'hold', on_configure, threw: something that is no std::exception");
+  EXPECT_SAYS(said, "the controller 'hold', on_configure, threw: something that is not a std::exception");
 }
 
 TEST_F(ACell, AControllerThatThrowsInOnCleanupIsUnconfigured) {
@@ -321,7 +321,7 @@ TEST_F(ACell, NamesAFolderThatIsNotThereWithItsLine) {
   EXPECT_FALSE(checked.has_errors()) << "a cell that needs no plugin runs without it";
   const std::string told = one_of(checked.problems, "no-folder").text();
   EXPECT_SAYS(told, "cell.yaml:2:");
-  EXPECT_SAYS(told, "'biuld' is no folder with plugins");
+  EXPECT_SAYS(told, "'biuld' is not a folder with plugins");
 }
 
 }  // namespace

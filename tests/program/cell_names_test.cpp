@@ -51,7 +51,7 @@ TEST(CellNames, WhatTheCellOrTheProgramHasIsRight) {
 }
 
 TEST(CellNames, NoProgramSetsWhatTheHardwareMeasures) {
-  const std::string text = " read-only 'Held' says what the hardware measures; a program cannot set it\n";
+  const std::string text = " read-only 'Held' is a measured value of the hardware; a program cannot set it\n";
   EXPECT_EQ(found("set Held = true\n"), "1:5" + text);
   EXPECT_EQ(found("set Held True\n"), "1:5" + text);
   EXPECT_EQ(found("when Lamp\n  set Held = false\nend\n"), "2:7" + text);

@@ -1,7 +1,9 @@
 #pragma once
 /// A cell made of a data store and a clock: moves take their time, files are read from a folder.
 #include <algorithm>
+#include <array>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -24,12 +26,14 @@ class FakeHost : public Host {
     Move move;
     Location where;
     Nanoseconds begin = 0, end = 0;
+    bool ended = false;  ///< by end_move()
     bool fails = false;  ///< a target called Late…: told when it should have arrived
   };
   std::vector<Queued> queued;
   std::map<std::string, Nanoseconds> arrivals;     ///< by robot, when all of its moves have ended
   std::vector<std::pair<int, std::string>> asked;  ///< line, the move in words
   std::vector<std::string> ended_moves, holds;
+  std::vector<Nanoseconds> suspensions;  ///< when a trap stopped the robots
   std::size_t room = 1000, most_open = 0;
   int arrivals_asked = 0;
   bool dropped = false;  ///< somebody stopped the robot
@@ -59,7 +63,7 @@ class FakeHost : public Host {
     const Nanoseconds begin = std::max(arrives, time);
     arrives = begin + (move.duration ? nanoseconds(move.duration->value) : move_time);
     const bool fails = move.targets.back().name.starts_with("Late");
-    queued.push_back({move, where, begin, arrives, fails});
+    queued.push_back({move, where, begin, arrives, false, fails});
     return start(arrives);
   }
   Progress poll_move(Handle handle) override {
@@ -85,10 +89,30 @@ class FakeHost : public Host {
     ends_.at(static_cast<std::size_t>(handle)) = time;
     ended_moves.push_back(queued.back().move.targets.back().name);
     arrivals[queued.back().move.robot] = queued.back().end = time;
+    queued.back().ended = true;
+  }
+  /// The open moves stand still until resume().
+  Handle suspend(const std::vector<std::string>&) override {
+    suspensions.push_back(time);
+    suspended_handles_ = ends_.size();
+    set_apart_ = std::exchange(arrivals, {});
+    return start(time + 4'000'000);
+  }
+  Handle resume(const std::vector<std::string>&) override {
+    const Nanoseconds since = suspensions.back(), more = time - since + 4'000'000;
+    for (std::size_t i = 0; i < suspended_handles_; ++i)
+      if (ends_[i] > since) ends_[i] += more;
+    for (Queued& each : queued)
+      if (each.begin <= since && each.end > since) each.end += more;
+    arrivals = std::exchange(set_apart_, {});
+    for (auto& [robot, end] : arrivals)
+      if (end > since) end += more;
+    return start(time + 4'000'000);
   }
   Travel travel(Handle handle) const override {
     const Nanoseconds end = ends_.at(static_cast<std::size_t>(handle));
     const auto at = std::find_if(queued.begin(), queued.end(), [&](const Queued& q) { return q.end == end; });
+    if (at != queued.end() && at->ended) return {std::numeric_limits<double>::infinity(), 0, end, 0};
     const Nanoseconds begin = at == queued.end() ? end : at->begin;
     const Nanoseconds now = std::clamp(time, begin, end);
     const double share =
@@ -101,6 +125,19 @@ class FakeHost : public Host {
         return each->move.targets.back().value;
     return data::Point{};
   }
+  data::JointState here_joints(const std::string&) const override { return {{"elbow"}, {0.25}}; }
+  data::JointState joints_at(const data::Value& place, const data::JointState* near, const std::string&,
+                             const std::string&, const std::string&) const override {
+    if (place.as_joints()) return *place.as_joints();
+    return {{"elbow"}, {place.as_point()->pose.position.x + (near ? near->positions.front() : 0)}};
+  }
+  data::Value pose_at(const data::JointState& joints, const std::string&, const std::string&,
+                      const std::string&) const override {
+    return data::Point{{{joints.positions.front(), 0, 0}, {}}};
+  }
+  std::array<double, 6> wrench(const std::string&) override { return {0, 0, 30 - zero_force_}; }
+  void zero_force(const std::string&) override { zero_force_ = 30; }
+  std::uint64_t seed() const override { return 7; }
   bool standing() const override {
     return std::all_of(queued.begin(), queued.end(), [&](const Queued& q) { return q.end <= time; });
   }
@@ -149,6 +186,7 @@ class FakeHost : public Host {
          {std::pair{"robot", move.robot}, {"tool", move.tool}, {"frame", move.frame}})
       if (!name.empty()) out += std::string(" ") + word + " " + name;
     if (move.smooth) out += " smooth";
+    if (move.touch) out += " touch";
     return out + (move.exact ? " exact" : "") + (move.waits ? " waits" : "");
   }
 
@@ -170,6 +208,9 @@ class FakeHost : public Host {
     return time >= ends_.at(static_cast<std::size_t>(handle)) ? Progress::done() : Progress{};
   }
   std::vector<Nanoseconds> ends_;
+  std::size_t suspended_handles_ = 0;
+  double zero_force_ = 0;
+  std::map<std::string, Nanoseconds> set_apart_;
 };
 
 /// Steps the program every 2 ms of the host's clock until it ends or `most` has passed.

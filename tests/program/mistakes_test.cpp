@@ -56,9 +56,10 @@ TEST(ProgramMistakes, OneMistakeBringsOneError) {
             "1: a function cannot be called 'movej': a statement begins with that word ()\n");
   const std::string lacking = findings("log(f())\n");
   EXPECT_EQ(lacking.find("fault"), std::string::npos) << "only tests have it: " << lacking;
-  EXPECT_EQ(findings("log(M)\n").find("did you mean"), std::string::npos) << "one letter is no misspelling";
-  EXPECT_EQ(findings("movel A, speed 150%\n").rfind(
-                "1: 'speed' as a share of what the robot can is at most 100%, here is 150%", 0),
+  EXPECT_EQ(findings("log(M)\n").find("did you mean"), std::string::npos)
+      << "one letter is not a misspelling";
+  EXPECT_EQ(findings("movel A, speed 150%\n")
+                .rfind("1: 'speed' as a percentage is at most 100%, here it is 150%", 0),
             0u);
   EXPECT_EQ(findings("include \"job.script\"\n").rfind("1: 'job.script' includes itself", 0), 0u);
 }

@@ -10,6 +10,7 @@
 #include "polyarm/language/ast.hpp"
 #include "polyarm/language/functions.hpp"
 #include "polyarm/language/operators.hpp"
+#include "polyarm/language/text_functions.hpp"
 
 namespace polyarm::program {
 
@@ -50,7 +51,7 @@ class TreeEvaluator {
   [[noreturn]] static void fail(const std::string& what, Place place) { throw Failure{what, place.line}; }
 
   static Value sure(Maybe value, Place place) {
-    if (!value) fail("a value was expected, and this function returns none", place);
+    if (!value) fail("a value was expected, but this function returns none", place);
     return std::move(*value);
   }
 
@@ -166,7 +167,7 @@ class TreeEvaluator {
     if (e.kind == Expression::Kind::record)
       return at(e.place, [&] { return make_record({e.names, std::move(parts)}); });
     std::string text;
-    for (const Value& part : parts) text += part.text();
+    for (const Value& part : parts) text += shown_text(part);
     return text;
   }
 
@@ -234,7 +235,7 @@ class TreeEvaluator {
         for (const ExpressionPtr& part : s.arguments) parts.push_back(maybe(*part));
         std::string text;
         for (const Maybe& part : parts)
-          text += (text.empty() && &part == &parts.front() ? "" : " ") + sure(part, s.place).text();
+          text += (text.empty() && &part == &parts.front() ? "" : " ") + shown_text(sure(part, s.place));
         constexpr std::size_t kLongest = 20000;
         logged_ += text.size();
         if (logged_ > kLongest) throw TooLong{};

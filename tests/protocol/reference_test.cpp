@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <cstdlib>
 #include <string>
 
@@ -36,7 +37,20 @@ void expect_table(const char* path, const std::string& table) {
 }
 
 TEST(ReferenceTest, TheDocsHaveTheRequests) {
-  expect_table("docs/control.md", request_reference());
+  const std::string file = in_tree("docs/requests.md"), heading = "\n## All requests\n\n";
+  const std::string page = read_file(file);
+  const auto begin = page.find(heading);
+  ASSERT_NE(begin, std::string::npos);
+  const std::string whole = page.substr(0, begin) + heading + request_reference();
+  if (updates()) write_file_atomically(file, whole);
+  EXPECT_EQ(read_file(file), whole) << "run this test with POLYARM_UPDATE=1";
+}
+
+TEST(ReferenceTest, EachRequestIsDescribedInSentences) {
+  for (const HelpRow& row : help_rows()) {
+    EXPECT_TRUE(row.text.ends_with('.')) << row.request;
+    EXPECT_TRUE(std::isupper(static_cast<unsigned char>(row.text.front()))) << row.request;
+  }
 }
 
 TEST(ReferenceTest, ThePageOfThePendantHasTheRoles) {

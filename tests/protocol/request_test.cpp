@@ -64,13 +64,13 @@ TEST(Requests, OptionalArgumentsMayBeLeftOutOrNull) {
 TEST(Requests, SayWhichArgumentIsWrong) {
   EXPECT_EQ(refused({{"request", "control.unload"}}).what, "control.unload needs 'name' (text)");
   EXPECT_EQ(refused({{"request", "control.unload"}, {"name", 3}}).what,
-            "'name' of control.unload is no text");
+            "'name' of control.unload is not of type text");
   EXPECT_EQ(refused({{"request", "param.set"}, {"name", "x"}, {"values", 3}}).what,
-            "'values' of param.set is no map");
+            "'values' of param.set is not of type map");
   EXPECT_EQ(refused({{"request", "watch"}, {"name", "x"}, {"rate", "fast"}}).what,
-            "'rate' of watch is no number");
+            "'rate' of watch is not of type number");
   EXPECT_EQ(refused({{"request", "points.shift"}, {"names", {1}}, {"by", Json::object()}}).what,
-            "'names' of points.shift is no names");
+            "'names' of points.shift is not of type names");
   const Problem unknown = refused({{"request", "control.switch"}, {"activat", "tail"}});
   EXPECT_EQ(unknown.code, "bad-argument");
   EXPECT_EQ(unknown.what, "control.switch has no argument 'activat'; did you mean 'activate'?");

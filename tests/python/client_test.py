@@ -16,6 +16,19 @@ from polyarm.errors import Error
 from support import COMMAND, EXAMPLES, SOURCE
 
 
+class Alone(unittest.TestCase):
+    def test_it_needs_neither_the_compiled_module_nor_numpy(self):
+        script = ("import sys\n"
+                  "sys.modules['numpy'] = sys.modules['polyarm._polyarm'] = None\n"
+                  "import polyarm.client, polyarm.errors\n"
+                  "try:\n"
+                  "    polyarm.Robot\n"
+                  "except ImportError:\n"
+                  "    print('the client alone')\n")
+        done = subprocess.run([sys.executable, "-c", script], text=True, capture_output=True)
+        self.assertEqual(done.stdout, "the client alone\n", done.stderr)
+
+
 class Running(unittest.IsolatedAsyncioTestCase):
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp())

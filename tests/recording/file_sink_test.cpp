@@ -19,7 +19,7 @@ TEST(FileSink, OverwritesRecordingsAndNothingElse) {
   folder.write("places.points", "Name: A\n");
   try {
     FileSink(folder.path() / "places.points");
-    FAIL() << "a file of points is no recording";
+    FAIL() << "a file of points is not a recording";
   } catch (const Error& e) {
     EXPECT_EQ(e.problems().front().code, "not-a-recording");
   }

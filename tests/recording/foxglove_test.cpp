@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <functional>
+#include <map>
 #include <random>
 #include <thread>
 
@@ -161,7 +163,8 @@ TEST(FoxgloveServer, WhatWaitsForOneWhoNeverReadsIsBounded) {
   for (int n = 0; n < 300'000; ++n) bench.client->take_text(fetch);  // refused: nobody reads the answers
   std::size_t bytes = 0;
   while (const auto out = bench.client->next()) bytes += out->body->size();
-  EXPECT_LT(bytes, FoxgloveClient::kMostWaiting + 4 * text.size());
+  // Assets that waited for room come while it reads.
+  EXPECT_LT(bytes, FoxgloveClient::kMostWaiting + (4 + FoxgloveClient::kMostLater) * text.size());
 }
 
 TEST(FoxgloveServer, AnAssetComesWithItsRequestsNumberOrWithAReason) {
@@ -216,6 +219,38 @@ TEST(FoxgloveServer, AssetsOfAllWhoDoNotReadAreBoundedTogether) {
   }
   bench.client->take_text(R"({"op":"fetchAsset","uri":"a","requestId":3})");
   EXPECT_GT(answer(*bench.client), large.size());
+}
+
+TEST(FoxgloveServer, EachRequestForAnAssetIsAnsweredHoweverMuchWaits) {
+  Bench bench;
+  const std::string mesh(FoxgloveClient::kMostWaiting, 'x');
+  std::vector<std::function<void(Asset)>> readers;
+  bool at_once = true;
+  bench.server.set_assets([&](const std::string&, const std::function<void(Asset)>& reply) {
+    at_once ? reply(Asset{mesh, ""}) : readers.push_back(reply);
+  });
+  const auto fetch = [&](std::uint32_t id) {
+    bench.client->take_text(Json{{"op", "fetchAsset"}, {"uri", "a"}, {"requestId", id}}.dump());
+  };
+  constexpr std::uint32_t kAsked = FoxgloveClient::kMostLater + 20;
+  for (std::uint32_t id = 0; id < kAsked; ++id) fetch(id);
+  std::map<std::uint32_t, std::size_t> answers;
+  while (const auto out = bench.client->next()) {
+    if (!out->binary) continue;
+    EXPECT_TRUE(answers.emplace(number<std::uint32_t>(*out->body, 1), out->body->size()).second);
+  }
+  EXPECT_EQ(answers.size(), kAsked);
+  EXPECT_GT(answers[0], mesh.size());
+  EXPECT_GT(answers[FoxgloveClient::kMostLater], mesh.size()) << "it waited until there was room";
+  EXPECT_LT(answers[kAsked - 1], 200u) << "refused";
+  // Files that are being read when the first of them fills the queue come, too.
+  at_once = false;
+  fetch(1000);
+  fetch(1001);
+  for (const auto& reply : readers) reply(Asset{mesh, ""});
+  int came = 0;
+  while (const auto out = bench.client->next()) came += out->body->size() > mesh.size();
+  EXPECT_EQ(came, 2);
 }
 
 TEST(FoxgloveServer, AnAssetThatComesAfterItsClientHasGoneGoesNowhere) {

@@ -207,7 +207,7 @@ TEST_F(Attack, StoppedUnderARobotThatMovesItIsReportedAndStartedAgain) {
   EXPECT_EQ(finished.result()["result"], "stopped") << finished.output.substr(0, 2000);
   EXPECT_EQ(finished.result()["error"], nullptr);
   EXPECT_LE(finished.result()["stops"].size(), 1u) << finished.result()["stops"];
-  EXPECT_NE(finished.output.find("(polyarm_ros2_dds) hangs: it gave no sign of life for 1.0 s, and was ended"),
+  EXPECT_NE(finished.output.find("(polyarm_ros2_dds) hangs: it sent nothing for 1.0 s, and was ended"),
             std::string::npos)
       << finished.output.substr(0, 4000);
   EXPECT_NE(finished.output.find("ROS 2 is back after"), std::string::npos);

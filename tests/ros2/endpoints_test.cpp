@@ -328,7 +328,7 @@ void send_goals(Client& client, int first) {
   EXPECT_EQ(reached["status"], 4);
   EXPECT_EQ(reached["result"]["error_code"], 0);
   const json none = call("cancel_goal", "action_msgs/srv/CancelGoal", json::object());
-  EXPECT_EQ(none["return_code"], 0) << "to cancel all where there are none is no fault";
+  EXPECT_EQ(none["return_code"], 0) << "to cancel all where there are none is not a fault";
   EXPECT_TRUE(none["goals_canceling"].empty());
 }
 

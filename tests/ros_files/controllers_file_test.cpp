@@ -305,7 +305,7 @@ jtc: {ros__parameters: {joints: [b], z: 3}}
   EXPECT_EQ(text_of(jtc, "z"), "3");
   ASSERT_EQ(problems.list().size(), 1u) << all(problems);
   EXPECT_EQ(problems.list()[0].where.line, 7);
-  EXPECT_NE(problems.list()[0].what.find("says nothing about '/other'"), std::string::npos);
+  EXPECT_NE(problems.list()[0].what.find("has no entry for '/other'"), std::string::npos);
 }
 
 // A manager need not be called controller_manager; blocks may state the type that it states.

@@ -201,7 +201,7 @@ TEST(PythonLaunch, FollowsWhatItIncludesWithTheValuesItGives) {
   EXPECT_TRUE(launch.descriptions[0].where.file.ends_with("rsp.launch.py"));
   EXPECT_TRUE(says(launch, "in the package 'nav2_bringup', which is not found"));
   EXPECT_EQ(launch.missing_packages, (std::vector<std::string>{"nav2_bringup"}));
-  EXPECT_TRUE(says(launch, "none.launch.py' that is included is not there"));
+  EXPECT_TRUE(says(launch, "none.launch.py' that is included does not exist"));
 }
 
 TEST(PythonLaunch, OfWhatItIncludesConditionsThatAreKnownDecide) {
@@ -268,7 +268,8 @@ TEST(PythonLaunch, ReadsDescriptionsThatAreOpenedPublishedOrPrinted) {
     ASSERT_EQ(launch.descriptions.size(), 1u) << text;
     EXPECT_EQ(launch.descriptions[0].file, "/ws/arm.urdf") << text;
   }
-  EXPECT_TRUE(read("d = Command(['xacro /ws/world.sdf.xacro'])\n").descriptions.empty()) << "SDF is no robot";
+  EXPECT_TRUE(read("d = Command(['xacro /ws/world.sdf.xacro'])\n").descriptions.empty())
+      << "SDF is not a robot";
   EXPECT_TRUE(read("d = Command(['xacro /ws/arm.srdf.xacro'])\n").descriptions.empty()) << "SRDF is none";
 }
 

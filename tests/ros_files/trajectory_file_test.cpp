@@ -126,8 +126,8 @@ TEST(TrajectoryFile, ComplaintsNameFileLinePointAndJoint) {
   says("joint_names: [a]\npoints: []\n", {"way.yaml:2:", "no points"});
   says("joint_names: [a, a]\npoints: [{positions: [1, 1], time_from_start: 1}]\n", {"way.yaml:1:", "twice"});
   says("points: []\n", {"joint_names"});
-  says("7", {"no trajectory"});
-  says("", {"no trajectory"});
+  says("7", {"not a trajectory"});
+  says("", {"not a trajectory"});
   // Everything at once.
   says(head + "- positions: [1]\n  time_from_start: 0\n", {"1 positions", "not after"});
 }

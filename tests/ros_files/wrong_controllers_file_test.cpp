@@ -138,14 +138,16 @@ TEST(WrongYaml, ValuesOfNoNodeBesideAManagerOfAnyNamespaceAreToldAndDropped) {
 
 TEST(WrongYaml, ATabIsNamedAsSuch) {
   const std::string said = thrown("controller_manager:\n  ros__parameters:\n\tupdate_rate: 10\n");
-  EXPECT_NE(said.find("c.yaml:3:1: error: a tab stands in the indentation"), std::string::npos) << said;
+  EXPECT_NE(said.find("c.yaml:3:1: error: the indentation contains a tab"), std::string::npos) << said;
   EXPECT_NE(said.find("replace it by spaces"), std::string::npos) << said;
 }
 
 TEST(WrongYaml, AliasesWithoutEndAreRefused) {
-  EXPECT_NE(thrown("a: &a\n  b: *a\n").find("within what it names"), std::string::npos);
-  EXPECT_NE(thrown("jtc: {ros__parameters: &a {b: *a}}\n").find("within what it names"), std::string::npos);
-  EXPECT_NE(thrown("a: &a {x: 1}\nb: &b {<<: *b}\n").find("within what it names"), std::string::npos);
+  EXPECT_NE(thrown("a: &a\n  b: *a\n").find("inside the node that it names"), std::string::npos);
+  EXPECT_NE(thrown("jtc: {ros__parameters: &a {b: *a}}\n").find("inside the node that it names"),
+            std::string::npos);
+  EXPECT_NE(thrown("a: &a {x: 1}\nb: &b {<<: *b}\n").find("inside the node that it names"),
+            std::string::npos);
   std::string laughs = "l0: &l0 {a: 1, b: 2}\n";
   for (int i = 1; i < 30; ++i) {
     const std::string before = "*l" + std::to_string(i - 1);

@@ -1,4 +1,4 @@
-/// `polyarm plugin build`: a package in ROS's style, built without ROS, in a cell.
+/// `polyarm plugin build`: a package in ROS's style, its hardware and its controller, built without ROS, in a cell.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -43,6 +43,7 @@ TEST_F(Workshop, BuildsAPackageAndRunsItsHardwareInACell) {
   const auto built = test::run_command({"plugin", "build", package, "--simulated"});
   ASSERT_EQ(built.exit_code, 0) << built.output;
   EXPECT_NE(built.output.find("<plugin>two_joints/TwoJoints</plugin>"), std::string::npos) << built.output;
+  EXPECT_NE(built.output.find("type: two_joints/Scale"), std::string::npos) << built.output;
   EXPECT_FALSE(fs::exists(package + "/build"));  // nothing is written into the source
 
   const std::string robot = read_file(package + "/robot.urdf");
@@ -51,6 +52,19 @@ TEST_F(Workshop, BuildsAPackageAndRunsItsHardwareInACell) {
   EXPECT_NE(done.output.find("two joints are active"), std::string::npos) << done.output;
   EXPECT_NE(done.output.find("two_joints/TwoJoints, a ros2_control plugin"), std::string::npos)
       << done.output;
+
+  // The package's controller is a type of its own; what is sent to it moves the joints.
+  place.write("cell/controllers.yaml",
+              "controller_manager: {ros__parameters: {scale: {type: two_joints/Scale}}}\n"
+              "scale: {ros__parameters: {joints: [joint_1, joint_2], gain: 0.5}}\n");
+  place.write("cell/numbers.yaml", "{data: [0.8, -0.4]}\n");
+  place.write("cell/cell.yaml",
+              "polyarm: cell/1\nrate: 100\ncontrollers: controllers.yaml\n"
+              "robots: {arm: {model: robot.urdf, hardware: declared}}\nsend: {scale: numbers.yaml}\n");
+  const auto scaled =
+      test::run_command({"run", (place.path() / "cell").string(), "--fast", "--json", "--seconds", "2"});
+  EXPECT_EQ(scaled.exit_code, 0) << scaled.output;
+  EXPECT_NE(scaled.output.find("[scale]: scales by 0.50"), std::string::npos) << scaled.output;
 
   // What it throws in a cycle is a fault with its words.
   std::string faulty = robot;
@@ -65,6 +79,32 @@ TEST_F(Workshop, BuildsAPackageAndRunsItsHardwareInACell) {
   const auto changed = run(robot);
   EXPECT_NE(changed.exit_code, 0) << changed.output;
   EXPECT_NE(changed.output.find("has changed since it was built"), std::string::npos) << changed.output;
+}
+
+/// True while the process exists and is no zombie.
+bool lives(int pid) {
+  std::error_code error;
+  const std::string stat = "/proc/" + std::to_string(pid) + "/stat";
+  if (!fs::exists(stat, error)) return false;
+  const std::string text = read_file(stat);
+  return text.find(") Z") == std::string::npos;
+}
+
+TEST_F(Workshop, ABuildThatIsKilledTakesItsCompilersWithIt) {
+  const std::string note = (place.path() / "compiler").string();
+  place.write("bin/cmake", "#!/bin/sh\nsleep 1000 &\necho $! > " + note + ".new\nmv " + note + ".new " + note +
+                               "\nwait\n");
+  fs::permissions(place.path() / "bin/cmake", fs::perms::owner_all);
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", ((place.path() / "bin").string() + ":" + path).c_str(), 1);
+  test::Command build({"plugin", "build", package});
+  ::setenv("PATH", path.c_str(), 1);
+  while (!fs::exists(note)) ASSERT_FALSE(build.ends_unread(1)) << "the build has ended";
+  const int compiler = std::stoi(read_file(note));
+  EXPECT_TRUE(lives(compiler));
+  build.signal(SIGKILL);
+  build.wait();
+  while (lives(compiler)) ::usleep(10'000);
 }
 
 TEST_F(Workshop, SaysWhatIsMissingInsteadOfTheCompilersPages) {

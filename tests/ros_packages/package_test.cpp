@@ -144,6 +144,24 @@ TEST(Check, NamesMissingHeadersAndNamesOnceWithTheirPlaceAndAdvice) {
   EXPECT_TRUE(has("drive.hpp:2: error: no header 'nowhere/far.hpp'"));
 }
 
+TEST(PackageBounds, AreOnTheirPage) {
+  const std::string page = read_file(std::string(POLYARM_SOURCE_DIR) + "/docs/bounds.md");
+  EXPECT_NE(page.find(bounds_table()), std::string::npos) << bounds_table();
+}
+
+TEST(Module, HasAnEntryForAController) {
+  Package package;
+  package.name = "acme", package.version = "1";
+  const std::vector<PluginClass> classes{
+      {"acme/Spin", "acme::Spin", "controller_interface::ChainableControllerInterface", "spins", "acme", {}},
+      {"acme/Sieve", "acme::Sieve", "filters::FilterBase<double>", "", "acme", {}}};
+  const std::string code = module_code(package, classes, {&package}, {});
+  EXPECT_NE(code.find("polyarm_ros/controller.hpp"), std::string::npos) << code;
+  EXPECT_EQ(code.find("polyarm_ros/component.hpp"), std::string::npos) << code;
+  EXPECT_NE(code.find("RosController(\"acme::Spin\")"), std::string::npos) << code;
+  EXPECT_NE(code.find("described_types()[\"acme/Sieve\"]"), std::string::npos) << code;
+}
+
 TEST(Module, NamesAreTextInItsCode) {
   Package package;
   package.name = "acme", package.version = "1\"; evil";

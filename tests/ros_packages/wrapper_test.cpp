@@ -5,6 +5,7 @@
 
 #include "hardware_interface/base_interface.hpp"
 #include "polyarm/description/robot_model.hpp"
+#include "polyarm_ros/component.hpp"
 #include "polyarm_ros/module.hpp"
 #include "tests/support/realtime_guard.hpp"
 
@@ -219,7 +220,7 @@ TEST_F(Wrapper, MakesWhatIsThrownInACycleAnErrorWithItsText) {
   activate(by_hand);
   std::vector<double> states(2);
   for (const auto& [where, text] :
-       {std::pair{"read", "the cable is cut"}, std::pair{"number", "no std::exception"}}) {
+       {std::pair{"read", "the cable is cut"}, std::pair{"number", "not a std::exception"}}) {
     wrapped::ByHand::throws_in = where;
     EXPECT_EQ(by_hand.read(cycle, states), ReturnType::error);
     EXPECT_NE(by_hand.reason().find(text), std::string::npos) << by_hand.reason();

@@ -50,7 +50,7 @@ TEST(RobotsCommand, FindsByEveryFigure) {
 
 TEST(RobotsCommand, SaysWhatIsWrongWithAQuestion) {
   for (const auto& [option, text, piece] :
-       {std::array<const char*, 3>{"--reach", "far", "--reach: 'far' is no range"},
+       {std::array<const char*, 3>{"--reach", "far", "--reach: 'far' is not a range"},
         {"--payload", "3m", "--payload"},
         {"--maker", "fanuk", "did you mean 'fanuc'"},
         {"--sort", "raech", "did you mean 'reach'"}}) {
@@ -109,7 +109,7 @@ TEST_F(RobotsRemove, SaysWhatThereIsWhereTheNameIsNone) {
   ASSERT_EQ(run_command({"robots", "add", urdf, "--name", "acme/one"}).exit_code, 0);
   for (const auto& [name, piece] : {std::array<const char*, 2>{"acme/oen", "did you mean 'acme/one'"},
                                     {"universal_robots/ur5e", "there are: acme/one"},
-                                    {"../acme/one", "is no name"}}) {
+                                    {"../acme/one", "is not a name"}}) {
     const Finished asked = run_command({"robots", "remove", name});
     EXPECT_NE(asked.exit_code, 0) << name;
     EXPECT_NE(asked.output.find(piece), std::string::npos) << asked.output;

@@ -197,7 +197,8 @@ TEST(Run, ReplacesAPluginThatIsNotInstalledAndSaysSo) {
   EXPECT_NE(a.output.find("R6: the plugin acme/Unheard is not installed, replaced by"), std::string::npos)
       << a.output;
   const Finished b = run_command({"run", "--description", copy.file("b.urdf"), "--fast", "--seconds", "1"});
-  EXPECT_NE(b.output.find("mock_components/GenericSystem is played by mock"), std::string::npos) << b.output;
+  EXPECT_NE(b.output.find("mock_components/GenericSystem is simulated by mock"), std::string::npos)
+      << b.output;
   // Two blocks of one robot: physics plays all of its joints.
   write_file_atomically(copy.file("c.urdf"), urdf + block("R6", "mock_components/GenericSystem", "joint_1") +
                                                  block("Tail", "acme/Unheard", "joint_2") + "</robot>");
@@ -205,7 +206,8 @@ TEST(Run, ReplacesAPluginThatIsNotInstalledAndSaysSo) {
   EXPECT_EQ(c.exit_code, 0) << c.output;
   if (c.output.find("Tail: the plugin acme/Unheard is not installed, replaced by physics") !=
       std::string::npos) {
-    EXPECT_NE(c.output.find("R6: played by physics, as the other joints"), std::string::npos) << c.output;
+    EXPECT_NE(c.output.find("R6: simulated by physics, like the other joints"), std::string::npos)
+        << c.output;
   }
 }
 
@@ -333,7 +335,7 @@ TEST(Run, AProgramThatFailsIsNotCalledAStopThatSomebodyAskedFor) {
   const Finished run = run_command({"run", folder.path().string(), "--fast", "--quiet"});
   EXPECT_EQ(run.exit_code, 1) << run.output;
   EXPECT_NE(run.output.find("held: the run failed\n"), std::string::npos) << run.output;
-  EXPECT_EQ(run.output.find("was asked for"), std::string::npos) << run.output;
+  EXPECT_EQ(run.output.find("was requested"), std::string::npos) << run.output;
 }
 
 TEST(Run, TheThesisDurationRuleStretchesMoves) {

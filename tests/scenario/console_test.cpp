@@ -118,7 +118,7 @@ TEST_F(Console, TheEditorKeepsValuesOfEveryKindAndAsksBeforeItOverwrites) {
             "10",    "perhaps", "True",   "Sure",  "15",      "3",      "mine", "0",         "0"});
   EXPECT_TRUE(in_order(
       done, {"no file yet", "Repeat = True", "* (not saved)", "'Repeat' exists already: True. Overwrite it?",
-             "Choose another name?", "Repeat2 = False", "'perhaps' is no boolean", "Sure = True", "NAME",
+             "Choose another name?", "Repeat2 = False", "'perhaps' is not a boolean", "Sure = True", "NAME",
              "saved 7 values in mine.data"}));
   const data::DataSet kept = values("mine.data");
   EXPECT_EQ(*kept.value("Repeat"), data::Value(false));
@@ -182,7 +182,7 @@ TEST_F(Console, TheEndOfTheAnswersEndsItCleanlyAndLosesNothing) {
   EXPECT_NE(run_command({"health"}).exit_code, 0) << "its cell is gone too";
   const Finished unsaved = told({"4", "11", "7", "N"});
   EXPECT_EQ(unsaved.exit_code, 1);
-  EXPECT_TRUE(has(unsaved, "what was not saved is in")) << unsaved.output;
+  EXPECT_TRUE(has(unsaved, "unsaved values are in")) << unsaved.output;
   EXPECT_EQ(*values("editor.unsaved.txt").value("N"), data::Value(7));
 }
 
@@ -214,15 +214,15 @@ TEST_F(Console, AMixedTrajectoryIsOnePathAndDurationsAreAskedOrComputed) {
                {"9", "f", "A, B", "10", "X", "12", "0", "11", "6", "f", "A", "-1", "4", "0", "0"});
   const Finished done = told(lines);
   EXPECT_TRUE(in_order(done, {"Types in their order", "arrived after", "TCP x 250.00 y 100.00 z 250.00 mm",
-                              "arrived after", "'X' is no type of a point", "Duration of the move to A in s",
-                              "takes more than 0 s", "arrived after 4."}));
+                              "arrived after", "'X' is not a type of a point",
+                              "Duration of the move to A in s", "takes more than 0 s", "arrived after 4."}));
 }
 
 TEST_F(Console, WithoutATerminalJogAndSlidersTakeSteps) {
   const Finished done = told({"1", "3", "3", "z -20mm tool", "x 5", "w 5mm", "", "2", "elbow_joint 5deg", "",
                               "1", "elbow_joint -5deg", "elbow_jont 1deg", "", "0", "0"});
-  EXPECT_TRUE(in_order(done, {"Axis, way and frame", "x ", "Joint and way", "elbow_joint", "Joint and way",
-                              "did you mean 'elbow_joint'"}));
+  EXPECT_TRUE(in_order(done, {"Axis, distance and frame", "x ", "Joint and distance", "elbow_joint",
+                              "Joint and distance", "did you mean 'elbow_joint'"}));
   EXPECT_EQ(done.exit_code, 1);
 }
 
@@ -244,20 +244,19 @@ TEST_F(Console, AScriptIsLoadedStartedSteppedAndEnded) {
                               "8",                   // ended
                               "3", "1",    "",  "",  // once round, and an answer for the question
                               "7", "7",    "y", "0", "0"});
-  EXPECT_TRUE(
-      in_order(done, {"no script is loaded", "wrong.script", "loaded work.script",
-                      "paused in front of line 1", "paused in front of line 2", "paused in front of line 3",
-                      "Repeat = True", "the script was ended", "moveto A", "The script waits for you",
-                      "moveto B", "all done", "the script has ended", "it will begin at line 7",
-                      "the robot is as after the move to: B", "all done", "the script has ended"}));
+  EXPECT_TRUE(in_order(done, {"no script is loaded", "wrong.script", "loaded work.script",
+                              "paused before line 1", "paused before line 2", "paused before line 3",
+                              "Repeat = True", "the script was ended", "moveto A", "The script waits for you",
+                              "moveto B", "all done", "the script has ended", "it will begin at line 7",
+                              "the robot is as after the move to: B", "all done", "the script has ended"}));
 }
 
 TEST_F(Console, TheThesissPickAndPlaceRunsFromItsCell) {
   for (const auto& entry : fs::directory_iterator(fs::path(POLYARM_SOURCE_DIR) / "examples/pick_and_place"))
     if (entry.is_regular_file()) fs::copy_file(entry.path(), work / entry.path().filename());
   const Finished done = told({"1", "4", "1", "cycledata", "5", "5", "9", "8", "0", "0"});
-  EXPECT_TRUE(in_order(done, {"the robots of cell.yaml", "loaded PAPscript.script",
-                              "paused in front of line 2", "GripperActive = False", "the script was ended"}));
+  EXPECT_TRUE(in_order(done, {"the robots of cell.yaml", "loaded PAPscript.script", "paused before line 2",
+                              "GripperActive = False", "the script was ended"}));
   EXPECT_EQ(done.exit_code, 0) << done.output;
 }
 
@@ -314,7 +313,7 @@ TEST_F(Console, AtATerminalKeysJogAndEnterKeepsThePlace) {
   keys.type("q");
   ASSERT_TRUE(keys.shows(">shoulder_pan_joint"));
   keys.type("\n");
-  ASSERT_TRUE(keys.shows("Keep it as a joint state"));
+  ASSERT_TRUE(keys.shows("Store it as a joint state"));
   keys.type("y\nTaught\n");
   ASSERT_TRUE(keys.shows("kept as Taught"));
   keys.type("\x03");

@@ -88,7 +88,7 @@ TEST_F(DoorTest, TablesNameControllersHardwareAndInterfaces) {
   EXPECT_NE(run_command({"hardware", "list"}).output.find("active"), std::string::npos);
   EXPECT_NE(run_command({"interfaces"}).output.find("arm/joint_6/position"), std::string::npos);
   EXPECT_NE(run_command({"health"}).output.find("state     running"), std::string::npos);
-  EXPECT_NE(run_command({"limits"}).output.find("no limit has taken hold"), std::string::npos);
+  EXPECT_NE(run_command({"limits"}).output.find("no limit has changed"), std::string::npos);
   EXPECT_EQ(asked({"health"})["rate_hz"], 500.0);
 }
 

@@ -229,6 +229,11 @@ TEST(PickAndPlace, ATableInTheWayIsFound) {
   ASSERT_NE(scene.find(line), std::string::npos);
   scene.insert(scene.find(line), "  wall: {box: [0.3, 0.02, 0.16], at: [0.3, 0, 0.08]}\n");
   write_file_atomically(copy.file("scene.yaml"), scene);
+  const nlohmann::json guarded = run_command({"run", copy.path(), "--fast", "--json"}).result();
+  EXPECT_EQ(guarded["result"], "failed");
+  ASSERT_FALSE(guarded["problems"].empty());
+  EXPECT_EQ(guarded["problems"][0]["code"], "guard");
+  write_file_atomically(copy.file("cell.yaml"), read_file(copy.file("cell.yaml")) + "\nguards: off\n");
   const nlohmann::json result = run_command({"run", copy.path(), "--fast", "--json"}).result();
   EXPECT_EQ(result["result"], "failed");
   ASSERT_FALSE(result["problems"].empty());

@@ -21,7 +21,7 @@ TEST(JetBot, RunsWithoutLinksAndSaysSo) {
   const Finished ran = run_command({"run", copy.path(), "--fast", "--seconds", "2", "--json"});
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   EXPECT_EQ(ran.result()["control_cycles"], 20) << "10 Hz";
-  EXPECT_NE(ran.output.find("jetbot_control/JetBotSystemHardware is played by mock"), std::string::npos);
+  EXPECT_NE(ran.output.find("jetbot_control/JetBotSystemHardware is simulated by mock"), std::string::npos);
   EXPECT_NE(ran.output.find("the description has no links"), std::string::npos) << ran.output;
 }
 
@@ -30,7 +30,7 @@ TEST(JetBot, MockIsChosenByItsArgument) {
   const Finished ran =
       run_command({"run", copy.path(), "use_mock_hardware:=true", "--fast", "--seconds", "1", "--json"});
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
-  EXPECT_NE(ran.output.find("mock_components/GenericSystem is played by mock"), std::string::npos);
+  EXPECT_NE(ran.output.find("mock_components/GenericSystem is simulated by mock"), std::string::npos);
   EXPECT_EQ(ran.output.find("JetBotSystemHardware"), std::string::npos);
 }
 

@@ -43,7 +43,7 @@ TEST(NewCellCommand, WritesOverNothing) {
   const Finished refused = run_command(
       {"new", "cell", "mine", "--robot", "demo/r6bot", "--folder", (folder.path() / "mine").string()});
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_NE(refused.output.find("is there already"), std::string::npos) << refused.output;
+  EXPECT_NE(refused.output.find("exists already"), std::string::npos) << refused.output;
   EXPECT_EQ(read_file(folder.path() / "mine" / "mine.txt"), "kept");
 }
 

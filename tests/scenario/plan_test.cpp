@@ -211,7 +211,7 @@ TEST_F(Plan, RefusalsSayWhichMoveWhyAndWhatToDo) {
   refused({"movel", "by(0,0,200)"}, "a length needs a unit: write by(0,0,200mm)");
   refused({"movel", "pose(0.4,-250,0.3)"}, "a length needs a unit: write pose(0.4,-250mm,0.3)");
   refused({"movel", "by(0,0,50mm)", "blend=20"}, "a length needs a unit: write blend=20mm");
-  refused({"movel", "pose(1,2)"}, "is no target");
+  refused({"movel", "pose(1,2)"}, "is not a target");
   refused({"movel", "by(0,0,1mm)", "sped=1"}, "did you mean 'speed'");
   refused({"movel", "by(0,0,1mm)", "--speed", "200%"}, "more than the limits");
   refused({"movej", "joints(1,2)"}, "2 values for 6 joints");

@@ -83,7 +83,7 @@ TEST_F(Programs, ARunThatWasCutOffGoesOn) {
   EXPECT_EQ(placed(), "20");
   const Finished nothing = run_command({"run", cell, "--fast", "--continue", "--yes"});
   EXPECT_NE(nothing.exit_code, 0);
-  EXPECT_NE(nothing.output.find("no program was cut off here"), std::string::npos) << nothing.output;
+  EXPECT_NE(nothing.output.find("no program was interrupted here"), std::string::npos) << nothing.output;
 }
 
 TEST_F(Programs, DataAndPointsMayHaveTheSameName) {
@@ -107,7 +107,7 @@ TEST(CutOff, TheRunAfterwardsTellsWhatTheGripperHeld) {
     const auto at = told.find("held part");
     return at == std::string::npos ? told : told.substr(at, told.find('\n', at) - at);
   };
-  EXPECT_NE(cut_off_after("0.5").find("none that is known"), std::string::npos);
+  EXPECT_NE(cut_off_after("0.5").find("none known"), std::string::npos);
   std::string held;
   for (const char* seconds : {"4", "5", "6", "7", "8", "9"})
     if (held.find("when it was cut off") == std::string::npos) held = cut_off_after(seconds);

@@ -47,7 +47,7 @@ TEST(ReadOnly, ARunInAFolderThatCannotBeWrittenSaysSoAndNothingElse) {
   EXPECT_EQ(checked.exit_code, 0) << checked.output;
   EXPECT_EQ(run.exit_code, 1) << run.output;
   EXPECT_NE(run.output.find(
-                ".state/data: this folder cannot be made: Permission denied (a run keeps copies of data "
+                ".state/data: this folder cannot be created: Permission denied (a run stores copies of data "
                 "files there: work on a copy of the cell"),
             std::string::npos)
       << run.output;

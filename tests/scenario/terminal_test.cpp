@@ -64,9 +64,21 @@ TEST(Terminal, TextsAndNamesOfAProgramAreHarmlessWhileItRuns) {
   }
 }
 
-TEST(Terminal, WhatIsNoTerminalGetsTheBytesAsTheyAre) {
-  const test::Finished ended = test::run_command({"check", kNasty});
-  EXPECT_NE(ended.output.find(kNasty), std::string::npos) << ended.output;
+TEST(Terminal, WhatGoesThroughAPipeToATerminalIsHarmless) {
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{kNasty}, {"check", kNasty}}) {
+    const test::Finished ended = test::run_command(arguments);
+    EXPECT_NE(ended.output.find("\\x1b[2J"), std::string::npos) << ended.output;
+    expect_harmless(ended.output);
+  }
+}
+
+TEST(Terminal, ADocumentInAPipeIsAsItWasWritten) {
+  const ExampleCopy copy("pick_and_place");
+  const std::string text = "<robot name=\"r\"><!-- \xe2\x80\xae \xc2\x9b --><link name=\"a\"/></robot>";
+  write_file_atomically(copy.file("r.urdf.xacro"), text);
+  const test::Finished ended = test::run_command({"xacro", copy.file("r.urdf.xacro")});
+  EXPECT_EQ(ended.exit_code, 0);
+  EXPECT_NE(ended.output.find("\xe2\x80\xae \xc2\x9b"), std::string::npos) << ended.output;
 }
 
 TEST(Real, ACellWithNothingRealSaysSoAndEnds) {

@@ -517,7 +517,7 @@ TEST_F(PendantTest, GoesToAPlaceByJointsOrInALineAndSaysBeforehandWhereItCannot)
   EXPECT_GT(off_joints, 0.005);
   go({{"pose", {{"p", {here.position.x, here.position.y, here.position.z}}, {"q", near["pose"]["q"]}}}},
      "joint", off_joints, off_line);
-  EXPECT_GT(off_line, 0.002) << "by the joints it is no line";
+  EXPECT_GT(off_line, 0.002) << "by the joints it is not a line";
   EXPECT_LT(off_joints, 5e-3);
 
   const Json far{

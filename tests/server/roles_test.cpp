@@ -125,7 +125,7 @@ TEST_F(RolesInACell, TheProjectIsReadAndReplacedByThoseWhoMay) {
   };
   EXPECT_EQ(status(Role::watch, "GET"), 403);
   EXPECT_EQ(status(Role::program, "PUT"), 403);
-  EXPECT_EQ(status(Role::administer, "PUT"), 400) << "it is no zip, but was looked at";
+  EXPECT_EQ(status(Role::administer, "PUT"), 400) << "it is not a zip, but was looked at";
 }
 
 TEST_F(RolesInACell, ADraftIsOfWhoWroteIt) {

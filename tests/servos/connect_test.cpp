@@ -99,7 +99,7 @@ TEST_F(Connect, WhatIsNotPluggedInIsSaidInOneSentenceAndTheSimulationGoesOn) {
   const Json refused = ask({{"request", "cell.connect"}, {"real", true}});
   EXPECT_EQ(refused["error"]["code"], "no-device");
   EXPECT_EQ(refused["error"]["what"], seen["why"]);
-  EXPECT_NE(seen["why"].get<std::string>().find("'/dev/ttyNone7' is not there"), std::string::npos) << seen;
+  EXPECT_NE(seen["why"].get<std::string>().find("'/dev/ttyNone7' does not exist"), std::string::npos) << seen;
   EXPECT_EQ(client->event("status")["simulated"], true);
 }
 

@@ -123,7 +123,7 @@ TEST(So101, AfterAStandstillTheArmHoldsUntilAPersonSaysMore) {
   const int goal = arm.bus.get(6, arm.family.goal_position);
   arm.cell.signal(SIGINT);
   const Finished ended = arm.cell.wait();
-  EXPECT_NE(ended.output.find("wall time went missing"), std::string::npos) << ended.output;
+  EXPECT_NE(ended.output.find("wall time was lost"), std::string::npos) << ended.output;
   EXPECT_NEAR(arm.bus.get(6, arm.family.goal_position), goal, 1) << "nothing went on by itself";
   EXPECT_EQ(arm.bus.get(6, arm.family.torque), 1);
 }
@@ -144,7 +144,7 @@ TEST(So101, WithoutRealItIsSimulated) {
   ArmOnAWire arm;
   const Finished ran = run_command({"run", arm.copy.path(), "--fast", "--json", "--no-socket"});
   EXPECT_EQ(ran.exit_code, 0) << ran.output;
-  EXPECT_NE(ran.output.find("feetech drives real hardware; it is played by"), std::string::npos)
+  EXPECT_NE(ran.output.find("feetech drives real hardware; it is simulated by"), std::string::npos)
       << ran.output;
 }
 

@@ -109,7 +109,7 @@ TEST_F(ServoWatchdog, AProcessThatStandsStillIsStoppedAndStaysSo) {
   ASSERT_TRUE(both_stand());
   process->signal(SIGCONT);
   const std::string said = process->line();
-  EXPECT_NE(said.find("error: this process stood still for more than 1000 ms"), std::string::npos) << said;
+  EXPECT_NE(said.find("error: this process did not run for more than 1000 ms"), std::string::npos) << said;
   EXPECT_NE(said.find("activate it again"), std::string::npos) << said;
   EXPECT_EQ(fake->get(1, family->goal_velocity), 0);
   process->tell("activate");

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <sys/xattr.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -20,6 +21,7 @@
 #include <vector>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::signals {
@@ -74,6 +76,72 @@ TEST_F(Mailbox, WritesOnlyTheLineOfAPostedValue) {
   EXPECT_EQ(content(), "# why\nName: A\nBool: False\n\nName: B\nBool: True\n");
   EXPECT_EQ(mailbox.written(), mailbox.posted());
   EXPECT_TRUE(mailbox.take_events().empty());
+}
+
+/// The first problem that the mailbox reports in a few looks; empty if there is none.
+std::string problem_of(FileMailbox& mailbox) {
+  std::string out;
+  for (int k = 0; k < 40; ++k) {
+    mailbox.step();
+    for (const MailboxEvent& event : mailbox.take_events())
+      for (const Problem& problem : event.problems)
+        if (out.empty()) out = problem.code;
+  }
+  return out;
+}
+
+TEST_F(Mailbox, WhatTakesItsPlaceIsNeitherReadNorReplaced) {
+  for (const char* kind : {"pipe", "device", "large", "folder"}) {
+    rewrite(kTwo);
+    FileMailbox mailbox(ImportFile::load(path_), inline_options());
+    std::filesystem::remove(path_);
+    if (kind[0] == 'p') ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+    if (kind[0] == 'd') std::filesystem::create_symlink("/dev/zero", path_);
+    if (kind[0] == 'f') std::filesystem::create_directory(path_);
+    if (kind[0] == 'l') rewrite("Name: A\nBool: True\n");
+    if (kind[0] == 'l') std::filesystem::resize_file(path_, std::uintmax_t{1} << 40);  // nearly all of it a hole
+    mailbox.post("B", true);
+    EXPECT_EQ(problem_of(mailbox), kind[0] == 'l' ? "too-large" : "not-a-file") << kind;
+    EXPECT_LT(mailbox.written(), mailbox.posted());
+    std::filesystem::remove(path_);
+    rewrite(kTwo);
+    EXPECT_EQ(problem_of(mailbox), "") << kind;
+    EXPECT_EQ(content(), "# why\nName: A\nBool: False\n\nName: B\nBool: True\n") << kind;
+  }
+}
+
+/// The permissions of a process hold until it ends, so the test runs in one of its own.
+TEST_F(Mailbox, ALinkThatLeadsOutOfTheCellIsNotFollowed) {
+  const std::filesystem::path outside = folder_.string() + "_outside";
+  std::filesystem::create_directories(outside);
+  write_file_atomically(outside / "secret.data", "Name: A\nBool: True\n\nName: B\nBool: False\n");
+  rewrite(kTwo);
+  const auto in_a_cell = [&] {
+    reach().confine();
+    const auto grant = reach().open_cell(folder_);
+    FileMailbox mailbox(ImportFile::load(path_), inline_options());
+    std::filesystem::remove(path_);
+    std::filesystem::create_symlink(outside / "secret.data", path_);
+    std::string codes;
+    bool told_value = false;
+    for (int k = 0; k < 40; ++k) {
+      mailbox.step();
+      for (const MailboxEvent& event : mailbox.take_events()) {
+        told_value |= !event.values.empty();
+        for (const Problem& problem : event.problems) codes += problem.code + " ";
+      }
+    }
+    const bool refused = codes == "outside-cell " && !told_value;
+    std::filesystem::remove(path_);
+    write_file_atomically(folder_ / "other.data", "Name: A\nBool: True\n\nName: B\nBool: False\n");
+    std::filesystem::create_symlink("other.data", path_);  // stays inside
+    for (int k = 0; k < 40; ++k) mailbox.step();
+    const bool taken = value_of(mailbox.take_events(), "A") == Value(true);
+    std::fprintf(stderr, "%s; %s%s\n", codes.c_str(), refused ? "refused " : "", taken ? "taken" : "");
+    std::exit(refused && taken ? 0 : 1);
+  };
+  EXPECT_EXIT(in_a_cell(), testing::ExitedWithCode(0), "outside-cell ; refused taken");
+  std::filesystem::remove_all(outside);
 }
 
 TEST_F(Mailbox, TellsWhatWasChangedFromOutside) {

@@ -68,7 +68,7 @@ TEST(SignalsFuzz, ThreeThousandDamagedFilesAreReadOrRefused) {
     for (const Problem& problem : problems.list()) EXPECT_FALSE(problem.what.empty()) << text;
     good += problems.has_errors() ? 0 : 1;
   }
-  EXPECT_GT(good, 100) << "damage that does not matter is no error";
+  EXPECT_GT(good, 100) << "damage that does not matter is not an error";
 }
 
 }  // namespace

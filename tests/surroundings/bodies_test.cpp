@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "polyarm/catalogue/catalogue.hpp"
 #include "polyarm/description/tools.hpp"
+#include "polyarm/kinematics/chain.hpp"
+#include "polyarm/surroundings/sweep.hpp"
 #include "tests/surroundings/gantry.hpp"
 
 namespace polyarm::surroundings {
@@ -69,6 +73,43 @@ TEST(Surroundings, TheToolIsPartOfTheArmAndTheArmStandsOnTheTable) {
   moment.robots = {{{}, model.start()}};
   Surroundings around({arm}, scene, moment, 0, 0);
   EXPECT_FALSE(around.probe().touches_exactly(model.start())) << around.probe().nearest(model.start()).first;
+}
+
+description::Shape upright(double radius, double length, double bottom) {
+  description::Shape out;
+  out.kind = description::ShapeKind::cylinder;
+  out.radius = radius;
+  out.length = length;
+  out.pose.position.z = bottom + length / 2;
+  return out;
+}
+
+/// Capsules that reach beyond the flange would make every tool a contact.
+TEST(Surroundings, EveryRobotOfTheCatalogueIsFreeOfAToolAtItsFlangeAtHome) {
+  const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
+  description::Scene nothing;
+  nothing.floor = false;
+  description::Tool plain;  // as wide and long as a tool of this robot's size may be
+  plain.name = "plain";
+  const description::Tool cup = description::find_tool("suction_cup", ""),
+                          gripper = description::find_tool("parallel_gripper", "");
+  for (const std::string& name : catalogue.names()) {
+    Problems warnings;
+    const description::RobotModel model = description::load_robot(name, catalogue, warnings);
+    const kinematics::Chain chain(model, model.tool_link());
+    const double length = std::clamp(0.2 * chain.reach(), 0.05, 0.3);
+    plain.body = {upright(std::min(0.25 * length, 0.04), 0.2 * length, 0),
+                  upright(0.12 * length, 0.8 * length, 0.2 * length)};
+    for (const description::Tool* tool : std::initializer_list<const description::Tool*>{&plain, &cup, &gripper}) {
+      Sweep sweep({{"arm", &model, tool, -1, false, {}}}, nothing, 0);
+      Moment home = start_of(nothing);
+      home.robots.push_back({{}, model.start()});
+      sweep.add(home, 0, [](std::size_t) { return 0; });
+      sweep.finish();
+      for (const Approach& a : sweep.approaches())
+        ADD_FAILURE() << name << " with " << tool->name << ": " << text_of(a);
+    }
+  }
 }
 
 }  // namespace

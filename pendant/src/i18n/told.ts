@@ -29,7 +29,7 @@ export interface Told {
 
 /** Codes whose sentence is complete. The cell's own words would only add advice for a terminal. */
 export const kSaysAll = new Set([
-  'asked-already', 'discarded', 'disarmed', 'has-ended', 'held', 'moving', 'motion-held', 'no-cell',
+  'answered-already', 'asked-already', 'discarded', 'disarmed', 'has-ended', 'held', 'moving', 'motion-held', 'no-cell',
   'no-control', 'no-fault', 'no-program', 'no-role', 'no-speed', 'not-asked', 'not-begun', 'not-held', 'not-paused',
   'nothing-to-step-back', 'overtaken', 'program-changed', 'program-runs', 'session-over', 'still-running', 'stopped',
   'stopping', 'wrong-state'
@@ -138,6 +138,16 @@ export function lineWords(line: {text: string; code?: string; facts?: Facts}): s
   if (!known(`told.${line.code}`)) return own;
   const said = t(`told.${line.code}` as Key);
   return kSaysAll.has(line.code) ? said : `${said} (${own})`;
+}
+
+// --- questions of a program
+
+/** The second line of a question: the default answer, or why the last answer was refused. */
+export function noteWords(note: string): string {
+  const usual = /^Enter alone means (.+)$/s.exec(note);
+  if (usual) return t('question.enter', {value: usual[1]!});
+  const refused = /^the answer is .+, such as (.+)$/s.exec(note);
+  return refused ? t('question.refused', {value: refused[1]!}) : plain(note);
 }
 
 // --- advice for a terminal

@@ -11,8 +11,11 @@ import { Icon } from '../ui/Icon';
 import { Alarms } from './Alarms';
 import { go, pageId } from './route';
 
+/** Alarms of a hold that are over when the cell runs again. */
+const kOver = new Set(['contact', 'program-hold', 'held']);
+
 /**
- * An operator who brings the cell back after a contact or a fault has seen its alarm. These are the previous
+ * An operator who brings the cell back after a contact, a hold or a fault has seen its alarm. These are the previous
  * states.
  */
 let stood = false;
@@ -21,7 +24,7 @@ effect(() => {
   const now = status.value;
   const runs = now?.state === 'running';
   const wants = (now?.inactive.length ?? 0) > 0;
-  if (runs && stood) markSeen((each) => each.code === 'contact');
+  if (runs && stood) markSeen((each) => kOver.has(each.code));
   if (runs && !wants && (stood || wanted)) markSeen((each) => each.code === 'fault');
   stood = now?.state === 'held' || now?.state === 'fault';
   wanted = wants;

@@ -24,6 +24,7 @@ import type {
 import type { Requests } from '../wire/requests';
 import { readAlarm, readCell, readHolder, readJog, readPart, readPlans, readStatus } from '../wire/read';
 import { forgetFrames, takeFrame, takeLayout } from './live';
+import { withLines } from './log';
 import { settings } from './settings';
 import { toast } from './toasts';
 import {waysOf} from './ways';
@@ -75,7 +76,6 @@ export const unseenAlarms = computed(() => alarms.value.filter((a) => !a.seen).l
 /** The names of forced tags. */
 export const forced = computed(() => Object.keys(tags.value).filter((name) => tags.value[name]!.forced).sort());
 
-const kLogLines = 2000;
 const kAlarms = 200;
 const kFrameRate = 30;
 
@@ -178,6 +178,7 @@ async function greet(): Promise<void> {
     if (!holder.value && settings.takeWhenFree.value && (!again || hadControl)) await takeControl(false);
     settled.value = true;
   } catch (error) {
+    if (isLate(error)) return greet();
     if (link.value === 'open') complain(error);
   }
 }
@@ -211,10 +212,17 @@ export function markSeen(which: (alarm: Alarm) => boolean): void {
   alarms.value = alarms.peek().map((each) => (which(each) ? { ...each, seen: true } : each));
 }
 
+/** True if a request got no answer in time, although there is a connection. A busy machine may be late. */
+const isLate = (error: unknown): boolean => error instanceof RequestError && error.code === 'no-answer' && link.peek() === 'open';
+
 /** Requests the first state; later changes come as events. A cell without a program refuses. */
 async function loadProgram(): Promise<void> {
-  const now = await request('program').catch(() => null);
-  if (now && !program.peek()) program.value = now as unknown as Json;
+  try {
+    const now = await request('program');
+    if (!program.peek()) program.value = now as unknown as Json;
+  } catch (error) {
+    if (isLate(error) && !program.peek()) return loadProgram();
+  }
 }
 
 /** The number of the newest alarm before this page connected; -1 while unknown. */
@@ -258,12 +266,7 @@ const events: Record<string, (event: Event) => void> = {
     parts.value = next;
   },
   log: (e) => {
-    const lines = e.lines as LogLine[];
-    const last = log.value[log.value.length - 1]?.number ?? -1;
-    // After a reconnection the history is sent again. A new cell starts numbering from the beginning.
-    const again = lines.length > 0 && lines[0]!.number <= last;
-    const known = again && lines[lines.length - 1]!.number < last ? [] : log.value;
-    log.value = [...known, ...lines.filter((line) => known.length === 0 || line.number > last)].slice(-kLogLines);
+    log.value = withLines(log.value, e.lines as LogLine[]);
   },
   alarm: (e) => {
     const alarm = readAlarm(e);

@@ -1136,7 +1136,7 @@ export interface Requests {
   'events': { args: { since?: number }; answer: Event[] };
   'program.load': { args: { file: string }; answer: ProgramLoadAnswer };
   'program.start': { args: { passes?: number; paused?: boolean; as_saved?: boolean; file?: string; hash?: string; saved?: string }; answer: ProgramStatus };
-  'program.answer': { args: { text?: string }; answer: Asked };
+  'program.answer': { args: { text?: string; question?: string }; answer: Asked };
   'program': { args: { data?: boolean }; answer: ProgramStateAnswer };
   'program.watch': { args: { rate?: number }; answer: ProgramStatus };
   'program.pause': { args: { at_once?: boolean }; answer: ProgramStatus };

@@ -108,7 +108,7 @@ class Reader {
     const std::size_t slash = made.type.find('/');
     if (slash == std::string::npos) fail("there is no type " + made.type);
     made.type.insert(slash, "/msg");
-    if (!known_.contains(made.type)) fail(made.type + " does not stand before its use");
+    if (!known_.contains(made.type)) fail(made.type + " is not defined before its use");
     return made;
   }
 

@@ -110,7 +110,7 @@ struct HardwareInfo {
   std::vector<MimicJoint> mimic_joints;
   std::vector<ComponentInfo> sensors, gpios;
   std::vector<TransmissionInfo> transmissions;
-  std::string original_xml;  ///< empty here
+  std::string original_xml;  ///< written from what Polyarm knows: without bodies and meshes
   std::unordered_map<std::string, joint_limits::JointLimits> limits;
   std::unordered_map<std::string, joint_limits::SoftJointLimits> soft_limits;
 };

@@ -91,4 +91,10 @@ inline std::vector<double> parse_double_array(const std::string& text) {
   return parse_array<double>(text);
 }
 
+inline std::string to_lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
 }  // namespace hardware_interface

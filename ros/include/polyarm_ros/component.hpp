@@ -181,7 +181,7 @@ class RosComponent : public hw::Component {
     } catch (const std::exception& e) {
       reason_.set(where, e.what());
     } catch (...) {
-      reason_.set(where, "the plugin threw something that is no std::exception");
+      reason_.set(where, "the plugin threw something that is not a std::exception");
     }
     return hw::ReturnType::error;
   }
@@ -195,7 +195,7 @@ class RosComponent : public hw::Component {
     } catch (const std::exception& e) {
       reason_.set(where, e.what());
     } catch (...) {
-      reason_.set(where, "the plugin threw something that is no std::exception");
+      reason_.set(where, "the plugin threw something that is not a std::exception");
     }
     return hw::CallbackReturn::error;
   }

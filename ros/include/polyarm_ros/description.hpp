@@ -2,10 +2,12 @@
 /// What Polyarm knows of a <ros2_control> block, in the structs that plugins read.
 #include <cmath>
 #include <map>
+#include <sstream>
 #include <string>
 
 #include "hardware_interface/hardware_info.hpp"
 #include "polyarm/hardware/component.hpp"
+#include "polyarm_ros/robot_text.hpp"
 
 namespace polyarm_ros {
 
@@ -107,6 +109,35 @@ inline void fill_mimic_joints(const own::RobotModel& model, ros::HardwareInfo& i
   }
 }
 
+/// The block as <ros2_control> has it.
+inline std::string block_text(const own::HardwareInfo& block) {
+  std::ostringstream out;
+  const auto parameters = [&](const std::map<std::string, std::string>& all) {
+    for (const auto& [name, value] : all)
+      out << "<param name=\"" << xml_text(name) << "\">" << xml_text(value) << "</param>";
+  };
+  const auto interfaces = [&](const char* tag, const std::vector<own::InterfaceInfo>& all) {
+    for (const own::InterfaceInfo& i : all) {
+      out << "<" << tag << " name=\"" << xml_text(i.name) << "\">";
+      parameters(i.parameters);
+      out << "</" << tag << ">";
+    }
+  };
+  out << "<ros2_control name=\"" << xml_text(block.name) << "\" type=\"" << xml_text(block.type)
+      << "\"><hardware><plugin>" << xml_text(block.plugin) << "</plugin>";
+  parameters(block.parameters);
+  out << "</hardware>";
+  for (const own::ComponentInfo& component : block.components) {
+    out << "<" << component.kind << " name=\"" << xml_text(component.name) << "\">";
+    interfaces("command_interface", component.command_interfaces);
+    interfaces("state_interface", component.state_interfaces);
+    parameters(component.parameters);
+    out << "</" << component.kind << ">";
+  }
+  out << "</ros2_control>";
+  return out.str();
+}
+
 /// `parameters` are those of the cell, over those of the block.
 inline ros::HardwareInfo hardware_info(const own::HardwareInfo& from, const own::RobotModel& model,
                                        const std::map<std::string, std::string>& parameters) {
@@ -120,6 +151,7 @@ inline ros::HardwareInfo hardware_info(const own::HardwareInfo& from, const own:
   out.async_params.scheduling_policy = from.scheduling_policy;
   out.async_params.cpu_affinity_cores = from.affinity;
   out.async_params.print_warnings = from.print_warnings;
+  out.original_xml = robot_text(model, block_text(from));
   out.hardware_plugin_name = out.hardware_class_type = from.plugin;
   out.hardware_parameters.insert(from.parameters.begin(), from.parameters.end());
   for (const auto& [name, value] : parameters) out.hardware_parameters[name] = value;

@@ -1,5 +1,5 @@
 #pragma once
-/// A plugin's topics, services and actions lead nowhere: the ROS 2 door of Polyarm is not open to plugins.
+/// Topics, services and actions of a plugin lead nowhere, except those of controllers that wires.hpp connects.
 /// The first use of each name is logged once.
 #include <mutex>
 #include <set>

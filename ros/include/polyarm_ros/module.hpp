@@ -3,4 +3,3 @@
 #include "ament_index_cpp/get_package_share_directory.hpp"
 #include "pluginlib/class_loader.hpp"
 #include "polyarm/hardware/plugin.hpp"
-#include "polyarm_ros/component.hpp"

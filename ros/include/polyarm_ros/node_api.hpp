@@ -50,11 +50,27 @@ class NodeApi {
   rclcpp::CallbackGroup::SharedPtr create_callback_group(rclcpp::CallbackGroupType type, bool = true) {
     return core_->create_callback_group(type);
   }
-  template <typename Message, typename... Rest>
+  template <typename Message, typename Callback, typename... Rest>
   typename rclcpp::Subscription<Message>::SharedPtr create_subscription(const std::string& topic,
-                                                                        const rclcpp::QoS&, Rest&&...) {
-    return std::make_shared<rclcpp::Subscription<Message>>(get_name(), topic);
+                                                                        const rclcpp::QoS&, Callback callback,
+                                                                        Rest&&...) {
+    auto listener = std::make_shared<Listener>(
+        Listener{topic, &typeid(Message), [callback](const void* message) mutable {
+                   rclcpp::call_with_message(callback, *static_cast<const Message*>(message));
+                 }});
+    note("topic", topic);
+    core_->wires.add(listener);
+    return std::make_shared<rclcpp::Subscription<Message>>(std::move(listener));
   }
+  template <typename Publisher>
+  std::shared_ptr<Publisher> make_publisher(const std::string& topic) {
+    auto speaker = std::make_shared<Speaker>(Speaker{topic, &typeid(typename Publisher::MessageType), {}});
+    note("topic", topic);
+    core_->wires.add(speaker);
+    return std::make_shared<Publisher>(std::move(speaker));
+  }
+  /// For the wrapper of a controller.
+  Wires& polyarm_wires() { return core_->wires; }
   template <typename Type, typename Callback, typename... Rest>
   typename rclcpp::Service<Type>::SharedPtr create_service(const std::string& name, Callback&&, Rest&&...) {
     return std::make_shared<rclcpp::Service<Type>>(get_name(), name);
@@ -75,7 +91,8 @@ class NodeApi {
             callback(t);
           else
             callback();
-        });
+        },
+        core_->timer_source);
     core_->add_timer(timer);
     return timer;
   }
@@ -154,6 +171,9 @@ class NodeApi {
   std::size_t count_subscribers(const std::string&) const { return 0; }
 
  private:
+  void note(const char* what, const std::string& name) const {
+    if (!core_->wires.open) say_closed(get_name(), what, name);
+  }
   Core core_;
 };
 

@@ -6,6 +6,8 @@
 #include "builtin_interfaces/msg/duration.hpp"
 #include "rclcpp/macros.hpp"
 
+using rcutils_duration_value_t = std::int64_t;
+using rcl_duration_value_t = rcutils_duration_value_t;
 struct rmw_time_t {
   std::uint64_t sec, nsec;
 };

@@ -9,6 +9,9 @@ namespace rclcpp::exceptions {
    public:                                   \
     using std::runtime_error::runtime_error; \
   };
+struct RCLErrorBase {
+  std::string message, formatted_message;
+};
 POLYARM_ROS_EXCEPTION_(RCLError)
 POLYARM_ROS_EXCEPTION_(InvalidNodeError)
 POLYARM_ROS_EXCEPTION_(NameValidationError)

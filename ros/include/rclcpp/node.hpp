@@ -14,7 +14,7 @@ class Node : public polyarm_ros::NodeApi, public std::enable_shared_from_this<No
 
   template <typename Message, typename... Rest>
   typename Publisher<Message>::SharedPtr create_publisher(const std::string& topic, const QoS&, Rest&&...) {
-    return std::make_shared<Publisher<Message>>(get_name(), topic);
+    return make_publisher<Publisher<Message>>(topic);
   }
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 /// A parameter's value: one of ROS's nine types.
 #include <cstdint>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -10,6 +11,7 @@
 #include "rcl_interfaces/msg/parameter_descriptor.hpp"
 #include "rcl_interfaces/msg/parameter_type.hpp"
 #include "rcl_interfaces/msg/set_parameters_result.hpp"
+#include "rclcpp/exceptions.hpp"
 
 namespace rclcpp {
 
@@ -73,6 +75,9 @@ class ParameterValue {
   decltype(auto) get() const {
     return as<std::variant_alternative_t<static_cast<std::size_t>(type), Variant>>();
   }
+  /// The same value as another type, where files write it alike: 1 for 1.0, [] for any array, one value for an
+  /// array of it, a number for a text. Throws InvalidParameterTypeException with the name.
+  ParameterValue as_type(ParameterType wanted, const std::string& name) const;
   bool operator==(const ParameterValue& o) const { return value_ == o.value_; }
   bool operator!=(const ParameterValue& o) const { return value_ != o.value_; }
 
@@ -104,6 +109,49 @@ class ParameterValue {
   Variant value_;
 };
 
+inline const char* to_text(ParameterType type) {
+  static const char* const names[] = {"not set", "bool", "integer", "double", "string", "byte_array",
+                                      "bool_array", "integer_array", "double_array", "string_array"};
+  return names[static_cast<int>(type)];
+}
+
+inline ParameterValue ParameterValue::as_type(ParameterType wanted, const std::string& name) const {
+  using T = ParameterType;
+  const T have = get_type();
+  if (have == wanted || wanted == T::PARAMETER_NOT_SET || have == T::PARAMETER_NOT_SET) return *this;
+  const auto text = [this] {
+    if (const auto* whole = std::get_if<std::int64_t>(&value_)) return std::to_string(*whole);
+    if (const auto* yes = std::get_if<bool>(&value_)) return std::string(*yes ? "true" : "false");
+    std::ostringstream out;
+    out.precision(15);
+    out << as<double>();
+    return out.str();
+  };
+  const bool scalar = have < T::PARAMETER_STRING;
+  if (wanted == T::PARAMETER_DOUBLE && have == T::PARAMETER_INTEGER)
+    return ParameterValue(static_cast<double>(as<std::int64_t>()));
+  if (wanted == T::PARAMETER_STRING && scalar) return ParameterValue(text());
+  if (wanted == T::PARAMETER_DOUBLE_ARRAY) {
+    if (have == T::PARAMETER_INTEGER_ARRAY) {
+      const auto& all = as<std::vector<std::int64_t>>();
+      return ParameterValue(std::vector<double>(all.begin(), all.end()));
+    }
+    if (have == T::PARAMETER_INTEGER || have == T::PARAMETER_DOUBLE)
+      return ParameterValue(std::vector<double>{get<double>()});
+  }
+  if (wanted == T::PARAMETER_STRING_ARRAY && (scalar || have == T::PARAMETER_STRING))
+    return ParameterValue(
+        std::vector<std::string>{have == T::PARAMETER_STRING ? as<std::string>() : text()});
+  const auto* none = std::get_if<std::vector<std::string>>(&value_);
+  if (none && none->empty()) {
+    if (wanted == T::PARAMETER_BOOL_ARRAY) return ParameterValue(std::vector<bool>());
+    if (wanted == T::PARAMETER_INTEGER_ARRAY) return ParameterValue(std::vector<std::int64_t>());
+    if (wanted == T::PARAMETER_DOUBLE_ARRAY) return ParameterValue(std::vector<double>());
+  }
+  throw exceptions::InvalidParameterTypeException("parameter '" + name + "' has the type " + to_text(have) +
+                                                  " in the file; it must be a " + to_text(wanted));
+}
+
 class Parameter {
  public:
   Parameter() = default;
@@ -113,7 +161,7 @@ class Parameter {
   Parameter(std::string name, T value) : name_(std::move(name)), value_(value) {}
   const std::string& get_name() const { return name_; }
   ParameterType get_type() const { return value_.get_type(); }
-  std::string get_type_name() const { return std::to_string(static_cast<int>(get_type())); }
+  std::string get_type_name() const { return to_text(get_type()); }
   const ParameterValue& get_parameter_value() const { return value_; }
   template <typename T>
   T get_value() const {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "polyarm_ros/door.hpp"
+#include "polyarm_ros/wires.hpp"
 #include "rclcpp/callback_group.hpp"
 #include "rclcpp/qos.hpp"
 
@@ -19,17 +20,20 @@ using PublisherOptionsWithAllocator = PublisherOptions;
 class PublisherBase {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(PublisherBase)
-  PublisherBase(std::string node, std::string topic) : topic_(std::move(topic)) {
-    polyarm_ros::say_closed(node, "topic", topic_);
-  }
+  explicit PublisherBase(std::shared_ptr<polyarm_ros::Speaker> speaker) : speaker_(std::move(speaker)) {}
   virtual ~PublisherBase() = default;
-  const char* get_topic_name() const { return topic_.c_str(); }
-  std::size_t get_subscription_count() const { return 0; }
+  const char* get_topic_name() const { return speaker_->topic.c_str(); }
+  std::size_t get_subscription_count() const { return speaker_->take ? 1 : 0; }
   std::size_t get_intra_process_subscription_count() const { return 0; }
   bool assert_liveliness() const { return true; }
 
+ protected:
+  void hand_on(const void* message) const {
+    if (speaker_->take) speaker_->take(message);
+  }
+
  private:
-  std::string topic_;
+  std::shared_ptr<polyarm_ros::Speaker> speaker_;
 };
 
 template <typename Message>
@@ -42,16 +46,16 @@ class LoanedMessage {
   Message message_;
 };
 
-/// Publishes to nobody. Allocates nothing and waits for nothing.
+/// Publishes to the wrapper of a controller, else to nobody. Allocates nothing and waits for nothing.
 template <typename Message, typename Allocator = std::allocator<void>>
 class Publisher : public PublisherBase {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(Publisher<Message, Allocator>)
   using PublisherBase::PublisherBase;
   using MessageType = Message;
-  virtual void publish(const Message&) {}
-  virtual void publish(std::unique_ptr<Message>) {}
-  virtual void publish(LoanedMessage<Message>&&) {}
+  virtual void publish(const Message& message) { hand_on(&message); }
+  virtual void publish(std::unique_ptr<Message> message) { hand_on(message.get()); }
+  virtual void publish(LoanedMessage<Message>&& message) { hand_on(&message.get()); }
   LoanedMessage<Message> borrow_loaned_message() { return {}; }
   bool can_loan_messages() const { return false; }
   virtual void on_activate() {}

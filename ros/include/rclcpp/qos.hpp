@@ -43,6 +43,9 @@ enum class DurabilityPolicy { Volatile, TransientLocal, SystemDefault, BestAvail
 enum class LivelinessPolicy { Automatic, ManualByTopic, SystemDefault, BestAvailable, Unknown };
 
 struct QoSInitialization {
+  QoSInitialization() = default;
+  QoSInitialization(rmw_qos_history_policy_e history, std::size_t n, bool = true)
+      : history_policy(history), depth(n) {}
   rmw_qos_history_policy_e history_policy = RMW_QOS_POLICY_HISTORY_KEEP_LAST;
   std::size_t depth = 10;
   static QoSInitialization from_rmw(const rmw_qos_profile_t& p) { return {p.history, p.depth}; }

@@ -2,8 +2,11 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include "polyarm_ros/door.hpp"
+#include "polyarm_ros/wires.hpp"
 #include "rclcpp/callback_group.hpp"
 #include "rclcpp/qos.hpp"
 
@@ -18,18 +21,17 @@ struct SubscriptionOptions {
 class SubscriptionBase {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(SubscriptionBase)
-  SubscriptionBase(std::string node, std::string topic) : topic_(std::move(topic)) {
-    polyarm_ros::say_closed(node, "topic", topic_);
-  }
+  explicit SubscriptionBase(std::shared_ptr<polyarm_ros::Listener> listener)
+      : listener_(std::move(listener)) {}
   virtual ~SubscriptionBase() = default;
-  const char* get_topic_name() const { return topic_.c_str(); }
+  const char* get_topic_name() const { return listener_->topic.c_str(); }
   std::size_t get_publisher_count() const { return 0; }
 
  private:
-  std::string topic_;
+  std::shared_ptr<polyarm_ros::Listener> listener_;
 };
 
-/// Never called.
+/// Called by the wrapper of a controller; else never.
 template <typename Message, typename Allocator = std::allocator<void>>
 class Subscription : public SubscriptionBase {
  public:
@@ -37,5 +39,21 @@ class Subscription : public SubscriptionBase {
   using SubscriptionBase::SubscriptionBase;
   bool take(Message&, MessageInfo&) { return false; }
 };
+
+/// Calls a subscription's callback in any of its forms with a copy of the message.
+template <typename Message, typename Callback>
+void call_with_message(Callback& callback, const Message& message) {
+  const MessageInfo info;
+  if constexpr (std::is_invocable_v<Callback&, const Message&>)
+    callback(message);
+  else if constexpr (std::is_invocable_v<Callback&, const Message&, const MessageInfo&>)
+    callback(message, info);
+  else if constexpr (std::is_invocable_v<Callback&, std::shared_ptr<Message>>)
+    callback(std::make_shared<Message>(message));
+  else if constexpr (std::is_invocable_v<Callback&, std::shared_ptr<Message>, const MessageInfo&>)
+    callback(std::make_shared<Message>(message), info);
+  else if constexpr (std::is_invocable_v<Callback&, std::unique_ptr<Message>>)
+    callback(std::make_unique<Message>(message));
+}
 
 }  // namespace rclcpp

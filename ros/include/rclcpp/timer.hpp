@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 
+#include "polyarm_ros/cell_clock.hpp"
 #include "rclcpp/clock.hpp"
 
 namespace rclcpp {
@@ -12,24 +13,29 @@ namespace rclcpp {
 class TimerBase {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(TimerBase)
-  TimerBase(std::chrono::nanoseconds period, std::function<void(TimerBase&)> call)
-      : period_(period), call_(std::move(call)), next_(std::chrono::steady_clock::now() + period) {}
+  TimerBase(std::chrono::nanoseconds period, std::function<void(TimerBase&)> call,
+            polyarm_ros::TimeSource source = nullptr)
+      : period_(period), call_(std::move(call)), source_(std::move(source)), next_(now() + period) {}
   virtual ~TimerBase() = default;
   void cancel() { canceled_ = true; }
   bool is_canceled() const { return canceled_; }
-  void reset() { next_ = std::chrono::steady_clock::now() + period_, canceled_ = false; }
-  bool is_ready() const { return !canceled_ && std::chrono::steady_clock::now() >= next_; }
+  void reset() { next_ = now() + period_, canceled_ = false; }
+  bool is_ready() const { return !canceled_ && now() >= next_; }
   bool is_steady() const { return true; }
-  std::chrono::nanoseconds time_until_trigger() const { return next_ - std::chrono::steady_clock::now(); }
+  std::chrono::nanoseconds time_until_trigger() const { return next_ - now(); }
   void execute_callback() {
-    next_ = std::chrono::steady_clock::now() + period_;
+    next_ = now() + period_;
     if (call_) call_(*this);
   }
 
  private:
   std::chrono::nanoseconds period_;
   std::function<void(TimerBase&)> call_;
-  std::chrono::steady_clock::time_point next_;
+  std::chrono::nanoseconds now() const {
+    return std::chrono::nanoseconds(polyarm_ros::time_of(source_, polyarm_ros::steady_time));
+  }
+  polyarm_ros::TimeSource source_;
+  std::chrono::nanoseconds next_;
   std::atomic<bool> canceled_{false};
 };
 template <typename Functor = std::function<void()>>

@@ -21,9 +21,12 @@ class LifecycleNode : public node_interfaces::LifecycleNodeInterface,
   template <typename Message, typename... Rest>
   typename LifecyclePublisher<Message>::SharedPtr create_publisher(const std::string& topic,
                                                                    const rclcpp::QoS&, Rest&&...) {
-    return std::make_shared<LifecyclePublisher<Message>>(get_name(), topic);
+    return make_publisher<LifecyclePublisher<Message>>(topic);
   }
   const State& get_current_state() const { return state_; }
+  /// For the wrapper, which changes the state of controllers.
+  void polyarm_set_state(std::uint8_t id, const char* label) { state_ = State(id, label); }
+  void add_managed_entity(std::weak_ptr<void>) {}
 
  private:
   State state_{lifecycle_msgs::msg::State::PRIMARY_STATE_UNCONFIGURED, "unconfigured"};

@@ -1,5 +1,5 @@
 #pragma once
-/// A publisher for real-time code. The topic leads nowhere in a plugin, so no thread publishes.
+/// A publisher for real-time code. What takes the messages never waits, so no thread stands between.
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -24,9 +24,15 @@ class RealtimePublisher {
   Message msg_;
   bool trylock() { return mutex_.try_lock(); }
   bool can_publish() const { return true; }
-  bool tryPublish(const Message&) { return true; }
-  bool try_publish(const Message&) { return true; }
-  void unlockAndPublish() { mutex_.unlock(); }
+  bool tryPublish(const Message& message) { return try_publish(message); }
+  bool try_publish(const Message& message) {
+    if (publisher_) publisher_->publish(message);
+    return true;
+  }
+  void unlockAndPublish() {
+    if (publisher_) publisher_->publish(msg_);
+    mutex_.unlock();
+  }
   void lock() { mutex_.lock(); }
   void unlock() { mutex_.unlock(); }
   void stop() {}

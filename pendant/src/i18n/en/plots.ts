@@ -12,7 +12,7 @@ export const plots = {
   'plots.none': 'Nothing is plotted. Choose curves.',
   'plots.ofUnit': 'Curves in {unit}',
   'plots.noUnit': 'no unit',
-  'plots.picture': 'Plot of {names}; the values stand above it',
+  'plots.picture': 'Plot of {names}; the values are above it',
   'plots.remove': 'Remove {name}',
   'plots.sets': 'Usual sets',
   'plots.search': 'Search curves',

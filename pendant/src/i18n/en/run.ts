@@ -4,7 +4,7 @@ export const run = {
   'run.start': 'Start',
   'run.which': 'Start begins',
   'run.whichText': '{name} is open on the Program page. Start begins:',
-  'run.unsaved': '{name} has changes that are not saved. Start takes it as it was saved last.',
+  'run.unsaved': '{name} has changes that are not saved. Start uses the last saved text.',
   'run.neverSaved': '{name} is open on the Program page and was never saved: save it to start it here.',
   'run.save': 'Save {name}',
   'run.step': 'Step',
@@ -21,7 +21,7 @@ export const run = {
   'run.tasks': 'Tasks',
   'run.noPass': 'It ended without a cycle: “{loop}” (line {line}) did not hold',
   'run.noPassText':
-      'Values and parts are as the run before has left them. Reset the scene to begin as at first, or set what the loop waits for on the Signals page.',
+      'Values and parts are as the last run left them. Reset the scene to begin anew, or set the values that the loop waits for on the Signals page.',
   'run.problem': 'Why it ended',
   'run.text': 'Program text',
 

@@ -45,7 +45,7 @@ export const signals = {
   'signals.release': 'Release',
   'signals.forceNew': 'Force this value',
   'signals.measured': 'The hardware says this value',
-  'signals.forceWhy': 'Set once: programs and the PLC may change it again. Force: it keeps the value until it is released or this page is closed.',
+  'signals.forceWhy': 'Set once: programs and the PLC can change the value again. Force: the value stays until you release it or close this page.',
   'signals.simulateWhy': 'The hardware says this value. Simulate: programs see your value instead, until it is released or this page is closed.',
   'signals.dir.in': 'Input',
   'signals.dir.out': 'Output',

@@ -40,6 +40,7 @@ export const move: Record<keyof typeof en, string> = {
   'move.held.direction': 'El brazo no puede girar así',
   'move.held.limit': 'Frenado por el límite de un eje',
   'move.held.workspace': 'Frenado por el área de trabajo',
+  'move.held.body': 'Frenado: hay algo cerca',
 
   'move.keyboard': 'Teclado',
   'move.keyboardWhy': 'Las teclas Q W E R T Y U I suben y A S D F G H J K bajan mientras se pulsan',

@@ -96,6 +96,9 @@ export const shell: Record<keyof typeof en, string> = {
   'question.label': 'El programa pregunta',
   'question.wait': 'El programa le espera.',
   'question.answer': 'Respuesta',
+  'question.enter': 'Sin texto vale {value}',
+  'question.refused': 'Esta respuesta no sirve. Escriba, por ejemplo, {value}',
+  'question.answered': 'Respondido. El programa sigue después de Reanudar.',
   'question.go': 'Confirmar',
 
   'alarms.label': 'Alarmas',

@@ -73,6 +73,8 @@ export const told: Record<keyof typeof en, string> = {
   'do.not-active': 'Actívelo en la página Diagnóstico',
   'do.in-use': 'Detenga antes lo que lo usa',
   'do.other-program': 'Vuelva a mirarlo y pulse Iniciar',
+  'do.other-question': 'Léala y responda de nuevo',
+  'do.answered-already': 'Pulse Reanudar',
   'do.program-changed': 'Vuelva a mirarlo y pulse Iniciar',
   'do.no-real-hardware': 'Nombre los equipos en el archivo de la celda',
   'do.no-device': 'Conéctelo',

@@ -89,7 +89,7 @@ export const indents = indentService.of((context, pos) => {
   text = text.replace(/#.*/, '').trimEnd();
   const after = broken ? line.text.slice(pos - line.from) : line.text;
   const own = /^\s*/.exec(text)![0].length;
-  const opens = /^\s*((while|for|if|elif|else|func|try|task|together|when|lock|test)\b|on\s+(stop|error)\b)|\belse$/i.test(text);
+  const opens = /^\s*((while|for|if|elif|else|func|try|task|together|when|trap|every|lock|test)\b|on\s+(stop|error)\b)|\belse$/i.test(text);
   const closes = /^\s*(end\w*|else|elif|on\s+error)\b/i.test(after);
   return Math.max(0, own + (opens ? 2 : 0) - (closes ? 2 : 0));
 });

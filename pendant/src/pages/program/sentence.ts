@@ -37,6 +37,9 @@ const kPlain: Record<string, [IconName, Key]> = {
   meet: ['link', 'step.meet'],
   lock: ['lock', 'step.lock'],
   when: ['signals', 'step.when'],
+  trap: ['alarm', 'step.trap'],
+  every: ['clock', 'step.every'],
+  pulse: ['signals', 'step.pulse'],
   drive: ['up', 'step.drive'],
   turn: ['turnLeft', 'step.turn'],
 };
@@ -70,6 +73,7 @@ export function sentenceOf(statement: Statement): Sentence {
 
 function tidy(word: string, rest: string): string {
   if (word === 'set') return rest.replace(/^([\w.[\]]+)\s+(?!=)(\S.*)$/, '$1 = $2');
+  if (word === 'trap') return rest.replace(/^when\s+/i, '');
   if (word === 'log' || word === 'hold') return rest.replace(/^\((.*)\)$/, '$1');
   return rest;
 }

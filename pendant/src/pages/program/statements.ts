@@ -21,7 +21,7 @@ export interface Statement {
   blockEnd: number;
 }
 
-const kOpeners = new Set(['while', 'for', 'if', 'func', 'try', 'task', 'together', 'when', 'lock', 'test']);
+const kOpeners = new Set(['while', 'for', 'if', 'func', 'try', 'task', 'together', 'when', 'trap', 'every', 'lock', 'test']);
 const kCloser = /^end[a-z]*$/;
 
 /** The positions in the text outside of quotes and back-quotes. */
@@ -103,7 +103,7 @@ export const kMoveWords = ['moveto', 'movej', 'movel', 'movec'];
 export const kSpeedWords = ['speedj', 'speedl'];
 export const kMotionWords = [...kMoveWords, ...kSpeedWords, 'drive', 'turn'];
 export const kClauses = [
-  'robot', 'tool', 'frame', 'payload', 'near', 'around', 'speed', 'accel', 'blend', 'duration', 'exact', 'smooth', 'until', 'at',
+  'robot', 'tool', 'frame', 'payload', 'near', 'around', 'speed', 'accel', 'blend', 'duration', 'exact', 'smooth', 'touch', 'until', 'at',
 ];
 
 export interface Clause {

@@ -4,9 +4,11 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "polyarm_ros/wires.hpp"
 #include "rclcpp/callback_group.hpp"
 #include "rclcpp/clock.hpp"
 #include "rclcpp/exceptions.hpp"
@@ -27,6 +29,7 @@ struct OnSetParametersCallbackHandle {
 };
 struct PostSetParametersCallbackHandle {
   RCLCPP_SMART_PTR_DEFINITIONS(PostSetParametersCallbackHandle)
+  std::function<void(const std::vector<Parameter>&)> callback;
 };
 struct PreSetParametersCallbackHandle {
   RCLCPP_SMART_PTR_DEFINITIONS(PreSetParametersCallbackHandle)
@@ -64,15 +67,29 @@ class NodeCore {
   }
 
   const ParameterValue& declare_parameter(const std::string& name, const ParameterValue& value,
-                                          const rcl_interfaces::msg::ParameterDescriptor& = {},
+                                          const rcl_interfaces::msg::ParameterDescriptor& descriptor = {},
                                           bool = false) {
     const std::lock_guard lock(mutex_);
+    if (descriptor.read_only) fixed_.insert(name);
     if (values_.count(name))
       throw exceptions::ParameterAlreadyDeclaredException("parameter '" + name +
                                                           "' has already been declared");
     for (const Parameter& p : options_.parameter_overrides())
-      if (p.get_name() == name) return (values_[name] = p).get_parameter_value();
+      if (p.get_name() == name)
+        return (values_[name] = Parameter(name, p.get_parameter_value().as_type(value.get_type(), name)))
+            .get_parameter_value();
     return (values_[name] = Parameter(name, value)).get_parameter_value();
+  }
+  /// True if a file or an option gives the parameter a value.
+  bool is_overridden(const std::string& name) const {
+    for (const Parameter& p : options_.parameter_overrides())
+      if (p.get_name() == name) return true;
+    return false;
+  }
+  /// True if set_parameters has given it a value.
+  bool was_set(const std::string& name) const {
+    const std::lock_guard lock(mutex_);
+    return set_.count(name) > 0;
   }
   bool has_parameter(const std::string& name) const {
     const std::lock_guard lock(mutex_);
@@ -115,8 +132,12 @@ class NodeCore {
     for (const auto& each : callbacks_)
       if (const auto alive = each.lock())
         if (result = alive->callback(all); !result.successful) return result;
-    const std::lock_guard lock(mutex_);
-    for (const Parameter& p : all) values_[p.get_name()] = p;
+    {
+      const std::lock_guard lock(mutex_);
+      for (const Parameter& p : all) values_[p.get_name()] = p, set_.insert(p.get_name());
+    }
+    for (const auto& each : after_)
+      if (const auto alive = each.lock()) alive->callback(all);
     return result;
   }
   std::vector<rcl_interfaces::msg::SetParametersResult> set_parameters(const std::vector<Parameter>& all) {
@@ -137,13 +158,27 @@ class NodeCore {
     for (auto& each : callbacks_)
       if (each.lock().get() == handle) each.reset();
   }
-  template <typename Callback>
-  PostSetParametersCallbackHandle::SharedPtr add_post_set_parameters_callback(Callback&&) {
-    return std::make_shared<PostSetParametersCallbackHandle>();
+  PostSetParametersCallbackHandle::SharedPtr add_post_set_parameters_callback(
+      std::function<void(const std::vector<Parameter>&)> callback) {
+    auto handle = std::make_shared<PostSetParametersCallbackHandle>();
+    handle->callback = std::move(callback);
+    after_.push_back(handle);
+    return handle;
   }
   const std::map<std::string, Parameter> get_parameter_overrides() const {
     std::map<std::string, Parameter> out;
     for (const Parameter& p : options_.parameter_overrides()) out[p.get_name()] = p;
+    return out;
+  }
+
+  polyarm_ros::Wires wires;
+  /// What timers count in: the cell's time in the node of a controller.
+  polyarm_ros::TimeSource timer_source = std::make_shared<std::atomic<std::int64_t>>(0);
+  /// All parameters that are declared, by name, and whether they may only be set before the node runs.
+  std::map<std::string, std::pair<ParameterValue, bool>> polyarm_parameters() const {
+    const std::lock_guard lock(mutex_);
+    std::map<std::string, std::pair<ParameterValue, bool>> out;
+    for (const auto& [name, p] : values_) out[name] = {p.get_parameter_value(), fixed_.count(name) > 0};
     return out;
   }
 
@@ -171,7 +206,9 @@ class NodeCore {
   Clock::SharedPtr clock_;
   mutable std::mutex mutex_;
   std::map<std::string, Parameter> values_;
+  std::set<std::string> set_, fixed_;  ///< set by set_parameters; declared as read only
   std::vector<std::weak_ptr<OnSetParametersCallbackHandle>> callbacks_;
+  std::vector<std::weak_ptr<PostSetParametersCallbackHandle>> after_;
   std::vector<TimerBase::WeakPtr> timers_;
 };
 using NodeBaseInterface = NodeCore;

@@ -1,15 +1,16 @@
 #pragma once
-/// Keeps a stream of joint targets within the limit tables of a FANUC controller. Degrees and seconds. One
-/// thread; begin() and next() allocate nothing.
+/// Keeps a stream of joint targets within limits that a controller judges. Degrees and seconds. One thread;
+/// begin() and next() allocate nothing.
 #include <array>
 #include <cstdint>
 
-#include "drivers/fanuc/stream.hpp"
 #include "polyarm/trajectory/state_to_state.hpp"
 
-namespace polyarm::fanuc {
+namespace polyarm::wire {
 
 using Six = std::array<double, 6>;
+
+enum class LimitKind : std::uint32_t { velocity, acceleration, jerk };  ///< degrees and seconds
 
 /// Velocity, acceleration and jerk of six axes.
 struct AxisLimits {
@@ -17,21 +18,6 @@ struct AxisLimits {
   double at(LimitKind kind, std::size_t axis) const noexcept {
     return of[static_cast<std::size_t>(kind)][axis];
   }
-};
-
-/// The tables of six axes, as the controller reports them.
-class LimitTables {
- public:
-  void set(const LimitTable& table) noexcept;
-  bool complete() const noexcept { return missing_ == 0; }
-  /// Between the tables for no load and for full load, and between their steps. Of the steps between 1/1.2
-  /// and 1.2 of `speed` the smallest value counts, because the controller's own speed is not exactly known.
-  /// `speed`: mm/s, Cartesian; `load`: share of the full load, from 0 to 1.
-  AxisLimits at(double speed, double load) const noexcept;
-
- private:
-  std::array<std::array<LimitTable, 3>, 6> tables_;
-  std::uint32_t missing_ = (1u << 18) - 1;
 };
 
 /// The controller judges differences between commands: velocity, acceleration and jerk are the first, second
@@ -80,4 +66,4 @@ class Shaper {
   trajectory::StateToState planner_;
 };
 
-}  // namespace polyarm::fanuc
+}  // namespace polyarm::wire

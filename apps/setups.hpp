@@ -1,0 +1,8 @@
+#pragma once
+/// The parts of `polyarm setup` for one kind of device each.
+
+namespace polyarm::apps {
+
+int run_setup_abb(int argc, char** argv);
+
+}  // namespace polyarm::apps

@@ -1,0 +1,287 @@
+#include "drivers/abb/component.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/file.hpp"
+#include "polyarm/base/secrets.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::abb {
+
+using hardware::CallbackReturn;
+using hardware::ReturnType;
+
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi, kNaN = std::numeric_limits<double>::quiet_NaN();
+// The controller judges no acceleration or jerk of EGM; these shares of the description's limits are for
+// braking, and for commands that jump.
+constexpr double kAcceleration = 2, kJerk = 8;
+constexpr double kAccelerationElse = 400, kJerkElse = 20000;  // degrees, seconds; without limits there
+
+using hardware::DriverParameter;
+using enum hardware::ParameterKind;
+constexpr DriverParameter kParameters[] = {
+    {"host", text, nullptr, "address of the controller, as its network settings show it"},
+    {"rws", number, "2", "version of Robot Web Services: 1 (IRC5, RobotWare 6) or 2 (OmniCore, RobotWare 7)",
+     1, 2},
+    {"rws_port", number, "0", "of Robot Web Services; 0: 80 (version 1) or 443 (version 2)", 0, 65535},
+    {"user", text, "Default User", "of Robot Web Services"},
+    {"password_file", text, "",
+     "file with the password, or secret:NAME; empty: the maker's default password"},
+    {"fingerprint", text, "",
+     "SHA-256 of the controller's certificate, as the first line of a run shows it; empty: any"},
+    {"egm_port", number, "6510", "UDP port of this computer that the controller's UDPUC device names", 0,
+     65535},
+    {"egm_address", text, "", "address of this computer for EGM; else the one that reaches the controller"},
+    {"sampling_ms", number, "4", "ms, the sample rate of the RAPID module; a multiple of 4", 4, 48},
+    {"task", text, "T_ROB1", "RAPID task with the module PolyarmEGM"},
+    {"pace", boolean, "true",
+     "the control loop follows the controller's clock; one robot of a cell can do that"},
+    {"motors_on", boolean, "true", "activating switches the motors on when they are off in automatic mode"},
+    {"digital_in", text, "", "names of signals that are read, at most 32"},
+    {"digital_out", text, "", "names of signals that the driver writes while it is active, at most 32"},
+    {"speed_reference", boolean, "true", "commands carry the velocity too: less delay"},
+    {"max_speed", number, "60", "degrees/s of each joint, not above MaxSpeedDeviation of the RAPID module",
+     0.1, 1000},
+    {"max_behind", number, "0.05", "rad that the sent command may be behind the loop's", 0.0001, 0.2},
+    {"max_step", number, "0.1",
+     "rad, between two position commands; beyond it nothing is sent and the robot stops", 0.001, 0.6},
+    {"silence_ms", number, "200", "ms without a packet of the controller until the link counts as lost", 20,
+     10000},
+    {"loop_silence_ms", number, "100", "ms without a command of the loop until the robot is braked", 10,
+     10000},
+    {"connect_timeout", number, "2", "s for each connection and answer", 0.05, 60},
+    {"start_timeout", number, "10", "s for EGM to begin", 0.05, 60},
+};
+constexpr hardware::DriverFacts kFacts = {
+    "system", "robots of ABB with six axes: IRC5 and OmniCore with Externally Guided Motion",
+    "a controller of our own, byte for byte, with faults on both wires; see docs/driver-abb.md; never on "
+    "hardware",
+    kParameters};
+
+constexpr const char* kPoseNames[] = {"position.x",    "position.y",    "position.z",   "orientation.x",
+                                      "orientation.y", "orientation.z", "orientation.w"};
+constexpr const char* kForceNames[] = {"force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z"};
+constexpr const char* kControllerStates[] = {
+    "motors_on", "automatic",   "running",     "egm",          "guard_stop", "emergency_stop", "collision",
+    "converged", "speed_ratio", "utilization", "lost_packets", "behind",     "shaped"};
+
+std::array<double, 7> pose_of(const Sample& sample) noexcept {
+  std::array<double, 7> out;
+  out.fill(kNaN);
+  if (!sample.with_pose) return out;
+  const auto& [p, o] = sample.pose;
+  return {p[0] / 1000, p[1] / 1000, p[2] / 1000, o[1], o[2], o[3], o[0]};
+}
+
+std::vector<std::string> signals_of(const std::string& parameter, const std::string& text) {
+  std::vector<std::string> out = split_words(text, " ,;");
+  for (const std::string& name : out)
+    if (name.size() > 128 || out.size() > kMostSignals || std::count(out.begin(), out.end(), name) > 1)
+      throw Error("bad-value", "`" + parameter + "` is no list of signals", "at most 32 different names");
+  return out;
+}
+
+/// "a/b/doValve" → "doValve"
+std::string short_name(const std::string& signal) {
+  return signal.substr(signal.rfind('/') + 1);
+}
+
+std::string password_of(const std::string& file) {
+  if (file.empty()) return "robotics";  // the maker's default, which its manuals print
+  const bool secret = file.starts_with(kSecretPrefix);
+  const auto path = secret ? secret_file(file.substr(kSecretPrefix.size())) : std::filesystem::path(file);
+  mark_secret(path);
+  return std::string(trim(read_file(path)));
+}
+
+}  // namespace
+
+void AbbComponent::find_limits(const hardware::RobotInstance& robot, double max_speed) {
+  auto& [velocity, acceleration, jerk] = settings_.limits.of;
+  velocity.fill(max_speed);
+  acceleration.fill(kAccelerationElse);
+  jerk.fill(kJerkElse);
+  if (!robot.model) return;
+  for (std::size_t i = 0; i < joints_.size(); ++i)
+    for (const description::Joint& joint : robot.model->joints)
+      if (joint.name == joints_[i]) {
+        if (const auto a = joint.limits.acceleration) acceleration[i] = kAcceleration * *a * kDegrees;
+        if (const auto j = joint.limits.jerk) jerk[i] = kJerk * *j * kDegrees;
+      }
+}
+
+CallbackReturn AbbComponent::on_init(const hardware::ComponentContext& context) {
+  name_ = context.name;
+  period_ = context.period;
+  hardware::DriverParameters p(kFacts, context);
+  wire::HttpSettings& http = settings_.rws.http;
+  settings_.rws.version = static_cast<int>(p.number("rws"));
+  http.host = p.text("host");
+  http.tls = settings_.rws.version == 2;
+  http.port = static_cast<int>(p.number("rws_port"));
+  if (http.port == 0) http.port = http.tls ? 443 : 80;
+  http.user = p.text("user");
+  http.fingerprint = p.text("fingerprint");
+  http.timeout = nanoseconds(p.number("connect_timeout"));
+  settings_.egm_port = static_cast<int>(p.number("egm_port"));
+  settings_.egm_address = p.text("egm_address");
+  settings_.sampling_ms = static_cast<int>(p.number("sampling_ms"));
+  settings_.task = p.text("task");
+  paced_ = p.boolean("pace");
+  settings_.follows = paced_ || follows_;
+  settings_.stepped = stepped_services_;
+  if (stepped_services_) settings_.rws.interval = 0;
+  settings_.motors_on = p.boolean("motors_on");
+  settings_.speed_reference = p.boolean("speed_reference");
+  settings_.most_behind = p.number("max_behind");
+  settings_.silence = nanoseconds(p.number("silence_ms") / 1000);
+  settings_.loop_silence = nanoseconds(p.number("loop_silence_ms") / 1000);
+  settings_.start_timeout = nanoseconds(p.number("start_timeout"));
+  steps_ = wire::StepCheck(p.number("max_step"));
+  constexpr const char* kTakes[] = {"position"};
+  joints_ = wire::driven_joints(context, kTakes, "robots of ABB", p.problems());
+  p.problems().throw_if_errors();
+  robot_ = context.robots.front().name;
+  find_limits(context.robots.front(), p.number("max_speed"));
+  http.password = password_of(p.text("password_file"));
+  settings_.inputs = signals_of("digital_in", p.text("digital_in"));
+  settings_.outputs = signals_of("digital_out", p.text("digital_out"));
+  outputs_ = Outputs();
+  link_ = std::make_unique<Link>(settings_);
+  return CallbackReturn::success;
+}
+
+std::vector<hardware::InterfaceDescription> AbbComponent::state_interfaces() const {
+  std::vector<hardware::InterfaceDescription> out;
+  const auto add = [&](const std::string& name) { out.push_back({robot_ + "/" + name}); };
+  for (const std::string& joint : joints_)
+    for (const char* one : {"/position", "/velocity"}) add(joint + one);
+  for (const char* one : kPoseNames) add(std::string("flange_pose/") + one);
+  for (const char* one : kForceNames) add(std::string("force/") + one);
+  for (const char* one : kControllerStates) add(std::string("controller/") + one);
+  for (const std::string& name : settings_.inputs) add("io/" + short_name(name));
+  for (const std::string& name : settings_.outputs) add("io/" + short_name(name));
+  return out;
+}
+
+std::vector<hardware::InterfaceDescription> AbbComponent::command_interfaces() const {
+  std::vector<hardware::InterfaceDescription> out;
+  for (const std::string& joint : joints_) out.push_back({robot_ + "/" + joint + "/position"});
+  out.push_back({robot_ + "/controller/speed_ratio"});
+  for (const std::string& name : settings_.outputs) out.push_back({robot_ + "/io/" + short_name(name)});
+  return out;
+}
+
+ReturnType AbbComponent::perform_command_mode_switch(std::span<const std::string>,
+                                                     std::span<const std::string>) noexcept {
+  steps_.begin();
+  return ReturnType::ok;
+}
+
+CallbackReturn AbbComponent::on_configure() {
+  active_ = false;
+  if (!link_->open()) return CallbackReturn::failure;
+  const double cell = 1 / seconds(period_);
+  if (paced_ && std::abs(cell - link_->rate()) > 0.01 * link_->rate()) {
+    link_->fail(Cause::wrong_rate, static_cast<int>(std::lround(link_->rate())));
+    link_->close();
+    return CallbackReturn::failure;
+  }
+  return CallbackReturn::success;
+}
+
+CallbackReturn AbbComponent::on_activate() {
+  steps_.begin();
+  if (!link_->start()) return CallbackReturn::failure;
+  active_ = true;
+  return CallbackReturn::success;
+}
+
+CallbackReturn AbbComponent::on_deactivate() {
+  active_ = false;
+  link_->stop();
+  return CallbackReturn::success;
+}
+
+CallbackReturn AbbComponent::on_cleanup() {
+  active_ = false;
+  if (link_) link_->close();
+  return CallbackReturn::success;
+}
+
+ReturnType AbbComponent::read(const hardware::Cycle&, std::span<double> states) noexcept {
+  link_->fetch();
+  const Sample& sample = link_->sample();
+  const Panel& panel = link_->panel();
+  const bool guided = active_ && sample.count > 0;
+  std::size_t at = 0;
+  for (std::size_t j = 0; j < 6; ++j) {
+    states[at++] = guided ? sample.q[j] : panel.joints[j];
+    states[at++] = guided ? sample.dq[j] : 0;
+  }
+  for (const double value : pose_of(sample)) states[at++] = value;
+  for (const double value : sample.force) states[at++] = sample.with_force ? value : kNaN;
+  const bool motors = guided ? sample.motors == MotorState::on : panel.control == Panel::Control::motors_on;
+  const bool running = guided ? sample.rapid == RapidState::running : panel.running;
+  for (const double value :
+       {motors ? 1.0 : 0.0, panel.automatic ? 1.0 : 0.0, running ? 1.0 : 0.0,
+        guided && sample.state == EgmState::running ? 1.0 : 0.0,
+        panel.control == Panel::Control::guard_stop ? 1.0 : 0.0,
+        panel.control == Panel::Control::emergency_stop ? 1.0 : 0.0, sample.collision ? 1.0 : 0.0,
+        sample.converged ? 1.0 : 0.0, panel.speed_ratio, sample.utilization, static_cast<double>(sample.lost),
+        sample.behind, static_cast<double>(sample.shaped)})
+    states[at++] = value;
+  for (std::size_t i = 0; i < settings_.inputs.size(); ++i) states[at++] = panel.inputs[i];
+  for (std::size_t i = 0; i < settings_.outputs.size(); ++i) states[at++] = panel.outputs[i];
+  return link_->cause() == Cause::none ? ReturnType::ok : ReturnType::error;
+}
+
+ReturnType AbbComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
+  if (link_->cause() != Cause::none) return ReturnType::error;
+  if (!active_) return ReturnType::ok;
+  outputs_.speed_ratio = commands[6];
+  std::copy_n(commands.begin() + 7, settings_.outputs.size(), outputs_.digital.begin());
+  link_->outputs(outputs_);
+  Six joints;
+  std::copy_n(commands.begin(), 6, joints.begin());
+  if (std::any_of(joints.begin(), joints.end(), [](double q) { return !std::isfinite(q); })) {
+    link_->command(false, {});  // without a command for one joint the whole arm holds
+    steps_.begin();
+    return ReturnType::ok;
+  }
+  if (const auto joint = steps_.jumps(joints, link_->sample().q)) {
+    link_->fail(Cause::jump, *joint);
+    return ReturnType::error;
+  }
+  link_->command(true, joints);
+  return ReturnType::ok;
+}
+
+std::string AbbComponent::reason() const {
+  return link_ ? link_->reason() : std::string();
+}
+
+const hardware::DriverFacts* AbbComponent::facts() const noexcept {
+  return &kFacts;
+}
+
+std::string AbbComponent::summary() const {
+  if (!link_) return {};
+  std::string out =
+      fmt::format("ABB controller at {}, RobotWare {}, Robot Web Services {}, EGM at {:g} Hz",
+                  settings_.rws.http.host, link_->identity().software, settings_.rws.version, link_->rate());
+  if (settings_.rws.version == 2 && settings_.rws.http.fingerprint.empty())
+    out += "; any certificate is accepted: write `fingerprint: " + link_->fingerprint() +
+           "` to accept only this one";
+  return out;
+}
+
+}  // namespace polyarm::abb

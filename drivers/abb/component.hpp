@@ -1,0 +1,71 @@
+#pragma once
+/// A robot of ABB with six axes (IRC5 or OmniCore) over Externally Guided Motion and Robot Web Services.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/abb/link.hpp"
+#include "drivers/wire/six_axes.hpp"
+#include "polyarm/hardware/component.hpp"
+
+namespace polyarm::abb {
+
+/// States: JOINT/position (rad), velocity (rad/s); flange_pose/position.x … orientation.w (m, in the
+/// controller's world frame; NaN before EGM runs); force/force.x … torque.z (N, N·m; NaN without a sensor);
+/// controller/motors_on, automatic, running, egm, guard_stop, emergency_stop, collision, converged (0 or 1),
+/// speed_ratio (0 to 1), utilization (%), lost_packets, behind (rad, of the sent command behind the loop's),
+/// shaped (commands that were not sent as given); io/NAME of each signal. Commands: JOINT/position; io/NAME
+/// of each output; controller/speed_ratio (of RAPID motion, not of EGM). NaN leaves them as they are.
+///
+/// Configuring connects, reads and moves nothing. Activating starts the controller's program; the robot
+/// stands still, and the first command must be at the measured position. Deactivating brakes the robot and
+/// stops the program. When commands stop for any reason, the controller's own watchdog stops the robot.
+class AbbComponent : public hardware::Component {
+ public:
+  hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
+  hardware::CallbackReturn on_configure() override;
+  hardware::CallbackReturn on_activate() override;
+  hardware::CallbackReturn on_deactivate() override;
+  hardware::CallbackReturn on_cleanup() override;
+  hardware::CallbackReturn on_shutdown() override { return on_cleanup(); }
+  hardware::CallbackReturn on_error() override { return on_cleanup(); }
+  std::vector<hardware::InterfaceDescription> state_interfaces() const override;
+  std::vector<hardware::InterfaceDescription> command_interfaces() const override;
+  hardware::ReturnType perform_command_mode_switch(std::span<const std::string> start,
+                                                   std::span<const std::string> stop) noexcept override;
+  hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
+  hardware::ReturnType write(const hardware::Cycle& cycle,
+                             std::span<const double> commands) noexcept override;
+  bool real() const noexcept override { return true; }
+  bool paces() const noexcept override { return paced_; }
+  bool await_cycle(Nanoseconds timeout) noexcept override { return link_ && link_->await(timeout); }
+  std::string reason() const override;
+  const hardware::DriverFacts* facts() const noexcept override;
+  std::string summary() const override;
+
+  /// Why it failed last; none after configuring. Any thread.
+  Cause cause() const noexcept {
+    return !link_ ? Cause::none : link_->cause() != Cause::none ? link_->cause() : link_->refused();
+  }
+
+ protected:
+  Link* link() noexcept { return link_.get(); }
+  bool paced_ = true;
+  bool follows_ = false;  ///< the loop follows the packets though it is not paced by them
+  bool stepped_services_ = false;
+
+ private:
+  void find_limits(const hardware::RobotInstance& robot, double max_speed);
+
+  LinkSettings settings_;
+  std::string name_, robot_;
+  std::vector<std::string> joints_;
+  Nanoseconds period_ = 4'000'000;
+  std::unique_ptr<Link> link_;
+  // the control thread's
+  std::atomic<bool> active_{false};
+  wire::StepCheck steps_;
+  Outputs outputs_;
+};
+
+}  // namespace polyarm::abb

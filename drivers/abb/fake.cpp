@@ -1,0 +1,141 @@
+#include "drivers/abb/fake.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::abb {
+
+using hardware::CallbackReturn;
+
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr Nanoseconds kPatience = 5'000'000'000, kDisturbed = 20'000'000, kAnswer = 50'000'000;
+constexpr std::uint64_t kServices = 12;  // cycles between two exchanges of signals: about 20 a second
+
+std::pair<std::string, std::string> wire_of(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+    throw Error("bad-value", "'" + text + "' in `wires` is not OUTPUT=INPUT",
+                "names of signals, for example doVacuum=diHolds");
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds period) {
+  MachineOptions out;
+  if (robot.model) out.facts = facts_of(*robot.model);
+  out.start = wire::start_position(robot, out.start, kDegrees);
+  const double ms = seconds(period) * 1000;
+  out.rapid.sampling_ms = static_cast<int>(std::lround(ms));
+  if (out.rapid.sampling_ms < 4 || out.rapid.sampling_ms % 4 != 0 ||
+      std::abs(out.rapid.sampling_ms - ms) > 1e-6)
+    throw Error("bad-value", "EGM has a cycle of 4 ms or a multiple of it",
+                "write `rate: 250` or `rate: 125` into the cell");
+  return out;
+}
+
+}  // namespace
+
+FakeAbb::~FakeAbb() {
+  on_cleanup();
+}
+
+CallbackReturn FakeAbb::on_init(const hardware::ComponentContext& context) {
+  if (context.robots.size() != 1) return AbbComponent::on_init(context);
+  const auto given = [&](const char* name) {
+    const auto found = context.parameters.find(name);
+    return found == context.parameters.end() ? std::string() : found->second;
+  };
+  FarSideOptions options;
+  options.machine = machine_of(context.robots.front(), context.period);
+  if (const auto speed = parse_number(given("max_speed"))) options.machine.rapid.max_speed = *speed;
+  options.rws = options.egm = 0;
+  options.rws_version = given("rws") == "1" ? 1 : 2;
+  if (options.rws_version == 1) options.machine.software = "6.16.02.00";
+  // A driver that falls behind would answer many packets at once.
+  options.patience = kAnswer;
+  for (const char* list : {"digital_in", "digital_out"})
+    for (const std::string& name : split_words(given(list), " ,;"))
+      options.machine.signals[name.substr(name.rfind('/') + 1)] = false;
+  far_ = std::make_unique<FarSide>(options);
+  for (const std::string& text : split_words(given("wires"), " ,;")) {
+    const auto [output, input] = wire_of(text);
+    far_->with([&](Machine& machine) { machine.wire_output(output, input); });
+  }
+  faults_ = wire::DueOrders(wire::parse_timed_orders(given("faults"), "e_stop@3"));
+  hardware::ComponentContext own = context;
+  own.parameters["host"] = "127.0.0.1";
+  own.parameters["rws_port"] = std::to_string(far_->rws_port());
+  own.parameters["egm_port"] = "0";
+  own.parameters["sampling_ms"] = std::to_string(options.machine.rapid.sampling_ms);
+  own.parameters["pace"] = "false";
+  own.parameters.erase("password_file");  // the simulated one has the maker's default
+  own.parameters.erase("user");
+  // The clocks of this machine say nothing about a controller.
+  for (const char* name : {"silence_ms", "loop_silence_ms"}) own.parameters.try_emplace(name, "10000");
+  for (const char* name : {"start_timeout", "connect_timeout"}) own.parameters.try_emplace(name, "60");
+  own.parameters.erase("wires");
+  own.parameters.erase("faults");
+  return AbbComponent::on_init(own);
+}
+
+CallbackReturn FakeAbb::on_configure() {
+  const CallbackReturn done = AbbComponent::on_configure();
+  if (done == CallbackReturn::success) far_->send_egm_to("127.0.0.1", link()->egm_port());
+  return done;
+}
+
+CallbackReturn FakeAbb::on_activate() {
+  const CallbackReturn done = AbbComponent::on_activate();
+  if (done != CallbackReturn::success) return done;
+  far_->hold_clock(true);
+  cycles_ = 0;
+  stepped_ = true;
+  return done;
+}
+
+CallbackReturn FakeAbb::on_deactivate() {
+  if (!stepped_.exchange(false)) return AbbComponent::on_deactivate();
+  const wire::Stepper<FarSide> stepper(*far_, kDisturbed);
+  return AbbComponent::on_deactivate();
+}
+
+CallbackReturn FakeAbb::on_cleanup() {
+  if (!link()) return CallbackReturn::success;
+  if (!stepped_.exchange(false)) return AbbComponent::on_cleanup();
+  const wire::Stepper<FarSide> stepper(*far_, kDisturbed);
+  return AbbComponent::on_cleanup();
+}
+
+hardware::ReturnType FakeAbb::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  if (stepped_) {
+    faults_.step(*far_, seconds(cycle.period));
+    const std::uint64_t before = far_->packets();
+    far_->step(kPatience);
+    await_packet(before);
+  }
+  if (cycles_++ % kServices == 0) link()->serve_services();
+  return AbbComponent::read(cycle, states);
+}
+
+/// Until the newest packet is there: older ones may still be on their way.
+void FakeAbb::await_packet(std::uint64_t before) noexcept {
+  const auto [packets, sequence] = far_->sent();
+  if (packets == before) {  // a fault keeps the packet back, or EGM ended
+    link()->await(kDisturbed);
+    return;
+  }
+  do {
+    link()->fetch();
+    if (link()->sample().sequence >= sequence) return;
+  } while (link()->await(kPatience) && link()->cause() == Cause::none);
+}
+
+std::string FakeAbb::summary() const {
+  return "simulated controller, port " + std::to_string(far_->rws_port()) + ": " + AbbComponent::summary();
+}
+
+}  // namespace polyarm::abb

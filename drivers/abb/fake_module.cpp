@@ -1,0 +1,3 @@
+#include "drivers/abb/fake.hpp"
+
+POLYARM_DRIVER(polyarm::abb::FakeAbb)

@@ -1,0 +1,231 @@
+#include "drivers/abb/far_side.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+
+#include <algorithm>
+
+#include "drivers/wire/orders.hpp"
+#include "polyarm/base/error.hpp"
+#include "polyarm/realtime/periodic.hpp"
+
+namespace polyarm::abb {
+
+namespace {
+
+constexpr wire::OrderKind kKinds[] = {
+    {"e_stop", "somebody presses the emergency stop"},
+    {"release", "it is released; the motors stay off"},
+    {"guard_open", "somebody opens the guard (auto stop)"},
+    {"guard_closed", "it is closed; the motors stay off"},
+    {"manual", "somebody turns the key: manual, reduced speed"},
+    {"manual_full", "the same: manual, full speed"},
+    {"auto", "automatic; the motors stay off"},
+    {"motors_off", "somebody switches the motors off"},
+    {"stop", "somebody stops the program at the FlexPendant"},
+    {"egm_stop", "EGM ends, the program goes on"},
+    {"egm_error", "EGM reports an error"},
+    {"collision", "motion supervision stops the robot"},
+    {"range", "a joint reaches its limit"},
+    {"singular", "the robot stops near a singularity"},
+    {"speed", "a joint was too fast"},
+    {"overload", "the motors are overloaded"},
+    {"event", "the robot stops with this number in its event log (50063)"},
+    {"system_failure", "system failure"},
+    {"restart", "the controller restarts after it"},
+    {"silent", "EGM sends nothing"},
+    {"deaf", "EGM takes no commands"},
+    {"late", "so many packets come late and together (10)"},
+    {"duplicate", "so many packets come twice (10)"},
+    {"reorder", "so many packets come after the next one (10)"},
+    {"garbage", "one packet is broken"},
+    {"again", "the sequence of the packets begins anew"},
+    {"stranger", "the packets come from another sender"},
+    {"old_egm", "EGM of before RobotWare 6.07"},
+    {"old_software", "RobotWare 6.05"},
+    {"seven", "the robot has seven joints"},
+    {"slow", "packets come in twice their time"},
+    {"mute", "Robot Web Services give no answers"},
+    {"busy", "they have too many sessions"},
+    {"login", "they refuse the user"},
+    {"forbidden", "the user may change nothing"},
+    {"mastership", "another program holds the mastership"},
+    {"nonsense", "what they send is no HTTP"},
+    {"close_rws", "they close their connections"},
+    {"no_option", "Externally Guided Motion is not installed"},
+    {"no_module", "the RAPID module is not loaded"},
+    {"locked_signals", "signals cannot be written"},
+    {"refuse_start", "the program does not start"},
+    {"refuse_motors", "the motors do not switch on"},
+    {"power_off", "the controller loses its power"},
+    {"healthy", "ends all of these that are not people's doing"},
+};
+
+}  // namespace
+
+FarSide::FarSide(FarSideOptions options)
+    : options_(std::move(options)),
+      machine_(options_.machine),
+      egm_(machine_, faults_),
+      rws_(machine_, faults_, options_.rws_version),
+      wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+  rws_.set_user(options_.user, options_.password);
+  rws_.listen(options_.address, options_.rws);
+  egm_.open(options_.address);
+  if (options_.egm > 0) egm_.send_to(options_.egm_host, options_.egm);
+  thread_ = std::thread([this] { run(); });
+}
+
+FarSide::~FarSide() {
+  quit_ = true;
+  ::eventfd_write(wake_.number(), 1);
+  thread_.join();
+}
+
+void FarSide::send_egm_to(const std::string& host, int port) {
+  const std::lock_guard lock(mutex_);
+  egm_.send_to(host, port);
+}
+
+std::string FarSide::kinds() {
+  return wire::order_list(kKinds);
+}
+
+void FarSide::report(const std::string& text) const {
+  if (options_.report) options_.report(text);
+}
+
+void FarSide::order(const std::string& fault) {
+  const auto [kind, given] = wire::parse_order(fault, kKinds);
+  const std::lock_guard lock(mutex_);
+  order_by_hand(kind, given >= 0 ? given : 50063);
+  order_on_wires(kind, given >= 0 ? given : 10);
+  report("ordered: " + fault);
+}
+
+void FarSide::order_by_hand(const std::string& kind, int number) {
+  const auto is = [&](const char* name) { return kind == name; };
+  if (is("e_stop") || is("release")) machine_.emergency(is("e_stop"));
+  if (is("guard_open") || is("guard_closed")) machine_.guard(is("guard_open"));
+  if (is("manual")) machine_.set_mode(Machine::Mode::manual);
+  if (is("manual_full")) machine_.set_mode(Machine::Mode::manual_full);
+  if (is("auto")) machine_.set_mode(Machine::Mode::automatic);
+  if (is("motors_off")) machine_.switch_motors(false);
+  if (is("stop")) machine_.stop_program("stop at the FlexPendant");
+  if (is("egm_stop")) machine_.stop_egm();
+  if (is("collision")) machine_.collide();
+  if (is("range")) machine_.stop_with(50027, "Joint Out of Range");
+  if (is("singular")) machine_.stop_with(50026, "Close to singularity");
+  if (is("speed")) machine_.stop_with(50024, "Joint speed error");
+  if (is("overload")) machine_.stop_with(34316, "Motor current error");
+  if (is("event")) machine_.stop_with(number, "ordered");
+  if (is("system_failure")) machine_.fail();
+  if (is("restart")) machine_.restart();
+}
+
+void FarSide::order_on_wires(const std::string& kind, int number) {
+  const auto is = [&](const char* name) { return kind == name; };
+  const std::pair<const char*, bool*> kSwitches[] = {{"silent", &faults_.silent},
+                                                     {"deaf", &faults_.deaf},
+                                                     {"garbage", &faults_.garbage},
+                                                     {"again", &faults_.restarted},
+                                                     {"stranger", &faults_.stranger},
+                                                     {"old_egm", &faults_.old},
+                                                     {"seven", &faults_.seven},
+                                                     {"slow", &faults_.slow},
+                                                     {"mute", &faults_.mute},
+                                                     {"busy", &faults_.busy},
+                                                     {"login", &faults_.login},
+                                                     {"forbidden", &faults_.forbidden},
+                                                     {"mastership", &faults_.mastership},
+                                                     {"nonsense", &faults_.nonsense},
+                                                     {"no_option", &faults_.no_option},
+                                                     {"egm_error", &faults_.egm_error},
+                                                     {"refuse_start", &faults_.refuse_start},
+                                                     {"refuse_motors", &faults_.refuse_motors},
+                                                     {"power_off", &faults_.power_off},
+                                                     {"locked_signals", &machine_.locked_signals}};
+  for (const auto& [name, flag] : kSwitches)
+    if (is(name)) *flag = true;
+  if (is("late")) faults_.late = number;
+  if (is("duplicate")) faults_.duplicate = number;
+  if (is("reorder")) faults_.reorder = number;
+  if (is("close_rws")) rws_.drop();
+  if (is("old_software")) machine_.options().software = "6.05.00.00";
+  if (is("no_module")) machine_.options().modules.clear();
+  if (is("power_off")) {
+    machine_.switch_motors(false);
+    rws_.drop();
+  }
+  if (!is("healthy")) return;
+  faults_ = {};
+  machine_.locked_signals = false;
+  machine_.options().software = options_.machine.software;
+  machine_.options().modules = options_.machine.modules;
+}
+
+void FarSide::hold_clock(bool on) {
+  const std::lock_guard lock(mutex_);
+  held_ = on;
+}
+
+bool FarSide::step(Nanoseconds patience) {
+  std::unique_lock lock(mutex_);
+  bool came = true;
+  if (patience > 0)
+    came = served_.wait_for(lock, std::chrono::nanoseconds(patience), [&] {
+      return faults_.deaf || faults_.silent || faults_.power_off || faults_.stranger || !egm_.waits();
+    });
+  egm_.cycle();
+  return came;
+}
+
+std::pair<std::uint64_t, std::uint32_t> FarSide::sent() {
+  const std::lock_guard lock(mutex_);
+  return {egm_.packets(), egm_.sent_sequence()};
+}
+
+std::uint64_t FarSide::messages() {
+  const std::lock_guard lock(mutex_);
+  return egm_.messages();
+}
+
+std::uint64_t FarSide::requests() {
+  const std::lock_guard lock(mutex_);
+  return rws_.requests();
+}
+
+void FarSide::run() {
+  const auto period = nanoseconds(this->period());
+  Nanoseconds due = realtime::monotonic_now() + period;
+  std::vector<pollfd> polled;
+  std::vector<int> open;
+  while (!quit_) {
+    {
+      const std::lock_guard lock(mutex_);
+      open = {wake_.number(), egm_.descriptor()};
+      rws_.descriptors(open);
+    }
+    polled.clear();
+    for (const int descriptor : open) polled.push_back({descriptor, POLLIN, 0});
+    const Nanoseconds left = std::clamp<Nanoseconds>(due - realtime::monotonic_now(),
+                                                     options_.patience > 0 ? 1'000'000 : 0, period);
+    const timespec time{0, static_cast<long>(left)};
+    ::ppoll(polled.data(), polled.size(), &time, nullptr);
+    const std::lock_guard lock(mutex_);
+    egm_.serve();
+    rws_.serve();
+    if (const bool runs = machine_.program_runs(); runs != ran_) {
+      ran_ = runs;
+      report(runs ? "the program runs" : "the program ended");
+    }
+    served_.notify_all();
+    const Nanoseconds now = realtime::monotonic_now();
+    if (now < due) continue;
+    if (!held_ && egm_.waits() && now < due + options_.patience) continue;
+    due = std::max(due + period, options_.patience > 0 ? now : now - 10 * period);
+    if (!held_) egm_.cycle();
+  }
+}
+
+}  // namespace polyarm::abb

@@ -1,0 +1,3 @@
+#include "drivers/abb/component.hpp"
+
+POLYARM_DRIVER(polyarm::abb::AbbComponent)

@@ -1,0 +1,54 @@
+#pragma once
+/// What drivers on a simulated controller of their own share: faults that become due, and a clock that moves
+/// while the driver ends.
+#include <atomic>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "drivers/wire/orders.hpp"
+#include "polyarm/base/time.hpp"
+
+namespace polyarm::wire {
+
+/// Faults in seconds since the first activation. One thread.
+class DueOrders {
+ public:
+  DueOrders() = default;
+  explicit DueOrders(std::vector<TimedOrder> orders) : orders_(std::move(orders)) {}
+  /// Orders what is due, then moves on by a cycle.
+  template <typename FarSide>
+  void step(FarSide& far, double period) {
+    for (TimedOrder& one : orders_)
+      if (!one.order.empty() && since_ >= one.at) far.order(std::exchange(one.order, ""));
+    since_ += period;
+  }
+
+ private:
+  std::vector<TimedOrder> orders_;
+  double since_ = 0;
+};
+
+/// Moves the controller's clock while the driver ends, from answer to answer as while it runs: the clock of
+/// this machine says nothing about how fast a driver answers.
+template <typename FarSide>
+class Stepper {
+ public:
+  Stepper(FarSide& far, Nanoseconds patience)
+      : far_(far), thread_([this, patience] {
+          while (!quit_) far_.step(patience);
+        }) {}
+  ~Stepper() {
+    quit_ = true;
+    thread_.join();
+    far_.hold_clock(false);
+  }
+
+ private:
+  FarSide& far_;
+  std::atomic<bool> quit_{false};
+  std::thread thread_;
+};
+
+}  // namespace polyarm::wire

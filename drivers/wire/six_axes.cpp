@@ -1,0 +1,78 @@
+#include "drivers/wire/six_axes.hpp"
+
+#include <algorithm>
+
+namespace polyarm::wire {
+
+namespace {
+
+constexpr std::array<const char*, 3> kFlangeNames{"flange", "tool0", "faceplate"};
+
+std::string list(std::span<const char* const> words) {
+  std::string out;
+  for (const char* word : words) (out += out.empty() ? "" : " or ") += word;
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::string> driven_joints(const hardware::ComponentContext& context,
+                                       std::span<const char* const> takes, const std::string& whose,
+                                       Problems& problems) {
+  std::vector<std::string> out;
+  if (context.robots.size() != 1) {
+    problems.error("bad-hardware", {}, "'" + context.name + "' drives one robot",
+                   "give each robot its own hardware");
+    return out;
+  }
+  const hardware::RobotInstance& robot = context.robots.front();
+  for (const description::HardwareInfo& block : robot.hardware)
+    for (const description::ComponentInfo& part : block.components) {
+      if (part.kind != "joint") continue;
+      out.push_back(part.name);
+      for (const description::InterfaceInfo& one : part.command_interfaces)
+        if (std::find(takes.begin(), takes.end(), one.name) == takes.end())
+          problems.error("unknown-interface", one.where,
+                         "'" + part.name + "' takes no command '" + one.name + "'",
+                         "it takes " + list(takes));
+    }
+  if (robot.model && out.empty()) {
+    out = robot.model->joint_names();
+    if (out.size() > 6) out.resize(6);  // a gripper behind the arm has its own hardware
+  }
+  if (out.size() != 6)
+    problems.error("bad-hardware", {},
+                   "'" + context.name + "' has " + std::to_string(out.size()) +
+                       " joints; this driver takes " + whose + " with six",
+                   "name them in the order from base to tool");
+  return out;
+}
+
+std::array<const description::Joint*, 6> six_revolute_joints(const description::RobotModel& model,
+                                                             const std::string& example) {
+  std::vector<const description::Joint*> joints;
+  for (const int i : model.actuated) joints.push_back(&model.joints[static_cast<std::size_t>(i)]);
+  if (joints.size() != 6 || std::any_of(joints.begin(), joints.end(), [](const auto* j) {
+        return j->type != description::JointType::revolute && j->type != description::JointType::continuous;
+      }))
+    throw Error("bad-model", "'" + model.name + "' has not six revolute joints",
+                "choose another robot, for example " + example);
+  std::array<const description::Joint*, 6> out{};
+  std::copy(joints.begin(), joints.end(), out.begin());
+  return out;
+}
+
+int flange_link(const description::RobotModel& model, int last) {
+  for (const char* wanted : kFlangeNames)
+    for (std::size_t i = 0; i < model.links.size(); ++i)
+      if (model.links[i].name == wanted) return static_cast<int>(i);
+  return last;
+}
+
+Six start_position(const hardware::RobotInstance& robot, Six otherwise, double scale) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(6, robot.initial_positions.size()); ++i)
+    otherwise[i] = robot.initial_positions[i] * scale;
+  return otherwise;
+}
+
+}  // namespace polyarm::wire

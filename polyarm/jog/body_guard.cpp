@@ -1,0 +1,112 @@
+#include "polyarm/jog/body_guard.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace polyarm::jog {
+
+using surroundings::GuardPair;
+
+namespace {
+/// Links of one robot may come this near to each other, m; held parts and what they lie on may overlap by
+/// kPressing.
+constexpr double kOwn = 0.001, kPressing = 0.002;
+/// Barriers reach this far beyond what the joints can move, m.
+constexpr double kBeyond = 0.02;
+/// Deeper than this it counts as a contact, m.
+constexpr double kContact = 5e-4;
+/// Reaction to new barriers: some ticks and cycles, s.
+constexpr double kReaction = 0.01;
+}  // namespace
+
+double stopping_reach(double velocity, const AxisLimits& limits) noexcept {
+  const double v = std::abs(velocity) + kReaction * limits.acceleration;
+  return v * v / limits.acceleration + v * (limits.acceleration / limits.jerk + kReaction);
+}
+
+BodyGuard::BodyGuard(surroundings::GuardBodies& bodies, int robot, std::vector<AxisLimits> limits,
+                     const BodyGuardOptions& options)
+    : bodies_(bodies), robot_(robot), limits_(std::move(limits)), options_(options) {
+  reach_.assign(limits_.size(), 0);
+  one_.assign(limits_.size(), 0);
+}
+
+double BodyGuard::margin(const GuardPair& pair) const noexcept {
+  using Kind = surroundings::BodyKind;
+  if (pair.own) return pair.of_part ? 0 : kOwn;
+  if (pair.of_zone) return 0;
+  if (pair.other_than(robot_) >= 0) return options_.clearance;
+  const std::uint32_t body = pair.robot_a == robot_ ? pair.a : pair.b;
+  if (bodies_.kind(body) == Kind::part) return -kPressing;
+  if (bodies_.is_hand(body)) return std::min(options_.tool_clearance, options_.clearance);
+  return options_.clearance;
+}
+
+void BodyGuard::keep_rest(double room, std::size_t pair, Barriers& out) noexcept {
+  if (room >= out.rest) return;
+  out.rest = room;
+  out.rest_which = static_cast<std::int32_t>(pair);
+}
+
+/// Keeps those with the least room.
+void BodyGuard::add(const Barrier& barrier, Barriers& out) noexcept {
+  if (out.count < Barriers::kMost) {
+    out.all[out.count++] = barrier;
+    return;
+  }
+  const auto roomiest = std::max_element(out.all.begin(), out.all.end(),
+                                         [](const Barrier& x, const Barrier& y) { return x.room < y.room; });
+  Barrier dropped = barrier;
+  if (barrier.room < roomiest->room) std::swap(*roomiest, dropped);
+  keep_rest(dropped.room, static_cast<std::size_t>(dropped.which), out);
+}
+
+void BodyGuard::add_points(std::size_t index, double keep, double range, Barriers& out) noexcept {
+  const GuardPair& pair = bodies_.pairs()[index];
+  const std::size_t count = bodies_.points_of(pair, robot_, range, points_);
+  Barrier barrier;
+  barrier.which = static_cast<std::int32_t>(index);
+  for (std::size_t j = 0; j < one_.size(); ++j) {
+    std::fill(one_.begin(), one_.end(), 0.0);
+    one_[j] = 1;
+    barrier.bend = std::max(barrier.bend, bodies_.change(pair, robot_, one_));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    barrier.room = points_[i].distance - keep;
+    bodies_.gradient(pair, robot_, points_[i], {barrier.gradient.data(), one_.size()});
+    add(barrier, out);
+  }
+}
+
+void BodyGuard::fill(std::span<const double> velocity, std::span<const std::vector<double>> stopping,
+                     Barriers& out) noexcept {
+  const std::span<const double> q = bodies_.joints(static_cast<std::size_t>(robot_));
+  out.touching = false;
+  out.count = 0;
+  out.rest = std::numeric_limits<double>::infinity();
+  out.rest_which = -1;
+  std::copy(q.begin(), q.end(), out.at.begin());
+  bodies_.levers(robot_, {out.lever.data(), one_.size()});
+  for (std::size_t j = 0; j < limits_.size(); ++j) reach_[j] = stopping_reach(velocity[j], limits_[j]);
+  const std::uint64_t budget = bodies_.measured() + options_.most_measured;
+  for (std::size_t i = 0; i < bodies_.pairs().size(); ++i) {
+    const GuardPair& pair = bodies_.pairs()[i];
+    if (!pair.active || !pair.concerns(robot_)) continue;
+    const int other = pair.own ? -1 : pair.other_than(robot_);
+    const double drift =
+        other < 0 ? 0 : bodies_.change(pair, other, stopping[static_cast<std::size_t>(other)]);
+    const double least = margin(pair), keep = least + drift;
+    const double range = keep + bodies_.change(pair, robot_, reach_) + kBeyond;
+    double distance = pair.slack;
+    if (distance <= range && bodies_.measured() < budget) distance = bodies_.measure(i, range);
+    if (distance > range || bodies_.measured() >= budget) {
+      keep_rest(distance - keep, i, out);
+      continue;
+    }
+    if (distance < -kContact && distance < least) out.touching = true;
+    add_points(i, keep, range, out);
+  }
+}
+
+}  // namespace polyarm::jog

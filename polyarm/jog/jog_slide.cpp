@@ -1,0 +1,114 @@
+/// The part of the jog generator that keeps motions off barriers and lets them slide along.
+#include <algorithm>
+#include <cmath>
+
+#include "polyarm/jog/jog_generator.hpp"
+
+namespace polyarm::jog {
+
+namespace {
+/// Room that is left before barriers, m, by slowing down; passes in which rates slide along them.
+constexpr double kKeepOff = 5e-4;
+constexpr int kSlides = 6;
+/// Motion that closes in on a barrier by less than this share of what the joints do there goes along it.
+constexpr double kAlong = 1e-3;
+}  // namespace
+
+/// The rates may change by these shares of themselves per s and s².
+JogGenerator::Pull JogGenerator::pull_of(std::span<const double> rates, Before before) const noexcept {
+  Pull out{1e300, 1e300};
+  for (std::size_t j = 0; j < axes_.size(); ++j) {
+    const double r = std::max(std::abs(rates[j]), 1e-12);
+    out.acceleration = std::min(out.acceleration, before.acceleration * axes_[j].acceleration / r);
+    out.jerk = std::min(out.jerk, before.jerk * axes_[j].jerk / r);
+  }
+  return out;
+}
+
+JogValues JogGenerator::positions() const noexcept {
+  JogValues out{};
+  for (std::size_t j = 0; j < axes_.size(); ++j) out[j] = state_[j].position;
+  return out;
+}
+
+/// The share of `rates` with which the joints can still stop before a barrier.
+double JogGenerator::barrier_share(std::size_t i, std::span<const double> q, std::span<const double> rates,
+                                   double a, double jerk) const noexcept {
+  const double closing = barriers_->closing(i, rates);
+  double size = 0;
+  for (std::size_t j = 0; j < rates.size(); ++j) size += std::abs(barriers_->all[i].gradient[j] * rates[j]);
+  if (closing <= kAlong * size + 1e-6) return 1;
+  return stopping_speed(std::max(0.0, barriers_->room(i, q) - kKeepOff) / closing, a, jerk);
+}
+
+/// Joints of which the wish moves several go on along a barrier: each is reduced by what it adds to closing
+/// in.
+void JogGenerator::slide_joints(JogValues& rates) noexcept {
+  const std::size_t n = axes_.size();
+  const JogValues q = positions();
+  for (int pass = 0; pass < kSlides; ++pass) {
+    bool changed = false;
+    for (std::size_t i = 0; i < barriers_->count; ++i) {
+      const auto [a, jerk] = pull_of({rates.data(), n}, kFirmly);
+      const double share = barrier_share(i, {q.data(), n}, {rates.data(), n}, a, jerk);
+      if (share >= 1) continue;
+      const double closing = barriers_->closing(i, {rates.data(), n});
+      double adds = 0;
+      for (std::size_t j = 0; j < n; ++j) adds += std::max(0.0, -barriers_->all[i].gradient[j] * rates[j]);
+      const double keep = std::max(0.0, 1 - (1 - share) * closing / adds);
+      for (std::size_t j = 0; j < n; ++j)
+        if (-barriers_->all[i].gradient[j] * rates[j] > 0) rates[j] *= keep;
+      note(JogHold::body, static_cast<std::size_t>(barriers_->which(i)));
+      changed = true;
+    }
+    if (!changed) return;
+  }
+}
+
+/// A twist that closes in on a barrier loses that part and keeps what goes along it. A pure translation stays
+/// one.
+void JogGenerator::slide_tcp(Twist& wanted) noexcept {
+  const std::size_t n = axes_.size();
+  const double speed = linear(wanted), turning = angular(wanted);
+  if (barriers_->count == 0 || (speed == 0 && turning == 0)) return;
+  std::array<JogValues, 6> unit;  // joint velocities for each part of a twist
+  for (std::size_t k = 0; k < 6; ++k) {
+    Twist one{};
+    one[k] = 1;
+    solver_.reach(one, unit[k]);
+  }
+  const JogValues q = positions();
+  JogValues rates;
+  for (int pass = 0; pass < kSlides; ++pass) {
+    bool changed = false;
+    for (std::size_t i = 0; i < barriers_->count; ++i) {
+      for (std::size_t j = 0; j < n; ++j) {
+        rates[j] = 0;
+        for (std::size_t k = 0; k < 6; ++k) rates[j] += wanted[k] * unit[k][j];
+      }
+      const auto [a, jerk] = pull_of({rates.data(), n}, kGently);
+      const double share = barrier_share(i, {q.data(), n}, {rates.data(), n}, a, jerk);
+      if (share >= 0.999) continue;
+      Twist along{};  // how the room grows with each part of the twist, weighed
+      double size = 0;
+      for (std::size_t k = 0; k < 6; ++k) {
+        const double weight = k < 3 ? (speed > 0 ? 1 : 0) : (turning > 0 ? 1 / (length_ * length_) : 0);
+        const double grows = -barriers_->closing(i, {unit[k].data(), n});
+        along[k] = weight * grows;
+        size += weight * grows * grows;
+      }
+      if (size < 1e-6) continue;
+      const double excess = (1 - share) * barriers_->closing(i, {rates.data(), n});
+      for (std::size_t k = 0; k < 6; ++k) wanted[k] += along[k] * excess / size;
+      note(JogHold::body, static_cast<std::size_t>(barriers_->which(i)));
+      changed = true;
+    }
+    if (!changed) break;
+  }
+  const double faster =
+      std::max(speed > 0 ? linear(wanted) / speed : 1, turning > 0 ? angular(wanted) / turning : 1);
+  if (faster > 1)
+    for (double& x : wanted) x /= faster;
+}
+
+}  // namespace polyarm::jog

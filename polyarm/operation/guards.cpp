@@ -1,0 +1,438 @@
+#include "polyarm/operation/guards.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+#include "polyarm/jog/body_guard.hpp"
+#include "polyarm/operation/watches.hpp"
+#include "polyarm/surroundings/look_ahead.hpp"
+
+namespace polyarm::cell {
+
+using surroundings::GuardBodies;
+using surroundings::GuardPair;
+using surroundings::GuardZone;
+using surroundings::LookAhead;
+
+namespace {
+/// From the look to the first cycle that obeys it, s.
+constexpr double kLatency = 0.006;
+/// Below this pace a robot stops; it goes on above kGoOn.
+constexpr double kStop = 0.02, kGoOn = 0.06;
+/// How long a robot stands before something that may move away by itself before the cell is held, ns: a part
+/// or a mover, robots that wait for each other, and a robot that does nothing.
+constexpr Nanoseconds kForThings = 1'000'000'000, kForEachOther = 1'000'000'000, kForRobots = 30'000'000'000;
+/// Robots in step that were slowed down come together again at this rate, 1/s.
+constexpr double kCatchUp = 4;
+constexpr std::size_t kSamples = GuardBodies::kAhead;
+
+/// A planned motion of one robot, with the most that its joints may accelerate.
+class PathOfMove : public surroundings::PlannedWay {
+ public:
+  void set(const moves::PlannedMotion& motion, const moves::RobotFacts& robot) {
+    motion_ = &motion;
+    hint_ = 0;
+    acceleration_.clear();
+    for (const trajectory::JointMotionLimits& limits : robot.limits)
+      acceleration_.push_back(limits.acceleration);
+  }
+  double duration() const noexcept override { return motion_->path.duration(); }
+  void at(double time, std::span<double> position, std::span<double> velocity) noexcept override {
+    motion_->path.sample(time, position, velocity, {}, {}, hint_);
+  }
+  std::span<const double> acceleration() const noexcept override { return acceleration_; }
+
+ private:
+  const moves::PlannedMotion* motion_ = nullptr;
+  std::size_t hint_ = 0;
+  std::vector<double> acceleration_;
+};
+
+std::vector<jog::AxisLimits> axes_of(const CellRobot& robot) {
+  std::vector<jog::AxisLimits> out;
+  for (const controllers::JointFacts& joint : robot.joints)
+    out.push_back({joint.lower, joint.upper, joint.velocity, std::min(joint.acceleration, joint.deceleration),
+                   joint.jerk});
+  return out;
+}
+
+std::vector<GuardZone> zones_of(const CellSetup& setup) {
+  std::vector<GuardZone> out;
+  for (std::size_t r = 0; r < setup.robots.size(); ++r)
+    for (const moves::WorkspaceZone& zone : setup.robots[r]->facts->workspace.zones()) {
+      if (!zone.bodies) continue;
+      const int robot = static_cast<int>(r);
+      if (zone.kind == moves::ZoneKind::plane)
+        out.push_back({zone.name, robot, false, zone.point, zone.normal, {}, {}});
+      if (zone.kind == moves::ZoneKind::outside)
+        out.push_back({zone.name, robot, true, {}, {}, zone.low, zone.high});
+      if (zone.kind != moves::ZoneKind::inside) continue;
+      for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
+        out.push_back({zone.name, robot, false, zone.low, axis, {}, {}});
+        out.push_back({zone.name, robot, false, zone.high, -axis, {}, {}});
+      }
+    }
+  return out;
+}
+
+/// How the braking of a path grows with its speed: at pace p it takes less than `square` p² + `plain` p
+/// seconds of the plan, twice what the joints need when the plan asks nothing else of them.
+struct Braking {
+  double square = 0, plain = 0;
+  double at(double pace) const { return (square * pace + plain) * pace; }
+  /// The pace that leaves `room` s of the plan; `longer`: s in which it slows down in addition.
+  double pace_for(double room, double longer) const {
+    const double a = square + longer;
+    if (a < 1e-9) return room >= plain ? 1 : room / plain;
+    return std::min(1.0, (std::sqrt(plain * plain + 4 * a * std::max(0.0, room)) - plain) / (2 * a));
+  }
+};
+
+}  // namespace
+
+/// One robot.
+struct Guards::Of {
+  std::unique_ptr<LookAhead> ahead;
+  std::unique_ptr<jog::BodyGuard> jogged;
+  std::vector<jog::AxisLimits> axes;
+  PathOfMove way;
+  std::uint64_t goal = 0;  // of the motion that is followed; 0: none
+  double time = 0, speed = 1;
+  const moves::InStep* step = nullptr;
+  double duration = 0;
+  Braking braking;
+  double pace = 1, wanted = 1;
+  bool slowed = false;  // during this motion
+  LookAhead::Answer ahead_of;
+  std::vector<double> velocity, before, q, v, last, step_size;
+  Nanoseconds stands_since = -1;
+  bool reported = false;
+};
+
+struct Guards::Work {
+  std::shared_ptr<const ContactBodies> models;
+  std::unique_ptr<GuardBodies> bodies;
+  std::vector<Of> robots;
+  std::vector<std::vector<double>> stopping;
+  Nanoseconds seen = -1;
+  // made on the planning thread
+  struct Making {
+    std::shared_ptr<const ContactBodies> models;
+    std::unique_ptr<GuardBodies> bodies;
+    std::string failed;
+    std::atomic<bool> done{false};
+  };
+  std::shared_ptr<Making> making;
+  bool off = false;
+};
+
+Guards::Guards(const Owners& cell) : cell_(cell), work_(std::make_unique<Work>()) {
+  const CellOptions& options = cell.setup.options;
+  work_->off = !cell.setup.file.guards.on || options.allow_contact;
+  work_->robots.resize(cell.setup.robots.size());
+  cell_.jogging.set_barrier_names([this](std::size_t robot, std::int32_t which) {
+    return which < 0 ? std::string() : obstacle_of(robot, static_cast<std::size_t>(which));
+  });
+}
+
+Guards::~Guards() = default;
+
+double Guards::pace(std::size_t robot) const {
+  return work_->robots[robot].pace;
+}
+
+std::uint64_t Guards::measured() const {
+  return work_->bodies ? work_->bodies->measured() : 0;
+}
+
+bool Guards::needed() const {
+  for (std::size_t r = 0; r < work_->robots.size(); ++r) {
+    const moves::RobotMotion* motion = cell_.motions.motion(r);
+    if ((motion && !motion->idle() && cell_.setup.file.guards.moves) || cell_.jogging.engaged(r)) return true;
+  }
+  return false;
+}
+
+/// Bodies are made on the planning thread, before it plans the first move: that reads the disk. In lock-step
+/// they are made when a robot first moves.
+bool Guards::take_bodies() {
+  Work& work = *work_;
+  if (work.bodies) return true;
+  if (!work.making) {
+    work.making = std::make_shared<Work::Making>();
+    cell_.planner.post([making = work.making, shared = cell_.motions.bodies(),
+                        zones = zones_of(cell_.setup)] {
+      try {
+        making->models = shared->get();
+        making->bodies = std::make_unique<GuardBodies>(making->models->robots, making->models->scene, zones);
+      } catch (const std::exception& why) {
+        making->failed = why.what();
+      }
+      making->done.store(true, std::memory_order_release);
+    });
+  }
+  if (!work.making->done.load(std::memory_order_acquire)) return false;
+  if (!work.making->failed.empty()) {
+    work.off = true;
+    cell_.observer.on_problem(cell_.machine.now(),
+                              {"no-guards",
+                               {},
+                               "nothing guards the robots against contacts: " + work.making->failed,
+                               "give the robot fewer or simpler bodies, or say guards: off",
+                               Severity::warning,
+                               {}});
+    return false;
+  }
+  work.models = std::move(work.making->models);
+  work.bodies = std::move(work.making->bodies);
+  const GuardsEntry& entry = cell_.setup.file.guards;
+  for (std::size_t r = 0; r < work.robots.size(); ++r) {
+    Of& of = work.robots[r];
+    of.axes = axes_of(*cell_.setup.robots[r]);
+    const std::size_t n = of.axes.size();
+    for (std::vector<double>* values : {&of.velocity, &of.before, &of.q, &of.v, &of.last, &of.step_size})
+      values->assign(n, 0);
+    work.stopping.emplace_back(n, 0.0);
+    const int robot = static_cast<int>(r);
+    if (!work.bodies->drives(r)) {
+      of.ahead =
+          std::make_unique<LookAhead>(*work.bodies, robot, surroundings::LookAheadOptions{entry.clearance});
+      of.jogged = std::make_unique<jog::BodyGuard>(*work.bodies, robot, of.axes,
+                                                   jog::BodyGuardOptions{entry.clearance});
+    }
+  }
+  return true;
+}
+
+void Guards::tick() {
+  if (work_->off || cell_.life.failure()) return;
+  const bool is_needed = needed();
+  if ((!is_needed && (work_->bodies || cell_.setup.options.lock_step)) || !take_bodies() || !is_needed)
+    return;
+  const Nanoseconds now = cell_.machine.now();
+  work_->bodies->look(cell_.motions.moment());
+  for (std::size_t r = 0; r < work_->robots.size(); ++r) see(r);
+  for (std::size_t r = 0; r < work_->robots.size(); ++r) find_stopping(r);
+  for (std::size_t r = 0; r < work_->robots.size(); ++r) look_along(r);
+  set_paces();
+  for (std::size_t r = 0; r < work_->robots.size(); ++r) fill_barriers(r);
+  for (std::size_t r = 0; r < work_->robots.size(); ++r) judge(r);
+  work_->seen = now;
+}
+
+/// The motion of a robot and its joint velocities.
+void Guards::see(std::size_t r) {
+  Of& of = work_->robots[r];
+  const std::span<const double> q = work_->bodies->joints(r);
+  const double dt = seconds(cell_.machine.now() - work_->seen);
+  const bool follows = work_->seen >= 0 && dt > 0 && dt < 0.05;
+  for (std::size_t j = 0; j < of.velocity.size(); ++j) {
+    of.velocity[j] = follows ? (q[j] - of.before[j]) / dt : 0;
+    of.before[j] = q[j];
+  }
+  const moves::RobotMotion* motion = cell_.motions.motion(r);
+  const auto now = motion && cell_.setup.file.guards.moves ? motion->under_way() : std::nullopt;
+  if (!now) {
+    of.goal = 0;
+    of.pace = of.wanted = 1;
+    return;
+  }
+  of.way.set(*now->motion, *now->robot);
+  of.step = now->step;
+  of.time = now->begun ? now->time : 0;
+  of.speed = now->begun ? std::abs(now->speed) : 1;
+  of.duration = now->motion->path.duration();
+  if (std::exchange(of.goal, now->goal) == now->goal) return;
+  of.pace = 1;
+  of.slowed = of.reported = false;
+  of.stands_since = -1;
+  if (!of.ahead) return;
+  std::vector<double> ends;
+  for (const double end : now->motion->ends) ends.push_back(now->motion->path.profile().time_at(end));
+  of.ahead->begin(of.way, ends);
+}
+
+/// How far the joints still move if the robot begins to brake now.
+void Guards::find_stopping(std::size_t r) {
+  Of& of = work_->robots[r];
+  std::vector<double>& stopping = work_->stopping[r];
+  const std::size_t n = of.axes.size();
+  GuardBodies& bodies = *work_->bodies;
+  bodies.forget_ahead(r);
+  if (of.goal == 0) {
+    if (!cell_.jogging.engaged(r) &&
+        std::all_of(of.velocity.begin(), of.velocity.end(), [](double v) { return v == 0; }))
+      bodies.stands(r);
+    for (std::size_t j = 0; j < n; ++j)
+      stopping[j] = of.velocity[j] == 0 && !cell_.jogging.engaged(r)
+                        ? 0
+                        : jog::stopping_reach(of.velocity[j], of.axes[j]);
+    return;
+  }
+  double longest = 0;  // s in which any joint stops from its highest speed
+  of.braking = {};
+  for (const jog::AxisLimits& axis : of.axes) {
+    longest = std::max(longest, axis.velocity / axis.acceleration);
+    of.braking.plain = std::max(of.braking.plain, axis.acceleration / axis.jerk + kLatency);
+  }
+  longest += of.braking.plain;
+  for (std::size_t k = 0; k <= kSamples; ++k) {
+    of.way.at(of.time + longest * static_cast<double>(k) / kSamples, of.q, of.v);
+    for (std::size_t j = 0; j < n; ++j)
+      of.braking.square = std::max(of.braking.square, std::abs(of.v[j]) / of.axes[j].acceleration);
+  }
+  const double h = of.braking.at(std::max(of.speed, of.pace)) / kSamples;
+  std::fill(stopping.begin(), stopping.end(), 0.0);
+  of.way.at(of.time, of.q, of.v);
+  std::vector<double>& from = of.q;
+  of.last = from;
+  for (std::size_t k = 1; k <= kSamples; ++k) {
+    std::vector<double>& to = of.v;
+    of.way.at(of.time + h * static_cast<double>(k), to, {});
+    for (std::size_t j = 0; j < n; ++j) {
+      const double bend = of.axes[j].acceleration * h * h / 8;
+      stopping[j] = std::max(stopping[j], std::abs(to[j] - from[j]) + bend);
+      of.step_size[j] = std::abs(to[j] - of.last[j]) + bend;
+      of.last[j] = to[j];
+    }
+    bodies.add_ahead(r, to, of.step_size);
+  }
+}
+
+void Guards::look_along(std::size_t r) {
+  Of& of = work_->robots[r];
+  of.wanted = 1;
+  if (of.goal == 0 || !of.ahead) return;
+  const double slow = std::max(of.ahead->speed(), 0.05);  // m per s of the plan, of the last look
+  const double longer = std::min(1.0, cell_.setup.file.guards.slow_from / slow);
+  of.ahead_of = of.ahead->look(of.way, of.time, of.time + of.braking.at(1) + longer, work_->stopping);
+  if (!std::isfinite(of.ahead_of.free_until)) return;
+  of.wanted = of.braking.pace_for(of.ahead_of.free_until - of.time, longer);
+  if (of.wanted < (of.pace > 0 ? kStop : kGoOn)) of.wanted = 0;
+}
+
+/// Robots in step slow down together; one that is ahead of the others waits for them.
+void Guards::set_paces() {
+  std::vector<Of>& robots = work_->robots;
+  for (std::size_t r = 0; r < robots.size(); ++r) {
+    Of& of = robots[r];
+    if (of.goal == 0) continue;
+    double pace = of.wanted, behind = of.time;
+    for (const Of& other : robots) {
+      if (!of.step || other.goal == 0 || other.step != of.step) continue;
+      pace = std::min(pace, other.wanted);
+      of.slowed = of.slowed || other.wanted < 1;
+      if (std::abs(other.duration - of.duration) < 1e-6 * of.duration) behind = std::min(behind, other.time);
+    }
+    of.slowed = of.slowed || pace < 1;
+    if (of.slowed && of.step) pace *= std::clamp(1 - kCatchUp * (of.time - behind), 0.2, 1.0);
+    of.pace = pace;
+    if (of.slowed) cell_.motions.motion(r)->set_pace(pace);
+  }
+}
+
+void Guards::fill_barriers(std::size_t r) {
+  Of& of = work_->robots[r];
+  if (!of.jogged || !cell_.jogging.engaged(r)) return;
+  jog::Barriers* const draft = cell_.jogging.draft_barriers(r);
+  if (!draft) return;
+  of.jogged->fill(of.velocity, work_->stopping, *draft);
+  cell_.jogging.publish_barriers(r);
+}
+
+// --- what stands in the way -------------------------------------------------------------------------------
+
+std::string Guards::obstacle_of(std::size_t robot, std::size_t index) const {
+  if (!work_->bodies || index >= work_->bodies->pairs().size()) return {};
+  const GuardPair& pair = work_->bodies->pairs()[index];
+  return work_->bodies->name(pair.robot_a == static_cast<int>(robot) ? pair.b : pair.a);
+}
+
+std::string Guards::text_of(std::size_t r) const {
+  const Of& of = work_->robots[r];
+  const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)];
+  const bool first = pair.robot_a == static_cast<int>(r);
+  const surroundings::GuardGap& gap = of.ahead_of.gap;
+  const Vec3 point = 0.5 * (gap.on_a + gap.on_b);
+  return fmt::format("{} would come within {:.1f} mm of {} at ({:.3f}, {:.3f}, {:.3f}), {:.1f} mm are kept",
+                     work_->bodies->name(first ? pair.a : pair.b), std::max(0.0, 1e3 * gap.distance),
+                     work_->bodies->name(first ? pair.b : pair.a), point.x, point.y, point.z,
+                     std::max(0.0, 1e3 * of.ahead_of.required));
+}
+
+/// True if a robot waits for another one that waits for it, over any number of robots.
+bool Guards::deadlocked(std::size_t robot) const {
+  std::size_t at = robot;
+  for (std::size_t i = 0; i < work_->robots.size(); ++i) {
+    const Of& of = work_->robots[at];
+    if (of.goal == 0 || of.pace > 0 || of.ahead_of.pair < 0 || !std::isfinite(of.ahead_of.free_until))
+      return false;
+    const int next =
+        work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)].other_than(static_cast<int>(at));
+    if (next < 0 || next == static_cast<int>(at)) return false;
+    at = static_cast<std::size_t>(next);
+    if (at == robot) return true;
+  }
+  return false;
+}
+
+void Guards::stop_before(std::size_t r, const char* code, const std::string& text) {
+  const moves::RobotMotion& motion = *cell_.motions.motion(r);
+  const Of& of = work_->robots[r];
+  const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)];
+  Problem problem{code,
+                  cell_.programs.place_of(motion, motion.move_under_way()),
+                  text,
+                  "clear the way and resume, or move the points or the obstacle",
+                  Severity::error,
+                  {{"robot", cell_.setup.robots[r]->entry.name},
+                   {"a", work_->bodies->name(pair.a)},
+                   {"b", work_->bodies->name(pair.b)},
+                   {"distance_m", of.ahead_of.gap.distance},
+                   {"clearance_m", of.ahead_of.required}}};
+  if (!recovered_by_others(cell_.setup, cell_.programs)) return cell_.life.fail(std::move(problem));
+  cell_.observer.on_problem(cell_.machine.now(), problem);
+  cell_.machine.hold_for(std::move(problem));
+}
+
+/// Holds the cell when a robot stands before something that does not move away by itself.
+void Guards::judge(std::size_t r) {
+  Of& of = work_->robots[r];
+  const Nanoseconds now = cell_.machine.now();
+  const bool runs = cell_.machine.snapshot().state == control::RunState::running &&
+                    cell_.machine.supervisor().latch().requested() == realtime::StopKind::none;
+  const bool blocked = runs && of.goal != 0 && of.wanted == 0 && of.speed == 0 && of.ahead_of.pair >= 0;
+  if (!blocked) {
+    of.stands_since = -1;
+    of.reported = false;
+    return;
+  }
+  if (of.stands_since < 0) of.stands_since = now;
+  const Nanoseconds stands = now - of.stands_since;
+  const std::string& name = cell_.setup.robots[r]->entry.name;
+  const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)];
+  const int other = pair.own ? -1 : pair.other_than(static_cast<int>(r));
+  if (other < 0) {
+    const bool fixed =
+        pair.own || work_->bodies->is_static(pair.robot_a == static_cast<int>(r) ? pair.b : pair.a);
+    if (fixed || stands >= kForThings)
+      stop_before(r, "guard", name + " stopped before a contact: " + text_of(r));
+    return;
+  }
+  const std::string& whom = cell_.setup.robots[static_cast<std::size_t>(other)]->entry.name;
+  if (deadlocked(r)) {
+    if (stands >= kForEachOther)
+      stop_before(r, "guard-deadlock", name + " and " + whom + " wait for each other: " + text_of(r));
+    return;
+  }
+  if (!std::exchange(of.reported, true))
+    cell_.observer.on_note(name + " waits for " + whom + ": " + text_of(r));
+  if (stands >= kForRobots && cell_.motions.idle(static_cast<std::size_t>(other)))
+    stop_before(r, "guard", name + " stopped before a contact: " + text_of(r));
+}
+
+}  // namespace polyarm::cell

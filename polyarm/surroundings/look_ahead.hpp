@@ -1,0 +1,88 @@
+#pragma once
+/// Looks along the planned way of one robot: until when it stays clear of everything around it. Each pair of
+/// bodies is followed by steps that are proven: while the joints can move a body by less than its clearance,
+/// nothing is measured. Metres, radians, seconds of the plan. One thread; allocates in the constructor alone.
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "polyarm/surroundings/guard_bodies.hpp"
+
+namespace polyarm::surroundings {
+
+/// A planned way of the joints in time.
+class PlannedWay {
+ public:
+  virtual ~PlannedWay() = default;
+  virtual double duration() const noexcept = 0;
+  /// Position and velocity of all joints at a time of the plan.
+  virtual void at(double time, std::span<double> position, std::span<double> velocity) noexcept = 0;
+  /// Bounds of the joints' accelerations.
+  virtual std::span<const double> acceleration() const noexcept = 0;
+};
+
+struct LookAheadOptions {
+  double clearance = 0.005;  ///< m between a robot and everything else
+  /// Where start, goal or an end of a move is nearer than the clearance, this share of the distance there is
+  /// kept.
+  double share = 0.7;
+  std::uint64_t most_measured = 600;  ///< exact distances in one look, after the first one along a way
+};
+
+class LookAhead {
+ public:
+  /// Held parts that lie on something, and tools that grip, may overlap with it by this, m.
+  static constexpr double kPressing = 0.002;
+  /// Steps along the way near something are at most so long that a body moves by this, m.
+  static constexpr double kResolution = 5e-4;
+  /// The ends of moves on one way that set how near they may come; of later ones the clearance is kept.
+  static constexpr std::size_t kMostEnds = 32;
+
+  LookAhead(GuardBodies& bodies, int robot, const LookAheadOptions& options);
+
+  /// A new way; `ends`: times at which moves end on it. Measures what is near there.
+  void begin(PlannedWay& way, std::span<const double> ends) noexcept;
+
+  struct Answer {
+    double free_until = 0;  ///< time of the plan; infinite: nothing on the way as far as it was looked
+    int pair = -1;          ///< what is in the way then; -1: nothing, or it is not known yet (most_measured)
+    GuardGap gap;
+    double required = 0;  ///< the distance that is kept there, m
+  };
+  /// From `now` to `until`. `stopping`: of each robot, how far its joints can still move, by variable; of
+  /// this one it is not used.
+  Answer look(PlannedWay& way, double now, double until,
+              std::span<const std::vector<double>> stopping) noexcept;
+  /// The highest speed of any point of the robot at the last look, m per s of the plan.
+  double speed() const noexcept { return speed_; }
+
+ private:
+  struct Of {
+    double required = 0;
+    double clear_until = -1;
+    double moved = 0;
+    std::uint32_t version = 0;
+  };
+  void require(std::size_t pair, PlannedWay& way, std::span<const double> ends) noexcept;
+  double drift(const GuardPair& pair, std::span<const std::vector<double>> stopping) const noexcept;
+  bool scan(std::size_t pair, PlannedWay& way, double now, double until, double drift, Answer& out) noexcept;
+  void renew(std::size_t pair, PlannedWay& way) noexcept;
+  bool is_known(std::size_t pair, double until) const noexcept;
+  bool is_still(std::size_t pair) const noexcept;
+  std::uint32_t obstacle_of(const GuardPair& pair) const noexcept {
+    return pair.robot_a == robot_ ? pair.b : pair.a;
+  }
+
+  GuardBodies& bodies_;
+  int robot_;
+  LookAheadOptions options_;
+  std::vector<Of> of_;  // by pair
+  std::vector<std::size_t> mine_;
+  std::vector<double> q_, v_, from_, way_, step_;
+  std::vector<double> ends_;
+  std::uint64_t budget_ = 0;
+  bool is_first_ = true;  // the next look is the first one along the way
+  double speed_ = 0;
+};
+
+}  // namespace polyarm::surroundings

@@ -1,0 +1,42 @@
+#pragma once
+/// What the force sensors of a cell's robots measure, for programs.
+#include <array>
+#include <map>
+#include <string>
+
+#include "polyarm/machine/machine.hpp"
+#include "polyarm/setup/cell_setup.hpp"
+#include "polyarm/setup/observer.hpp"
+
+namespace polyarm::cell {
+
+/// Force in N and torque in Nm: x y z rx ry rz in the axes of the sensor.
+using Wrench = std::array<double, 6>;
+
+/// Cell thread. The references must outlive this object.
+class ForceReadings {
+ public:
+  ForceReadings(const CellSetup& setup, const Machine& machine, Observer& observer)
+      : setup_{setup}, machine_{machine}, observer_{observer} {}
+
+  /// The newest wrench of the robot's sensor, less the one at the last zero(). The first of its states
+  /// ROBOT/SENSOR/force.x is the sensor. Throws Error: no sensor, or it gives no numbers.
+  Wrench wrench(const std::string& robot);
+  void zero(const std::string& robot);
+
+ private:
+  struct Sensor {
+    std::array<std::size_t, 6> states{};
+    bool simulated_as_zero = false;  ///< declared in the cell, and the hardware has no such states
+    Wrench zero{};
+  };
+  Sensor& sensor_of(const std::string& robot);
+  Wrench measured(const Sensor& sensor, const std::string& robot) const;
+
+  const CellSetup& setup_;
+  const Machine& machine_;
+  Observer& observer_;
+  std::map<std::string, Sensor> sensors_;
+};
+
+}  // namespace polyarm::cell

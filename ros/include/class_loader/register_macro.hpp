@@ -1,0 +1,3 @@
+#pragma once
+#include "pluginlib/class_list_macros.hpp"
+#define CLASS_LOADER_REGISTER_CLASS(TYPE, BASE) PLUGINLIB_EXPORT_CLASS(TYPE, BASE)

@@ -1,0 +1,2 @@
+#pragma once
+#include "control_toolbox/custom_validators.hpp"

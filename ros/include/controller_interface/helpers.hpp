@@ -1,0 +1,35 @@
+#pragma once
+#include <algorithm>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace controller_interface {
+
+/// Appends to `out` those of `all` that `names` lists, in its order; true if all were found. Throws
+/// std::range_error if `out` would have to allocate.
+template <typename T>
+bool get_ordered_interfaces(std::vector<T>& all, const std::vector<std::string>& names,
+                            const std::string& type, std::vector<std::reference_wrapper<T>>& out) {
+  if (out.capacity() < names.size())
+    throw std::range_error("ordered_interfaces has room for " + std::to_string(out.capacity()) + " of " +
+                           std::to_string(names.size()) + " interfaces: reserve it in on_configure");
+  for (const std::string& name : names)
+    for (T& each : all) {
+      const std::string& whole = each.get_name();
+      const bool same =
+          type.empty() ? whole == name
+                       : whole.size() == name.size() + 1 + type.size() &&
+                             whole.compare(0, name.size(), name) == 0 && whole[name.size()] == '/' &&
+                             whole.compare(name.size() + 1, std::string::npos, type) == 0;
+      if (same) out.push_back(std::ref(each));
+    }
+  return out.size() == names.size();
+}
+inline bool interface_list_contains_interface_type(const std::vector<std::string>& all,
+                                                   const std::string& type) {
+  return std::find(all.begin(), all.end(), type) != all.end();
+}
+
+}  // namespace controller_interface

@@ -1,0 +1,2 @@
+#pragma once
+#include "parameter_traits/parameter_traits.hpp"

@@ -1,0 +1,72 @@
+#pragma once
+/// Where the topics and actions of a controller's node end: the wrapper of the controller delivers messages to
+/// its subscriptions, takes what it publishes, and hands goals to its action servers. Without a wrapper they
+/// end nowhere.
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <typeinfo>
+#include <vector>
+
+namespace polyarm_ros {
+
+/// A subscription. `deliver` gets a message of type `type`; it copies it.
+struct Listener {
+  std::string topic;
+  const std::type_info* type;
+  std::function<void(const void*)> deliver;
+};
+/// A publisher. `take` is called with each message by the thread that publishes it.
+struct Speaker {
+  std::string topic;
+  const std::type_info* type;
+  std::function<void(const void*)> take;
+};
+enum class GoalEnd : std::uint8_t { succeeded, aborted, canceled };
+/// An action server. `goal` gets a goal message of type `type`, the number that its client knows it by, and
+/// what to call when it ends, with the result; false if the server rejects it. `cancel` is false if the goal
+/// is not under way, or is not to be canceled.
+struct ActionPort {
+  using Ended = std::function<void(std::uint64_t, GoalEnd, const void* result)>;
+  std::string name;
+  const std::type_info* type;
+  std::function<bool(const void*, std::uint64_t, Ended)> goal;
+  std::function<bool(std::uint64_t)> cancel;
+};
+
+/// Of one node. Any thread.
+class Wires {
+ public:
+  /// Set by the wrapper, before the controller names topics: they lead somewhere.
+  bool open = false;
+
+  void add(const std::shared_ptr<Listener>& each) { add_to(listeners_, each); }
+  void add(const std::shared_ptr<Speaker>& each) { add_to(speakers_, each); }
+  void add(const std::shared_ptr<ActionPort>& each) { add_to(actions_, each); }
+  std::vector<std::shared_ptr<Listener>> listeners() const { return alive(listeners_); }
+  std::vector<std::shared_ptr<Speaker>> speakers() const { return alive(speakers_); }
+  std::vector<std::shared_ptr<ActionPort>> actions() const { return alive(actions_); }
+
+ private:
+  template <typename T>
+  void add_to(std::vector<std::weak_ptr<T>>& all, const std::shared_ptr<T>& each) {
+    const std::lock_guard lock(mutex_);
+    all.push_back(each);
+  }
+  template <typename T>
+  std::vector<std::shared_ptr<T>> alive(const std::vector<std::weak_ptr<T>>& all) const {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::shared_ptr<T>> out;
+    for (const auto& each : all)
+      if (auto found = each.lock()) out.push_back(std::move(found));
+    return out;
+  }
+  mutable std::mutex mutex_;
+  std::vector<std::weak_ptr<Listener>> listeners_;
+  std::vector<std::weak_ptr<Speaker>> speakers_;
+  std::vector<std::weak_ptr<ActionPort>> actions_;
+};
+
+}  // namespace polyarm_ros

@@ -1,0 +1,6 @@
+#pragma once
+#include "rcppmath/rolling_mean_accumulator.hpp"
+
+namespace rcpputils {
+using rcppmath::RollingMeanAccumulator;
+}  // namespace rcpputils

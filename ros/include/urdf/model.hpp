@@ -1,0 +1,240 @@
+#pragma once
+/// A robot description as controllers read it: links, joints, their types, limits, axes and origins. Bodies
+/// are not read.
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace urdf {
+
+struct Vector3 {
+  double x = 0, y = 0, z = 0;
+};
+struct Rotation {
+  double x = 0, y = 0, z = 0, w = 1;
+  void setFromRPY(double r, double p, double yaw) {
+    const double cr = std::cos(r / 2), sr = std::sin(r / 2), cp = std::cos(p / 2), sp = std::sin(p / 2);
+    const double cy = std::cos(yaw / 2), sy = std::sin(yaw / 2);
+    x = sr * cp * cy - cr * sp * sy, y = cr * sp * cy + sr * cp * sy;
+    z = cr * cp * sy - sr * sp * cy, w = cr * cp * cy + sr * sp * sy;
+  }
+  void getRPY(double& r, double& p, double& yaw) const {
+    r = std::atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y));
+    p = std::asin(std::fmax(-1, std::fmin(1, 2 * (w * y - z * x))));
+    yaw = std::atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z));
+  }
+};
+struct Pose {
+  Vector3 position;
+  Rotation rotation;
+};
+struct JointLimits {
+  double lower = 0, upper = 0, effort = 0, velocity = 0;
+};
+struct JointSafety {
+  double soft_upper_limit = 0, soft_lower_limit = 0, k_position = 0, k_velocity = 0;
+};
+struct JointDynamics {
+  double damping = 0, friction = 0;
+};
+struct JointMimic {
+  double offset = 0, multiplier = 1;
+  std::string joint_name;
+};
+struct Joint {
+  enum Type { UNKNOWN, REVOLUTE, CONTINUOUS, PRISMATIC, FLOATING, PLANAR, FIXED };
+  std::string name;
+  Type type = UNKNOWN;
+  Vector3 axis{1, 0, 0};
+  std::string child_link_name, parent_link_name;
+  Pose parent_to_joint_origin_transform;
+  std::shared_ptr<JointLimits> limits;
+  std::shared_ptr<JointSafety> safety;
+  std::shared_ptr<JointDynamics> dynamics;
+  std::shared_ptr<JointMimic> mimic;
+};
+struct Link {
+  std::string name;
+  std::shared_ptr<Joint> parent_joint;
+  std::vector<std::shared_ptr<Joint>> child_joints;
+  std::vector<std::shared_ptr<Link>> child_links;
+  std::weak_ptr<Link> parent_link_;
+  std::shared_ptr<Link> getParent() const { return parent_link_.lock(); }
+};
+using JointSharedPtr = std::shared_ptr<Joint>;
+using JointConstSharedPtr = std::shared_ptr<const Joint>;
+using LinkSharedPtr = std::shared_ptr<Link>;
+using LinkConstSharedPtr = std::shared_ptr<const Link>;
+
+namespace detail {
+/// A start tag with its attributes, or an end tag.
+struct Tag {
+  std::string name;
+  std::map<std::string, std::string> attributes;
+  bool ends = false, empty = false;
+  std::string text(const char* key) const {
+    const auto found = attributes.find(key);
+    return found == attributes.end() ? std::string() : found->second;
+  }
+  double number(const char* key, double otherwise) const {
+    const std::string value = text(key);
+    return value.empty() ? otherwise : std::strtod(value.c_str(), nullptr);
+  }
+  Vector3 vector(const char* key, Vector3 otherwise) const {
+    const std::string value = text(key);
+    if (value.empty()) return otherwise;
+    char* at = nullptr;
+    otherwise.x = std::strtod(value.c_str(), &at);
+    otherwise.y = std::strtod(at, &at);
+    otherwise.z = std::strtod(at, &at);
+    return otherwise;
+  }
+};
+/// The next tag from `at` on; none at the end, or if the text is no XML.
+inline std::optional<Tag> next_tag(const std::string& xml, std::size_t& at) {
+  for (;;) {
+    at = xml.find('<', at);
+    if (at == std::string::npos) return std::nullopt;
+    if (xml.compare(at, 4, "<!--") == 0) {
+      at = xml.find("-->", at);
+      continue;
+    }
+    if (at + 1 < xml.size() && (xml[at + 1] == '?' || xml[at + 1] == '!')) {
+      ++at;
+      continue;
+    }
+    break;
+  }
+  Tag out;
+  std::size_t i = at + 1;
+  if (i < xml.size() && xml[i] == '/') out.ends = true, ++i;
+  const auto word = [&](const char* stop) {
+    const std::size_t begin = i;
+    i = std::min(xml.find_first_of(stop, i), xml.size());
+    return xml.substr(begin, i - begin);
+  };
+  out.name = word(" \t\r\n/>");
+  for (;;) {
+    i = std::min(xml.find_first_not_of(" \t\r\n", i), xml.size());
+    if (i >= xml.size()) return std::nullopt;
+    if (xml[i] == '/') out.empty = true, ++i;
+    if (i < xml.size() && xml[i] == '>') break;
+    const std::string key = word("= \t\r\n>");
+    i = xml.find_first_of("\"'>", i);
+    if (i == std::string::npos || xml[i] == '>') return std::nullopt;
+    const char quote = xml[i++];
+    const std::size_t end = xml.find(quote, i);
+    if (end == std::string::npos) return std::nullopt;
+    out.attributes[key] = xml.substr(i, end - i);
+    i = end + 1;
+  }
+  at = i + 1;
+  return out;
+}
+}  // namespace detail
+
+class ModelInterface {
+ public:
+  std::string name_;
+  std::map<std::string, LinkSharedPtr> links_;
+  std::map<std::string, JointSharedPtr> joints_;
+  LinkSharedPtr root_link_;
+
+  const std::string& getName() const { return name_; }
+  LinkConstSharedPtr getRoot() const { return root_link_; }
+  LinkConstSharedPtr getLink(const std::string& name) const {
+    const auto found = links_.find(name);
+    return found == links_.end() ? nullptr : found->second;
+  }
+  JointConstSharedPtr getJoint(const std::string& name) const {
+    const auto found = joints_.find(name);
+    return found == joints_.end() ? nullptr : found->second;
+  }
+
+  /// False if the text is no robot description.
+  bool initString(const std::string& xml) {
+    *this = {};
+    std::size_t at = 0;
+    std::vector<std::string> path;
+    JointSharedPtr joint;
+    while (const auto tag = detail::next_tag(xml, at)) {
+      if (tag->ends) {
+        if (path.empty() || path.back() != tag->name) return false;
+        path.pop_back();
+        if (path.size() == 1) joint = nullptr;
+        continue;
+      }
+      if (path.empty() && tag->name == "robot") name_ = tag->text("name");
+      if (path.size() == 1 && path[0] == "robot") begin(*tag, joint);
+      if (path.size() == 2 && joint) take(*tag, *joint);
+      if (!tag->empty) path.push_back(tag->name);
+      if (path.size() == 1) joint = nullptr;
+    }
+    return path.empty() && connect();
+  }
+
+ private:
+  void begin(const detail::Tag& tag, JointSharedPtr& joint) {
+    if (tag.name == "link") {
+      auto link = std::make_shared<Link>();
+      link->name = tag.text("name");
+      links_[link->name] = link;
+    } else if (tag.name == "joint") {
+      static const std::map<std::string, Joint::Type> types = {
+          {"revolute", Joint::REVOLUTE},   {"continuous", Joint::CONTINUOUS}, {"prismatic", Joint::PRISMATIC},
+          {"floating", Joint::FLOATING}, {"planar", Joint::PLANAR},         {"fixed", Joint::FIXED}};
+      joint = std::make_shared<Joint>();
+      joint->name = tag.text("name");
+      const auto type = types.find(tag.text("type"));
+      if (type != types.end()) joint->type = type->second;
+      joints_[joint->name] = joint;
+    }
+  }
+  static void take(const detail::Tag& tag, Joint& joint) {
+    if (tag.name == "parent") joint.parent_link_name = tag.text("link");
+    if (tag.name == "child") joint.child_link_name = tag.text("link");
+    if (tag.name == "axis") joint.axis = tag.vector("xyz", joint.axis);
+    if (tag.name == "origin") {
+      Pose& origin = joint.parent_to_joint_origin_transform;
+      origin.position = tag.vector("xyz", {});
+      const Vector3 angles = tag.vector("rpy", {});
+      origin.rotation.setFromRPY(angles.x, angles.y, angles.z);
+    }
+    if (tag.name == "limit")
+      joint.limits = std::make_shared<JointLimits>(
+          JointLimits{tag.number("lower", 0), tag.number("upper", 0), tag.number("effort", 0),
+                      tag.number("velocity", 0)});
+    if (tag.name == "safety_controller")
+      joint.safety = std::make_shared<JointSafety>(
+          JointSafety{tag.number("soft_upper_limit", 0), tag.number("soft_lower_limit", 0),
+                      tag.number("k_position", 0), tag.number("k_velocity", 0)});
+    if (tag.name == "dynamics")
+      joint.dynamics = std::make_shared<JointDynamics>(
+          JointDynamics{tag.number("damping", 0), tag.number("friction", 0)});
+    if (tag.name == "mimic")
+      joint.mimic = std::make_shared<JointMimic>(
+          JointMimic{tag.number("offset", 0), tag.number("multiplier", 1), tag.text("joint")});
+  }
+  bool connect() {
+    for (const auto& [name, joint] : joints_) {
+      const auto parent = links_.find(joint->parent_link_name), child = links_.find(joint->child_link_name);
+      if (parent == links_.end() || child == links_.end()) return false;
+      child->second->parent_joint = joint;
+      child->second->parent_link_ = parent->second;
+      parent->second->child_joints.push_back(joint);
+      parent->second->child_links.push_back(child->second);
+    }
+    for (const auto& [name, link] : links_)
+      if (!link->parent_joint) root_link_ = link;
+    return root_link_ != nullptr;
+  }
+};
+using ModelInterfaceSharedPtr = std::shared_ptr<ModelInterface>;
+class Model : public ModelInterface {};
+
+}  // namespace urdf

@@ -1,0 +1,238 @@
+/// Guards in a running cell: robots stop before contacts, wait for each other, and say why.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "polyarm/setup/cell_file.hpp"
+#include "tests/support/lock_step_cell.hpp"
+
+namespace polyarm::cell {
+namespace {
+
+using test::Folder;
+using test::Json;
+using test::LockStepCell;
+
+constexpr double kBall = 0.02, kFace = 0.45;  // radius; the near face of the wall
+const std::string kNearWall = "  wall: {box: [0.1, 1, 1], at: [0.5, 0, 0]}\n";
+
+/// Three slides that carry a ball.
+std::string gantry() {
+  std::string out = "<robot name=\"gantry\"><link name=\"base\"/>";
+  const std::string links[] = {"base", "one", "two", "ball"};
+  for (int i = 0; i < 3; ++i) {
+    const std::string axis = i == 0 ? "1 0 0" : i == 1 ? "0 1 0" : "0 0 1";
+    out += "<link name=\"" + links[i + 1] + "\">";
+    if (i == 2) out += "<collision><geometry><sphere radius=\"0.02\"/></geometry></collision>";
+    out += "</link><joint name=\"slide_" + std::string(1, "xyz"[i]) +
+           "\" type=\"prismatic\"><parent link=\"" + links[i] + "\"/><child link=\"" + links[i + 1] +
+           "\"/><axis xyz=\"" + axis +
+           "\"/><limit lower=\"-2\" upper=\"2\" velocity=\"1\" effort=\"100\"/></joint>";
+  }
+  return out + "</robot>";
+}
+
+class GuardsTest : public ::testing::Test {
+ protected:
+  GuardsTest() { folder.write("gantry.urdf", gantry()); }
+
+  /// `waits`: a person starts the program and resumes.
+  void build(const std::string& program, const std::string& more = "", bool waits = false, bool two = false) {
+    folder.write("go.script", program);
+    folder.write("scene.yaml", "polyarm: scene/1\nfloor: {height: -5}\nfixtures:\n" + fixtures);
+    folder.write(
+        "cell.yaml",
+        "polyarm: cell/1\nrobots:\n  left: {model: gantry.urdf, hardware: mock}\n" +
+            std::string(two ? "  right: {model: gantry.urdf, hardware: mock, at: [1, 0, 0]}\n" : "") +
+            "scene: scene.yaml\n" + (program.empty() ? "" : "program: go\n") + more);
+    hardware::register_driver(
+        "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
+    CellOptions options;
+    options.waits = waits;
+    cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()), options);
+    cell->run(0.05);
+    if (waits && !program.empty()) ASSERT_TRUE(cell->ask({{"request", "program.start"}})["ok"].get<bool>());
+  }
+  double x(std::size_t robot = 0) { return cell->cell().tcp(robot).position.x; }
+  double z(std::size_t robot = 0) { return cell->cell().tcp(robot).position.z; }
+  std::string state() { return cell->result({{"request", "health"}})["state"]; }
+  std::string failure() { return cell->cell().failure() ? cell->cell().failure()->problem.code : ""; }
+
+  Folder folder;
+  std::string fixtures = kNearWall;
+  std::unique_ptr<LockStepCell> cell;
+};
+
+TEST_F(GuardsTest, AMoveStopsOnItsPathBeforeTheContactAndSaysBetweenWhat) {
+  build("movej joints(0.9rad, 0rad, 0rad)\n");
+  double most = 0;
+  for (int i = 0; i < 3000 && failure().empty(); ++i) {
+    cell->tick();
+    most = std::max(most, x());
+  }
+  cell->run(0.5);
+  ASSERT_EQ(failure(), "guard");
+  const Problem& why = cell->cell().failure()->problem;
+  EXPECT_NE(why.what.find("left/ball would come within"), std::string::npos) << why.what;
+  EXPECT_NE(why.what.find("fixture wall"), std::string::npos) << why.what;
+  EXPECT_EQ(why.where.line, 1);
+  EXPECT_LE(std::max(most, x()), kFace - kBall - 0.004);
+  EXPECT_GE(x(), kFace - kBall - 0.015) << "not long before it";
+}
+
+TEST_F(GuardsTest, WithoutGuardsItGoesThrough) {
+  build("movej joints(0.9rad, 0rad, 0rad)\n", "guards: off\n");
+  cell->run(4);
+  EXPECT_NEAR(x(), 0.9, 1e-6);
+  build("movej joints(0.9rad, 0rad, 0rad)\n", "guards: {moves: false}\n");
+  cell->run(4);
+  EXPECT_NEAR(x(), 0.9, 1e-6);
+}
+
+TEST_F(GuardsTest, AMoveThatStaysClearTakesAsLongAsWithoutGuards) {
+  const auto run = [&](const std::string& more) {
+    build("movej joints(0.42rad, 0rad, 0rad)\nmovej joints(0rad, 0.3rad, 0.1rad)\n", more);
+    std::vector<double> out;
+    for (int i = 0; i < 2000; ++i) {
+      cell->tick();
+      out.push_back(x());
+    }
+    return out;
+  };
+  EXPECT_EQ(run(""), run("guards: off\n")) << "bit for bit";
+}
+
+TEST_F(GuardsTest, APersonResumesWhenTheWayIsFreeAndNotBefore) {
+  build("movej joints(0.9rad, 0rad, 0rad)\n", "", true);
+  cell->run(4);
+  ASSERT_EQ(state(), "held");
+  const double there = x();
+  EXPECT_GT(there, 0.4);
+  EXPECT_EQ(cell->cell().stop_cause().code, "guard");
+  EXPECT_TRUE(cell->ask({{"request", "control.resume"}})["ok"].get<bool>());
+  cell->run(2);
+  EXPECT_EQ(state(), "held");
+  EXPECT_NEAR(x(), there, 0.002);
+}
+
+TEST_F(GuardsTest, JoggingStopsBeforeTheWallAndNamesIt) {
+  build("", "", true);
+  double session = 0;
+  Json answer;
+  const auto jog = [&](double speed, double seconds) {
+    for (double t = 0; t < seconds; t += 0.05) {
+      Json request{{"request", "jog"}, {"joints", {{"slide_x", speed}}}};
+      if (session != 0) request["session"] = session;
+      answer = cell->result(request);
+      ASSERT_TRUE(answer.contains("session")) << answer;
+      session = answer["session"];
+      cell->run(0.05);
+    }
+  };
+  jog(0.5, 3);
+  EXPECT_NEAR(x(), kFace - kBall - 0.001, 0.0011);
+  jog(0.5, 0.1);
+  EXPECT_EQ(answer["held_back"], "body") << answer;
+  EXPECT_EQ(answer["which"], "fixture wall");
+  EXPECT_EQ(answer["reason"], "near fixture wall");
+  jog(-0.5, 0.5);
+  EXPECT_LT(x(), kFace - kBall - 0.05) << "away freely";
+}
+
+TEST_F(GuardsTest, AStreamedTargetBehindTheWallIsFollowedUpToIt) {
+  build("", "", true);
+  double session = 0;
+  for (double t = 0; t < 3; t += 0.05) {
+    Json request{{"request", "target"}, {"joints", {{"slide_x", 0.9}, {"slide_y", 0.0}, {"slide_z", 0.0}}}};
+    if (session != 0) request["session"] = session;
+    const Json answer = cell->result(request);
+    ASSERT_TRUE(answer.contains("session")) << answer;
+    session = answer["session"];
+    cell->run(0.05);
+  }
+  EXPECT_NEAR(x(), kFace - kBall - 0.001, 0.0011);
+}
+
+TEST_F(GuardsTest, AZoneOfBodiesHoldsForTheBallAndNotOnlyForItsMiddle) {
+  fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
+  const std::string zone = "workspace:\n  roof: {plane: [0, 0, 0.3], normal: [0, 0, -1], of: bodies}\n";
+  build("movej joints(0rad, 0rad, 0.29rad)\n", zone);
+  cell->run(3);
+  EXPECT_EQ(failure(), "guard");
+  EXPECT_LE(z(), 0.3 - kBall + 1e-3);
+  EXPECT_NE(cell->cell().failure()->problem.what.find("zone roof"), std::string::npos);
+}
+
+TEST_F(GuardsTest, OfTwoRobotsOneWaitsUntilTheOtherHasGone) {
+  fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
+  build(
+      "task a\n  use robot left\n  movej joints(0.8rad, 0rad, 0rad)\nend\n"
+      "task b\n  use robot right\n  movej joints(-0.4rad, 0rad, 0rad)\n  wait 1s\n  movej joints(-0.4rad, "
+      "0.6rad, 0rad)\nend\n",
+      "", false, true);
+  double nearest = 1e9;
+  for (int i = 0; i < 5000 && !cell->cell().finished() && failure().empty(); ++i) {
+    cell->tick();
+    nearest =
+        std::min(nearest, norm(cell->cell().tcp(0).position - cell->cell().tcp(1).position) - 2 * kBall);
+  }
+  EXPECT_EQ(failure(), "");
+  EXPECT_TRUE(cell->cell().finished());
+  EXPECT_NEAR(x(0), 0.8, 1e-6);
+  EXPECT_GE(nearest, 0.004);
+  EXPECT_EQ(cell->told("left waits for right: left/ball would come within"), 1);
+}
+
+TEST_F(GuardsTest, TwoThatWaitForEachOtherAreNamed) {
+  fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
+  build(
+      "task a\n  use robot left\n  movej joints(0.9rad, 0rad, 0rad)\nend\n"
+      "task b\n  use robot right\n  movej joints(-0.9rad, 0rad, 0rad)\nend\n",
+      "", false, true);
+  double nearest = 1e9;
+  for (int i = 0; i < 5000 && failure().empty(); ++i) {
+    cell->tick();
+    nearest = std::min(nearest, x(1) - x(0) - 2 * kBall);
+  }
+  EXPECT_EQ(failure(), "guard-deadlock");
+  EXPECT_GE(nearest, 0.004);
+  EXPECT_LE(nearest, 0.15);
+}
+
+TEST_F(GuardsTest, RobotsInStepSlowDownTogether) {
+  fixtures = "  wall: {box: [0.1, 1, 0.2], at: [0.5, 0, 0]}\n";
+  build(
+      "together\n  movej joints(0.9rad, 0rad, 0rad), robot left\n  movej joints(0rad, 0rad, 0.9rad), robot "
+      "right\nend\n",
+      "", true, true);
+  for (int i = 0; i < 2000; ++i) {
+    cell->tick();
+    ASSERT_NEAR(x(0), z(1), 0.01) << i;
+  }
+  EXPECT_EQ(state(), "held");
+  EXPECT_GT(x(0), 0.4);
+}
+
+TEST_F(GuardsTest, BadEntriesAreNamed) {
+  const auto code = [&](const std::string& more) {
+    try {
+      build("log(1)\n", more);
+    } catch (const Error& e) {
+      return e.problems().front().what;
+    }
+    return std::string("none");
+  };
+  EXPECT_EQ(code("guards: sometimes\n"), "guards is 'sometimes'");
+  EXPECT_EQ(code("guards: {clearance: -1mm}\n"), "clearance is -1mm");
+  EXPECT_NE(code("guards: {speed: 1}\n").find("speed"), std::string::npos);
+  EXPECT_EQ(code("workspace:\n  roof: {plane: [0, 0, 1], normal: [0, 0, 1], of: hands}\n"),
+            "the zone 'roof' is of 'hands'");
+  EXPECT_EQ(code("guards: {clearance: 2mm, slow_from: 0mm}\n"), "none");
+}
+
+}  // namespace
+}  // namespace polyarm::cell

@@ -1,0 +1,263 @@
+/// Arms that are jogged at random among obstacles: none ever touches one, and each can always leave.
+#include "polyarm/jog/body_guard.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <random>
+
+#include "tests/collision/judge.hpp"
+#include "tests/jog/jog_rig.hpp"
+#include "tests/support/realtime_guard.hpp"
+
+namespace polyarm::jog {
+namespace {
+
+using surroundings::GuardBodies;
+using surroundings::GuardPair;
+using surroundings::Moment;
+using test::JogRig;
+using test::joint_wish;
+using test::tcp_wish;
+
+constexpr double kClearance = 0.005;
+
+/// An arm among random obstacles, with a guard that looks every 2 ms.
+struct Among {
+  Among(const std::string& arm, std::uint64_t seed, int obstacles) : rig(arm), random(seed) {
+    scene.floor = false;
+    const double reach = rig.chain.reach();
+    while (static_cast<int>(world.size()) < obstacles) {
+      collision::NamedShape one = collision::random_world(random, 0.8 * reach, 1).front();
+      one.name = "obstacle " + std::to_string(world.size());
+      if (norm(one.shape.pose.position) < 0.4 * reach) continue;  // the base stands there
+      description::Fixture fixture;
+      fixture.name = one.name;
+      fixture.shapes = {one.shape};
+      scene.fixtures.push_back(fixture);
+      world.push_back(std::move(one));
+    }
+    robot = {"arm", &rig.model, nullptr, -1, false, {}};
+    robot.body = surroundings::robot_body(robot);
+    bodies = std::make_unique<GuardBodies>(std::vector{robot}, scene);
+    exact = std::make_unique<GuardBodies>(std::vector{robot}, scene);
+    guard =
+        std::make_unique<BodyGuard>(*bodies, 0, test::axis_limits(rig.model), BodyGuardOptions{kClearance});
+    nobody.assign(1, std::vector<double>(rig.chain.joints(), 0.0));
+  }
+  static Moment at(const std::vector<double>& q) {
+    Moment out;
+    out.robots = {{{}, q}};
+    return out;
+  }
+  /// The smallest distance from an obstacle, and between links.
+  double distance() {
+    exact->look(at(rig.joints()));
+    double out = 1e9;
+    for (const GuardPair& pair : exact->pairs())
+      if (pair.active) out = std::min(out, exact->gap_of(pair, 0.1).distance + (pair.own ? kClearance : 0));
+    return out;
+  }
+  /// A free state, or false.
+  bool start() {
+    for (int i = 0; i < 400; ++i) {
+      rig.start(collision::random_state(rig.model, random));
+      before = rig.joints();
+      if (distance() > kClearance + 0.01) return true;
+    }
+    return false;
+  }
+  void look() {
+    const std::vector<double> q = rig.joints();
+    std::vector<double> v(q.size());
+    for (std::size_t j = 0; j < q.size(); ++j) v[j] = (q[j] - before[j]) / 0.002;
+    before = q;
+    bodies->look(at(q));
+    guard->fill(v, nobody, barriers);
+    rig.generator.set_barriers(&barriers);
+  }
+  /// One wish for a time; false when a law is broken. Counts the nearest.
+  bool run(const JogWish& wish, double seconds) {
+    for (int i = 0; i < seconds / rig.dt; ++i) {
+      if (i % 2 == 0) look();
+      if (!rig.step(wish)) return false;
+      if (i % 20 == 0) nearest = std::min(nearest, distance());
+      held += rig.generator.hold() == JogHold::body;
+    }
+    nearest = std::min(nearest, distance());
+    return true;
+  }
+
+  JogRig rig;
+  kinematics::Random random;
+  description::Scene scene;
+  std::vector<collision::NamedShape> world;
+  surroundings::Robot robot;
+  std::unique_ptr<GuardBodies> bodies, exact;
+  std::unique_ptr<BodyGuard> guard;
+  std::vector<std::vector<double>> nobody;
+  std::vector<double> before;
+  Barriers barriers;
+  double nearest = 1e9;
+  long held = 0;
+};
+
+JogWish random_wish(Among& among, std::mt19937_64& engine) {
+  std::uniform_real_distribution<double> even(-1, 1);
+  const JogRig& rig = among.rig;
+  JogWish wish;
+  switch (engine() % 5) {
+    case 0:
+      return joint_wish(engine() % rig.chain.joints(), 2 * even(engine));
+    case 1:
+      wish.kind = JogWish::Kind::joint_velocity;
+      for (std::size_t j = 0; j < rig.chain.joints(); ++j) wish.joints[j] = 1.5 * even(engine);
+      return wish;
+    case 2:
+      return tcp_wish({0.5 * even(engine), 0.5 * even(engine), 0.5 * even(engine)});
+    case 3:
+      return tcp_wish({0.3 * even(engine), 0.3 * even(engine), 0.3 * even(engine), even(engine), even(engine),
+                       even(engine)},
+                      true);
+    default:
+      wish.kind = engine() % 2 ? JogWish::Kind::joint_target : JogWish::Kind::tcp_target;
+      for (std::size_t j = 0; j < rig.chain.joints(); ++j) wish.joints[j] = rig.joints()[j] + even(engine);
+      wish.target = rig.tcp();
+      wish.target.position =
+          wish.target.position + Vec3{0.3 * even(engine), 0.3 * even(engine), 0.3 * even(engine)};
+      return wish;
+  }
+}
+
+/// POLYARM_JOGS: how many jogs for each arm.
+long jogs() {
+  const char* const given = std::getenv("POLYARM_JOGS");
+  return given ? std::atol(given) : 200;
+}
+
+TEST(BodyGuard, RandomJogsAmongObstaclesTouchNothing) {
+  for (const std::string arm : {"universal_robots/ur5e", "fanuc/lr_mate_200id", "universal_robots/ur3"}) {
+    std::mt19937_64 engine(21);
+    std::uniform_real_distribution<double> even(0, 1);
+    double nearest = 1e9, moved = 0;
+    long held = 0, cycles = 0;
+    std::uint64_t measured = 0, most = 0;
+    for (long i = 0; i < jogs();) {
+      Among among(arm, engine(), 12);
+      if (!among.start()) continue;
+      for (int k = 0; k < 25 && i < jogs(); ++k, ++i) {
+        const Vec3 before = among.rig.tcp().position;
+        const std::uint64_t had = among.bodies->measured();
+        ASSERT_TRUE(among.run(random_wish(among, engine), 0.05 + 0.4 * even(engine)))
+            << arm << " " << among.rig.broken;
+        most = std::max(most, among.bodies->measured() - had);
+        moved += norm(among.rig.tcp().position - before);
+      }
+      ASSERT_GT(among.nearest, 0.001) << arm << " jog " << i;
+      nearest = std::min(nearest, among.nearest);
+      held += among.held, cycles += static_cast<long>(among.rig.cycles);
+      measured += among.bodies->measured();
+    }
+    EXPECT_GT(nearest, kClearance - 0.001) << arm;
+    EXPECT_GT(held, 10) << arm;
+    EXPECT_GT(moved, 0.01 * static_cast<double>(jogs())) << arm;
+    std::printf(
+        "%-24s %ld jogs, %ld cycles, %.1f m, nearest %.2f mm, held back in %ld cycles, %.1f distances a "
+        "tick\n",
+        arm.c_str(), jogs(), cycles, moved, 1e3 * nearest, held,
+        2.0 * static_cast<double>(measured) / static_cast<double>(cycles));
+  }
+}
+
+/// A UR5e above a table.
+struct AboveATable : Among {
+  AboveATable() : Among("universal_robots/ur5e", 1, 0) {
+    description::Fixture table;
+    table.name = "table";
+    description::Shape top;
+    top.size = {3, 3, 0.1};
+    table.shapes = {top};
+    table.pose.position = {0, 0, -0.05};
+    scene.fixtures = {table};
+    bodies = std::make_unique<GuardBodies>(std::vector{robot}, scene);
+    exact = std::make_unique<GuardBodies>(std::vector{robot}, scene);
+    guard =
+        std::make_unique<BodyGuard>(*bodies, 0, test::axis_limits(rig.model), BodyGuardOptions{kClearance});
+    rig.start({0.3, -1.2, 1.6, -1.9, -1.4, 0.5});
+    before = rig.joints();
+  }
+};
+
+TEST(BodyGuard, TheTcpComesDownToTheClearanceAndStops) {
+  AboveATable arm;
+  ASSERT_TRUE(arm.run(tcp_wish({0, 0, -0.2}), 4)) << arm.rig.broken;
+  EXPECT_EQ(arm.rig.generator.hold(), JogHold::body);
+  EXPECT_LT(arm.rig.generator.tcp_speed(), 1e-3);
+  EXPECT_NEAR(arm.distance(), kClearance, 0.0015);
+  ASSERT_TRUE(arm.run(tcp_wish({0, 0, 0.2}), 0.5));
+  EXPECT_GT(arm.distance(), 0.03) << "it goes away freely";
+}
+
+TEST(BodyGuard, TheTcpSlidesAlong) {
+  AboveATable arm;
+  ASSERT_TRUE(arm.run(tcp_wish({0, 0, -0.2}), 4));
+  const Vec3 before = arm.rig.tcp().position;
+  ASSERT_TRUE(arm.run(tcp_wish({0, 0.1, -0.1}), 1)) << arm.rig.broken;
+  EXPECT_GT(arm.rig.tcp().position.y - before.y, 0.05);
+  EXPECT_GT(arm.distance(), kClearance - 0.001);
+  EXPECT_EQ(arm.rig.generator.hold(), JogHold::body);
+}
+
+TEST(BodyGuard, OneJointAloneDoesNotMoveOthers) {
+  AboveATable arm;
+  const std::vector<double> before = arm.rig.joints();
+  ASSERT_TRUE(arm.run(joint_wish(1, 0.5), 5)) << arm.rig.broken;
+  for (std::size_t j = 0; j < before.size(); ++j) EXPECT_EQ(arm.rig.joints()[j] == before[j], j != 1) << j;
+  EXPECT_GT(arm.distance(), kClearance - 0.001);
+}
+
+TEST(BodyGuard, AnArmThatIsTooNearMayOnlyLeave) {
+  AboveATable arm;
+  ASSERT_TRUE(arm.run(tcp_wish({0, 0, -0.2}), 4));
+  arm.scene.fixtures[0].pose.position.z += 0.008;  // it comes up: 3 mm inside
+  arm.bodies = std::make_unique<GuardBodies>(std::vector{arm.robot}, arm.scene);
+  arm.exact = std::make_unique<GuardBodies>(std::vector{arm.robot}, arm.scene);
+  arm.guard = std::make_unique<BodyGuard>(*arm.bodies, 0, test::axis_limits(arm.rig.model),
+                                          BodyGuardOptions{kClearance});
+  arm.rig.start(arm.rig.joints());
+  const double start = arm.distance();
+  ASSERT_LT(start, 0);
+  ASSERT_TRUE(arm.run(tcp_wish({0, 0, -0.1}), 0.5)) << arm.rig.broken;
+  EXPECT_GT(arm.distance(), start - 0.0005);
+  EXPECT_TRUE(arm.barriers.touching);
+  ASSERT_TRUE(arm.run(tcp_wish({0, 0, 0.1}), 1)) << arm.rig.broken;
+  EXPECT_GT(arm.distance(), kClearance);
+}
+
+TEST(BodyGuard, ATickAndACycleAllocateNothing) {
+  Among among("universal_robots/ur5e", 3, 50);
+  ASSERT_TRUE(among.start());
+  const std::vector<double> still(6, 0.0);
+  const JogWish wish = tcp_wish({0.1, 0.1, -0.1});
+  Moment moment = Among::at(among.rig.joints());
+  among.bodies->look(moment);
+  std::string violations;
+  {
+    test::RealtimeGuard guard;
+    for (int i = 0; i < 1000; ++i) {
+      for (std::size_t j = 0; j < 6; ++j) moment.robots[0].joints[j] = among.rig.generator.axis(j).position;
+      among.bodies->look(moment);
+      among.guard->fill(still, among.nobody, among.barriers);
+      among.rig.generator.set_barriers(&among.barriers);
+      among.rig.generator.step(wish, among.rig.limits);
+      among.rig.generator.step(wish, among.rig.limits);
+    }
+    violations = guard.violations();
+  }
+  EXPECT_EQ(violations, "");
+}
+
+}  // namespace
+}  // namespace polyarm::jog

@@ -1,0 +1,219 @@
+/// What a look along a planned way finds, against many samples of it.
+#include "polyarm/surroundings/look_ahead.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "tests/collision/judge.hpp"
+#include "tests/support/realtime_guard.hpp"
+#include "tests/surroundings/gantry.hpp"
+
+namespace polyarm::surroundings {
+namespace {
+
+using kinematics::Random;
+
+/// Straight in joint space, at a constant rate.
+class Straight : public PlannedWay {
+ public:
+  Straight(std::vector<double> from, std::vector<double> to, double duration)
+      : from_(std::move(from)), to_(std::move(to)), acceleration_(from_.size(), 1.0), duration_(duration) {}
+  double duration() const noexcept override { return duration_; }
+  void at(double time, std::span<double> q, std::span<double> v) noexcept override {
+    const double s = std::clamp(time / duration_, 0.0, 1.0);
+    for (std::size_t j = 0; j < from_.size(); ++j) {
+      if (!q.empty()) q[j] = from_[j] + s * (to_[j] - from_[j]);
+      if (!v.empty()) v[j] = (to_[j] - from_[j]) / duration_;
+    }
+  }
+  std::span<const double> acceleration() const noexcept override { return acceleration_; }
+
+ private:
+  std::vector<double> from_, to_, acceleration_;
+  double duration_;
+};
+
+struct ClutteredCell {
+  ClutteredCell(Random& random, int obstacles) : model(collision::random_robot(random, 6)) {
+    scene.floor = false;
+    for (const collision::NamedShape& one : collision::random_world(random, 1.3, obstacles)) {
+      description::Fixture fixture;
+      fixture.name = one.name;
+      fixture.shapes = {one.shape};
+      scene.fixtures.push_back(fixture);
+    }
+  }
+  Moment at(const std::vector<double>& q) const {
+    Moment out;
+    out.robots = {{{}, q}};
+    return out;
+  }
+  description::RobotModel model;
+  description::Scene scene;
+};
+
+double room(GuardBodies& bodies, double clearance) {
+  double out = 1e9;
+  for (const GuardPair& pair : bodies.pairs())
+    if (pair.active) out = std::min(out, bodies.gap_of(pair, 1e9).distance - (pair.own ? 0 : clearance));
+  return out;
+}
+
+TEST(LookAhead, NothingNearerThanTheClearanceIsOnTheWayThatItCallsFree) {
+  constexpr double kClearance = 0.01;
+  Random random(11);
+  int ways = 0, blocked = 0, early = 0;
+  for (int w = 0; w < 40; ++w) {
+    ClutteredCell cell(random, 6);
+    const Robot robot{"arm", &cell.model, nullptr, -1, true, {}};
+    GuardBodies bodies({robot}, cell.scene), exact({robot}, cell.scene);
+    LookAhead ahead(bodies, 0, {kClearance, 0.7, 5000});
+    for (int i = 0; i < 6; ++i) {
+      const std::vector<double> from = collision::random_state(cell.model, random),
+                                to = collision::random_state(cell.model, random);
+      exact.look(cell.at(from));
+      if (room(exact, kClearance) < 0.01) continue;
+      exact.look(cell.at(to));
+      if (room(exact, kClearance) < 0.01) continue;
+      ++ways;
+      Straight way(from, to, 2);
+      bodies.look(cell.at(from));
+      ahead.begin(way, {});
+      const std::vector<std::vector<double>> nobody(1, std::vector<double>(from.size(), 0.0));
+      const LookAhead::Answer answer = ahead.look(way, 0, 2, nobody);
+      constexpr int kSamples = 400;
+      double first = INFINITY;
+      std::vector<double> q(from.size());
+      for (int k = 0; k <= kSamples && first > 2; ++k) {
+        way.at(2.0 * k / kSamples, q, {});
+        exact.look(cell.at(q));
+        const double here = room(exact, kClearance);
+        if (here < 0) first = 2.0 * k / kSamples;
+        if (2.0 * k / kSamples < answer.free_until) ASSERT_GE(here, -0.001) << w << " " << i << " " << k;
+      }
+      blocked += std::isfinite(first);
+      if (std::isfinite(answer.free_until)) {
+        ASSERT_GE(answer.pair, 0);
+        early += answer.free_until < first - 0.02;
+      }
+    }
+  }
+  EXPECT_GT(ways, 40);
+  EXPECT_GT(blocked, 10);
+  EXPECT_LE(early, ways / 20) << "false alarms";
+  std::printf("%d ways, %d blocked, %d early\n", ways, blocked, early);
+}
+
+TEST(LookAhead, AGoalNearSomethingMayBeReached) {
+  const description::RobotModel model = gantry();
+  description::Scene scene;
+  scene.floor = false;
+  scene.fixtures = {fixture("wall", {0.1, 1, 1}, {0.5, 0, 0})};  // its face is at x = 0.45
+  GuardBodies bodies({{"arm", &model, nullptr, -1, false, {}}}, scene);
+  LookAhead ahead(bodies, 0, {});
+  const std::vector<std::vector<double>> nobody(1, std::vector<double>(3, 0.0));
+  const auto free_until = [&](double to) {
+    Straight way({0, 0, 0}, {to, 0, 0}, 1);
+    bodies.look(at(0, 0, 0));
+    ahead.begin(way, {});
+    return ahead.look(way, 0, 1, nobody).free_until;
+  };
+  EXPECT_TRUE(std::isinf(free_until(0.40)));
+  EXPECT_TRUE(std::isinf(free_until(0.429))) << "1 mm before the wall, where somebody taught it";
+  const double hit = free_until(0.44);  // 10 mm inside
+  EXPECT_NEAR(hit * 0.44, 0.43, 0.001) << "up to the wall";
+  EXPECT_NEAR(free_until(0.8) * 0.8, 0.425, 0.002)
+      << "the clearance before the wall; beyond it nothing is near";
+}
+
+TEST(LookAhead, AStartInsideSomethingMayBeLeft) {
+  const description::RobotModel model = gantry();
+  description::Scene scene;
+  scene.floor = false;
+  scene.fixtures = {fixture("wall", {0.1, 1, 1}, {0.5, 0, 0})};
+  GuardBodies bodies({{"arm", &model, nullptr, -1, false, {}}}, scene);
+  LookAhead ahead(bodies, 0, {});
+  const std::vector<std::vector<double>> nobody(1, std::vector<double>(3, 0.0));
+  Straight out({0.435, 0, 0}, {0.2, 0, 0}, 1), in({0.435, 0, 0}, {0.5, 0, 0}, 1);
+  bodies.look(at(0.435, 0, 0));
+  ahead.begin(out, {});
+  EXPECT_TRUE(std::isinf(ahead.look(out, 0, 1, nobody).free_until));
+  ahead.begin(in, {});
+  EXPECT_LT(ahead.look(in, 0, 1, nobody).free_until, 0.02);
+}
+
+TEST(LookAhead, AnObstacleThatComesIsSeenAndOneThatLeavesIsForgotten) {
+  const description::RobotModel model = gantry();
+  description::Scene scene;
+  scene.floor = false;
+  description::Mover mover;
+  mover.name = "gate";
+  mover.axis = {0, 0, 1};
+  scene.movers = {mover};
+  scene.fixtures = {fixture("gate", {0.1, 1, 0.2}, {0.5, 0, 1})};
+  scene.fixtures[0].mover = "gate";
+  GuardBodies bodies({{"arm", &model, nullptr, -1, false, {}}}, scene);
+  LookAhead ahead(bodies, 0, {});
+  const std::vector<std::vector<double>> nobody(1, std::vector<double>(3, 0.0));
+  Straight way({0, 0, 0}, {1, 0, 0}, 1);
+  Moment moment = at(0, 0, 0);
+  const auto free_until = [&](double gate) {
+    moment.movers = {gate};
+    bodies.look(moment);
+    return ahead.look(way, 0, 1, nobody).free_until;
+  };
+  moment.movers = {0};
+  bodies.look(moment);
+  ahead.begin(way, {});
+  EXPECT_TRUE(std::isinf(free_until(0)));
+  EXPECT_NEAR(free_until(-1), 0.425, 0.002);
+  EXPECT_NEAR(free_until(-1), 0.425, 0.002) << "also when it stands";
+  EXPECT_TRUE(std::isinf(free_until(-0.5)));
+}
+
+TEST(LookAhead, TwoRobotsCountHowFarTheOtherStillGoes) {
+  const description::RobotModel model = gantry();
+  description::Scene scene;
+  scene.floor = false;
+  GuardBodies bodies({{"left", &model, nullptr, -1, true, {}}, {"right", &model, nullptr, -1, true, {}}},
+                     scene);
+  LookAhead ahead(bodies, 0, {});
+  Moment moment;
+  moment.robots = {{{}, {0, 0, 0}}, {{{1, 0, 0}, {}}, {0, 0, 0}}};
+  Straight way({0, 0, 0}, {1, 0, 0}, 1);
+  bodies.look(moment);
+  ahead.begin(way, {});
+  std::vector<std::vector<double>> stopping(2, std::vector<double>(3, 0.0));
+  const double still = ahead.look(way, 0, 1, stopping).free_until;
+  stopping[1][0] = 0.3;
+  EXPECT_NEAR(ahead.look(way, 0, 1, stopping).free_until, still - 0.3, 0.002);
+}
+
+TEST(LookAhead, AllocatesNothing) {
+  Random random(12);
+  ClutteredCell cell(random, 40);
+  GuardBodies bodies({{"arm", &cell.model, nullptr, -1, true, {}}}, cell.scene);
+  LookAhead ahead(bodies, 0, {});
+  Straight way(collision::random_state(cell.model, random), collision::random_state(cell.model, random), 2);
+  const std::vector<std::vector<double>> nobody(1, std::vector<double>(bodies.variables(0), 0.0));
+  Moment moment = cell.at(collision::random_state(cell.model, random));
+  bodies.look(moment);
+  ahead.begin(way, {});
+  std::string violations;
+  {
+    test::RealtimeGuard guard;
+    for (int i = 0; i < 500; ++i) {
+      way.at(0.002 * i, moment.robots[0].joints, {});
+      bodies.look(moment);
+      ahead.look(way, 0.002 * i, 0.002 * i + 0.4, nobody);
+    }
+    violations = guard.violations();
+  }
+  EXPECT_EQ(violations, "");
+}
+
+}  // namespace
+}  // namespace polyarm::surroundings
