@@ -153,7 +153,7 @@ bool is_robot(const std::string& named) {
 
 }  // namespace
 
-void AskedCell::add_to(CommandLine& app) {
+void CellOption::add_to(CommandLine& app) {
   app.add_option("cell", cell,
                  "folder with a cell.yaml, a cell file, the name of an example, a launch file of ROS 1, or a "
                  "robot: a URDF, xacro or catalogue name");
@@ -163,7 +163,7 @@ void AskedCell::add_to(CommandLine& app) {
   app.add_option("--controllers", controllers, "controllers YAML for --description; may be repeated");
 }
 
-std::optional<int> AskedCell::settle(const std::string& verb) {
+std::optional<int> CellOption::settle(const std::string& verb) {
   if (!description.empty() && cell.find(":=") != std::string::npos)
     arguments.insert(arguments.begin(), std::exchange(cell, ""));
   if (description.empty() && is_robot(cell)) description = std::exchange(cell, "");
@@ -193,7 +193,7 @@ namespace {
 }
 }  // namespace
 
-cell::CellFile AskedCell::open() const {
+cell::CellFile CellOption::open() const {
   if (description::is_launch_file(cell)) {
     Problems problems;
     cell::CellFile launched;

@@ -10,7 +10,7 @@
 
 namespace polyarm::apps {
 
-struct AskedCell {
+struct CellOption {
   std::string cell, description;
   std::vector<std::string> controllers, activate, arguments;
   cell::Overrides overrides;

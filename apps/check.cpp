@@ -17,10 +17,10 @@ namespace {
 using nlohmann::json;
 
 /// Number of problems to print; of the rest only the count is printed.
-constexpr std::size_t kMostTold = bounds::kProblemsTold;
+constexpr std::size_t kMostReported = bounds::kProblemsTold;
 
 std::span<const Problem> first_of(const std::vector<Problem>& problems) {
-  return std::span(problems).first(std::min(problems.size(), kMostTold));
+  return std::span(problems).first(std::min(problems.size(), kMostReported));
 }
 
 json json_of(const Problem& p) {
@@ -57,8 +57,8 @@ void print_text(const cell::CheckResult& result) {
   int errors = 0, warnings = 0;
   for (const Problem& problem : first_of(result.problems)) fmt::print("{}\n", problem.text());
   for (const Problem& problem : result.problems) ++(problem.severity == Severity::error ? errors : warnings);
-  if (result.problems.size() > kMostTold)
-    fmt::print("and {} more problems\n", result.problems.size() - kMostTold);
+  if (result.problems.size() > kMostReported)
+    fmt::print("and {} more problems\n", result.problems.size() - kMostReported);
   for (const std::string& note : result.notes) fmt::print("note: {}\n", note);
   int reached = 0;
   for (const cell::PointReport& point : result.points) reached += point.reachable ? 1 : 0;
@@ -76,7 +76,7 @@ int run_check(int argc, char** argv) {
   CommandLine app(
       "Finds every error of a cell's files, or of a description and its controllers files; nothing moves",
       "polyarm check");
-  AskedCell asked;
+  CellOption asked;
   cell::CheckOptions options;
   std::vector<std::string> plugins;
   bool as_json = false;

@@ -210,7 +210,7 @@ void catch_interrupts() {
   struct sigaction unread {};
   unread.sa_handler = [](int) {
     interrupt = true;
-    write_to_nobody();
+    write_to_nowhere();
   };
   sigaction(SIGPIPE, &unread, nullptr);
 }

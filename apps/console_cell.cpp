@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kStartPatience{120'000}, kEndPatience{10'000}, kLook{20};
-constexpr int kPatience_ms = 20'000;
+constexpr int kTimeout_ms = 20'000;
 constexpr std::size_t kLastLines = 15;
 
 /// Path of this executable, whatever its name is.
@@ -137,7 +137,7 @@ void ConsoleCell::meet(std::unique_ptr<Client> client) {
   old_events_ = state["events"].get<std::uint64_t>();
   pendant_.clear();
   std::vector<Json> old;
-  if (const Json answer = events_->receive(kPatience_ms); !answer.is_null())
+  if (const Json answer = events_->receive(kTimeout_ms); !answer.is_null())
     take(Client::result_of(answer), old);
   robots_ = state["robots"].get<std::vector<std::string>>();
   robot_ = robots_.empty() ? "" : robots_.front();
@@ -206,7 +206,7 @@ Json ConsoleCell::receive(int id, int timeout_ms) {
 
 Json ConsoleCell::ask(Json request) {
   const int id = send(std::move(request));
-  for (const auto end = Clock::now() + milliseconds(kPatience_ms); Clock::now() < end;) {
+  for (const auto end = Clock::now() + milliseconds(kTimeout_ms); Clock::now() < end;) {
     const Json answer = receive(id, 200);
     if (!answer.is_null()) return Client::result_of(answer);
   }

@@ -15,7 +15,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// After a decision the cell may still report its old state for this long.
-constexpr std::chrono::milliseconds kOldNews{400};
+constexpr std::chrono::milliseconds kOldReport{400};
 
 Json json_of(const data::Value& value, const std::string& name) {
   if (const data::JointState* joints = value.as_joints()) {
@@ -152,7 +152,7 @@ void ConsoleMove::go(const std::vector<Json>& points) {
 /// Waits until the robot has arrived; Ctrl-C stops it on its path.
 void ConsoleMove::follow(int id) {
   if (talk_.at_terminal()) talk_.say(talk_.dim("moving; Ctrl-C stops it on its path"));
-  auto decided = Clock::now() - kOldNews;
+  auto decided = Clock::now() - kOldReport;
   for (int asked = 0;;) {
     if (talk_.ended()) throw EndOfAnswers{};
     if (talk_.take_interrupt()) cell_.send({{"request", ++asked > 1 ? "control.stop" : "control.hold"}});
@@ -167,7 +167,7 @@ void ConsoleMove::follow(int id) {
     if (state == "fault")
       throw Error("fault", "the cell is in a fault", "polyarm control recover, polyarm health");
     if (state == "running") asked = 0;
-    if (state != "held" || Clock::now() - decided < kOldNews) continue;
+    if (state != "held" || Clock::now() - decided < kOldReport) continue;
     if (const std::string why = cell_.catch_up(); !why.empty()) {
       talk_.say(talk_.dim("the simulation continued after " + why));
       decided = Clock::now();

@@ -55,7 +55,7 @@ void ConsoleScript::load_file(const std::string& file) {
 }
 
 /// Prints what a program that starts in the middle assumes.
-void ConsoleScript::tell_assumed(const Json& assumed) {
+void ConsoleScript::report_assumed(const Json& assumed) {
   talk_.say(
       fmt::format("it will begin at line {}: {}", shown(assumed["where"]["line"]), shown(assumed["source"])));
   const std::pair<const char*, const char*> kTexts[] = {{"last_point", "the robot is as after the move to"},
@@ -135,7 +135,7 @@ void ConsoleScript::stop() {
   }
   for (int tries = 0; tries < 400 && !has_ended(now); ++tries, now = state())
     std::this_thread::sleep_for(milliseconds(5));
-  tell_end(now);
+  report_end(now);
 }
 
 void ConsoleScript::run_from_line() {
@@ -144,7 +144,7 @@ void ConsoleScript::run_from_line() {
   if (file.empty()) throw Error("no-script", "no script is loaded", "load one: 1");
   const int line = talk_.number("Line to begin at: ", 1, 1'000'000'000);
   if (has_ended(now) || now["state"] == "ready") load_file(file);  // with the present data
-  tell_assumed(cell_.ask({{"request", "program.from"}, {"program", file}, {"line", line}}));
+  report_assumed(cell_.ask({{"request", "program.from"}, {"program", file}, {"line", line}}));
   if (!talk_.yes("Is all of this true, and may the program start there?")) {
     stop();
     throw GivenUp{};
@@ -154,7 +154,7 @@ void ConsoleScript::run_from_line() {
   follow();
 }
 
-void ConsoleScript::tell_events() {
+void ConsoleScript::report_events_of_cell() {
   for (const Json& event : cell_.take_events()) {
     const std::string kind = event["event"];
     if (kind == "line" && event["task"] == "program")
@@ -181,8 +181,8 @@ void ConsoleScript::follow() {
     if (talk_.ended()) throw EndOfAnswers{};
     if (talk_.take_interrupt()) cell_.ask({{"request", ++asked > 1 ? "control.stop" : "control.hold"}});
     const Json now = state();
-    tell_events();
-    if (has_ended(now)) return tell_end(now);
+    report_events_of_cell();
+    if (has_ended(now)) return report_end(now);
     if (now["control"] == "fault")
       throw Error("fault", "the cell is in a fault: " + shown(now["cause"]),
                   "polyarm control recover, polyarm health");
@@ -256,8 +256,8 @@ bool ConsoleScript::decide_when_held() {
   }
 }
 
-void ConsoleScript::tell_end(const Json& state) {
-  tell_events();
+void ConsoleScript::report_end(const Json& state) {
+  report_events_of_cell();
   const std::string outcome = state["state"];
   if (outcome == "finished")
     talk_.say("the script has ended");
@@ -270,7 +270,7 @@ void ConsoleScript::tell_end(const Json& state) {
 
 void ConsoleScript::show_state() {
   const Json now = cell_.ask({{"request", "program"}, {"data", true}});
-  tell_events();
+  report_events_of_cell();
   talk_.say(fmt::format("{}: {}{}", now["state"] == "none" ? "no script" : file_name(now), state_word(now),
                         now["control"] == "running" ? "" : ", the cell is " + shown(now["control"])));
   if (now["state"] == "none") return;

@@ -20,7 +20,7 @@ class ConsoleScript {
   void load();
   void import();
   void load_file(const std::string& file);
-  void tell_assumed(const Json& assumed);
+  void report_assumed(const Json& assumed);
   void start_or_resume();
   void pause();
   void step(const char* kind);
@@ -33,8 +33,8 @@ class ConsoleScript {
   void follow();
   bool decide_when_held();
   void answer(const Json& question);
-  void tell_events();
-  void tell_end(const Json& state);
+  void report_events_of_cell();
+  void report_end(const Json& state);
   std::string heading();
   std::vector<std::string> files() const;
 

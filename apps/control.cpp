@@ -142,7 +142,7 @@ std::string named_values(const Json& values) {
 }
 
 /// Prints where the program is, task by task.
-void tell_program(const Json& p) {
+void report_program(const Json& p) {
   if (p["state"] == "none") {
     fmt::print("the cell has no program\n");
     return;
@@ -230,7 +230,7 @@ int act_on_program(const std::string& action, const Arguments& a) {
       if (a.client.json)
         fmt::print("{}\n", result.dump());
       else
-        tell_program(result);
+        report_program(result);
       std::fflush(stdout);
     }
     return kOk;
@@ -242,7 +242,7 @@ int act_on_program(const std::string& action, const Arguments& a) {
     for (const Json& place : result["breakpoints"]) fmt::print("breakpoint {}\n", place_of(place));
     if (result["breakpoints"].empty()) fmt::print("no breakpoints\n");
   } else {
-    tell_program(result);
+    report_program(result);
   }
   return kOk;
 }

@@ -214,7 +214,7 @@ void print(const RobotModel& model) {
 
 int run_describe(int argc, char** argv) {
   CommandLine app("Says what a robot is", "polyarm describe");
-  AskedRobot robot;
+  RobotOption robot;
   bool json_wanted = false, urdf = false;
   robot.add_to(app)->required();
   app.add_flag("--json", json_wanted, "everything as one JSON object");

@@ -180,7 +180,7 @@ int run_test(TestArguments& a) {
   struct sigaction action {};
   action.sa_handler = [](int number) {
     test_interrupted = true;
-    if (number == SIGPIPE) write_to_nobody();
+    if (number == SIGPIPE) write_to_nowhere();
   };
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGTSTP, SIGUSR1, SIGUSR2, SIGALRM})
     if (sigaction(number, &action, nullptr) != 0)

@@ -124,7 +124,7 @@ void set_simulated(bool is) {
   simulated = is;
 }
 
-void write_to_nobody() noexcept {
+void write_to_nowhere() noexcept {
   const int error = errno;
   if (const int nobody = ::open("/dev/null", O_WRONLY | O_CLOEXEC); nobody >= 0) {
     ::dup2(nobody, STDOUT_FILENO);

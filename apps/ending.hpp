@@ -15,6 +15,6 @@ void stop_on_signals(bool wall_clock);
 void set_simulated(bool simulated);
 
 /// For signal handlers: discards everything written to standard output from now on.
-void write_to_nobody() noexcept;
+void write_to_nowhere() noexcept;
 
 }  // namespace polyarm::apps

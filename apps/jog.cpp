@@ -75,7 +75,7 @@ int jog_by(Client& client, const JogArguments& a) {
   }
   client.send(request);
   for (;;) {
-    const Json answer = client.receive(kPatience);
+    const Json answer = client.receive(kTimeout);
     if (interrupted()) return kStopped;  // the cell stops the motion, because the client has gone
     if (answer.is_null())
       throw Error("no-answer", "the cell has not answered for two seconds", "is its process stopped?");
@@ -98,7 +98,7 @@ int jog_for(Client& client, const JogArguments& a) {
   std::string reason;
   while (Clock::now() < end && !interrupted()) {
     client.send(request);
-    const Json answer = client.receive(kPatience);
+    const Json answer = client.receive(kTimeout);
     if (answer.is_null()) break;
     state = Client::result_of(answer);
     request["session"] = state["session"];

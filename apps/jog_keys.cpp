@@ -55,7 +55,7 @@ class Keys {
     while (!Keyboard::ended() && !keeps_) {
       const auto wait = std::chrono::ceil<std::chrono::milliseconds>(due - Clock::now());
       for (const char key : Keyboard::wait(wait)) take(key);
-      if (axis_ >= 0 && Clock::now() >= until_) let_go();
+      if (axis_ >= 0 && Clock::now() >= until_) release_now();
       if (Clock::now() < due) continue;
       due = Clock::now() + kSendEvery;
       if (axis_ >= 0) move();
@@ -64,20 +64,20 @@ class Keys {
       if (axis_ < 0) state_ = ask({{"request", "jog.state"}});
       show();
     }
-    let_go();
+    release_now();
     return keeps_ && !Keyboard::ended();
   }
 
   /// Stores the position and prints what was stored.
   void keep() {
     state_ = ask({{"request", "jog.state"}});
-    told_ = a_.keep(state_);
+    announced_ = a_.keep(state_);
   }
 
  private:
   Json ask(Json request) {
     client_.send(with_robot(std::move(request)));
-    const auto end = Clock::now() + std::chrono::milliseconds(kPatience);
+    const auto end = Clock::now() + std::chrono::milliseconds(kTimeout);
     while (Clock::now() < end) {
       const Json answer = client_.receive(100);
       if (!answer.is_null()) return Client::result_of(answer);
@@ -96,23 +96,23 @@ class Keys {
       keeps_ = true;
       return;
     }
-    told_.clear();
+    announced_.clear();
     if (choose(key)) {
-      let_go();
+      release_now();
       return show();
     }
     int axis = -1, sign = 0;
     for (int k = 0; k < 8; ++k)
       if (key == kUp[k] || key == kDown[k]) axis = k, sign = key == kUp[k] ? 1 : -1;
     const int count = of_joints_ ? static_cast<int>(joints_.size()) : 6;
-    if (axis < 0 || axis >= count) return let_go();
+    if (axis < 0 || axis >= count) return release_now();
     if (by_steps_) return step(axis, sign);
     // The first repeat of a key comes late, the others follow quickly.
     const bool repeats = axis == axis_ && sign == sign_;
     until_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                 std::chrono::duration<double>(repeats ? a_.hold : a_.first));
     if (repeats) return;
-    if (axis_ >= 0) let_go();
+    if (axis_ >= 0) release_now();
     if (refused_) refused_ = false, problem_.clear();
     axis_ = axis;
     sign_ = sign;
@@ -212,16 +212,16 @@ class Keys {
     std::string typed;  // keys typed during the motion
     try {
       client_.send(with_robot(std::move(wanted)));
-      bool asked_to_end = false;
-      for (auto last = Clock::now(); Clock::now() - last < std::chrono::milliseconds(kPatience);) {
+      bool requested_to_end = false;
+      for (auto last = Clock::now(); Clock::now() - last < std::chrono::milliseconds(kTimeout);) {
         for (const char key : Keyboard::wait(std::chrono::milliseconds(0))) {
           if (key == '\x03' || key == '\x04') Keyboard::end();
-          asked_to_end = true;
+          requested_to_end = true;
           typed += key;
         }
-        if (asked_to_end || Keyboard::ended()) {
+        if (requested_to_end || Keyboard::ended()) {
           client_.send(with_robot({{"request", "jog"}, {"end", true}}));
-          asked_to_end = false;
+          requested_to_end = false;
           awaited_ += 1;
         }
         const Json answer = client_.receive(20);
@@ -232,10 +232,10 @@ class Keys {
         show();
         if (!flag_of(part(answer, {"more"})) && state_.contains("done")) break;
       }
-      for (; awaited_ > 0; --awaited_) client_.receive(kPatience);
+      for (; awaited_ > 0; --awaited_) client_.receive(kTimeout);
     } catch (const Error& e) {
       if (e.problems().front().code == "cell-gone") throw;
-      for (; awaited_ > 0; --awaited_) client_.receive(kPatience);
+      for (; awaited_ > 0; --awaited_) client_.receive(kTimeout);
       refuse(e);
     }
     // A key ends the step; a selection by the key applies to the next step.
@@ -243,7 +243,7 @@ class Keys {
       if (choose(key)) show();
   }
 
-  void let_go() {
+  void release_now() {
     if (axis_ < 0) return;
     axis_ = -1;
     if (session_ != 0) state_ = ask({{"request", "jog"}, {"end", true}, {"session", session_}});
@@ -296,7 +296,7 @@ class Keys {
     for (std::size_t i = 0; i < rows(); ++i)
       out += own_escape("[K") + fitting(joint_column(i) + tcp_column(i)) + "\n";
     out += own_escape("[K") + fitting(what_moves()) + "\n";
-    out += own_escape("[K") + fitting(!problem_.empty() ? "held back: " + problem_ : told_) + "\n";
+    out += own_escape("[K") + fitting(!problem_.empty() ? "held back: " + problem_ : announced_) + "\n";
     std::fputs(out.c_str(), stdout);
     std::fflush(stdout);
   }
@@ -305,7 +305,7 @@ class Keys {
   const JogScreen& a_;
   Json state_;
   std::vector<std::string> joints_;
-  std::string frame_ = "base", own_frame_, problem_, told_;
+  std::string frame_ = "base", own_frame_, problem_, announced_;
   bool of_joints_, by_steps_ = false, refused_ = false, keeps_ = false;
   int speed_ = 4, step_ = 2, axis_ = -1, sign_ = 0, awaited_ = 0;
   std::uint32_t session_ = 0;
@@ -316,13 +316,13 @@ class Keys {
 
 void jog_by_keys(Client& client, const JogScreen& screen) {
   Keys keys(client, screen);
-  for (bool goes_on = true; goes_on;) {
+  for (bool keeps_going = true; keeps_going;) {
     {
       const Keyboard keyboard("jog", "from a script: polyarm jog --joint NAME --by 5deg");
-      goes_on = keys.run();
+      keeps_going = keys.run();
     }
     fmt::print("\n");
-    if (goes_on) keys.keep();
+    if (keeps_going) keys.keep();
   }
 }
 

@@ -10,7 +10,7 @@ namespace polyarm::apps {
 
 /// Interval of jog messages, and timeout of an answer.
 inline constexpr std::chrono::milliseconds kSendEvery{50};
-inline constexpr int kPatience = 2000;  // ms
+inline constexpr int kTimeout = 2000;  // ms
 
 struct JogScreen {
   std::string robot;  ///< empty: the cell's only robot

@@ -17,7 +17,7 @@ using json = nlohmann::ordered_json;  // keeps joints in the order that --joints
 
 /// Options of both verbs.
 struct Common {
-  AskedRobot robot;
+  RobotOption robot;
   std::string tool = "none";
   std::vector<double> tcp;
   bool as_json = false;

@@ -169,10 +169,10 @@ void print_message(const Json& message, bool json) {
 }
 
 /// Time without a message after which `watch` prints the reason, s.
-constexpr double kPatience = 2;
+constexpr double kTimeout = 2;
 
 int watch(Client& client, const std::string& name, double rate, int count, bool json) {
-  client.send({{"request", "watch"}, {"name", name}, {"rate", rate}, {"patience", kPatience}});
+  client.send({{"request", "watch"}, {"name", name}, {"rate", rate}, {"patience", kTimeout}});
   for (int seen = 0; !interrupted() && (count <= 0 || seen < count);) {
     const Json answer = client.receive(200);
     if (answer.is_null()) continue;

@@ -68,7 +68,7 @@ std::map<std::string, std::string> named_values(const std::vector<std::string>& 
   return out;
 }
 
-Option* AskedRobot::add_to(CommandLine& app, const std::string& what) {
+Option* RobotOption::add_to(CommandLine& app, const std::string& what) {
   Option* robot = app.add_option("robot", name, what);
   app.add_option("arguments", arguments, "NAME:=VALUE of a description in xacro");
   app.add_option("--tip", tip, "the link that carries the tool (else the flange or palm that is found)");
@@ -88,7 +88,7 @@ void refuse_cell(const std::string& name) {
 }
 }  // namespace
 
-description::RobotModel AskedRobot::load(Problems& warnings, const description::Catalogue& catalogue) const {
+description::RobotModel RobotOption::load(Problems& warnings, const description::Catalogue& catalogue) const {
   refuse_cell(name);
   Problems found;
   description::RobotModel model =

@@ -27,7 +27,7 @@ std::map<std::string, std::string> named_values(const std::vector<std::string>& 
 description::Catalogue open_catalogue();
 
 /// The robot of a verb: its name or file, arguments of a xacro file, and the link that has the tool.
-struct AskedRobot {
+struct RobotOption {
   std::string name, tip;
   std::vector<std::string> arguments;
   std::string of_numbers;  ///< the verb's option that takes numbers

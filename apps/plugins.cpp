@@ -76,7 +76,7 @@ void print_text() {
 /// One library, or all libraries of a folder.
 std::vector<plugins::Library> libraries_of(const std::string& named) {
   std::error_code error;
-  if (!fs::is_directory(named, error)) return {plugins::look_at_file(named)};
+  if (!fs::is_directory(named, error)) return {plugins::check_file(named)};
   std::vector<plugins::Library> out = plugins::look_at(named);
   if (out.empty())
     throw Error("no-plugin", "there is no *.so in the folder " + named,

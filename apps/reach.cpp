@@ -91,8 +91,8 @@ bool ask(const std::string& question) {
   return trim(answer) == "yes";
 }
 
-void ask_for_reach(const cell::CellFile& file) {
-  const std::vector<cell::Wanted> wanted = cell::wanted_by(file);
+void ask_for_access(const cell::CellFile& file) {
+  const std::vector<cell::Wanted> wanted = cell::required_by(file);
   bool any = false;
   for (const cell::Wanted& each : wanted) any = any || !each.allowed;
   if (!any || !can_ask()) return;

@@ -19,7 +19,7 @@ const std::vector<std::string>& allowed_by_options();
 
 /// Shows what the cell needs and the user has not allowed yet, asks for permission, and stores the answer.
 /// Without a terminal it does nothing: the cell is then refused, with the option to type.
-void ask_for_reach(const cell::CellFile& file);
+void ask_for_access(const cell::CellFile& file);
 
 /// Asks a question at the terminal; true if the answer is "yes". Standard input and error must be terminals.
 bool ask(const std::string& question);

@@ -48,7 +48,7 @@ void check(const description::RobotModel& model, Problems& problems) {
 
 int run_robots_add(int argc, char** argv) {
   CommandLine app("Adds a description of your own to the catalogue", "polyarm robots add");
-  AskedRobot robot;
+  RobotOption robot;
   std::string name, folder;
   bool replace = false;
   robot.add_to(app, "URDF, xacro or robot file")->required()->existing_file();

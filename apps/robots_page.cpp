@@ -91,7 +91,7 @@ void write(const fs::path& file, const std::string& text) {
 
 int run_robots_picture(int argc, char** argv) {
   CommandLine app("Draws a robot as SVG", "polyarm robots picture");
-  AskedRobot robot;
+  RobotOption robot;
   std::vector<double> joints;
   robot.add_to(app)->required();
   app.add_option("--joints", joints, "one value for each joint, rad or m (home by default)")->expected(-1);

@@ -36,14 +36,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct RunArguments : AskedCell {
+struct RunArguments : CellOption {
   std::vector<std::string> plugins;
   cell::CellOptions cell_options;
   cell::RunOptions run;
   PendantArguments pendant;
   cell::RecordOptions record;
   std::vector<std::string> faults;
-  bool json = false, quiet = false, ros2 = false, goes_on = false, yes = false;
+  bool json = false, quiet = false, ros2 = false, keeps_going = false, yes = false;
   bool connects = false;  ///< the user has just chosen the real hardware: the cell starts held
   bool asks = true;       ///< ask at the terminal; false if the cell was chosen at the pendant
   int line = 0;
@@ -78,7 +78,7 @@ void add_options(CommandLine& app, RunArguments& a) {
       "--wait", a.cell_options.waits,
       "start the program on request (polyarm console, program.start), and keep running when it has ended");
   app.add_flag("--keep", a.cell_options.keep, "start with the data that the last run left in .state/");
-  app.add_flag("--continue", a.goes_on,
+  app.add_flag("--continue", a.keeps_going,
                "continue an interrupted run, for example after a loss of power, with its data; prints where, "
                "and asks");
   app.add_option("--from", a.line, "start at this line of the program; prints what it assumes, and asks")
@@ -170,7 +170,7 @@ std::string keep_failure(cell::CellInside& cell, const cell::RunResult& result, 
 
 cell::CellFile open_cell(const RunArguments& a) {
   cell::CellFile file = a.open();
-  if (a.description.empty() && a.asks && !description::is_launch_file(a.cell)) ask_for_reach(file);
+  if (a.description.empty() && a.asks && !description::is_launch_file(a.cell)) ask_for_access(file);
   return file;
 }
 
@@ -200,7 +200,7 @@ void report(const cell::RunResult& result, const std::string& folder, bool json)
 }
 
 /// Writes to standard error, which may be the same closed pipe.
-void tell_unread(const std::string& text) {
+void report_unread(const std::string& text) {
   Printer(STDERR_FILENO, Printer::Full::leaves_out, [](std::size_t) { return ""; }).put(text);
 }
 
@@ -237,10 +237,10 @@ void print_assumptions(cell::CellInside& cell, const program::StartReport& repor
 
 /// False if the user does not want to start in the middle.
 bool begins_where_asked(cell::CellInside& cell, const RunArguments& a) {
-  if (!a.goes_on && a.line == 0) return true;
-  if (a.goes_on && a.line > 0) throw Error("bad-value", "--continue and --from name two places to start at");
+  if (!a.keeps_going && a.line == 0) return true;
+  if (a.keeps_going && a.line > 0) throw Error("bad-value", "--continue and --from name two places to start at");
   const program::StartReport report =
-      a.goes_on ? cell.programs->continue_from_safe_point() : cell.programs->prepare("", a.line);
+      a.keeps_going ? cell.programs->continue_from_safe_point() : cell.programs->prepare("", a.line);
   if (!a.json) print_assumptions(cell, report);
   if (!a.yes) {
     if (::isatty(STDIN_FILENO) == 0)
@@ -289,7 +289,7 @@ void warn_of_root(cell::CellView& cell) {
 struct Ended {
   int code = kFailed;
   bool by_person = false;
-  std::optional<cell::RestartWish> wish;  ///< set if the cell is to be rebuilt
+  std::optional<cell::RestartRequest> wish;  ///< set if the cell is to be rebuilt
   bool armed = false;                     ///< real hardware was armed by a person
 };
 
@@ -351,7 +351,7 @@ class OneRun {
     if (shown_.settle())
       report(result, folder, a_.json);
     else
-      tell_unread(fmt::format("polyarm run: {}; the output is not read, so the result is omitted\n",
+      report_unread(fmt::format("polyarm run: {}; the output is not read, so the result is omitted\n",
                               cell::name(result.outcome)));
     std::fflush(nullptr);
     if (result.stuck) std::_Exit(code);
@@ -385,18 +385,18 @@ class OneRun {
 };
 
 /// With the pendant the command continues after a cell has failed, until the user chooses another one.
-std::optional<cell::RestartWish> wait_for_wish(server::Pendant& pendant, cell::Observer& shown) {
+std::optional<cell::RestartRequest> wait_for_wish(server::Pendant& pendant, cell::Observer& shown) {
   shown.on_note("the pendant waits: choose what to run, or end with Ctrl-C");
   while (cell::stops_requested() == 0) {
     pendant.serve();
-    if (auto wish = pendant.take_wish()) return wish;
+    if (auto wish = pendant.take_restart_request()) return wish;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   return std::nullopt;
 }
 
 /// A newly chosen cell moves nothing before it is started, and uses real hardware only if that was requested.
-void take_over(const cell::RestartWish& wish, RunArguments& a) {
+void take_over(const cell::RestartRequest& wish, RunArguments& a) {
   if (!wish.cell.empty() || !wish.robot.empty() || !wish.hardware.empty()) a.cell_options.real = false;
   if (wish.real) a.cell_options.real = *wish.real;
   a.connects = wish.real.value_or(false);
@@ -404,7 +404,7 @@ void take_over(const cell::RestartWish& wish, RunArguments& a) {
   if (!wish.robot.empty()) a.overrides.robot = wish.robot;
   if (!wish.hardware.empty()) a.overrides.hardware = wish.hardware;
   if (!wish.program.empty()) a.overrides.program = wish.program;
-  a.goes_on = a.asks = false;
+  a.keeps_going = a.asks = false;
   a.line = 0;
   a.cell_options.waits = true;
 }
@@ -428,7 +428,7 @@ int execute(RunArguments& a, const std::string& command) {
   load_plugins(a.plugins);
   read_faults(a);
   a.cell_options.lock_step = a.run.fast;
-  a.cell_options.keep = a.cell_options.keep || a.goes_on;
+  a.cell_options.keep = a.cell_options.keep || a.keeps_going;
   if (const char* started = std::getenv("POLYARM_STARTED_NS"))
     if (const auto ns = parse_number(started)) a.run.started = static_cast<Nanoseconds>(*ns);
   const bool whole = a.run.fast;  // a cell in lock-step can wait for a slow reader

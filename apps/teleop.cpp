@@ -16,7 +16,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kFaster = 1.1, kSlower = 0.9;
-constexpr std::chrono::milliseconds kSendEvery{50}, kPatience{2000};
+constexpr std::chrono::milliseconds kSendEvery{50}, kTimeout{2000};
 
 constexpr const char* kKeys =
     "   u    i    o      hold a key to drive, release it to stop\n"
@@ -205,7 +205,7 @@ class Teleop {
 
   /// Waits a limited time for an answer; a cell that has hung must not block the terminal.
   void expect_answer() {
-    for (const auto end = Clock::now() + kPatience; Clock::now() < end;) {
+    for (const auto end = Clock::now() + kTimeout; Clock::now() < end;) {
       const Json answer = client_.receive(100);
       if (!answer.is_null()) return (void)Client::result_of(answer);
     }

@@ -136,8 +136,8 @@ void tell(const cell::ProgramTest& test, const Verdict& verdict, const TestArgum
   fmt::print("{} {}:{} {} ({:.1f} s of the cell in {:.2f} s)\n", passed ? "passed" : "FAILED",
              test.file.string(), test.line, test.name, verdict.cell_time_s, verdict.wall_time_s);
   for (const Problem& problem : verdict.problems) fmt::print("  {}\n", problem.text());
-  constexpr std::size_t kTold = 10;
-  const std::size_t first = a.verbose || verdict.log.size() < kTold ? 0 : verdict.log.size() - kTold;
+  constexpr std::size_t kReported = 10;
+  const std::size_t first = a.verbose || verdict.log.size() < kReported ? 0 : verdict.log.size() - kReported;
   if (!passed || a.verbose)
     for (std::size_t i = first; i < verdict.log.size(); ++i) fmt::print("    {}\n", verdict.log[i]);
 }

@@ -50,7 +50,7 @@ struct Subject {
   moves::Workspace allowed;
 };
 
-Subject alone(const AskedRobot& robot, const std::string& tool) {
+Subject alone(const RobotOption& robot, const std::string& tool) {
   Problems warnings;
   const description::RobotModel model = robot.load(warnings, open_catalogue());
   Subject out;
@@ -85,7 +85,7 @@ Subject in_cell(const std::string& folder, const std::string& name) {
 
 int run_workspace(int argc, char** argv) {
   CommandLine app("Where an arm reaches in a plane, and how well it moves there", "polyarm workspace");
-  AskedRobot robot;
+  RobotOption robot;
   std::string folder, tool = "none", orientation = "down", image, data;
   std::vector<double> rpy;
   WorkspaceQuestion question;

@@ -28,7 +28,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using signals::LinkEntry;
-using signals::LinkNews;
+using signals::LinkReport;
 using signals::LinkPort;
 using signals::RemotePort;
 
@@ -64,7 +64,7 @@ void idle(const char* what, LinkPort& port, const RemotePort* remote, Nanosecond
   const double here = processor_s(CLOCK_PROCESS_CPUTIME_ID), there = remote ? processor_of(remote->process()) : 0;
   const auto begin = Clock::now();
   while (us_since(begin) < 5e6) {
-    LinkNews news;
+    LinkReport news;
     port.exchange({}, std::chrono::nanoseconds(Clock::now().time_since_epoch()).count(), 5'000'000, news);
     if (!port.waits()) std::this_thread::sleep_for(std::chrono::nanoseconds(poll));
   }
@@ -85,7 +85,7 @@ void measure_modbus(int rounds) {
     const auto far = polyarm::modbus::make_server(server);
     far->open();
     for (;;) {
-      LinkNews news;
+      LinkReport news;
       far->exchange({}, 0, 5'000'000, news);
     }
   }
@@ -103,7 +103,7 @@ void measure_modbus(int rounds) {
     for (int turn = 0; turn < 2; ++turn) {
       const int k = (i + turn) % 2;
       LinkPort& each = k == 0 ? *near : static_cast<LinkPort&>(far);
-      LinkNews news;
+      LinkReport news;
       const auto begin = Clock::now();
       each.exchange({{0, i % 2 == 0}}, i, 0, news);
       times[k].push_back(us_since(begin));
@@ -135,7 +135,7 @@ void measure_mqtt(int rounds) {
       const int k = (i + turn) % 2;
       LinkPort& each = k == 0 ? *near : static_cast<LinkPort&>(far);
       LinkPort& other = k == 0 ? static_cast<LinkPort&>(far) : *near;
-      LinkNews sent, news, rest;
+      LinkReport sent, news, rest;
       const auto begin = Clock::now();
       sender->exchange({{0, i}}, 0, 0, sent);
       while (news.values.empty()) each.exchange({}, 0, 5'000'000, news);

@@ -70,7 +70,7 @@ void make_messages(benchmark::State& state) {
   recording::CellChannels channels(arm.cell->view(), 0);
   std::size_t messages = 0;
   for (auto _ : state)
-    channels.tell_sample(arm.next(), arm.states, arm.commands,
+    channels.record_sample(arm.next(), arm.states, arm.commands,
                          [&](std::size_t, std::int64_t, std::span<const std::byte>) { ++messages; });
   state.counters["messages"] =
       benchmark::Counter(static_cast<double>(messages), benchmark::Counter::kAvgIterations);
@@ -83,7 +83,7 @@ void write_messages(benchmark::State& state) {
   recording::McapWriter writer(sink, {"ros2", "bench", 1 << 20, state.range(0) != 0});
   for (const recording::Channel& channel : channels.list()) writer.add_channel(channel);
   for (auto _ : state)
-    channels.tell_sample(arm.next(), arm.states, arm.commands,
+    channels.record_sample(arm.next(), arm.states, arm.commands,
                          [&](std::size_t channel, std::int64_t time, std::span<const std::byte> payload) {
                            writer.message(channel, static_cast<std::uint64_t>(time), payload);
                          });

@@ -13,7 +13,7 @@ using hardware::CallbackReturn;
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr Nanoseconds kPatience = 5'000'000'000, kDisturbed = 20'000'000, kAnswer = 50'000'000;
+constexpr Nanoseconds kTimeout = 5'000'000'000, kDisturbed = 20'000'000, kAnswer = 50'000'000;
 constexpr std::uint64_t kServices = 12;  // cycles between two exchanges of signals: about 20 a second
 
 std::pair<std::string, std::string> wire_of(const std::string& text) {
@@ -114,7 +114,7 @@ hardware::ReturnType FakeAbb::read(const hardware::Cycle& cycle, std::span<doubl
   if (stepped_) {
     faults_.step(*far_, seconds(cycle.period));
     const std::uint64_t before = far_->packets();
-    far_->step(kPatience);
+    far_->step(kTimeout);
     await_packet(before);
   }
   if (cycles_++ % kServices == 0) link()->serve_services();
@@ -131,7 +131,7 @@ void FakeAbb::await_packet(std::uint64_t before) noexcept {
   do {
     link()->fetch();
     if (link()->sample().sequence >= sequence) return;
-  } while (link()->await(kPatience) && link()->cause() == Cause::none);
+  } while (link()->await(kTimeout) && link()->cause() == Cause::none);
 }
 
 std::string FakeAbb::summary() const {

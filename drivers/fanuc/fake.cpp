@@ -12,7 +12,7 @@ using hardware::CallbackReturn;
 
 namespace {
 
-constexpr Nanoseconds kPatience = 5'000'000'000, kDisturbed = 20'000'000, kAnswer = 50'000'000;
+constexpr Nanoseconds kTimeout = 5'000'000'000, kDisturbed = 20'000'000, kAnswer = 50'000'000;
 
 MachineOptions machine_of(const hardware::RobotInstance& robot) {
   MachineOptions out;
@@ -99,7 +99,7 @@ hardware::ReturnType FakeFanuc::read(const hardware::Cycle& cycle, std::span<dou
   if (stepped_) {
     faults_.step(*far_, seconds(cycle.period));
     const std::uint32_t before = far_->sent_sequence();
-    far_->step(kPatience);
+    far_->step(kTimeout);
     const std::uint32_t sent = far_->sent_sequence();
     if (sent != before)
       await_packet(sent);

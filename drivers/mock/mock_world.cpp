@@ -184,7 +184,7 @@ Pose MockWorld::tcp(const Arm& arm, std::span<const double> states) const noexce
   return at * arm.last;
 }
 
-void MockWorld::let_go(Arm& arm) noexcept {
+void MockWorld::release_now(Arm& arm) noexcept {
   const auto i = static_cast<std::size_t>(arm.held);
   hardware::PartState& part = state_.parts[i];
   const description::Part& fact = scene_->parts[i];
@@ -200,7 +200,7 @@ void MockWorld::let_go(Arm& arm) noexcept {
 void MockWorld::grip(Arm& arm, double dt, std::span<const double> asked, std::span<double> states) noexcept {
   const bool wanted = on(asked, arm.command);
   arm.on_for = wanted ? arm.on_for + dt : 0;
-  if (!wanted && arm.held >= 0) let_go(arm);
+  if (!wanted && arm.held >= 0) release_now(arm);
   const bool looks = wanted && arm.held < 0 && arm.on_for >= kGripTime && scene_;
   const Pose at = looks || arm.held >= 0 ? tcp(arm, states) : Pose{};
   if (looks) {

@@ -65,7 +65,7 @@ class MockWorld {
   };
   Pose tcp(const Arm& arm, std::span<const double> states) const noexcept;
   void grip(Arm& arm, double dt, std::span<const double> asked, std::span<double> states) noexcept;
-  void let_go(Arm& arm) noexcept;
+  void release_now(Arm& arm) noexcept;
   void add_supports();
   /// The highest top below the part, m; remembers the mover that carries it. Minus infinity: there is none.
   double top_below(std::size_t part) noexcept;

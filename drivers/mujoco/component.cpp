@@ -61,7 +61,7 @@ CallbackReturn MujocoComponent::on_init(const hardware::ComponentContext& contex
             {name, position && j < facts.initial_positions.size() ? facts.initial_positions[j] : 0.0});
         commands_.push_back({name});
       }
-    if (stands_free(facts)) {
+    if (is_freestanding(facts)) {
       robot.base_state = static_cast<int>(states_.size());
       const std::array<double, 7> at = pose_numbers(facts.base);
       for (std::size_t k = 0; k < at.size(); ++k)

@@ -17,7 +17,7 @@ double body_speed(const mjModel* m, const mjData* d, int geom) {
   return std::sqrt(mju_dot(v, v, 6));
 }
 
-bool stands_on_floor(const Owner& robot, const Owner& floor) {
+bool is_on_floor(const Owner& robot, const Owner& floor) {
   return floor.kind == Kind::floor && robot.kind == Kind::link && robot.stands;
 }
 }  // namespace
@@ -117,7 +117,7 @@ void ContactReader::note(const Owner& a, const Owner& b, double depth, const Vec
 }
 
 /// Ends the findings of pairs that have separated. Call it after all contacts of a step.
-void ContactReader::let_go_of_clear_pairs(hardware::WorldState& out) noexcept {
+void ContactReader::drop_clear_pairs(hardware::WorldState& out) noexcept {
   for (Pair& pair : pairs_) {
     if (pair.finding < 0 || step_ - pair.last <= kClearSteps) continue;
     if (hardware::Contact* found = finding_of(pair, out)) found->now = false;
@@ -136,7 +136,7 @@ void ContactReader::wake(const Owner& sleeper, const Owner& other, const mjConta
     const Parts::Part& pusher = parts[static_cast<std::size_t>(other.index)];
     moves = pusher.mode == Parts::Mode::awake && (pusher.speed > kWakeSpeed || -c.dist > kWakeDepth);
   }
-  part.wake_asked |= moves;
+  part.wake_requested |= moves;
 }
 
 void ContactReader::rest(const Owner& owner, const Owner& other, const mjContact& c,
@@ -189,7 +189,7 @@ void ContactReader::read(const ModelView& view, Parts& parts, Nanoseconds now,
             held_force_[static_cast<std::size_t>(one.index)] + (sign * force[0]) * vec3(c.frame);
       }
     }
-    if (stands_on_floor(a, b) || stands_on_floor(b, a)) continue;
+    if (is_on_floor(a, b) || is_on_floor(b, a)) continue;
     if (!is_finding(a, b, c, parts)) continue;
     Owner first = a, second = b;
     first.name = name_of(a, parts);
@@ -197,7 +197,7 @@ void ContactReader::read(const ModelView& view, Parts& parts, Nanoseconds now,
     const bool robot_second = stiff(second.kind) && !stiff(first.kind);
     note(robot_second ? second : first, robot_second ? first : second, -c.dist, vec3(c.pos), now, out);
   }
-  let_go_of_clear_pairs(out);
+  drop_clear_pairs(out);
   for (std::size_t r = 0; r < robots_.size(); ++r)
     if (touched_[r][0] >= 0 && touched_[r][0] == touched_[r][1]) gripped_[r] = touched_[r][0];
 }

@@ -48,7 +48,7 @@ class ContactReader {
   bool held_may_touch(std::size_t robot, const Owner& other, const mjContact& c, bool other_second) noexcept;
   void note(const Owner& a, const Owner& b, double depth, const Vec3& at, Nanoseconds now,
             hardware::WorldState& out) noexcept;
-  void let_go_of_clear_pairs(hardware::WorldState& out) noexcept;
+  void drop_clear_pairs(hardware::WorldState& out) noexcept;
   static hardware::Contact* finding_of(const Pair& pair, hardware::WorldState& out) noexcept;
   static int add(const hardware::Contact& contact, hardware::WorldState& out) noexcept;
   void wake(const Owner& sleeper, const Owner& other, const mjContact& c, double other_speed,

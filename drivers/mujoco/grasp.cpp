@@ -101,7 +101,7 @@ void Gripper::carry(const Pose& tool, Parts& parts, const Vec3& gravity, const V
   const bool holds =
       away > 0 ? std::hypot(away, sideways) <= tool_->holding_force : sideways <= tool_->holding_force - away;
   if (holds) return;
-  parts.let_go(static_cast<std::size_t>(held_));
+  parts.release_now(static_cast<std::size_t>(held_));
   pulled_off_ = true;
   held_ = -1;
 }
@@ -127,7 +127,7 @@ void Gripper::update(ModelView& view, Parts& parts, ContactReader& contacts, con
   const Pose tool = body_pose(view.d(), view.robots[robot_].tool_body);
   if (level_ < 0.5) pulled_off_ = false;
   if (held_ >= 0 && level_ < 0.5) {
-    parts.let_go(static_cast<std::size_t>(held_));
+    parts.release_now(static_cast<std::size_t>(held_));
     held_ = -1;
     return;
   }

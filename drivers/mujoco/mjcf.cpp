@@ -163,7 +163,7 @@ class Writer {
   void robot(std::size_t r, const Pose& at) {
     const hardware::RobotInstance& robot = context_.robots[r];
     line("<body name=\"{}\" {}>", link_name(r, robot.model->root), place(at));
-    if (stands_free(robot)) line("<freejoint name=\"{}\"/>", base_name(r));
+    if (is_freestanding(robot)) line("<freejoint name=\"{}\"/>", base_name(r));
     link(r, robot.model->root);
     for (std::size_t other = 0; other < context_.robots.size(); ++other)
       if (carrier_of(context_.robots[other], context_.robots) == &robot)
@@ -182,7 +182,7 @@ class Writer {
     for (std::size_t s = 0; s < link.collisions.size(); ++s)
       geom(link_name(r, index) + "_" + std::to_string(s), link.collisions[s], link.collisions[s].pose,
            link.contact.mu1.value_or(kLinkFriction),
-           link.contact.mu1 && stands_free(context_.robots[r]));  // a caster slides on any floor
+           link.contact.mu1 && is_freestanding(context_.robots[r]));  // a caster slides on any floor
     const std::vector<ForceSensor> sensors = force_sensors(context_.robots[r]);
     for (std::size_t k = 0; k < sensors.size(); ++k)
       if (sensors[k].link == index) line("<site name=\"{}\" size=\"0.001\"/>", site_name(r, k));
@@ -359,7 +359,7 @@ class Writer {
 
   /// The first moving link turns at the mounting, so its loose capsule may reach into the table.
   void world_excludes(std::size_t r, const Rigid& rigid) {
-    if (stands_free(context_.robots[r])) return;
+    if (is_freestanding(context_.robots[r])) return;
     const hardware::RobotInstance* carrier = carrier_of(context_.robots[r], context_.robots);
     const std::string ground =
         carrier ? link_name(static_cast<std::size_t>(carrier - context_.robots.data()), carrier->model->root)
@@ -435,7 +435,7 @@ std::vector<ForceSensor> force_sensors(const hardware::RobotInstance& robot) {
   return out;
 }
 
-bool stands_free(const hardware::RobotInstance& robot) {
+bool is_freestanding(const hardware::RobotInstance& robot) {
   return std::any_of(robot.hardware.begin(), robot.hardware.end(), [](const auto& block) {
     const auto found = block.parameters.find("base");
     return found != block.parameters.end() && found->second == "free";

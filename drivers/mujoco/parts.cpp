@@ -127,7 +127,7 @@ void Parts::hold(std::size_t i, int robot, const Pose& grasp) noexcept {
   changed_ = true;
 }
 
-void Parts::let_go(std::size_t i) noexcept {
+void Parts::release_now(std::size_t i) noexcept {
   Part& part = parts_[i];
   part.mode = Mode::awake;
   part.robot = -1;
@@ -148,8 +148,8 @@ void Parts::pull(const ModelView& view, double timestep) noexcept {
   const mjData* d = view.d();
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     Part& part = parts_[i];
-    if (part.wake_asked) wake(i);
-    part.wake_asked = false;
+    if (part.wake_requested) wake(i);
+    part.wake_requested = false;
     if (part.mode != Mode::awake || part.slot < 0 || static_cast<std::size_t>(part.slot) >= view.slots)
       continue;
     const ModelView::Slot& slot = view.slot[static_cast<std::size_t>(part.slot)];

@@ -33,7 +33,7 @@ class Parts {
     int mover = -1;        ///< that supports it
     int slot = -1;
     bool entered = false;
-    bool wake_asked = false;
+    bool wake_requested = false;
   };
 
   explicit Parts(const description::Scene* scene);
@@ -53,7 +53,7 @@ class Parts {
   void present(std::size_t i, const Pose& at) noexcept;
   void take_away(std::size_t i) noexcept;
   void hold(std::size_t i, int robot, const Pose& grasp) noexcept;
-  void let_go(std::size_t i) noexcept;
+  void release_now(std::size_t i) noexcept;
   /// Wakes the parts on or beside part `i`, because it now moves.
   void wake_neighbours(std::size_t i) noexcept;
 

@@ -177,7 +177,7 @@ bool Pca9685Component::drive_all(std::span<const double> commands) noexcept {
       return false;
     }
     const MotorOutput output =
-        std::isnan(commands[k]) ? let_go() : drive_at(settings_.wheels[wheel].motor, commands[k]);
+        std::isnan(commands[k]) ? release_now() : drive_at(settings_.wheels[wheel].motor, commands[k]);
     if (!ok(apply(wheel, output.drive))) return false;
     motors_[wheel].velocity = output.velocity;
   }

@@ -20,7 +20,7 @@ MotorOutput drive_at(const MotorSettings& motor, double velocity) noexcept {
   const int ticks = std::min(static_cast<int>(std::lround(duty * kTicks)),
                              static_cast<int>(std::floor(motor.most_duty * kTicks)));
   if (std::abs(velocity) < motor.dead_band || given <= 0 || ticks <= 0)
-    return motor.brake ? MotorOutput{{kTicks, kTicks, kTicks}, 0} : let_go();
+    return motor.brake ? MotorOutput{{kTicks, kTicks, kTicks}, 0} : release_now();
   const bool forward = velocity * motor.direction > 0;
   return {{ticks, forward ? kTicks : 0, forward ? 0 : kTicks}, std::copysign(given / factor, velocity)};
 }

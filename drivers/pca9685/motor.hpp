@@ -28,7 +28,7 @@ struct MotorOutput {
 };
 
 /// Without a command: all three channels off, the motor coasts.
-inline MotorOutput let_go() {
+inline MotorOutput release_now() {
   return {};
 }
 /// For a finite velocity in rad/s. The duty is least + (1 - least) · |velocity| · scale · trim, at most

@@ -89,7 +89,7 @@ std::string SerialImu::set_up() {
 
 std::string SerialImu::what_is_missing() const {
   const std::string device = "the inertial sensor on " + path();
-  if (bytes_heard_ == 0)
+  if (bytes_received_ == 0)
     return device + " sends nothing: check its power, and that its TX goes to RX of the port";
   if (reader_.counts().frames == 0)
     return device + " sends bytes that are no WIT frames: is its rate " + std::to_string(baud_) +

@@ -78,8 +78,8 @@ bool SerialSensor::declared(std::size_t interface) const {
 CallbackReturn SerialSensor::open() {
   port_.close();
   note(Fault::none);
-  said_.clear();
-  bytes_heard_ = 0;
+  last_text_.clear();
+  bytes_received_ = 0;
   forget();
   try {
     serial::PortOptions options;
@@ -87,11 +87,11 @@ CallbackReturn SerialSensor::open() {
     options.baud = baud_;
     options.holder = "component " + component_;
     port_ = serial::Port(options);
-    said_ = identify();
+    last_text_ = identify();
   } catch (const Error& e) {
-    said_ = e.what();
+    last_text_ = e.what();
   }
-  if (said_.empty()) return CallbackReturn::success;
+  if (last_text_.empty()) return CallbackReturn::success;
   port_.close();
   return CallbackReturn::failure;
 }
@@ -117,7 +117,7 @@ serial::Transfer SerialSensor::drain() noexcept {
     const serial::Transfer got = port_.read(buffer_, 0);
     if (got.status == serial::Status::timeout) return {};
     if (!got) return got;
-    bytes_heard_ += got.count;
+    bytes_received_ += got.count;
     take(std::span(buffer_).first(got.count));
   }
   return {};
@@ -141,7 +141,7 @@ std::string SerialSensor::reason() const {
   const std::string device = "the sensor '" + sensor_ + "' on " + path_;
   switch (static_cast<Fault>(word & 0xFF)) {
     case Fault::none:
-      return said_;
+      return last_text_;
     case Fault::gone:
       return device + ": " + serial::explain(serial::Status::gone, error);
     case Fault::failed:

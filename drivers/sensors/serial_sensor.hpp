@@ -61,7 +61,7 @@ class SerialSensor : public hardware::Component {
     while (!done()) {
       const serial::Transfer got = port_.read(buffer_, deadline);
       if (!got) return false;
-      bytes_heard_ += got.count;
+      bytes_received_ += got.count;
       take(std::span(buffer_).first(got.count));
     }
     return true;
@@ -77,7 +77,7 @@ class SerialSensor : public hardware::Component {
 
   int baud_ = 0;
   Nanoseconds timeout_ = 0, start_timeout_ = 0;
-  std::uint64_t bytes_heard_ = 0;  ///< since the port was opened
+  std::uint64_t bytes_received_ = 0;  ///< since the port was opened
   std::string summary_;
 
  private:
@@ -99,7 +99,7 @@ class SerialSensor : public hardware::Component {
   serial::Port port_;
   std::array<std::uint8_t, 512> buffer_{};
   std::atomic<std::uint32_t> fault_{0};  ///< Fault, and the errno above it
-  std::string said_;                     ///< why opening the port failed
+  std::string last_text_;                     ///< why opening the port failed
 };
 
 }  // namespace polyarm::sensors

@@ -124,7 +124,7 @@ bool UbloxGnss::ask_version() {
 
 std::string UbloxGnss::no_answer() const {
   const std::string device = "the satellite receiver on " + path();
-  if (bytes_heard_ == 0)
+  if (bytes_received_ == 0)
     return device + " sends nothing: check its power, and that TX goes to RX in both directions";
   if (reader_.counts().messages == 0 && reader_.counts().skipped_bytes > 0)
     return device + " does not answer in UBX: is its rate " + std::to_string(baud_) +

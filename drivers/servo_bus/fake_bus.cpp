@@ -103,7 +103,7 @@ FakeBus::FakeBus(Wire wire, std::vector<int> ids, const std::string& link)
 }
 
 FakeBus::~FakeBus() {
-  hang_up();
+  close_connection();
   ::close(slave_);
   ::close(wake_[0]);
   ::close(wake_[1]);
@@ -111,7 +111,7 @@ FakeBus::~FakeBus() {
   if (!link_.empty()) std::filesystem::remove(link_, ignored);
 }
 
-void FakeBus::hang_up() {
+void FakeBus::close_connection() {
   if (!thread_.joinable()) return;
   const char end = 0;
   if (::write(wake_[1], &end, 1) != 1) std::abort();
@@ -236,13 +236,13 @@ int FakeBus::silence_left_ms() {
       least = set * kWatchdogUnit_ms;
   }
   if (least < 0) return -1;
-  const Nanoseconds end = last_heard_ + Nanoseconds{least} * 1'000'000;
+  const Nanoseconds end = last_received_ + Nanoseconds{least} * 1'000'000;
   return static_cast<int>(std::max<Nanoseconds>(0, (end - realtime::monotonic_now()) / 1'000'000 + 1));
 }
 
-void FakeBus::end_of_patience() {
+void FakeBus::timeout_at() {
   const std::lock_guard lock(mutex_);
-  const Nanoseconds silent = realtime::monotonic_now() - last_heard_;
+  const Nanoseconds silent = realtime::monotonic_now() - last_received_;
   for (auto& [id, servo] : servos_) {
     std::uint8_t& set = servo.table[family_.watchdog.address];
     if (set == 0 || set >= kBitten || silent < Nanoseconds{set} * kWatchdogUnit_ms * 1'000'000) continue;
@@ -258,7 +258,7 @@ void FakeBus::serve() {
   for (;;) {
     pollfd watched[2] = {{master_, POLLIN, 0}, {wake_[0], POLLIN, 0}};
     const int ready = ::poll(watched, 2, silence_left_ms());
-    if (ready == 0) end_of_patience();
+    if (ready == 0) timeout_at();
     if (ready <= 0) continue;
     if (watched[1].revents) return;
     std::uint8_t bytes[512];
@@ -295,11 +295,11 @@ bool FakeBus::take_instruction() {
   in_.erase(in_.begin(), in_.begin() + static_cast<std::ptrdiff_t>(size));
   const std::lock_guard lock(mutex_);
   if (cut_off_) return true;
-  last_heard_ = realtime::monotonic_now();
+  last_received_ = realtime::monotonic_now();
   bytes_in_ += size;
   heard_.push_back(frame);
   if (heard_.size() > 4096) heard_.pop_front();
-  line_free_ = std::max(line_free_, last_heard_);
+  line_free_ = std::max(line_free_, last_received_);
   take_time(size, 0);
   if (mischief_.echo) put_at_once(frame);
   Frame parameters;

@@ -78,7 +78,7 @@ class FakeBus {
   /// anything meanwhile.
   void cut_off(bool cut = true);
   /// Unplugs the adapter.
-  void hang_up();
+  void close_connection();
   std::uint64_t instructions() const { return instructions_; }
   /// Connects and disconnects servos.
   void plug_in(int id);
@@ -104,7 +104,7 @@ class FakeBus {
   void put_at_once(const Bytes& bytes);
   void take_time(std::size_t bytes, Nanoseconds before);
   int silence_left_ms();
-  void end_of_patience();
+  void timeout_at();
   std::uint8_t status(Servo& servo) const;
   Servo fresh(int id) const;
 
@@ -122,7 +122,7 @@ class FakeBus {
   int step_ = 40;
   int bits_per_second_ = 0;
   bool cut_off_ = false;
-  Nanoseconds return_delay_ = 0, line_free_ = 0, last_heard_ = 0;
+  Nanoseconds return_delay_ = 0, line_free_ = 0, last_received_ = 0;
   std::atomic<std::uint64_t> bytes_in_{0}, bytes_out_{0};
   std::function<void(std::uint64_t)> call_;
   std::atomic<std::uint64_t> instructions_{0};

@@ -66,7 +66,7 @@ void FakeFaults::begin(const Entry& entry, FakeBus& bus, const Register& positio
     case Kind::cut:
       return bus.cut_off(true);
     case Kind::unplug:
-      return bus.hang_up();
+      return bus.close_connection();
     case Kind::lose:
       mischief_.next_lose_byte = count;
       break;

@@ -61,7 +61,7 @@ Outcome stand(ServoBus& bus, std::uint8_t id, Mode mode, int min, int max) noexc
   return bus.write_checked(id, goal_register(family, mode), 0);
 }
 
-Outcome stand_all(ServoBus& bus, std::span<const StandingJoint> joints) noexcept {
+Outcome all_at_rest(ServoBus& bus, std::span<const StandingJoint> joints) noexcept {
   Ids turning{};
   std::array<int, ServoBus::kMostServos> slow{};
   std::size_t count = 0;

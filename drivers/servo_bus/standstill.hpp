@@ -25,6 +25,6 @@ struct StandingJoint {
 /// One attempt on a bus in any state: speed 0 to all joints in velocity mode with one instruction, then
 /// stand() for each joint. `ok` when all joints have confirmed their goals, and those in velocity mode are at
 /// standstill.
-Outcome stand_all(ServoBus& bus, std::span<const StandingJoint> joints) noexcept;
+Outcome all_at_rest(ServoBus& bus, std::span<const StandingJoint> joints) noexcept;
 
 }  // namespace polyarm::servo_bus

@@ -58,7 +58,7 @@ int watch(const WatchdogSettings& settings, int socket, const Family& family,
            Nanoseconds{settings.answer_ms} * 1'000'000);
   watchdog::MakingSafe safe;
   safe.stop = [&] {
-    const Outcome outcome = stand_all(bus, settings.joints);
+    const Outcome outcome = all_at_rest(bus, settings.joints);
     if (outcome == Outcome::gone) return Attempt::hopeless;
     return outcome == Outcome::ok ? Attempt::done : Attempt::again;
   };

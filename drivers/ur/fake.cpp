@@ -11,7 +11,7 @@ using hardware::CallbackReturn;
 
 namespace {
 
-constexpr Nanoseconds kPatience = 5'000'000'000, kDisturbed = 20'000'000;
+constexpr Nanoseconds kTimeout = 5'000'000'000, kDisturbed = 20'000'000;
 
 MachineOptions machine_of(const hardware::RobotInstance& robot) {
   MachineOptions out;
@@ -91,7 +91,7 @@ hardware::ReturnType FakeUr::read(const hardware::Cycle& cycle, std::span<double
     faults_.step(*far_, seconds(cycle.period));
     // A fault may keep the controller's package back; then a command may wait for the next one.
     const double before = far_->sent_time();
-    far_->step(last_command(), disturbed_ ? kDisturbed : kPatience);
+    far_->step(last_command(), disturbed_ ? kDisturbed : kTimeout);
     const double sent = far_->sent_time();
     disturbed_ = disturbed_ || sent == before || !await_package(sent);
   }

@@ -84,7 +84,7 @@ std::string FarProgram::start(const std::string& text) {
   }
   machine_.set_register("output_int_register_24", 0);
   machine_.set_register("output_int_register_25", 0);
-  patience_ = kind_ == Kind::own ? kFirstMessage : 0;
+  wait_limit_ = kind_ == Kind::own ? kFirstMessage : 0;
   if (kind_ == Kind::own) {
     if (open(kSocketName))
       machine_.set_register("output_int_register_25", static_cast<int>(ScriptState::running));
@@ -127,7 +127,7 @@ void FarProgram::take_own(Bytes bytes) {
   const Message message =
       decode_message(std::span<const std::uint8_t, kMessageBytes>(bytes.data(), kMessageBytes));
   sequence_ = message.sequence;
-  patience_ = std::max(message.timeout_ms, 0) / 1000.0;
+  wait_limit_ = std::max(message.timeout_ms, 0) / 1000.0;
   machine_.set_register("output_int_register_24", sequence_);
   if (static_cast<int>(message.mode) < 0) return finish(ScriptState::ended);
   if (message.mode == Mode::velocity) return machine_.speed(message.values, kSpeedAcceleration);
@@ -139,7 +139,7 @@ void FarProgram::take_own(Bytes bytes) {
 
 void FarProgram::take_external(Bytes bytes) {
   wire::Reader in(bytes);
-  patience_ = std::max(in.i32(), 0) / 1000.0;
+  wait_limit_ = std::max(in.i32(), 0) / 1000.0;
   Six values{};
   for (double& value : values) value = in.i32() / kExternalScale;
   ++sequence_;
@@ -194,7 +194,7 @@ void FarProgram::step(double dt) {
   if (!runs() || ended_ || !stream_ || faults_.deaf || machine_.program() != Machine::Program::playing)
     return;
   quiet_ += dt;
-  if (patience_ > 0 && quiet_ > patience_ + dt) finish(ScriptState::timed_out);
+  if (wait_limit_ > 0 && quiet_ > wait_limit_ + dt) finish(ScriptState::timed_out);
 }
 
 void FarProgram::descriptors(std::vector<int>& out) const {

@@ -115,7 +115,7 @@ class FarProgram {
   std::vector<Opened> opened_;
   Descriptor stream_, trajectory_, commands_;
   std::vector<std::uint8_t> buffer_;
-  double quiet_ = 0, patience_ = 0;  // s; 0: without end
+  double quiet_ = 0, wait_limit_ = 0;  // s; 0: without end
   double lookahead_ = 0.03;
   std::int32_t sequence_ = 0;
   std::uint64_t messages_ = 0;

@@ -15,7 +15,7 @@ namespace polyarm::ur {
 namespace {
 constexpr Nanoseconds kGrace = 200'000'000;  // for other wires to say why the program closed its connection
 constexpr Nanoseconds kLook = 20'000'000;    // between two judgements without an event
-constexpr double kPatience = 25;  // cycles beyond the watchdog's, for the program to take a command
+constexpr double kTimeout = 25;  // cycles beyond the watchdog's, for the program to take a command
 constexpr double kMostGap = 100;  // cycles; a larger gap in the controller's time is a restart
 }  // namespace
 
@@ -268,7 +268,7 @@ void Link::judge_program(Nanoseconds now) {
   if (played_ && script == static_cast<int>(ScriptState::timed_out)) return note(Cause::commands_late);
   if (played_ && script == static_cast<int>(ScriptState::jumped)) return note(Cause::jump, -1);
   if (played_ && (state == stopped || state == stopping)) return note(Cause::program_stopped);
-  if (unread_ > rate_ * settings_.watchdog_ms / 1000 + kPatience) return note(Cause::not_reading);
+  if (unread_ > rate_ * settings_.watchdog_ms / 1000 + kTimeout) return note(Cause::not_reading);
   if (closed_ != 0 && now - closed_ > kGrace) return note(Cause::reverse_closed);
   if (commanded_ && stream_ && pacer_.silent(now)) return note(Cause::loop_silent);
 }

@@ -150,7 +150,7 @@ Health Link::wait_ready() {
   pid_t process = 0;
   std::memcpy(&process, message + 1, sizeof process);
   process_ = process;
-  unheard_ = 0;
+  unreceived_ = 0;
   return Health::fine;
 }
 
@@ -174,8 +174,8 @@ Health Link::beat() noexcept {
   if (++since_beat_ < beat_every_) return Health::fine;
   since_beat_ = 0;
   const Health health = say(Word::beat);
-  unheard_ = health == Health::deaf ? unheard_ + 1 : 0;
-  return health == Health::deaf && unheard_ < kUnheard ? Health::fine : health;
+  unreceived_ = health == Health::deaf ? unreceived_ + 1 : 0;
+  return health == Health::deaf && unreceived_ < kUnheard ? Health::fine : health;
 }
 
 Health Link::listen() noexcept {

@@ -66,7 +66,7 @@ class Link {
  private:
   Health say(Word word) noexcept;
   Health wait_ready();
-  int socket_ = -1, process_ = 0, unheard_ = 0;
+  int socket_ = -1, process_ = 0, unreceived_ = 0;
   std::uint64_t since_beat_ = 0, beat_every_ = 1;  // cycles
 };
 

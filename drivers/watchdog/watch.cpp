@@ -24,7 +24,7 @@ constexpr milliseconds kBetweenTries{5};
 class Watch {
  public:
   Watch(int socket, const Patience& patience, const MakingSafe& safe)
-      : socket_(socket), patience_(patience), safe_(safe) {}
+      : socket_(socket), wait_limit_(patience), safe_(safe) {}
 
   int run() {
     tell_ready();
@@ -83,7 +83,7 @@ class Watch {
     quit_ = quit_ || word_ == Word::quit;
     if (word_ == Word::arm) armed_ = true;
     if (word_ == Word::disarm || word_ == Word::make_safe) armed_ = false;
-    deadline_ = Clock::now() + milliseconds(patience_.timeout_ms);
+    deadline_ = Clock::now() + milliseconds(wait_limit_.timeout_ms);
   }
 
   bool driver_is_gone() const {
@@ -94,7 +94,7 @@ class Watch {
   /// Repeats the attempts until the device is safe or the driver takes over. After the driver has ended,
   /// gives up after `give_up_ms`. Returns true if the device is safe.
   bool stop_at_any_cost() {
-    Clock::time_point end = Clock::now() + milliseconds(patience_.give_up_ms);
+    Clock::time_point end = Clock::now() + milliseconds(wait_limit_.give_up_ms);
     for (;;) {
       const Attempt attempt = safe_.stop();
       if (attempt == Attempt::done) return true;
@@ -105,7 +105,7 @@ class Watch {
         if (Clock::now() >= end) return false;
         continue;
       }
-      end = Clock::now() + milliseconds(patience_.give_up_ms);
+      end = Clock::now() + milliseconds(wait_limit_.give_up_ms);
       if (listen(kBetweenTries.count()) != Heard::word) continue;
       take();
       if (word_ == Word::quit || word_ == Word::disarm) return false;
@@ -122,7 +122,7 @@ class Watch {
   }
 
   int socket_;
-  const Patience& patience_;
+  const Patience& wait_limit_;
   const MakingSafe& safe_;
   Word word_ = Word::beat;
   bool armed_ = false, quit_ = false, hopeless_ = false;

@@ -16,7 +16,7 @@ constexpr double kStill = 1e-6;      // degrees/s
 
 void Shaper::begin(const Six& at) noexcept {
   at_ = wanted_ = at;
-  velocity_ = acceleration_ = wanted_velocity_ = {};
+  velocity_ = acceleration_ = desired_velocity_ = {};
   behind_ = 0;
   axis_behind_ = 0;
   shaped_ = 0;
@@ -62,11 +62,11 @@ double Shaper::steer(std::size_t axis, const Moving& moving, const AxisLimits& l
 /// How the target moves; one that jumps counts as at rest.
 Shaper::Moving Shaper::motion_of(std::size_t axis, double wanted, const AxisLimits& limits) const noexcept {
   const double velocity = (wanted - wanted_[axis]) / period_;
-  const double acceleration = (velocity - wanted_velocity_[axis]) / period_;
+  const double acceleration = (velocity - desired_velocity_[axis]) / period_;
   const double v = kSteady * limits.at(LimitKind::velocity, axis),
                a = kSteady * limits.at(LimitKind::acceleration, axis);
-  if (std::abs(velocity) > v || std::abs(wanted_velocity_[axis]) > v) return {wanted, 0, 0, false};
-  return {wanted_[axis], wanted_velocity_[axis], std::abs(acceleration) > a ? 0 : acceleration, false};
+  if (std::abs(velocity) > v || std::abs(desired_velocity_[axis]) > v) return {wanted, 0, 0, false};
+  return {wanted_[axis], desired_velocity_[axis], std::abs(acceleration) > a ? 0 : acceleration, false};
 }
 
 void Shaper::advance(std::size_t axis, double position) noexcept {
@@ -91,7 +91,7 @@ Six Shaper::next(const Six& wanted, const AxisLimits& limits) noexcept {
       axis_behind_ = i;
     }
   }
-  for (std::size_t i = 0; i < 6; ++i) wanted_velocity_[i] = (wanted[i] - wanted_[i]) / period_;
+  for (std::size_t i = 0; i < 6; ++i) desired_velocity_[i] = (wanted[i] - wanted_[i]) / period_;
   wanted_ = wanted;
   if (!all) ++shaped_;
   return at_;
@@ -104,7 +104,7 @@ Six Shaper::brake(const AxisLimits& limits) noexcept {
     advance(i, target);
   }
   wanted_ = at_;
-  wanted_velocity_ = velocity_;
+  desired_velocity_ = velocity_;
   behind_ = 0;
   return at_;
 }

@@ -58,7 +58,7 @@ class Shaper {
   void advance(std::size_t axis, double position) noexcept;
 
   double period_;
-  Six at_{}, velocity_{}, acceleration_{}, wanted_{}, wanted_velocity_{};
+  Six at_{}, velocity_{}, acceleration_{}, wanted_{}, desired_velocity_{};
   double behind_ = 0;
   std::size_t axis_behind_ = 0;
   std::uint64_t shaped_ = 0;

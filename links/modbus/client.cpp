@@ -14,7 +14,7 @@ namespace polyarm::modbus {
 namespace {
 using signals::Direction;
 using signals::LinkEntry;
-using signals::LinkNews;
+using signals::LinkReport;
 using signals::LinkTag;
 using signals::LinkValue;
 using Area = LinkTag::Area;
@@ -53,7 +53,7 @@ class Client : public signals::LinkPort {
     context_ = nullptr;
   }
 
-  void exchange(const std::vector<LinkValue>& writes, Nanoseconds now, Nanoseconds, LinkNews& news) override {
+  void exchange(const std::vector<LinkValue>& writes, Nanoseconds now, Nanoseconds, LinkReport& news) override {
     for (const LinkValue& value : writes) write(entry_.tags[value.tag], value, news);
     for (Block& block : blocks_) {
       if (now < block.due) continue;
@@ -100,7 +100,7 @@ class Client : public signals::LinkPort {
     return error > MODBUS_ENOBASE && error < MODBUS_ENOBASE + MODBUS_EXCEPTION_MAX;
   }
 
-  void write(const LinkTag& tag, const LinkValue& write, LinkNews& news) {
+  void write(const LinkTag& tag, const LinkValue& write, LinkReport& news) {
     std::vector<std::uint16_t> words = words_of_value(tag, write.value, entry_.low_word_first);
     if (words.empty()) return;
     errno = 0;
@@ -115,7 +115,7 @@ class Client : public signals::LinkPort {
     last_[write.tag] = std::move(words);
   }
 
-  void read(const Block& block, LinkNews& news) {
+  void read(const Block& block, LinkReport& news) {
     const auto count = static_cast<std::size_t>(block.count);
     std::vector<std::uint8_t> bits(count);
     std::vector<std::uint16_t> words(count);
@@ -146,7 +146,7 @@ class Client : public signals::LinkPort {
       take(i, &words[static_cast<std::size_t>(entry_.tags[i].address - block.first)], news);
   }
 
-  void take(std::size_t index, const std::uint16_t* at, LinkNews& news) {
+  void take(std::size_t index, const std::uint16_t* at, LinkReport& news) {
     const LinkTag& tag = entry_.tags[index];
     std::vector<std::uint16_t> words(at, at + tag.registers());
     if (words == last_[index]) return news.seen.push_back(index);

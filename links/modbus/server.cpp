@@ -20,7 +20,7 @@ namespace polyarm::modbus {
 namespace {
 using signals::Direction;
 using signals::LinkEntry;
-using signals::LinkNews;
+using signals::LinkReport;
 using signals::LinkTag;
 using signals::LinkValue;
 using Area = LinkTag::Area;
@@ -52,7 +52,7 @@ class Server : public signals::LinkPort {
       throw Error("link-lost", entry_.address() + " cannot listen: " + why);
     }
     do_not_wait(listening_);  // a connection may be closed before it is accepted
-    asked_at_ = -1;
+    requested_at_ = -1;
   }
 
   void close() noexcept override {
@@ -72,11 +72,11 @@ class Server : public signals::LinkPort {
   }
 
   void exchange(const std::vector<LinkValue>& writes, Nanoseconds now, Nanoseconds patience,
-                LinkNews& news) override {
+                LinkReport& news) override {
     for (const LinkValue& write : writes) put(write);
     const bool asked = serve(now, patience);
-    if (asked) asked_at_ = now;
-    news.alive = asked_at_ >= 0 && now - asked_at_ <= entry_.timeout;
+    if (asked) requested_at_ = now;
+    news.alive = requested_at_ >= 0 && now - requested_at_ <= entry_.timeout;
     for (std::size_t i = 0; i < entry_.tags.size(); ++i) look(i, asked, news);
   }
 
@@ -196,7 +196,7 @@ class Server : public signals::LinkPort {
     return sent >= 0 || errno >= MODBUS_ENOBASE;  // an exception reply of ours
   }
 
-  void look(std::size_t index, bool asked, LinkNews& news) {
+  void look(std::size_t index, bool asked, LinkReport& news) {
     const LinkTag& tag = entry_.tags[index];
     std::vector<std::uint16_t> words = words_at(tag);
     const bool ours = tag.direction == Direction::out;
@@ -230,7 +230,7 @@ class Server : public signals::LinkPort {
   int listening_ = -1;
   std::vector<Client> clients_;
   std::vector<std::vector<std::uint16_t>> last_;  ///< by tag: the registers that both sides know
-  Nanoseconds asked_at_ = -1;
+  Nanoseconds requested_at_ = -1;
 };
 }  // namespace
 

@@ -15,7 +15,7 @@ namespace polyarm::mqtt {
 namespace {
 using signals::Direction;
 using signals::LinkEntry;
-using signals::LinkNews;
+using signals::LinkReport;
 using signals::LinkTag;
 using signals::LinkValue;
 
@@ -66,7 +66,7 @@ class Client : public signals::LinkPort {
   }
 
   void exchange(const std::vector<LinkValue>& writes, Nanoseconds, Nanoseconds patience,
-                LinkNews& news) override {
+                LinkReport& news) override {
     for (const LinkValue& write : writes) publish(write);
     // Takes everything that has come in, up to a limit. Only the first call may wait.
     check(mosquitto_loop(client_, static_cast<int>(patience / 1'000'000), 1), "is gone");
@@ -128,7 +128,7 @@ class Client : public signals::LinkPort {
           "did not take a message");
   }
 
-  void take(std::size_t index, const std::string& text, LinkNews& news) {
+  void take(std::size_t index, const std::string& text, LinkReport& news) {
     const LinkTag& tag = entry_.tags[index];
     if (tag.direction == Direction::both && last_[index] == text)
       return news.seen.push_back(index);  // our own message

@@ -19,7 +19,7 @@ namespace {
 using messages::TypeInfo;
 using signals::Direction;
 using signals::LinkEntry;
-using signals::LinkNews;
+using signals::LinkReport;
 using signals::LinkTag;
 using signals::LinkValue;
 using Role = LinkTag::Role;
@@ -72,8 +72,8 @@ class Port : public signals::LinkPort {
   bool waits() const override { return true; }
 
   void exchange(const std::vector<LinkValue>& writes, Nanoseconds, Nanoseconds patience,
-                LinkNews& news) override {
-    tell_news(news);
+                LinkReport& news) override {
+    send_reports(news);
     const Nanoseconds missing = wire_->participant().missing_for().count();
     if (missing > entry_.timeout)
       throw Error("link-lost", "the process that speaks ROS 2 has ended and is not back yet");
@@ -98,8 +98,8 @@ class Port : public signals::LinkPort {
   }
 
  private:
-  void tell_news(LinkNews& news) {
-    for (RemoteNews& each : wire_->take_news())
+  void send_reports(LinkReport& news) {
+    for (RemoteReport& each : wire_->take_reports())
       news.notes.push_back(std::move(each.what) + (each.good ? "" : " (" + std::move(each.advice) + ")"));
   }
   /// True if the process that speaks DDS was lost during a service call. The call gets no reply, and it is
@@ -298,7 +298,7 @@ class Port : public signals::LinkPort {
   std::vector<std::optional<data::Value>> last_;  ///< by tag: last known value
   std::optional<Wire> wire_;
   std::uint64_t losses_ = 0;  ///< of the process that speaks DDS
-  LinkNews* news_ = nullptr;  ///< during an exchange
+  LinkReport* news_ = nullptr;  ///< during an exchange
 };
 
 }  // namespace

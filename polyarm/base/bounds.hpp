@@ -44,7 +44,7 @@
   X(kControlSeat_ms, 10000, "ms", "time in which such a client must take control or ask for it",                  \
     "the connection is closed")                                                                               \
   X(kConnections, 256, "connections", "connections that have sent a token", "status 503")                    \
-  X(kStrangers, 64, "connections", "connections that have not sent a token yet",                                    \
+  X(kUnauthenticated, 64, "connections", "connections that have not sent a token yet",                                    \
     "the oldest of the address with the most is closed")                                                      \
   X(kHead_ms, 10000, "ms", "time for the head of a request, the TLS handshake with it",                       \
     "the connection is closed")                                                                               \

@@ -15,7 +15,7 @@ namespace polyarm {
 
 namespace {
 
-constexpr auto kPatience = std::chrono::seconds(2);
+constexpr auto kTimeout = std::chrono::seconds(2);
 constexpr std::size_t kPiece = 4096;  ///< what a pipe takes whole, so that its reader's progress is seen
 
 }  // namespace
@@ -130,7 +130,7 @@ bool Printer::settle() {
     return true;
   }
   for (std::size_t before = work_->taken;; before = work_->taken) {
-    if (work_->room.wait_for(lock, kPatience, [&] { return idle() || work_->taken != before; })) {
+    if (work_->room.wait_for(lock, kTimeout, [&] { return idle() || work_->taken != before; })) {
       if (idle()) return true;
     } else {
       return false;

@@ -51,7 +51,7 @@ class Checker {
     collect(problems_, [&] { file_ = open(); });
     if (!problems_.has_errors()) {
       std::vector<std::string> notes;
-      if (look_at_plugins(file_, problems_)) leave_out_unknown();
+      if (check_plugins_of_cell(file_, problems_)) leave_out_unknown();
       if (file_.record && !file_.record->file.empty())
         collect(problems_, [&] { polyarm::reach().check(file_.record->file, Reach::Use::write); });
       ros_files::ControllersFile controllers;
@@ -120,7 +120,7 @@ class Checker {
     for (const signals::CameraLink& camera : signals_.cameras) known.names.try_emplace(camera.point);
     add_named_states(known);
     add_link_names(known);
-    add_brought(signals_, known);
+    add_provided(signals_, known);
     add_places(signals_, known);
     collect(problems_, [&] {  // malformed tags still count as known names
       std::error_code ignored;
@@ -422,14 +422,14 @@ class Checker {
       const Rehearsal found = rehearse(inside), of_plc = rehearse_plc(inside);
       for (const Problem& problem : found.problems.list()) problems_.add(problem);
       for (const Problem& problem : of_plc.problems.list()) problems_.add(problem);
-      note_left_out(found, "program");
-      note_left_out(of_plc, "script of the PLC");
+      note_omitted(found, "program");
+      note_omitted(of_plc, "script of the PLC");
       result_.moves = found.moves;
       result_.reached = found.reached;
     });
   }
 
-  void note_left_out(const Rehearsal& found, const std::string& of) {
+  void note_omitted(const Rehearsal& found, const std::string& of) {
     if (found.left_out == 0) return;
     result_.notes.push_back(fmt::format(
         "the {} was also checked with {} other values, answers, time-outs and errors; {} more were left out",

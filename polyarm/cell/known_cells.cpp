@@ -110,7 +110,7 @@ std::vector<fs::path> openable(const fs::path& open, const std::vector<fs::path>
 protocol::CellReach::Answer wants_of(const CellFile& file) {
   protocol::CellReach::Answer out;
   Problems unread;
-  for (const Wanted& each : wanted_by(file, &unread))
+  for (const Wanted& each : required_by(file, &unread))
     out.wants.push_back({each.kind, each.what, each.why, each.sha256, each.allowed});
   if (!unread.list().empty()) out.unread = unread.list().front().text();
   return out;
@@ -125,7 +125,7 @@ void allow_one(const CellFile& file, const std::string& text) {
     throw Error("not-here", "'" + text + "' cannot be allowed here: hosts and secrets can",
                 kind == "plugin" ? "native code is approved at a terminal: polyarm plugins approve FILE"
                                  : "files are allowed where the cell is started: polyarm run CELL --allow PATH");
-  for (const Wanted& each : wanted_by(file))
+  for (const Wanted& each : required_by(file))
     if (each.kind == kind && each.what == what) return remember_allowed(file, each);
   throw Error("not-wanted", "the cell does not access '" + text + "'",
               "the request cell.reach lists what it accesses");
@@ -189,7 +189,7 @@ fs::path folder_wished(const std::string& cell, const fs::path& open) {
 }
 }  // namespace
 
-void require_within_reach(const RestartWish& wish, const fs::path& open_folder) {
+void require_within_reach(const RestartRequest& wish, const fs::path& open_folder) {
   const AsUser user;
   const fs::path folder = folder_wished(wish.cell, open_folder.empty() ? open_folder : resolved(open_folder));
   const auto in_project = [&](const fs::path& path) {

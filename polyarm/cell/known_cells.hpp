@@ -9,7 +9,7 @@
 
 namespace polyarm::cell {
 
-struct RestartWish;
+struct RestartRequest;
 
 /// Folder of the user's own cells.
 std::filesystem::path projects_folder();
@@ -28,6 +28,6 @@ protocol::CellReach::Answer reach_of_cell(const std::filesystem::path& open, con
 /// project, a program in that folder, a robot from the catalogue or a description in the project. Anything
 /// else must be given on the command line. `open_folder` is empty if no cell is open. Throws
 /// Error("unknown-cell" | "outside-cell").
-void require_within_reach(const RestartWish& wish, const std::filesystem::path& open_folder);
+void require_within_reach(const RestartRequest& wish, const std::filesystem::path& open_folder);
 
 }  // namespace polyarm::cell

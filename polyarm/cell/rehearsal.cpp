@@ -118,7 +118,7 @@ void go_through(Stage& stage, const std::shared_ptr<program::Compiled>& compiled
   for (int step = 0, quiet = 0;; ++step, ++quiet) {
     const program::StepResult result = interpreter.step(kStatements);
     if (result.state != program::TaskState::running && result.state != program::TaskState::waiting) {
-      if (result.state == program::TaskState::failed) stage.tell_failure(interpreter.overview());
+      if (result.state == program::TaskState::failed) stage.report_failure(interpreter.overview());
       break;
     }
     if (result.executed > 0)
@@ -127,7 +127,7 @@ void go_through(Stage& stage, const std::shared_ptr<program::Compiled>& compiled
       step = kMostSteps;
     if (std::exchange(events, stage.events()) != stage.events()) quiet = 0;
     if (quiet >= kEndlessSteps) {
-      stage.tell_endless(interpreter.overview().where, kEndlessSteps * kStatements);
+      stage.report_endless(interpreter.overview().where, kEndlessSteps * kStatements);
       step = kMostSteps;
     }
     if (step < kMostSteps && !stage.enough() && interpreter.overview().passes < passes) continue;
@@ -154,7 +154,7 @@ struct Pass {
 };
 
 /// One pass through the program, with values that end its waits.
-Pass go_once(const Subject& subject, const PossibleValues& values, const Supposition& supposed,
+Pass run_once(const Subject& subject, const PossibleValues& values, const Supposition& supposed,
              bool with_paths) {
   Stage stage(subject.cell, subject.compiled()->program, subject.others(), subject.moves, with_paths);
   stage.suppose(supposed);
@@ -229,7 +229,7 @@ class Explorer {
                 [&subject](const std::string& name) { return subject.cell.data.store.find(name); }) {}
 
   Rehearsal run(bool with_paths) {
-    Pass first = go_once(subject_, values_, {}, with_paths);
+    Pass first = run_once(subject_, values_, {}, with_paths);
     Rehearsal out = std::move(first.found);
     for (const Problem& problem : out.problems.list()) is_new(problem);
     add_answers(first.questions);
@@ -238,7 +238,7 @@ class Explorer {
     std::size_t moves = 0;
     for (; out.variants < todo_.size(); ++out.variants) {
       if (out.variants >= kMostVariants || moves > Stage::kMostMoves) break;
-      const Pass pass = go_once(subject_, values_, todo_[out.variants], false);
+      const Pass pass = run_once(subject_, values_, todo_[out.variants], false);
       moves += pass.found.moves;
       add_answers(pass.questions);
       for (const Problem& problem : pass.found.problems.list())
@@ -260,12 +260,12 @@ class Explorer {
     }
     for (Supposition& each : in_turn(std::move(groups))) todo_.push_back(std::move(each));
   }
-  bool is_new(const Problem& problem) { return told_.insert(problem.where.text() + problem.what).second; }
+  bool is_new(const Problem& problem) { return announced_.insert(problem.where.text() + problem.what).second; }
 
   const Subject& subject_;
   PossibleValues values_;
   std::vector<Supposition> todo_;
-  std::set<std::string> asked_, told_;
+  std::set<std::string> asked_, announced_;
 };
 
 }  // namespace

@@ -47,7 +47,7 @@ Stage::Stage(CellInside& cell, const program::Program& program, const program::P
       with_paths_(with_paths) {
   for (const auto& robot : cell.setup.robots)
     arms_.push_back({robot.get(), robot->start, {}, nullptr, false, {}});
-  for (const Arm& arm : arms_) tell_where(arm);
+  for (const Arm& arm : arms_) report_where(arm);
 }
 
 Stage::~Stage() {
@@ -120,13 +120,13 @@ program::Handle Stage::start_load(const std::string&, program::LoadForm, const L
 
 program::Handle Stage::start_ask(const std::string& text, const Location& where) {
   asked_ = answer_name(where);
-  asked_text_ = text;
+  requested_text_ = text;
   return 1;
 }
 
 /// The answer to the last question: Enter's default unless another answer is supposed.
 std::string Stage::answer(const data::Value& usual) const {
-  questions_.try_emplace(asked_, Question{asked_text_, usual});
+  questions_.try_emplace(asked_, Question{requested_text_, usual});
   if (!supposed_.answer || supposed_.answer->first != asked_) return {};
   const data::Value& value = supposed_.answer->second;
   const data::Number *number = value.as_number(), *like = usual.as_number();
@@ -203,9 +203,9 @@ void Stage::help(const std::string& name, const data::Value& value) {
   set(name, value, {});
 }
 
-void Stage::tell_failure(const program::TaskStatus& status) {
+void Stage::report_failure(const program::TaskStatus& status) {
   out_.reached = status.where;
-  if (status.problem && tell_passed_on(*status.problem)) return;
+  if (status.problem && report_passed_on(*status.problem)) return;
   const std::vector<std::string> own = {"user",    "expect",   "timeout",     "ended",       "discarded",
                                         "refused", "no-robot", "unreachable", "nobody-there"};
   if (!status.problem) return;
@@ -238,7 +238,7 @@ bool Stage::is_raised_in_every_run(const Problem& problem) const {
   return !measures && questions_.empty() && here_known_ && certainty().conditions_known();
 }
 
-void Stage::tell_endless(const Location& where, int statements) {
+void Stage::report_endless(const Location& where, int statements) {
   out_.problems.warning("busy-loop", where,
                         "the program neither waits nor moves here: it was followed for " +
                             std::to_string(statements) + " statements",
@@ -309,7 +309,7 @@ void Stage::plan(Arm& arm) {
         tell(warning.problem, arm.waiting[warning.move].second, true);
       for (const moves::PlannedMotion& motion : plan.motions) check_on_the_way(arm, facts, motion);
       arm.at = std::move(plan.end);
-      tell_where(arm);
+      report_where(arm);
       out_.moves += moves.size();
       note_made(arm, moves.size());
     } catch (const moves::MoveError& e) {
@@ -396,7 +396,7 @@ std::vector<double> Stage::end_of(const Arm& arm, std::size_t count) {
 /// queued moves are discarded.
 void Stage::stay(Arm& arm, std::vector<double> at) {
   arm.at = std::move(at);
-  tell_where(arm);
+  report_where(arm);
   arm.went.push_back({arm.waiting.front().second, false, true});
   arm.waiting.clear();
 }
@@ -409,7 +409,7 @@ void Stage::find_again(Arm& arm) {
   try {
     arm.at = joints_at(arm, move.end(), arm.at);
     arm.lost = false;
-    tell_where(arm);
+    report_where(arm);
   } catch (const Error&) {  // continue with the next move that can be reached
   }
 }
@@ -469,7 +469,7 @@ const program::Certainty& Stage::certainty() const {
 }
 
 /// Updates the planned joints, so parts attached to the robot move with it.
-void Stage::tell_where(const Arm& arm) {
+void Stage::report_where(const Arm& arm) {
   const auto index = static_cast<std::size_t>(&arm - arms_.data());
   if (cell_.motions->motion(index)) cell_.motions->motion(index)->set_planned(arm.at);
 }
@@ -481,7 +481,7 @@ void Stage::tell(Problem problem, const Asked& asked, bool known) {
   if (is_caught && (known || !supposes())) pending_ = problem;
   const std::string raised = problem.what;
   problem.what += asked.called;
-  if (!told_.insert({problem.where.text(), problem.code}).second) return;
+  if (!announced_.insert({problem.where.text(), problem.code}).second) return;
   if (supposes() && !known) problem.severity = Severity::warning;
   if (is_caught)
     caught_.push_back({std::move(problem), raised, *asked.handler});
@@ -490,7 +490,7 @@ void Stage::tell(Problem problem, const Asked& asked, bool known) {
 }
 
 /// True if the program fails with an error that it caught before and raised again unhandled.
-bool Stage::tell_passed_on(const Problem& problem) {
+bool Stage::report_passed_on(const Problem& problem) {
   const auto at = std::find_if(caught_.begin(), caught_.end(), [&](const Caught& caught) {
     return caught.problem.where.line == problem.where.line &&
            caught.problem.where.file == problem.where.file && problem.what.starts_with(caught.raised);

@@ -64,9 +64,9 @@ class Stage : public program::Host {
   void help(const std::string& name, const data::Value& value);
   /// Reports that the program failed with the present values. If the line reads values that others may have
   /// changed, this is a warning; an error from `raise` stays an error if every run raises it.
-  void tell_failure(const program::TaskStatus& status);
+  void report_failure(const program::TaskStatus& status);
   /// Reports that the program neither waited nor moved at this line for `statements` statements.
-  void tell_endless(const Location& where, int statements);
+  void report_endless(const Location& where, int statements);
   /// Number of waits and moves so far.
   std::uint64_t events() const { return events_; }
   bool enough() const { return out_.moves >= kMostMoves; }
@@ -148,7 +148,7 @@ class Stage : public program::Host {
   void stay(Arm& arm, std::vector<double> at);
   void fail_as_supposed(const Location& where);
   void raise_pending();
-  bool tell_passed_on(const Problem& problem);
+  bool report_passed_on(const Problem& problem);
   bool supposes() const { return !helped_.empty() || supposed_.answer || !supposed_.fails.empty(); }
   void check_on_the_way(const Arm& arm, const moves::RobotFacts& facts, const moves::PlannedMotion& motion);
   void keep_paths(const Arm& arm, const moves::RobotFacts& facts, const moves::MovePlan& plan);
@@ -161,7 +161,7 @@ class Stage : public program::Host {
   bool values_known(const Asked& asked) const;
   std::vector<Location> calls_at(const Location& where) const;
   const program::Certainty& certainty() const;
-  void tell_where(const Arm& arm);
+  void report_where(const Arm& arm);
   void tell(Problem problem, const Asked& asked, bool known);
 
   CellInside& cell_;
@@ -179,11 +179,11 @@ class Stage : public program::Host {
   std::optional<Problem> pending_;  ///< an error of a move, to be raised in the program
   std::vector<Caught> caught_;
   mutable std::map<std::string, Question> questions_;
-  std::string asked_, asked_text_;  ///< the last question
+  std::string asked_, requested_text_;  ///< the last question
   bool with_paths_ = false;
   mutable bool here_known_ = true;  ///< false if a here() returned a position that may differ between runs
   mutable std::optional<program::Certainty> certainty_;
-  std::set<std::pair<std::string, std::string>> told_;
+  std::set<std::pair<std::string, std::string>> announced_;
   std::vector<std::vector<double>> held_;  ///< where a trap stopped each arm
   mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< of points that name a frame
   description::Scene fixed_scene_;

@@ -144,7 +144,7 @@ struct ContactList : Observer {
 /// answer.
 void add_contacts(const CellFile& file, const description::Catalogue& catalogue, const fs::path& folder,
                   const fs::path& state, ProgramDry::Answer& out) {
-  constexpr Nanoseconds kMost = 120'000'000'000, kPatience = 20'000'000'000;
+  constexpr Nanoseconds kMost = 120'000'000'000, kTimeout = 20'000'000'000;
   if (!file.signals.empty() && !signals::load_signals((file.folder / file.signals).string()).live.empty()) {
     out.contacts.unchecked = {
         "contacts are not checked here, because the program writes live data files: polyarm check --dry runs "
@@ -165,7 +165,7 @@ void add_contacts(const CellFile& file, const description::Catalogue& catalogue,
   out.contacts.unchecked = facts.unchecked;
   if (!facts.checked) return;
   control::ControlLoop& loop = inside.machine.loop();
-  const Nanoseconds until = realtime::monotonic_now() + kPatience;
+  const Nanoseconds until = realtime::monotonic_now() + kTimeout;
   loop.begin();
   while (!inside.life->finished() && !inside.life->failure() && loop.cycle().time < kMost &&
          realtime::monotonic_now() < until) {

@@ -194,13 +194,13 @@ LanguageWords::Answer language_words(const TextOwners&, const LanguageWords&) {
 }
 
 protocol::Asked cell_restart(const TextOwners& cell, const CellRestart& request) {
-  RestartWish wish;
+  RestartRequest wish;
   wish.robot = request.robot.value_or("");
   wish.hardware = request.hardware.value_or("");
   wish.program = request.program.value_or("");
   wish.cell = request.cell.value_or("");
   require_within_reach(wish, cell.setup.file.folder);
-  cell.life.ask_restart(std::move(wish));
+  cell.life.request_restart(std::move(wish));
   return {"restart"};
 }
 

@@ -29,7 +29,7 @@ namespace polyarm::cell {
 namespace {
 
 std::atomic<control::Supervisor*> running_supervisor{nullptr};
-std::atomic<int> stops_asked{0};
+std::atomic<int> stop_requests{0};
 
 /// The loop counts as hung if no cycle has ended for this long.
 constexpr Nanoseconds kLoopSilence = 200'000'000;
@@ -143,7 +143,7 @@ class Runner {
         observer_(cell_.events),
         console_(options.console && !options.fast) {
     cell_.observers.add(observer);
-    cell_.programs->answers().somebody_there = console_.on();
+    cell_.programs->answers().can_answer = console_.on();
     wall_start_ = realtime::monotonic_now();
     limit_ = options.seconds > 0 ? nanoseconds(options.seconds) : INT64_MAX;
   }
@@ -159,7 +159,7 @@ class Runner {
     if (!stuck_ && cell_.recorder) cell_.recorder->stop();
     running_supervisor = nullptr;
     const RunResult out = result();
-    stops_asked = 0;
+    stop_requests = 0;
     return out;
   }
 
@@ -168,7 +168,7 @@ class Runner {
     control::ControlLoop& loop = cell_.machine.loop();
     const std::unique_ptr<SocketDoor> door = options_.fast_socket ? open_door() : nullptr;
     const auto doors = open_doors();
-    nobody_there_ = !door && doors.empty() && options_.doors.empty() && !cell_.setup.options.test;
+    nobody_answers_ = !door && doors.empty() && options_.doors.empty() && !cell_.setup.options.test;
     Nanoseconds next_tick = 0;
     while (!over_) {
       if (loop.cycle().time >= next_tick) {
@@ -241,10 +241,10 @@ class Runner {
   /// Doors and the worker thread ring the bell when they have something for the cell.
   void hang(const std::shared_ptr<realtime::Bell>& bell, SocketDoor* socket,
             const std::vector<std::unique_ptr<Door>>& doors) {
-    if (socket) socket->set_bell(bell);
-    for (const auto& door : doors) door->set_bell(bell);
-    for (Door* const door : options_.doors) door->set_bell(bell);
-    cell_.worker.set_bell(bell);
+    if (socket) socket->set_wakeup(bell);
+    for (const auto& door : doors) door->set_wakeup(bell);
+    for (Door* const door : options_.doors) door->set_wakeup(bell);
+    cell_.worker.set_wakeup(bell);
   }
 
   /// Between two ticks: starts requests that have arrived, and continues those that waited for the worker.
@@ -303,7 +303,7 @@ class Runner {
 
   void typed(const std::string& line) {
     const std::optional<protocol::Request> request = typed_request(line);
-    if (line == "resume") stops_asked = 0;
+    if (line == "resume") stop_requests = 0;
     if (line == "arm" && cell_.arming->needed() && !console_.is_terminal()) {
       observer_.on_note("only a person at a terminal arms real hardware");
     } else if (line == "arm" && cell_.arming->needed()) {
@@ -350,7 +350,7 @@ class Runner {
     watch_state(now);
     watch_first_motion();
     const control::Snapshot& seen = cell_.machine.snapshot();
-    if (stops_asked.load() > 0 && !stopping_) {
+    if (stop_requests.load() > 0 && !stopping_) {
       stopping_ = true;
       cell_.programs->stop_all();
     }
@@ -368,12 +368,12 @@ class Runner {
     } else {
       const bool finished = cell_.life->finished() && !options_.stay;
       if (seen.state != control::RunState::held || !seen.standing) held_since_ = now;
-      held_out_ = nobody_there_ && now - held_since_ > kHeldPatience;
+      held_out_ = nobody_answers_ && now - held_since_ > kHeldPatience;
       over_ = finished || now >= limit_ || held_out_;
       cut_short_ = over_ && !cell_.life->finished();
     }
-    if (now - told_pose_ >= 100'000'000) {
-      told_pose_ = now;
+    if (now - reported_pose_ >= 100'000'000) {
+      reported_pose_ = now;
       for (std::size_t i = 0; i < cell_.setup.robots.size(); ++i)
         observer_.on_pose(now, cell_.setup.robots[i]->entry.name, cell_.motions->tcp(i));
     }
@@ -381,8 +381,8 @@ class Runner {
 
   void watch_state(Nanoseconds now) {
     const control::Snapshot& seen = cell_.machine.snapshot();
-    if (seen.state == told_state_) return;
-    told_state_ = seen.state;
+    if (seen.state == reported_state_) return;
+    reported_state_ = seen.state;
     observer_.on_state(now, control::name(seen.state), cell_.life->stop_cause());
   }
 
@@ -475,15 +475,15 @@ class Runner {
   RunOptions options_;
   Observer& observer_;
   Console console_;
-  Nanoseconds wall_start_ = 0, limit_ = 0, stop_since_ = -1, told_pose_ = -1'000'000'000;
-  control::RunState told_state_ = control::RunState::running;
+  Nanoseconds wall_start_ = 0, limit_ = 0, stop_since_ = -1, reported_pose_ = -1'000'000'000;
+  control::RunState reported_state_ = control::RunState::running;
   std::optional<double> first_motion_;
   std::uint64_t late_empty_ = 0;
   std::uint64_t seen_cycles_ = 0, gaps_ = 0;
   Nanoseconds cycles_seen_at_ = realtime::monotonic_now();
   bool loop_silent_ = false, stuck_ = false;
   Nanoseconds held_since_ = 0;
-  bool over_ = false, stopping_ = false, cut_short_ = false, nobody_there_ = false, held_out_ = false;
+  bool over_ = false, stopping_ = false, cut_short_ = false, nobody_answers_ = false, held_out_ = false;
 };
 
 }  // namespace
@@ -494,14 +494,14 @@ const char* name(Outcome outcome) {
 }
 
 void request_stop() noexcept {
-  const int count = ++stops_asked;
+  const int count = ++stop_requests;
   if (control::Supervisor* supervisor = running_supervisor.load())
     supervisor->latch().request(count > 1 ? realtime::StopKind::immediate : realtime::StopKind::controlled);
 }
 
 void request_stop_once() noexcept {
   int none = 0;
-  if (!stops_asked.compare_exchange_strong(none, 1)) return;
+  if (!stop_requests.compare_exchange_strong(none, 1)) return;
   if (control::Supervisor* supervisor = running_supervisor.load())
     supervisor->latch().request(realtime::StopKind::controlled);
 }
@@ -512,7 +512,7 @@ void request_hold() noexcept {
 }
 
 int stops_requested() noexcept {
-  return stops_asked.load();
+  return stop_requests.load();
 }
 
 realtime::ThreadOptions control_thread(const RunOptions& options, const LoopEntry& stated,

@@ -63,7 +63,7 @@ struct RunResult {
   /// The control thread is blocked in a call and has not returned: do not destroy the cell; end the process.
   bool stuck = false;
   /// Set if the run ended so the cell can be built again.
-  std::optional<RestartWish> restart;
+  std::optional<RestartRequest> restart;
   std::optional<double> first_motion_s;  ///< from the command to the first commanded motion, wall time
 };
 

@@ -34,7 +34,7 @@ constexpr std::size_t kLongestLine = bounds::kRequestBytes, kMostUnread = bounds
                       kMostClients = bounds::kSocketClients, kLinesATick = bounds::kSocketLinesATick,
                       kMostWaiting = bounds::kSocketWaitingBytes;
 /// Poll intervals: normal, and while a client that has ended its side waits for its answers.
-constexpr int kPatience_ms = 1000, kFarewell_ms = 20;
+constexpr int kTimeout_ms = 1000, kClosing_ms = 20;
 /// Pause after accept() found no free file descriptor.
 constexpr int kShortage_ms = 100;
 
@@ -222,7 +222,7 @@ class SocketDoor::Work {
     if (taken) wake();  // there is room to read more
   }
 
-  realtime::BellRope rope;
+  realtime::WakeupHandle rope;
 
  private:
   /// Overhead of a queued line in addition to its text, bytes.
@@ -294,14 +294,14 @@ class SocketDoor::Work {
 
   void run() {
     while (!over_) {
-      int patience = kPatience_ms;
+      int patience = kTimeout_ms;
       const bool listens = !std::exchange(short_of_descriptors_, false);  // otherwise skip one round
       if (!listens) patience = kShortage_ms;
       std::vector<pollfd> waiting{{listening_, static_cast<short>(listens ? POLLIN : 0), 0},
                                   {wake_, POLLIN, 0}};
       for (const auto& client : clients_) {
         waiting.push_back({client->fd, events_of(*client), 0});
-        if (client->ended) patience = std::min(patience, kFarewell_ms);
+        if (client->ended) patience = std::min(patience, kClosing_ms);
       }
       ::poll(waiting.data(), waiting.size(), patience);
       std::uint64_t drained = 0;
@@ -439,7 +439,7 @@ const fs::path& SocketDoor::path() const {
 void SocketDoor::serve(Requests& requests) {
   work_->serve(requests);
 }
-void SocketDoor::set_bell(const std::shared_ptr<realtime::Bell>& bell) {
+void SocketDoor::set_wakeup(const std::shared_ptr<realtime::Bell>& bell) {
   work_->rope.tie(bell);
 }
 

@@ -25,7 +25,7 @@ class SocketDoor {
   /// Cell thread, each tick and after the bell rang: hands the received lines to `requests`.
   void serve(Requests& requests);
   /// The bell to ring when a line arrives; null: no bell.
-  void set_bell(const std::shared_ptr<realtime::Bell>& bell);
+  void set_wakeup(const std::shared_ptr<realtime::Bell>& bell);
 
   /// `$XDG_RUNTIME_DIR/polyarm`, or `/tmp/polyarm-<user id>` without it.
   static std::filesystem::path folder_of_user();

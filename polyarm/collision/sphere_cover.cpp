@@ -128,7 +128,7 @@ bool is_capsule(const ConvexBody& body) {
 /// reaches the rim between both with the radius root(r² + (h / 2)²).
 void cover_capsule(const ConvexBody& capsule, const CoverOptions& options, SphereCover& out) {
   const Vec3 from = capsule.points.front(), way = capsule.points.back() - from;
-  const double length = norm(way), r = capsule.radius, wanted = r + options.wanted_excess;
+  const double length = norm(way), r = capsule.radius, wanted = r + options.desired_excess;
   const double widest = 2 * std::sqrt(wanted * wanted - r * r);
   const double gaps = std::clamp(std::ceil(length / std::max(widest, 1e-6)), 0.0,
                                  double(std::max<std::size_t>(options.most_spheres, 1)) - 1);
@@ -148,7 +148,7 @@ void cover_rest(const std::vector<ConvexBody>& bodies, const std::vector<ConvexB
   while (clusters.size() + out.spheres.size() < options.most_spheres) {
     const auto worst = std::max_element(clusters.begin(), clusters.end(),
                                         [](const auto& a, const auto& b) { return a.excess < b.excess; });
-    if (worst->excess <= options.wanted_excess) break;
+    if (worst->excess <= options.desired_excess) break;
     Cluster first, second;
     if (halve(bodies, *worst, first, second)) {
       *worst = std::move(first);

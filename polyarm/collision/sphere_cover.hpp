@@ -13,7 +13,7 @@ namespace polyarm::collision {
 
 struct CoverOptions {
   std::size_t most_spheres = 20;
-  double wanted_excess = 0.006;  ///< m; pieces are cut until no sphere stands out farther
+  double desired_excess = 0.006;  ///< m; pieces are cut until no sphere stands out farther
 };
 
 struct SphereCover {

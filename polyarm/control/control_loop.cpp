@@ -124,7 +124,7 @@ void ControlLoop::react_to_faults(const hardware::Cycle& cycle) noexcept {
     if (event.cause == StopCause::limits)
       event.component = hardware_.component_of_command(static_cast<std::size_t>(event.interface));
     if (!supervisor_.react(event, controllers_.contains(event.component))) continue;
-    for (const std::size_t component : exchange_.take_off(event))
+    for (const std::size_t component : exchange_.switch_off_failed(event))
       controllers_.component_failed(component, event.cause == StopCause::deactivated, cycle);
   }
   faults_.clear();

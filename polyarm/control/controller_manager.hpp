@@ -160,7 +160,7 @@ class ControllerManager {
   void make_runner(Slot& slot);
   std::unique_ptr<Commit> commit_of(const SwitchPlan& plan) const;
   std::unique_ptr<Schedule> make_schedule(const std::vector<std::string>& active) const;
-  std::unique_ptr<Commit> fall_of(const std::vector<Slot*>& slots, std::span<const ControllerView> views,
+  std::unique_ptr<Commit> failure_commit_of(const std::vector<Slot*>& slots, std::span<const ControllerView> views,
                                   std::span<const ControllerView> chain, std::size_t who) const;
   std::set<std::size_t> components_of(const ControllerView& view) const;
   std::vector<std::string> active_names() const;
@@ -177,7 +177,7 @@ class ControllerManager {
   void start(Slot& slot, const hardware::Cycle& cycle, Commit& commit) noexcept;
   void stop(Slot& slot, const hardware::Cycle& cycle) noexcept;
   void execute(Commit& commit, const hardware::Cycle& cycle) noexcept;
-  void let_go(const Commit& commit) noexcept;
+  void release_now(const Commit& commit) noexcept;
   void fall(Commit& commit, const Slot* culprit, const hardware::Cycle& cycle) noexcept;
 
   hardware::InterfaceTable& table_;

@@ -39,14 +39,14 @@ std::vector<ControllerView> some_of(std::span<const ControllerView> views,
 }
 
 /// Stops all controllers of the given chains; controllers in no chain with them are not affected.
-SwitchPlan plan_of_fall(std::span<const ControllerView> chains) {
+SwitchPlan plan_of_failure(std::span<const ControllerView> chains) {
   SwitchRequest request;
   for (const ControllerView& view : chains) request.deactivate.push_back(view.name);
   return plan_switch(chains, request, [](const std::string&, bool) { return std::string{}; });
 }
 }  // namespace
 
-std::unique_ptr<ControllerManager::Commit> ControllerManager::fall_of(const std::vector<Slot*>& slots,
+std::unique_ptr<ControllerManager::Commit> ControllerManager::failure_commit_of(const std::vector<Slot*>& slots,
                                                                       std::span<const ControllerView> views,
                                                                       std::span<const ControllerView> chain,
                                                                       std::size_t who) const {
@@ -59,7 +59,7 @@ std::unique_ptr<ControllerManager::Commit> ControllerManager::fall_of(const std:
     });
     if (plan.ok) return commit_of(plan);
   }  // otherwise its fallbacks cannot take over in the present state
-  return commit_of(plan_of_fall(chain));
+  return commit_of(plan_of_failure(chain));
 }
 
 /// A component of the only group that these controllers command or, if they command none, read; -1 if there
@@ -128,7 +128,7 @@ std::unique_ptr<ControllerManager::Schedule> ControllerManager::make_schedule(
     const std::vector<std::size_t> linked = chain_of(all, i, active);
     const std::vector<ControllerView> chain = some_of(all, linked);
     out->entries.push_back({slots[i], slots[i]->controller.get(), slots[i]->options.divisor,
-                            slots[i]->options.period, active[i] ? fall_of(slots, all, chain, i) : nullptr,
+                            slots[i]->options.period, active[i] ? failure_commit_of(slots, all, chain, i) : nullptr,
                             active[i] ? home_of(chain) : -1});
     if (!active[i]) continue;
     for (const std::size_t component : components_of(all[i]))
@@ -139,7 +139,7 @@ std::unique_ptr<ControllerManager::Schedule> ControllerManager::make_schedule(
     const std::vector<std::size_t> falls(falling[c].begin(), falling[c].end());
     tied.push_back(
         std::any_of(falls.begin(), falls.end(), [&](std::size_t i) { return commands_beyond(all[i], c); }));
-    out->component_falls.push_back(commit_of(plan_of_fall(some_of(all, falls))));
+    out->component_failures.push_back(commit_of(plan_of_failure(some_of(all, falls))));
   }
   out->contained = contained_components(tied);
   return out;

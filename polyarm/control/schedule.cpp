@@ -76,7 +76,7 @@ void ControllerManager::update(const hardware::Cycle& cycle, const controllers::
     const Nanoseconds began = laps.began(), took = laps.next();
     if (laps.on() && !s.runner) s.part->note(began, took);
     s.updates.store(s.updates.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
-    if (s.controller->command_watch().take_news())
+    if (s.controller->command_watch().take_reports())
       events_.push({LoopEvent::Kind::commands_stale, s.id, cycle.index});
     if (result == ReturnType::ok || !entry.fall) continue;
     const bool somebody_takes_over = !entry.fall->start.empty();
@@ -133,11 +133,11 @@ void ControllerManager::execute(Commit& commit, const hardware::Cycle& cycle) no
     hardware_.perform_mode_switch(commit.start_interfaces, commit.stop_interfaces);
   for (Slot* s : commit.start)
     if (!commit.refused) start(*s, cycle, commit);
-  let_go(commit);
+  release_now(commit);
 }
 
 /// Sets velocities and efforts that nobody commands any more to zero; otherwise the joint would keep moving.
-void ControllerManager::let_go(const Commit& commit) noexcept {
+void ControllerManager::release_now(const Commit& commit) noexcept {
   const std::span<double> commands = table_.commands();
   const auto end = [&](std::size_t i) {
     if (std::isfinite(commands[i])) commands[i] = 0;
@@ -164,8 +164,8 @@ void ControllerManager::component_failed(std::size_t component, bool deactivated
   using Kind = LoopEvent::Kind;
   events_.push(LoopEvent{deactivated ? Kind::component_deactivated : Kind::component_failed,
                          static_cast<std::int32_t>(component), cycle.index});
-  if (component < schedule_->component_falls.size())
-    fall(*schedule_->component_falls[component], nullptr, cycle);
+  if (component < schedule_->component_failures.size())
+    fall(*schedule_->component_failures[component], nullptr, cycle);
   else
     ++epoch_;
 }

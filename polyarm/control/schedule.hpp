@@ -55,7 +55,7 @@ struct ControllerManager::Schedule {
     int home;                      // a component of its only group; -1: several groups, or none
   };
   std::vector<Entry> entries;
-  std::vector<std::unique_ptr<Commit>> component_falls;
+  std::vector<std::unique_ptr<Commit>> component_failures;
   std::vector<char> contained;  // by component: true if its faults affect its group only
 };
 

@@ -99,8 +99,8 @@ controllers::Verdict Supervisor::judge(Nanoseconds now, bool standing, Request r
     verdict.back_way = back_way_.load(std::memory_order_relaxed);
   }
   verdict.held = state() == RunState::held;
-  verdict.stops_asked = latch_.count();
-  verdict.stops = verdict.stops_asked + other_stops_;
+  verdict.stop_requests = latch_.count();
+  verdict.stops = verdict.stop_requests + other_stops_;
   touched_ = touched_ && state() == RunState::stopping;
   verdict.immediate = stop == realtime::StopKind::immediate || state() == RunState::fault || touched_;
   verdict.cut = touched_ && contact_stop_ == ContactStop::cut;

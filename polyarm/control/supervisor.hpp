@@ -64,8 +64,8 @@ enum class ContactStop : std::uint8_t {
 
 /// The reaction to a fault event.
 struct Reaction {
-  enum class Loop : std::uint8_t { goes_on, stops, faults };
-  Loop loop = Loop::goes_on;  ///< stops: on the path, then held
+  enum class Loop : std::uint8_t { keeps_going, stops, faults };
+  Loop loop = Loop::keeps_going;  ///< stops: on the path, then held
   bool group_off = false;     ///< switch off its component and the component's group
   friend constexpr bool operator==(const Reaction&, const Reaction&) = default;
 };
@@ -76,26 +76,26 @@ constexpr Reaction reaction_to(StopCause cause, bool contained, Overrun late, Co
   using enum Reaction::Loop;
   switch (cause) {
     case StopCause::none:
-      return {goes_on, false};
+      return {keeps_going, false};
     case StopCause::asked:
     case StopCause::gap:
     case StopCause::cell_silent:
     case StopCause::program:
       return {stops, false};
     case StopCause::contact:
-      return {contact == ContactStop::none ? goes_on : stops, false};
+      return {contact == ContactStop::none ? keeps_going : stops, false};
     case StopCause::late:
-      if (late != Overrun::fault) return {late == Overrun::hold ? stops : goes_on, false};
+      if (late != Overrun::fault) return {late == Overrun::hold ? stops : keeps_going, false};
       [[fallthrough]];
     case StopCause::component:
     case StopCause::deactivated:
     case StopCause::not_a_number:
     case StopCause::jump:
     case StopCause::not_following:
-      return {contained ? goes_on : faults, true};
+      return {contained ? keeps_going : faults, true};
     case StopCause::controller:
     case StopCause::limits:  // the hardware works, so it stays on and brakes
-      return {contained ? goes_on : faults, contained};
+      return {contained ? keeps_going : faults, contained};
   }
   return {faults, false};
 }

@@ -40,7 +40,7 @@ class CommandWatch {
   /// The last command has grown old, and none has come since. Any thread.
   bool stale() const noexcept { return stale_.load(std::memory_order_relaxed); }
   /// What expired and asked for something is told once.
-  bool take_news() noexcept {
+  bool take_reports() noexcept {
     return news_.load(std::memory_order_relaxed) && news_.exchange(false, std::memory_order_acquire);
   }
 

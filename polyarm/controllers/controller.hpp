@@ -38,7 +38,7 @@ struct Verdict {
   bool held = false;       ///< everything stands after a stop: only what a person moves by hand may move
   /// Stops so far: of anybody who asked (StopLatch::count), and with all other causes. Who moves by hand
   /// ends when they change, in `held` too, where a stop changes nothing else.
-  std::uint32_t stops_asked = 0, stops = 0;
+  std::uint32_t stop_requests = 0, stops = 0;
 };
 
 inline constexpr double kUnlimited = std::numeric_limits<double>::infinity();

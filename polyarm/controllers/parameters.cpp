@@ -96,7 +96,7 @@ bool Parameters::has(std::string_view key) const {
 }
 
 namespace {
-const Parameters::Entry* look_up(const Parameters& parameters, std::string_view key) {
+const Parameters::Entry* find_name(const Parameters& parameters, std::string_view key) {
   const auto found = parameters.entries.find(std::string(key));
   return found == parameters.entries.end() || found->second.values.empty() ? nullptr : &found->second;
 }
@@ -108,12 +108,12 @@ Problem refusal(const Parameters::Entry& entry, std::string_view key, const std:
 }  // namespace
 
 std::string Parameters::text(std::string_view key, std::string fallback) const {
-  const Entry* entry = look_up(*this, key);
+  const Entry* entry = find_name(*this, key);
   return entry ? entry->values.front() : std::move(fallback);
 }
 
 double Parameters::number(std::string_view key, double fallback) const {
-  const Entry* entry = look_up(*this, key);
+  const Entry* entry = find_name(*this, key);
   if (!entry) return fallback;
   const auto value = number_of(entry->values.front());
   if (!value) throw Error(refusal(*entry, key, "a number"));
@@ -121,7 +121,7 @@ double Parameters::number(std::string_view key, double fallback) const {
 }
 
 bool Parameters::boolean(std::string_view key, bool fallback) const {
-  const Entry* entry = look_up(*this, key);
+  const Entry* entry = find_name(*this, key);
   if (!entry) return fallback;
   const auto value = boolean_of(entry->values.front());
   if (!value) throw Error(refusal(*entry, key, "true or false"));

@@ -31,14 +31,14 @@ fs::path folder_of(const fs::path& path) {
 /// behind.
 class FolderLock {
  public:
-  FolderLock(const fs::path& path, int patience_ms) {
+  FolderLock(const fs::path& path, int wait_limit_ms) {
     fd_ = ::open(folder_of(path).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (fd_ < 0)
       throw Error(Problem{"no-file",
                           {path.string()},
                           "its folder cannot be opened: " + std::string(std::strerror(errno)),
                           {}});
-    const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(patience_ms);
+    const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(wait_limit_ms);
     while (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
       if (errno != EWOULDBLOCK && errno != EINTR) return;  // this file system does not support locks
       if (std::chrono::steady_clock::now() > until) {
@@ -134,8 +134,8 @@ void keep(const fs::path& path, const std::string& text, bool existed, const std
 }  // namespace
 
 ImportFile edit_set(const fs::path& path, const std::string& what,
-                    const std::function<void(ImportFile&)>& change, int patience_ms) {
-  const FolderLock lock(path, patience_ms);
+                    const std::function<void(ImportFile&)>& change, int wait_limit_ms) {
+  const FolderLock lock(path, wait_limit_ms);
   remove_leftovers(path);
   std::error_code ignored;
   const bool existed = fs::exists(path, ignored);
@@ -191,8 +191,8 @@ void require_history(const fs::path& path, std::size_t steps) {
          "polyarm data history shows them");
 }
 
-void undo(const fs::path& path, std::size_t steps, int patience_ms) {
-  const FolderLock lock(path, patience_ms);
+void undo(const fs::path& path, std::size_t steps, int wait_limit_ms) {
+  const FolderLock lock(path, wait_limit_ms);
   require_history(path, steps);
   const std::vector<SetVersion> versions = history(path);
   const SetVersion& wanted = versions[versions.size() - steps];
@@ -211,8 +211,8 @@ void undo(const fs::path& path, std::size_t steps, int patience_ms) {
   }
 }
 
-void delete_set(const fs::path& path, int patience_ms) {
-  const FolderLock lock(path, patience_ms);
+void delete_set(const fs::path& path, int wait_limit_ms) {
+  const FolderLock lock(path, wait_limit_ms);
   keep(path, read_file(path), true, "delete the file");
   std::error_code error;
   if (!fs::remove(path, error))

@@ -17,9 +17,9 @@ constexpr std::size_t kVersionsKept = 200;
 /// Calls `change` with the present content of the file (an empty set if there is no file) and writes the
 /// result. Other programs that use this function wait meanwhile. `what` is stored with the former version.
 /// Writes nothing if nothing changed. Throws Error: "in-use" if another writer does not finish within
-/// `patience_ms`; the problems of the file, which then stays unchanged; "unwritable".
+/// `wait_limit_ms`; the problems of the file, which then stays unchanged; "unwritable".
 ImportFile edit_set(const std::filesystem::path& path, const std::string& what,
-                    const std::function<void(ImportFile&)>& change, int patience_ms = 5000);
+                    const std::function<void(ImportFile&)>& change, int wait_limit_ms = 5000);
 
 /// An earlier version of a file.
 struct SetVersion {
@@ -35,9 +35,9 @@ std::vector<SetVersion> history(const std::filesystem::path& path);
 void require_history(const std::filesystem::path& path, std::size_t steps);
 /// Undoes the last `steps` changes. The undone content is kept in `.state/history/<file>/undone/`. Throws
 /// Error("no-history") if fewer changes are kept.
-void undo(const std::filesystem::path& path, std::size_t steps, int patience_ms = 5000);
+void undo(const std::filesystem::path& path, std::size_t steps, int wait_limit_ms = 5000);
 /// Deletes the file; undo restores it.
-void delete_set(const std::filesystem::path& path, int patience_ms = 5000);
+void delete_set(const std::filesystem::path& path, int wait_limit_ms = 5000);
 
 /// The set without the name: removes its lines, and leaves all others unchanged. Throws
 /// Error("unknown-name").

@@ -14,9 +14,9 @@ inline constexpr int kShownDigits = 9;
 
 /// Writes the text of a value piece by piece, so that no call takes long. The same as Value::text(), or with
 /// numbers rounded to `digits` significant digits; whole numbers keep all of theirs.
-class Telling {
+class ValueWriter {
  public:
-  explicit Telling(Value of, int digits = 0) : value_{std::move(of)}, digits_{digits} {}
+  explicit ValueWriter(Value of, int digits = 0) : value_{std::move(of)}, digits_{digits} {}
   /// Appends about `bytes` bytes to `out`; true when the text is complete.
   bool go_on(std::string& out, std::size_t bytes);
 

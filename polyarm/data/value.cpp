@@ -158,7 +158,7 @@ Value::Value(Record value) : kind_{Kind::record} {
 }
 
 /// Releases this copy's share of the content. The last owner deletes the content.
-void Value::let_go() noexcept {
+void Value::release_now() noexcept {
   constexpr std::size_t kLarge = 64;
   Shared* shared = content_.shared;
   const bool alone = shared->users.load(std::memory_order_acquire) == 1;
@@ -194,7 +194,7 @@ void Value::part_from_others() {
   const auto* others = static_cast<const Held<Large>*>(content_.shared);
   auto* mine = new Held<Large>(others->content);
   mine->extent.store(others->extent.load(std::memory_order_relaxed), std::memory_order_relaxed);
-  let_go();
+  release_now();
   content_.shared = mine;
 }
 
@@ -244,14 +244,14 @@ Value::Extent Value::extent() const {
 
 std::string Value::text() const {
   std::string out;
-  Telling telling(*this);
+  ValueWriter telling(*this);
   while (!telling.go_on(out, out.max_size() - out.size())) continue;
   return out;
 }
 
 std::string Value::excerpt(std::size_t bytes) const {
   std::string out;
-  Telling telling(*this);
+  ValueWriter telling(*this);
   if (kind_ == Kind::text) {
     out = as_text()->substr(0, bytes + 1);
   } else {
@@ -264,11 +264,11 @@ std::string Value::excerpt(std::size_t bytes) const {
 
 // Writing text in pieces.
 
-void Telling::open(const Value& whole) {
+void ValueWriter::open(const Value& whole) {
   open_.push_back({&whole, 0});
 }
 
-void Telling::tell(const Value& value, std::string& out) {
+void ValueWriter::tell(const Value& value, std::string& out) {
   switch (value.kind()) {
     case Kind::boolean:
       out += *value.as_boolean() ? "True" : "False";
@@ -292,7 +292,7 @@ void Telling::tell(const Value& value, std::string& out) {
   }
 }
 
-bool Telling::go_on(std::string& out, std::size_t bytes) {
+bool ValueWriter::go_on(std::string& out, std::size_t bytes) {
   const std::size_t end = out.size() + bytes;
   if (!std::exchange(begun_, true)) tell(value_, out);
   while (!open_.empty() && out.size() < end) {

@@ -101,13 +101,13 @@ class Value {
     const Content content = other.content_;
     const Kind kind = other.kind_;
     other.forget();
-    if (is_shared()) let_go();
+    if (is_shared()) release_now();
     content_ = content;
     kind_ = kind;
     return *this;
   }
   ~Value() {
-    if (is_shared()) let_go();
+    if (is_shared()) release_now();
   }
 
   Kind kind() const { return kind_; }
@@ -137,12 +137,12 @@ class Value {
 
   /// The same as assignment, for numbers and booleans.
   void set(const Number& number) noexcept {
-    if (is_shared()) let_go();
+    if (is_shared()) release_now();
     content_.number = number;
     kind_ = Kind::number;
   }
   void set(bool truth) noexcept {
-    if (is_shared()) let_go();
+    if (is_shared()) release_now();
     content_.truth = truth;
     kind_ = Kind::boolean;
   }
@@ -194,7 +194,7 @@ class Value {
     kind_ = Kind::boolean;
     content_.truth = false;
   }
-  void let_go() noexcept;
+  void release_now() noexcept;
   template <typename Large>
   const Large* held(Kind kind) const {
     return kind_ == kind ? &static_cast<const Held<Large>*>(content_.shared)->content : nullptr;

@@ -68,7 +68,7 @@ struct NumericCore {
   bool follow(const NumericQuestion& question, int steps, NumericPlace& out) const noexcept;
   /// Runs `searches` descents and calls `see(place)` with the end of each.
   template <typename See>
-  void look_around(const NumericQuestion& question, int searches, const See& see) const noexcept;
+  void find_obstacles(const NumericQuestion& question, int searches, const See& see) const noexcept;
   /// A few more steps, while they help; `out` is one of eight alike.
   void polish(const NumericQuestion& question, NumericPlace& at) const noexcept;
   /// A fixed number of further steps from eight places, even if they help little.
@@ -99,7 +99,7 @@ struct NumericCore {
 };
 
 template <typename See>
-void NumericCore::look_around(const NumericQuestion& question, int searches, const See& see) const noexcept {
+void NumericCore::find_obstacles(const NumericQuestion& question, int searches, const See& see) const noexcept {
   Descents all;
   SeedTable::Search search;
   begin_search(question, search);

@@ -73,7 +73,7 @@ IkOutcome solve_many(const NumericCore& core, const Pose& target, const IkTask* 
   NumericQuestion question;
   if (!core.read(target, task, seed, question)) return IkOutcome::malformed;
   IkSolution one;
-  core.look_around(question, core.settings.searches, [&](NumericPlace at) {
+  core.find_obstacles(question, core.settings.searches, [&](NumericPlace at) {
     if (!core.good(at)) return;
     if (core.settings.polish) core.polish(question, at);
     core.write(at, seed, one);

@@ -281,7 +281,7 @@ void SeedTable::next(Search& search, double* x) const noexcept {
       const Range wide = range(k);
       x[k] = wide.low + random.unit() * wide.width;
     }
-    bring_inside(x);
+    move_inside(x);
   }
 }
 
@@ -294,10 +294,10 @@ void SeedTable::read(const Search& search, std::size_t row, double* x) const noe
     x[last_joint_] = last_ratio_ * angle_about(search.toward, beside, search.beside);
   }
   if (first_turns_) x[first_joint_] = first_ratio_ * within_a_turn(search.turn - turn_[row]);
-  bring_inside(x);
+  move_inside(x);
 }
 
-void SeedTable::bring_inside(double* x) const noexcept {
+void SeedTable::move_inside(double* x) const noexcept {
   for (const std::size_t k : {first_joint_, last_joint_}) {
     // The next turn may be inside the limits if this one is not.
     if (x[k] > arm_.upper[k] && x[k] - 2 * kPi >= arm_.lower[k]) x[k] -= 2 * kPi;

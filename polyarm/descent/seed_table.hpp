@@ -67,7 +67,7 @@ class SeedTable {
   };
   Range range(std::size_t joint) const noexcept;  ///< of the table's states
   void advance(Search& search) const noexcept;
-  void bring_inside(double* x) const noexcept;
+  void move_inside(double* x) const noexcept;
 
   const DescentArm& arm_;
   bool first_turns_ = false, last_turns_ = false;  ///< so their part in a pose can be separated

@@ -84,11 +84,11 @@ std::vector<std::string> links_without_body(const RobotModel& model) {
   return out;
 }
 
-std::vector<char> links_on_the_floor(const RobotModel& model, bool stands_free) {
+std::vector<char> links_on_the_floor(const RobotModel& model, bool is_freestanding) {
   std::vector<std::size_t> wheels;
   for (std::size_t i = 0; i < model.links.size(); ++i)
     if (is_wheel(model, i)) wheels.push_back(i);
-  if (wheels.size() < kFewest) return std::vector<char>(model.links.size(), stands_free ? 1 : 0);
+  if (wheels.size() < kFewest) return std::vector<char>(model.links.size(), is_freestanding ? 1 : 0);
   std::vector<char> out(model.links.size(), 0);
   for (std::size_t i = 0; i < model.links.size(); ++i) out[i] = rigid_with_root(model, i) ? 1 : 0;
   for (const std::size_t wheel : wheels) {

@@ -18,7 +18,7 @@ std::vector<std::string> links_without_body(const RobotModel& model);
 /// two wheels or more, these are the wheels, the links that carry them, and the links rigidly connected to
 /// the root (casters). A wheel is a link with a cylinder or sphere, on a continuous joint with a horizontal
 /// axis, that carries no other joint. For a robot without wheels: all links if it stands free, else none.
-std::vector<char> links_on_the_floor(const RobotModel& model, bool stands_free);
+std::vector<char> links_on_the_floor(const RobotModel& model, bool is_freestanding);
 
 /// Sentences about efforts, inertias and masses that are the same round number everywhere, as exporters and
 /// templates write them. Empty if nothing looks like a placeholder.

@@ -61,7 +61,7 @@ std::optional<std::int64_t> soft_limit(const std::vector<std::string>& limits, c
   return integer(words.front());
 }
 
-void look_at_kernel(const fs::path& root, Machine& machine) {
+void check_kernel(const fs::path& root, Machine& machine) {
   machine.kernel = first_line(root / "proc/sys/kernel/osrelease");
   machine.preempt_rt = first_line(root / "sys/kernel/realtime") == "1" ||
                        text_of(root / "proc/version").find("PREEMPT_RT") != std::string::npos;
@@ -74,7 +74,7 @@ void look_at_kernel(const fs::path& root, Machine& machine) {
       machine.governors[at->path().filename().string()] = governor;
 }
 
-void look_at_process(const Place& place, Machine& machine) {
+void check_process(const Place& place, Machine& machine) {
   const std::vector<std::string> status = lines_of(place.root / "proc/self/status");
   const std::vector<std::string> ids = split_words(after(status, "Uid:"));
   machine.root_user = ids.size() > 1 && ids[1] == "0";
@@ -100,7 +100,7 @@ std::vector<std::vector<std::string>> known_groups(const fs::path& root) {
   return out;
 }
 
-void look_at_groups(const Place& place, Machine& machine) {
+void check_groups(const Place& place, Machine& machine) {
   const std::vector<std::string> status = lines_of(place.root / "proc/self/status");
   std::set<std::string> entered;
   for (const char* row : {"Gid:", "Groups:"})
@@ -163,7 +163,7 @@ void listen_in(const fs::path& table, bool udp, std::vector<ListeningPort>& out)
   }
 }
 
-void look_at_environment(const Place& place, Machine& machine) {
+void check_environment(const Place& place, Machine& machine) {
   for (const char* variable :
        {"POLYARM_ROBOTS", "POLYARM_DRIVERS", "POLYARM_PACKAGES", "ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"}) {
     const auto found = place.environment.find(variable);
@@ -195,14 +195,14 @@ Place Place::here() {
 
 Machine look_at(const Place& place) {
   Machine out;
-  look_at_kernel(place.root, out);
-  look_at_process(place, out);
-  look_at_groups(place, out);
+  check_kernel(place.root, out);
+  check_process(place, out);
+  check_groups(place, out);
   out.serial_ports = devices(place, {"ttyUSB", "ttyACM", "ttyAMA", "ttyTHS"});
   out.i2c_buses = devices(place, {"i2c-"});
   for (const char* table : {"tcp", "tcp6"}) listen_in(place.root / "proc/net" / table, false, out.listening);
   for (const char* table : {"udp", "udp6"}) listen_in(place.root / "proc/net" / table, true, out.listening);
-  look_at_environment(place, out);
+  check_environment(place, out);
   return out;
 }
 

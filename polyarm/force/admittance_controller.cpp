@@ -78,7 +78,7 @@ void AdmittanceController::measure() noexcept {
 CallbackReturn AdmittanceController::on_activate(const Cycle&) noexcept {
   points_inbox_.fetch();  // what was sent while it was not active is forgotten
   wrench_inbox_.fetch();
-  asked_wrench_ = {};
+  requested_wrench_ = {};
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     const JointPort& joint = joints_[i];
     const double last = joint.position_command == kNone ? NAN : Controller::command(joint.position_command);
@@ -104,7 +104,7 @@ void AdmittanceController::on_deactivate(const Cycle&) noexcept {
 
 /// From the controller before this one, or from messages. A reference of NaN leaves the last one.
 void AdmittanceController::take_inputs() noexcept {
-  if (wrench_inbox_.fetch()) asked_wrench_ = wrench_inbox_.value();
+  if (wrench_inbox_.fetch()) requested_wrench_ = wrench_inbox_.value();
   if (!chained() && points_inbox_.fetch()) {
     const Point& point = points_inbox_.value();
     for (std::size_t i = 0; i < joints_.size(); ++i) {
@@ -128,7 +128,7 @@ void AdmittanceController::take_inputs() noexcept {
 
 /// A wrench that is not measured counts as zero.
 SixVector AdmittanceController::wrench() noexcept {
-  SixVector out = asked_wrench_, measured;
+  SixVector out = requested_wrench_, measured;
   bool whole = true;
   for (std::size_t i = 0; i < 6; ++i) {
     measured[i] = state(sensor_[i]);

@@ -74,7 +74,7 @@ class AdmittanceController : public Controller, public RobotUser {
 
   // control thread
   std::vector<double> measured_, reference_, reference_velocity_, last_command_;
-  SixVector asked_wrench_{};
+  SixVector requested_wrench_{};
 };
 
 }  // namespace polyarm::controllers

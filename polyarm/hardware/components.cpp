@@ -42,12 +42,12 @@ int Components::find(std::string_view name) const {
 
 namespace {
 /// Finds the component of an entry; components occupy consecutive ranges of the table.
-int owner_of(const std::vector<std::unique_ptr<Hosted>>& all, std::size_t index, std::size_t Hosted::*first,
-             std::size_t Hosted::*count) {
+int owner_of(const std::vector<std::unique_ptr<HostedComponent>>& all, std::size_t index, std::size_t HostedComponent::*first,
+             std::size_t HostedComponent::*count) {
   const auto after = std::upper_bound(all.begin(), all.end(), index,
                                       [&](std::size_t at, const auto& one) { return at < (*one).*first; });
   for (auto each = after; each != all.begin();) {  // an empty range starts where the next one does
-    const Hosted& hosted = **--each;
+    const HostedComponent& hosted = **--each;
     if (index < hosted.*first + hosted.*count) return static_cast<int>(each - all.begin());
     if (hosted.*count > 0) break;
   }
@@ -56,14 +56,14 @@ int owner_of(const std::vector<std::unique_ptr<Hosted>>& all, std::size_t index,
 }  // namespace
 
 int Components::component_of_state(std::size_t index) const {
-  return owner_of(hosting_->all, index, &Hosted::first_state, &Hosted::states);
+  return owner_of(hosting_->all, index, &HostedComponent::first_state, &HostedComponent::states);
 }
 int Components::component_of_command(std::size_t index) const {
-  return owner_of(hosting_->all, index, &Hosted::first_command, &Hosted::commands);
+  return owner_of(hosting_->all, index, &HostedComponent::first_command, &HostedComponent::commands);
 }
 
 namespace {
-bool offers(const Hosted& hosted, const InterfaceTable& table, std::span<const std::string> commands) {
+bool offers(const HostedComponent& hosted, const InterfaceTable& table, std::span<const std::string> commands) {
   return std::any_of(commands.begin(), commands.end(), [&](const std::string& command) {
     const auto index = table.find_command(command);
     return index && *index >= hosted.first_command && *index < hosted.first_command + hosted.commands;

@@ -7,7 +7,7 @@
 namespace polyarm::hardware {
 
 HostedInfo Diagnostics::info(std::size_t i) const {
-  const Hosted& hosted = *hosting_.all[i];
+  const HostedComponent& hosted = *hosting_.all[i];
   HostedInfo out{hosted.name,
                  hosted.options.plugin,
                  hosted.options.type,
@@ -28,7 +28,7 @@ HostedInfo Diagnostics::info(std::size_t i) const {
 
 namespace {
 /// The loop's finding as a sentence; empty if the component failed by itself.
-std::string found(const Hosted& hosted, const InterfaceTable& table) {
+std::string found(const HostedComponent& hosted, const InterfaceTable& table) {
   const StopCause cause = hosted.failed_by.load(std::memory_order_acquire);
   const int at = hosted.failed_at.load(std::memory_order_relaxed);
   if (cause == StopCause::late)
@@ -49,14 +49,14 @@ std::string found(const Hosted& hosted, const InterfaceTable& table) {
 }  // namespace
 
 std::string Diagnostics::own_reason(std::size_t i) const {
-  const Hosted& hosted = *hosting_.all[i];
+  const HostedComponent& hosted = *hosting_.all[i];
   std::string own = hosted.pending ? "" : because(*hosted.component);
   if (!own.empty()) own.erase(0, 2);  // ": "
   return own;
 }
 
 std::string Diagnostics::blamed_interface(std::size_t i) const {
-  const Hosted& hosted = *hosting_.all[i];
+  const HostedComponent& hosted = *hosting_.all[i];
   const StopCause cause = hosted.failed_by.load(std::memory_order_acquire);
   const int at = hosted.failed_at.load(std::memory_order_relaxed);
   if (cause == StopCause::none || at < 0) return {};
@@ -66,7 +66,7 @@ std::string Diagnostics::blamed_interface(std::size_t i) const {
 }
 
 std::string Diagnostics::reason(std::size_t i) const {
-  const Hosted& hosted = *hosting_.all[i];
+  const HostedComponent& hosted = *hosting_.all[i];
   const std::string own = own_reason(i);
   const std::string what = found(hosted, hosting_.table);
   if (what.empty()) return own;
@@ -95,7 +95,7 @@ const std::vector<std::string>& Diagnostics::world_names() const {
 }
 
 const realtime::ThreadHealth* Diagnostics::thread_health(std::size_t i) const noexcept {
-  const Hosted& hosted = *hosting_.all[i];
+  const HostedComponent& hosted = *hosting_.all[i];
   if (hosted.own_clock) return &hosted.own_clock->health();
   return hosted.runner ? &hosted.runner->health() : nullptr;
 }

@@ -14,7 +14,7 @@ constexpr double kNoCommand = std::numeric_limits<double>::quiet_NaN();
 /// For a joint without a velocity limit; finite, so products do not become NaN.
 constexpr double kAnySpeed = 1e38;
 
-bool due(const Hosted& hosted, const Cycle& cycle) noexcept {
+bool due(const HostedComponent& hosted, const Cycle& cycle) noexcept {
   return hosted.divisor == 1 || cycle.index % hosted.divisor == 0;
 }
 
@@ -22,7 +22,7 @@ StopCause cause_of(ReturnType result) noexcept {
   return result == ReturnType::deactivate ? StopCause::deactivated : StopCause::component;
 }
 
-void take_off_one(Hosted& hosted, StopCause cause) noexcept {
+void switch_off_component(HostedComponent& hosted, StopCause cause) noexcept {
   hosted.fallen = reported(cause);
   hosted.writing = false;
   hosted.reading = cause == StopCause::deactivated;  // an inactive component is still read
@@ -31,7 +31,7 @@ void take_off_one(Hosted& hosted, StopCause cause) noexcept {
 
 /// True if `other` fails together with `failed`: components of one group do. If the rest of the loop
 /// continues, they are also deactivated together.
-bool falls_with(const Hosted& other, const Hosted& failed, bool deactivated) noexcept {
+bool fails_with(const HostedComponent& other, const HostedComponent& failed, bool deactivated) noexcept {
   if (failed.options.group.empty() || other.options.group != failed.options.group) return false;
   return !deactivated || (failed.options.contained && other.writing);
 }
@@ -55,7 +55,7 @@ void Exchange::watch(const std::vector<WatchedJoint>& joints, Nanoseconds period
 
 std::optional<bool> Exchange::await_cycle(Nanoseconds timeout) noexcept {
   if (hosting_.pacer < 0) return std::nullopt;
-  Hosted& hosted = *hosting_.all[static_cast<std::size_t>(hosting_.pacer)];
+  HostedComponent& hosted = *hosting_.all[static_cast<std::size_t>(hosting_.pacer)];
   if (!hosted.writing) return std::nullopt;
   hosting_.in_call.store(hosting_.pacer, std::memory_order_relaxed);
   const bool came = hosted.component->await_cycle(timeout);
@@ -65,7 +65,7 @@ std::optional<bool> Exchange::await_cycle(Nanoseconds timeout) noexcept {
 
 // --- reading ----------------------------------------------------------------------------------------------
 
-inline ReturnType Exchange::read_async(Hosted& hosted, std::span<double> states,
+inline ReturnType Exchange::read_async(HostedComponent& hosted, std::span<double> states,
                                        Exchanged& exchanged) noexcept {
   if (!hosted.runner->idle() || !hosted.ran.load(std::memory_order_acquire)) return ReturnType::ok;
   exchanged = hosted.own_exchanged;
@@ -74,7 +74,7 @@ inline ReturnType Exchange::read_async(Hosted& hosted, std::span<double> states,
 }
 
 inline ReturnType Exchange::read_one(std::size_t i, const Cycle& cycle, Exchanged& exchanged) noexcept {
-  Hosted& hosted = *hosting_.all[i];
+  HostedComponent& hosted = *hosting_.all[i];
   const auto states = hosting_.table.states().subspan(hosted.first_state, hosted.states);
   if (hosted.own_clock) return hosted.own_clock->take(states, exchanged).value_or(ReturnType::ok);
   if (hosted.runner) return read_async(hosted, states, exchanged);
@@ -85,7 +85,7 @@ inline ReturnType Exchange::read_one(std::size_t i, const Cycle& cycle, Exchange
 }
 
 /// Longest possible time between the measurement of these states and of the previous ones, s.
-inline double Exchange::between_reads(Hosted& hosted, const Cycle& cycle,
+inline double Exchange::between_reads(HostedComponent& hosted, const Cycle& cycle,
                                       const Exchanged& exchanged) noexcept {
   Nanoseconds longest = cycle.period * hosted.divisor;
   if (!hosted.has_thread())
@@ -133,7 +133,7 @@ inline void Exchange::judge_states(std::size_t i, double between, FaultEvents& f
 /// Checks whether the component's thread is late for too long; reports it once until the component is
 /// activated again.
 inline void Exchange::judge_thread(std::size_t i, FaultEvents& faults) noexcept {
-  Hosted& hosted = *hosting_.all[i];
+  HostedComponent& hosted = *hosting_.all[i];
   if (hosted.late_reported || !hosted.has_thread()) return;
   const unsigned in_a_row =
       hosted.own_clock ? hosted.own_clock->late_in_a_row()
@@ -145,7 +145,7 @@ inline void Exchange::judge_thread(std::size_t i, FaultEvents& faults) noexcept 
   faults.push({StopCause::late, static_cast<std::int32_t>(i)});
 }
 
-inline void Exchange::look_for_contacts(FaultEvents& faults) noexcept {
+inline void Exchange::find_contacts(FaultEvents& faults) noexcept {
   const WorldState* seen = world();
   if (!seen) return;
   if (seen->finding_count > contacts_seen_) faults.push({StopCause::contact});
@@ -155,7 +155,7 @@ inline void Exchange::look_for_contacts(FaultEvents& faults) noexcept {
 void Exchange::read(const Cycle& cycle, FaultEvents& faults) noexcept {
   realtime::Laps laps(measuring_);
   for (std::size_t i = 0; i < hosting_.all.size(); ++i) {
-    Hosted& hosted = *hosting_.all[i];
+    HostedComponent& hosted = *hosting_.all[i];
     if (!hosted.reading || !due(hosted, cycle)) continue;
     hosting_.in_call.store(static_cast<int>(i), std::memory_order_relaxed);
     Exchanged exchanged;
@@ -169,12 +169,12 @@ void Exchange::read(const Cycle& cycle, FaultEvents& faults) noexcept {
   hosting_.in_call.store(-1, std::memory_order_relaxed);
   for (const ForcedValue& forced : hosting_.forced)
     if (forced.state) hosting_.table.states()[forced.index] = forced.value;
-  look_for_contacts(faults);
+  find_contacts(faults);
 }
 
 // --- writing ----------------------------------------------------------------------------------------------
 
-inline void Exchange::write_async(Hosted& hosted, const Cycle& cycle,
+inline void Exchange::write_async(HostedComponent& hosted, const Cycle& cycle,
                                   std::span<const double> commands) noexcept {
   if (!hosted.runner->idle()) {
     ++hosted.missed_in_a_row;
@@ -191,7 +191,7 @@ inline void Exchange::write_async(Hosted& hosted, const Cycle& cycle,
 }
 
 inline ReturnType Exchange::write_one(std::size_t i, const Cycle& cycle) noexcept {
-  Hosted& hosted = *hosting_.all[i];
+  HostedComponent& hosted = *hosting_.all[i];
   const auto commands = hosting_.table.commands().subspan(hosted.first_command, hosted.commands);
   if (hosted.own_clock) {
     hosted.own_clock->order(cycle, commands, hosted.writing);
@@ -206,7 +206,7 @@ inline ReturnType Exchange::write_one(std::size_t i, const Cycle& cycle) noexcep
 
 /// Checks whether all joints follow their commands; reports the first that is too far away for too long.
 inline void Exchange::judge_following(std::size_t i, FaultEvents& faults) noexcept {
-  Hosted& hosted = *hosting_.all[i];
+  HostedComponent& hosted = *hosting_.all[i];
   if (!hosted.writing || !std::isfinite(hosted.following_error)) return;
   for (std::size_t k = 0; k < hosted.following.size(); ++k) {
     Following& following = hosted.following[k];
@@ -227,7 +227,7 @@ void Exchange::write(const Cycle& cycle, FaultEvents& faults) noexcept {
     if (!forced.state) hosting_.table.commands()[forced.index] = forced.value;
   realtime::Laps laps(measuring_);
   for (std::size_t i = 0; i < hosting_.all.size(); ++i) {
-    Hosted& hosted = *hosting_.all[i];
+    HostedComponent& hosted = *hosting_.all[i];
     if (!hosted.reading || !due(hosted, cycle)) continue;
     hosting_.in_call.store(static_cast<int>(i), std::memory_order_relaxed);
     const ReturnType result = write_one(i, cycle);
@@ -243,11 +243,11 @@ void Exchange::write(const Cycle& cycle, FaultEvents& faults) noexcept {
 
 // --- switching components off and on ----------------------------------------------------------------------
 
-std::span<const std::size_t> Exchange::take_off(const FaultEvent& event) noexcept {
+std::span<const std::size_t> Exchange::switch_off_failed(const FaultEvent& event) noexcept {
   hosting_.off.clear();
   const auto failed = static_cast<std::size_t>(event.component);
   if (event.component < 0 || failed >= hosting_.all.size()) return hosting_.off;
-  Hosted& hosted = *hosting_.all[failed];
+  HostedComponent& hosted = *hosting_.all[failed];
   const bool deactivated = event.cause == StopCause::deactivated;
   if (!hosted.reading) return hosting_.off;
   if (event.cause != StopCause::component && !deactivated) {
@@ -255,17 +255,17 @@ std::span<const std::size_t> Exchange::take_off(const FaultEvent& event) noexcep
     hosted.failed_by.store(event.cause, std::memory_order_release);
   }
   for (std::size_t i = 0; i < hosting_.all.size(); ++i) {
-    Hosted& other = *hosting_.all[i];
-    if (!other.reading || (i != failed && !falls_with(other, hosted, deactivated))) continue;
+    HostedComponent& other = *hosting_.all[i];
+    if (!other.reading || (i != failed && !fails_with(other, hosted, deactivated))) continue;
     hosting_.off.push_back(i);  // capacity is reserved
   }
-  for (const std::size_t i : hosting_.off) take_off_one(*hosting_.all[i], event.cause);
+  for (const std::size_t i : hosting_.off) switch_off_component(*hosting_.all[i], event.cause);
   return hosting_.off;
 }
 
 bool Exchange::take_restarted(CommandRange& out) noexcept {
   if (hosting_.restarted.empty()) return false;
-  const Hosted& hosted = *hosting_.all[hosting_.restarted.back()];
+  const HostedComponent& hosted = *hosting_.all[hosting_.restarted.back()];
   out = {hosted.first_command, hosted.commands};
   hosting_.restarted.pop_back();
   return true;

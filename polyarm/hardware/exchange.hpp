@@ -13,7 +13,7 @@
 
 namespace polyarm::hardware {
 
-struct Hosted;
+struct HostedComponent;
 struct Hosting;
 
 /// A joint whose measured position is checked for plausibility.
@@ -43,13 +43,13 @@ class Exchange {
   std::optional<bool> await_cycle(Nanoseconds timeout) noexcept;
   /// Reports wall time that passed without cycles, during which joints may have moved.
   void skipped(Nanoseconds time) noexcept { skipped_ += time; }
-  /// Adds a failed component to `faults`. It is called again in the next cycle unless take_off() was called
+  /// Adds a failed component to `faults`. It is called again in the next cycle unless switch_off_failed() was called
   /// before.
   void read(const Cycle& cycle, FaultEvents& faults) noexcept;
   void write(const Cycle& cycle, FaultEvents& faults) noexcept;
 
   /// Switches off the component of the event and its group. Returns the components that were on until now.
-  std::span<const std::size_t> take_off(const FaultEvent& event) noexcept;
+  std::span<const std::size_t> switch_off_failed(const FaultEvent& event) noexcept;
   /// The next component that was activated: its commands start again from the measured state.
   bool take_restarted(CommandRange& out) noexcept;
 
@@ -61,14 +61,14 @@ class Exchange {
  private:
   ReturnType read_one(std::size_t i, const Cycle& cycle, Exchanged& exchanged) noexcept;
   ReturnType write_one(std::size_t i, const Cycle& cycle) noexcept;
-  ReturnType read_async(Hosted& hosted, std::span<double> states, Exchanged& exchanged) noexcept;
-  void write_async(Hosted& hosted, const Cycle& cycle, std::span<const double> commands) noexcept;
+  ReturnType read_async(HostedComponent& hosted, std::span<double> states, Exchanged& exchanged) noexcept;
+  void write_async(HostedComponent& hosted, const Cycle& cycle, std::span<const double> commands) noexcept;
   bool judge_state(std::size_t i, std::size_t k, double between, FaultEvents& faults) noexcept;
   void judge_states(std::size_t i, double between, FaultEvents& faults) noexcept;
   void judge_following(std::size_t i, FaultEvents& faults) noexcept;
   void judge_thread(std::size_t i, FaultEvents& faults) noexcept;
-  void look_for_contacts(FaultEvents& faults) noexcept;
-  double between_reads(Hosted& hosted, const Cycle& cycle, const Exchanged& exchanged) noexcept;
+  void find_contacts(FaultEvents& faults) noexcept;
+  double between_reads(HostedComponent& hosted, const Cycle& cycle, const Exchanged& exchanged) noexcept;
 
   Hosting& hosting_;
   std::uint32_t following_cycles_ = 250;

@@ -39,7 +39,7 @@ void Hardware::add(std::unique_ptr<Component> component, const ComponentContext&
       offered(context.name, [&] { return component->command_interfaces(); });
   if (component->blocks()) options.async = true;
   InterfaceTable& table = hosting_->table;
-  auto hosted = std::make_unique<Hosted>();
+  auto hosted = std::make_unique<HostedComponent>();
   hosted->name = context.name;
   hosted->following_error = following_error_of(*component, context, options.following_error);
   hosted->component = std::move(component);
@@ -67,7 +67,7 @@ void Hardware::add(std::unique_ptr<Component> component, const ComponentContext&
   hosting_->off.reserve(all.capacity());
 }
 
-void Hardware::make_runner(Hosted& hosted, Nanoseconds loop_period) {
+void Hardware::make_runner(HostedComponent& hosted, Nanoseconds loop_period) {
   const auto states = hosting_->table.states().subspan(hosted.first_state, hosted.states);
   if (hosted.options.period > 0) {
     hosted.divisor = 1;
@@ -78,7 +78,7 @@ void Hardware::make_runner(Hosted& hosted, Nanoseconds loop_period) {
   }
   hosted.own_states.assign(states.begin(), states.end());
   hosted.own_commands.assign(hosted.commands, std::numeric_limits<double>::quiet_NaN());
-  Hosted* own = &hosted;
+  HostedComponent* own = &hosted;
   hosted.runner = std::make_unique<realtime::AsyncRunner>(
       [own] {
         const auto clock = [own] {

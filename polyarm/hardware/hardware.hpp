@@ -70,13 +70,13 @@ class Hardware : public Components {
 
  private:
   class Letting;
-  static void leave_behind(std::unique_ptr<Hosted> hosted);
-  void make_runner(Hosted& hosted, Nanoseconds loop_period);
+  static void leave_behind(std::unique_ptr<HostedComponent> hosted);
+  void make_runner(HostedComponent& hosted, Nanoseconds loop_period);
   std::shared_ptr<realtime::Job> let(std::size_t i, bool reading, bool writing);
   std::shared_ptr<Transition> pend(std::size_t i, Step step);
   void succeed(std::size_t i, Step step);
-  void settle_error(Hosted& hosted, const Transition& done);
-  void take_new(Hosted& hosted, Transition& done);
+  void settle_error(HostedComponent& hosted, const Transition& done);
+  void take_new(HostedComponent& hosted, Transition& done);
   void go(std::shared_ptr<Transition> next, Caller& caller);
   void note_world();
 

@@ -33,7 +33,7 @@ struct Following {
 };
 
 /// A component and everything that belongs to it.
-struct Hosted {
+struct HostedComponent {
   // control thread, every cycle
   bool reading = false, writing = false;
   bool late_reported = false;
@@ -84,13 +84,13 @@ struct Hosting {
   Hosting(InterfaceTable& its_table, realtime::Jobs& its_jobs) : table(its_table), jobs(its_jobs) {}
   InterfaceTable& table;
   realtime::Jobs& jobs;
-  std::vector<std::unique_ptr<Hosted>> all;
+  std::vector<std::unique_ptr<HostedComponent>> all;
   std::vector<ForcedValue> forced;
   realtime::OverrunWatch overruns;
   realtime::Queue<std::int32_t> late{64};  // components whose thread became late
   // control thread; capacity is reserved for all components
   std::vector<std::size_t> restarted;  // activated, and not yet taken by the loop
-  std::vector<std::size_t> off;        // switched off by the last take_off()
+  std::vector<std::size_t> off;        // switched off by the last switch_off_failed()
   std::atomic<int> in_call{-1};
   std::atomic<const WorldState*> world{nullptr};
   std::vector<std::string> world_names;

@@ -15,36 +15,36 @@ namespace polyarm::hardware {
 class Hardware::Letting : public realtime::Job {
  public:
   Letting(Hosting& hosting, std::size_t i, bool reading, bool writing)
-      : hosting_(hosting), i_(i), hosted_(*hosting.all[i]), reading_(reading), writing_(writing) {}
+      : hosting_(hosting), i_(i), hosted_component_(*hosting.all[i]), reading_(reading), writing_(writing) {}
   void run() noexcept override {
-    if (reading_ && !hosted_.reading) begin_anew();
-    if (!reading_ && hosted_.own_clock) hosted_.own_clock->close();
-    if (writing_ && !hosted_.writing)
-      for (Following& following : hosted_.following) following.behind = 0;
-    if (writing_) hosted_.fallen = StopCause::none;
-    hosted_.reading = reading_;
-    hosted_.writing = writing_;
+    if (reading_ && !hosted_component_.reading) begin_restart();
+    if (!reading_ && hosted_component_.own_clock) hosted_component_.own_clock->close();
+    if (writing_ && !hosted_component_.writing)
+      for (Following& following : hosted_component_.following) following.behind = 0;
+    if (writing_) hosted_component_.fallen = StopCause::none;
+    hosted_component_.reading = reading_;
+    hosted_component_.writing = writing_;
   }
 
  private:
   /// The joints may be anywhere now, and earlier commands are void.
-  void begin_anew() noexcept {
+  void begin_restart() noexcept {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    hosted_.ran.store(false, std::memory_order_relaxed);
-    hosted_.watched.forget();
-    const auto commands = hosting_.table.commands().subspan(hosted_.first_command, hosted_.commands);
+    hosted_component_.ran.store(false, std::memory_order_relaxed);
+    hosted_component_.watched.forget();
+    const auto commands = hosting_.table.commands().subspan(hosted_component_.first_command, hosted_component_.commands);
     std::fill(commands.begin(), commands.end(), kNone);
     if (hosting_.restarted.size() < hosting_.restarted.capacity()) hosting_.restarted.push_back(i_);
-    hosted_.late_reported = false;
-    hosted_.part->pause();
-    hosted_.missed_in_a_row = 0;
-    if (hosted_.runner) hosted_.runner->forgive();
-    if (hosted_.own_clock) hosted_.own_clock->open();
+    hosted_component_.late_reported = false;
+    hosted_component_.part->pause();
+    hosted_component_.missed_in_a_row = 0;
+    if (hosted_component_.runner) hosted_component_.runner->forgive();
+    if (hosted_component_.own_clock) hosted_component_.own_clock->open();
   }
 
   Hosting& hosting_;
   std::size_t i_;
-  Hosted& hosted_;
+  HostedComponent& hosted_component_;
   bool reading_, writing_;
 };
 
@@ -147,7 +147,7 @@ Here here;
 // --- transitions ------------------------------------------------------------------------------------------
 
 namespace {
-void require(const Hosted& hosted, LifecycleState state, const char* what) {
+void require(const HostedComponent& hosted, LifecycleState state, const char* what) {
   const LifecycleState now = hosted.state.load(std::memory_order_acquire);
   if (now == state) return;
   throw Error("wrong-state",
@@ -155,7 +155,7 @@ void require(const Hosted& hosted, LifecycleState state, const char* what) {
               std::string("that begins at ") + name(state));
 }
 
-[[noreturn]] void fail(const Hosted& hosted, Step step, const std::string& thrown) {
+[[noreturn]] void fail(const HostedComponent& hosted, Step step, const std::string& thrown) {
   throw Error("component-failed",
               "the hardware component '" + hosted.name + "' could not be " + done_word(step) + " and is " +
                   name(hosted.state.load()) + (thrown.empty() ? because(*hosted.component) : thrown),
@@ -177,7 +177,7 @@ void Hardware::note_world() {
     }
 }
 
-void require_idle(const Hosted& hosted) {
+void require_idle(const HostedComponent& hosted) {
   if (!hosted.pending) return;
   throw Error("busy",
               "the hardware component '" + hosted.name + "' is being " + done_word(hosted.pending->step()) +
@@ -194,7 +194,7 @@ const Transition* Hardware::pending(std::size_t i) const noexcept {
 }
 
 std::shared_ptr<Transition> Hardware::begin(std::size_t i, Step step) {
-  Hosted& hosted = *hosting_->all[i];
+  HostedComponent& hosted = *hosting_->all[i];
   hardware::require_idle(hosted);
   if (step == Step::configure) {
     require(hosted, LifecycleState::unconfigured, "configured");
@@ -208,7 +208,7 @@ std::shared_ptr<Transition> Hardware::begin(std::size_t i, Step step) {
 }
 
 std::shared_ptr<Transition> Hardware::pend(std::size_t i, Step step) {
-  Hosted& hosted = *hosting_->all[i];
+  HostedComponent& hosted = *hosting_->all[i];
   auto out = std::make_shared<Transition>();
   out->step_ = step;
   out->index_ = i;
@@ -226,7 +226,7 @@ std::shared_ptr<Transition> Hardware::pend(std::size_t i, Step step) {
 
 std::shared_ptr<Transition> Hardware::begin_replace(std::size_t i, std::unique_ptr<Component> component,
                                                     const ComponentContext& context) {
-  Hosted& hosted = *hosting_->all[i];
+  HostedComponent& hosted = *hosting_->all[i];
   hardware::require_idle(hosted);
   const LifecycleState now = hosted.state.load();
   if (now != LifecycleState::unconfigured && now != LifecycleState::finalized)
@@ -239,7 +239,7 @@ std::shared_ptr<Transition> Hardware::begin_replace(std::size_t i, std::unique_p
 }
 
 std::shared_ptr<Transition> Hardware::finish(Transition& done) {
-  Hosted& hosted = *hosting_->all[done.index_];
+  HostedComponent& hosted = *hosting_->all[done.index_];
   hosted.pending.reset();
   hosted.busy.store(false, std::memory_order_release);
   if (done.step_ == Step::init) {
@@ -265,7 +265,7 @@ std::shared_ptr<Transition> Hardware::finish(Transition& done) {
 }
 
 void Hardware::succeed(std::size_t i, Step step) {
-  Hosted& hosted = *hosting_->all[i];
+  HostedComponent& hosted = *hosting_->all[i];
   constexpr LifecycleState kThen[] = {LifecycleState::unconfigured, LifecycleState::inactive,
                                       LifecycleState::active,       LifecycleState::inactive,
                                       LifecycleState::unconfigured, LifecycleState::finalized};
@@ -274,7 +274,7 @@ void Hardware::succeed(std::size_t i, Step step) {
   if (step == Step::configure || step == Step::activate) let(i, true, step == Step::activate);
 }
 
-void Hardware::settle_error(Hosted& hosted, const Transition& done) {
+void Hardware::settle_error(HostedComponent& hosted, const Transition& done) {
   const bool usable = done.result_ == CallbackReturn::success;
   hosted.state.store(usable ? LifecycleState::unconfigured : LifecycleState::finalized,
                      std::memory_order_release);
@@ -323,7 +323,7 @@ void expect_same(const std::vector<InterfaceDescription>& offered, const Names& 
 }
 }  // namespace
 
-void Hardware::take_new(Hosted& hosted, Transition& done) {
+void Hardware::take_new(HostedComponent& hosted, Transition& done) {
   if (done.thrown_) std::rethrow_exception(done.thrown_);
   Component& made = *done.made_;
   expect_same(offered(hosted.name, [&] { return made.state_interfaces(); }), hosting_->table.state_names(),
@@ -361,8 +361,8 @@ void Hardware::configure_and_activate(Caller& caller) {
 }
 
 /// Keeps a component that is still in a call until the process ends, because nothing of it may be freed.
-void Hardware::leave_behind(std::unique_ptr<Hosted> hosted) {
-  static auto* left = new std::vector<std::unique_ptr<Hosted>>;
+void Hardware::leave_behind(std::unique_ptr<HostedComponent> hosted) {
+  static auto* left = new std::vector<std::unique_ptr<HostedComponent>>;
   left->push_back(std::move(hosted));
 }
 
@@ -374,7 +374,7 @@ bool Hardware::shut_down(Caller& caller) noexcept {
   auto& all = hosting_->all;
   bool ended = true;
   for (auto each = all.rbegin(); each != all.rend(); ++each) {
-    Hosted& hosted = **each;
+    HostedComponent& hosted = **each;
     if (hosted.own_clock) hosted.own_clock->close();
     if (hosted.pending && caller.await(*hosted.pending)) hosted.pending.reset();
     const auto place = static_cast<std::size_t>(all.rend() - each) - 1;

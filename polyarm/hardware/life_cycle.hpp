@@ -8,12 +8,12 @@
 
 namespace polyarm::hardware {
 
-struct Hosted;
+struct HostedComponent;
 
 /// ": " and the component's own reason, or empty.
 std::string because(const Component& component);
 /// Throws Error("busy") while the component is in a callback.
-void require_idle(const Hosted& hosted);
+void require_idle(const HostedComponent& hosted);
 /// Calls on_init; throws Error that begins with `which`.
 void initialise(Component& component, const ComponentContext& context, const char* which);
 

@@ -84,7 +84,7 @@ class Cutter {
   }
 
   ConvexPieces run() {
-    while (parts_.size() < options_.most_pieces && mean_excess() > options_.wanted_excess * size_)
+    while (parts_.size() < options_.most_pieces && mean_excess() > options_.desired_excess * size_)
       if (!cut_worst()) break;
     merge();
     ConvexPieces out;

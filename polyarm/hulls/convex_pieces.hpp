@@ -16,7 +16,7 @@ struct PieceOptions {
   std::size_t most_pieces = 16;
   std::size_t most_corners = 64;  ///< of each piece
   /// Parts are cut until the mean excess is below this fraction of the mesh's largest extent.
-  double wanted_excess = 0.006;
+  double desired_excess = 0.006;
 };
 
 struct ConvexPieces {

@@ -40,7 +40,7 @@ NumericPlace best_of(const NumericCore& core, const NumericQuestion& question, c
   NumericCore::Places found;
   for (NumericPlace& one : found) one.x = question.seed;
   std::size_t seen = 0;
-  core.look_around(question, kLooks, [&](const NumericPlace& at) {
+  core.find_obstacles(question, kLooks, [&](const NumericPlace& at) {
     NumericPlace& slot = found[seen++ % found.size()];
     if (size2(at) < size2(slot)) slot = at;
   });
@@ -67,7 +67,7 @@ bool blame_limits(const NumericCore& core, NumericQuestion question, std::span<c
                   std::string& sentence) {
   double least = 1e300;
   question.walls = false;
-  core.look_around(question, kLooks, [&](NumericPlace at) {
+  core.find_obstacles(question, kLooks, [&](NumericPlace at) {
     if (!core.good(at)) return;
     core.polish(question, at);
     IkSolution one;

@@ -143,7 +143,7 @@ bool InverseKinematics::Arm::go_along(const BranchJob& asked, std::size_t since,
   }
   if (flattest < kBranches) {
     const FlatWays ways(flat, flattest);
-    look_all_round(asked, crossing, ways, kAtCrossing, since, out);
+    search_all_directions(asked, crossing, ways, kAtCrossing, since, out);
     curve.note({crossing, ways}, n);
   }
   if (ends) return false;
@@ -191,7 +191,7 @@ void InverseKinematics::Arm::along_curves(const BranchJob& asked, std::size_t si
     see_motions({&at, 1}, true, flat);
     const FlatWays ways(flat, 0);
     if (ways.least > kFlatCurve) continue;
-    if (ways.next < kCrossing / 4) look_all_round(asked, at, ways, 10 * ways.next, since, out);
+    if (ways.next < kCrossing / 4) search_all_directions(asked, at, ways, 10 * ways.next, since, out);
     walk(asked, at, ways, since, curve, out);
     ++walked;
     while (curve.taken < curve.crossed) {
@@ -204,7 +204,7 @@ void InverseKinematics::Arm::along_curves(const BranchJob& asked, std::size_t si
 
 /// Where two directions hardly move the tool, up to four solutions are near: descends from circles in the
 /// plane of both directions.
-void InverseKinematics::Arm::look_all_round(const BranchJob& asked, const AxisValues& at,
+void InverseKinematics::Arm::search_all_directions(const BranchJob& asked, const AxisValues& at,
                                             const FlatWays& ways, double least_radius, std::size_t since,
                                             Gathered& out) const noexcept {
   constexpr int kCircles = 3;

@@ -87,7 +87,7 @@ void InverseKinematics::Arm::settle(const SixAxisClass& found, std::array<int, 6
   if (!found.exact()) worth_polishing = 0.1;
   form = form_of(found);
   wary = form_of(found, true);
-  first = telling_of(form);
+  first = tolerant_form_of(form);
   const bool whole = geometry.count == 6 && std::find(six.begin(), six.end(), -1) == six.end();
   quick.form.family = ArmFamily::none;
   if (!whole || !kinematics::takes_quick(found) || settings.position_tolerance < 1e-11 ||

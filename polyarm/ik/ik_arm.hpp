@@ -108,7 +108,7 @@ struct NearestBranch {
 };
 
 /// The same form, except that poses near a border of the solution set count as singular.
-inline SixAxisForm telling_of(SixAxisForm form) noexcept {
+inline SixAxisForm tolerant_form_of(SixAxisForm form) noexcept {
   form.wary = true;
   form.near_edge = 4 * form.edge;
   return form;
@@ -206,7 +206,7 @@ struct InverseKinematics::Arm {
                Gathered& out) const noexcept;
   void take(const IkSolution& one, Gathered& out) const noexcept;
   void sample(BranchJob& job, AxisValues& at, bool nearest_only, Gathered& out) const noexcept;
-  void solve_at(BranchJob& job, const SixAxisForm& strict_form, const SixAxisForm& wary_form,
+  void solve_at(BranchJob& job, const SixAxisForm& strict_form, const SixAxisForm& tolerant_form,
                 Gathered& out) const noexcept;
   void search_at(BranchJob& job, const SixAxisForm& strict_form, std::size_t before,
                  Gathered& out) const noexcept;
@@ -220,7 +220,7 @@ struct InverseKinematics::Arm {
   void offer_roots(BranchJob& job, std::size_t before, Gathered& out) const noexcept;
   void descend_all(const BranchJob& job, WaitingStates& waiting, std::size_t before,
                    Gathered& out) const noexcept;
-  void solve_nearly_ideal(BranchJob& job, const SixAxisForm& strict_form, const SixAxisForm& wary_form,
+  void solve_nearly_ideal(BranchJob& job, const SixAxisForm& strict_form, const SixAxisForm& tolerant_form,
                           Gathered& out) const noexcept;
   /// @param least_edge a lower bound for SixAxisForm::edge.
   void along_families(const BranchJob& job, double least_edge, std::size_t before,
@@ -230,16 +230,16 @@ struct InverseKinematics::Arm {
   void put_on_limits(const BranchJob& job, const AxisValues& state, std::size_t before,
                      Gathered& out) const noexcept;
   void around_seed(const BranchJob& job, std::size_t before, Gathered& out) const noexcept;
-  void look_for_twins(const BranchJob& job, std::size_t since, Gathered& out) const noexcept;
+  void find_twins(const BranchJob& job, std::size_t since, Gathered& out) const noexcept;
   void along_curves(const BranchJob& job, std::size_t since, Gathered& out) const noexcept;
   void walk(const BranchJob& job, const AxisValues& from, const FlatWays& ways, std::size_t since,
             FlatCurve& curve, Gathered& out) const noexcept;
   void stride_along(const BranchJob& job, const FlatCurve& curve, FlatStride& out) const noexcept;
   bool go_along(const BranchJob& job, std::size_t since, FlatCurve& curve, Gathered& out) const noexcept;
-  void look_all_round(const BranchJob& job, const AxisValues& at, const FlatWays& ways, double least_radius,
+  void search_all_directions(const BranchJob& job, const AxisValues& at, const FlatWays& ways, double least_radius,
                       std::size_t since, Gathered& out) const noexcept;
   void see_motions(std::span<const AxisValues> states, bool both, LeastMotions& out) const noexcept;
-  void look_beside(const BranchJob& job, const AxisValues& at, const LeastMotions& flat, std::size_t lane,
+  void search_beside(const BranchJob& job, const AxisValues& at, const LeastMotions& flat, std::size_t lane,
                    bool solved, std::size_t since, Gathered& out) const noexcept;
   bool same(const BranchJob& job, const AxisValues& a, const AxisValues& b, bool crowded) const noexcept;
   void sift(const BranchJob& job, const Branches& branches, std::size_t since, Gathered& out) const noexcept;

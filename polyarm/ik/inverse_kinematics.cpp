@@ -60,7 +60,7 @@ void InverseKinematics::Arm::write_quick(const QuickAnswers& from, std::size_t l
 /// joint and those that the pose determines; for a non-ideal arm also what descents find around the seed and
 /// beyond folds.
 void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_form,
-                                      const SixAxisForm& wary_form, Gathered& out) const noexcept {
+                                      const SixAxisForm& tolerant_form, Gathered& out) const noexcept {
   const std::size_t before = out.count;
   if (sliding) {
     std::array<SlidingArm::State, SlidingArm::kMost> states;
@@ -69,9 +69,9 @@ void InverseKinematics::Arm::solve_at(BranchJob& job, const SixAxisForm& strict_
   }
   if (algebraic()) return offer_roots(job, before, out);
   if (searched(known.family)) return search_at(job, strict_form, before, out);
-  if (!known.exact()) return solve_nearly_ideal(job, strict_form, wary_form, out);
+  if (!known.exact()) return solve_nearly_ideal(job, strict_form, tolerant_form, out);
   Branches branches;
-  job.form = &wary_form;
+  job.form = &tolerant_form;
   solve_branches(job, branches);
   // Two branches that differ by a hundredth of a radian may be one solution within tolerances.
   out.nearest_stays = true;
@@ -100,7 +100,7 @@ void InverseKinematics::Arm::search_at(BranchJob& job, const SixAxisForm& strict
   if (spare >= 0) return;
   if (start) offer_start(job, before, out);
   if (general) return offer_roots(job, before, out);
-  look_for_twins(job, before, out);
+  find_twins(job, before, out);
 }
 
 /// Improves near solutions on the true arm and sifts them.
@@ -177,7 +177,7 @@ void InverseKinematics::Arm::offer_roots(BranchJob& job, std::size_t before, Gat
       std::copy(roots[k].begin(), roots[k].end(), states[count].begin());
   }
   offer(job, {states.data(), count}, before, out);
-  look_for_twins(job, before, out);
+  find_twins(job, before, out);
 }
 
 /// Descends from the seed and from states close to it.

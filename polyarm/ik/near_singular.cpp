@@ -62,11 +62,11 @@ FreeAxes free_axes(BranchJob job, std::size_t axes) {
 /// If descents move the ideal arm's solutions only a little, they are the solutions of the true arm. Else
 /// folds and families are near, where the true arm has others.
 void InverseKinematics::Arm::solve_nearly_ideal(BranchJob& job, const SixAxisForm& strict_form,
-                                                const SixAxisForm& wary_form, Gathered& out) const noexcept {
+                                                const SixAxisForm& tolerant_form, Gathered& out) const noexcept {
   const std::size_t before = out.count;
   Branches branches;
   SixAxisForm telling;
-  if (spare >= 0) telling = telling_of(strict_form);
+  if (spare >= 0) telling = tolerant_form_of(strict_form);
   job.form = spare >= 0 ? &telling : &first;
   job.ideal = known.worst_gap + known.worst_angle * std::max(1.0, lanes.size);
   solve_branches(job, branches);
@@ -81,12 +81,12 @@ void InverseKinematics::Arm::solve_nearly_ideal(BranchJob& job, const SixAxisFor
   else
     polish_branches(job, branches);
   sift(job, branches, before, out);
-  job.form = &wary_form;
+  job.form = &tolerant_form;
   solve_branches(job, branches);
   sift(job, branches, before, out);
   if (spare >= 0) return;
   along_families(job, strayed ? kEdgeOfStrayed : 0, before, out);
-  look_for_twins(job, before, out);
+  find_twins(job, before, out);
 }
 
 /// Where solutions meet, joint values are known to half the digits, and a value on a limit may seem to
@@ -214,7 +214,7 @@ void InverseKinematics::Arm::along_family(BranchJob job, const BranchJob& asked,
 }
 
 /// Near a fold a solution has a twin on the other side; where folds meet it has more.
-void InverseKinematics::Arm::look_for_twins(const BranchJob& asked, std::size_t since,
+void InverseKinematics::Arm::find_twins(const BranchJob& asked, std::size_t since,
                                             Gathered& out) const noexcept {
   constexpr std::size_t kMostLookedAt = 24;
   const std::size_t nearly_count = out.nearly_count;
@@ -229,13 +229,13 @@ void InverseKinematics::Arm::look_for_twins(const BranchJob& asked, std::size_t 
       walked = true;
       along_curves(asked, since, out);
     }
-    for (std::size_t k = 0; k < more; ++k) look_beside(asked, states[k], flat, k, true, since, out);
+    for (std::size_t k = 0; k < more; ++k) search_beside(asked, states[k], flat, k, true, since, out);
   }
   if (nearly_count == 0) return;
   LeastMotions flat;
   see_motions({out.nearly.data(), nearly_count}, false, flat);
   for (std::size_t k = 0; k < nearly_count; ++k)
-    look_beside(asked, out.nearly[k], flat, k, false, since, out);
+    search_beside(asked, out.nearly[k], flat, k, false, since, out);
 }
 
 /// For up to eight joint states.
@@ -250,7 +250,7 @@ void InverseKinematics::Arm::see_motions(std::span<const AxisValues> states, boo
 /// In the direction that hardly moves the tool (lane `lane` of `flat`): fixes the axis that moves most at
 /// values on either side while the others descend as near to the pose as they can. Where a step of all axes
 /// does not lead back to a known solution (`solved`), descends to the end.
-void InverseKinematics::Arm::look_beside(const BranchJob& asked, const AxisValues& at,
+void InverseKinematics::Arm::search_beside(const BranchJob& asked, const AxisValues& at,
                                          const LeastMotions& flat, std::size_t lane, bool solved,
                                          std::size_t since, Gathered& out) const noexcept {
   constexpr double kFar = 0.02, kFlat = 0.002, kSteps[] = {3, 10, 40, 150};

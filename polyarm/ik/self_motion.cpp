@@ -19,7 +19,7 @@ constexpr double kExact = 1e-11;                      // lengths and rad
 constexpr double kShort = 1e-3;                       // rad: a shorter stride gains nothing
 constexpr double kSame = 1e-3;                        // rad
 constexpr double kHere = 0.15;                        // rad: no other is nearer than one this near
-constexpr double kPatience = 14, kLongPatience = 40;  // steps of a slide
+constexpr double kTimeout = 14, kLongTimeout = 40;  // steps of a slide
 constexpr double kDoubtful = 0.3;  // fraction of all slides: if so many fail, the arm is near a singularity
 constexpr double kFar = 1e4;       // rad: for seeds farther out sines lose digits
 constexpr int kMostSteps = 400;
@@ -326,7 +326,7 @@ double SelfMotion::away_from(const Question& question, const Start& one) noexcep
 }
 
 /// The nearest point of the nearest curve, if it is so near to the seed that no other can be nearer.
-bool SelfMotion::look_here(const Question& question, Found& out) const noexcept {
+bool SelfMotion::search_from_here(const Question& question, Found& out) const noexcept {
   constexpr double kFine2 = 1e-4 * 1e-4;
   constexpr int kFewSteps = 4;
   NumericPlace at;
@@ -338,7 +338,7 @@ bool SelfMotion::look_here(const Question& question, Found& out) const noexcept 
   // Sliding shortens the distance of the descent only a little.
   if (away_from(question, one) > 2 * kHere) return false;
   const Start* const start = &one;
-  slide_from(question, {&start, 1}, kPatience, out);
+  slide_from(question, {&start, 1}, kTimeout, out);
   return out.count > 0 && away_from(question, out.all[0]) < kHere;
 }
 
@@ -348,18 +348,18 @@ std::size_t SelfMotion::nearest(const Pose& target, std::span<const double> seed
   doubtful = false;
   if (!read(target, seed, question)) return 0;
   Found found;
-  if (!look_here(question, found)) {
+  if (!search_from_here(question, found)) {
     core_->begin_search(question.numeric, question.search);
     Starts starts;
     start_near_seed(question, descents_, kDescentSteps, starts);
     found.lost = 0;
     const std::span<const Start* const> from = starts.apart(kApart, slides_);
-    slide_from(question, from, kPatience, found);
+    slide_from(question, from, kTimeout, found);
     settle_lost(question, found);
     doubtful = static_cast<double>(found.lost) >= kDoubtful * static_cast<double>(from.size());
     if (found.count == 0) {
       start_anywhere(question, kMostStarts, starts);
-      slide_from(question, starts.apart(kApart, kMostStarts), kLongPatience, found);
+      slide_from(question, starts.apart(kApart, kMostStarts), kLongTimeout, found);
     }
   }
   for (std::size_t j = 0; j < found.count; ++j)
@@ -370,7 +370,7 @@ std::size_t SelfMotion::nearest(const Pose& target, std::span<const double> seed
 bool SelfMotion::nearest_here(const Pose& target, std::span<const double> seed, State& out) const noexcept {
   Question question;
   Found found;
-  if (!read(target, seed, question) || !look_here(question, found)) return false;
+  if (!read(target, seed, question) || !search_from_here(question, found)) return false;
   std::copy(found.all[0].x.begin(), found.all[0].x.end(), out.begin());
   return true;
 }
@@ -393,13 +393,13 @@ bool SelfMotion::nearest_from(const Pose& target, std::span<const double> seed, 
   for (std::size_t k = 0; k < count; ++k) found.take(all[k]);
   std::size_t worth = 0;
   while (worth < count && all[worth].cost <= kAsDeep * all[0].cost) ++worth;
-  slide_from(question, {from.data(), worth}, kPatience, found);
+  slide_from(question, {from.data(), worth}, kTimeout, found);
   if (found.count == 0) {
     constexpr std::size_t kEnough = 8;
     core_->begin_search(question.numeric, question.search);
     Starts anywhere;
     start_anywhere(question, kEnough, anywhere);
-    slide_from(question, anywhere.apart(kApart, kEnough), kLongPatience, found);
+    slide_from(question, anywhere.apart(kApart, kEnough), kLongTimeout, found);
   }
   if (found.count == 0) return false;
   std::copy(found.all[0].x.begin(), found.all[0].x.end(), out.begin());

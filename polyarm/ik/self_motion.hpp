@@ -55,7 +55,7 @@ class SelfMotion {
   double distance2(const Question& question, const double* x) const noexcept;
   void unwind(const Question& question, double* x) const noexcept;
   static double away_from(const Question& question, const Start& one) noexcept;
-  bool look_here(const Question& question, Found& out) const noexcept;
+  bool search_from_here(const Question& question, Found& out) const noexcept;
   void descend_from(const Question& question, int steps, Descents& all, Starts& out) const noexcept;
   void find_near(const Question& question, const StatesWanted& wanted, std::size_t most,
                  States& out) const noexcept;

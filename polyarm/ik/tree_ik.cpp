@@ -14,7 +14,7 @@ namespace {
 constexpr double kLargestStep = 0.8;  // rad or lengths
 constexpr double kDamping = 0.02;     // times the squared error (Chan and Lawrence 1988)
 constexpr double kLeastDamping = 1e-11;
-constexpr int kPatience = 8;
+constexpr int kTimeout = 8;
 constexpr std::size_t kMost = TreeIk::kMostMoving;
 
 bool finite(const Pose& p) {
@@ -197,7 +197,7 @@ bool TreeIk::descend(std::span<const TreeTask> tasks, Work& work, TreeSolution& 
   double last = 1e300;
   bool found = false;
   int stuck = 0;
-  for (int i = 0; i < settings_.steps && stuck < kPatience; ++i) {
+  for (int i = 0; i < settings_.steps && stuck < kTimeout; ++i) {
     measure(tasks, work);
     if (!std::isfinite(work.size2)) break;
     // Within tolerance, continues while that helps much.

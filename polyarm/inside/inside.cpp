@@ -50,7 +50,7 @@ CellInside::CellInside(const CellFile& file, const description::Catalogue& catal
 
 CellInside::~CellInside() {
   recorder.reset();
-  machine.shut_hardware_down(setup.options.hardware_patience);
+  machine.shut_hardware_down(setup.options.hardware_timeout);
 }
 
 void CellInside::make_owners() {
@@ -185,16 +185,16 @@ void CellInside::run_programs() {
   programs->end_pulses();
   if (may_run) programs->tick_plc();
   if (test) test->tick();
-  const bool stop_asked = machine.supervisor().latch().requested() != realtime::StopKind::none;
+  const bool stop_requested = machine.supervisor().latch().requested() != realtime::StopKind::none;
   if (may_run && programs->under_way() && machine.snapshot().state == control::RunState::running &&
-      !stop_asked && !jogging->engaged())
+      !stop_requested && !jogging->engaged())
     programs->tick_program();
 }
 
 void CellInside::tick(Nanoseconds now) {
   machine.begin_tick(now);
   data.store.set_now(now);
-  motions->look_at_bases();
+  motions->update_bases();
   machine.report_events();
   if (!started_ && arming->armed()) send_start_messages();
   watches->watch_contacts();  // must run before moves that a contact ended are removed

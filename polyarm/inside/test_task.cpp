@@ -46,11 +46,11 @@ TestTask::TestTask(CellInside& cell, program::Program tests, std::size_t index, 
 }
 
 void TestTask::tick() {
-  tell_of_program();
+  report_of_program();
   task_->tick();
 }
 
-void TestTask::tell_of_program() {
+void TestTask::report_of_program() {
   Task* program = cell_.programs->program();
   std::string error;
   if (cell_.life->failure()) error = cell_.life->failure()->problem.what;

@@ -28,7 +28,7 @@ class TestTask {
   data::Value call(std::string_view function, std::span<const data::Value> arguments, const Location& where);
   void person(const std::string& words, const Location& where);
   data::Value part(const std::string& name, const Location& where) const;
-  void tell_of_program();
+  void report_of_program();
 
   CellInside& cell_;
   std::unique_ptr<Task> task_;

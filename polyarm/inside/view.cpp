@@ -22,8 +22,8 @@ void CellView::add_observer(Observer& observer) {
 void CellView::remove_observer(Observer& observer) {
   inside_.observers.remove(observer);
 }
-void CellView::ask_restart(RestartWish wish) {
-  inside_.life->ask_restart(std::move(wish));
+void CellView::request_restart(RestartRequest wish) {
+  inside_.life->request_restart(std::move(wish));
 }
 
 const CellFile& CellView::file() const {

@@ -35,7 +35,7 @@ class CellView {
   void tell(const std::string& note) { observer().on_note(note); }
   void add_observer(Observer& observer);
   void remove_observer(Observer& observer);
-  void ask_restart(RestartWish wish);
+  void request_restart(RestartRequest wish);
 
   // Configuration.
   const CellFile& file() const;

@@ -50,7 +50,7 @@ std::int64_t DataFiles::start_load(const std::string& name, const Location& wher
   load->name = name;
   load->where = where;
   if (const auto bound = bound_as(name, files_); bound != files_.end() && bound->second.box)
-    load->look = bound->second.box->look_from_now();
+    load->look = bound->second.box->check_from_now();
   const std::int64_t handle = next_++;
   loads_[handle] = load;
   if (caught_up(*load)) post(load);

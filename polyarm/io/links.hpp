@@ -38,7 +38,7 @@ class CellLinks {
   /// True when the connected devices have received all values.
   bool idle() const;
   /// Refused values, lost links and restored links since the last call.
-  std::vector<Problem> take_news() { return std::exchange(news_, {}); }
+  std::vector<Problem> take_reports() { return std::exchange(news_, {}); }
 
   /// The link and direction of a name ("plc, in"), and whether its value can be trusted now.
   struct Source {

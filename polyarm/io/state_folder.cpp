@@ -68,7 +68,7 @@ void refuse_links(const fs::path& state) {
 }
 }  // namespace
 
-StateLock::StateLock(const fs::path& file, int patience_ms) {
+StateLock::StateLock(const fs::path& file, int wait_limit_ms) {
   std::error_code error;
   fs::create_directories(file.parent_path(), error);
   fd_ = ::open(file.c_str(), O_RDONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0600);
@@ -80,7 +80,7 @@ StateLock::StateLock(const fs::path& file, int patience_ms) {
                             ? "this is a link, but a run needs a file for its lock here"
                             : std::string("the lock of a run cannot be created: ") + std::strerror(errno),
                         "remove it"});
-  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(patience_ms);
+  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(wait_limit_ms);
   for (;;) {
     if (fd_ < 0 || ::flock(fd_, LOCK_EX | LOCK_NB) == 0) return;
     if (errno != EWOULDBLOCK && errno != EINTR) return;  // the file system has no locks
@@ -103,25 +103,25 @@ StateLock::~StateLock() {
 
 namespace {
 /// One lock per folder for all cells of this process, because a dry run may run in parallel to the cell.
-std::shared_ptr<const StateLock> lock_of(const fs::path& file, int patience_ms) {
+std::shared_ptr<const StateLock> lock_of(const fs::path& file, int wait_limit_ms) {
   static std::mutex mutex;
   static std::map<fs::path, std::weak_ptr<const StateLock>> held;
   const std::lock_guard lock(mutex);
   std::weak_ptr<const StateLock>& known = held[resolved(file)];
   std::shared_ptr<const StateLock> out = known.lock();
-  if (!out) known = out = std::make_shared<const StateLock>(file, patience_ms);
+  if (!out) known = out = std::make_shared<const StateLock>(file, wait_limit_ms);
   return out;
 }
 }  // namespace
 
 StateFolder::StateFolder(fs::path cell_folder, std::set<std::string> live, bool keep,
-                         const fs::path& elsewhere, int patience_ms, const std::string& cell)
+                         const fs::path& elsewhere, int wait_limit_ms, const std::string& cell)
     : folder_(std::move(cell_folder)),
       state_(elsewhere.empty() ? folder_ / ".state" / "data" : elsewhere),
       live_(std::move(live)) {
   if (elsewhere.empty()) {
     refuse_links(folder_ / ".state");
-    if (patience_ms >= 0) lock_ = lock_of(folder_ / ".state" / ("lock." + cell), patience_ms);
+    if (wait_limit_ms >= 0) lock_ = lock_of(folder_ / ".state" / ("lock." + cell), wait_limit_ms);
     if (lock_) sweep_temporaries(folder_);
     sweep_temporaries(folder_ / ".state");
     sweep_temporaries(state_);

@@ -13,9 +13,9 @@ namespace polyarm::cell {
 /// A lock held by the process that runs a cell. The kernel releases it if the process is killed.
 class StateLock {
  public:
-  /// `file`: lock file of the cell, created if needed. Waits up to `patience_ms` for another process. Throws
+  /// `file`: lock file of the cell, created if needed. Waits up to `wait_limit_ms` for another process. Throws
   /// Error("cell-in-use") that names the process.
-  StateLock(const std::filesystem::path& file, int patience_ms);
+  StateLock(const std::filesystem::path& file, int wait_limit_ms);
   ~StateLock();
   StateLock(const StateLock&) = delete;
   StateLock& operator=(const StateLock&) = delete;
@@ -33,7 +33,7 @@ class StateFolder {
   /// folder to use instead. `cell`: file of the cell; two cells of one folder may run at the same time, but
   /// one cell only once. Throws Error("cell-in-use" | "outside-cell" | "bad-state").
   StateFolder(std::filesystem::path cell_folder, std::set<std::string> live, bool keep,
-              const std::filesystem::path& elsewhere = {}, int patience_ms = 500,
+              const std::filesystem::path& elsewhere = {}, int wait_limit_ms = 500,
               const std::string& cell = "cell.yaml");
 
   /// Loads the data file `name` and its points in their present state; copies them into the folder at first

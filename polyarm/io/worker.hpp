@@ -22,7 +22,7 @@ class Worker {
 
   void post(std::function<void()> job);
   /// Bell to ring after each posted job; null: no bell. Any thread.
-  void set_bell(const std::shared_ptr<realtime::Bell>& bell) { rope_.tie(bell); }
+  void set_wakeup(const std::shared_ptr<realtime::Bell>& bell) { rope_.tie(bell); }
   /// Waits until all jobs posted so far are done.
   void drain();
 
@@ -30,7 +30,7 @@ class Worker {
   void work();
 
   bool inline_;
-  realtime::BellRope rope_;
+  realtime::WakeupHandle rope_;
   std::mutex mutex_;
   std::condition_variable wake_, idle_;
   std::deque<std::function<void()>> jobs_;

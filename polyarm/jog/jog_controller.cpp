@@ -12,7 +12,7 @@ namespace polyarm::jog {
 namespace {
 using controllers::CallbackReturn;
 using controllers::ReturnType;
-using Kind = JogWish::Kind;
+using Kind = JogSetpoint::Kind;
 
 /// A step ends if it is held back and at standstill for this long, ns.
 constexpr Nanoseconds kGivesUp = 200'000'000;
@@ -82,8 +82,8 @@ bool JogController::holds(const hardware::Cycle& cycle, const controllers::Verdi
   if (session == 0 || session <= ended_) return false;
   const bool may = verdict.speed > 0 || verdict.held;
   const bool fresh = session != session_;
-  if (!may || command_.stops != verdict.stops_asked || (!fresh && stops_ != verdict.stops) ||
-      let_go_.load(std::memory_order_acquire) >= session) {
+  if (!may || command_.stops != verdict.stop_requests || (!fresh && stops_ != verdict.stops) ||
+      release_now_.load(std::memory_order_acquire) >= session) {
     ended_ = session;
     return false;
   }
@@ -93,13 +93,13 @@ bool JogController::holds(const hardware::Cycle& cycle, const controllers::Verdi
 }
 
 void JogController::begin_step() noexcept {
-  const JogWish last = step_wish_;
+  const JogSetpoint last = step_setpoint_;
   const bool on_top = step_done_ != step_begun_ && last.kind == command_.wish.kind;
-  step_wish_ = command_.wish;
+  step_setpoint_ = command_.wish;
   step_begun_ = command_.step;
   blocked_since_ = -1;
   for (std::size_t j = 0; j < joints_.size(); ++j)
-    step_wish_.joints[j] = (on_top ? last.joints[j] : generator_->axis(j).position) + command_.wish.joints[j];
+    step_setpoint_.joints[j] = (on_top ? last.joints[j] : generator_->axis(j).position) + command_.wish.joints[j];
   Pose from = on_top ? last.target : generator_->tcp();
   const Twist& by = command_.wish.twist;
   Vec3 shift{by[0], by[1], by[2]}, turn{by[3], by[4], by[5]};
@@ -110,15 +110,15 @@ void JogController::begin_step() noexcept {
   const double angle = norm(turn);
   from.position = from.position + shift;
   if (angle > 0) from.rotation = normalized(from_axis_angle((1 / angle) * turn, angle) * from.rotation);
-  step_wish_.target = from;
-  step_wish_.twist = {};
-  step_wish_.joint_speed = {};
+  step_setpoint_.target = from;
+  step_setpoint_.twist = {};
+  step_setpoint_.joint_speed = {};
 }
 
 /// The wish in this cycle, from the valid command.
-JogWish JogController::wish_now(const hardware::Cycle& cycle) const noexcept {
-  if (command_.by) return step_done_ == step_begun_ ? JogWish{} : step_wish_;
-  JogWish wish = command_.wish;
+JogSetpoint JogController::setpoint_now(const hardware::Cycle& cycle) const noexcept {
+  if (command_.by) return step_done_ == step_begun_ ? JogSetpoint{} : step_setpoint_;
+  JogSetpoint wish = command_.wish;
   const double age = std::min(seconds(cycle.time - received_), kThinkOn);
   if (wish.kind == Kind::joint_target)
     for (std::size_t j = 0; j < joints_.size(); ++j) wish.joints[j] += age * wish.joint_speed[j];
@@ -142,10 +142,10 @@ ReturnType JogController::update(const hardware::Cycle& cycle, const controllers
     touching_ = barriers_.value().touching;
   }
   const bool good = holds(cycle, verdict);
-  JogWish wish;
+  JogSetpoint wish;
   if (good) {
     if (command_.by && command_.step != step_begun_) begin_step();
-    wish = wish_now(cycle);
+    wish = setpoint_now(cycle);
   } else {
     wish.at_once = verdict.immediate;
     step_done_ = step_begun_;

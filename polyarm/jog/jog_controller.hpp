@@ -24,7 +24,7 @@ struct JogCommand {
   /// position (or from the end of the last step). A step starts once, when its number is new.
   bool by = false;
   std::uint32_t step = 0;
-  JogWish wish;
+  JogSetpoint wish;
 };
 
 /// State of the jog commands.
@@ -71,9 +71,9 @@ class JogController : public controllers::Controller {
     return outbox_.value();
   }
   /// Any thread, signal handlers too: ends every session up to this number. The dead-man check calls it.
-  void let_go(std::uint32_t session) noexcept {
-    std::uint32_t seen = let_go_.load(std::memory_order_relaxed);
-    while (seen < session && !let_go_.compare_exchange_weak(seen, session, std::memory_order_release)) {
+  void release_now(std::uint32_t session) noexcept {
+    std::uint32_t seen = release_now_.load(std::memory_order_relaxed);
+    while (seen < session && !release_now_.compare_exchange_weak(seen, session, std::memory_order_release)) {
     }
   }
   /// Cell thread: what is near the robot now; fill draft_barriers(), then publish. Before the first, nothing.
@@ -94,7 +94,7 @@ class JogController : public controllers::Controller {
   };
   bool holds(const hardware::Cycle& cycle, const controllers::Verdict& verdict) noexcept;
   void begin_step() noexcept;
-  JogWish wish_now(const hardware::Cycle& cycle) const noexcept;
+  JogSetpoint setpoint_now(const hardware::Cycle& cycle) const noexcept;
   void write(const hardware::Cycle& cycle) noexcept;
 
   const kinematics::Chain& chain_;
@@ -107,7 +107,7 @@ class JogController : public controllers::Controller {
   JogCommand command_;
   Nanoseconds received_ = 0;
   std::uint32_t session_ = 0, ended_ = 0, stops_ = 0, step_begun_ = 0, step_done_ = 0;
-  JogWish step_wish_;
+  JogSetpoint step_setpoint_;
   JogHold step_hold_ = JogHold::none;
   std::int32_t step_which_ = -1;
   Nanoseconds blocked_since_ = -1;
@@ -117,7 +117,7 @@ class JogController : public controllers::Controller {
   realtime::Latest<JogCommand> inbox_;
   realtime::Latest<JogStatus> outbox_;
   realtime::Latest<Barriers> barriers_;
-  std::atomic<std::uint32_t> let_go_{0};
+  std::atomic<std::uint32_t> release_now_{0};
   std::atomic<double> joint_share_{1}, tcp_speed_{1e9}, tcp_turning_{1e9};
 };
 

@@ -40,7 +40,7 @@ constexpr std::size_t kPlaces = 20;
 constexpr double kMoment = 1e-5;  // s, step of a numeric derivative
 constexpr int kHalvings = 9;
 
-TcpLead::Target target_of(const JogWish& wish, const JogLimits& limits) {
+TcpLead::Target target_of(const JogSetpoint& wish, const JogLimits& limits) {
   return {wish.target, wish.twist, kBelow * wish.speed * std::min(limits.tcp_speed, kTargetSpeed),
           kBelow * wish.speed * std::min(limits.tcp_turning, kTargetTurning)};
 }
@@ -84,7 +84,7 @@ void JogGenerator::start(std::span<const double> q) noexcept {
   solver_.forget();
   lead_.end();
   rates_hold_ = arrived_ = false;
-  kind_ = JogWish::Kind::rest;
+  kind_ = JogSetpoint::Kind::rest;
   hold_ = JogHold::none;
   which_ = -1;
   tcp_speed_ = 0;
@@ -109,7 +109,7 @@ AxisLimits JogGenerator::limits_of(std::size_t j, const JogLimits& limits) const
 
 // --- joints -----------------------------------------------------------------------------------------------
 
-void JogGenerator::wish_joints(const JogWish& wish, const JogLimits& limits, JogValues& rates) noexcept {
+void JogGenerator::setpoint_joints(const JogSetpoint& wish, const JogLimits& limits, JogValues& rates) noexcept {
   for (std::size_t j = 0; j < axes_.size(); ++j) {
     const AxisLimits own = limits_of(j, limits);
     double v = std::isfinite(wish.joints[j]) ? wish.joints[j] : 0.0;
@@ -163,7 +163,7 @@ bool JogGenerator::step_straight(std::span<const MotionState> to, std::span<cons
 
 /// The next states on the fastest path to the target's joint values; the path is straight if the target is at
 /// rest. False if there is no path.
-bool JogGenerator::step_to_joints(const JogWish& wish, const JogLimits& limits, States& next) noexcept {
+bool JogGenerator::step_to_joints(const JogSetpoint& wish, const JogLimits& limits, States& next) noexcept {
   const std::size_t n = axes_.size();
   std::array<MotionState, kMostJogJoints> from, to, out;
   std::array<MotionLimits, kMostJogJoints> most;
@@ -216,9 +216,9 @@ Twist JogGenerator::twist_now() const noexcept {
   return solver_.twist_of({v.data(), axes_.size()});
 }
 
-void JogGenerator::wish_tcp(const JogWish& wish, const JogLimits& limits, JogValues& rates) noexcept {
+void JogGenerator::setpoint_tcp(const JogSetpoint& wish, const JogLimits& limits, JogValues& rates) noexcept {
   if (!lead_.on()) lead_.begin(tcp(), twist_now());
-  Twist wanted = wish.kind == JogWish::Kind::tcp_velocity ? wish.twist : Twist{};
+  Twist wanted = wish.kind == JogSetpoint::Kind::tcp_velocity ? wish.twist : Twist{};
   if (wanted != asked_) solver_.forget();
   asked_ = wanted;
   if (wish.tool_frame) wanted = turned(tcp().rotation, wanted);
@@ -228,9 +228,9 @@ void JogGenerator::wish_tcp(const JogWish& wish, const JogLimits& limits, JogVal
     for (double& x : wanted) x /= over;
     note(JogHold::speed, 0);
   }
-  if (barriers_ && wish.kind == JogWish::Kind::tcp_velocity) slide_tcp(wanted);
+  if (barriers_ && wish.kind == JogSetpoint::Kind::tcp_velocity) slide_tcp(wanted);
   const TcpLead::Target target = target_of(wish, limits);
-  if (wish.kind == JogWish::Kind::tcp_target) wanted = lead_.way_to(target);
+  if (wish.kind == JogSetpoint::Kind::tcp_target) wanted = lead_.way_to(target);
   std::array<double, kMostJogJoints> velocity;
   for (std::size_t j = 0; j < axes_.size(); ++j)
     velocity[j] = std::min(limits.joint_share * velocity_[j], kQuickly * acceleration_[j]);
@@ -252,7 +252,7 @@ void JogGenerator::wish_tcp(const JogWish& wish, const JogLimits& limits, JogVal
   }
   tell(solution);
   const double much = solution.share * throttle(limits, kGently, true, solution.rates);
-  if (wish.kind == JogWish::Kind::tcp_target) {
+  if (wish.kind == JogSetpoint::Kind::tcp_target) {
     arrived_ = lead_.approach(target, much, solver_);
   } else {
     for (double& x : wanted) x *= much;
@@ -455,8 +455,8 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
 
 // --- a cycle ----------------------------------------------------------------------------------------------
 
-void JogGenerator::step(const JogWish& wish, const JogLimits& limits) noexcept {
-  using Kind = JogWish::Kind;
+void JogGenerator::step(const JogSetpoint& wish, const JogLimits& limits) noexcept {
+  using Kind = JogSetpoint::Kind;
   const std::size_t n = axes_.size();
   hold_ = JogHold::none;
   which_ = -1;
@@ -483,13 +483,13 @@ void JogGenerator::step(const JogWish& wish, const JogLimits& limits) noexcept {
   States next{};
   bool planned = false;
   if (wish.kind == Kind::joint_velocity) {
-    wish_joints(wish, limits, rates);
+    setpoint_joints(wish, limits, rates);
     if (barriers_) slide_joints(rates);
     throttle(limits, kFirmly, false, rates);
   } else if (wish.kind == Kind::joint_target) {
     planned = step_to_joints(wish, limits, next);
   } else if (of_tcp(wish.kind) || lead_.on()) {
-    wish_tcp(wish, limits, rates);
+    setpoint_tcp(wish, limits, rates);
     if (wish.kind == Kind::rest && is_zero(lead_.twist())) lead_.end(), rates_hold_ = false;
     if (wish.kind == Kind::rest) {
       hold_ = JogHold::none;

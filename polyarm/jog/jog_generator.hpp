@@ -21,7 +21,7 @@
 namespace polyarm::jog {
 
 /// The wish for the next cycles.
-struct JogWish {
+struct JogSetpoint {
   /// rest: slow down and stop. joint_velocity, tcp_velocity: move at this velocity. joint_target, tcp_target:
   /// go there, then follow the target's velocity.
   enum class Kind : std::uint8_t { rest, joint_velocity, joint_target, tcp_velocity, tcp_target };
@@ -77,7 +77,7 @@ class JogGenerator {
 
   /// Starts at rest at `q`.
   void start(std::span<const double> q) noexcept;
-  void step(const JogWish& wish, const JogLimits& limits) noexcept;
+  void step(const JogSetpoint& wish, const JogLimits& limits) noexcept;
   /// What is near, for the next steps; null: nothing. It stays valid until the next call.
   void set_barriers(const Barriers* barriers) noexcept { barriers_ = barriers; }
 
@@ -100,11 +100,11 @@ class JogGenerator {
   };
   static constexpr Before kFirmly{0.5, 0.25}, kGently{0.25, 0.05};
 
-  void wish_joints(const JogWish& wish, const JogLimits& limits, JogValues& rates) noexcept;
+  void setpoint_joints(const JogSetpoint& wish, const JogLimits& limits, JogValues& rates) noexcept;
   bool step_straight(std::span<const trajectory::MotionState> to,
                      std::span<const trajectory::MotionLimits> limits, States& next) noexcept;
-  bool step_to_joints(const JogWish& wish, const JogLimits& limits, States& next) noexcept;
-  void wish_tcp(const JogWish& wish, const JogLimits& limits, JogValues& rates) noexcept;
+  bool step_to_joints(const JogSetpoint& wish, const JogLimits& limits, States& next) noexcept;
+  void setpoint_tcp(const JogSetpoint& wish, const JogLimits& limits, JogValues& rates) noexcept;
   Twist twist_now() const noexcept;
   void tell(const TwistSolver::Solution& solution) noexcept;
   double throttle(const JogLimits& limits, Before before, bool common, JogValues& rates) noexcept;
@@ -136,7 +136,7 @@ class JogGenerator {
 
   const Barriers* barriers_ = nullptr;
   States state_{};
-  JogWish::Kind kind_ = JogWish::Kind::rest;
+  JogSetpoint::Kind kind_ = JogSetpoint::Kind::rest;
   JogValues rates_{}, wanted_{};  // rates_: of the last cycle; wanted_: the wanted rates
   Twist asked_{};
   bool rates_hold_ = false;  // rates_ belongs to the same wish as the next cycle

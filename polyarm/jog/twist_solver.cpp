@@ -22,7 +22,7 @@ constexpr double kEscapeGain = 2;
 /// Look-ahead (rad or m) of the search for an escape motion, and the gains that count as success.
 constexpr double kLook = 0.03, kProgress = 1e-4, kTurnsBetter = 1e-5;
 /// Cycles until the next search for an escape motion after a failed one.
-constexpr int kPatience = 20;
+constexpr int kTimeout = 20;
 
 double length_of(const JogValues& v, std::size_t n) {
   double out = 0;
@@ -363,11 +363,11 @@ void TwistSolver::solve_level(Level& level, const std::array<double, kRows>& wis
   const bool has_it = level.rank == level.rows || level.rows == 6;
   if (&level != &level_[0]) return note(TwistOutcome::unavailable);
   if (escaping_ && !complement(level, way_)) escaping_ = false;
-  if (!escaping_ && (patience_ <= 0 || --patience_ <= 0)) {
+  if (!escaping_ && (wait_limit_ <= 0 || --wait_limit_ <= 0)) {
     std::array<double, kRows> unit = wish;
     for (double& value : unit) value /= asked;
     escaping_ = escape(level, unit, abilities, way_);
-    patience_ = escaping_ ? 0 : kPatience;
+    wait_limit_ = escaping_ ? 0 : kTimeout;
   }
   if (!escaping_) {  // no motion is better than only the remaining part of the request
     const double rest = 1 - std::clamp((std::sqrt(lost) / asked - 0.7) / 0.25, 0.0, 1.0);

@@ -66,7 +66,7 @@ class TwistSolver {
   /// Call this for a new wish; clears the decisions made in a singularity.
   void forget() noexcept {
     escaping_ = false;
-    patience_ = 0;
+    wait_limit_ = 0;
   }
 
  private:
@@ -105,7 +105,7 @@ class TwistSolver {
   // In a singularity: the last escape motion, and the cycles until the next search if none was found.
   bool escaping_ = false;
   JogValues way_{};
-  int patience_ = 0;
+  int wait_limit_ = 0;
 };
 
 }  // namespace polyarm::jog

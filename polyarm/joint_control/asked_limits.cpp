@@ -16,13 +16,13 @@ const char* name_of(Asked kind) {
 }
 }  // namespace
 
-void AskedLimits::reset(std::size_t joints) {
+void RequestedLimits::reset(std::size_t joints) {
   joints_.assign(joints, {});
   at_ = std::make_unique<std::atomic<double>[]>(joints);
   for (std::size_t j = 0; j < joints; ++j) note_position(j, std::numeric_limits<double>::quiet_NaN());
 }
 
-void AskedLimits::set(std::size_t joint, std::string told, const JointFacts* facts) {
+void RequestedLimits::set(std::size_t joint, std::string told, const JointFacts* facts) {
   Joint& out = joints_[joint];
   out.told = std::move(told);
   if (!facts) return;
@@ -32,7 +32,7 @@ void AskedLimits::set(std::size_t joint, std::string told, const JointFacts* fac
   out.effort = facts->effort;
 }
 
-void AskedLimits::check_position(Problems& problems, std::size_t j, double value,
+void RequestedLimits::check_position(Problems& problems, std::size_t j, double value,
                                  const std::string& where) const {
   const Joint& joint = joints_[j];
   double lower = std::max(joint.lower, -kMost), upper = std::min(joint.upper, kMost);
@@ -45,7 +45,7 @@ void AskedLimits::check_position(Problems& problems, std::size_t j, double value
                  "command a position within them, rad or m");
 }
 
-void AskedLimits::check(Problems& problems, std::size_t j, Asked kind, double value,
+void RequestedLimits::check(Problems& problems, std::size_t j, Asked kind, double value,
                         const std::string& where) const {
   const Joint& joint = joints_[j];
   if (!std::isfinite(value))
@@ -63,7 +63,7 @@ void AskedLimits::check(Problems& problems, std::size_t j, Asked kind, double va
                  "a command a little above is limited; one far above is refused");
 }
 
-void AskedLimits::require(std::size_t joint, Asked kind, double value) const {
+void RequestedLimits::require(std::size_t joint, Asked kind, double value) const {
   Problems problems;
   check(problems, joint, kind, value);
   problems.throw_if_errors();

@@ -16,7 +16,7 @@ namespace polyarm::controllers {
 
 enum class Asked : std::uint8_t { position, velocity, acceleration, effort };
 
-class AskedLimits {
+class RequestedLimits {
  public:
   /// A position may be this far beyond its limit, rad or m: numbers are rounded in files and messages.
   static constexpr double kRounding = 1e-4;

@@ -31,7 +31,7 @@ class ForwardCommandController : public Controller {
   std::vector<char> stops_at_zero_;  // velocity-like: a stop means zero
   std::vector<char> pushes_;         // effort-like: a stop leaves it
   std::vector<Asked> kinds_;
-  AskedLimits asked_;
+  RequestedLimits asked_;
   std::vector<double> wanted_;
   realtime::Latest<std::vector<double>> inbox_;
 };

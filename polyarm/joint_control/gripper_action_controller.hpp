@@ -56,7 +56,7 @@ class GripperActionController : public Controller {
   std::size_t position_ = 0, command_ = 0;
   int velocity_ = -1, speed_command_ = -1, effort_command_ = -1;
   double period_s_ = 1e-3, lower_ = 0, upper_ = 0;
-  AskedLimits asked_;
+  RequestedLimits asked_;
   std::vector<RosControlParameters> gains_;  // one, where efforts are commanded
 
   // control thread

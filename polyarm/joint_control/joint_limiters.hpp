@@ -254,7 +254,7 @@ inline Allowed allow_effort(const LimiterSettings& s, const JointNow& now, doubl
 }
 
 /// One point of a trajectory. NaN in what is asked: not stated.
-struct AskedPoint {
+struct RequestedPoint {
   double position = std::numeric_limits<double>::quiet_NaN();
   double velocity = std::numeric_limits<double>::quiet_NaN();
 };
@@ -281,7 +281,7 @@ inline bool stops_in_time(const LimiterSettings& s, const LimitedPoint& point) n
 /// that is not stated, or 0 with a position elsewhere, is the one that leads to the position. Who could not
 /// stop before a limit of position slows down instead. Without a dt above 0: the present point.
 inline LimitedPoint limit_point(const LimiterSettings& s, double position, double velocity,
-                                const AskedPoint& asked, double dt) noexcept {
+                                const RequestedPoint& asked, double dt) noexcept {
   if (!(dt > 0)) return {position, velocity, 0};
   const bool placed = std::isfinite(asked.position);
   const double target = placed ? std::clamp(asked.position, s.lower, s.upper) : position;

@@ -49,7 +49,7 @@ class JointPidController : public Controller {
   std::vector<Joint> joints_;
   std::vector<RosControlParameters> gains_;  // of each `pid` that is stated
   std::vector<std::string> prefixes_;        // where each stands
-  AskedLimits asked_;
+  RequestedLimits asked_;
   realtime::Latest<std::vector<double>> inbox_;
   Output* output_ = nullptr;
 };

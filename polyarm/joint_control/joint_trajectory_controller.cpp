@@ -65,7 +65,7 @@ CallbackReturn JointTrajectoryController::on_activate(const Cycle& cycle) noexce
   judged_.id = 0;
   over_since_ = -1;
   factor_ = initial_scaling_;
-  asked_factor_.store(factor_, std::memory_order_relaxed);
+  requested_factor_.store(factor_, std::memory_order_relaxed);
   scale_ = trajectory::TimeScale();
   stopping_for_ = 0;
   command_all(0);
@@ -326,7 +326,7 @@ double JointTrajectoryController::position_error(std::size_t j) const noexcept {
 }
 
 inline double JointTrajectoryController::scaling() noexcept {
-  double wanted = asked_factor_.load(std::memory_order_relaxed);
+  double wanted = requested_factor_.load(std::memory_order_relaxed);
   if (scaling_state_ >= 0) wanted = state(static_cast<std::size_t>(scaling_state_));
   if (std::isfinite(wanted) && wanted >= 0) factor_ = wanted;
   if (scaling_command_ >= 0) set_command(static_cast<std::size_t>(scaling_command_), factor_);

@@ -59,7 +59,7 @@ class JointTrajectoryController : public Controller {
   const GoalStatus& status() const noexcept { return status_; }
   const std::vector<std::string>& joints() const { return joints_; }
   /// As the user names them.
-  const std::vector<std::string>& told_joints() const { return told_joints_; }
+  const std::vector<std::string>& told_joints() const { return reported_joints_; }
   /// Of its cycles, s; what a planned path must be made for. Once configured.
   double period() const { return period_s_; }
 
@@ -136,14 +136,14 @@ class JointTrajectoryController : public Controller {
 
   // configuration
   std::vector<std::string> joints_;
-  std::vector<std::string> told_joints_;
+  std::vector<std::string> reported_joints_;
   std::vector<char> continuous_;
   Interfaces commands_, states_;
   /// Places of the commands in the table, from activation on; a quantity without commands has none.
   std::vector<std::uint32_t> position_places_, velocity_places_, acceleration_places_, effort_places_;
   bool closed_loop_ = false;  // velocity alone or effort: through PID
   TrajectoryRules rules_;
-  AskedLimits asked_;
+  RequestedLimits asked_;
   Tolerances default_tolerances_;
   bool replacement_ = true, from_desired_ = false, keep_command_ = true, brake_on_cancel_ = false;
   double cmd_timeout_ = 0;
@@ -189,9 +189,9 @@ class JointTrajectoryController : public Controller {
   realtime::Queue<GoalEvent> events_{256};
   enum class Asking : std::uint8_t { nothing, asked, answering, answered };
   std::atomic<Asking> asking_{Asking::nothing};
-  Nanoseconds asked_time_ = 0;
+  Nanoseconds requested_time_ = 0;
   Sampled sampled_;
-  std::atomic<double> asked_factor_{1};
+  std::atomic<double> requested_factor_{1};
   std::atomic<Nanoseconds> now_{0};
   GoalStatus status_;
   Output* state_output_ = nullptr;

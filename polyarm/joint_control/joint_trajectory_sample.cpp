@@ -8,7 +8,7 @@ namespace polyarm::controllers {
 
 bool JointTrajectoryController::ask_sample(Nanoseconds at) {
   if (asking_.load(std::memory_order_acquire) != Asking::nothing) return false;
-  asked_time_ = at;
+  requested_time_ = at;
   asking_.store(Asking::asked, std::memory_order_release);
   return true;
 }
@@ -49,7 +49,7 @@ bool JointTrajectoryController::sample_track(const Track& track, double ahead) n
 void JointTrajectoryController::answer_sample(const Cycle& cycle) noexcept {
   Asking was = Asking::asked;
   if (!asking_.compare_exchange_strong(was, Asking::answering, std::memory_order_acq_rel)) return;
-  const double ahead = seconds(asked_time_ - cycle.time);
+  const double ahead = seconds(requested_time_ - cycle.time);
   sampled_.found = std::all_of(leader_.begin(), leader_.end(), [](int track) { return track >= 0; });
   for (const Track& track : tracks())
     if (track.goal && sampled_.found) sampled_.found = sample_track(track, ahead);

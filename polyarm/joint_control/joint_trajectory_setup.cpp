@@ -31,13 +31,13 @@ trajectory::JointDynamics dynamics_of(const JointFacts* facts) {
 /// From full speed to rest it takes velocity / deceleration, and at most 2.6 times that where the plan brakes
 /// some joint at its limit all the while.
 double longest_stop_of(const ControllerContext& context, const std::vector<std::string>& joints) {
-  constexpr double kShortest = 0.5, kLongest = 5, kPatience = 2.6;  // s, s
+  constexpr double kShortest = 0.5, kLongest = 5, kTimeout = 2.6;  // s, s
   double out = kShortest;
   for (const std::string& joint : joints) {
     const JointFacts* facts = context.find_joint(joint);
     const double most = dynamics_of(facts).deceleration;
     if (facts && std::isfinite(facts->velocity) && std::isfinite(most))
-      out = std::max(out, kPatience * facts->velocity / most + 2 * kTimeToAcceleration);
+      out = std::max(out, kTimeout * facts->velocity / most + 2 * kTimeToAcceleration);
   }
   return std::min(out, kLongest);
 }
@@ -116,13 +116,13 @@ void JointTrajectoryController::read_gains(ControllerContext& context) {
   gains_.assign(joints_.size(), {});
   feed_forward_.assign(joints_.size(), 0.0);
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const std::string prefix = "gains." + told_joints_[j];
+    const std::string prefix = "gains." + reported_joints_[j];
     if (closed_loop_) {
       read_pid_gains(p, prefix, gains_[j]);
       p.read(prefix + ".ff_velocity_scale", feed_forward_[j],
              {.text = "share of the desired velocity that is commanded beside the feedback",
               .changeable = true});
-      p.read("velocity_ff." + told_joints_[j], feed_forward_[j], {"ros_control's name of ff_velocity_scale"});
+      p.read("velocity_ff." + reported_joints_[j], feed_forward_[j], {"ros_control's name of ff_velocity_scale"});
     }
     p.superseded(prefix + ".angle_wraparound", "joints without limits turn the shorter way by themselves");
     p.superseded(prefix + ".normalize_error", "joints without limits turn the shorter way by themselves");
@@ -158,7 +158,7 @@ void JointTrajectoryController::read_tolerances(ControllerContext& context) {
          {"slow down instead of holding at once when a goal is cancelled"});
   most_braking_.assign(joints_.size(), 0.0);
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const std::string prefix = "constraints." + told_joints_[j];
+    const std::string prefix = "constraints." + reported_joints_[j];
     p.read(prefix + ".trajectory", t.path[j].position,
            {.text = "how far the joint may be off on the way, rad or m; 0: not checked",
             .changeable = true,
@@ -172,7 +172,7 @@ void JointTrajectoryController::read_tolerances(ControllerContext& context) {
            {.text = "how hard it slows down on a cancel, rad/s² or m/s²", .changeable = true, .least = 0});
     if (brake_on_cancel_ && most_braking_[j] > 0 && states_.velocity[j] < 0)
       p.problems().warning("no-effect", where(context, "constraints.decelerate_on_cancel"),
-                           "'" + told_joints_[j] + "' cannot slow down on a cancel: its velocity is not read",
+                           "'" + reported_joints_[j] + "' cannot slow down on a cancel: its velocity is not read",
                            "add velocity to state_interfaces");
   }
   note_checks();
@@ -238,7 +238,7 @@ void JointTrajectoryController::read_behaviour(ControllerContext& context) {
 
 void JointTrajectoryController::make_output() {
   std::vector<std::string> fields;
-  for (const std::string& joint : told_joints_)
+  for (const std::string& joint : reported_joints_)
     for (const char* field :
          {"reference.position", "reference.velocity", "reference.acceleration", "feedback.position",
           "feedback.velocity", "error.position", "error.velocity", "output"})
@@ -271,26 +271,26 @@ void JointTrajectoryController::make_rows() {
 
 CallbackReturn JointTrajectoryController::on_configure(ControllerContext& context) {
   joints_.clear();
-  told_joints_.clear();
+  reported_joints_.clear();
   std::vector<std::string> joints;
   context.parameters.read("joints", joints, {"the joints, in the order of commands"});
   for (const std::string& joint : joints) {
     joints_.push_back(context.whole_joint(joint));
-    told_joints_.push_back(joint);
+    reported_joints_.push_back(joint);
   }
   if (joints_.empty()) {
     refuse_no_joints(context.parameters);
     return CallbackReturn::failure;
   }
   rules_ = {};
-  rules_.joints = told_joints_;
+  rules_.joints = reported_joints_;
   rules_.whole = joints_;
   continuous_.clear();
   for (const std::string& joint : joints_) continuous_.push_back(context.find_joint(joint)->continuous);
   rules_.continuous = continuous_;
   asked_.reset(joints_.size());
   for (std::size_t j = 0; j < joints_.size(); ++j)
-    asked_.set(j, told_joints_[j], context.find_joint(joints_[j]));
+    asked_.set(j, reported_joints_[j], context.find_joint(joints_[j]));
   rules_.limits = &asked_;
   scaling_state_ = scaling_command_ = -1;
   read_interfaces(context);
@@ -342,7 +342,7 @@ std::uint64_t JointTrajectoryController::receive(const std::string& port, const 
     if (const double factor = numbers->values[0]; !(factor >= 0 && factor <= kMostScaling))
       throw Error("bad-value", "a speed scaling of " + format_number(factor) + " is refused",
                   "it takes 0 to " + format_number(kMostScaling) + "; 1 is as planned");
-    asked_factor_.store(numbers->values[0], std::memory_order_relaxed);
+    requested_factor_.store(numbers->values[0], std::memory_order_relaxed);
     return 0;
   }
   const auto* trajectory = std::get_if<TrajectoryMessage>(&message);

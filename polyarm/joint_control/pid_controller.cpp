@@ -249,11 +249,11 @@ void PidController::control(std::size_t i, bool stop) noexcept {
   double error = wanted_[i] - measured_[i], out = kNone;
   if (dof.wraps) error -= 2 * std::numbers::pi * std::round(error / (2 * std::numbers::pi));
   if (std::isfinite(error)) {
-    const double asked_change = width_ > 1 ? wanted_[place(i, 1)] : kNone;
-    const double change = width_ > 1 ? asked_change - measured_[place(i, 1)] : kNone;
+    const double requested_change = width_ > 1 ? wanted_[place(i, 1)] : kNone;
+    const double change = width_ > 1 ? requested_change - measured_[place(i, 1)] : kNone;
     out =
         std::isfinite(change) ? dof.pid.compute(error, change, period_s_) : dof.pid.compute(error, period_s_);
-    const double ahead = width_ > 1 ? asked_change : wanted_[i];
+    const double ahead = width_ > 1 ? requested_change : wanted_[i];
     if (forward_ && std::isfinite(ahead)) out += dof.feed_forward * ahead;
   }
   if (std::isfinite(out))
@@ -322,7 +322,7 @@ std::vector<InputPort> PidController::inputs() const {
   return out;
 }
 
-void PidController::send(ValueInbox& inbox, const Input& message, const AskedLimits* limits) const {
+void PidController::send(ValueInbox& inbox, const Input& message, const RequestedLimits* limits) const {
   const auto* named = std::get_if<NamedValues>(&message);
   if (!named || named->names.size() != named->values.size())
     throw Error("wrong-message",

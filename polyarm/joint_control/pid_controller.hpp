@@ -88,7 +88,7 @@ class PidController : public Controller {
   void control(std::size_t dof, bool stop) noexcept;
   bool rests(std::size_t dof) noexcept;
   void publish(const Cycle& cycle) noexcept;
-  void send(ValueInbox& inbox, const Input& message, const AskedLimits* limits) const;
+  void send(ValueInbox& inbox, const Input& message, const RequestedLimits* limits) const;
 
   // Values, references and exported states stand in the order of ros2_control: the first interface of every
   // dof, then the second.
@@ -101,7 +101,7 @@ class PidController : public Controller {
   bool stopped_ = false, released_ = false, standing_ = true;
   double period_s_ = 1e-3;
   std::vector<double> measured_, wanted_;
-  AskedLimits asked_;
+  RequestedLimits asked_;
   ValueInbox references_, external_states_;
   Output* output_ = nullptr;
 };

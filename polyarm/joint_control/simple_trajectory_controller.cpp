@@ -14,14 +14,14 @@ SimpleTrajectoryController::~SimpleTrajectoryController() {
 CallbackReturn SimpleTrajectoryController::on_configure(ControllerContext& context) {
   Parameters& p = context.parameters;
   std::vector<std::string> commands{"position", "velocity"}, states{"position", "velocity"};
-  told_.clear();
+  announced_.clear();
   joints_.clear();
-  p.read("joints", told_, {"the joints, in the order of commands"});
+  p.read("joints", announced_, {"the joints, in the order of commands"});
   p.read("command_interfaces", commands,
          {.text = "interfaces to command", .choices = {"position", "velocity"}});
   p.read("state_interfaces", states, {.text = "interfaces to read", .choices = {"position", "velocity"}});
-  asked_.reset(told_.size());
-  for (const std::string& joint : told_) {
+  asked_.reset(announced_.size());
+  for (const std::string& joint : announced_) {
     joints_.push_back(context.whole_joint(joint));
     asked_.set(joints_.size() - 1, joint, context.find_joint(joints_.back()));
   }
@@ -80,13 +80,13 @@ std::uint64_t SimpleTrajectoryController::receive(const std::string&, const Inpu
   if (!trajectory)
     throw Error("wrong-message", "this controller takes trajectories (trajectory_msgs/JointTrajectory)");
   std::vector<std::size_t> order;
-  for (std::size_t j = 0; j < told_.size(); ++j) {
+  for (std::size_t j = 0; j < announced_.size(); ++j) {
     const auto& names = trajectory->joints;
     const auto found = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
-      return name == told_[j] || name == joints_[j];
+      return name == announced_[j] || name == joints_[j];
     });
     if (found == names.end())
-      throw Error("missing-joint", "the trajectory leaves out " + told_[j], "name all joints");
+      throw Error("missing-joint", "the trajectory leaves out " + announced_[j], "name all joints");
     order.push_back(static_cast<std::size_t>(found - names.begin()));
   }
   trajectory::TrajectoryPoint start;

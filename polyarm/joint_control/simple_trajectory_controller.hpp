@@ -29,8 +29,8 @@ class SimpleTrajectoryController : public Controller {
   void check_limits(const TrajectoryMessage& message, const std::vector<std::size_t>& order) const;
   void stop() noexcept;
 
-  std::vector<std::string> joints_, told_;
-  AskedLimits asked_;
+  std::vector<std::string> joints_, announced_;
+  RequestedLimits asked_;
   std::vector<int> position_command_, velocity_command_;
   std::size_t first_position_state_ = 0;
   double time_ = 0, period_s_ = 1e-3;

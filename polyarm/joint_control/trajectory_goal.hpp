@@ -73,7 +73,7 @@ struct TrajectoryRules {
   bool step = false;  ///< `interpolation_method: none`
   bool partial = false, nonzero_end = false, integrate = false, effort = false;
   double upsampling = 0;                ///< Hz of the policy behind position chunks; 0: off
-  const AskedLimits* limits = nullptr;  ///< of the same joints; null: none
+  const RequestedLimits* limits = nullptr;  ///< of the same joints; null: none
 };
 
 /// Throws Error with every fault: "no-joints", "unknown-joint", "missing-joint", "no-points", "wrong-size",

@@ -259,7 +259,7 @@ Value slice_of(Values a, Names) {
 
 std::string shown_text(const Value& value) {
   std::string out;
-  data::Telling telling(value, data::kShownDigits);
+  data::ValueWriter telling(value, data::kShownDigits);
   while (!telling.go_on(out, kLongestText) && out.size() <= kLongestText) continue;
   return out;
 }

@@ -86,7 +86,7 @@ struct Found {
   std::vector<fs::path> descriptions, controllers;
 };
 
-Found look_into(const fs::path& package) {
+Found search_in(const fs::path& package) {
   Found out;
   std::error_code error;
   int seen = 0;
@@ -203,7 +203,7 @@ std::vector<std::string> lines_of_package(const std::filesystem::path& launch, c
   std::vector<std::string> out;
   std::string controllers;
   for (const fs::path& folder : folders) {
-    const Found found = look_into(folder);
+    const Found found = search_in(folder);
     if (controllers.empty() && !found.controllers.empty())
       controllers = " --controllers " + shell_word(found.controllers.front().string());
     for (const fs::path& description : found.descriptions)

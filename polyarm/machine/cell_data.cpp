@@ -43,13 +43,13 @@ void bound_poses(signals::Signals& signals, const std::vector<moves::WorkspaceZo
 
 namespace {
 /// Wait for another run in the same folder, ms; batch runs follow each other.
-constexpr int kBatchPatience = 30'000, kLivePatience = 500, kNeverWaits = -1;
+constexpr int kBatchTimeout = 30'000, kLiveTimeout = 500, kNeverWaits = -1;
 
 /// Robots without a cell have no folder of their own, so any number of runs is possible at the same time.
-int patience_of(const CellFile& file, bool lock_step) {
+int timeout_of(const CellFile& file, bool lock_step) {
   const std::string kind = file.path.extension().string();
   const bool has_folder = (kind == ".yaml" || kind == ".yml") && !file.launched;
-  return !has_folder ? kNeverWaits : lock_step ? kBatchPatience : kLivePatience;
+  return !has_folder ? kNeverWaits : lock_step ? kBatchTimeout : kLiveTimeout;
 }
 }  // namespace
 
@@ -92,7 +92,7 @@ void CellData::build(const hardware::InterfaceTable& table, Worker& worker, Prob
   if (options.test) live.clear();  // a test writes to none of the user's files
   files_ = std::make_unique<DataFiles>(
       store,
-      StateFolder(file.folder, live, options.keep, options.state_folder, patience_of(file, options.lock_step),
+      StateFolder(file.folder, live, options.keep, options.state_folder, timeout_of(file, options.lock_step),
                   file.path.filename().string()),
       worker, options.lock_step);
   bound_poses(signals_, file.workspace, *files_);
@@ -139,7 +139,7 @@ void CellData::read(Nanoseconds now, const control::Snapshot& snapshot, const Ow
 }
 
 const std::optional<Problem>& CellData::watch_links(Nanoseconds now) {
-  for (const Problem& problem : links_->take_news()) observer_.on_problem(now, problem);
+  for (const Problem& problem : links_->take_reports()) observer_.on_problem(now, problem);
   if (!links_ready_) {
     links_ready_ = links_->ready();
     if (!links_ready_ && now > 1'000'000'000 && !std::exchange(reported_waiting_, true))

@@ -16,30 +16,30 @@ void HardwareCalls::start(std::shared_ptr<hardware::Transition> transition) {
   std::thread([transition = std::move(transition)] { transition->run(); }).detach();
 }
 
-void HardwareCalls::tell_waiting(const hardware::Transition& transition, Nanoseconds since, const char* end) {
+void HardwareCalls::report_waiting(const hardware::Transition& transition, Nanoseconds since, const char* end) {
   observer_.on_note("the hardware component " + transition.component() + " is being " +
                     hardware::done_word(transition.step()) + " for " +
                     format_number(std::round(seconds(since) * 10) / 10) + " s; " + end);
 }
 
 bool HardwareCalls::give_up(const hardware::Transition& transition, Nanoseconds waited) {
-  if ((patience_ < 0 || waited < patience_) && !(asked_ && asked_())) return false;
-  tell_waiting(transition, waited, "the cell stops waiting for it, and leaves it as it is");
+  if ((wait_limit_ < 0 || waited < wait_limit_) && !(asked_ && asked_())) return false;
+  report_waiting(transition, waited, "the cell stops waiting for it, and leaves it as it is");
   return true;
 }
 
 bool HardwareCalls::await(const hardware::Transition& transition) {
   constexpr Nanoseconds kLook = 100'000'000;
-  Nanoseconds waited = 0, told_next = kWorthTelling;
+  Nanoseconds waited = 0, next_report = kWorthReporting;
   for (;;) {
-    Nanoseconds next = patience_ < 0 ? told_next : std::min(told_next, patience_);
+    Nanoseconds next = wait_limit_ < 0 ? next_report : std::min(next_report, wait_limit_);
     if (asked_) next = std::min(next, waited + kLook);
     if (transition.wait(next - waited)) return true;
     waited = next;
     if (give_up(transition, waited)) return false;
-    if (waited < told_next) continue;
-    tell_waiting(transition, waited, "waiting for it");
-    told_next *= 2;
+    if (waited < next_report) continue;
+    report_waiting(transition, waited, "waiting for it");
+    next_report *= 2;
   }
 }
 
@@ -47,10 +47,10 @@ bool HardwareCalls::advance(hardware::Hardware& hardware, std::shared_ptr<hardwa
                             Nanoseconds now) {
   while (transition) {
     if (!transition->done()) {
-      Since& since = since_.try_emplace(transition.get(), Since{now, kWorthTelling}).first->second;
-      if (now - since.begun >= since.told_next) {
-        tell_waiting(*transition, now - since.begun, "the cell continues");
-        since.told_next *= 2;
+      Since& since = since_.try_emplace(transition.get(), Since{now, kWorthReporting}).first->second;
+      if (now - since.begun >= since.next_report) {
+        report_waiting(*transition, now - since.begun, "the cell continues");
+        since.next_report *= 2;
       }
       return false;
     }

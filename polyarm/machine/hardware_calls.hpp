@@ -17,7 +17,7 @@ namespace polyarm::cell {
 class HardwareCalls : public hardware::Caller {
  public:
   /// Waiting is reported after this time, ns, and again each time it has doubled.
-  static constexpr Nanoseconds kWorthTelling = 2'000'000'000;
+  static constexpr Nanoseconds kWorthReporting = 2'000'000'000;
 
   HardwareCalls(bool run_inline, Observer& observer) : inline_(run_inline), observer_(observer) {}
 
@@ -25,7 +25,7 @@ class HardwareCalls : public hardware::Caller {
   /// For start-up and shutdown, when nothing else runs: waits, and reports what it waits for.
   bool await(const hardware::Transition& transition) override;
   /// After this call await() gives up after `patience` ns.
-  void give_up_after(Nanoseconds patience) { patience_ = patience; }
+  void give_up_after(Nanoseconds patience) { wait_limit_ = patience; }
   /// await() also gives up when `asked` returns true (the user no longer wants to wait); it is called ten
   /// times per second.
   void give_up_when(std::function<bool()> asked) { asked_ = std::move(asked); }
@@ -46,15 +46,15 @@ class HardwareCalls : public hardware::Caller {
     std::shared_ptr<hardware::Transition> running;
   };
   bool give_up(const hardware::Transition& transition, Nanoseconds waited);
-  void tell_waiting(const hardware::Transition& transition, Nanoseconds since, const char* end);
+  void report_waiting(const hardware::Transition& transition, Nanoseconds since, const char* end);
 
   bool inline_;
   Observer& observer_;
-  Nanoseconds patience_ = -1;  // < 0: no limit
+  Nanoseconds wait_limit_ = -1;  // < 0: no limit
   std::function<bool()> asked_;
   std::list<Wanted> wanted_;
   struct Since {
-    Nanoseconds begun, told_next;
+    Nanoseconds begun, next_report;
   };
   std::map<const hardware::Transition*, Since> since_;
 };

@@ -47,7 +47,7 @@ void Machine::start_hardware() {
   } catch (...) {
     const bool asked = options.start_given_up && options.start_given_up();
     calls_.give_up_when({});
-    shut_hardware_down(asked ? std::min(kShort, options.hardware_patience) : options.hardware_patience);
+    shut_hardware_down(asked ? std::min(kShort, options.hardware_timeout) : options.hardware_timeout);
     throw;
   }
   calls_.give_up_when({});
@@ -105,8 +105,8 @@ void Machine::hold_for(Problem why) {
 }
 
 void Machine::forget_hold_if_running() {
-  const bool stop_asked = supervisor().latch().requested() != realtime::StopKind::none;
-  if (snapshot().state == control::RunState::running && !stop_asked) held_by_.reset();
+  const bool stop_requested = supervisor().latch().requested() != realtime::StopKind::none;
+  if (snapshot().state == control::RunState::running && !stop_requested) held_by_.reset();
 }
 
 void Machine::post(control::Request request) const {
@@ -137,7 +137,7 @@ void Machine::report_loop_event(const control::LoopEvent& event) {
     text += ": " + reason;
   observer_.on_note(text);
   if (of_hardware || event.kind == Kind::controller_failed) falling_ = of_hardware ? name : "";
-  if (event.kind == Kind::controller_stopped && !falling_.empty()) fallen_[falling_].push_back(name);
+  if (event.kind == Kind::controller_stopped && !falling_.empty()) failed_components_[falling_].push_back(name);
   if (event.kind == Kind::component_failed) calls_.post(who, hardware::Step::error);
   if (event.kind == Kind::component_deactivated) calls_.post(who, hardware::Step::deactivate);
 }
@@ -192,8 +192,8 @@ void Machine::report_threads() {
   }
 }
 
-std::vector<std::string> Machine::take_fallen(const std::string& component) {
-  return std::exchange(fallen_[component], {});
+std::vector<std::string> Machine::take_failed(const std::string& component) {
+  return std::exchange(failed_components_[component], {});
 }
 
 const std::vector<controllers::GoalEvent>& Machine::goal_events(const std::string& name) {

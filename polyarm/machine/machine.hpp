@@ -86,7 +86,7 @@ class Machine {
   /// Reports what the loop did by itself, and lets failed components choose their next state.
   void report_events();
   /// The controllers that stopped because the component failed, since the last call.
-  std::vector<std::string> take_fallen(const std::string& component);
+  std::vector<std::string> take_failed(const std::string& component);
   /// Outcomes of the controller's latest goals, oldest first.
   const std::vector<controllers::GoalEvent>& goal_events(const std::string& controller);
   void forget_goals(const std::string& controller) { goal_events_.erase(controller); }
@@ -121,7 +121,7 @@ class Machine {
   std::vector<char> reported_threads_;  // by component: true if its thread's refusals were reported
   std::unique_ptr<control::ControlLoop> loop_;
   std::map<std::string, std::vector<controllers::GoalEvent>> goal_events_;
-  std::map<std::string, std::vector<std::string>> fallen_;  // component → controllers
+  std::map<std::string, std::vector<std::string>> failed_components_;  // component → controllers
   std::string falling_;                                     // component whose failure is being reported
   JointPlaces joint_places_;
   std::optional<Problem> held_by_;

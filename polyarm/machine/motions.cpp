@@ -35,7 +35,7 @@ void Motions::build(Worker& planner) {
                                 : nullptr);
     if (motions_.back()) motions_.back()->set_planned(robot->start);
     if (motions_.back())
-      motions_.back()->set_look_around(
+      motions_.back()->set_find_obstacles(
           [this, index = motions_.size() - 1] { return obstacles(index, moment()); });
     controllers::BaseController* wheels = base_controller_of(*robot, machine_.controllers());
     bases_.push_back(wheels ? std::make_unique<moves::BaseMotion>(*wheels, seconds(machine_.period()))
@@ -70,7 +70,7 @@ void Motions::tick(const PlaceOf& place_of) {
   }
 }
 
-void Motions::look_at_bases() {
+void Motions::update_bases() {
   for (MovingBase& base : places_) base.look();
 }
 
@@ -153,10 +153,10 @@ std::shared_ptr<moves::Obstacles> Motions::obstacles(std::size_t robot, surround
   AroundOptions options;
   options.clearance = setup_.file.clearance;
   if (!setup_.options.lock_step) {
-    constexpr Nanoseconds kPatience = 10'000'000'000;
+    constexpr Nanoseconds kTimeout = 10'000'000'000;
     const auto end = std::make_shared<Nanoseconds>(0);
     options.stop = [end] {  // counted from its first call: other moves may be planned before
-      if (*end == 0) *end = realtime::monotonic_now() + kPatience;
+      if (*end == 0) *end = realtime::monotonic_now() + kTimeout;
       return realtime::monotonic_now() > *end;
     };
   }

@@ -36,7 +36,7 @@ class Motions {
   void tick(const PlaceOf& place_of);
   /// A robot that another client moved begins its next move at its present position.
   void follow_others();
-  void look_at_bases();
+  void update_bases();
 
   /// Null if no trajectory controller moves all joints of the robot.
   moves::RobotMotion* motion(std::size_t robot) const { return motions_[robot].get(); }

@@ -166,8 +166,8 @@ class Glb {
   std::size_t material(const MeshPart& part) {
     const std::array<float, 6> key{part.color[0], part.color[1],  part.color[2],
                                    part.color[3], part.roughness, part.metallic};
-    const auto at = by_look_.find(key);
-    if (at != by_look_.end()) return at->second;
+    const auto at = by_check_.find(key);
+    if (at != by_check_.end()) return at->second;
     std::array<float, 4> linear = part.color;
     for (std::size_t k = 0; k < 3; ++k) {
       const float c = std::clamp(part.color[k], 0.f, 1.f);
@@ -180,13 +180,13 @@ class Glb {
              {"doubleSided", true}};
     if (linear[3] < 1) out["alphaMode"] = "BLEND";
     materials_.push_back(std::move(out));
-    return by_look_[key] = materials_.size() - 1;
+    return by_check_[key] = materials_.size() - 1;
   }
 
   const bool compact_;
   Json nodes_ = Json::array(), meshes_ = Json::array(), materials_ = Json::array(),
        accessors_ = Json::array(), views_ = Json::array();
-  std::map<std::array<float, 6>, std::size_t> by_look_;  // colour, roughness, metallic
+  std::map<std::array<float, 6>, std::size_t> by_check_;  // colour, roughness, metallic
   std::string data_;
 };
 

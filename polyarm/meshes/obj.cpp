@@ -39,10 +39,10 @@ void each_line(const std::string& text, const std::string& name, Take take) {
     if (part.size() > kMostInLine || words.size() > kMostWords)
       throw Error("bad-mesh", "the mesh " + name + ":" + std::to_string(line) + ": the line is too long",
                   "export it again");
-    const bool goes_on = part.ends_with('\\');
-    if (goes_on) part.remove_suffix(1);
+    const bool keeps_going = part.ends_with('\\');
+    if (keeps_going) part.remove_suffix(1);
     for (std::string& word : split_words(part.substr(0, part.find('#')))) words.push_back(std::move(word));
-    if (goes_on) continue;
+    if (keeps_going) continue;
     if (!words.empty()) take(words, line);
     words.clear();
   }

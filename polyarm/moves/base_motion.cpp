@@ -21,7 +21,7 @@ constexpr double kOfPeriod = 0.1;                                // largest prod
 constexpr double kHere = 1e-3, kHereTurned = 3e-3;               // m and rad: arrived
 constexpr double kBack = 2, kSharpest = 0.5;                     // 1/m, of steered bases: curvature per rad
                                                                  // off the line, and its maximum
-constexpr double kPatience = 3;                                  // s after the planned end before the move
+constexpr double kTimeout = 3;                                  // s after the planned end before the move
                                                                  // fails
 
 double stated(double value, double fallback) {
@@ -129,7 +129,7 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
     const double off = move_.amount - done;
     late_ += dt * rate;
     if (std::abs(off) < (move_.turns ? kHereTurned : kHere)) return end(State::done);
-    if (late_ > kPatience) {
+    if (late_ > kTimeout) {
       problem_ = Problem{
           "base-short",
           {},

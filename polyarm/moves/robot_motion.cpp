@@ -19,7 +19,7 @@ constexpr std::size_t kMostKept = 4 * RobotMotion::kMostWaiting;
 constexpr Nanoseconds kInStepAhead = 10'000'000;
 
 /// True if the next move continues on the same path.
-bool goes_on(const Move& move) {
+bool keeps_going(const Move& move) {
   return move.blend > 0 || move.through;
 }
 void end_here(Move& move) {
@@ -33,9 +33,9 @@ std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> wi
   if (waiting_.size() >= kMostWaiting)
     throw Error("busy", "too many moves of " + robot_.name + " wait for being carried out",
                 "is the loop running?");
-  if (look_around_ && bends(move)) end_here(move);
+  if (find_obstacles_ && bends(move)) end_here(move);
   if (!waiting_.empty() &&
-      (step != waiting_.back().step || waiting_.back().with != with || (look_around_ && bends(move))))
+      (step != waiting_.back().step || waiting_.back().with != with || (find_obstacles_ && bends(move))))
     end_here(waiting_.back().move);
   waiting_.push_back({++last_id_, std::move(move), std::move(with), std::move(step)});
   return last_id_;
@@ -71,10 +71,10 @@ bool RobotMotion::is_far_ahead() const {
 /// into the next.
 void RobotMotion::plan() {
   if (job_ || waiting_.empty()) return;
-  const bool alone = look_around_ && bends(waiting_.front().move);
+  const bool alone = find_obstacles_ && bends(waiting_.front().move);
   if (alone && (goal_ != 0 || !ready_.empty())) return;  // what is around it may still change
   auto last =
-      std::find_if(waiting_.begin(), waiting_.end(), [](const Waiting& w) { return !goes_on(w.move); });
+      std::find_if(waiting_.begin(), waiting_.end(), [](const Waiting& w) { return !keeps_going(w.move); });
   if (const auto& step = waiting_.front().step)  // plans all moves of the step together; they stop where the
                                                  // moves require it
     last = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& w) { return w.step != step; });
@@ -92,9 +92,9 @@ void RobotMotion::plan() {
   job_->period = controller_.period();
   for (auto w = waiting_.begin(); w != last; ++w) job_->moves.push_back(std::move(w->move));
   waiting_.erase(waiting_.begin(), last);
-  if (look_around_ &&
+  if (find_obstacles_ &&
       std::any_of(job_->moves.begin(), job_->moves.end(), [](const Move& m) { return m.around; }))
-    job_->obstacles = look_around_();
+    job_->obstacles = find_obstacles_();
   post_([job = job_, &robot = facts(job_->with)] {
     try {
       job->plan = plan_moves_around(robot, job->from, job->moves, job->obstacles.get(), job->options);

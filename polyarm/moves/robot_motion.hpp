@@ -124,7 +124,7 @@ class RobotMotion {
   const MovePlanOptions& options() const { return options_; }
   /// How moves around obstacles see what is around them when they are planned: such a move waits until the
   /// moves before it have arrived. Null: they go straight.
-  void set_look_around(LookAround look) { look_around_ = std::move(look); }
+  void set_find_obstacles(LookAround look) { find_obstacles_ = std::move(look); }
   /// The options of the motion under way; null if there is none.
   const MovePlanOptions* options_under_way() const { return goal_ != 0 ? &active_.options : nullptr; }
   const RobotFacts& robot() const { return robot_; }
@@ -218,7 +218,7 @@ class RobotMotion {
   const RobotFacts& robot_;
   controllers::JointTrajectoryController& controller_;
   Post post_;
-  LookAround look_around_;
+  LookAround find_obstacles_;
   MovePlanOptions options_;
   std::vector<double> planned_;
   std::deque<Waiting> waiting_;

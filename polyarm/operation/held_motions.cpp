@@ -111,7 +111,7 @@ std::size_t HeldMotions::robot_of(const std::optional<std::string>& name) const 
 
 /// `amount`: size of a step, rad or m; for continuous motion the share of the maximum speed.
 template <class Keys>
-protocol::JogMotion HeldMotions::wish_of(std::size_t i, const Keys& request, double amount, bool by) const {
+protocol::JogMotion HeldMotions::jog_motion_of(std::size_t i, const Keys& request, double amount, bool by) const {
   const CellRobot& robot = *cell_.setup.robots[i];
   const std::string mode = request.mode.value_or("joint");
   protocol::JogMotion out;
@@ -143,7 +143,7 @@ protocol::JogMotion HeldMotions::wish_of(std::size_t i, const Keys& request, dou
 
 protocol::JogMotion HeldMotions::step(const protocol::JogStep& request) const {
   const std::size_t robot = robot_of(request.robot);
-  protocol::JogMotion out = wish_of(robot, request, number_of(request.amount, "amount", 0, -10, 10), true);
+  protocol::JogMotion out = jog_motion_of(robot, request, number_of(request.amount, "amount", 0, -10, 10), true);
   out.by = true;
   out.speed = number_of(request.speed, "speed", 1, 0.001, 1);
   return out;
@@ -174,7 +174,7 @@ std::uint64_t HeldMotions::begin(const protocol::JogBegin& request) {
     advance(motion);
     return motion.number;
   }
-  protocol::JogMotion wish = wish_of(i, request, number_of(request.speed, "speed", 1, 0.001, 1), false);
+  protocol::JogMotion wish = jog_motion_of(i, request, number_of(request.speed, "speed", 1, 0.001, 1), false);
   wish.hold = kSilence;
   const jog::JogCommand command = jog_command(cell_, *cell_.setup.robots[i], wish);
   cell_.jogging.require_allowed(i);
@@ -248,10 +248,10 @@ void HeldMotions::take_plan(Motion& motion) {
   motion.command.wish.speed = motion.speed;
   if (motion.line) {
     const Pose tcp = robot.facts->chain.forward(end);
-    motion.command.wish.kind = jog::JogWish::Kind::tcp_target;
+    motion.command.wish.kind = jog::JogSetpoint::Kind::tcp_target;
     motion.command.wish.target = motion.goal.emplace<Pose>(Pose{tcp.position, normalized(tcp.rotation)});
   } else {
-    motion.command.wish.kind = jog::JogWish::Kind::joint_target;
+    motion.command.wish.kind = jog::JogSetpoint::Kind::joint_target;
     motion.command.wish.joints.fill(NAN);
     std::copy(end.begin(), end.end(), motion.command.wish.joints.begin());
     motion.goal = end;

@@ -72,7 +72,7 @@ class HeldMotions {
   Motion& add(std::size_t robot);
   Motion* find(std::uint64_t motion) const;
   template <class Keys>
-  protocol::JogMotion wish_of(std::size_t robot, const Keys& request, double amount, bool by) const;
+  protocol::JogMotion jog_motion_of(std::size_t robot, const Keys& request, double amount, bool by) const;
   void drive(Motion& motion, const protocol::JogBegin& request);
   void push(const Motion& motion, double share) const;
   void take_plan(Motion& motion);

@@ -19,7 +19,7 @@ using protocol::Map;
 
 namespace {
 
-using Kind = jog::JogWish::Kind;
+using Kind = jog::JogSetpoint::Kind;
 
 constexpr double kMostHold = 10;
 constexpr double kMostJogged = 1e6;       // a larger distance or speed is a mistake
@@ -217,7 +217,7 @@ std::uint32_t session_of(const std::optional<double>& given) {
 
 namespace {
 
-Pose wanted_pose(const JogOwners& cell, std::size_t i, const protocol::FollowTarget& request) {
+Pose desired_pose(const JogOwners& cell, std::size_t i, const protocol::FollowTarget& request) {
   const CellRobot& robot = *cell.setup.robots[i];
   const Map& map = *request.pose;
   const std::vector<std::string> known = {"position", "orientation", "rpy"};
@@ -293,7 +293,7 @@ JogCommand target_command(const JogOwners& cell, std::size_t i, const protocol::
     require_within_limits(cell, i, command.wish.joints);
   } else {
     command.wish.kind = Kind::tcp_target;
-    command.wish.target = wanted_pose(cell, i, request);
+    command.wish.target = desired_pose(cell, i, request);
   }
   return command;
 }

@@ -49,7 +49,7 @@ class DeadMan {
  public:
   void renew(Nanoseconds now, Nanoseconds hold) { renewed_ = now, hold_ = hold; }
   /// Sets the last renewal to `ago` before now, with a hold time of 0.
-  void let_go(Nanoseconds now, Nanoseconds ago) { renewed_ = now - ago, hold_ = 0; }
+  void release_now(Nanoseconds now, Nanoseconds ago) { renewed_ = now - ago, hold_ = 0; }
   /// True if the last renewal is older than `hold` plus `more`.
   bool expired(Nanoseconds now, Nanoseconds more = 0) const { return now - renewed_ > hold_ + more; }
 

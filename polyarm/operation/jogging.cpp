@@ -20,9 +20,9 @@ struct Jogging::Robot {
   std::vector<std::string> displaced;        // the usual controllers of the joints
   std::optional<ControllerSwitch> switching;       // to the jog controller, or back
   std::uint32_t session = 0, over = 0, stops = 0;  // over: the newest session that was ended
-  Nanoseconds first_asked = 0, asked = 0;          // while idle: when a client first and last asked to jog
+  Nanoseconds first_requested = 0, asked = 0;          // while idle: when a client first and last asked to jog
   DeadMan dead_man;
-  jog::JogWish target;  // last streamed target
+  jog::JogSetpoint target;  // last streamed target
   std::uint32_t target_session = 0;
   Nanoseconds targeted = 0;
 };
@@ -136,11 +136,11 @@ std::string Jogging::mover_of(std::size_t i) const {
 /// Waits for a robot that settles from its last motion, up to kSettling after the first request.
 bool Jogging::has_come_to_rest(Robot& robot) {
   const Nanoseconds now = machine_.now();
-  if (now - robot.asked > kAskedAgain) robot.first_asked = now;
+  if (now - robot.asked > kAskedAgain) robot.first_requested = now;
   robot.asked = now;
   const std::string mover = mover_of(robot.index);
   if (mover.empty()) return true;
-  if (now - robot.first_asked > kSettling)
+  if (now - robot.first_requested > kSettling)
     throw Error(problem_of_moving(setup_.robots[robot.index]->entry.name, mover));
   return false;
 }
@@ -200,7 +200,7 @@ void Jogging::begin_switch(Robot& robot) {
         std::find(robot.displaced.begin(), robot.displaced.end(), holder) == robot.displaced.end())
       robot.displaced.push_back(holder);
   }
-  robot.dead_man.let_go(machine_.now(), 0);
+  robot.dead_man.release_now(machine_.now(), 0);
   robot.switching.emplace(
       machine_, control::SwitchRequest{{robot.name}, robot.displaced, control::Strictness::automatic});
   take(robot, JogChange::asked);
@@ -281,12 +281,12 @@ void Jogging::send(std::size_t i, std::uint32_t session, jog::JogCommand command
   if (jog::JogController* const jog = controller(robot)) jog->send(command);
 }
 
-void Jogging::estimate(std::size_t i, std::uint32_t session, jog::JogWish& wish) {
+void Jogging::estimate(std::size_t i, std::uint32_t session, jog::JogSetpoint& wish) {
   Robot& robot = *robots_[i];
   const double dt = seconds(machine_.now() - robot.targeted);
-  const bool goes_on = session != 0 && session == robot.session && robot.target.kind == wish.kind &&
+  const bool keeps_going = session != 0 && session == robot.session && robot.target.kind == wish.kind &&
                        robot.target_session != 0 && dt < kTogether;
-  if (goes_on && dt < 1e-3) {  // too close to the previous target for an estimate
+  if (keeps_going && dt < 1e-3) {  // too close to the previous target for an estimate
     wish.joint_speed = robot.target.joint_speed;
     wish.twist = robot.target.twist;
     robot.target = wish;
@@ -294,13 +294,13 @@ void Jogging::estimate(std::size_t i, std::uint32_t session, jog::JogWish& wish)
   }
   const auto blend = [&](double old, double change) { return old + kNewest * (change / dt - old); };
   const auto& joints = setup_.robots[i]->joints;
-  for (std::size_t j = 0; goes_on && j < joints.size() && j < wish.joints.size(); ++j) {
+  for (std::size_t j = 0; keeps_going && j < joints.size() && j < wish.joints.size(); ++j) {
     const double change = wish.joints[j] - robot.target.joints[j], old = robot.target.joint_speed[j];
     const bool jumped = std::abs(change) > kJumpOfJoint * joints[j].velocity * dt;
     const double v = jumped ? old : blend(old, change);
     wish.joint_speed[j] = std::isfinite(v) ? v : 0;
   }
-  if (goes_on && wish.kind == jog::JogWish::Kind::tcp_target) {
+  if (keeps_going && wish.kind == jog::JogSetpoint::Kind::tcp_target) {
     const Pose &now = wish.target, &before = robot.target.target;
     const Vec3 d = now.position - before.position,
                r = to_rotation_vector(now.rotation * inverse(before.rotation));
@@ -310,13 +310,13 @@ void Jogging::estimate(std::size_t i, std::uint32_t session, jog::JogWish& wish)
       wish.twist[k] = jumped ? robot.target.twist[k] : blend(robot.target.twist[k], change[k]);
   }
   robot.target = wish;
-  robot.target_session = goes_on ? session : 1;
+  robot.target_session = keeps_going ? session : 1;
   robot.targeted = machine_.now();
 }
 
 Pose Jogging::last_target(std::size_t i, std::uint32_t session) const {
   const Robot& r = robot(i);
-  if (session != 0 && session == r.session && r.target.kind == jog::JogWish::Kind::tcp_target)
+  if (session != 0 && session == r.session && r.target.kind == jog::JogSetpoint::Kind::tcp_target)
     return r.target.target;
   return has_joints(r.state) ? status(i).tcp : motions_.tcp(i);
 }
@@ -324,9 +324,9 @@ Pose Jogging::last_target(std::size_t i, std::uint32_t session) const {
 void Jogging::end(std::size_t i, std::uint32_t session) {
   Robot& robot = *robots_[i];
   if (session != 0 && session != robot.session) return;
-  if (jog::JogController* const jog = controller(robot)) jog->let_go(robot.session);
+  if (jog::JogController* const jog = controller(robot)) jog->release_now(robot.session);
   robot.over = robot.session;
-  robot.dead_man.let_go(machine_.now(), kLinger);
+  robot.dead_man.release_now(machine_.now(), kLinger);
 }
 
 void Jogging::end_all() {

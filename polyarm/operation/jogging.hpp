@@ -51,7 +51,7 @@ class Jogging {
   /// command.
   void send(std::size_t robot, std::uint32_t session, jog::JogCommand command);
   /// Estimates the velocity of a streamed target from earlier targets of the same session.
-  void estimate(std::size_t robot, std::uint32_t session, jog::JogWish& wish);
+  void estimate(std::size_t robot, std::uint32_t session, jog::JogSetpoint& wish);
   /// The last pose that the session streamed; otherwise the TCP's present pose.
   Pose last_target(std::size_t robot, std::uint32_t session) const;
   /// Ends the session; 0 ends every session of the robot.

@@ -20,7 +20,7 @@ std::string falls(const CellSetup& setup, const ContactReport& contact) {
   if (setup.options.allow_contact) return {};
   for (const auto& robot : setup.robots)
     if (belongs(contact.a, robot->entry.name) || belongs(contact.b, robot->entry.name))
-      if (std::string why = why_it_falls(*robot); !why.empty()) return why;
+      if (std::string why = why_it_sags(*robot); !why.empty()) return why;
   return {};
 }
 }  // namespace

@@ -13,16 +13,16 @@ namespace polyarm::cell {
 
 namespace {
 /// Cell time without any possible progress after which a run counts as a deadlock.
-constexpr Nanoseconds kDeadlockPatience = 2'000'000'000;
+constexpr Nanoseconds kDeadlockTimeout = 2'000'000'000;
 /// Time for released parts to come to rest after the program has ended.
-constexpr Nanoseconds kSettlePatience = 2'000'000'000;
+constexpr Nanoseconds kSettleTimeout = 2'000'000'000;
 /// A cell that only sends messages ends when nothing has moved for this time.
 constexpr Nanoseconds kSendSettle = 500'000'000;
 /// Tick period; and the duration after which a wait is checked, once.
 constexpr Nanoseconds kTick = 2'000'000, kLongWait = 3'000'000'000;
-/// A program that neither waits nor moves gets a warning after kBusyPatience. After kEndlessPatience, if
+/// A program that neither waits nor moves gets a warning after kBusyTimeout. After kEndlessTimeout, if
 /// nothing that it reads changes, the run fails with "endless-loop".
-constexpr Nanoseconds kBusyPatience = 1'000'000'000, kEndlessPatience = 30'000'000'000;
+constexpr Nanoseconds kBusyTimeout = 1'000'000'000, kEndlessTimeout = 30'000'000'000;
 }  // namespace
 
 void LifeCycle::fail(Problem problem) {
@@ -188,11 +188,11 @@ void Watches::report_group_fault(std::size_t i) {
 void Watches::watch_groups() {
   const control::Snapshot& snapshot = cell_.machine.snapshot();
   const hardware::Hardware& hardware = cell_.machine.hardware();
-  fallen_seen_.resize(snapshot.fallen.size());
+  failed_seen_.resize(snapshot.fallen.size());
   std::string reported;  // components that failed together are reported once
   for (std::size_t i = 0; i < snapshot.fallen.size(); ++i) {
     const control::StopCause cause = snapshot.fallen[i];
-    const bool news = std::exchange(fallen_seen_[i], cause) == control::StopCause::none &&
+    const bool news = std::exchange(failed_seen_[i], cause) == control::StopCause::none &&
                       cause != control::StopCause::none;
     if (!news || !hardware.contained(i) || snapshot.state == control::RunState::fault) continue;
     if (std::exchange(reported, hardware.group(i)) == hardware.group(i)) continue;
@@ -214,7 +214,7 @@ Problem problem_of_busy(const Task& task) {
 
 /// True if the task loops endlessly or each of its tasks waits for something that time does not bring.
 bool Watches::is_stuck(const Task* task) const {
-  return !task || task->ended() || is_busy_for(task, cell_.machine.now(), kEndlessPatience) ||
+  return !task || task->ended() || is_busy_for(task, cell_.machine.now(), kEndlessTimeout) ||
          task->interpreter().waits_for_others();
 }
 
@@ -248,7 +248,7 @@ void Watches::warn_of_busy_tasks() {
   if (cell_.machine.snapshot().state != control::RunState::running) return;  // a held program takes no steps
   const Nanoseconds now = cell_.machine.now();
   for (const Task* task : {cell_.programs.program(), cell_.programs.plc()})
-    if (is_busy_for(task, now, kBusyPatience) && reported_warnings_.insert("busy " + task->name()).second)
+    if (is_busy_for(task, now, kBusyTimeout) && reported_warnings_.insert("busy " + task->name()).second)
       cell_.observer.on_problem(now, problem_of_busy(*task));
 }
 
@@ -259,7 +259,7 @@ void Watches::watch_for_deadlock() {
   const bool quiet = is_quiet();
   quiet_version_ = cell_.data.store.version();
   if (!quiet) quiet_since_ = now;
-  if (now - quiet_since_ >= kDeadlockPatience) fail_for_deadlock();
+  if (now - quiet_since_ >= kDeadlockTimeout) fail_for_deadlock();
 }
 
 void Watches::fail_for_deadlock() {
@@ -314,14 +314,14 @@ void Watches::watch_end() {
   if (only_sends) {  // the messages were executed
     if (!snapshot.standing) ended_at_ = now;
     const bool settled = ended_at_ >= 0 && snapshot.standing && now - ended_at_ > kSendSettle;
-    const bool nothing_moved = now - cell_.arming.armed_at() > kSettlePatience && ended_at_ < 0;
+    const bool nothing_moved = now - cell_.arming.armed_at() > kSettleTimeout && ended_at_ < 0;
     cell_.life.set_finished(settled || nothing_moved);
     return;
   }
   if (!program || !program->ended()) return;
   if (ended_at_ < 0) ended_at_ = now;
   const bool settled = !cell_.parts.anything_moving() && snapshot.standing;
-  cell_.life.set_finished((settled || now - ended_at_ > kSettlePatience) && cell_.data.outputs_settled(now));
+  cell_.life.set_finished((settled || now - ended_at_ > kSettleTimeout) && cell_.data.outputs_settled(now));
 }
 
 }  // namespace polyarm::cell

@@ -31,8 +31,8 @@ class LifeCycle {
   bool finished() const { return finished_; }
   void set_finished(bool finished) { finished_ = finished; }
   /// Requests that the runner ends this run and rebuilds the cell.
-  void ask_restart(RestartWish wish) { restart_ = std::move(wish); }
-  const std::optional<RestartWish>& restart() const { return restart_; }
+  void request_restart(RestartRequest wish) { restart_ = std::move(wish); }
+  const std::optional<RestartRequest>& restart() const { return restart_; }
 
  private:
   Machine& machine_;
@@ -40,7 +40,7 @@ class LifeCycle {
   Observer& observer_;
   std::optional<Failure> failure_;
   bool finished_ = false;
-  std::optional<RestartWish> restart_;
+  std::optional<RestartRequest> restart_;
 };
 
 /// True if faults and stops of this run are recovered externally, by people or programs.
@@ -116,7 +116,7 @@ class Watches {
   HeldPlace held_place_;
   std::vector<StopReport> stops_;
   FaultRecorder recorder_;
-  std::vector<control::StopCause> fallen_seen_;  // by component
+  std::vector<control::StopCause> failed_seen_;  // by component
   std::vector<Problem> group_faults_;
   bool in_fault_ = false, started_ = false;
   int contacts_max_ = 0;

@@ -22,7 +22,7 @@ constexpr int kTries = 60;
 bool equal(const Vec3& a, const Vec3& b) {
   return norm(a - b) <= kEqual * (1 + norm(a) + norm(b));
 }
-bool goes_on(const PoseDerivatives& a, const PoseDerivatives& b) {
+bool keeps_going(const PoseDerivatives& a, const PoseDerivatives& b) {
   return equal(a.linear[0], b.linear[0]) && equal(a.linear[1], b.linear[1]) &&
          equal(a.angular[0], b.angular[0]) && equal(a.angular[1], b.angular[1]);
 }
@@ -52,7 +52,7 @@ class CartesianPathBuilder::Assembly {
 
  private:
   bool passes(std::size_t i) const {
-    return goes_on(segments_[i].at(segments_[i].length), segments_[i + 1].at(0));
+    return keeps_going(segments_[i].at(segments_[i].length), segments_[i + 1].at(0));
   }
   PosePiece corner(std::size_t i, double d) const {
     return joining_piece(segments_[i].at(segments_[i].length - d), segments_[i + 1].at(d),

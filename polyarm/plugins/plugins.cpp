@@ -217,7 +217,7 @@ void load_approved_in(const fs::path& folder) {
   for (const fs::path& file : libraries_in(folder)) load_approved(file);
 }
 
-Library look_at_file(const fs::path& file) {
+Library check_file(const fs::path& file) {
   std::string bytes;
   Library out = judged_by_hash(file, bytes);
   out.approved = out.approved || in_development(file);
@@ -229,7 +229,7 @@ std::vector<Library> look_at(const fs::path& folder) {
   for (const fs::path& file : libraries_in(folder)) {
     Problems ignored;
     Library library{file, {}, 0, false};
-    collect(ignored, [&] { library = look_at_file(file); });
+    collect(ignored, [&] { library = check_file(file); });
     out.push_back(std::move(library));
   }
   return out;

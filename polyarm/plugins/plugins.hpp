@@ -50,7 +50,7 @@ void load_folder(const std::filesystem::path& folder);
 void load_approved_in(const std::filesystem::path& folder);
 /// Reads and hashes the libraries of the folder; loads nothing.
 std::vector<Library> look_at(const std::filesystem::path& folder);
-Library look_at_file(const std::filesystem::path& file);
+Library check_file(const std::filesystem::path& file);
 /// The `*.so` of the folder that this process has neither loaded nor refused; loads nothing.
 std::vector<std::filesystem::path> not_loaded_in(const std::filesystem::path& folder);
 /// The default folders: those of POLYARM_PLUGINS (separated by ':'), then `lib/polyarm/plugins` of the

@@ -71,31 +71,31 @@ std::span<std::byte> Channel::ring_bytes(int index) const {
 Channel::Channel(ChannelLimits limits)
     : limits_{limits},
       memory_{kMemory},
-      own_bell_{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)},
-      other_bell_{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)},
+      own_wakeup_{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)},
+      other_wakeup_{::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)},
       parent_{true},
       reader_{shared().to_parent, ring_bytes(1)},
       writer_{shared().to_child, ring_bytes(0)} {
-  if (own_bell_.number() < 0 || other_bell_.number() < 0) refuse("no bell between two processes can be made");
+  if (own_wakeup_.number() < 0 || other_wakeup_.number() < 0) refuse("no bell between two processes can be made");
 }
 
 Channel::Channel(Inherited inherited, ChannelLimits limits)
     : limits_{limits},
       memory_{Descriptor(inherited.memory), kMemory},
-      own_bell_{inherited.own_bell},
-      other_bell_{inherited.other_bell},
+      own_wakeup_{inherited.own_wakeup},
+      other_wakeup_{inherited.other_wakeup},
       parent_{false},
       reader_{shared().to_child, ring_bytes(0)},
       writer_{shared().to_parent, ring_bytes(1)} {}
 
 std::array<int, 3> Channel::of_child() const {
-  return {memory_.descriptor(), other_bell_.number(), own_bell_.number()};
+  return {memory_.descriptor(), other_wakeup_.number(), own_wakeup_.number()};
 }
 
 /// A bell with a full counter is already ringing.
 void Channel::ring_other() const {
   const std::uint64_t once = 1;
-  if (::write(other_bell_.number(), &once, sizeof once) < 0) errno = 0;
+  if (::write(other_wakeup_.number(), &once, sizeof once) < 0) errno = 0;
 }
 
 bool Channel::push(std::span<const std::byte> message, std::size_t& sent) {
@@ -188,11 +188,11 @@ bool Channel::may_sleep() {
 void Channel::woken() {
   (parent_ ? shared().to_parent : shared().to_child).asleep.store(0, std::memory_order_relaxed);
   std::uint64_t times = 0;
-  if (::read(own_bell_.number(), &times, sizeof times) < 0) errno = 0;
+  if (::read(own_wakeup_.number(), &times, sizeof times) < 0) errno = 0;
 }
 
 void Channel::wait(int most_ms) {
-  pollfd bell{own_bell_.number(), POLLIN, 0};
+  pollfd bell{own_wakeup_.number(), POLLIN, 0};
   if (may_sleep() && ::poll(&bell, 1, most_ms) < 0) errno = 0;
   woken();
 }

@@ -47,7 +47,7 @@ struct ChannelLimits {
 };
 
 /// The descriptors of the child's end.
-inline constexpr int kMemoryOfChild = 3, kBellOfChild = 4, kBellOfParent = 5;
+inline constexpr int kMemoryOfChild = 3, kWakeupOfChild = 4, kWakeupOfParent = 5;
 
 class Channel {
  public:
@@ -55,7 +55,7 @@ class Channel {
   explicit Channel(ChannelLimits limits = {});
   /// Descriptor numbers. The channel closes them in its destructor.
   struct Inherited {
-    int memory = kMemoryOfChild, own_bell = kBellOfChild, other_bell = kBellOfParent;
+    int memory = kMemoryOfChild, own_wakeup = kWakeupOfChild, other_wakeup = kWakeupOfParent;
   };
   /// The child's end. Throws Error("no-process").
   explicit Channel(Inherited inherited, ChannelLimits limits = {});
@@ -73,7 +73,7 @@ class Channel {
   bool may_sleep();
   /// Same thread. Call it after the sleep.
   void woken();
-  int bell() const { return own_bell_.number(); }
+  int bell() const { return own_wakeup_.number(); }
   /// Sleeps at most `most_ms`; returns at once if there is something to do.
   void wait(int most_ms);
 
@@ -102,7 +102,7 @@ class Channel {
 
   const ChannelLimits limits_;
   SharedMemory memory_;
-  Descriptor own_bell_, other_bell_;
+  Descriptor own_wakeup_, other_wakeup_;
   const bool parent_;
   RingReader reader_;
   std::vector<std::byte> partial_;

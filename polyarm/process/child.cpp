@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 
 /// Descriptors are first copied to numbers from 64 up, away from those that the child expects.
 constexpr int kOutOfTheWay = 64, kFirstHanded = 3;
-constexpr std::size_t kMostWords = 1000, kMostTold = 300;
+constexpr std::size_t kMostWords = 1000, kMostReported = 300;
 
 std::vector<fs::path> folders() {
   return installation::program_folders(reinterpret_cast<const void*>(&find_program));
@@ -149,7 +149,7 @@ namespace {
 std::string last_line(std::string words) {
   while (!words.empty() && words.back() == '\n') words.pop_back();
   words.erase(0, words.rfind('\n') + 1);
-  if (words.size() > kMostTold) words = "..." + words.substr(words.size() - kMostTold);
+  if (words.size() > kMostReported) words = "..." + words.substr(words.size() - kMostReported);
   return printable_line(words);
 }
 }  // namespace

@@ -91,7 +91,7 @@ class BlendCheck {
     return blend;
   }
 
-  static bool goes_on(const Statement& s) {
+  static bool keeps_going(const Statement& s) {
     return s.kind == Kind::let || s.kind == Kind::set || s.kind == Kind::log || s.kind == Kind::use ||
            s.kind == Kind::function || s.kind == Kind::task || s.kind == Kind::when || s.kind == Kind::trap || s.kind == Kind::every ||
            s.kind == Kind::on_stop;
@@ -109,7 +109,7 @@ class BlendCheck {
                        "write `exact` here, or move that line");
         return;
       }
-      if (!goes_on(next)) return;
+      if (!keeps_going(next)) return;
     }
     if (last_of_all)
       scope_.warning("no-blend", blend.place, "this blend cannot happen: no move follows it",

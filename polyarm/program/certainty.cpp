@@ -33,7 +33,7 @@ Certainty::Certainty(const Program& program, std::set<std::string> open)
     : program_{program}, open_{std::move(open)} {
   collect(program_.statements, nullptr);
   find_moving_functions();
-  do look_at_everything();
+  do check_everything();
   while (changed_);
 }
 
@@ -59,15 +59,15 @@ void Certainty::find_moving_functions() {
 }
 
 /// One pass over the program. An open name may make earlier lines open, so the pass is repeated.
-void Certainty::look_at_everything() {
+void Certainty::check_everything() {
   changed_ = false;
   conditions_known_ = true;
   open_blocks_.clear();
   block(program_.statements, false);
-  for (const auto& [name, function] : functions_) look_at_function(*function);
+  for (const auto& [name, function] : functions_) check_function(*function);
 }
 
-void Certainty::look_at_function(const Statement& function) {
+void Certainty::check_function(const Statement& function) {
   inside_ = &function;
   std::set<std::string> made;
   for (const Parameter& parameter : function.parameters) {
@@ -91,7 +91,7 @@ void Certainty::block(const Block& statements, bool open, std::set<std::string> 
 }
 
 void Certainty::statement(const Statement& s) {
-  if (s.kind == Kind::function) return;  // look_at_function()
+  if (s.kind == Kind::function) return;  // check_function()
   for_each_expression(s, [&](const Expression& e) { for_each_call(e, [&](const auto& c) { call(c); }); });
   for (const Clause& clause : s.clauses) {
     if (clause.kind == Clause::Kind::at) make_open(open_, first_part(clause.target));  // at any moment
@@ -279,7 +279,7 @@ void Certainty::enter(const Statement& function, const Statement& by) {
   open_.merge(open);
   do {
     changed_ = false;
-    look_at_function(function);
+    check_function(function);
   } while (changed_);
 }
 

@@ -53,10 +53,10 @@ class Certainty {
 
   void collect(const Block& statements, const Statement* function);
   void find_moving_functions();
-  void look_at_everything();
+  void check_everything();
   /// Enters a function as called by `by`.
   void enter(const Statement& function, const Statement& by);
-  void look_at_function(const Statement& function);
+  void check_function(const Statement& function);
   void block(const Block& statements, bool open, std::set<std::string> made = {});
   void statement(const Statement& s);
   void branches(const Statement& s);

@@ -198,7 +198,7 @@ class Checker {
            s.kind == Statements::continue_loop || s.kind == Statements::return_value ||
            s.kind == Statements::raise;
   }
-  static bool stands_apart(const Statement& s) {
+  static bool is_separate(const Statement& s) {
     return s.kind == Statements::function || s.kind == Statements::task || s.kind == Statements::on_stop ||
            s.kind == Statements::test;
   }
@@ -207,7 +207,7 @@ class Checker {
     const std::size_t outer = scope_.variables.size();
     bool left = false, said = false;
     for (const Statement& s : statements) {
-      if (left && !said && !stands_apart(s)) {
+      if (left && !said && !is_separate(s)) {
         warning("unreachable", s.place, "this line is never reached");
         said = true;
       }

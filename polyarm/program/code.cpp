@@ -64,7 +64,7 @@ void Compiler::collect(const Block& top) {
 void Compiler::leave(const Depths& from, const Depths& to, Place place) {
   const bool names_alone = from.uses == to.uses && from.locks == to.locks && from.handlers == to.handlers;
   if (names_alone) {
-    if (from.locals > to.locals) add(Op::let_go, place, {.a = to.locals, .b = from.locals - to.locals});
+    if (from.locals > to.locals) add(Op::release_now, place, {.a = to.locals, .b = from.locals - to.locals});
     return;
   }
   code_.depths.push_back(to);
@@ -136,7 +136,7 @@ void Compiler::statement(const Statement& s, bool top) {
     case Kind::call: {
       const Temporaries inner(*this);
       const Operand result = push(*s.expression);
-      add(Op::let_go, s.place, {.a = index(result), .b = 1});
+      add(Op::release_now, s.place, {.a = index(result), .b = 1});
       return;
     }
     case Kind::hold:

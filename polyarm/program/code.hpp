@@ -75,7 +75,7 @@ enum class Op : std::uint8_t {
   append,       ///< a variable, b first, c count, d place of their list in the text
   call,         ///< a first argument and register of the result, b count, c function
   give,         ///< b result, c function
-  let_go,       ///< a first, b count: releases values that are no longer read
+  release_now,       ///< a first, b count: releases values that are no longer read
   // Other values.
   absent,    ///< a to: an omitted argument, or the result of a function without one
   host,      ///< a to, b text with the name; waits for queued motion unless it is a place

@@ -228,7 +228,7 @@ void CodeWriter::each(const Expression& e, Operand to) {
   }
   add(Op::for_again, e.place, {.a = slot, .b = counted ? 1 : 0, .d = next + 1});
   land(next);
-  add(Op::let_go, e.place, {.a = slot, .b = height() - slot});
+  add(Op::release_now, e.place, {.a = slot, .b = height() - slot});
   forget(outside);
   temporaries_ = kept;
   move_to(to, made, e.place);

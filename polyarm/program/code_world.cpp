@@ -38,7 +38,7 @@ void Compiler::move(const Statement& s) {
   }
   for (const Clause& clause : s.clauses)
     if (clause.kind == Clause::Kind::until)
-      look_until(Op::until, *clause.value, clause.has_else, clause.otherwise, s);
+      check_until(Op::until, *clause.value, clause.has_else, clause.otherwise, s);
 }
 
 void Compiler::use(const Statement& s) {
@@ -52,7 +52,7 @@ void Compiler::use(const Statement& s) {
 // Waits.
 
 /// Checks the condition repeatedly; `otherwise` is the block for the step's c.
-void Compiler::look_until(Op op, const Expression& condition, bool has_else, const Block& otherwise,
+void Compiler::check_until(Op op, const Expression& condition, bool has_else, const Block& otherwise,
                           const Statement& s) {
   const int start = here();
   const int what = reads(condition);
@@ -83,7 +83,7 @@ void Compiler::timeout(const Statement& s) {
 void Compiler::wait(const Statement& s, const Expression& condition) {
   add(Op::arrive, s.place);
   if (s.kind == Statement::Kind::wait) timeout(s);
-  look_until(Op::wait, condition, s.has_else, s.body, s);
+  check_until(Op::wait, condition, s.has_else, s.body, s);
 }
 
 void Compiler::wait_time(const Statement& s) {
@@ -95,7 +95,7 @@ void Compiler::wait_time(const Statement& s) {
 
 namespace {
 /// The values that decide whether `e` is true.
-void parts_told(const Expression& e, std::vector<const Expression*>& out) {
+void parts_reported(const Expression& e, std::vector<const Expression*>& out) {
   using Kinds = Expression::Kind;
   if (e.kind == Kinds::literal || e.kind == Kinds::record) return;
   const bool splits = e.kind == Kinds::unary || e.kind == Kinds::binary;
@@ -105,7 +105,7 @@ void parts_told(const Expression& e, std::vector<const Expression*>& out) {
     if (whole) {
       out.push_back(part.get());
     } else {
-      parts_told(*part, out);
+      parts_reported(*part, out);
     }
   }
 }
@@ -124,7 +124,7 @@ void Compiler::expect(const Statement& s) {
   const int skip = add(Op::jump, s.place);
   land(look);
   std::vector<const Expression*> parts;
-  parts_told(condition, parts);
+  parts_reported(condition, parts);
   std::vector<std::string> spellings;
   const int first = height();
   for (const Expression* part : parts) push(*part), spellings.push_back(spelled(*part));

@@ -13,9 +13,9 @@ int CodeWriter::here() const {
 
 int CodeWriter::add(Op op, Place place, Step operands) {
   constexpr int kMostSteps = 2000;
-  if (begins_) since_look_ = 0;
-  if (++since_look_ > kMostSteps) {
-    since_look_ = 0;
+  if (begins_) since_last_check_ = 0;
+  if (++since_last_check_ > kMostSteps) {
+    since_last_check_ = 0;
     add_step(Op::pace, place, {.begins = 1});
   }
   operands.begins = begins_ ? 1 : 0;

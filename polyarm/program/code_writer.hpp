@@ -157,7 +157,7 @@ class CodeWriter {
   std::unordered_map<std::string, int> text_at_;
   std::unordered_map<NumberKey, int, NumberHash> number_at_;
   std::uint16_t fields_ = 0;
-  int since_look_ = 0;  ///< number of steps since the last budget check
+  int since_last_check_ = 0;  ///< number of steps since the last budget check
   int temporaries_ = 0;
 };
 

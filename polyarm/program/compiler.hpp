@@ -52,7 +52,7 @@ class Compiler : private CodeWriter {
   void clause_value(const Clause& clause);
   void move(const Statement& s);
   void use(const Statement& s);
-  void look_until(Op op, const Expression& condition, bool has_else, const Block& otherwise,
+  void check_until(Op op, const Expression& condition, bool has_else, const Block& otherwise,
                   const Statement& s);
   void or_else(int step, bool has_else, const Block& otherwise, const Statement& s);
   void timeout(const Statement& s);

@@ -26,7 +26,7 @@ class ValueCheck {
 
   void run() {
     for (const Problem& problem : scope_.problems().list())
-      if (problem.severity == Severity::error) told_.insert({problem.where.file, problem.where.line});
+      if (problem.severity == Severity::error) announced_.insert({problem.where.file, problem.where.line});
     collect_names();
     block(program_.statements);
   }
@@ -182,7 +182,7 @@ class ValueCheck {
            s.kind == Statements::continue_loop || s.kind == Statements::return_value ||
            s.kind == Statements::raise;
   }
-  static bool stands_apart(const Statement& s) {
+  static bool is_separate(const Statement& s) {
     return s.kind == Statements::function || s.kind == Statements::task || s.kind == Statements::on_stop ||
            s.kind == Statements::test;
   }
@@ -190,7 +190,7 @@ class ValueCheck {
   void block(const Block& statements) {
     bool left = false;
     for (const Statement& s : statements) {
-      if (!left || stands_apart(s)) statement(s);
+      if (!left || is_separate(s)) statement(s);
       left = left || leaves(s);
     }
   }
@@ -292,7 +292,7 @@ class ValueCheck {
   /// Once for each line; lines with type errors are reported elsewhere.
   void report(Place place, const std::string& code, const std::string& what, const std::string& advice = {}) {
     const Location where = program_.at(place);
-    if (quiet_ > 0 || !told_.insert({where.file, where.line}).second) return;
+    if (quiet_ > 0 || !announced_.insert({where.file, where.line}).second) return;
     scope_.error(code, place, what, advice);
   }
 
@@ -300,7 +300,7 @@ class ValueCheck {
   Scope& scope_;
   std::map<std::string, const Statement*> lets_;
   std::map<std::string, Known> values_;
-  std::set<std::pair<std::string, int>> told_;  ///< lines with an error
+  std::set<std::pair<std::string, int>> announced_;  ///< lines with an error
   int quiet_ = 0;                               ///< above 0: nothing is reported
 };
 

@@ -174,9 +174,9 @@ struct PartThread {
   POLYARM_MEMBERS(PartThread, component, controller, rate_hz, own_clock, runs, late, missed, cost, wake_up,
                   period)
 };
-struct FallenComponent {
+struct FailedComponent {
   std::string component, cause, cause_code;
-  POLYARM_MEMBERS(FallenComponent, component, cause, cause_code)
+  POLYARM_MEMBERS(FailedComponent, component, cause, cause_code)
 };
 
 struct LoopHealth {
@@ -195,7 +195,7 @@ struct LoopHealth {
     OrNull<StopFacts> last_stop;
     std::vector<LoopPart> parts;
     std::vector<PartThread> threads;
-    std::vector<FallenComponent> fallen;
+    std::vector<FailedComponent> fallen;
     POLYARM_MEMBERS(Answer, state, cause, cause_code, standing, time_s, rate_hz, cycles, late, cost, wake_up,
                     period, clamps, override_percent, allowed_percent, last_stop, parts, threads, fallen)
   };

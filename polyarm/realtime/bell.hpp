@@ -36,7 +36,7 @@ class Bell {
 };
 
 /// Rings the bell that it is tied to, if any. Bells are shared because a thread may ring while a run ends.
-class BellRope {
+class WakeupHandle {
  public:
   /// Any thread; null: to none.
   void tie(std::shared_ptr<Bell> bell) {

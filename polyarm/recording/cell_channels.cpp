@@ -179,14 +179,14 @@ void CellChannels::add_tags() {
 
 template <class Message>
 void CellChannels::say(std::size_t channel, std::int64_t time, const Message& message,
-                       std::vector<std::byte>& room, const Tell& tell) const {
+                       std::vector<std::byte>& room, const WriteMessage& tell) const {
   ros::CdrWriter counter({});
   write(counter, message);
   room.resize(std::max(room.size(), counter.size()));
   tell(channel, time, std::span(room).first(ros::to_cdr(message, room)));
 }
 
-void CellChannels::tell_latched(Nanoseconds time, const Tell& tell) const {
+void CellChannels::record_latched(Nanoseconds time, const WriteMessage& tell) const {
   std::vector<std::byte> room;
   const std::int64_t at = time + offset_;
   ros::tf2_msgs::msg::TFMessage fixed = state_.fixed_frames();
@@ -197,8 +197,8 @@ void CellChannels::tell_latched(Nanoseconds time, const Tell& tell) const {
         ros::std_msgs::msg::String{description::write_plain_urdf(cell_.robots()[i]->model)}, room, tell);
 }
 
-void CellChannels::tell_sample(const control::TappedCycle& cycle, std::span<const double> states,
-                               std::span<const double> commands, const Tell& tell) {
+void CellChannels::record_sample(const control::TappedCycle& cycle, std::span<const double> states,
+                               std::span<const double> commands, const WriteMessage& tell) {
   const std::int64_t time = cycle.time + offset_;
   say(joints_, time, state_.joint_states(states, time), sample_room_, tell);
   commands_.header.stamp = stamp_of(time);
@@ -225,10 +225,10 @@ void CellChannels::tell_sample(const control::TappedCycle& cycle, std::span<cons
                  {pose.rotation.x, pose.rotation.y, pose.rotation.z, pose.rotation.w}};
     say(tcps_[i], time, tcp_, sample_room_, tell);
   }
-  tell_loop(cycle, time, tell);
+  report_loop(cycle, time, tell);
 }
 
-void CellChannels::tell_loop(const control::TappedCycle& cycle, std::int64_t time, const Tell& tell) {
+void CellChannels::report_loop(const control::TappedCycle& cycle, std::int64_t time, const WriteMessage& tell) {
   std::array<char, 400> text;
   const bool none = cycle.cause == control::StopCause::none;
   auto end = fmt::format_to_n(text.data(), text.size(),
@@ -243,7 +243,7 @@ void CellChannels::tell_loop(const control::TappedCycle& cycle, std::int64_t tim
   tell(loop_, time, std::as_bytes(std::span(text.data(), static_cast<std::size_t>(end.out - text.data()))));
 }
 
-void CellChannels::tell_interfaces(Nanoseconds time, std::span<const double> states, const Tell& tell) {
+void CellChannels::record_interfaces(Nanoseconds time, std::span<const double> states, const WriteMessage& tell) {
   dynamic_.header.stamp = stamp_of(time + offset_);
   for (std::size_t i = 0; i < dynamic_states_.size(); ++i)
     for (std::size_t k = 0; k < dynamic_states_[i].size(); ++k)
@@ -251,7 +251,7 @@ void CellChannels::tell_interfaces(Nanoseconds time, std::span<const double> sta
   say(interfaces_, time + offset_, dynamic_, sample_room_, tell);
 }
 
-void CellChannels::say_tag(const Tag& tag, const data::Value& value, std::int64_t time, const Tell& tell) {
+void CellChannels::print_tag(const Tag& tag, const data::Value& value, std::int64_t time, const WriteMessage& tell) {
   const std::string& schema = list_[tag.channel].schema_name;
   if (schema.ends_with("Bool"))
     say(tag.channel, time, ros::std_msgs::msg::Bool{value.as_boolean() && *value.as_boolean()}, event_room_,
@@ -265,15 +265,15 @@ void CellChannels::say_tag(const Tag& tag, const data::Value& value, std::int64_
         event_room_, tell);
 }
 
-void CellChannels::tell_tags(Nanoseconds time, bool all, const Tell& tell) {
+void CellChannels::report_tags(Nanoseconds time, bool all, const WriteMessage& tell) {
   const std::int64_t at = time + offset_;
   for (Tag& tag : tags_) {
     const data::Value* value = cell_.store().find(tag.name);
     if (!value) continue;
     const bool changed = !tag.told || *tag.told != *value;
     if (!changed && !all) continue;
-    if (changed && tag.told) say_tag(tag, *tag.told, at - kStep, tell);
-    say_tag(tag, *value, at, tell);
+    if (changed && tag.told) print_tag(tag, *tag.told, at - kStep, tell);
+    print_tag(tag, *value, at, tell);
     if (changed) tag.told = *value;
   }
 }
@@ -286,14 +286,14 @@ bool same_place(const Pose& a, const Pose& b) {
 }
 }  // namespace
 
-void CellChannels::tell_parts(Nanoseconds time, bool all, const Tell& tell) {
+void CellChannels::record_parts(Nanoseconds time, bool all, const WriteMessage& tell) {
   constexpr Nanoseconds kEvery = 20'000'000;
   if (!all && parts_at_ >= 0 && time - parts_at_ < kEvery) return;
   const auto& parts = cell_.snapshot().world.parts;
-  parts_told_.resize(parts.size());
+  parts_reported_.resize(parts.size());
   parts_.transforms.clear();
   for (std::size_t i = 0; i < parts.size() && i < cell_.scene().parts.size(); ++i) {
-    std::optional<Pose>& told = parts_told_[i];
+    std::optional<Pose>& told = parts_reported_[i];
     if (!parts[i].in_world) {
       told.reset();
       continue;
@@ -312,7 +312,7 @@ void CellChannels::tell_parts(Nanoseconds time, bool all, const Tell& tell) {
   say(moving_, time + offset_, parts_, event_room_, tell);
 }
 
-void CellChannels::tell_bases(Nanoseconds time, const Tell& tell) {
+void CellChannels::record_bases(Nanoseconds time, const WriteMessage& tell) {
   constexpr Nanoseconds kEvery = 20'000'000;
   if (bases_at_ >= 0 && time - bases_at_ < kEvery) return;
   const bool several = cell_.robots().size() > 1;
@@ -335,8 +335,8 @@ void CellChannels::tell_bases(Nanoseconds time, const Tell& tell) {
   say(moving_, time + offset_, bases_, event_room_, tell);
 }
 
-void CellChannels::tell_log(Nanoseconds time, LogLevel level, const std::string& who, const std::string& text,
-                            const Location& where, const Tell& tell) {
+void CellChannels::record_log(Nanoseconds time, LogLevel level, const std::string& who, const std::string& text,
+                            const Location& where, const WriteMessage& tell) {
   ros::rcl_interfaces::msg::Log log;
   log.stamp = stamp_of(time + offset_);
   log.level = static_cast<std::uint8_t>(level);
@@ -347,15 +347,15 @@ void CellChannels::tell_log(Nanoseconds time, LogLevel level, const std::string&
   say(log_, time + offset_, log, event_room_, tell);
 }
 
-void CellChannels::tell_line(Nanoseconds time, const std::string& task, const Location& where,
-                             const std::string& source, const Tell& tell) {
+void CellChannels::record_line(Nanoseconds time, const std::string& task, const Location& where,
+                             const std::string& source, const WriteMessage& tell) {
   const std::string text =
       Json{{"task", task}, {"file", where.file}, {"line", where.line}, {"source", source}}.dump(
           -1, ' ', false, Json::error_handler_t::replace);
   tell(line_, time + offset_, std::as_bytes(std::span(text.data(), text.size())));
 }
 
-void CellChannels::tell_health(Nanoseconds time, const Tell& tell) {
+void CellChannels::record_health(Nanoseconds time, const WriteMessage& tell) {
   using Status = ros::diagnostic_msgs::msg::DiagnosticStatus;
   const control::Snapshot& seen = cell_.snapshot();
   const control::Health& health = cell_.health();

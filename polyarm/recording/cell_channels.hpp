@@ -18,13 +18,13 @@
 namespace polyarm::recording {
 
 /// Receives a message of a channel, at `time` (ROS time, ns). The payload is valid only during the call.
-using Tell = std::function<void(std::size_t channel, std::int64_t time, std::span<const std::byte> payload)>;
+using WriteMessage = std::function<void(std::size_t channel, std::int64_t time, std::span<const std::byte> payload)>;
 
 /// Severity levels of /rosout (rcl_interfaces/Log).
 enum class LogLevel : std::uint8_t { debug = 10, info = 20, warn = 30, error = 40, fatal = 50 };
 
-/// The channels of one cell. Create it on the cell thread. Then one other thread may call `tell_latched`,
-/// `tell_sample` and `tell_interfaces`, while the cell thread calls the rest: the two groups share no data.
+/// The channels of one cell. Create it on the cell thread. Then one other thread may call `record_latched`,
+/// `record_sample` and `record_interfaces`, while the cell thread calls the rest: the two groups share no data.
 /// The cell must outlive it.
 ///
 /// Times passed in are cell times; times in messages are `offset` later.
@@ -38,28 +38,28 @@ class CellChannels {
   const std::vector<Channel>& list() const { return list_; }
 
   /// Sends the descriptions and the fixed frames.
-  void tell_latched(Nanoseconds time, const Tell& tell) const;
+  void record_latched(Nanoseconds time, const WriteMessage& tell) const;
   /// Sends the data of one cycle: measured joints, commands, frames, tool centre points and loop state.
-  void tell_sample(const control::TappedCycle& cycle, std::span<const double> states,
-                   std::span<const double> commands, const Tell& tell);
+  void record_sample(const control::TappedCycle& cycle, std::span<const double> states,
+                   std::span<const double> commands, const WriteMessage& tell);
   /// Sends all state interfaces.
-  void tell_interfaces(Nanoseconds time, std::span<const double> states, const Tell& tell);
+  void record_interfaces(Nanoseconds time, std::span<const double> states, const WriteMessage& tell);
   /// Sends tags that changed since the last call; with `all`, every tag. A change is sent as two messages, so
   /// that plots show a step.
-  void tell_tags(Nanoseconds time, bool all, const Tell& tell);
+  void report_tags(Nanoseconds time, bool all, const WriteMessage& tell);
   /// Sends parts that moved since the last call as frames part/NAME in the world; with `all`, every part that
   /// is in the world. At most 50 times per second.
-  void tell_parts(Nanoseconds time, bool all, const Tell& tell);
+  void record_parts(Nanoseconds time, bool all, const WriteMessage& tell);
   /// Sends the poses of mobile bases in the world, through their odometry frames. At most 50 times per
   /// second.
-  void tell_bases(Nanoseconds time, const Tell& tell);
-  void tell_log(Nanoseconds time, LogLevel level, const std::string& who, const std::string& text,
-                const Location& where, const Tell& tell);
+  void record_bases(Nanoseconds time, const WriteMessage& tell);
+  void record_log(Nanoseconds time, LogLevel level, const std::string& who, const std::string& text,
+                const Location& where, const WriteMessage& tell);
   /// A task has reached a line.
-  void tell_line(Nanoseconds time, const std::string& task, const Location& where, const std::string& source,
-                 const Tell& tell);
+  void record_line(Nanoseconds time, const std::string& task, const Location& where, const std::string& source,
+                 const WriteMessage& tell);
   /// Sends diagnostics of the control loop.
-  void tell_health(Nanoseconds time, const Tell& tell);
+  void record_health(Nanoseconds time, const WriteMessage& tell);
 
  private:
   struct Tag {
@@ -79,9 +79,9 @@ class CellChannels {
   std::size_t add_json(std::string topic, const char* name, const char* schema, const char* about);
   template <class Message>
   void say(std::size_t channel, std::int64_t time, const Message& message, std::vector<std::byte>& room,
-           const Tell& tell) const;
-  void say_tag(const Tag& tag, const data::Value& value, std::int64_t time, const Tell& tell);
-  void tell_loop(const control::TappedCycle& cycle, std::int64_t time, const Tell& tell);
+           const WriteMessage& tell) const;
+  void print_tag(const Tag& tag, const data::Value& value, std::int64_t time, const WriteMessage& tell);
+  void report_loop(const control::TappedCycle& cycle, std::int64_t time, const WriteMessage& tell);
 
   cell::CellView& cell_;
   std::int64_t offset_;
@@ -103,7 +103,7 @@ class CellChannels {
   std::vector<std::vector<std::size_t>> dynamic_states_;
   std::vector<Tag> tags_;
   messages::tf2_msgs::msg::TFMessage parts_;
-  std::vector<std::optional<Pose>> parts_told_;  ///< by part; nothing: not in the world
+  std::vector<std::optional<Pose>> parts_reported_;  ///< by part; nothing: not in the world
   Nanoseconds parts_at_ = -1;
   messages::tf2_msgs::msg::TFMessage bases_;
   Nanoseconds bases_at_ = -1;

@@ -49,7 +49,7 @@ class Session {
       : cell_(cell),
         lock_step_(cell.lock_step()),
         begin_(cell.now()),
-        told_all_(cell.now()),
+        reported_all_(cell.now()),
         rate_(rate),
         sink_(path),
         writer_(sink_, {"ros2", "polyarm " + version}),
@@ -68,7 +68,7 @@ class Session {
               {"loop_hz", format_number(cycles)},
               {"recorded_hz", format_number(rate_)},
               {"begin_s", format_number(seconds(begin_))}};
-    channels_.tell_tags(begin_, true, events());
+    channels_.report_tags(begin_, true, events());
     cell.tap(tap_.get());
     if (lock_step_)
       write_head();
@@ -87,7 +87,7 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   /// Queues messages of the cell thread.
-  Tell events() {
+  WriteMessage events() {
     return [this](std::size_t channel, std::int64_t time, std::span<const std::byte> payload) {
       const std::lock_guard lock(mutex_);
       if (waiting_bytes_ + payload.size() > kMostEvents) {
@@ -101,12 +101,12 @@ class Session {
   CellChannels& channels() { return channels_; }
 
   void tick(Nanoseconds now) {
-    const bool all = now - told_all_ >= kChunk;
-    if (all) told_all_ = now;
-    channels_.tell_tags(now, all, events());
-    channels_.tell_parts(now, all, events());
-    channels_.tell_bases(now, events());
-    if (all) channels_.tell_health(now, events());
+    const bool all = now - reported_all_ >= kChunk;
+    if (all) reported_all_ = now;
+    channels_.report_tags(now, all, events());
+    channels_.record_parts(now, all, events());
+    channels_.record_bases(now, events());
+    if (all) channels_.record_health(now, events());
     if (lock_step_) pass();
   }
 
@@ -142,7 +142,7 @@ class Session {
   /// Returned once.
   std::optional<std::string> take_problem() {
     const std::lock_guard lock(mutex_);
-    if (problem_.empty() || std::exchange(told_, true)) return std::nullopt;
+    if (problem_.empty() || std::exchange(announced_, true)) return std::nullopt;
     return problem_;
   }
 
@@ -190,8 +190,8 @@ class Session {
     for (const auto& robot : cell_.robots())
       writer_.attachment(robot->entry.name + ".urdf", "application/xml", time,
                          without_secrets(description::write_urdf(robot->model)));
-    channels_.tell_latched(begin_, into_file());
-    look_for_problem();
+    channels_.record_latched(begin_, into_file());
+    find_problem();
   }
 
   /// Writes everything received so far, ordered by time.
@@ -202,22 +202,22 @@ class Session {
       events.swap(waiting_);
       waiting_bytes_ = 0;
     }
-    const Tell tell = into_file();
+    const WriteMessage tell = into_file();
     const std::int64_t offset = channels_.offset();
     for (const control::TappedCycle* row; (row = tap_->front()) != nullptr; tap_->drop()) {
       for (; !events.empty() && events.front().time <= row->time + offset; events.pop_front())
         write(events.front().channel, events.front().time, events.front().payload);
-      channels_.tell_sample(*row, tap_->states(), tap_->commands(), tell);
+      channels_.record_sample(*row, tap_->states(), tap_->commands(), tell);
       if (row->time >= next_interfaces_) {
         next_interfaces_ = row->time + kInterfaces;
-        channels_.tell_interfaces(row->time, tap_->states(), tell);
+        channels_.record_interfaces(row->time, tap_->states(), tell);
       }
     }
     for (const Event& event : events) write(event.channel, event.time, event.payload);
     end_chunk_in_time();
   }
 
-  Tell into_file() {
+  WriteMessage into_file() {
     return [this](std::size_t channel, std::int64_t at, std::span<const std::byte> payload) {
       write(channel, at, payload);
     };
@@ -234,10 +234,10 @@ class Session {
       writer_.end_chunk();
     messages_.store(writer_.messages(), std::memory_order_relaxed);
     bytes_.store(writer_.bytes(), std::memory_order_relaxed);
-    look_for_problem();
+    find_problem();
   }
 
-  void look_for_problem() {
+  void find_problem() {
     if (!writer_.failed()) return;
     const std::lock_guard lock(mutex_);
     if (problem_.empty())
@@ -250,7 +250,7 @@ class Session {
     sink_.flush();
     messages_.store(writer_.messages(), std::memory_order_relaxed);
     bytes_.store(writer_.bytes(), std::memory_order_relaxed);
-    look_for_problem();
+    find_problem();
     ended_at_ = std::max(newest_ - channels_.offset(), begin_);
     closed_.store(true, std::memory_order_release);
   }
@@ -260,7 +260,7 @@ class Session {
   cell::CellView& cell_;
   const bool lock_step_;
   const Nanoseconds begin_;
-  Nanoseconds told_all_;
+  Nanoseconds reported_all_;
   double rate_;
   std::unique_ptr<control::CycleTap> tap_;
   std::shared_ptr<realtime::Job> untapped_;
@@ -278,7 +278,7 @@ class Session {
   std::condition_variable wake_;
   std::deque<Event> waiting_;
   std::size_t waiting_bytes_ = 0;
-  bool may_end_ = false, told_ = false;
+  bool may_end_ = false, announced_ = false;
   std::string problem_;
   std::atomic<std::uint64_t> messages_{0}, bytes_{0}, lost_{0};
   std::atomic<Nanoseconds> ended_at_{0};
@@ -351,7 +351,7 @@ class CellRecorder : public cell::Recorder, private cell::Observer {
   void log(Nanoseconds time, LogLevel level, const std::string& who, const std::string& text,
            const Location& where = {}) {
     if (session_ && !session_->closes())
-      session_->channels().tell_log(time, level, who, text, where, session_->events());
+      session_->channels().record_log(time, level, who, text, where, session_->events());
   }
 
   void on_note(const std::string& text) override {
@@ -360,7 +360,7 @@ class CellRecorder : public cell::Recorder, private cell::Observer {
   void on_line(Nanoseconds time, const std::string& task, const Location& where,
                const std::string& source) override {
     if (session_ && !session_->closes())
-      session_->channels().tell_line(time, task, where, source, session_->events());
+      session_->channels().record_line(time, task, where, source, session_->events());
   }
   void on_tag(Nanoseconds time, const std::string& name, const std::string& value,
               const std::string& who) override {

@@ -119,7 +119,7 @@ void FoxgloveServer::set_own_time(bool own) {
   options_.own_time = own;
 }
 
-void FoxgloveServer::tell_time(std::int64_t time) {
+void FoxgloveServer::report_time(std::int64_t time) {
   std::string body(1, kTime);
   put_number(body, static_cast<std::uint64_t>(time));
   const std::lock_guard lock(mutex_);
@@ -216,11 +216,11 @@ void FoxgloveClient::put_message(std::uint32_t subscription, std::string_view ti
       return each.subscription == std::int64_t{subscription};
     });
     if (old != waiting_.rend()) {
-      ++left_out_;
+      ++omitted_;
       waiting_bytes_ -= old->out.body->size();
       waiting_.erase(std::next(old).base());
     } else if (waiting_bytes_ >= kMostWaiting) {
-      ++left_out_;
+      ++omitted_;
       return;
     }
   }
@@ -254,7 +254,7 @@ std::optional<FoxgloveClient::Out> FoxgloveClient::next() {
 
 std::uint64_t FoxgloveClient::left_out() const {
   const std::lock_guard lock(server_.mutex_);
-  return left_out_;
+  return omitted_;
 }
 
 void FoxgloveClient::take_text(std::string_view text) {

@@ -59,7 +59,7 @@ class FoxgloveServer {
   /// Sets whether messages carry simulated time; applies to clients that connect later.
   void set_own_time(bool own);
   /// Sends the time to all clients, if it is simulated.
-  void tell_time(std::int64_t time);
+  void report_time(std::int64_t time);
   /// Sets the parameters, which clients can only read. Subscribers are notified.
   void set_parameters(std::map<std::string, nlohmann::json> parameters);
   /// Sets the source of assets; null: none.
@@ -164,7 +164,7 @@ class FoxgloveClient : public std::enable_shared_from_this<FoxgloveClient> {
   std::deque<AssetRequest> later_;
   std::deque<Waiting> waiting_;
   std::size_t waiting_bytes_ = 0;
-  std::uint64_t left_out_ = 0;
+  std::uint64_t omitted_ = 0;
 };
 
 }  // namespace polyarm::recording

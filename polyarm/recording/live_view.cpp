@@ -74,7 +74,7 @@ class LiveView::Work : public cell::Observer {
         [meshes = meshes_, worker = worker_](const std::string& uri, std::function<void(Asset)> reply) {
           worker->post([meshes, uri, reply = std::move(reply)] { reply(meshes->read(uri)); });
         });
-    channels_.tell_latched(cell.now(), tell());
+    channels_.record_latched(cell.now(), tell());
     cell_.add_observer(*this);
   }
   ~Work() override {
@@ -85,20 +85,20 @@ class LiveView::Work : public cell::Observer {
   }
 
   bool serve() {
-    given_ = std::exchange(told_, false);
+    given_ = std::exchange(announced_, false);
     if (server_.clients() == 0) return false;
     const Nanoseconds now = cell_.now();
-    const bool seldom = now - told_seldom_ >= kSeldom;
+    const bool seldom = now - reported_seldom_ >= kSeldom;
     if (seldom) {
-      told_seldom_ = now;
-      channels_.tell_health(now, tell());
-      server_.tell_time(now);
+      reported_seldom_ = now;
+      channels_.record_health(now, tell());
+      server_.report_time(now);
     }
-    channels_.tell_tags(now, seldom, tell());
-    channels_.tell_parts(now, seldom, tell());
-    channels_.tell_bases(now, tell());
-    if (now - told_at_ < kEvery) return given_;
-    told_at_ = now;
+    channels_.report_tags(now, seldom, tell());
+    channels_.record_parts(now, seldom, tell());
+    channels_.record_bases(now, tell());
+    if (now - reported_at_ < kEvery) return given_;
+    reported_at_ = now;
     const control::Snapshot& seen = cell_.snapshot();
     control::TappedCycle cycle;
     cycle.index = seen.cycle.index;
@@ -108,13 +108,13 @@ class LiveView::Work : public cell::Observer {
     cycle.state = seen.state;
     cycle.cause = seen.cause;
     cycle.standing = seen.standing;
-    channels_.tell_sample(cycle, seen.states, seen.commands, tell());
-    channels_.tell_interfaces(seen.cycle.time, seen.states, tell());
+    channels_.record_sample(cycle, seen.states, seen.commands, tell());
+    channels_.record_interfaces(seen.cycle.time, seen.states, tell());
     return given_;
   }
 
  private:
-  Tell tell() {
+  WriteMessage tell() {
     return [this](std::size_t channel, std::int64_t time, std::span<const std::byte> payload) {
       given_ = server_.publish(channel, time, payload) || given_;
     };
@@ -122,16 +122,16 @@ class LiveView::Work : public cell::Observer {
   void log(Nanoseconds time, LogLevel level, const std::string& who, const std::string& text,
            const Location& where = {}) {
     if (server_.clients() == 0) return;
-    channels_.tell_log(time, level, who, text, where, tell());
-    told_ = told_ || given_;
+    channels_.record_log(time, level, who, text, where, tell());
+    announced_ = announced_ || given_;
   }
 
   void on_note(const std::string& text) override { log(cell_.now(), LogLevel::info, "cell", text); }
   void on_line(Nanoseconds time, const std::string& task, const Location& where,
                const std::string& source) override {
     if (server_.clients() == 0) return;
-    channels_.tell_line(time, task, where, source, tell());
-    told_ = told_ || given_;
+    channels_.record_line(time, task, where, source, tell());
+    announced_ = announced_ || given_;
   }
   void on_log(Nanoseconds time, const std::string& task, const std::string& text) override {
     log(time, LogLevel::info, task, text);
@@ -150,8 +150,8 @@ class LiveView::Work : public cell::Observer {
   CellChannels channels_;
   std::shared_ptr<const Meshes> meshes_;
   std::shared_ptr<cell::Worker> worker_;
-  bool given_ = false, told_ = false;
-  Nanoseconds told_at_ = -kEvery, told_seldom_ = -kSeldom;
+  bool given_ = false, announced_ = false;
+  Nanoseconds reported_at_ = -kEvery, reported_seldom_ = -kSeldom;
 };
 
 LiveView::LiveView(cell::CellView& cell, FoxgloveServer& server)

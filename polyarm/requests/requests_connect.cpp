@@ -84,9 +84,9 @@ CellConnect::Answer cell_connect(const ConnectOwners& cell, const CellConnect& r
     throw Error("connected-already", answer.real ? "the cell drives its real hardware already"
                                                  : "the cell is simulated already");
   if (*request.real && why) throw *why;
-  RestartWish wish;
+  RestartRequest wish;
   wish.real = request.real;
-  cell.life.ask_restart(std::move(wish));
+  cell.life.request_restart(std::move(wish));
   answer.asked = *request.real ? "real" : "simulated";
   return answer;
 }

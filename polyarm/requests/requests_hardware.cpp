@@ -74,8 +74,8 @@ Poll<Done> follow(Machine& machine, std::size_t i, hardware::Step step) {
 
 /// Waits up to 1 s for a callback that another client started; after that the next step is refused.
 Poll<Done> wait_until_idle(Machine& machine, std::size_t i) {
-  constexpr Nanoseconds kPatience = 1'000'000'000;
-  return [&machine, i, until = machine.now() + kPatience] {
+  constexpr Nanoseconds kTimeout = 1'000'000'000;
+  return [&machine, i, until = machine.now() + kTimeout] {
     const bool over = !machine.hardware().pending(i) || machine.now() > until;
     return over ? Progress<Done>::done({}) : Progress<Done>{};
   };
@@ -267,7 +267,7 @@ Poll<HardwareRecover::Answer> hardware_recover(const HardwareOwners& cell, const
   cell.arming.require_armed(i);
   cell.machine.report_events();
   const std::string name = cell.machine.hardware().component_name(i);
-  const HardwareRecover::Answer answer{name, "", cell.machine.take_fallen(name),
+  const HardwareRecover::Answer answer{name, "", cell.machine.take_failed(name),
                                        cell.machine.snapshot().state == control::RunState::fault
                                            ? "control recover, then start its controllers and resume"
                                            : "start its controllers"};

@@ -120,8 +120,8 @@ Poll<ControlDiscard::Answer> control_discard(const StopOwners& cell, const Contr
   cell.motions.drop_bases();
   cell.watches.forget_pushes();
   return [cell, held, asked = cell.machine.now()] {
-    constexpr Nanoseconds kPatience = 500'000'000;
-    if (cell.motions.motion_left() && cell.machine.now() - asked < kPatience) return Discarded{};
+    constexpr Nanoseconds kTimeout = 500'000'000;
+    if (cell.motions.motion_left() && cell.machine.now() - asked < kTimeout) return Discarded{};
     cell.watches.forget_pushes();
     return Discarded::done(
         {"discard", held, "the robot can be jogged; polyarm control resume lets the cell continue"});
@@ -132,9 +132,9 @@ Poll<Asked> control_recover(const StopOwners& cell, const ControlRecover&) {
   if (const auto why = why_no_recover(cell.machine)) throw Error(*why);
   cell.machine.post(control::Request::recover);
   return [cell, asked = cell.machine.now()] {  // so a resume that follows finds the cell held
-    constexpr Nanoseconds kPatience = 100'000'000;
+    constexpr Nanoseconds kTimeout = 100'000'000;
     const bool waits =
-        cell.machine.snapshot().state == RunState::fault && cell.machine.now() - asked < kPatience;
+        cell.machine.snapshot().state == RunState::fault && cell.machine.now() - asked < kTimeout;
     return waits ? Progress<Asked>{} : Progress<Asked>::done({"recover"});
   };
 }

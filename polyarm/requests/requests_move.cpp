@@ -246,11 +246,11 @@ void throw_bad_end(const moves::RobotMotion& motion, UnderWay& moves) {
 Poll<MoveTo::Answer> follow_moves(const MoveOwners& cell, std::size_t i, std::vector<moves::Move> asked) {
   using Moved = Progress<MoveTo::Answer>;
   return [cell, i, asked = std::move(asked), moves = std::shared_ptr<UnderWay>(), stood = false,
-          asked_at = Nanoseconds{-1}, begun = Nanoseconds{0}, reported = Nanoseconds{0}]() mutable {
-    if (asked_at < 0) asked_at = cell.machine.now();
+          requested_at = Nanoseconds{-1}, begun = Nanoseconds{0}, reported = Nanoseconds{0}]() mutable {
+    if (requested_at < 0) requested_at = cell.machine.now();
     if (!moves) {  // a robot that was jogged is released first; moves begin where it is
       const bool free = !cell.jogging.engaged(i) && cell.machine.snapshot().standing;
-      if (!free && cell.machine.now() - asked_at > kJogPatience)
+      if (!free && cell.machine.now() - requested_at > kJogPatience)
         throw Error("jogged",
                     "'" + cell.setup.robots[i]->entry.name + "' is moved by hand or by another client now",
                     "wait until that has ended");

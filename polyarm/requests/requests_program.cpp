@@ -257,11 +257,11 @@ Poll<ProgramStatus> program_stop(const ProgramOwners& cell, const ProgramStop&) 
   require_running(cell, task);
   cell.programs.end();
   return [cell, asked = cell.machine.now()] {  // once its robots are at rest, its `on stop` runs
-    constexpr Nanoseconds kPatience = 2'000'000'000;
+    constexpr Nanoseconds kTimeout = 2'000'000'000;
     Task& ending = program_of(cell);
     const bool held = cell.machine.snapshot().state != control::RunState::running;
     if (held && !ending.ended()) ending.tick();  // a held cell does not tick it
-    const bool waits = !ending.ended() && cell.machine.now() - asked < kPatience;
+    const bool waits = !ending.ended() && cell.machine.now() - asked < kTimeout;
     return waits ? Stopped{}
                  : Stopped::done(
                        program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events}));

@@ -85,7 +85,7 @@ std::vector<LinkState> link_states(const TagOwners& cell) {
 }
 
 /// Parses the value of a request as the type that the name has.
-data::Value wanted_value(const data::Value& like, const Any& given) {
+data::Value desired_value(const data::Value& like, const Any& given) {
   const std::optional<std::string> text = given.text();
   if (like.as_boolean()) {
     if (const auto flag = given.flag()) return *flag;
@@ -164,14 +164,14 @@ TagState tags_set(const TagOwners& cell, const TagsSet& request) {
   if (const auto link = cell.data.links().source_of(request.name); link && link->direction == "in")
     throw Error("read-only", "'" + request.name + "' comes from the link '" + link->link + "'",
                 "force it: polyarm tags force " + request.name + " VALUE keeps the value as long as it runs");
-  cell.data.store.set(request.name, wanted_value(like, request.value), asker(request.by));
+  cell.data.store.set(request.name, desired_value(like, request.value), asker(request.by));
   return tag_state(cell, request.name);
 }
 
 Poll<TagState> tags_force(const TagOwners& cell, const TagsForce& request) {
   using Forced = Progress<TagState>;
   const data::Value& like = value_named(cell, request.name);
-  auto force = std::make_shared<Force>(cell, request.name, wanted_value(like, request.value), asker(request.by));
+  auto force = std::make_shared<Force>(cell, request.name, desired_value(like, request.value), asker(request.by));
   return [cell, force, name = request.name, reported = Nanoseconds{-1}]() mutable {
     if (!force->forced()) return Forced::done(tag_state(cell, name));
     if (reported >= 0 && cell.machine.now() - reported < kTellEvery) return Forced{};

@@ -25,7 +25,7 @@ constexpr std::size_t kMostKept = 100;
 /// received the accepting reply, which may arrive after the status (the first reply to a Cyclone reader is
 /// delayed). Without the repetition, `ros2 action send_goal` would not cancel when it is interrupted.
 constexpr Nanoseconds kStatusAgain = 300'000'000;
-constexpr Nanoseconds kTellAgain = 5'000'000'000;
+constexpr Nanoseconds kReportAgain = 5'000'000'000;
 /// Value of error_code in control_msgs/FollowJointTrajectory.
 constexpr int kInvalidGoal = -1;
 
@@ -95,14 +95,14 @@ class Server : public std::enable_shared_from_this<Server> {
     serve("send_goal", port_.type + "_SendGoal", &Server::send_goal);
     serve("get_result", port_.type + "_GetResult", &Server::get_result);
     serve("cancel_goal", "action_msgs/srv/CancelGoal", &Server::cancel_goal);
-    tell_status();
+    report_status();
   }
 
   void serve() {
     forget_old();
     if (!accepted_ || bridge_.cell().now() - *accepted_ < kStatusAgain) return;
     accepted_.reset();
-    tell_status();
+    report_status();
   }
   void close() { closed_ = true; }
 
@@ -187,7 +187,7 @@ class Server : public std::enable_shared_from_this<Server> {
   /// again soon.
   void report_refusal(const std::string& why) {
     const Nanoseconds now = bridge_.cell().now();
-    if (why == refusal_ && now - refused_ < kTellAgain) return;
+    if (why == refusal_ && now - refused_ < kReportAgain) return;
     refusal_ = why;
     refused_ = now;
     bridge_.cell().tell("ROS 2: a goal of " + port_.name + " is refused: " + why);
@@ -197,7 +197,7 @@ class Server : public std::enable_shared_from_this<Server> {
     goal->status = GoalStatus::STATUS_EXECUTING;
     goals_.push_back(goal);
     reply({{"accepted", true}, {"stamp", goal->stamp}});
-    tell_status();
+    report_status();
     accepted_ = bridge_.cell().now();
   }
 
@@ -206,7 +206,7 @@ class Server : public std::enable_shared_from_this<Server> {
     goal->status = status;
     goal->result = std::move(result);
     goal->ended = bridge_.cell().now();
-    tell_status();
+    report_status();
     for (const Reply& waiting : goal->waiting) waiting({{"status", goal->status}, {"result", goal->result}});
     goal->waiting.clear();
   }
@@ -240,7 +240,7 @@ class Server : public std::enable_shared_from_this<Server> {
     }
     const bool any = !canceling.empty();
     reply({{"return_code", Cancel::ERROR_NONE}, {"goals_canceling", std::move(canceling)}});
-    if (any) tell_status();
+    if (any) report_status();
   }
 
   void tell_feedback(const Goal& goal, Json sample) {
@@ -250,7 +250,7 @@ class Server : public std::enable_shared_from_this<Server> {
     bridge_.wire().publish(feedback_, messages::from_json(*feedback_type_, message));
   }
 
-  void tell_status() {
+  void report_status() {
     Json list = Json::array();
     for (const GoalPointer& goal : goals_)
       list.push_back(

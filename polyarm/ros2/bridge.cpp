@@ -87,7 +87,7 @@ void Bridge::guarded(const std::function<void()>& work) {
   try {
     work();
   } catch (const std::exception& e) {
-    if (told_.insert(e.what()).second)
+    if (announced_.insert(e.what()).second)
       cell_.tell(std::string("ROS 2: a message could not be made: ") + e.what());
   }
 }
@@ -139,8 +139,8 @@ void offer_standard_services(Bridge& bridge, const std::string& node, ParameterS
 
 /// The newest cycle is seen up to one period after it began, so the smallest of many differences is the true
 /// offset. A skipped cycle adds a whole period, in which the cell's clock stands still.
-void Bridge::look_at_clock() {
-  tells_ = is_due(told_streams_);
+void Bridge::check_clock() {
+  reports_ = is_due(told_streams_);
   if (cell_.lock_step()) return;
   const auto since = std::chrono::system_clock::now().time_since_epoch();
   const std::int64_t now = std::chrono::duration_cast<std::chrono::nanoseconds>(since).count();

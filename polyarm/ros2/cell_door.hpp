@@ -72,10 +72,10 @@ class Bridge {
   void to_ros(Json& message) const;
   void to_cell(Json& message) const;
   /// Updates the clock offset. Call once each tick, before any message is stamped.
-  void look_at_clock();
+  void check_clock();
   /// True if streams are sent in this tick. In lock-step a cell may run thousands of times faster than its
   /// readers, so at most 1000 ticks per second of wall time send streams. Otherwise every tick does.
-  bool tells() const { return tells_; }
+  bool tells() const { return reports_; }
   /// The same for a stream that is sent between ticks. `last`: when it was sent last (steady clock); updated
   /// if due.
   bool is_due(std::chrono::steady_clock::time_point& last) const;
@@ -83,7 +83,7 @@ class Bridge {
  private:
   cell::CellView& cell_;
   Wire wire_;
-  bool tells_ = true;
+  bool reports_ = true;
   std::chrono::steady_clock::time_point told_streams_;
   std::string space_;
   std::vector<std::string> twists_;
@@ -92,7 +92,7 @@ class Bridge {
   /// Observed offsets: the smallest of this window and of the previous one, and of the last few calls.
   std::int64_t least_ = 0, least_before_ = 0, recent_ = 0, window_ends_ = 0;
   int looks_ = 0;
-  std::set<std::string> told_;
+  std::set<std::string> announced_;
 };
 
 std::int64_t nanoseconds_of(const Json& stamp);

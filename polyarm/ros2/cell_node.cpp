@@ -49,17 +49,17 @@ class CellNode : public Part {
   }
 
   void serve() override {
-    tell_events();
+    report_events_of_cell();
     const Nanoseconds now = bridge_.cell().now();
-    if (told_ >= 0 && now - told_ < kDiagnostics) return;
-    told_ = now;
+    if (announced_ >= 0 && now - announced_ < kDiagnostics) return;
+    announced_ = now;
     if (bridge_.wire().wanted(diagnostics_))
       bridge_.ask(protocol::LoopHealth{}, [this](const protocol::Reply& reply) { tell_diagnostics(reply); });
   }
 
  private:
   /// Publishes the cell's reports on /rosout.
-  void tell_events() {
+  void report_events_of_cell() {
     for (const protocol::Event& event : bridge_.cell().events().events())
       if (event.number > last_event_) tell_event(event);
     last_event_ = bridge_.cell().events().last();
@@ -161,7 +161,7 @@ class CellNode : public Part {
   std::string node_;
   Wire::Id diagnostics_ = 0, log_ = 0;
   std::uint64_t last_event_ = 0;
-  Nanoseconds told_ = -1;
+  Nanoseconds announced_ = -1;
   std::uint64_t bad_ = 0;
 };
 

@@ -23,7 +23,7 @@ using hardware::LifecycleState;
 /// How often the list of controllers and their subscribers are checked, ns.
 constexpr Nanoseconds kLookForControllers = 50'000'000;
 /// The same reason is not reported again within this time, ns.
-constexpr Nanoseconds kTellAgain = 5'000'000'000;
+constexpr Nanoseconds kReportAgain = 5'000'000'000;
 
 std::string declared(cell::CellView& cell, const std::string& controller, const char* key) {
   const controllers::ControllerContext* context = cell.controllers().context(controller);
@@ -255,7 +255,7 @@ class ControllerNode {
     if (!reply.refusal || reply.refusal->problems().front().code == "not-active") return;
     const std::string why = refusal_of(reply);
     const Nanoseconds now = bridge.cell().now();
-    if (why == told.why && now - told.at < kTellAgain) return;
+    if (why == told.why && now - told.at < kReportAgain) return;
     told = {why, now};
     bridge.cell().tell("ROS 2: a message on " + topic + " is ignored: " + why);
   }
@@ -273,7 +273,7 @@ class ControllerNode {
                         sent.message = protocol::Message(std::move(message));
                         bridge_.ask(
                             std::move(sent),
-                            [told = told_, topic, &bridge = bridge_](const protocol::Reply& reply) {
+                            [told = announced_, topic, &bridge = bridge_](const protocol::Reply& reply) {
                               tell_ignored(bridge, *told, topic, reply);
                             },
                             this);
@@ -327,7 +327,7 @@ class ControllerNode {
 
   Bridge& bridge_;
   const std::string controller_, node_;
-  const std::shared_ptr<Ignored> told_ = std::make_shared<Ignored>();  ///< replies may outlive the node
+  const std::shared_ptr<Ignored> announced_ = std::make_shared<Ignored>();  ///< replies may outlive the node
   const std::string ports_;  ///< group of the endpoints that exist only while the controller is configured
   LifeCycle life_;
   std::vector<OutputTopic> outputs_;

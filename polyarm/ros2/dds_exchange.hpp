@@ -26,7 +26,7 @@ enum class DdsOrder : std::uint8_t {
   end
 };
 /// Messages from polyarm_ros2_dds.
-enum class DdsNews : std::uint8_t {
+enum class DdsReport : std::uint8_t {
   ready,      ///< prefix
   refused,    ///< what, advice; it cannot open DDS, and ends
   made,       ///< id, guid

@@ -57,12 +57,12 @@ class DdsProcess : public ParticipantObserver {
   bool open(Unpacker& in) {
     try {
       participant_.emplace(unpack_options(in), this);
-      tell([&](Packer& out) { out.number(number_of(DdsNews::ready)).array(participant_->prefix()); });
+      tell([&](Packer& out) { out.number(number_of(DdsReport::ready)).array(participant_->prefix()); });
       return true;
     } catch (const Error& e) {
       const Problem& problem = e.problems().front();
       tell([&](Packer& out) {
-        out.number(number_of(DdsNews::refused)).text(problem.what).text(problem.advice);
+        out.number(number_of(DdsReport::refused)).text(problem.what).text(problem.advice);
       });
       return false;
     }
@@ -99,10 +99,10 @@ class DdsProcess : public ParticipantObserver {
   void add(std::size_t id, Add add) {
     try {
       const Guid guid = participant_->guid(add());
-      tell([&](Packer& out) { out.number(number_of(DdsNews::made)).number(std::uint64_t{id}).array(guid); });
+      tell([&](Packer& out) { out.number(number_of(DdsReport::made)).number(std::uint64_t{id}).array(guid); });
     } catch (const Error& e) {
       tell([&](Packer& out) {
-        out.number(number_of(DdsNews::not_made)).number(std::uint64_t{id}).text(e.problems().front().what);
+        out.number(number_of(DdsReport::not_made)).number(std::uint64_t{id}).text(e.problems().front().what);
       });
     }
   }
@@ -113,16 +113,16 @@ class DdsProcess : public ParticipantObserver {
     const Related given{in.array<16>(), in.number<std::int64_t>()};
     if (has) related = given;
     if (participant_->write(id, in.rest(), related) == 0)
-      tell([&](Packer& out) { out.number(number_of(DdsNews::unsent)).number(std::uint64_t{id}); });
+      tell([&](Packer& out) { out.number(number_of(DdsReport::unsent)).number(std::uint64_t{id}); });
   }
 
   // Called on threads of Fast DDS.
   void take(std::size_t id, const Sample& sample) {
     if (sample.payload.size() > bounds::kSampleBytes)
-      return tell([](Packer& out) { out.number(number_of(DdsNews::too_large)); });
+      return tell([](Packer& out) { out.number(number_of(DdsReport::too_large)); });
     tell(
         [&](Packer& out) {
-          out.number(number_of(DdsNews::sample)).number(std::uint64_t{id}).array(sample.writer);
+          out.number(number_of(DdsReport::sample)).number(std::uint64_t{id}).array(sample.writer);
           out.number(sample.sequence)
               .array(sample.related)
               .number(sample.related_sequence)
@@ -132,24 +132,24 @@ class DdsProcess : public ParticipantObserver {
   }
   void on_match(std::size_t id, const Guid& other, bool matches) override {
     tell([&](Packer& out) {
-      out.number(number_of(DdsNews::matched)).number(std::uint64_t{id}).array(other).number(matches);
+      out.number(number_of(DdsReport::matched)).number(std::uint64_t{id}).array(other).number(matches);
     });
   }
   void on_known(const Guid& endpoint, const std::string& user_data, const Offer& offer) override {
     const bool fits = std::max(offer.topic.size(), offer.type.size()) <= kMostName;
     tell([&](Packer& out) {
-      out.number(number_of(DdsNews::known)).array(endpoint).text(user_data.substr(0, kMostUserData));
+      out.number(number_of(DdsReport::known)).array(endpoint).text(user_data.substr(0, kMostUserData));
       out.text(fits ? offer.topic : "").text(fits ? offer.type : "");
     });
   }
   void on_unknown(const Guid& endpoint) override {
-    tell([&](Packer& out) { out.number(number_of(DdsNews::unknown)).array(endpoint); });
+    tell([&](Packer& out) { out.number(number_of(DdsReport::unknown)).array(endpoint); });
   }
   void on_forgotten(const Guid& participant) override {
-    tell([&](Packer& out) { out.number(number_of(DdsNews::forgotten)).array(participant); });
+    tell([&](Packer& out) { out.number(number_of(DdsReport::forgotten)).array(participant); });
   }
 
-  static std::uint8_t number_of(DdsNews news) { return static_cast<std::uint8_t>(news); }
+  static std::uint8_t number_of(DdsReport news) { return static_cast<std::uint8_t>(news); }
   template <class Fill>
   void tell(Fill fill, bool must = true) {
     thread_local std::vector<std::byte> message;

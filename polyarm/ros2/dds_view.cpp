@@ -62,30 +62,30 @@ void DdsView::set_prefix(const Guid& prefix) {
   ++identities_;
 }
 
-bool DdsView::take(DdsNews news, process::Unpacker& in) {
+bool DdsView::take(DdsReport news, process::Unpacker& in) {
   switch (news) {
-    case DdsNews::made: {
+    case DdsReport::made: {
       const Id id = in.number<std::uint64_t>();
       const Guid guid = in.array<16>();
       if (in.good()) answer(id, guid);
       return in.good();
     }
-    case DdsNews::not_made:
+    case DdsReport::not_made:
       answer(in.number<std::uint64_t>(), kNoGuid);
       return in.good();
-    case DdsNews::unsent: {
+    case DdsReport::unsent: {
       Endpoint* writer = find(in.number<std::uint64_t>());
       if (writer && writer->sequence > 0) --writer->sequence;
       return in.good();
     }
-    case DdsNews::matched: {
+    case DdsReport::matched: {
       const Id id = in.number<std::uint64_t>();
       const Guid other = in.array<16>();
       const bool matches = in.truth();
       if (in.good()) match(id, other, matches);
       return in.good();
     }
-    case DdsNews::known: {
+    case DdsReport::known: {
       const Guid other = in.array<16>();
       Known known;
       known.user_data = in.text(kMostUserData);
@@ -94,10 +94,10 @@ bool DdsView::take(DdsNews news, process::Unpacker& in) {
       if (in.good()) know(other, std::move(known));
       return in.good();
     }
-    case DdsNews::unknown:
+    case DdsReport::unknown:
       remotes_.erase(in.array<16>());
       return in.good();
-    case DdsNews::forgotten: {
+    case DdsReport::forgotten: {
       const Guid gone = in.array<16>();
       std::erase_if(remotes_, [&](const auto& remote) {
         return std::equal(gone.begin(), gone.begin() + 12, remote.first.begin());

@@ -47,7 +47,7 @@ class DdsView {
   void forget();
   void set_prefix(const Guid& prefix);
   /// Handles a message. Returns false if it is malformed.
-  bool take(DdsNews news, process::Unpacker& in);
+  bool take(DdsReport news, process::Unpacker& in);
 
   Guid prefix() const { return prefix_; }
   Guid guid(Id id) const;

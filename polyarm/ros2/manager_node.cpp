@@ -47,8 +47,8 @@ class ManagerNode : public Part {
            cell::names_of_component(bridge_.cell().robots(), hardware.component_name(i)))
         now["hardware_components"].push_back(
             {{"name", name}, {"state", state_json(hardware::name(hardware.diagnostics().info(i).state))}});
-    if (now == told_) return;
-    told_ = now;
+    if (now == announced_) return;
+    announced_ = now;
     now["header"]["stamp"] = bridge_.ros_stamp(bridge_.cell().now());
     const auto& type =
         messages::type_info<messages::controller_manager_msgs::msg::ControllerManagerActivity>();
@@ -420,7 +420,7 @@ class ManagerNode : public Part {
   std::string node_;
   Wire::Id activity_ = 0;
   Nanoseconds looked_ = -1;
-  Json told_;
+  Json announced_;
   /// `NAME.type`, `NAME.params_file` and similar, as set by a spawner: a text, or a list of texts.
   std::map<std::string, Json> spawned_;
 };

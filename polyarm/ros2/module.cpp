@@ -18,14 +18,14 @@ class Ros2Door : public cell::Door {
       : options_{participant_options(options)},
         bridge_{cell, options_, distribution_of(options), option_of(options, "namespace"),
                 twists_of(options)} {
-    bridge_.look_at_clock();
+    bridge_.check_clock();
     parts_ = {make_robot_node(bridge_), make_manager_node(bridge_), make_controller_nodes(bridge_),
               make_cell_node(bridge_)};
   }
 
   void serve() override {
-    bridge_.look_at_clock();
-    tell_news();
+    bridge_.check_clock();
+    send_reports();
     take();
     for (const auto& part : parts_) bridge_.guarded([&] { part->serve(); });
   }
@@ -35,11 +35,11 @@ class Ros2Door : public cell::Door {
     }
   }
 
-  void set_bell(const std::shared_ptr<realtime::Bell>& bell) override { bridge_.wire().set_bell(bell); }
+  void set_wakeup(const std::shared_ptr<realtime::Bell>& bell) override { bridge_.wire().set_wakeup(bell); }
 
   /// Reports when the process that speaks DDS was lost or is back. The cell keeps running.
-  void tell_news() {
-    for (RemoteNews& news : bridge_.wire().take_news()) {
+  void send_reports() {
+    for (RemoteReport& news : bridge_.wire().take_reports()) {
       if (news.good)
         bridge_.cell().tell(news.what);
       else

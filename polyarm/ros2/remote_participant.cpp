@@ -32,7 +32,7 @@ using process::Unpacker;
 using Clock = std::chrono::steady_clock;
 
 /// Messages handled before the process itself is checked, and the interval of these checks, ms.
-constexpr int kAtOnce = 1000, kLook_ms = 100;
+constexpr int kAtOnce = 1000, kCheck_ms = 100;
 /// Time that the process gets to leave the network.
 constexpr auto kLeaving = std::chrono::seconds(2);
 constexpr auto kBetweenNews = std::chrono::minutes(1);
@@ -77,7 +77,7 @@ class RemoteParticipant::Work {
                   "names of topics and types have at most 1,024 bytes");
     const std::lock_guard lock(mutex_);
     const Id id = view_.add(std::move(endpoint));
-    if (channel_) tell_of(id, *view_.find(id));
+    if (channel_) report_on(id, *view_.find(id));
     return id;
   }
 
@@ -110,7 +110,7 @@ class RemoteParticipant::Work {
     if (channel_) out.dropped += channel_->dropped_there();
     return out;
   }
-  std::vector<RemoteNews> take_news() {
+  std::vector<RemoteReport> take_reports() {
     const std::lock_guard lock(mutex_);
     return std::exchange(news_, {});
   }
@@ -144,7 +144,7 @@ class RemoteParticipant::Work {
     return channel_->send(order_, must);
   }
 
-  void tell_of(Id id, const DdsView::Endpoint& endpoint) {
+  void report_on(Id id, const DdsView::Endpoint& endpoint) {
     const bool reader = endpoint.on_sample != nullptr;
     order(
         [&](Packer& out) {
@@ -169,7 +169,7 @@ class RemoteParticipant::Work {
     return sent ? ++writer.sequence : 0;
   }
 
-  void tell(RemoteNews news) {
+  void tell(RemoteReport news) {
     if (news_.size() < kMostNews) news_.push_back(std::move(news));
   }
 
@@ -184,11 +184,11 @@ class RemoteParticipant::Work {
         continue;
       }
       bool look = true;  // check the process itself: it wrote something there, or nothing happened
-      if (channel_->may_sleep()) look = sleep(std::chrono::milliseconds(kLook_ms));
+      if (channel_->may_sleep()) look = sleep(std::chrono::milliseconds(kCheck_ms));
       channel_->woken();
       const bool broken = !hear();
       const auto now = Clock::now();
-      if (!look && now - looked_ < std::chrono::milliseconds(kLook_ms) && !broken && !channel_->broken()) continue;
+      if (!look && now - looked_ < std::chrono::milliseconds(kCheck_ms) && !broken && !channel_->broken()) continue;
       looked_ = now;
       child_.listen();
       if (const auto ending = child_.ended()) {
@@ -260,7 +260,7 @@ class RemoteParticipant::Work {
         },
         true);
     for (auto& [id, endpoint] : view_.endpoints()) {
-      tell_of(id, endpoint);
+      report_on(id, endpoint);
       for (const auto& payload : endpoint.kept) hand_over(id, endpoint, payload, std::nullopt);
     }
   }
@@ -283,18 +283,18 @@ class RemoteParticipant::Work {
 
   bool take(std::span<const std::byte> message) {
     Unpacker in(message);
-    const auto news = static_cast<DdsNews>(in.number<std::uint8_t>());
-    if (news == DdsNews::sample) return take_sample(in);
+    const auto news = static_cast<DdsReport>(in.number<std::uint8_t>());
+    if (news == DdsReport::sample) return take_sample(in);
     const std::lock_guard lock(mutex_);
-    if (news == DdsNews::ready) return opened(in);
-    if (news == DdsNews::refused) {
+    if (news == DdsReport::ready) return opened(in);
+    if (news == DdsReport::refused) {
       const std::string what = in.text(kMostName), advice = in.text(kMostName);
       refused_ = {false, printable_line(what), printable_line(advice)};
       return in.good();
     }
-    if (news == DdsNews::too_large) return ++statistics_.too_large, in.good();
-    if (news == DdsNews::unsent) ++statistics_.unsent;
-    if (news == DdsNews::not_made) {
+    if (news == DdsReport::too_large) return ++statistics_.too_large, in.good();
+    if (news == DdsReport::unsent) ++statistics_.unsent;
+    if (news == DdsReport::not_made) {
       Unpacker copy = in;
       copy.number<std::uint64_t>();
       tell({false, printable_line(copy.text(kMostName)), "its topic or service is missing for others"});
@@ -308,11 +308,11 @@ class RemoteParticipant::Work {
     if (!in.good()) return false;
     view_.set_prefix(prefix);
     if (missing_since_) {
-      if (std::exchange(told_of_loss_, false))
+      if (std::exchange(loss_reported_, false))
         tell({true, "ROS 2 is back after " + seconds_of(Clock::now() - *missing_since_), ""});
       missing_since_.reset();
     }
-    if (!first_) first_ = RemoteNews{true, "", ""};
+    if (!first_) first_ = RemoteReport{true, "", ""};
     opened_.notify_all();
     return true;
   }
@@ -345,7 +345,7 @@ class RemoteParticipant::Work {
     process_ = 0;
     view_.forget();
     if (!first_) {
-      first_ = refused_.what.empty() ? RemoteNews{false, std::string(kDdsProgram) + " " + how, ""} : refused_;
+      first_ = refused_.what.empty() ? RemoteReport{false, std::string(kDdsProgram) + " " + how, ""} : refused_;
       opened_.notify_all();
     }
     ++statistics_.losses;
@@ -358,16 +358,16 @@ class RemoteParticipant::Work {
   }
 
   void tell_of_loss(const std::string& how, Clock::time_point now) {
-    if (told_ && now - *told_ < kBetweenNews) return static_cast<void>(++untold_);
+    if (announced_ && now - *announced_ < kBetweenNews) return static_cast<void>(++unreported_);
     std::string what = std::string("the process that speaks ROS 2 (") + kDdsProgram + ") " + how;
     if (!refused_.what.empty()) what += ": " + refused_.what;
-    if (const auto times = std::exchange(untold_, 0); times > 0)
+    if (const auto times = std::exchange(unreported_, 0); times > 0)
       what += ", after " + std::to_string(times) + " other ends since the last report";
     tell({false, what,
           "robots and programs continue; it is started again in " + seconds_of(pause_) +
               ", and open requests of others are lost"});
-    told_ = now;
-    told_of_loss_ = true;
+    announced_ = now;
+    loss_reported_ = true;
   }
 
   void leave() {
@@ -389,7 +389,7 @@ class RemoteParticipant::Work {
   Clock::time_point started_, sign_, looked_, next_start_;
   std::chrono::milliseconds pause_;
   std::uint64_t beats_ = 0;
-  RemoteNews refused_;  ///< what the process reported before it ended
+  RemoteReport refused_;  ///< what the process reported before it ended
 
   Descriptor bell_;
   std::mutex telling_;  ///< held while OnSample is called
@@ -399,12 +399,12 @@ class RemoteParticipant::Work {
   DdsView view_;
   std::vector<std::byte> order_;
   RemoteStatistics statistics_;
-  std::vector<RemoteNews> news_;
-  std::optional<RemoteNews> first_;  ///< outcome of the first start; no text: success
-  std::optional<Clock::time_point> missing_since_, told_;
-  std::uint64_t untold_ = 0;
+  std::vector<RemoteReport> news_;
+  std::optional<RemoteReport> first_;  ///< outcome of the first start; no text: success
+  std::optional<Clock::time_point> missing_since_, announced_;
+  std::uint64_t unreported_ = 0;
   int process_ = 0;
-  bool told_of_loss_ = false, over_ = false;
+  bool loss_reported_ = false, over_ = false;
   std::thread thread_;
 };
 
@@ -469,8 +469,8 @@ std::uint64_t RemoteParticipant::identities() const {
 RemoteStatistics RemoteParticipant::statistics() const {
   return work_->statistics();
 }
-std::vector<RemoteNews> RemoteParticipant::take_news() {
-  return work_->take_news();
+std::vector<RemoteReport> RemoteParticipant::take_reports() {
+  return work_->take_reports();
 }
 std::chrono::nanoseconds RemoteParticipant::missing_for() const {
   return work_->missing_for();

@@ -36,7 +36,7 @@ struct RemoteStatistics {
 };
 
 /// Reports for the user: the process was lost, it is back, or an endpoint could not be made.
-struct RemoteNews {
+struct RemoteReport {
   bool good = false;
   std::string what, advice;
 };
@@ -82,7 +82,7 @@ class RemoteParticipant {
   std::uint64_t identities() const;
   RemoteStatistics statistics() const;
   /// Returns each report once. A process that is lost repeatedly is reported once a minute.
-  std::vector<RemoteNews> take_news();
+  std::vector<RemoteReport> take_reports();
   /// How long there has been no process; zero if it runs.
   std::chrono::nanoseconds missing_for() const;
   /// Process id; 0 if there is no process.

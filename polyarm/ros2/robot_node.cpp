@@ -37,7 +37,7 @@ class RobotNode : public Part {
       : bridge_{bridge},
         node_{bridge.name("robot_state_publisher")},
         state_{bridge.cell().robots(), bridge.cell().table(), drives(bridge.cell())} {
-    tell_descriptions();
+    report_descriptions();
     const Qos often{true, false, 100}, latched{true, true, 1};
     const auto& transforms = messages::type_info<messages::tf2_msgs::msg::TFMessage>();
     moving_ = bridge.wire().publisher(node_, bridge.name("tf"), transforms, often);
@@ -57,12 +57,12 @@ class RobotNode : public Part {
       bridge_.wire().publish(
           *clock_, messages::to_cdr(messages::rosgraph_msgs::msg::Clock{recording::stamp_of(time)}));
     }
-    if (told_frames_ < 0 || now - told_frames_ >= kFrames) tell_frames(now);
+    if (reported_frames_ < 0 || now - reported_frames_ >= kFrames) tell_frames(now);
   }
 
  private:
   /// Publishes /robot_description, or one under each robot's name.
-  void tell_descriptions() {
+  void report_descriptions() {
     const auto& robots = bridge_.cell().robots();
     for (const auto& robot : robots) {
       const std::string topic = robots.size() == 1 ? bridge_.name("robot_description")
@@ -76,7 +76,7 @@ class RobotNode : public Part {
   }
 
   void tell_frames(Nanoseconds now) {
-    told_frames_ = now;
+    reported_frames_ = now;
     if (!bridge_.wire().wanted(moving_)) return;
     const control::Snapshot& snapshot = bridge_.cell().snapshot();
     bridge_.wire().publish(moving_, messages::to_cdr(state_.moving_frames(
@@ -106,7 +106,7 @@ class RobotNode : public Part {
   recording::StateMessages state_;
   Wire::Id moving_ = 0;
   std::optional<Wire::Id> clock_;
-  Nanoseconds told_frames_ = -1;
+  Nanoseconds reported_frames_ = -1;
 };
 
 }  // namespace

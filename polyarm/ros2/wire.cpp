@@ -27,7 +27,7 @@ constexpr std::size_t kAtOnce = 64;
 /// How long a reply waits for its reader. The middlewares of ROS 2 wait 0.1 s and block their server. Here
 /// nothing blocks, so a client also gets its reply if it called before it was discovered: a client of Fast
 /// DDS announces its endpoints again after 3 s.
-constexpr auto kPatience = std::chrono::seconds(10);
+constexpr auto kTimeout = std::chrono::seconds(10);
 /// A server that is matched here may not have matched this client yet. Fast DDS requests samples that it
 /// missed. A reader of another middleware treats such a sample as old, so the first call would be lost.
 /// Endpoints are announced again each second.
@@ -173,14 +173,14 @@ class Wire::Work {
     graph_changed_ = true;
   }
 
-  void publish(Id id, std::vector<std::byte> payload) { send(to_tell_, {id, std::move(payload), {}, {}}); }
+  void publish(Id id, std::vector<std::byte> payload) { send(to_report_, {id, std::move(payload), {}, {}}); }
   bool wanted(Id id) const { return participant_.is_matched(id); }
   bool offered(const std::string& topic, const messages::TypeInfo& type) const {
     return participant_.is_offered("rt" + topic, type.dds_name);
   }
 
   std::size_t take(std::size_t most) {
-    if ((graph_changed_ || participant_.identities() != told_identities_) && participant_.settled())
+    if ((graph_changed_ || participant_.identities() != reported_identities_) && participant_.settled())
       tell_graph();
     std::deque<std::function<bool()>> now;
     {
@@ -210,11 +210,11 @@ class Wire::Work {
     out.unsent += remote.unsent;
     return out;
   }
-  std::vector<RemoteNews> take_news() { return participant_.take_news(); }
+  std::vector<RemoteReport> take_reports() { return participant_.take_reports(); }
   const RemoteParticipant& participant() const { return participant_; }
   messages::Distribution distribution() const { return distribution_; }
 
-  realtime::BellRope rope;
+  realtime::WakeupHandle rope;
 
  private:
   struct Endpoint {
@@ -305,7 +305,7 @@ class Wire::Work {
     enqueue([this, asker, replies, on_request, payload = std::move(payload)]() mutable {
       if (!*on_request) return true;
       return (*on_request)({std::move(payload), [this, asker, replies](std::vector<std::byte> reply) {
-                              answer({replies, std::move(reply), asker, Clock::now() + kPatience});
+                              answer({replies, std::move(reply), asker, Clock::now() + kTimeout});
                             }});
     });
   }
@@ -358,16 +358,16 @@ class Wire::Work {
     std::deque<Outgoing> postponed;
     std::unique_lock lock(mutex_);
     while (!over_) {
-      const auto empty = [this] { return to_answer_.empty() && to_tell_.empty(); };
+      const auto empty = [this] { return to_answer_.empty() && to_report_.empty(); };
       if (empty()) {
         const auto until = Clock::now() + (postponed.empty() ? std::chrono::milliseconds(500)
                                                              : std::chrono::milliseconds(1));
         wake_.wait_until(lock, until, [&] { return over_ || !empty(); });
       }
       std::deque<Outgoing> now = std::exchange(to_answer_, {});
-      for (std::size_t i = 0; i < kAtOnce && !to_tell_.empty(); ++i) {
-        now.push_back(std::move(to_tell_.front()));
-        to_tell_.pop_front();
+      for (std::size_t i = 0; i < kAtOnce && !to_report_.empty(); ++i) {
+        now.push_back(std::move(to_report_.front()));
+        to_report_.pop_front();
       }
       lock.unlock();
       std::deque<Outgoing> still;
@@ -454,7 +454,7 @@ class Wire::Work {
                        {"writer_gid_seq", std::move(of.writers)}});
     }
     graph_changed_ = false;
-    told_identities_ = identities;
+    reported_identities_ = identities;
     publish(graph_, messages::from_json(*find_type(kGraph), {{"gid", gid(participant_.prefix())},
                                                              {"node_entities_info_seq", std::move(nodes)}}));
   }
@@ -471,7 +471,7 @@ class Wire::Work {
   Id graph_ = 0;
   std::map<std::string, Node> nodes_;
   bool graph_changed_ = true;
-  std::uint64_t told_identities_ = 0;
+  std::uint64_t reported_identities_ = 0;
   std::uint64_t uniques_ = 0;
   std::map<Id, std::pair<std::shared_ptr<Caller>, Id>> callers_;  ///< by request writer: caller and its reply
                                                                   ///< reader
@@ -481,7 +481,7 @@ class Wire::Work {
   mutable std::condition_variable arrived_;
   std::deque<std::function<bool()>> waiting_;
   /// Replies have their own queue, so a flood of topic messages (as in lock-step) does not delay them.
-  std::deque<Outgoing> to_answer_, to_tell_;
+  std::deque<Outgoing> to_answer_, to_report_;
   std::set<Guid> answered_;  ///< readers of Cyclone that got a reply
   WireStatistics statistics_;
   bool over_ = false;
@@ -534,14 +534,14 @@ std::size_t Wire::take(std::size_t most) {
 void Wire::wait(std::chrono::nanoseconds patience) const {
   work_->wait(patience);
 }
-void Wire::set_bell(const std::shared_ptr<realtime::Bell>& bell) {
+void Wire::set_wakeup(const std::shared_ptr<realtime::Bell>& bell) {
   work_->rope.tie(bell);
 }
 WireStatistics Wire::statistics() const {
   return work_->statistics();
 }
-std::vector<RemoteNews> Wire::take_news() {
-  return work_->take_news();
+std::vector<RemoteReport> Wire::take_reports() {
+  return work_->take_reports();
 }
 const RemoteParticipant& Wire::participant() const {
   return work_->participant();

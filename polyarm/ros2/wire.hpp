@@ -86,11 +86,11 @@ class Wire {
   void wait(std::chrono::nanoseconds patience) const;
 
   /// Rung when a message has come in; null: none.
-  void set_bell(const std::shared_ptr<realtime::Bell>& bell);
+  void set_wakeup(const std::shared_ptr<realtime::Bell>& bell);
 
   WireStatistics statistics() const;
-  /// Reports for the user: see RemoteNews.
-  std::vector<RemoteNews> take_news();
+  /// Reports for the user: see RemoteReport.
+  std::vector<RemoteReport> take_reports();
   const RemoteParticipant& participant() const;
   messages::Distribution distribution() const;
 

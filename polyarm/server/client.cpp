@@ -163,9 +163,9 @@ void Client::put(Kind kind, Text text) {
       drop_out(old->second->size());
       add_out(text->size());
       old->second = std::move(text);
-      ++events_left_out_;
+      ++omitted_events_;
     } else if (too_much(2)) {
-      ++events_left_out_;
+      ++omitted_events_;
     } else {
       add_out(text->size());
       out_.emplace_back(kind, std::move(text));
@@ -178,7 +178,7 @@ void Client::put_state(Text frame) {
   if (gone()) return;
   {
     const std::lock_guard lock(mutex_);
-    if (frame_) ++frames_left_out_;
+    if (frame_) ++omitted_frames_;
     frame_ = std::move(frame);
   }
   wake();

@@ -41,7 +41,7 @@ class Client {
     protocol::Role role = protocol::Role::administer;  ///< of the token that the client sent
   };
   /// `rope` is pulled when a line comes in. `rope` and `all` may be null.
-  Client(std::uint64_t its_number, Side side, std::shared_ptr<realtime::BellRope> rope = nullptr,
+  Client(std::uint64_t its_number, Side side, std::shared_ptr<realtime::WakeupHandle> rope = nullptr,
          std::shared_ptr<Waiting> all = nullptr)
       : number(its_number),
         from(std::move(side.address)),
@@ -92,8 +92,8 @@ class Client {
   void leave() { gone_.store(true, std::memory_order_release); }
   /// Set by the thread that queues a message, cleared by the thread that sends.
   bool take_wake() { return wake_.exchange(false, std::memory_order_acq_rel); }
-  std::uint64_t frames_left_out() const { return frames_left_out_.load(std::memory_order_relaxed); }
-  std::uint64_t events_left_out() const { return events_left_out_.load(std::memory_order_relaxed); }
+  std::uint64_t omitted_frames() const { return omitted_frames_.load(std::memory_order_relaxed); }
+  std::uint64_t omitted_events() const { return omitted_events_.load(std::memory_order_relaxed); }
 
  private:
   struct Urgent {
@@ -104,7 +104,7 @@ class Client {
   void refuse(const std::string& line);
   void wake() { wake_.store(true, std::memory_order_release); }
 
-  std::shared_ptr<realtime::BellRope> rope_;
+  std::shared_ptr<realtime::WakeupHandle> rope_;
   std::shared_ptr<Waiting> all_;
   mutable std::mutex mutex_;
   std::deque<std::string> urgent_, in_;
@@ -125,7 +125,7 @@ class Client {
   /// True if too much is unsent: with `share` 1 the client is disconnected, with 2 it misses events.
   bool too_much(std::size_t share) const;
   std::atomic<bool> gone_{false}, wake_{false};
-  std::atomic<std::uint64_t> frames_left_out_{0}, events_left_out_{0};
+  std::atomic<std::uint64_t> omitted_frames_{0}, omitted_events_{0};
 };
 
 }  // namespace polyarm::server

@@ -4,7 +4,7 @@
 
 namespace polyarm::server {
 
-using What = ControlNews::What;
+using What = ControlReport::What;
 
 double Control::left(double now) const {
   return asker_ ? std::max(0.0, until_ - now) : 0;
@@ -25,7 +25,7 @@ Control::Taken Control::take(std::uint64_t client, bool at_once, double now) {
   if (asker_ == client) return Taken::asked;
   if (asker_) return Taken::others;
   asker_ = client;
-  until_ = now + kPatience;
+  until_ = now + kTimeout;
   news_.push_back({holder_, What::asked, client});
   return Taken::asked;
 }

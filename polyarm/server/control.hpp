@@ -8,7 +8,7 @@
 namespace polyarm::server {
 
 /// An event for one client, or for all.
-struct ControlNews {
+struct ControlReport {
   enum class What { asked, given, refused, taken, lost, free };
   std::uint64_t to = 0;  ///< client; 0: all clients
   What what = What::asked;
@@ -19,7 +19,7 @@ struct ControlNews {
 class Control {
  public:
   /// If the holder does not answer a request for control within this time (s), it loses control.
-  static constexpr double kPatience = 10;
+  static constexpr double kTimeout = 10;
 
   std::uint64_t holder() const { return holder_; }
   /// The client that waits for the holder's answer; 0: none.
@@ -38,14 +38,14 @@ class Control {
   /// The client has disconnected.
   void gone(std::uint64_t client);
   void tick(double now);
-  std::vector<ControlNews> take_news() { return std::exchange(news_, {}); }
+  std::vector<ControlReport> take_reports() { return std::exchange(news_, {}); }
 
  private:
-  void hand_to_asker(ControlNews::What to_old);
+  void hand_to_asker(ControlReport::What to_old);
 
   std::uint64_t holder_ = 0, asker_ = 0;
   double until_ = 0;
-  std::vector<ControlNews> news_;
+  std::vector<ControlReport> news_;
 };
 
 }  // namespace polyarm::server

@@ -125,7 +125,7 @@ Text TagEvents::changes(bool look) {
     const data::Value* value = cell_.store().find(name);
     if (value && value->is_place()) continue;
     Json now = value ? value_of(name) : Json();
-    Json& told = told_[name];
+    Json& told = announced_[name];
     if (told == now) continue;
     told = now;
     values[name] = std::move(now);
@@ -143,10 +143,10 @@ Text TagEvents::full() {
 
 Text PartEvents::tell(bool full) {
   const auto& parts = cell_.snapshot().world.parts;
-  told_.resize(parts.size());
+  announced_.resize(parts.size());
   Json list = Json::array();
   for (std::size_t i = 0; i < parts.size() && i < cell_.scene().parts.size(); ++i) {
-    if (!full && same_place(parts[i], told_[i])) continue;
+    if (!full && same_place(parts[i], announced_[i])) continue;
     Json each = pose_json(parts[i].pose);
     each["name"] = cell_.scene().parts[i].name;
     each["in_world"] = parts[i].in_world;
@@ -155,7 +155,7 @@ Text PartEvents::tell(bool full) {
                           ? Json(cell_.robots()[static_cast<std::size_t>(parts[i].held_by)]->entry.name)
                           : Json();
     list.push_back(std::move(each));
-    if (!full) told_[i] = parts[i];
+    if (!full) announced_[i] = parts[i];
   }
   if (list.empty()) return nullptr;
   return text_of({{"event", "parts"}, {"parts", list}, {"full", full}});
@@ -242,8 +242,8 @@ Text PlanEvents::full() {
 }
 
 void ProgramEvents::watch() {
-  told_->on = true;
-  cell_.requests().ask(protocol::ProgramWatch{}, [watch = std::weak_ptr(told_)](const protocol::Reply& reply) {
+  announced_->on = true;
+  cell_.requests().ask(protocol::ProgramWatch{}, [watch = std::weak_ptr(announced_)](const protocol::Reply& reply) {
     const auto to = watch.lock();
     if (!to) return false;
     to->on = reply.answer.has_value();
@@ -257,11 +257,11 @@ void ProgramEvents::watch() {
 
 Text ProgramEvents::changes(double now) {
   constexpr double kAgain = 1;
-  if (!told_->on && cell_.program() && now - asked_ >= kAgain) {
+  if (!announced_->on && cell_.program() && now - asked_ >= kAgain) {
     asked_ = now;
     watch();
   }
-  return std::exchange(told_->fresh, false) ? told_->text : nullptr;
+  return std::exchange(announced_->fresh, false) ? announced_->text : nullptr;
 }
 
 Text log_event(const Journal& journal, std::uint64_t after) {

@@ -34,7 +34,7 @@ class TagEvents {
   nlohmann::json value_of(const std::string& name) const;
 
   cell::CellView& cell_;
-  std::map<std::string, nlohmann::json> told_;
+  std::map<std::string, nlohmann::json> announced_;
   std::uint64_t version_ = ~0ull, groups_version_ = 0;
   bool places_ = false;
 };
@@ -49,7 +49,7 @@ class PartEvents {
  private:
   Text tell(bool full);
   cell::CellView& cell_;
-  std::vector<hardware::PartState> told_;
+  std::vector<hardware::PartState> announced_;
 };
 
 /// Planned paths of robots: {"event": "plan", "plans": {ROBOT: {path: [[x, y, z]], target: {joints}}}}. The
@@ -84,7 +84,7 @@ class ProgramEvents {
   /// if the request is refused, tries again after one second.
   Text changes(double now);
   /// The last state that was sent; null: none yet.
-  Text full() const { return told_->text; }
+  Text full() const { return announced_->text; }
 
  private:
   void watch();
@@ -96,7 +96,7 @@ class ProgramEvents {
   };
   cell::CellView& cell_;
   double asked_ = 0;
-  std::shared_ptr<Told> told_ = std::make_shared<Told>();
+  std::shared_ptr<Told> announced_ = std::make_shared<Told>();
 };
 
 /// Log lines after number `after`, as {"event": "log"}; null if there are none.

@@ -150,14 +150,14 @@ void Pendant::detach() {
 void Pendant::serve() {
   work_->serve();
 }
-void Pendant::set_bell(const std::shared_ptr<realtime::Bell>& bell) {
-  work_->sessions.set_bell(bell);
+void Pendant::set_wakeup(const std::shared_ptr<realtime::Bell>& bell) {
+  work_->sessions.set_wakeup(bell);
 }
 void Pendant::take() {
   work_->take();
 }
-std::optional<cell::RestartWish> Pendant::take_wish() {
-  return work_->sessions.take_wish();
+std::optional<cell::RestartRequest> Pendant::take_restart_request() {
+  return work_->sessions.take_restart_request();
 }
 std::string Pendant::link() const {
   return work_->link("localhost", false, protocol::Role::administer);

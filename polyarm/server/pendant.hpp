@@ -41,12 +41,12 @@ class Pendant : public cell::Door {
   void detach();
   /// Call each tick; without a cell, from time to time.
   void serve() override;
-  void set_bell(const std::shared_ptr<realtime::Bell>& bell) override;
+  void set_wakeup(const std::shared_ptr<realtime::Bell>& bell) override;
   void take() override;
   std::string address() const override { return link(); }
 
   /// The restart that a client asked for while there was no cell; returned once.
-  std::optional<cell::RestartWish> take_wish();
+  std::optional<cell::RestartRequest> take_restart_request();
 
   /// The link with the token, for a browser on this machine.
   std::string link() const;
@@ -59,7 +59,7 @@ class Pendant : public cell::Door {
 
   struct Counts {
     std::uint64_t clients = 0, connections = 0, refused = 0, timed_out = 0, requests = 0;
-    std::uint64_t frames = 0, frames_left_out = 0, events_left_out = 0;
+    std::uint64_t frames = 0, omitted_frames = 0, omitted_events = 0;
   };
   Counts counts() const;
 

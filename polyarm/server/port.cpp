@@ -43,7 +43,7 @@ constexpr std::size_t kMostAnnounced = 64 << 20, kMostHead = bounds::kHeadBytes,
                       kBuffer = 64 << 10;
 /// Send buffer of a WebSocket in the system: more data would be old by the time it is read.
 constexpr int kSendBuffer = 128 << 10;
-constexpr double kFarewell_s = 0.5;
+constexpr double kClosing_s = 0.5;
 /// Pauses in accepting: after the process ran out of descriptors, and after too many connections came.
 constexpr double kShortage_s = 0.1, kCrowd_s = 0.02;
 
@@ -69,7 +69,7 @@ class Port::Work {
   }
 
   ~Work() {
-    net::post(context, [this] { say_goodbye(); });
+    net::post(context, [this] { close_in_order(); });
     thread_.join();
   }
 
@@ -87,7 +87,7 @@ class Port::Work {
   // Connections. They outlive the context, whose destructor destroys sockets.
   std::size_t known_ = 0;  // count of connections that have shown a token
   std::size_t uploads_ = 0;
-  std::list<Http*> strangers_;  // connections that have not, oldest first
+  std::list<Http*> unauthenticated_;  // connections that have not, oldest first
   std::set<Socket*> sockets_;
 
  public:
@@ -97,12 +97,12 @@ class Port::Work {
   /// Counts a connection that has shown a token. Returns false if there are too many.
   bool know(Http* connection) {
     if (known_ >= options.most_connections) return false;
-    strangers_.remove(connection);
+    unauthenticated_.remove(connection);
     ++known_;
     return true;
   }
   void known_left() { --known_; }
-  void stranger_left(Http* connection) { strangers_.remove(connection); }
+  void unauthenticated_left(Http* connection) { unauthenticated_.remove(connection); }
   bool begin_upload() {
     if (uploads_ >= bounds::kUploads) return false;
     ++uploads_;
@@ -157,8 +157,8 @@ class Port::Work {
   void accept();
   bool may_accept();
   void rest_from_accepting(double seconds);
-  void make_room_for_strangers();
-  void say_goodbye();
+  void make_room_for_unauthenticated();
+  void close_in_order();
 
   std::unique_ptr<net::ssl::context> tls_;
   SpareDescriptor spare_;
@@ -168,7 +168,7 @@ class Port::Work {
   std::atomic<bool> woken_{false};
   double may_come_ = bounds::kAcceptBurst, accepted_at_ = 0;
   bool over_ = false;
-  std::unique_ptr<net::steady_timer> farewell_;
+  std::unique_ptr<net::steady_timer> closing_answer_;
   std::thread thread_;
 };
 
@@ -298,7 +298,7 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
     if (known_)
       work_.known_left();
     else
-      work_.stranger_left(this);
+      work_.unauthenticated_left(this);
   }
   const std::string& address() const { return address_; }
 
@@ -438,11 +438,11 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
                      [self = this->shared_from_this(), head, body = reply.body](Failure failed, std::size_t) {
                        if (failed) return;
                        if (self->keep_alive_) return self->read();
-                       self->hang_up();
+                       self->close_connection();
                      });
   }
 
-  void hang_up() {
+  void close_connection() {
     if (wire_.tls()) return wire_.tls()->async_shutdown([self = this->shared_from_this()](Failure) {});
     Failure ignored;
     wire_.next_layer().socket().shutdown(tcp::socket::shutdown_send, ignored);
@@ -487,9 +487,9 @@ void Port::Work::accept() {
     }
     if (!failed) {
       ++connections;
-      make_room_for_strangers();
+      make_room_for_unauthenticated();
       const auto came = std::make_shared<Http>(*this, std::move(socket));
-      strangers_.push_back(came.get());
+      unauthenticated_.push_back(came.get());
       came->begin();
     }
     if (!may_accept()) return rest_from_accepting(kCrowd_s);
@@ -515,16 +515,16 @@ void Port::Work::rest_from_accepting(double seconds) {
 }
 
 /// Evicts a connection without a token: the oldest of the address that has the most of them.
-void Port::Work::make_room_for_strangers() {
-  if (strangers_.size() < options.most_strangers) return;
+void Port::Work::make_room_for_unauthenticated() {
+  if (unauthenticated_.size() < options.most_unauthenticated) return;
   std::map<std::string, std::size_t> counts;
-  for (const Http* each : strangers_) ++counts[each->address()];
+  for (const Http* each : unauthenticated_) ++counts[each->address()];
   const auto most = std::max_element(counts.begin(), counts.end(),
                                      [](const auto& a, const auto& b) { return a.second < b.second; });
-  const auto oldest = std::find_if(strangers_.begin(), strangers_.end(),
+  const auto oldest = std::find_if(unauthenticated_.begin(), unauthenticated_.end(),
                                    [&](const Http* each) { return each->address() == most->first; });
   Http* const leaving = *oldest;
-  strangers_.erase(oldest);
+  unauthenticated_.erase(oldest);
   ++refused;
   leaving->give_way();
 }
@@ -537,14 +537,14 @@ void Port::Work::wake() {
   });
 }
 
-void Port::Work::say_goodbye() {
+void Port::Work::close_in_order() {
   over_ = true;
   Failure ignored;
   acceptor_.close(ignored);
   rest_.reset();
   for (auto i = sockets_.begin(); i != sockets_.end();) (*i++)->go_away();
-  farewell_ = std::make_unique<net::steady_timer>(context, duration(sockets_.empty() ? 0 : kFarewell_s));
-  farewell_->async_wait([this](Failure) { context.stop(); });
+  closing_answer_ = std::make_unique<net::steady_timer>(context, duration(sockets_.empty() ? 0 : kClosing_s));
+  closing_answer_->async_wait([this](Failure) { context.stop(); });
 }
 
 Port::Port(PortOptions options, Site& site) : work_(std::make_unique<Work>(std::move(options), site)) {}

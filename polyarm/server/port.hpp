@@ -58,7 +58,7 @@ struct PortOptions {
   std::string certificate, key;  ///< PEM; other machines must use TLS. Empty: no TLS
   bool local_in_clear = true;    ///< this machine may also connect without TLS
   std::size_t most_connections = bounds::kConnections;  ///< connections that have shown a token
-  std::size_t most_strangers = bounds::kStrangers;      ///< connections that have not
+  std::size_t most_unauthenticated = bounds::kUnauthenticated;      ///< connections that have not
   double head_s = bounds::kHead_ms / 1000.0, body_s = 60, idle_s = 20, send_s = 30;  ///< timeouts
 };
 

@@ -85,8 +85,8 @@ class Sessions::Work {
     take_lines();
     if (jogs_) jogs_->tick();
     control_.tick(now_);
-    tell_control();
-    tell_events();
+    report_control();
+    report_events_of_cell();
     send_frames();
     return any_woken();
   }
@@ -101,24 +101,24 @@ class Sessions::Work {
     out.clients = seats_.size();
     out.requests = requests;
     out.frames = frames_sent_;
-    out.frames_left_out = frames_left_out_;
-    out.events_left_out = events_left_out_;
+    out.omitted_frames = omitted_frames_;
+    out.omitted_events = omitted_events_;
     for (const auto& [number, seat] : seats_) {
-      out.frames_left_out += seat.client->frames_left_out();
-      out.events_left_out += seat.client->events_left_out();
+      out.omitted_frames += seat.client->omitted_frames();
+      out.omitted_events += seat.client->omitted_events();
     }
     return out;
   }
 
   Journal journal;
   std::uint64_t requests = 0;
-  std::optional<cell::RestartWish> wish;
-  const std::shared_ptr<realtime::BellRope> rope = std::make_shared<realtime::BellRope>();
+  std::optional<cell::RestartRequest> wish;
+  const std::shared_ptr<realtime::WakeupHandle> rope = std::make_shared<realtime::WakeupHandle>();
 
  private:
   // --- coming and going
 
-  void look_at_clients() {
+  void check_clients() {
     {
       const std::lock_guard lock(mutex_);
       for (auto& [client, reserved] : arrived_) {
@@ -139,8 +139,8 @@ class Sessions::Work {
       }
       if (jogs_) jogs_->end_all(each->first, "gone");
       control_.gone(each->first);
-      frames_left_out_ += each->second.client->frames_left_out();
-      events_left_out_ += each->second.client->events_left_out();
+      omitted_frames_ += each->second.client->omitted_frames();
+      omitted_events_ += each->second.client->omitted_events();
       each = seats_.erase(each);
       const std::lock_guard lock(mutex_);
       --connected_;
@@ -164,7 +164,7 @@ class Sessions::Work {
   void take_lines() {
     now_ = seconds(realtime::monotonic_now());
     if (cell_) journal.set_now(cell_->now());
-    look_at_clients();
+    check_clients();
     take_urgent();
     const Nanoseconds begun = realtime::monotonic_now();
     if (begun - budget_since_ >= kBudgetEvery) renew_budget(begun);
@@ -305,10 +305,10 @@ class Sessions::Work {
     }
     if (facts == &protocol::CellRestart::kFacts) {
       const auto& asked = request.as<protocol::CellRestart>();
-      begin_anew({asked.robot.value_or(""), asked.hardware.value_or(""), asked.program.value_or(""),
+      begin_restart({asked.robot.value_or(""), asked.hardware.value_or(""), asked.program.value_or(""),
                   asked.cell.value_or("")});
     } else if (facts == &protocol::CellConnect::kFacts) {
-      begin_anew({{}, {}, {}, {}, request.as<protocol::CellConnect>().real});
+      begin_restart({{}, {}, {}, {}, request.as<protocol::CellConnect>().real});
     } else {
       require_cell();
     }
@@ -356,21 +356,21 @@ class Sessions::Work {
   /// The cell's restart request with the names that the page's menus use.
   template <class Change>
   protocol::Asked change_cell(const Change& request) {
-    cell::RestartWish asked;
+    cell::RestartRequest asked;
     const std::string robot = request.robot.value_or("");
     if (request.model) asked.robot = (robot.empty() ? "" : robot + "=") + *request.model;
     asked.cell = request.folder.value_or("");
     if (!cell_) {
-      begin_anew(std::move(asked));
+      begin_restart(std::move(asked));
     } else {
       cell::require_within_reach(asked, cell_->file().folder);
-      cell_->ask_restart(std::move(asked));
+      cell_->request_restart(std::move(asked));
     }
     return {"restart"};
   }
 
   /// Used while no cell runs.
-  void begin_anew(cell::RestartWish asked) {
+  void begin_restart(cell::RestartRequest asked) {
     cell::require_within_reach(asked, {});
     wish = std::move(asked);
   }
@@ -480,12 +480,12 @@ class Sessions::Work {
     if (const auto found = seats_.find(to); found != seats_.end()) found->second.client->answer(line);
   }
 
-  void tell_control() {
-    for (const ControlNews& news : control_.take_news()) {
+  void report_control() {
+    for (const ControlReport& news : control_.take_reports()) {
       constexpr const char* kWhats[] = {"asked", "given", "refused", "taken", "lost", "free"};
-      if (jogs_ && (news.what == ControlNews::What::lost || news.what == ControlNews::What::taken))
+      if (jogs_ && (news.what == ControlReport::What::lost || news.what == ControlReport::What::taken))
         jogs_->end_all(news.to, "control");
-      const bool asked = news.what == ControlNews::What::asked;
+      const bool asked = news.what == ControlReport::What::asked;
       const Json event{{"event", asked ? "asked" : "control"},
                        {"what", kWhats[static_cast<std::size_t>(news.what)]},
                        {"client", news.other},
@@ -528,13 +528,13 @@ class Sessions::Work {
     return protocol::any_of(status).dump();
   }
 
-  void tell_events() {
+  void report_events_of_cell() {
     const bool anybody =
         std::any_of(seats_.begin(), seats_.end(), [](const auto& each) { return each.second.listens; });
     if (!anybody) return;
     const std::uint64_t key =
         cell_ ? (static_cast<std::uint64_t>(cell_->snapshot().state) << 8) + control_.holder() : ~0ull;
-    if (due(told_status_, kStatusEvery) || key != status_key_) {
+    if (due(sent_status_, kStatusEvery) || key != status_key_) {
       status_key_ = key;
       std::string text = status();
       if (text != status_) {
@@ -542,28 +542,28 @@ class Sessions::Work {
         broadcast(Kind::status, std::make_shared<const std::string>(status_));
       }
     }
-    if (due(told_log_, kLogEvery) && journal.last_line() != lines_told_) {
-      broadcast(Kind::log, log_event(journal, lines_told_));
-      lines_told_ = journal.last_line();
+    if (due(sent_log_, kLogEvery) && journal.last_line() != lines_reported_) {
+      broadcast(Kind::log, log_event(journal, lines_reported_));
+      lines_reported_ = journal.last_line();
     }
     for (const Journal::Alarm& alarm : journal.alarms())
-      if (alarm.number > alarms_told_) broadcast(Kind::log, alarm_event(alarm));
-    alarms_told_ = journal.last_alarm();
-    if (cell_) tell_cell_events();
+      if (alarm.number > alarms_sent_) broadcast(Kind::log, alarm_event(alarm));
+    alarms_sent_ = journal.last_alarm();
+    if (cell_) report_cell_events();
     for (auto& [number, seat] : seats_)
       if (seat.listens && !std::exchange(seat.greeted, true)) greet(seat);
   }
 
-  void tell_cell_events() {
-    if (due(told_tags_, kTagsEvery))
+  void report_cell_events() {
+    if (due(sent_tags_, kTagsEvery))
       broadcast(Kind::tags, tags_->changes(due(looked_, kLookEvery)), [this] { return tags_->full(); });
-    if (tags_->places_changed() && due(told_points_, kPointsEvery)) {
+    if (tags_->places_changed() && due(sent_points_, kPointsEvery)) {
       tags_->take_places_changed();
       broadcast(Kind::points, std::make_shared<const std::string>(R"({"event":"points"})"));
     }
-    if (due(told_parts_, kPartsEvery))
+    if (due(sent_parts_, kPartsEvery))
       broadcast(Kind::parts, parts_->changes(), [this] { return parts_->full(); });
-    if (due(told_plans_, kPlansEvery)) broadcast(Kind::plan, plans_->changes());
+    if (due(sent_plans_, kPlansEvery)) broadcast(Kind::plan, plans_->changes());
     broadcast(Kind::program, program_->changes(now_));
   }
 
@@ -620,10 +620,10 @@ class Sessions::Work {
   std::optional<ProgramEvents> program_;
   std::uint16_t layout_ = 0;
   std::string status_;
-  std::uint64_t status_key_ = 0, lines_told_ = 0, alarms_told_ = 0;
-  double told_status_ = 0, told_tags_ = 0, looked_ = 0, told_parts_ = 0, told_log_ = 0, told_points_ = 0,
-         told_plans_ = 0;
-  std::uint64_t frames_sent_ = 0, frames_left_out_ = 0, events_left_out_ = 0;
+  std::uint64_t status_key_ = 0, lines_reported_ = 0, alarms_sent_ = 0;
+  double sent_status_ = 0, sent_tags_ = 0, looked_ = 0, sent_parts_ = 0, sent_log_ = 0, sent_points_ = 0,
+         sent_plans_ = 0;
+  std::uint64_t frames_sent_ = 0, omitted_frames_ = 0, omitted_events_ = 0;
 };
 
 Sessions::Sessions(cell::Observer& next, std::string version)
@@ -647,10 +647,10 @@ bool Sessions::serve() {
 bool Sessions::take() {
   return work_->take();
 }
-void Sessions::set_bell(const std::shared_ptr<realtime::Bell>& bell) {
+void Sessions::set_wakeup(const std::shared_ptr<realtime::Bell>& bell) {
   work_->rope->tie(bell);
 }
-std::optional<cell::RestartWish> Sessions::take_wish() {
+std::optional<cell::RestartRequest> Sessions::take_restart_request() {
   return std::exchange(work_->wish, std::nullopt);
 }
 Pendant::Counts Sessions::counts() const {

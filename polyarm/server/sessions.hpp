@@ -31,8 +31,8 @@ class Sessions {
   bool serve();
   /// Between ticks: only takes the requests that have come in.
   bool take();
-  void set_bell(const std::shared_ptr<realtime::Bell>& bell);
-  std::optional<cell::RestartWish> take_wish();
+  void set_wakeup(const std::shared_ptr<realtime::Bell>& bell);
+  std::optional<cell::RestartRequest> take_restart_request();
   Pendant::Counts counts() const;
 
  private:

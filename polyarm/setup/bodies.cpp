@@ -76,7 +76,7 @@ namespace {
 /// It stands free or has wheels, or is on a robot that does.
 bool can_move(const CellRobot& robot, const CellRobots& robots) {
   const std::vector<char> rolling = description::links_on_the_floor(robot.model, false);
-  if (stands_free(robot) || std::find(rolling.begin(), rolling.end(), 1) != rolling.end()) return true;
+  if (is_freestanding(robot) || std::find(rolling.begin(), rolling.end(), 1) != rolling.end()) return true;
   return std::any_of(robots.begin(), robots.end(), [&](const auto& other) {
     return other.get() != &robot && other->entry.name == robot.entry.on && can_move(*other, {});
   });
@@ -132,12 +132,12 @@ std::vector<std::string> physics_notes(const CellRobots& robots) {
     if (!checks_contacts(*robot)) continue;
     for (const std::string& text : description::placeholders(robot->model))
       out.push_back(robot->entry.name + ": " + text);
-    if (const std::string why = why_it_falls(*robot); !why.empty()) out.push_back(why);
+    if (const std::string why = why_it_sags(*robot); !why.empty()) out.push_back(why);
   }
   return out;
 }
 
-std::string why_it_falls(const CellRobot& robot) {
+std::string why_it_sags(const CellRobot& robot) {
   if (!checks_contacts(robot)) return {};
   const moves::Payload load = moves::joined(
       {robot.tool.mass, robot.tool.center},

@@ -41,6 +41,6 @@ std::vector<std::string> sentences(const std::vector<Problem>& problems);
 std::vector<std::string> physics_notes(const CellRobots& robots);
 /// Why gravity pulls a robot down in physics: the joints whose efforts do not hold it at the start, with
 /// limits and torques. Empty if all do, or if physics does not simulate it. Takes milliseconds.
-std::string why_it_falls(const CellRobot& robot);
+std::string why_it_sags(const CellRobot& robot);
 
 }  // namespace polyarm::cell

@@ -46,7 +46,7 @@ void load_plugins(const CellFile& file, Problems& problems) {
   load_the_users(problems);
 }
 
-bool look_at_plugins(const CellFile& file, Problems& problems) {
+bool check_plugins_of_cell(const CellFile& file, Problems& problems) {
   load_the_users(problems);
   bool any = false;
   each_folder(file, problems, [&](const std::string& written, const std::filesystem::path& folder) {
@@ -122,7 +122,7 @@ void check_live(const CellFile& file, const signals::Signals& signals, Problems&
   }
 }
 
-void add_brought(const signals::Signals& signals, program::KnownNames& known) {
+void add_provided(const signals::Signals& signals, program::KnownNames& known) {
   using Role = signals::LinkTag::Role;
   for (const signals::LinkEntry& link : signals.links)
     for (const signals::LinkTag& tag : link.tags)
@@ -186,7 +186,7 @@ LoadedPrograms load_programs(const CellFile& file, const signals::Signals& signa
   known.add(store);
   known.folder = file.folder;
   add_robots(file, known);
-  add_brought(signals, known);
+  add_provided(signals, known);
   add_places(store, files, known);
   add_places(signals, known);
   for (const auto* loaded : {&out.program, &out.plc})

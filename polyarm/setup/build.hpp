@@ -17,7 +17,7 @@ namespace polyarm::cell {
 void load_plugins(const CellFile& file, Problems& problems);
 /// The same without the cell's folders, so no code of the cell runs. Warns of each folder whose libraries
 /// were not loaded; true if there is one.
-bool look_at_plugins(const CellFile& file, Problems& problems);
+bool check_plugins_of_cell(const CellFile& file, Problems& problems);
 
 /// Warns of live data sets without a file in the cell.
 void check_live(const CellFile& file, const signals::Signals& signals, Problems& problems);
@@ -34,7 +34,7 @@ std::string file_of_cell(const CellFile& file, const std::string& name, const Lo
 void add_robots(const CellFile& file, program::KnownNames& known);
 /// Adds tags that only the far side of a link sets. Tags that arrive as messages (MQTT, ROS 2 topics) are not
 /// added, because a program resets them to notice the next message.
-void add_brought(const signals::Signals& signals, program::KnownNames& known);
+void add_provided(const signals::Signals& signals, program::KnownNames& known);
 /// Adds the locations at which tags are defined.
 void add_places(const signals::Signals& signals, program::KnownNames& known);
 

@@ -16,7 +16,7 @@
 namespace polyarm::cell {
 
 /// Changes for rebuilding a cell; empty values stay unchanged.
-struct RestartWish {
+struct RestartRequest {
   std::string robot, hardware, program, cell;
   std::optional<bool> real{};  ///< true: on its real hardware; false: simulated
 };
@@ -40,7 +40,7 @@ struct CellOptions {
   bool real = false;        ///< drive real hardware, after a person has armed it
   bool full_speed = false;  ///< real hardware runs at full speed from the first pass on
   /// Time after the end of the run after which hardware callbacks are abandoned, ns.
-  Nanoseconds hardware_patience = 5'000'000'000;
+  Nanoseconds hardware_timeout = 5'000'000'000;
   /// While hardware starts: returns true if a person has asked to end it. Running callbacks are then
   /// abandoned.
   std::function<bool()> start_given_up;

@@ -169,7 +169,7 @@ bool admit_file(const CellFile& file, const LinkEntry& link, std::string& named,
 }
 }  // namespace
 
-std::vector<Wanted> wanted_by(const CellFile& file, Problems* unread) {
+std::vector<Wanted> required_by(const CellFile& file, Problems* unread) {
   Problems told_later;
   return List(file).all(unread ? *unread : told_later);
 }

@@ -23,7 +23,7 @@ struct Wanted {
 /// Everything that the cell's own files name; accesses by plugins are not known. Loads, opens and connects
 /// nothing. Files inside the cell, packages and this machine's loopback are not listed. `unread`: problems in
 /// files that could name more.
-std::vector<Wanted> wanted_by(const CellFile& file, Problems* unread = nullptr);
+std::vector<Wanted> required_by(const CellFile& file, Problems* unread = nullptr);
 /// Adds everything to the cell's grant that the user has approved for cells in its folder before.
 void allow_remembered(const CellFile& file);
 /// Stores the permission for cells in this folder; it applies when one is opened next.

@@ -11,7 +11,7 @@ namespace polyarm::cell {
 ros_files::ControllersFile read_setup(CellSetup& setup, Observer& observer, Problems& problems) {
   std::vector<std::string> notes = setup.file.notes;
   if (setup.options.no_code)
-    look_at_plugins(setup.file, problems);
+    check_plugins_of_cell(setup.file, problems);
   else
     load_plugins(setup.file, problems);
   ros_files::ControllersFile described;

@@ -46,7 +46,7 @@ std::vector<std::string> configure(control::ControllerManager& manager, std::vec
 }
 
 /// Adds a controller's findings about its parameters that the file's reader has not reported.
-void tell_findings(const std::vector<Problem>& findings, Problems& problems) {
+void report_findings(const std::vector<Problem>& findings, Problems& problems) {
   const auto told = [&](const Problem& problem) {
     return std::any_of(problems.list().begin(), problems.list().end(), [&](const Problem& other) {
       return other.where.line > 0 && other.where.line == problem.where.line &&
@@ -138,7 +138,7 @@ std::vector<std::string> start_controllers(std::vector<PlannedController> plan, 
           "unknown-controller", {},
           "'activate' names the controller '" + name + "', which does not exist" + did_you_mean(name, names));
   for (const std::string& name : configure(manager, names, problems)) std::erase(request.activate, name);
-  for (const std::string& name : names) tell_findings(manager.findings(name), problems);
+  for (const std::string& name : names) report_findings(manager.findings(name), problems);
   if (problems.has_errors()) return {};
   if (file.activate.empty() && !file.launched)
     request.activate = one_way_for_each_joint(request.activate, manager, robots, observer);

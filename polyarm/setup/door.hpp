@@ -23,7 +23,7 @@ class Door {
   virtual void serve() = 0;
   /// The bell that its threads ring when input has arrived that must not wait for the next tick; null: nobody
   /// listens any more. Cell thread.
-  virtual void set_bell(const std::shared_ptr<realtime::Bell>& bell) {}
+  virtual void set_wakeup(const std::shared_ptr<realtime::Bell>& bell) {}
   /// Cell thread, between ticks, after the bell: hands over received input and does nothing else.
   virtual void take() {}
   /// One line for people: the address under which it is reached.

@@ -45,7 +45,7 @@ bool moves(const description::RobotModel& model, std::size_t link) {
 
 }  // namespace
 
-bool stands_free(const CellRobot& robot) {
+bool is_freestanding(const CellRobot& robot) {
   return std::any_of(robot.blocks.begin(), robot.blocks.end(), [](const HardwareBlock& block) {
     const auto base = block.info->parameters.find("base");
     return base != block.info->parameters.end() && base->second == "free";
@@ -54,7 +54,7 @@ bool stands_free(const CellRobot& robot) {
 
 double lowest_point(const CellRobot& robot) {
   double lowest = std::numeric_limits<double>::infinity();
-  if (stands_free(robot)) return lowest;
+  if (is_freestanding(robot)) return lowest;
   const kinematics::Chain chain(robot.model, robot.model.root, robot.entry.base);
   std::vector<Pose> poses(chain.links());
   chain.link_poses(robot.start, poses);

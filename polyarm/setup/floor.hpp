@@ -8,7 +8,7 @@
 namespace polyarm::cell {
 
 /// True if physics lets the base of the robot stand on the floor by itself.
-bool stands_free(const CellRobot& robot);
+bool is_freestanding(const CellRobot& robot);
 /// The lowest point, m in the world, of what a robot's joints move, where it starts: of shapes for collisions
 /// but meshes, which are not simulated. Infinite where there is none, and for a robot that stands free.
 double lowest_point(const CellRobot& robot);

@@ -201,14 +201,14 @@ class FileMailbox::Io {
 
   std::uint64_t posted() const { return locked(posted_); }
   std::uint64_t written() const { return locked(written_); }
-  std::uint64_t look_from_now() const { return locked(looks_started_) + 1; }
+  std::uint64_t check_from_now() const { return locked(looks_started_) + 1; }
   std::uint64_t looks() const { return locked(looks_ended_); }
 
   /// One round: takes posts, checks displaced files and the file, and writes the file if it is out of date.
   void look() {
     const bool ours = turn_.take();
-    if (!ours && ++left_out_ < kMostLeftOut) return;
-    left_out_ = 0;
+    if (!ours && ++omitted_ < kMostLeftOut) return;
+    omitted_ = 0;
     in_turn_ = ours;
     look_in_turn();
     if (ours) turn_.give_back();
@@ -218,7 +218,7 @@ class FileMailbox::Io {
   void look_in_turn() {
     begin_look();
     look_at_displaced();
-    look_at_file();
+    check_file();
     const bool behind = needs_write_ || merge_.differs_from_file();
     if (behind && !held_) write();
     const std::lock_guard lock(mutex_);
@@ -286,7 +286,7 @@ class FileMailbox::Io {
 
   // --- what others wrote ---
 
-  void look_at_file() {
+  void check_file() {
     watch_.collect();
     const bool told = watch_.take_rewritten();
     if (told) last_found_ = {};
@@ -542,7 +542,7 @@ class FileMailbox::Io {
   MailboxMerge merge_;
   FileWatch watch_;
   FolderTurn turn_;
-  int left_out_ = 0;        ///< checks skipped in a row
+  int omitted_ = 0;        ///< checks skipped in a row
   bool in_turn_ = false;    ///< true if this check holds the lock
   std::string known_text_;  ///< the file's content as far as known
   std::set<std::string> names_in_file_;
@@ -597,8 +597,8 @@ std::uint64_t FileMailbox::posted() const {
 std::uint64_t FileMailbox::written() const {
   return io_->written();
 }
-std::uint64_t FileMailbox::look_from_now() const {
-  return io_->look_from_now();
+std::uint64_t FileMailbox::check_from_now() const {
+  return io_->check_from_now();
 }
 std::uint64_t FileMailbox::looks() const {
   return io_->looks();

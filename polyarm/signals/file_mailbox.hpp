@@ -77,7 +77,7 @@ class FileMailbox {
   std::uint64_t posted() const;
   std::uint64_t written() const;
   /// Number of the next full check of the file. `load` waits until looks() reaches it.
-  std::uint64_t look_from_now() const;
+  std::uint64_t check_from_now() const;
   std::uint64_t looks() const;
 
   /// One round of I/O on the calling thread; for lock-step mode without an I/O thread.

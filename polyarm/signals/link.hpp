@@ -120,7 +120,7 @@ struct LinkValue {
 };
 
 /// The result of one exchange of a port.
-struct LinkNews {
+struct LinkReport {
   std::vector<LinkValue> values;                             ///< new values, or all after connecting
   std::vector<std::size_t> seen;                             ///< tags that were received, changed or not
   std::vector<std::pair<std::size_t, std::string>> refused;  ///< refused values with the reason
@@ -140,7 +140,7 @@ class LinkPort {
   /// `now`: time of the caller's clock. Throws Error if the connection is lost; then none of `writes` counts
   /// as sent.
   virtual void exchange(const std::vector<LinkValue>& writes, Nanoseconds now, Nanoseconds patience,
-                        LinkNews& news) = 0;
+                        LinkReport& news) = 0;
   /// True if exchange() itself waits for incoming data.
   virtual bool waits() const { return false; }
   /// Call it before the first open(), with the values that both sides knew before the port was created again.

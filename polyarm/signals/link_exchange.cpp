@@ -188,7 +188,7 @@ std::vector<LinkValue> unpack_values(Unpacker& in) {
   return out;
 }
 
-void pack(Packer& out, const LinkNews& news) {
+void pack(Packer& out, const LinkReport& news) {
   pack(out, news.values);
   out.number(count_of(news.seen.size()));
   for (const std::size_t tag : news.seen) out.number(count_of(tag));
@@ -199,7 +199,7 @@ void pack(Packer& out, const LinkNews& news) {
   out.number(news.alive);
 }
 
-bool unpack_news(Unpacker& in, const LinkEntry& entry, LinkNews& news) {
+bool unpack_reports(Unpacker& in, const LinkEntry& entry, LinkReport& news) {
   const std::size_t tags = entry.tags.size();
   for (auto left = in.number<std::uint32_t>(); left > 0 && in.good(); --left) {
     const std::size_t tag = in.number<std::uint32_t>();

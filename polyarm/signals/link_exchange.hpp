@@ -42,9 +42,9 @@ LinkEntry unpack_entry(process::Unpacker& in);
 void pack(process::Packer& out, const std::vector<LinkValue>& values);
 std::vector<LinkValue> unpack_values(process::Unpacker& in);
 
-void pack(process::Packer& out, const LinkNews& news);
+void pack(process::Packer& out, const LinkReport& news);
 /// Returns false for invalid content: an unknown tag, a value that the tag cannot have, or one that should
 /// have been refused. Texts become printable.
-bool unpack_news(process::Unpacker& in, const LinkEntry& entry, LinkNews& news);
+bool unpack_reports(process::Unpacker& in, const LinkEntry& entry, LinkReport& news);
 
 }  // namespace polyarm::signals

@@ -15,7 +15,7 @@ namespace polyarm::signals {
 
 namespace {
 /// Interval at which a port that waits for news checks for posts, ns.
-constexpr Nanoseconds kPatience = 5'000'000;
+constexpr Nanoseconds kTimeout = 5'000'000;
 constexpr Nanoseconds kSecond = 1'000'000'000;
 /// Limit for losses, refusals and notes that wait for the cell.
 constexpr std::size_t kMostOtherEvents = 100;
@@ -37,7 +37,7 @@ class Link::Io {
         wanted_(entry_.tags.size()),
         posted_(entry_.tags.size(), 0),
         given_(entry_.tags.size(), 0),
-        heard_at_(entry_.tags.size(), -1),
+        received_at_(entry_.tags.size(), -1),
         refusals_(entry_.tags.size()) {
     state_.reason = "it has not been connected yet";
     state_.stale.assign(entry_.tags.size(), 0);
@@ -111,7 +111,7 @@ class Link::Io {
       lock.unlock();
       const Nanoseconds begun = steady_now();
       if (!open_ && begun >= next_try_) connect(begun);
-      if (open_) round(begun, kPatience);
+      if (open_) round(begun, kTimeout);
       lock.lock();
       if (open_ && port_->waits()) continue;
       const Nanoseconds next = open_ ? begun + entry_.poll : std::max(next_try_, begun + 1'000'000);
@@ -186,7 +186,7 @@ class Link::Io {
         if (const std::string* text = wanted_[i]->as_text()) bytes += text->size();
       }
     }
-    LinkNews news;
+    LinkReport news;
     const Nanoseconds begun = steady_now();
     try {
       port_->exchange(writes, now, patience, news);
@@ -201,14 +201,14 @@ class Link::Io {
     take(news, known, now);
   }
 
-  void take(LinkNews& news, const std::vector<std::uint64_t>& known, Nanoseconds now) {
+  void take(LinkReport& news, const std::vector<std::uint64_t>& known, Nanoseconds now) {
     if (news.alive)
       up();
     else
       down("no client has sent a request within its timeout");
     for (std::string& note : news.notes)
       events_.push_back({{LinkEvent::Kind::note, 0, {}, std::move(note)}, UINT64_MAX});
-    for (const std::size_t tag : news.seen) heard_at_[tag] = now, state_.heard[tag] = 1;
+    for (const std::size_t tag : news.seen) received_at_[tag] = now, state_.heard[tag] = 1;
     take_refusals(news, now);
     for (LinkValue& value : news.values) {
       refusals_[value.tag].clear();
@@ -224,28 +224,28 @@ class Link::Io {
 
   /// Marks the tags that were not received for longer than their `stale`.
   void age(LinkState& state, Nanoseconds now) const {
-    for (std::size_t i = 0; i < heard_at_.size(); ++i) {
+    for (std::size_t i = 0; i < received_at_.size(); ++i) {
       const Nanoseconds limit = entry_.tags[i].stale;
-      state.stale[i] = limit > 0 && (heard_at_[i] < 0 || now - heard_at_[i] > limit);
+      state.stale[i] = limit > 0 && (received_at_[i] < 0 || now - received_at_[i] > limit);
     }
   }
 
   /// Reports each refusal once, and only some if a far side keeps sending different invalid values.
-  void take_refusals(LinkNews& news, Nanoseconds now) {
+  void take_refusals(LinkReport& news, Nanoseconds now) {
     if (now - refusing_since_ >= kSecond) {
-      if (const auto left_out = std::exchange(refusals_left_out_, 0); left_out > 0)
+      if (const auto left_out = std::exchange(omitted_refusals_, 0); left_out > 0)
         events_.push_back({{LinkEvent::Kind::note, 0, {},
                             std::to_string(left_out) + " more values were not taken than are reported"}, UINT64_MAX});
       refusing_since_ = now;
-      refusals_told_ = 0;
+      refusals_reported_ = 0;
     }
     for (auto& [tag, why] : news.refused) {
       if (refusals_[tag] == why) continue;
-      if (refusals_told_ == bounds::kLinkRefusals) {
-        ++refusals_left_out_;
+      if (refusals_reported_ == bounds::kLinkRefusals) {
+        ++omitted_refusals_;
         continue;
       }
-      ++refusals_told_;
+      ++refusals_reported_;
       refusals_[tag] = why;
       events_.push_back({{LinkEvent::Kind::refused, tag, {}, why}, 0});
     }
@@ -272,14 +272,14 @@ class Link::Io {
   bool has_been_open_ = false;
   Nanoseconds next_try_ = 0, pause_;
   Nanoseconds refusing_since_ = 0;
-  std::uint64_t refusals_told_ = 0, refusals_left_out_ = 0;
+  std::uint64_t refusals_reported_ = 0, omitted_refusals_ = 0;
   // Both threads; protected by the mutex.
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::vector<std::optional<data::Value>> wanted_;  ///< by tag: the value for the far side
   std::vector<std::uint64_t> posted_, given_;       ///< by tag: count of posts, and number of the last post
                                                     ///< sent
-  std::vector<Nanoseconds> heard_at_;
+  std::vector<Nanoseconds> received_at_;
   std::vector<std::string> refusals_;
   std::vector<std::pair<LinkEvent, std::uint64_t>> events_;  ///< with the count of the tag's posts at that
                                                              ///< time

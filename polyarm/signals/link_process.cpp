@@ -25,7 +25,7 @@ using process::Packer;
 using process::Unpacker;
 
 /// Interval of checks for an order without a wake-up, ms.
-constexpr int kLook_ms = 1000;
+constexpr int kCheck_ms = 1000;
 
 class LinkProcess {
  public:
@@ -38,7 +38,7 @@ class LinkProcess {
       const auto received = channel_.receive(order);
       if (received == Channel::Received::broken || channel_.broken()) return 1;
       if (received == Channel::Received::nothing) {
-        channel_.wait(kLook_ms);
+        channel_.wait(kCheck_ms);
         continue;
       }
       Unpacker in(order);
@@ -92,7 +92,7 @@ class LinkProcess {
 
   void exchange(Unpacker& in) {
     const auto now = in.number<Nanoseconds>(), patience = in.number<Nanoseconds>();
-    LinkNews news;
+    LinkReport news;
     port_->exchange(unpack_values(in), now, patience, news);
     tell(LinkAnswer::news, [&](Packer& out) { pack(out, news); });
   }

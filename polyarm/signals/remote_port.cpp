@@ -96,7 +96,7 @@ void RemotePort::open() {
 }
 
 void RemotePort::exchange(const std::vector<LinkValue>& writes, Nanoseconds now, Nanoseconds patience,
-                          LinkNews& news) {
+                          LinkReport& news) {
   if (!child_.running()) lose("does not run");
   order(LinkOrder::exchange, [&](Packer& out) {
     out.number(now).number(patience);
@@ -105,7 +105,7 @@ void RemotePort::exchange(const std::vector<LinkValue>& writes, Nanoseconds now,
   const std::size_t requests = 2 + writes.size() + std::min(entry_.tags.size(), kMostBlocks);
   Unpacker in = answer(LinkAnswer::news,
                        options_.patience + patience + static_cast<Nanoseconds>(requests) * entry_.timeout);
-  if (!unpack_news(in, entry_, news)) {
+  if (!unpack_reports(in, entry_, news)) {
     news = {};
     lose("broke the rules of the exchange, and was ended");
   }

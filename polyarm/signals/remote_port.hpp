@@ -37,7 +37,7 @@ class RemotePort : public LinkPort {
   void open() override;
   void close() noexcept override;
   void exchange(const std::vector<LinkValue>& writes, Nanoseconds now, Nanoseconds patience,
-                LinkNews& news) override;
+                LinkReport& news) override;
   bool waits() const override { return waits_; }
   void give_up() noexcept override;
 

@@ -308,7 +308,7 @@ struct Sweep::Work : SweepBodies {
     if (pair.slack >= wanted(pair)) return;
     const Distance here = distance(pair, now);
     const bool fresh = std::exchange(pair.fresh, false);
-    if (!fresh) look_between(pair, now, {0, start}, {1, here.value}, way, mark_of, 0);
+    if (!fresh) search_between(pair, now, {0, start}, {1, here.value}, way, mark_of, 0);
     pair.slack = here.value;
     offer(pair, here, time_, mark_of);
   }
@@ -318,7 +318,7 @@ struct Sweep::Work : SweepBodies {
   };
 
   /// Halves the way between two moments as long as something nearer than what is known could be on it.
-  void look_between(Pair& pair, const Placed& now, Place from, Place to, double way, const MarkOf& mark_of,
+  void search_between(Pair& pair, const Placed& now, Place from, Place to, double way, const MarkOf& mark_of,
                     int depth) {
     double target = pair.open ? std::min(wanted(pair), pair.approach.distance) : wanted(pair);
     if (pair.excused) target = std::min(target, -kPressing);
@@ -327,8 +327,8 @@ struct Sweep::Work : SweepBodies {
     const double s = (from.s + to.s) / 2;
     const Distance here = distance(pair, placed_between(now, s));
     if (here.value < wanted(pair)) offer(pair, here, time_before_ + s * (time_ - time_before_), mark_of);
-    look_between(pair, now, from, {s, here.value}, way / 2, mark_of, depth + 1);
-    look_between(pair, now, {s, here.value}, to, way / 2, mark_of, depth + 1);
+    search_between(pair, now, from, {s, here.value}, way / 2, mark_of, depth + 1);
+    search_between(pair, now, {s, here.value}, to, way / 2, mark_of, depth + 1);
   }
 
   Placed placed_between(const Placed& now, double s) const {

@@ -127,7 +127,7 @@ program::Progress ProgramHost::poll_load(program::Handle handle) {
 
 program::Handle ProgramHost::start_ask(const std::string& text, const Location& where) {
   c_.answers->begin();
-  if (c_.answers->none() && !c_.answers->somebody_there)
+  if (c_.answers->none() && !c_.answers->can_answer)
     throw Error(Problem{"nobody-there", where, "the program waits for a user, but nobody can answer: " + text,
                         "run it in a terminal, or give the answer in advance with --answer TEXT"});
   c_.observer->on_question(text.empty() ? "The program waits for you. Press Enter to continue." : text);

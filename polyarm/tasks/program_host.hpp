@@ -42,7 +42,7 @@ class Answers {
     return out;
   }
   /// True if a person can type answers.
-  bool somebody_there = false;
+  bool can_answer = false;
 
  private:
   std::deque<std::string> given_;

@@ -49,7 +49,7 @@ void Task::tick(const std::function<void()>& between) {
   if (ended()) return;
   int done = 0;
   while (done < kBudget) {
-    const program::StepResult result = interpreter_.step(done < kTold ? 1 : kBudget - done);
+    const program::StepResult result = interpreter_.step(done < kReported ? 1 : kBudget - done);
     const bool news = result.state != status_.state || interpreter_.paused() != status_.paused;
     if (result.executed > 0 || news) look();
     if (result.executed == 0) break;

@@ -16,7 +16,7 @@ class Task {
   /// Maximum number of statements per tick.
   static constexpr int kBudget = 200;
   /// Of these, the number reported line by line; after that only the line that was reached is reported.
-  static constexpr int kTold = 20;
+  static constexpr int kReported = 20;
 
   /// `test`: index of the test in the program, in text order.
   Task(std::string name, program::Program program, ProgramHost::Context context,
@@ -24,7 +24,7 @@ class Task {
 
   /// Runs until the task waits or ends or the budget is used up; reports reached lines to the observer.
   void tick();
-  /// The same; calls `between` between statements: after each of the first kTold, then after the last.
+  /// The same; calls `between` between statements: after each of the first kReported, then after the last.
   void tick(const std::function<void()>& between);
   program::Interpreter& interpreter() { return interpreter_; }
   const program::Interpreter& interpreter() const { return interpreter_; }

@@ -82,8 +82,8 @@ void TimingProblem::look(const NodeMotion& m, const JerkPieces& pieces, std::vec
     for (Peaks& p : of)
       for (auto* list : {&p.most, &p.above, &p.rows, &p.row}) list->assign(count_, 0.0);
   for (auto& list : value_) list.resize(count_ * kPlaces);
-  for (std::size_t j = 0; j < rows_.joints(); ++j) look_at_joint(j);
-  for (std::size_t n = 0; n + rows_.joints() < rows_.rows(); ++n) look_at_norm(n);
+  for (std::size_t j = 0; j < rows_.joints(); ++j) check_joint_in_detail(j);
+  for (std::size_t n = 0; n + rows_.joints() < rows_.rows(); ++n) check_norm(n);
   out.assign(count_ + 1, {});
   for (std::size_t kind = 0; kind < 3; ++kind) {
     const Peaks &joints = peaks_[0][kind], &norms = peaks_[1][kind];
@@ -149,7 +149,7 @@ void TimingProblem::peaks(std::size_t kind, const double* values, std::size_t ro
                         {p.most.data(), p.above.data(), p.rows.data(), p.row.data()});
 }
 
-void TimingProblem::look_at_joint(std::size_t j) {
+void TimingProblem::check_joint_in_detail(std::size_t j) {
   values_of(j);
   const trajectory::MotionLimits& l = rows_.limits(j);
   peaks(0, value_[0].data(), j, 1 / l.max_velocity, -1 / l.min_velocity);
@@ -157,7 +157,7 @@ void TimingProblem::look_at_joint(std::size_t j) {
   peaks(2, value_[2].data(), j, 1 / l.max_jerk, 1 / l.max_jerk);
 }
 
-void TimingProblem::look_at_norm(std::size_t n) {
+void TimingProblem::check_norm(std::size_t n) {
   for (auto& list : norm_) list.assign(count_ * kPlaces, 0.0);
   for (std::size_t c = rows_.first_component(n); c < rows_.first_component(n + 1); ++c) {
     values_of(c);

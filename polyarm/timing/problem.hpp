@@ -37,8 +37,8 @@ class TimingProblem {
   std::size_t end_of(std::size_t piece) const { return place(piece, kPlaces - 1); }
   void pass(const NodeMotion& motion, const JerkPieces& pieces);
   void values_of(std::size_t component);
-  void look_at_joint(std::size_t joint);
-  void look_at_norm(std::size_t norm);
+  void check_joint_in_detail(std::size_t joint);
+  void check_norm(std::size_t norm);
   void peaks(std::size_t kind, const double* values, std::size_t row, double per_high, double per_low);
   std::vector<double> slacks(const LimitRows& rows, const std::vector<PieceUse>& use, std::size_t norm,
                              std::size_t kind) const;

@@ -206,7 +206,7 @@ class Timer {
       if (!sound) break;
       const double enough = 1 + (o_.norms.empty() ? kEnough : kEnoughOfNorms) * (1 + round);
       if (stretch < enough) {
-        look_closely(profile_of(motion_, rows_.path().breaks()));
+        check_closely(profile_of(motion_, rows_.path().breaks()));
         stretch = stretch_of(use_);
       }
       const double duration = solver->pieces().duration() * stretch;
@@ -220,7 +220,7 @@ class Timer {
       motion_ = std::move(best.motion), use_ = std::move(best.use);
       timing_.grid = motion_.s;
       timing_.profile = profile_of(motion_, rows_.path().breaks());
-      look_closely(timing_.profile);
+      check_closely(timing_.profile);
       sum_up();
       look_at_all();
     } else {
@@ -270,7 +270,7 @@ class Timer {
   }
   /// Checks again where the uncertainty between places is larger than a stretch of time can correct, and
   /// assumes the worst case for the rest.
-  void look_closely(const SpeedProfile& profile) {
+  void check_closely(const SpeedProfile& profile) {
     const double limit = stretch_of(use_), powers[3] = {limit, limit * limit, limit * limit * limit};
     std::vector<std::size_t> pieces;
     for (std::size_t k = 1; k < use_.size(); ++k) {

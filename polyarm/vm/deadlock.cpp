@@ -69,14 +69,14 @@ std::vector<const Interpreter::Task*> Interpreter::tasks_in_deadlock() const {
   if (!any) return {};
   for (std::size_t before = stuck.size() + 1; before != stuck.size();) {
     before = stuck.size();
-    std::erase_if(stuck, [&](const Task* task) { return goes_on(*task, stuck); });
+    std::erase_if(stuck, [&](const Task* task) { return keeps_going(*task, stuck); });
   }
   return stuck;
 }
 
 /// True if the task may continue although the `stuck` ones do not. An error in one part of a `together` ends
 /// its other parts.
-bool Interpreter::goes_on(const Task& task, const std::vector<const Task*>& stuck) const {
+bool Interpreter::keeps_going(const Task& task, const std::vector<const Task*>& stuck) const {
   if (task.parent && !contains(stuck, task_of(task.parent))) return true;
   if (task.frozen) return !contains(stuck, task_of(task.frozen));
   const auto may_act = [&](const auto& other) { return !other->over() && !contains(stuck, other.get()); };

@@ -25,8 +25,8 @@ bool Interpreter::stops_here(Task& task) {
   const bool marked = std::any_of(breakpoints_.begin(), breakpoints_.end(), [&](const Place& place) {
     return place.line == line.line && place.file == line.file;
   });
-  if (!pause_asked_ && !stepped && !marked) return false;
-  pause_asked_ = false;
+  if (!pause_requested_ && !stepped && !marked) return false;
+  pause_requested_ = false;
   stepping_.reset();
   paused_ = task.id;
   return true;
@@ -157,7 +157,7 @@ StartReport Interpreter::start_at(int line) {
     out.tool = task.uses.back().tool;
     out.frame = task.uses.back().frame;
   }
-  tell_assumptions(*start, out);
+  report_assumptions(*start, out);
   return out;
 }
 
@@ -182,7 +182,7 @@ void Interpreter::run_prelude(const StartingPoint& start) {
   }
 }
 
-void Interpreter::tell_assumptions(const StartingPoint& start, StartReport& out) const {
+void Interpreter::report_assumptions(const StartingPoint& start, StartReport& out) const {
   std::set<std::string> sets, reads;
   const auto is_host = [&](const std::string& name) { return host_.find(name) != nullptr; };
   for_each_statement(program_.statements, [&](const Statement& s) {

@@ -22,7 +22,7 @@ void Interpreter::execute(Task& task) {
   const Step& step = code_.steps[task.pc];
   task.line = source(step).line;
   try {
-    if (step.op <= Op::let_go) return execute_plain(task, step);
+    if (step.op <= Op::release_now) return execute_plain(task, step);
     if (step.op <= Op::here) return execute_value(task, step);
     if (step.op <= Op::given) return execute_name(task, step);
     if (step.op <= Op::pulse) return execute_world(task, step);
@@ -85,7 +85,7 @@ void Interpreter::charge_for(const Value& value) {
 
 // Large values.
 
-bool Interpreter::go_on_with_work(Task& task) {
+bool Interpreter::continue_work(Task& task) {
   charge(static_cast<std::size_t>(task.work->go_on()));
   return task.work->done();
 }
@@ -101,7 +101,7 @@ bool Interpreter::part_from_others(Task& task, Value& whole, std::span<const Pat
       const bool begun = task.work && static_cast<Copying&>(*task.work).is_of(*at);
       const std::size_t room = grows ? std::min(kTimes * at->as_list()->size(), kMostListItems + more) : 0;
       if (!begun) task.work = std::make_unique<Copying>(*at, Value(data::List{}), room);
-      if (!go_on_with_work(task)) return false;
+      if (!continue_work(task)) return false;
       *at = static_cast<Copying&>(*task.work).take();
       task.work.reset();
     }
@@ -134,7 +134,7 @@ bool Interpreter::write(Task& task, int first, int count, std::string_view betwe
     for (int i = first; i < first + count; ++i) parts.push_back(task.local(i).value);
     task.work = std::make_unique<Writing>(std::move(parts), between);
   }
-  if (!go_on_with_work(task)) return false;
+  if (!continue_work(task)) return false;
   text = static_cast<Writing&>(*task.work).take();
   task.work.reset();
   return true;
@@ -162,7 +162,7 @@ bool Interpreter::result_of(Task& task, const Step& step, Value& result) {
     task.work = std::make_unique<Copying>(left, right);
   }
   if (!task.work) task.work = std::make_unique<Comparing>(left, right);
-  if (!go_on_with_work(task)) return false;
+  if (!continue_work(task)) return false;
   result = op == Operator::add
                ? static_cast<Copying&>(*task.work).take()
                : Value(static_cast<Comparing&>(*task.work).equal() == (op == Operator::equal));
@@ -280,8 +280,8 @@ void Interpreter::execute_plain(Task& task, const Step& step) {
       return enter_function(task, step);
     case Op::give:
       return give(task, step);
-    case Op::let_go:
-      let_go(task, step.a, step.b);
+    case Op::release_now:
+      release_now(task, step.a, step.b);
       break;
     default: {
       if (step.op < Op::unless_equal) {
@@ -432,10 +432,10 @@ bool Interpreter::call_in_pieces(Task& task, const Step& step) {
     for (std::size_t i = 0; i < arguments.size(); ++i) require(function, i, arguments[i]);
     task.work = std::make_unique<Making>(function.series(arguments));
   }
-  if (!go_on_with_work(task)) return false;
+  if (!continue_work(task)) return false;
   Value result = static_cast<Making&>(*task.work).take();
   task.work.reset();
-  let_go(task, step.b, step.c);
+  release_now(task, step.b, step.c);
   slot(task, step.a).fill(std::move(result));
   return true;
 }

@@ -102,7 +102,7 @@ void Interpreter::raise_step(Task& task, const Step& step) {
 
 void Interpreter::leave(Task& task, const Depths& to, int names) {
   const CallFrame& frame = task.frame();
-  let_go(task, to.locals, names - to.locals);
+  release_now(task, to.locals, names - to.locals);
   task.uses.resize(std::min(task.uses.size(), frame.uses + static_cast<std::size_t>(to.uses)));
   task.handlers.resize(
       std::min(task.handlers.size(), frame.handlers + static_cast<std::size_t>(to.handlers)));

@@ -70,8 +70,8 @@ const Interpreter::Task* Interpreter::working_child_of(const Task& task) const {
   const Task* out = nullptr;
   for (const auto& other : tasks_) {
     if (other->parent != task.id || other->over()) continue;
-    const auto goes_on = [&](const Task::Asked& move) { return host_.under_way(move.handle); };
-    if (std::any_of(other->moves.begin(), other->moves.end(), goes_on)) return other.get();
+    const auto keeps_going = [&](const Task::Asked& move) { return host_.under_way(move.handle); };
+    if (std::any_of(other->moves.begin(), other->moves.end(), keeps_going)) return other.get();
     if (!out) out = other.get();
   }
   return out;
@@ -165,7 +165,7 @@ StepResult Interpreter::step(int budget) {
     end_pulses();
     step_whens();
     spring_traps();
-    look_at_watches();
+    check_watches();
   }
   std::size_t idle = 0;
   while (budget > 0 && !outcome_ && !paused_ && idle < tasks_.size()) {

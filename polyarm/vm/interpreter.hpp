@@ -107,7 +107,7 @@ class Interpreter {
   const std::vector<std::string>* lines_of(const std::string& name) const;
   bool has_file(const std::string& name) const { return lines_of(name) != nullptr; }
   /// Pauses before the next statement; queued motion continues.
-  void pause() { pause_asked_ = true; }
+  void pause() { pause_requested_ = true; }
   /// Before the first step: pauses at the start.
   void pause_here();
   bool paused() const { return paused_ != 0; }
@@ -181,9 +181,9 @@ class Interpreter {
   void forget_arrived(Task& task) const;
 
   bool stops_here(Task& task);
-  bool looks_for_stops() const { return resumed_ || pause_asked_ || stepping_ || !breakpoints_.empty(); }
+  bool looks_for_stops() const { return resumed_ || pause_requested_ || stepping_ || !breakpoints_.empty(); }
   void run_prelude(const StartingPoint& start);
-  void tell_assumptions(const StartingPoint& start, StartReport& out) const;
+  void report_assumptions(const StartingPoint& start, StartReport& out) const;
 
   // Waiting: waiting.cpp
   bool poll(Task& task);
@@ -196,7 +196,7 @@ class Interpreter {
   // Tasks that wait for each other: deadlock.cpp
   void fail_for_deadlock();
   std::vector<const Task*> tasks_in_deadlock() const;
-  bool goes_on(const Task& task, const std::vector<const Task*>& stuck) const;
+  bool keeps_going(const Task& task, const std::vector<const Task*>& stuck) const;
   std::string why_stuck(const Task& task) const;
   bool deadline_passed(const Task& task) const;
   void time_out(Task& task);
@@ -266,7 +266,7 @@ class Interpreter {
   const Value& value_of(Task& task, Operand operand, const Step& step);
   /// Releases a temporary that has been read.
   void drop(Task& task, Operand operand);
-  void let_go(Task& task, int first, int count);
+  void release_now(Task& task, int first, int count);
   /// Fails unless all these consecutive registers have values.
   void require_values(Task& task, const Step& step, int first, int count);
   bool take_boolean(Task& task, Operand operand, const Step& step, const char* of);
@@ -277,7 +277,7 @@ class Interpreter {
   void charge(std::size_t steps) { work_ += static_cast<int>(steps); }
   void charge_for(const Value& value);
   /// Continues the large work of the task's step; true when it is done.
-  bool go_on_with_work(Task& task);
+  bool continue_work(Task& task);
   /// Makes `whole` and its parts along `path` unshared, with room for `more` values at the end of a list;
   /// false: not finished yet.
   bool part_from_others(Task& task, Value& whole, std::span<const PathStep> path, std::size_t more = 0);
@@ -288,15 +288,15 @@ class Interpreter {
   void move(Task& task, const Step& step);
   void check_targets(const Task& task, const Step& step, std::size_t next) const;
   void use(Task& task, const Step& step);
-  Move asked_move(Task& task, const Step& step, std::size_t first) const;
-  void look_at_watches();
+  Move requested_move(Task& task, const Step& step, std::size_t first) const;
+  void check_watches();
   void measure(Task& task) const;
   // World: world_steps.cpp
   void wait_step(Task& task, const Step& step);
   void until_step(Task& task, const Step& step);
   void ask(Task& task, const Step& step);
   void expect(Task& task, const Step& step);
-  void tell_unmet(Task& task, const Step& step);
+  void report_unmet(Task& task, const Step& step);
   void meet(Task& task, const Step& step);
   void lock(Task& task, const Step& step);
   void together(Task& task, const Step& step);
@@ -337,7 +337,7 @@ class Interpreter {
   std::vector<Place> breakpoints_;
   std::uint64_t paused_ = 0;   ///< the paused task, or 0
   std::uint64_t resumed_ = 0;  ///< the task that continues after a pause
-  bool pause_asked_ = false;
+  bool pause_requested_ = false;
   std::optional<Stepping> stepping_;
   std::optional<Nanoseconds> looked_at_;  ///< last check of whens and watches
   std::optional<TaskState> outcome_;      ///< the outcome of an ending program

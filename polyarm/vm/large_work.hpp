@@ -77,7 +77,7 @@ class Writing : public Work {
   data::List parts_;
   std::string_view between_;
   std::size_t next_ = 0;
-  std::vector<data::Telling> telling_;  ///< of the present part
+  std::vector<data::ValueWriter> telling_;  ///< of the present part
   std::string text_;
 };
 

@@ -175,7 +175,7 @@ void take_velocities(Move& move, const Value& value, const Expression& e, Statem
 }  // namespace
 
 /// The points and clauses are on the stack from `first` on.
-Move Interpreter::asked_move(Task& task, const Step& step, std::size_t first) const {
+Move Interpreter::requested_move(Task& task, const Step& step, std::size_t first) const {
   using Motion = Statement::Motion;
   const Statement& s = *source(step).statement;
   const MoveDefaults use = task.uses.empty() ? MoveDefaults{} : task.uses.back();
@@ -259,7 +259,7 @@ void Interpreter::move(Task& task, const Step& step) {
   check_targets(task, step, first + s.arguments.size());
   Move move;
   try {
-    move = asked_move(task, step, first);
+    move = requested_move(task, step, first);
   } catch (const Refused& refused) {
     fail_at(refused.place, "bad-type", refused.what, refused.advice);
   }
@@ -279,7 +279,7 @@ void Interpreter::move(Task& task, const Step& step) {
     }
     next += values_of(clause);
   }
-  let_go(task, step.a, count);
+  release_now(task, step.a, count);
   ++task.pc;
   if (std::find(task.commanded.begin(), task.commanded.end(), move.robot) == task.commanded.end())
     task.commanded.push_back(move.robot);
@@ -313,7 +313,7 @@ void Interpreter::use(Task& task, const Step& step) {
   } catch (const Refused& refused) {
     fail_at(refused.place, "bad-type", refused.what, refused.advice);
   }
-  let_go(task, step.a, count);
+  release_now(task, step.a, count);
   task.uses.push_back(std::move(out));
   ++task.pc;
 }
@@ -328,7 +328,7 @@ void Interpreter::measure(Task& task) const {
 }
 
 /// Sets the values that moves set on their way.
-void Interpreter::look_at_watches() {
+void Interpreter::check_watches() {
   for (std::size_t i = 0; i < watches_.size() && !outcome_;) {
     const Watch watch = watches_[i];
     if (const Task* of = task_of(watch.task); of && is_frozen(*of)) {  // its move is set apart

@@ -341,7 +341,7 @@ void Interpreter::give(Task& task, const Step& step) {
   if (task.locks.size() > frame.locks) give_back_locks(task, frame.locks);
 }
 
-void Interpreter::let_go(Task& task, int first, int count) {
+void Interpreter::release_now(Task& task, int first, int count) {
   forget(task.stack.data() + task.frame().base + first, count);
 }
 
@@ -424,7 +424,7 @@ struct Interpreter::Course {
     enter_frame();
     return true;
   }
-  POLYARM_QUICK bool let_go() {
+  POLYARM_QUICK bool release_now() {
     forget(at.of[0] + step->a, step->b);
     return true;
   }
@@ -508,7 +508,7 @@ bool Interpreter::run(Task& task, int& budget) {
       POLYARM_TURN(for_again, on.for_again())
       POLYARM_TURN(call, on.call())
       POLYARM_TURN(give, on.give())
-      POLYARM_STEP(let_go, on.let_go())
+      POLYARM_STEP(release_now, on.release_now())
       default:
         break;
     }

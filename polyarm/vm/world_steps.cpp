@@ -52,7 +52,7 @@ void Interpreter::execute_world(Task& task, const Step& step) {
       std::string text;
       require_values(task, step, step.b, step.c);
       if (!write(task, step.b, step.c, " ", text)) return;
-      let_go(task, step.b, step.c);
+      release_now(task, step.b, step.c);
       host_.log(text, program_.at(source(step).line));
       break;
     }
@@ -84,7 +84,7 @@ void Interpreter::execute_world(Task& task, const Step& step) {
     case Op::expect:
       return expect(task, step);
     case Op::unmet:
-      return tell_unmet(task, step);
+      return report_unmet(task, step);
     case Op::meet:
       return meet(task, step);
     case Op::pulse:
@@ -105,7 +105,7 @@ void Interpreter::expect(Task& task, const Step& step) {
   task.pc = met ? task.pc + 1 : static_cast<std::size_t>(step.c);
 }
 
-void Interpreter::tell_unmet(Task& task, const Step& step) {
+void Interpreter::report_unmet(Task& task, const Step& step) {
   const Statement& s = *source(step).statement;
   const auto& spellings = at(code_.name_lists, step.d);
   std::vector<std::string> values;

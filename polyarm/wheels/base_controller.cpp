@@ -196,7 +196,7 @@ void BaseController::drive(const std::optional<PlanarTwist>& wish, bool at_once,
   }
   const PlanarTwist now = limited();
   write(now, wish);
-  standing_.store(now == kRest && wheels_stand(), std::memory_order_relaxed);
+  standing_.store(now == kRest && wheels_at_rest(), std::memory_order_relaxed);
 }
 
 ReturnType BaseController::update(const Cycle& cycle, const Verdict& verdict) noexcept {
@@ -223,12 +223,12 @@ void BaseController::publish(const Cycle& cycle) noexcept {
   std::copy(pose_covariance_.begin(), pose_covariance_.end(), odom.begin() + kOdometryPlain);
   std::copy(twist_covariance_.begin(), twist_covariance_.end(), odom.begin() + kOdometryPlain + 6);
   odom_->publish(cycle.time);
-  if (tell_tf_) {
+  if (publish_tf_) {
     const double transform[] = {at.x(), at.y(), 0, 0, 0, z, w};
     std::copy(std::begin(transform), std::end(transform), tf_->draft().values.begin());
     tf_->publish(cycle.time);
   }
-  if (tell_limited_) {
+  if (report_limited_) {
     const PlanarTwist now = limited();
     const double twist[] = {now.x, now.y, 0, 0, 0, now.angular};
     std::copy(std::begin(twist), std::end(twist), limited_->draft().values.begin());

@@ -98,7 +98,7 @@ class BaseController : public Controller {
   /// Odometry counts from here; the first command of a steering is its last one or where it is.
   virtual void begin() noexcept {}
   /// False while wheels still slow down after the twist has reached zero.
-  virtual bool wheels_stand() const noexcept { return true; }
+  virtual bool wheels_at_rest() const noexcept { return true; }
   virtual void publish_more(const Cycle& cycle) noexcept {}
 
  private:
@@ -133,7 +133,7 @@ class BaseController : public Controller {
   bool open_loop_ = false, position_feedback_ = true, publishes_pose_ = true;
   // changeable
   std::array<SpeedLimits, 3> limits_;  // x, y, angular
-  bool tell_tf_ = true, tell_limited_ = false;
+  bool publish_tf_ = true, report_limited_ = false;
 
   // between the threads
   realtime::Latest<Command> commands_inbox_;

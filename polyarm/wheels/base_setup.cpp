@@ -155,8 +155,8 @@ void BaseController::read_limits(Parameters& p, const std::string& axis, SpeedLi
 }
 
 void BaseController::read_behaviour(Parameters& p) {
-  open_loop_ = false, position_feedback_ = style_.position_feedback, tell_limited_ = false;
-  tell_tf_ = style_.transform;
+  open_loop_ = false, position_feedback_ = style_.position_feedback, report_limited_ = false;
+  publish_tf_ = style_.transform;
   window_ = style_.has_window ? 10 : 1;
   double& timeout = command_watch().timeout;
   timeout = style_.timeout;
@@ -183,9 +183,9 @@ void BaseController::read_behaviour(Parameters& p) {
   if (std::isnan(timeout))
     p.problems().error("bad-value", place_in_file(p, style_.timeout_key),
                        std::string(style_.timeout_key) + " is not a number");
-  p.read("publish_limited_velocity", tell_limited_,
+  p.read("publish_limited_velocity", report_limited_,
          {.text = "publish the speeds after the limits as cmd_vel_out", .changeable = true});
-  p.read("enable_odom_tf", tell_tf_,
+  p.read("enable_odom_tf", publish_tf_,
          {.text = "publish the pose of the base as a transform", .changeable = true});
   pose_covariance_ = twist_covariance_ = style_.covariance;
   read_diagonal(p, style_.pose_covariance, pose_covariance_);

@@ -66,11 +66,11 @@ CallbackReturn MecanumDriveController::on_configure(ControllerContext& context) 
   read_base(context);
   read_kinematics(p);
   collect(p.problems(), [&] { read_wheels(context); });
-  told_ = &add_output("controller_state", "control_msgs/MecanumDriveControllerState",
+  announced_ = &add_output("controller_state", "control_msgs/MecanumDriveControllerState",
                       {"front_left_wheel_velocity", "front_right_wheel_velocity", "back_right_wheel_velocity",
                        "back_left_wheel_velocity", "reference_velocity.linear.x",
                        "reference_velocity.linear.y", "reference_velocity.angular.z"});
-  told_->texts["frame_id"] = odometry_output()->texts["frame_id"];
+  announced_->texts["frame_id"] = odometry_output()->texts["frame_id"];
   odometry_.configure(window());
   return finish_base(p);
 }
@@ -99,8 +99,8 @@ bool MecanumDriveController::track(const PlanarTwist&, double dt) noexcept {
 void MecanumDriveController::publish_more(const Cycle& cycle) noexcept {
   const double values[] = {state(state_[0]), state(state_[1]), state(state_[2]), state(state_[3]),
                            asked_.x,         asked_.y,         asked_.angular};
-  std::copy(std::begin(values), std::end(values), told_->draft().values.begin());
-  told_->publish(cycle.time);
+  std::copy(std::begin(values), std::end(values), announced_->draft().values.begin());
+  announced_->publish(cycle.time);
 }
 
 }  // namespace polyarm::controllers

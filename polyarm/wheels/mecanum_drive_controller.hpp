@@ -28,7 +28,7 @@ class MecanumDriveController : public BaseController {
          offset_sin_ = 0;  // of the base's frame in the centre's
   PlanarTwist asked_;
   PlanarOdometry odometry_;
-  Output* told_ = nullptr;
+  Output* announced_ = nullptr;
 };
 
 }  // namespace polyarm::controllers

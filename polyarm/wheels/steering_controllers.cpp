@@ -160,7 +160,7 @@ void SteeringController::hold_steering() noexcept {
 void SteeringController::begin() noexcept {
   holds_ = false;
   angle_ = 0;
-  wanted_angle_ = measured_angle();
+  desired_angle_ = measured_angle();
   if (position_feedback() && !traction_state_.empty()) wheel_positions_ = read(traction_state_);
   for (std::size_t i = 0; i < steering_.size(); ++i) {
     if (std::isfinite(command(steering_[i]))) continue;
@@ -173,15 +173,15 @@ void SteeringController::write(const PlanarTwist& limited, const std::optional<P
   const double measured = measured_angle();
   if (wish) {
     holds_ = false;
-    wanted_angle_ = steering_angle(geometry_, wish->x, wish->angular);
-    const RightLeft joints = steering_joints(geometry_, wanted_angle_);
+    desired_angle_ = steering_angle(geometry_, wish->x, wish->angular);
+    const RightLeft joints = steering_joints(geometry_, desired_angle_);
     for (std::size_t i = 0; i < steering_.size(); ++i) set_command(steering_[i], joints[i]);
   } else if (stopped()) {
     hold_steering();
   }
-  const double angle = open_loop() ? wanted_angle_ : measured;
+  const double angle = open_loop() ? desired_angle_ : measured;
   double wheel = limited.x / geometry_.radius;
-  if (slow_while_steering_ && !open_loop()) wheel *= share_while_steering(measured - wanted_angle_);
+  if (slow_while_steering_ && !open_loop()) wheel *= share_while_steering(measured - desired_angle_);
   const RightLeft wheels = controllers::traction_wheels(geometry_, wheel, angle);
   for (std::size_t i = 0; i < traction_.size(); ++i) set_command(traction_[i], wheels[i]);
 }
@@ -189,7 +189,7 @@ void SteeringController::write(const PlanarTwist& limited, const std::optional<P
 /// A wheel or a steering that is not measured now leaves the odometry as it is, as in ROS.
 bool SteeringController::track(const PlanarTwist& commanded, double dt) noexcept {
   if (open_loop()) {
-    odometry_.update_open_loop({commanded.x, 0, commanded.x * std::tan(wanted_angle_) / geometry_.wheelbase},
+    odometry_.update_open_loop({commanded.x, 0, commanded.x * std::tan(desired_angle_) / geometry_.wheelbase},
                                dt);
     return true;
   }

@@ -45,7 +45,7 @@ class SteeringController : public BaseController {
   PlanarOdometry odometry_;
   Output* state_ = nullptr;
   // control thread
-  double wanted_angle_ = 0, angle_ = 0;
+  double desired_angle_ = 0, angle_ = 0;
   RightLeft wheel_positions_{};
   bool holds_ = false;
 };

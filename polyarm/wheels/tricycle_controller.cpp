@@ -100,7 +100,7 @@ CallbackReturn TricycleController::on_configure(ControllerContext& context) {
   bool only_twist = false;
   p.read("odom_only_twist", only_twist, {"publish a velocity and no pose as odom"});
   set_publishes_pose(!only_twist);
-  p.read("publish_ackermann_command", tell_drive_ = false, {"publish the limited command as cmd_ackermann"});
+  p.read("publish_ackermann_command", report_drive_ = false, {"publish the limited command as cmd_ackermann"});
   wheelbase_ = radius_ = 0;
   p.read("wheelbase", wheelbase_, {"m from the rear axle to the front wheel"});
   p.read("wheel_radius", radius_, {"m, radius of the front wheel"});
@@ -165,7 +165,7 @@ bool TricycleController::track(const PlanarTwist& commanded, double dt) noexcept
 }
 
 void TricycleController::publish_more(const Cycle& cycle) noexcept {
-  if (!tell_drive_) return;
+  if (!report_drive_) return;
   drive_->draft().values[0] = angle_.angle();
   drive_->draft().values[1] = wheel_.speed();
   drive_->publish(cycle.time);

@@ -44,12 +44,12 @@ class TricycleController : public BaseController {
   bool track(const PlanarTwist& commanded, double dt) noexcept override;
   PlanarOdometry& place() noexcept override { return odometry_; }
   void begin() noexcept override;
-  bool wheels_stand() const noexcept override { return wheel_.speed() == 0; }
+  bool wheels_at_rest() const noexcept override { return wheel_.speed() == 0; }
   void publish_more(const Cycle& cycle) noexcept override;
 
   std::size_t traction_ = 0, steering_ = 0, traction_state_ = 0, steering_state_ = 0;
   double wheelbase_ = 1, radius_ = 1;  // m
-  bool tell_drive_ = false;
+  bool report_drive_ = false;
   SpeedLimits traction_limits_;
   AngleLimiter::Limits steering_limits_;
   PlanarOdometry odometry_;

@@ -75,13 +75,13 @@ class Workspace {
     std::vector<fs::path> level{root_};
     for (int depth = 0; depth < kDeepestPackage && !level.empty(); ++depth) {
       std::vector<fs::path> below;
-      for (const fs::path& folder : level) look_into(folder, depth > 0, below);
+      for (const fs::path& folder : level) search_in(folder, depth > 0, below);
       std::sort(below.begin(), below.end());
       level = std::move(below);
     }
   }
 
-  void look_into(const fs::path& folder, bool may_be_package, std::vector<fs::path>& below) {
+  void search_in(const fs::path& folder, bool may_be_package, std::vector<fs::path>& below) {
     std::error_code error;
     if (seen_ > kMostFolders || is_ignored(folder)) return;
     if (!visited_.insert(fs::weakly_canonical(folder, error)).second) return;  // links may form a cycle

@@ -331,7 +331,7 @@ class Evaluator {
     if (token.kind == Token::name) {
       ++at_;
       name = token.word;
-      return look_up(name);
+      return find_name(name);
     }
     if (take("(")) {
       if (take(")")) {
@@ -354,7 +354,7 @@ class Evaluator {
     refuse("a value was expected before '" + shown() + "'");
   }
 
-  XacroValue look_up(const std::string& name) {
+  XacroValue find_name(const std::string& name) {
     for (auto local = locals_.rbegin(); local != locals_.rend(); ++local)
       if (local->first == name) return local->second;
     XacroValue out;

@@ -252,7 +252,7 @@ class ExpectedJoint(TypedDict):
     expected: float | None
 
 
-class FallenComponent(TypedDict):
+class FailedComponent(TypedDict):
     component: str
     cause: str
     cause_code: str
@@ -479,7 +479,7 @@ class LoopHealthAnswer(TypedDict):
     last_stop: StopFacts | None
     parts: list[LoopPart]
     threads: list[PartThread]
-    fallen: list[FallenComponent]
+    fallen: list[FailedComponent]
 
 
 class LoopPart(TypedDict):

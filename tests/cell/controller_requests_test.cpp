@@ -91,15 +91,15 @@ TEST(ControllersOfAFile, WhoTellsOfASensorThatIsNotThereIsLeftUnconfigured) {
 
 TEST(ControllersOfAFile, WhoNeedsACommandThatIsNotOfferedIsLeftUnconfiguredWhereAnotherMoves) {
   std::string controllers = kSharedJoint;
-  const auto wanting_effort = [&](const char* name) {
+  const auto requiring_effort = [&](const char* name) {
     const auto block = controllers.find(std::string("\n") + name + ":\n");
     controllers.replace(controllers.find("interface_name: position", block), 24, "interface_name: effort");
   };
-  wanting_effort("tail_too");
+  requiring_effort("tail_too");
   LockStepCell cell{controllers};
   EXPECT_EQ(cell.state_of("tail_too"), "unconfigured");
   EXPECT_EQ(cell.state_of("tail"), "active");
-  wanting_effort("tail");
+  requiring_effort("tail");
   controllers.replace(controllers.find("command_interfaces: [position]"), 30, "command_interfaces: [effort]");
   LockStepCell nothing_moves{controllers};
   EXPECT_EQ(nothing_moves.state_of("tail"), "unconfigured") << "the cell starts all the same";
@@ -119,9 +119,9 @@ follow:
   cell::Overrides overrides;
   overrides.hardware = "mock";
   cell::CellFile file = cell::cell_from_description(test::kSixAxes, {controllers}, overrides);
-  LockStepCell chosen_by_nobody{file};
-  EXPECT_EQ(chosen_by_nobody.state_of("follow"), "active");
-  EXPECT_EQ(chosen_by_nobody.state_of("speeds"), "inactive");
+  LockStepCell chosen_by_default{file};
+  EXPECT_EQ(chosen_by_default.state_of("follow"), "active");
+  EXPECT_EQ(chosen_by_default.state_of("speeds"), "inactive");
   file.activate = {"speeds"};
   LockStepCell chosen{file};
   EXPECT_EQ(chosen.state_of("speeds"), "active");

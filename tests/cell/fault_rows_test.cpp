@@ -170,14 +170,14 @@ TEST_P(FaultRows, StandsInTimeAndMovesOnlyWhenAPersonSaysSo) {
   EXPECT_EQ(rows.moved(), stood) << "nothing moves by itself";
 
   const bool fault = row.state == std::string("fault");
-  bool begun_anew = false;
+  bool begun_again = false;
   if (fault) {
     rows.cell().result({{"request", "control.resume"}});
     rows.run(20);
     EXPECT_EQ(rows.health()["state"], "fault") << "resume alone does not end a fault";
     const Json hardware = rows.cell().result({{"request", "hardware.list"}});
     if (hardware[0]["state"] != "active") {
-      begun_anew = true;
+      begun_again = true;
       EXPECT_EQ(rows.cell().result({{"request", "hardware.recover"}, {"name", "drives"}})["state"], "active");
     }
     Runaway::fails = false;
@@ -185,7 +185,7 @@ TEST_P(FaultRows, StandsInTimeAndMovesOnlyWhenAPersonSaysSo) {
     rows.run(20);
     EXPECT_EQ(rows.health()["state"], "held");
     if (rows.cell().state_of("follow") != "active") {
-      begun_anew = true;
+      begun_again = true;
       rows.cell().result({{"request", "control.switch"}, {"activate", {"follow"}}});
     }
     EXPECT_EQ(rows.cell().state_of("follow"), "active");
@@ -199,7 +199,7 @@ TEST_P(FaultRows, StandsInTimeAndMovesOnlyWhenAPersonSaysSo) {
   rows.run(100);
   EXPECT_EQ(rows.health()["state"], "running") << rows.health();
   if (row.runaway) return;  // it moves again, as it is told to
-  if (begun_anew) {
+  if (begun_again) {
     rows.run(400);  // faults on purpose count from the activation, and come again
     EXPECT_LE(rows.moved(), back) << "the old motion is forgotten";
     return;

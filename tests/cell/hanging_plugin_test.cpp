@@ -56,7 +56,7 @@ class HangingPlugin : public testing::Test {
   std::unique_ptr<test::OpenCell> make(bool own_thread, cell::CellOptions options = {}) {
     Hanging::own_thread = own_thread;
     hardware::register_driver("hanging", [] { return std::unique_ptr<hardware::Component>(new Hanging); });
-    options.hardware_patience = 1;
+    options.hardware_timeout = 1;
     const std::string model = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
     return std::make_unique<test::OpenCell>(
         cell::read_cell_file(folder.write(

@@ -41,7 +41,7 @@ TEST(DeadMan, ExpiresWhenNothingRenewsItForTheTimeThatACommandIsGoodFor) {
   EXPECT_FALSE(dead_man.expired(1121, 10)) << "10 more";
   dead_man.renew(1121, 120);
   EXPECT_FALSE(dead_man.expired(1241));
-  dead_man.let_go(1241, 300);
+  dead_man.release_now(1241, 300);
   EXPECT_TRUE(dead_man.expired(1241));
 }
 

@@ -68,7 +68,7 @@ struct Ringing : cell::Door {
     if (bell && rings-- > 0) bell->ring();
   }
   void take() override { seen += 't'; }
-  void set_bell(const std::shared_ptr<realtime::Bell>& given) override { bell = given; }
+  void set_wakeup(const std::shared_ptr<realtime::Bell>& given) override { bell = given; }
   std::string address() const override { return "nowhere"; }
 };
 

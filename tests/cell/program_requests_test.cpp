@@ -269,7 +269,7 @@ TEST_F(ProgramRequests, AQuestionWaitsForItsAnswer) {
   folder.write("ask.script", "wait user \"part in place?\"\nlog \"thanks\"\n");
   ASSERT_TRUE(load("ask.script")["ok"].get<bool>());
   EXPECT_EQ(error_of(ask("program.answer")), "no-question");
-  cell->cell().answers().somebody_there = true;
+  cell->cell().answers().can_answer = true;
   cell->ask({{"request", "program.start"}});
   cell->run(1);
   EXPECT_EQ(state()["question"], "part in place?");
@@ -280,7 +280,7 @@ TEST_F(ProgramRequests, AQuestionWaitsForItsAnswer) {
 TEST_F(ProgramRequests, AnAnswerBelongsToTheQuestionThatWasSeen) {
   folder.write("ask.script", "let n = ask(\"How many?\", 2)\nwait user \"Stand back\"\nlog(\"{n}\")\n");
   ASSERT_TRUE(load("ask.script")["ok"].get<bool>());
-  cell->cell().answers().somebody_there = true;
+  cell->cell().answers().can_answer = true;
   cell->ask({{"request", "program.start"}});
   cell->run(1);
   const auto answer = [&](const std::string& text, const std::string& question) {

@@ -47,9 +47,9 @@ class Peer {
   void end() { ::shutdown(fd_, SHUT_WR); }
   int fd() const { return fd_; }
   /// Takes what is there now; false at the end.
-  bool listen(int patience_ms = 1) {
+  bool listen(int wait_limit_ms = 1) {
     pollfd waiting{fd_, POLLIN, 0};
-    if (::poll(&waiting, 1, patience_ms) <= 0) return true;
+    if (::poll(&waiting, 1, wait_limit_ms) <= 0) return true;
     char buffer[65536];
     const ssize_t n = ::recv(fd_, buffer, sizeof buffer, 0);
     if (n > 0) {
@@ -92,7 +92,7 @@ class SocketDoorTest : public ::testing::Test {
       return peer.lines() >= lines;
     });
   }
-  bool is_let_go(Peer& peer) {
+  bool is_released(Peer& peer) {
     return until([&] { return !peer.listen(); });
   }
 
@@ -208,7 +208,7 @@ TEST_F(SocketDoorTest, WhoHasSaidAllIsAnsweredAndThenLetGo) {
   Peer peer(door->path());
   peer.say("{\"request\":\"control.switch\",\"deactivate\":\"joint_trajectory_controller\"}\n");
   peer.end();
-  ASSERT_TRUE(is_let_go(peer));
+  ASSERT_TRUE(is_released(peer));
   ASSERT_EQ(peer.lines(), 1u);
   EXPECT_TRUE(peer.line(0)["ok"].get<bool>()) << peer.line(0);
 }
@@ -226,7 +226,7 @@ TEST_F(SocketDoorTest, WhoLeavesEndsItsWatch) {
 TEST_F(SocketDoorTest, ALineWithoutEndIsCutOff) {
   Peer peer(door->path());
   std::thread talker([&] { peer.say(std::string(3 << 20, 'x')); });
-  EXPECT_TRUE(is_let_go(peer));
+  EXPECT_TRUE(is_released(peer));
   talker.join();
   EXPECT_EQ(peer.lines() ? peer.line(0)["error"]["code"] : Json("too-long"), "too-long");
 }
@@ -237,7 +237,7 @@ TEST_F(SocketDoorTest, WhatIsTooLongIsRefusedWithItsId) {
        {R"({"id":7,"request":"health","x":")", R"({"a":{"id":1},"id":"seven","x":")", R"({"x":")", "x"}) {
     Peer peer(door->path());
     std::thread talker([&] { peer.say(begin + room + "\"}\n"); });
-    EXPECT_TRUE(is_let_go(peer));
+    EXPECT_TRUE(is_released(peer));
     talker.join();
     if (!peer.lines()) continue;  // the end came before the answer could be read
     const Json id = begin.find("seven") != std::string::npos ? Json("seven")
@@ -330,7 +330,7 @@ TEST_F(SocketDoorTest, OpenRequestsOutliveTheDoorWithoutHarm) {
 /// One ring, one look, and no tick: a request does not wait for the time.
 TEST_F(SocketDoorTest, ALineRingsTheBellAndIsAnsweredWithoutATick) {
   const auto bell = std::make_shared<realtime::Bell>();
-  door->set_bell(bell);
+  door->set_wakeup(bell);
   Peer peer(door->path());
   for (std::size_t i = 1; i <= 20; ++i) {
     ASSERT_TRUE(peer.say("{\"request\":\"control.chains\"}\n"));
@@ -339,7 +339,7 @@ TEST_F(SocketDoorTest, ALineRingsTheBellAndIsAnsweredWithoutATick) {
     for (int n = 0; n < 60 && peer.lines() < i; ++n) peer.listen(1000);
     ASSERT_EQ(peer.lines(), i);
   }
-  door->set_bell(nullptr);
+  door->set_wakeup(nullptr);
   ASSERT_TRUE(peer.say("{\"request\":\"control.chains\"}\n"));
   EXPECT_TRUE(hears(peer, 21));
   EXPECT_FALSE(bell->wait_until(0)) << "it is rung no more";

@@ -19,20 +19,20 @@ struct Row {
 /// With late threads that are a fault, and contacts that stop on the path.
 const std::vector<Row>& table() {
   static const std::vector<Row> rows = {
-      {StopCause::none, {goes_on, false}, {goes_on, false}},
+      {StopCause::none, {keeps_going, false}, {keeps_going, false}},
       {StopCause::asked, {stops, false}, {stops, false}},
       {StopCause::gap, {stops, false}, {stops, false}},
       {StopCause::cell_silent, {stops, false}, {stops, false}},
-      {StopCause::component, {faults, true}, {goes_on, true}},
-      {StopCause::controller, {faults, false}, {goes_on, true}},
+      {StopCause::component, {faults, true}, {keeps_going, true}},
+      {StopCause::controller, {faults, false}, {keeps_going, true}},
       {StopCause::program, {stops, false}, {stops, false}},
-      {StopCause::late, {faults, true}, {goes_on, true}},
-      {StopCause::not_a_number, {faults, true}, {goes_on, true}},
-      {StopCause::jump, {faults, true}, {goes_on, true}},
-      {StopCause::not_following, {faults, true}, {goes_on, true}},
-      {StopCause::limits, {faults, false}, {goes_on, true}},
+      {StopCause::late, {faults, true}, {keeps_going, true}},
+      {StopCause::not_a_number, {faults, true}, {keeps_going, true}},
+      {StopCause::jump, {faults, true}, {keeps_going, true}},
+      {StopCause::not_following, {faults, true}, {keeps_going, true}},
+      {StopCause::limits, {faults, false}, {keeps_going, true}},
       {StopCause::contact, {stops, false}, {stops, false}},
-      {StopCause::deactivated, {faults, true}, {goes_on, true}},
+      {StopCause::deactivated, {faults, true}, {keeps_going, true}},
   };
   return rows;
 }
@@ -109,7 +109,7 @@ TEST(ReactionTable, HasARowForEachCause) {
 TEST(ReactionTable, LateThreadsAndCyclesFollowWhatTheCellSays) {
   for (const bool contained : {false, true}) {
     EXPECT_EQ(reaction_to(StopCause::late, contained, Overrun::report, ContactStop::none),
-              (Reaction{goes_on, false}));
+              (Reaction{keeps_going, false}));
     EXPECT_EQ(reaction_to(StopCause::late, contained, Overrun::hold, ContactStop::none),
               (Reaction{stops, false}));
   }
@@ -127,7 +127,7 @@ TEST(ReactionTable, LateThreadsAndCyclesFollowWhatTheCellSays) {
 TEST(ReactionTable, ContactsFollowWhatTheCellSays) {
   for (const bool contained : {false, true}) {
     EXPECT_EQ(reaction_to(StopCause::contact, contained, Overrun::report, ContactStop::none),
-              (Reaction{goes_on, false}));
+              (Reaction{keeps_going, false}));
     EXPECT_EQ(reaction_to(StopCause::contact, contained, Overrun::report, ContactStop::cut),
               (Reaction{stops, false}));
   }
@@ -147,7 +147,7 @@ TEST(ReactionTable, OnlyStopsThatNobodyAskedForCountAsOthers) {
   supervisor.watch_cell = false;
   supervisor.latch().request(realtime::StopKind::controlled);
   const controllers::Verdict asked = supervisor.judge(0, false, Request::none);
-  EXPECT_EQ(asked.stops, asked.stops_asked);
+  EXPECT_EQ(asked.stops, asked.stop_requests);
   supervisor.react({StopCause::gap}, false);
   EXPECT_EQ(supervisor.judge(1, false, Request::none).stops, asked.stops + 1);
 }

@@ -42,7 +42,7 @@ void set_limits(Made& m) {
   }
 }
 
-TEST(AskedLimits, ATrajectoryBeyondThemIsRefusedWithJointAndValue) {
+TEST(RequestedLimits, ATrajectoryBeyondThemIsRefusedWithJointAndValue) {
   LimitedRig rig;
   rig.start();
   const std::pair<trajectory::TrajectoryPoint, const char*> kWrong[] = {
@@ -71,7 +71,7 @@ TEST(AskedLimits, ATrajectoryBeyondThemIsRefusedWithJointAndValue) {
   for (std::size_t j = 0; j < 3; ++j) EXPECT_EQ(rig.commanded(j), 0);
 }
 
-TEST(AskedLimits, OfManyWrongPointsOnlySomeAreListed) {
+TEST(RequestedLimits, OfManyWrongPointsOnlySomeAreListed) {
   LimitedRig rig;
   rig.start();
   std::vector<trajectory::TrajectoryPoint> points;
@@ -79,13 +79,13 @@ TEST(AskedLimits, OfManyWrongPointsOnlySomeAreListed) {
   EXPECT_LT(refusal_of([&] { rig.send(points); }).size(), 5000u);
 }
 
-TEST(AskedLimits, ATinyRoundingIsNoRefusal) {
+TEST(RequestedLimits, ATinyRoundingIsNoRefusal) {
   LimitedRig rig;
   rig.start();
   EXPECT_EQ(refusal_of([&] { rig.send({point(1, {2.00009, -2.00009, 2})}); }), "");
 }
 
-TEST(AskedLimits, AJointThatStandsOutsideMayStayAndComeBack) {
+TEST(RequestedLimits, AJointThatStandsOutsideMayStayAndComeBack) {
   LimitedRig rig({2.3, 0, 0});
   rig.start();
   EXPECT_EQ(refusal_of([&] { rig.send({point(1, {2.3, 0, 0}), point(2, {1.9, 0, 0})}); }), "");
@@ -93,7 +93,7 @@ TEST(AskedLimits, AJointThatStandsOutsideMayStayAndComeBack) {
   EXPECT_NE(refusal_of([&] { rig.send({point(1, {-2.3, 0, 0})}); }), "");
 }
 
-TEST(AskedLimits, TolerancesThatAreNoNumbersAreRefused) {
+TEST(RequestedLimits, TolerancesThatAreNoNumbersAreRefused) {
   LimitedRig rig;
   rig.start();
   for (const double wrong : {kNan, kInf}) {
@@ -109,7 +109,7 @@ TEST(AskedLimits, TolerancesThatAreNoNumbersAreRefused) {
   }
 }
 
-TEST(AskedLimits, IntegratedPointsAreJudgedByWhereTheyLead) {
+TEST(RequestedLimits, IntegratedPointsAreJudgedByWhereTheyLead) {
   LimitedRig rig({1.5, 0, 0});
   rig.set("allow_integration_in_goal_trajectories", {"true"});
   rig.start();
@@ -121,7 +121,7 @@ TEST(AskedLimits, IntegratedPointsAreJudgedByWhereTheyLead) {
   EXPECT_EQ(go(-1), "");
 }
 
-TEST(AskedLimits, SpeedScalingIsANumberOfReason) {
+TEST(RequestedLimits, SpeedScalingIsANumberOfReason) {
   LimitedRig rig;
   rig.start();
   for (const double wrong : {kNan, kInf, -0.1, 1e308, 11.0})
@@ -129,7 +129,7 @@ TEST(AskedLimits, SpeedScalingIsANumberOfReason) {
   EXPECT_NO_THROW(rig.jtc.receive("speed_scaling_input", Numbers{{0.5}}, false));
 }
 
-TEST(AskedLimits, EveryControllerOfNumbersRefuses) {
+TEST(RequestedLimits, EveryControllerOfNumbersRefuses) {
   struct Case {
     const char* type;
     std::map<std::string, std::vector<std::string>> parameters;
@@ -162,7 +162,7 @@ TEST(AskedLimits, EveryControllerOfNumbersRefuses) {
   }
 }
 
-TEST(AskedLimits, AWrongValueLeavesTheOthersOfItsMessageUnused) {
+TEST(RequestedLimits, AWrongValueLeavesTheOthersOfItsMessageUnused) {
   Made m("forward_command_controller/ForwardCommandController", {"j1", "j2"});
   set_limits(m);
   m.rig.set("joints", {"j1", "j2"});
@@ -172,7 +172,7 @@ TEST(AskedLimits, AWrongValueLeavesTheOthersOfItsMessageUnused) {
   EXPECT_EQ(m.rig.command("arm/j1/position"), 0);
 }
 
-TEST(AskedLimits, ReferencesOfAPidAreJudged) {
+TEST(RequestedLimits, ReferencesOfAPidAreJudged) {
   Made m = chainable();
   set_limits(m);
   m.rig.start();

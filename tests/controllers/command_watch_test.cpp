@@ -27,7 +27,7 @@ struct Streamed {
     for (int k = 0; k < count; ++k) rig.step();
   }
   bool stale() const { return controller->command_watch().stale(); }
-  bool told() { return controller->command_watch().take_news(); }
+  bool told() { return controller->command_watch().take_reports(); }
 };
 
 TEST(CommandTimeout, IsOffUnlessItIsStated) {
@@ -188,7 +188,7 @@ TEST(CommandTimeout, AllocatesAndWaitsForNothing) {
     m.controller->update(m.rig.cycle, m.rig.verdict);
     m.rig.cycle.time += JointRig::kPeriod;
   }
-  m.controller->command_watch().take_news();
+  m.controller->command_watch().take_reports();
   EXPECT_EQ(guard.violations(), "");
 }
 

@@ -323,7 +323,7 @@ LimiterSettings of_points() {
 
 TEST(TrajectoryPoints, TellWhichLimitTookHold) {
   const LimiterSettings s = of_points();
-  const LimitedPoint faster = limit_point(s, .1, .1, AskedPoint{.125, .5}, .05);
+  const LimitedPoint faster = limit_point(s, .1, .1, RequestedPoint{.125, .5}, .05);
   EXPECT_NEAR(faster.position, .11125, 1e-12);
   EXPECT_NEAR(faster.velocity, .35, 1e-12);
   EXPECT_NEAR(faster.acceleration, 5, 1e-12);
@@ -332,17 +332,17 @@ TEST(TrajectoryPoints, TellWhichLimitTookHold) {
   EXPECT_EQ(limit_point(s, 0, 1.95, 3, .05).cause, Limit::velocity);
   EXPECT_NEAR(limit_point(s, 0, 1.95, 3, .05).velocity, 2, 1e-12);
   EXPECT_EQ(limit_point(s, 0, 0, kNone, .05).cause, Limit::not_a_number);
-  EXPECT_EQ(limit_point(s, 0, 0, AskedPoint{0.004, .16}, .05).cause, Limit::none);
-  EXPECT_EQ(limit_point(s, 0, 0, AskedPoint{0.004, .16}, .05).position, 0.004);
+  EXPECT_EQ(limit_point(s, 0, 0, RequestedPoint{0.004, .16}, .05).cause, Limit::none);
+  EXPECT_EQ(limit_point(s, 0, 0, RequestedPoint{0.004, .16}, .05).position, 0.004);
 }
 
 TEST(TrajectoryPoints, TakeTheVelocityThatLeadsToThePosition) {
-  const LimitedPoint point = limit_point(of_points(), 1, 1, AskedPoint{1.055, kNone}, .05);
+  const LimitedPoint point = limit_point(of_points(), 1, 1, RequestedPoint{1.055, kNone}, .05);
   EXPECT_NEAR(point.velocity, 1.1, 1e-12);
   EXPECT_EQ(point.position, 1.055);
   LimiterSettings fast = of_points();
   fast.acceleration = fast.deceleration = kUnlimited;
-  const LimitedPoint jump = limit_point(fast, 0, 0, AskedPoint{3, .1}, .05);
+  const LimitedPoint jump = limit_point(fast, 0, 0, RequestedPoint{3, .1}, .05);
   EXPECT_NEAR(jump.position, 0.1, 1e-12) << "a velocity that belies its position makes no jump";
   EXPECT_EQ(jump.cause, Limit::velocity);
 }
@@ -353,9 +353,9 @@ TEST(TrajectoryPoints, StopBeforeTheLimitsWhateverIsAsked) {
   const LimiterSettings s = of_points();
   for (int round = 0; round < 50; ++round) {
     LimitedPoint now{0, 0, 0};
-    const AskedPoint always{any(random), any(random)};
+    const RequestedPoint always{any(random), any(random)};
     for (int k = 0; k < 500; ++k) {
-      const AskedPoint asked = round % 2 ? always : AskedPoint{any(random), any(random)};
+      const RequestedPoint asked = round % 2 ? always : RequestedPoint{any(random), any(random)};
       const LimitedPoint next = limit_point(s, now.position, now.velocity, asked, .05);
       ASSERT_LE(std::abs(next.position), 5 + 1e-12);
       ASSERT_LE(std::abs(next.velocity), 2 + 1e-12);
@@ -368,7 +368,7 @@ TEST(TrajectoryPoints, StopBeforeTheLimitsWhateverIsAsked) {
 }
 
 TEST(TrajectoryPoints, WithoutTimeStayWhereTheyAre) {
-  const LimitedPoint point = limit_point(of_points(), 1, 2, AskedPoint{4, 4}, 0);
+  const LimitedPoint point = limit_point(of_points(), 1, 2, RequestedPoint{4, 4}, 0);
   EXPECT_EQ(point.position, 1);
   EXPECT_EQ(point.velocity, 2);
 }

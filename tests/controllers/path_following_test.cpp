@@ -39,9 +39,9 @@ struct PathRig : TrajectoryRig {
     for (JointFacts& joint : context.joints.edit())
       joint.velocity = 2, joint.acceleration = 8, joint.jerk = 100;
     set("command_interfaces", {"position", "velocity", "acceleration"});
-    look_anew();
+    look_again_now();
   }
-  void look_anew() {
+  void look_again_now() {
     hardest.assign(n, 0.0);
     fastest = 0;
   }
@@ -161,7 +161,7 @@ TEST(PathFollowing, AnImmediateStopBrakesHarderOnThePathAndIsOverWhenItStands) {
     rig->start();
     rig->follow(planned_path());
     rig->cycles(350);
-    rig->look_anew();
+    rig->look_again_now();
     rig->verdict.speed = 0;
     rig->verdict.immediate = rig == &hard;
     took[rig == &hard] = rig->until_standing(600);
@@ -170,7 +170,7 @@ TEST(PathFollowing, AnImmediateStopBrakesHarderOnThePathAndIsOverWhenItStands) {
   EXPECT_LE(soft.hardest_of_all(), 8 * (1 + 1e-6));
   EXPECT_GT(hard.hardest_of_all(), 12);
   EXPECT_LE(hard.hardest_of_all(), 24 * (1 + 1e-6));
-  hard.look_anew();
+  hard.look_again_now();
   hard.verdict = {};
   hard.cycles(3000);
   EXPECT_EQ(hard.jtc.status().finished.load(), 1u);

@@ -172,7 +172,7 @@ TEST(FilterChain, FiltersEachInputByItsOwnChain) {
   EXPECT_EQ(rig.state("smooth/right/smooth"), 6);
 }
 
-TEST(FilterChain, SaysWhatIsWrong) {
+TEST(FilterChain, ReportsTheProblem) {
   const std::pair<Rig::Values, const char*> kWrong[] = {
       {{{"input_interfaces", {"left/position"}}, {"output_interfaces", {"a", "b"}}},
        "1 input_interfaces and 2 output_interfaces"},

@@ -31,9 +31,9 @@ struct Follower : TrajectoryRig {
       joint.deceleration = deceleration;
       joint.jerk = jerk;
     }
-    look_anew();
+    look_again_now();
   }
-  void look_anew() { hardest = fastest = std::vector<double>(n, 0.0); }
+  void look_again_now() { hardest = fastest = std::vector<double>(n, 0.0); }
   void follow(trajectory::Trajectory along) {
     path = along;
     auto goal = std::make_unique<TrajectoryGoal>();
@@ -143,11 +143,11 @@ TEST(Stopping, TheDecelerationCountsWhereItIsStated) {
   rig.follow(straight(3, 2, 4));
   rig.cycles(900);
   ASSERT_NEAR(rig.speed[0], 2, 1e-6);
-  rig.look_anew();
+  rig.look_again_now();
   rig.verdict.speed = 0;
   EXPECT_GE(rig.until_standing(1000), 500);
   EXPECT_LE(rig.hardest[0], 4 * 1.025);
-  rig.look_anew();
+  rig.look_again_now();
   rig.verdict.speed = 1;
   rig.cycles(450);
   EXPECT_NEAR(rig.speed[0], 2, 1e-6) << "going on again is as fast as its acceleration";

@@ -25,7 +25,7 @@ TEST(Literal, IsReadAsAPersonWritesIt) {
   EXPECT_EQ(read("quat(0, 0, 1, 0, 0, 0, 1, frame = \"table\")").as_point()->frame(), "table");
 }
 
-TEST(Literal, SaysWhatIsWrong) {
+TEST(Literal, ReportsTheProblem) {
   for (const char* text :
        {"", "x", "[1", "[1 2]", "{a}", "{a = 1, a = 2}", "\"open", "1 2", "pose(1, 2)", "1deg2",
         "pose(1deg, 0, 0, 0, 0, 0)", "quat(0, 0, 0, 0, 0, 0, 0)", "joints(a = 1, 2)", "nan", "[,]"}) {

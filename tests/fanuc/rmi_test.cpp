@@ -11,7 +11,7 @@ using fanuc::RmiLine;
 using fanuc::RmiMessage;
 using fanuc::RmiSession;
 
-constexpr Nanoseconds kPatience = 10'000'000'000;
+constexpr Nanoseconds kTimeout = 10'000'000'000;
 
 /// A program on the network, against a far side whose clock only the test moves.
 class Remote {
@@ -20,12 +20,12 @@ class Remote {
     far.hold_clock(true);
     std::string why;
     int error = 0;
-    EXPECT_TRUE(session.open("127.0.0.1", far.rmi_port(), "FRC_Connect", kPatience, why, error))
+    EXPECT_TRUE(session.open("127.0.0.1", far.rmi_port(), "FRC_Connect", kTimeout, why, error))
         << why << error;
   }
   RmiMessage ask(const char* name) { return ask(name, RmiLine("Command", name)); }
   RmiMessage ask(const char* name, const RmiLine& line) {
-    const auto answer = session.ask("Command", name, line, kPatience);
+    const auto answer = session.ask("Command", name, line, kTimeout);
     EXPECT_TRUE(answer) << name;
     return answer.value_or(RmiMessage{});
   }
@@ -59,13 +59,13 @@ class Remote {
   /// Sends instructions, and waits until the controller has read them.
   void send(const std::vector<RmiLine>& lines) {
     for (const RmiLine& line : lines) EXPECT_TRUE(session.send(line));
-    EXPECT_EQ(ask_aside("FRC_GetStatus").name, "FRC_GetStatus");
+    EXPECT_EQ(ask_in_background("FRC_GetStatus").name, "FRC_GetStatus");
   }
   /// Like ask(), and keeps what else arrives.
-  RmiMessage ask_aside(const char* name) {
+  RmiMessage ask_in_background(const char* name) {
     EXPECT_TRUE(session.send(RmiLine("Command", name)));
     RmiMessage out;
-    while (out.name.empty() && wire::wait_readable(session.descriptor(), kPatience))
+    while (out.name.empty() && wire::wait_readable(session.descriptor(), kTimeout))
       session.poll([&](const RmiMessage& m) {
         if (m.name == name)
           out = m;
@@ -282,16 +282,16 @@ TEST(FarRmi, PauseHoldsAndContinueGoesOn) {
   remote.initialize();
   remote.send({remote.joint_move({60, 10, -15, 0, -60, 20})});
   for (int i = 0; i < 40; ++i) remote.far.step();
-  EXPECT_EQ(remote.ask_aside("FRC_Pause").error(), 0);
+  EXPECT_EQ(remote.ask_in_background("FRC_Pause").error(), 0);
   for (int i = 0; i < 40; ++i) remote.far.step();
   const Six at = remote.q();
   for (int i = 0; i < 40; ++i) remote.far.step();
   EXPECT_NEAR(remote.q()[0], at[0], 1e-4);
-  EXPECT_EQ(remote.ask_aside("FRC_GetStatus").number("ProgramStatus"), 2);
-  EXPECT_EQ(remote.ask_aside("FRC_Continue").error(), 0);
+  EXPECT_EQ(remote.ask_in_background("FRC_GetStatus").number("ProgramStatus"), 2);
+  EXPECT_EQ(remote.ask_in_background("FRC_Continue").error(), 0);
   remote.run(1);
   EXPECT_NEAR(remote.q()[0], 60, 0.01);
-  EXPECT_EQ(remote.ask_aside("FRC_Continue").error(), fanuc::kRmiNotPaused);
+  EXPECT_EQ(remote.ask_in_background("FRC_Continue").error(), fanuc::kRmiNotPaused);
 }
 
 TEST(FarRmi, InstructionsHaveRisingNumbersAndARoomForEight) {
@@ -319,14 +319,14 @@ TEST(FarRmi, AnUnreachableTargetIsNamedAndHoldsUntilAbort) {
   far_away[0] += 5000;
   remote.send({remote.line_move("FRC_LinearMotion", far_away, 100), remote.joint_move({0, 0, 0, 0, 0, 0})});
   remote.run(1, 20);
-  remote.ask_aside("FRC_GetStatus");
+  remote.ask_in_background("FRC_GetStatus");
   ASSERT_FALSE(remote.arrived.empty());
   EXPECT_EQ(remote.arrived.back().error(), fanuc::kRmiDestination);
   const Six at = remote.q();
   for (int i = 0; i < 50; ++i) remote.far.step();
   EXPECT_EQ(remote.q(), at) << "the next motion waits";
-  EXPECT_EQ(remote.ask_aside("FRC_Abort").error(), 0);
-  EXPECT_EQ(remote.ask_aside("FRC_GetStatus").number("ProgramStatus"), 1);
+  EXPECT_EQ(remote.ask_in_background("FRC_Abort").error(), 0);
+  EXPECT_EQ(remote.ask_in_background("FRC_GetStatus").number("ProgramStatus"), 1);
   remote.initialize();
 }
 
@@ -340,10 +340,10 @@ TEST(FarRmi, AnAlarmStopsTheMotionAndIsReportedUnasked) {
   const Six at = remote.q();
   for (int i = 0; i < 40; ++i) remote.far.step();
   EXPECT_NEAR(remote.q()[0], at[0], 1e-4);
-  EXPECT_EQ(remote.ask_aside("FRC_ReadError").text("ErrorData"), "SRVO-004 Fence open");
+  EXPECT_EQ(remote.ask_in_background("FRC_ReadError").text("ErrorData"), "SRVO-004 Fence open");
   EXPECT_TRUE(std::any_of(remote.arrived.begin(), remote.arrived.end(),
                           [](const RmiMessage& m) { return m.name == "FRC_SystemFault"; }));
-  EXPECT_EQ(remote.ask_aside("FRC_Initialize").error(), fanuc::kRmiServoOff);
+  EXPECT_EQ(remote.ask_in_background("FRC_Initialize").error(), fanuc::kRmiServoOff);
 }
 
 TEST(FarRmi, OneProgramAtATimeAndItsEndStopsTheRobot) {
@@ -356,13 +356,13 @@ TEST(FarRmi, OneProgramAtATimeAndItsEndStopsTheRobot) {
   remote.initialize();
   remote.send({remote.joint_move({90, 10, -15, 0, -60, 20})});
   for (int i = 0; i < 40; ++i) remote.far.step();
-  remote.session.close(kPatience);
+  remote.session.close(kTimeout);
   for (int i = 0; i < 100; ++i) remote.far.step();
   const Six at = remote.q();
   EXPECT_LT(at[0], 80);
   for (int i = 0; i < 40; ++i) remote.far.step();
   EXPECT_NEAR(remote.q()[0], at[0], 1e-4);
-  EXPECT_TRUE(second.open("127.0.0.1", remote.far.rmi_port(), "FRC_Connect", kPatience, why, error)) << why;
+  EXPECT_TRUE(second.open("127.0.0.1", remote.far.rmi_port(), "FRC_Connect", kTimeout, why, error)) << why;
 }
 
 /// Random lines, damaged ones and packets at both ports: the controller goes on and the robot stands.
@@ -391,7 +391,7 @@ TEST(FarRmiFuzz, RandomLinesAndPacketsNeitherStopNorMoveIt) {
   for (int round = 0; round < 20; ++round) {
     RmiSession session;
     int error = 0;
-    while (!session.open("127.0.0.1", far.rmi_port(), "FRC_Connect", kPatience, why, error))
+    while (!session.open("127.0.0.1", far.rmi_port(), "FRC_Connect", kTimeout, why, error))
       std::this_thread::yield();  // until the last session is gone
     for (int i = 0; i < 300; ++i) {
       std::string line = "{";
@@ -410,9 +410,9 @@ TEST(FarRmiFuzz, RandomLinesAndPacketsNeitherStopNorMoveIt) {
       if (i % 20 == 0) session.poll([](const RmiMessage&) {}), far.step();
     }
     const auto alive =
-        session.ask("Command", "FRC_GetExtStatus", RmiLine("Command", "FRC_GetExtStatus"), kPatience);
+        session.ask("Command", "FRC_GetExtStatus", RmiLine("Command", "FRC_GetExtStatus"), kTimeout);
     EXPECT_TRUE(alive) << round;
-    session.close(kPatience);
+    session.close(kTimeout);
   }
   const Six after = far.with([](fanuc::Machine& m) { return m.q(); });
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(after[i], before[i], 1e-9) << "no instruction was whole";

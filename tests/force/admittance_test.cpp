@@ -426,7 +426,7 @@ TEST(AdmittanceController, TakesNewDampingWhileItRuns) {
   EXPECT_THROW(arm.rig.change("ft_sensor.filter_coefficient", "2"), Error);
 }
 
-TEST(AdmittanceController, SaysWhatIsWrong) {
+TEST(AdmittanceController, ReportsTheProblem) {
   const std::pair<Rig::Values, const char*> kWrong[] = {
       {{{"joints", {"x", "y"}}}, "moves the sensor and is not controlled"},
       {{{"joints", {"x", "y", "z", "rx", "ry", "rq"}}}, "rq"},

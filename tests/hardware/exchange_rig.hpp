@@ -12,7 +12,7 @@ inline FaultEvent settle(Hardware& hardware, const FaultEvents& faults) {
                               ? hardware.diagnostics().when_late(static_cast<std::size_t>(event.component))
                               : WhenLate::fault;
     if (!first && late != WhenLate::report) first = event;
-    if (late == WhenLate::fault) hardware.exchange().take_off(event);
+    if (late == WhenLate::fault) hardware.exchange().switch_off_failed(event);
   }
   return first;
 }

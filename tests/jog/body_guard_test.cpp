@@ -19,8 +19,8 @@ using surroundings::GuardBodies;
 using surroundings::GuardPair;
 using surroundings::Moment;
 using test::JogRig;
-using test::joint_wish;
-using test::tcp_wish;
+using test::joint_setpoint;
+using test::tcp_setpoint;
 
 constexpr double kClearance = 0.005;
 
@@ -79,7 +79,7 @@ struct Among {
     rig.generator.set_barriers(&barriers);
   }
   /// One wish for a time; false when a law is broken. Counts the nearest.
-  bool run(const JogWish& wish, double seconds) {
+  bool run(const JogSetpoint& wish, double seconds) {
     for (int i = 0; i < seconds / rig.dt; ++i) {
       if (i % 2 == 0) look();
       if (!rig.step(wish)) return false;
@@ -104,25 +104,25 @@ struct Among {
   long held = 0;
 };
 
-JogWish random_wish(Among& among, std::mt19937_64& engine) {
+JogSetpoint random_setpoint(Among& among, std::mt19937_64& engine) {
   std::uniform_real_distribution<double> even(-1, 1);
   const JogRig& rig = among.rig;
-  JogWish wish;
+  JogSetpoint wish;
   switch (engine() % 5) {
     case 0:
-      return joint_wish(engine() % rig.chain.joints(), 2 * even(engine));
+      return joint_setpoint(engine() % rig.chain.joints(), 2 * even(engine));
     case 1:
-      wish.kind = JogWish::Kind::joint_velocity;
+      wish.kind = JogSetpoint::Kind::joint_velocity;
       for (std::size_t j = 0; j < rig.chain.joints(); ++j) wish.joints[j] = 1.5 * even(engine);
       return wish;
     case 2:
-      return tcp_wish({0.5 * even(engine), 0.5 * even(engine), 0.5 * even(engine)});
+      return tcp_setpoint({0.5 * even(engine), 0.5 * even(engine), 0.5 * even(engine)});
     case 3:
-      return tcp_wish({0.3 * even(engine), 0.3 * even(engine), 0.3 * even(engine), even(engine), even(engine),
+      return tcp_setpoint({0.3 * even(engine), 0.3 * even(engine), 0.3 * even(engine), even(engine), even(engine),
                        even(engine)},
                       true);
     default:
-      wish.kind = engine() % 2 ? JogWish::Kind::joint_target : JogWish::Kind::tcp_target;
+      wish.kind = engine() % 2 ? JogSetpoint::Kind::joint_target : JogSetpoint::Kind::tcp_target;
       for (std::size_t j = 0; j < rig.chain.joints(); ++j) wish.joints[j] = rig.joints()[j] + even(engine);
       wish.target = rig.tcp();
       wish.target.position =
@@ -150,7 +150,7 @@ TEST(BodyGuard, RandomJogsAmongObstaclesTouchNothing) {
       for (int k = 0; k < 25 && i < jogs(); ++k, ++i) {
         const Vec3 before = among.rig.tcp().position;
         const std::uint64_t had = among.bodies->measured();
-        ASSERT_TRUE(among.run(random_wish(among, engine), 0.05 + 0.4 * even(engine)))
+        ASSERT_TRUE(among.run(random_setpoint(among, engine), 0.05 + 0.4 * even(engine)))
             << arm << " " << among.rig.broken;
         most = std::max(most, among.bodies->measured() - had);
         moved += norm(among.rig.tcp().position - before);
@@ -192,19 +192,19 @@ struct AboveATable : Among {
 
 TEST(BodyGuard, TheTcpComesDownToTheClearanceAndStops) {
   AboveATable arm;
-  ASSERT_TRUE(arm.run(tcp_wish({0, 0, -0.2}), 4)) << arm.rig.broken;
+  ASSERT_TRUE(arm.run(tcp_setpoint({0, 0, -0.2}), 4)) << arm.rig.broken;
   EXPECT_EQ(arm.rig.generator.hold(), JogHold::body);
   EXPECT_LT(arm.rig.generator.tcp_speed(), 1e-3);
   EXPECT_NEAR(arm.distance(), kClearance, 0.0015);
-  ASSERT_TRUE(arm.run(tcp_wish({0, 0, 0.2}), 0.5));
+  ASSERT_TRUE(arm.run(tcp_setpoint({0, 0, 0.2}), 0.5));
   EXPECT_GT(arm.distance(), 0.03) << "it goes away freely";
 }
 
 TEST(BodyGuard, TheTcpSlidesAlong) {
   AboveATable arm;
-  ASSERT_TRUE(arm.run(tcp_wish({0, 0, -0.2}), 4));
+  ASSERT_TRUE(arm.run(tcp_setpoint({0, 0, -0.2}), 4));
   const Vec3 before = arm.rig.tcp().position;
-  ASSERT_TRUE(arm.run(tcp_wish({0, 0.1, -0.1}), 1)) << arm.rig.broken;
+  ASSERT_TRUE(arm.run(tcp_setpoint({0, 0.1, -0.1}), 1)) << arm.rig.broken;
   EXPECT_GT(arm.rig.tcp().position.y - before.y, 0.05);
   EXPECT_GT(arm.distance(), kClearance - 0.001);
   EXPECT_EQ(arm.rig.generator.hold(), JogHold::body);
@@ -213,14 +213,14 @@ TEST(BodyGuard, TheTcpSlidesAlong) {
 TEST(BodyGuard, OneJointAloneDoesNotMoveOthers) {
   AboveATable arm;
   const std::vector<double> before = arm.rig.joints();
-  ASSERT_TRUE(arm.run(joint_wish(1, 0.5), 5)) << arm.rig.broken;
+  ASSERT_TRUE(arm.run(joint_setpoint(1, 0.5), 5)) << arm.rig.broken;
   for (std::size_t j = 0; j < before.size(); ++j) EXPECT_EQ(arm.rig.joints()[j] == before[j], j != 1) << j;
   EXPECT_GT(arm.distance(), kClearance - 0.001);
 }
 
 TEST(BodyGuard, AnArmThatIsTooNearMayOnlyLeave) {
   AboveATable arm;
-  ASSERT_TRUE(arm.run(tcp_wish({0, 0, -0.2}), 4));
+  ASSERT_TRUE(arm.run(tcp_setpoint({0, 0, -0.2}), 4));
   arm.scene.fixtures[0].pose.position.z += 0.008;  // it comes up: 3 mm inside
   arm.bodies = std::make_unique<GuardBodies>(std::vector{arm.robot}, arm.scene);
   arm.exact = std::make_unique<GuardBodies>(std::vector{arm.robot}, arm.scene);
@@ -229,10 +229,10 @@ TEST(BodyGuard, AnArmThatIsTooNearMayOnlyLeave) {
   arm.rig.start(arm.rig.joints());
   const double start = arm.distance();
   ASSERT_LT(start, 0);
-  ASSERT_TRUE(arm.run(tcp_wish({0, 0, -0.1}), 0.5)) << arm.rig.broken;
+  ASSERT_TRUE(arm.run(tcp_setpoint({0, 0, -0.1}), 0.5)) << arm.rig.broken;
   EXPECT_GT(arm.distance(), start - 0.0005);
   EXPECT_TRUE(arm.barriers.touching);
-  ASSERT_TRUE(arm.run(tcp_wish({0, 0, 0.1}), 1)) << arm.rig.broken;
+  ASSERT_TRUE(arm.run(tcp_setpoint({0, 0, 0.1}), 1)) << arm.rig.broken;
   EXPECT_GT(arm.distance(), kClearance);
 }
 
@@ -240,7 +240,7 @@ TEST(BodyGuard, ATickAndACycleAllocateNothing) {
   Among among("universal_robots/ur5e", 3, 50);
   ASSERT_TRUE(among.start());
   const std::vector<double> still(6, 0.0);
-  const JogWish wish = tcp_wish({0.1, 0.1, -0.1});
+  const JogSetpoint wish = tcp_setpoint({0.1, 0.1, -0.1});
   Moment moment = Among::at(among.rig.joints());
   among.bodies->look(moment);
   std::string violations;

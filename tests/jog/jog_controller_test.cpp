@@ -14,7 +14,7 @@ namespace polyarm::jog::jog_controller_test {
 namespace {
 
 using controllers::Verdict;
-using Kind = JogWish::Kind;
+using Kind = JogSetpoint::Kind;
 
 /// The controller with a table of its own, cycle by cycle.
 class JogControllerTest : public ::testing::Test {
@@ -59,7 +59,7 @@ class JogControllerTest : public ::testing::Test {
   JogCommand joint(double velocity, std::uint32_t session) {
     JogCommand command;
     command.session = session;
-    command.stops = verdict.stops_asked;
+    command.stops = verdict.stop_requests;
     command.wish.kind = Kind::joint_velocity;
     command.wish.joints[0] = velocity;
     return command;
@@ -102,7 +102,7 @@ TEST_F(JogControllerTest, LettingGoNeedsNoQueue) {
   command.hold = 10'000'000'000;
   controller->send(command);
   run(0.5);
-  controller->let_go(7);
+  controller->release_now(7);
   run(0.5);
   EXPECT_TRUE(controller->standing());
   controller->send(command);
@@ -131,19 +131,19 @@ TEST_F(JogControllerTest, EveryStopEndsTheSession) {
   };
   moves();
   verdict.speed = 0;  // stopping
-  ++verdict.stops_asked, ++verdict.stops;
+  ++verdict.stop_requests, ++verdict.stops;
   stands();
   verdict.held = true;
   run(0.5);
   EXPECT_TRUE(controller->standing()) << "the session that was stopped does not go on";
   moves();  // a new one does, while the loop is held
-  ++verdict.stops_asked, ++verdict.stops;
+  ++verdict.stop_requests, ++verdict.stops;
   stands();
   moves();
   ++verdict.stops;  // a gap in time, a silent cell thread
   stands();
   JogCommand late = joint(0.4, ++session);
-  ++verdict.stops_asked, ++verdict.stops;
+  ++verdict.stop_requests, ++verdict.stops;
   controller->send(late);
   run(0.5);
   EXPECT_TRUE(controller->standing());

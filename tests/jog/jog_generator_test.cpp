@@ -16,9 +16,9 @@ namespace polyarm::jog::jog_generator_test {
 namespace {
 
 using polyarm::test::JogRig;
-using polyarm::test::joint_wish;
-using polyarm::test::tcp_wish;
-using Kind = JogWish::Kind;
+using polyarm::test::joint_setpoint;
+using polyarm::test::tcp_setpoint;
+using Kind = JogSetpoint::Kind;
 
 const std::vector<std::string> kArms = {"universal_robots/ur5e", "kuka/kr_10_r1100_2",
                                         "franka/fer_panda",      "ufactory/xarm_6",
@@ -38,9 +38,9 @@ moves::Workspace table_and_box(const JogRig& rig, const Vec3& tcp) {
         tcp + Vec3{0.05 * reach, 0.2 * reach, reach}}});
 }
 
-JogWish random_wish(const JogRig& rig, std::mt19937_64& engine) {
+JogSetpoint random_setpoint(const JogRig& rig, std::mt19937_64& engine) {
   std::uniform_real_distribution<double> even(-1, 1);
-  JogWish wish;
+  JogSetpoint wish;
   wish.kind = static_cast<Kind>(std::uniform_int_distribution<int>(0, 4)(engine));
   wish.at_once = even(engine) > 0.5;
   wish.tool_frame = even(engine) > 0;
@@ -79,7 +79,7 @@ TEST(JogGenerator, KeepsEveryLimitWhateverIsWished) {
       for (int i = 0; i < 120; ++i) {
         if (i % 40 == 0) rig.start(rig.middle());
         const Vec3 before = rig.tcp().position;
-        ASSERT_TRUE(rig.run(random_wish(rig, engine), 0.02 + 0.7 * even(engine) * even(engine)))
+        ASSERT_TRUE(rig.run(random_setpoint(rig, engine), 0.02 + 0.7 * even(engine) * even(engine)))
             << arm << " " << dt << ": " << rig.broken;
         moved += norm(rig.tcp().position - before);
       }
@@ -116,7 +116,7 @@ TEST(JogGenerator, GoesStraightWhereNothingIsInTheWay) {
         turned = std::max(turned, angle_between(rig.tcp().rotation, start.rotation));
       };
       for (int i = 0; i < 700; ++i) {
-        ASSERT_TRUE(rig.step(tcp_wish(twist))) << arm << rig.broken;
+        ASSERT_TRUE(rig.step(tcp_setpoint(twist))) << arm << rig.broken;
         look();
       }
       EXPECT_EQ(rig.generator.hold(), JogHold::none) << arm;
@@ -139,8 +139,8 @@ TEST(JogGenerator, ATargetThatStartsAtFullSpeedIsCaughtUpWithSoon) {
   for (const Vec3& way : {Vec3{-1, 0, 0}, Vec3{0, -1, 0}, Vec3{-0.6, 0, 0.8}}) {
     JogRig rig("universal_robots/ur5e");
     rig.start(bent(rig));
-    JogWish wish;
-    wish.kind = JogWish::Kind::tcp_target;
+    JogSetpoint wish;
+    wish.kind = JogSetpoint::Kind::tcp_target;
     const Pose start = wish.target = rig.tcp();
     constexpr double kSpeed = 0.25;
     double near = 0;  // since when it has been within 2 mm, s
@@ -179,11 +179,11 @@ TEST(JogGenerator, AlwaysHasAWayOut) {
       twist[static_cast<std::size_t>(i) % 3] = i % 2 ? 0.2 : -0.2;
       const auto came = [&](const Twist& t) {
         const Vec3 before = rig.tcp().position;
-        EXPECT_TRUE(rig.run(tcp_wish(t), 3)) << arm << " " << rig.broken;
+        EXPECT_TRUE(rig.run(tcp_setpoint(t), 3)) << arm << " " << rig.broken;
         const Vec3 d = rig.tcp().position - before;
         return (d.x * t[0] + d.y * t[1] + d.z * t[2]) / 0.2;
       };
-      ASSERT_TRUE(rig.run(tcp_wish(twist), 5)) << arm << " " << rig.broken;
+      ASSERT_TRUE(rig.run(tcp_setpoint(twist), 5)) << arm << " " << rig.broken;
       ASSERT_TRUE(rig.run({}, 0.5)) << arm << " " << rig.broken;
       for (double& x : twist) x = -x;
       double best = came(twist);
@@ -207,7 +207,7 @@ TEST(JogGenerator, LeavesTheStretchedPoseInwards) {
   rig.start({0, 0, 0, 0, 0, 0});
   const Vec3 start = rig.tcp().position;
   const double inwards = start.x > 0 ? -0.1 : 0.1;
-  ASSERT_TRUE(rig.run(tcp_wish({inwards, 0, 0}), 4)) << rig.broken;
+  ASSERT_TRUE(rig.run(tcp_setpoint({inwards, 0, 0}), 4)) << rig.broken;
   EXPECT_GT((rig.tcp().position.x - start.x) * inwards / 0.1, 0.05);
 }
 
@@ -215,11 +215,11 @@ TEST(JogGenerator, StopsAtAJointLimitExactlyAndLeavesIt) {
   JogRig rig("universal_robots/ur5e");
   rig.start(bent(rig));
   const double upper = rig.generator.axes()[2].upper;
-  ASSERT_TRUE(rig.run(joint_wish(2, 3), 4)) << rig.broken;
+  ASSERT_TRUE(rig.run(joint_setpoint(2, 3), 4)) << rig.broken;
   EXPECT_NEAR(rig.generator.axis(2).position, upper, 1e-6);
   EXPECT_EQ(rig.generator.hold(), JogHold::joint_limit);
   EXPECT_EQ(rig.generator.which(), 2);
-  ASSERT_TRUE(rig.run(joint_wish(2, -0.5), 1)) << rig.broken;
+  ASSERT_TRUE(rig.run(joint_setpoint(2, -0.5), 1)) << rig.broken;
   EXPECT_LT(rig.generator.axis(2).position, upper - 0.2);
 }
 
@@ -228,11 +228,11 @@ TEST(JogGenerator, SaysWhatAScaraCannotDo) {
   JogRig rig(kArms.back());
   rig.start(bent(rig));
   const Pose start = rig.tcp();
-  ASSERT_TRUE(rig.run(tcp_wish({0, 0, 0, 0.5, 0, 0}), 1)) << rig.broken;
+  ASSERT_TRUE(rig.run(tcp_setpoint({0, 0, 0, 0.5, 0, 0}), 1)) << rig.broken;
   EXPECT_EQ(rig.generator.hold(), JogHold::direction);
   EXPECT_LT(norm(rig.tcp().position - start.position), 1e-6);
   ASSERT_TRUE(rig.run({}, 0.5));
-  ASSERT_TRUE(rig.run(tcp_wish({0, 0, 0, 0, 0, 0.3}), 1)) << rig.broken;
+  ASSERT_TRUE(rig.run(tcp_setpoint({0, 0, 0, 0, 0, 0.3}), 1)) << rig.broken;
   EXPECT_LT(norm(rig.tcp().position - start.position), 1e-5);
   EXPECT_GT(angle_between(rig.tcp().rotation, start.rotation), 0.1);
 }
@@ -245,7 +245,7 @@ TEST(JogGenerator, AllocatesAndLocksNothing) {
     rig.limits = {1, 0.5, 1.5};
     rig.start(rig.middle());
     for (int i = 0; i < 40; ++i) {
-      const JogWish wish = random_wish(rig, engine);
+      const JogSetpoint wish = random_setpoint(rig, engine);
       const polyarm::test::RealtimeGuard guard;
       for (int k = 0; k < 30; ++k) rig.generator.step(wish, rig.limits);
       ASSERT_EQ(guard.violations(), "") << arm;

@@ -63,7 +63,7 @@ class JogRig {
   Pose tcp() const { return chain.forward(joints()); }
 
   /// One cycle; false when a law is broken, with the reason in `broken`.
-  bool step(const jog::JogWish& wish) {
+  bool step(const jog::JogSetpoint& wish) {
     const bool began = generator.standing();
     generator.step(wish, limits);
     history_.erase(history_.begin());
@@ -80,7 +80,7 @@ class JogRig {
     return broken.empty();
   }
   /// `seconds` of one wish, or until it is over.
-  bool run(const jog::JogWish& wish, double seconds) {
+  bool run(const jog::JogSetpoint& wish, double seconds) {
     for (double t = 0; t < seconds; t += dt)
       if (!step(wish)) return false;
     return true;
@@ -125,16 +125,16 @@ class JogRig {
   Vec3 tcp_;
 };
 
-inline jog::JogWish tcp_wish(const jog::Twist& twist, bool tool = false) {
-  jog::JogWish wish;
-  wish.kind = jog::JogWish::Kind::tcp_velocity;
+inline jog::JogSetpoint tcp_setpoint(const jog::Twist& twist, bool tool = false) {
+  jog::JogSetpoint wish;
+  wish.kind = jog::JogSetpoint::Kind::tcp_velocity;
   wish.twist = twist;
   wish.tool_frame = tool;
   return wish;
 }
-inline jog::JogWish joint_wish(std::size_t joint, double velocity) {
-  jog::JogWish wish;
-  wish.kind = jog::JogWish::Kind::joint_velocity;
+inline jog::JogSetpoint joint_setpoint(std::size_t joint, double velocity) {
+  jog::JogSetpoint wish;
+  wish.kind = jog::JogSetpoint::Kind::joint_velocity;
   wish.joints[joint] = velocity;
   return wish;
 }

@@ -42,7 +42,7 @@ TEST(LinksFile, GoesBeyondThisMachineOnlyWhenToldSo) {
             std::string::npos);
 }
 
-TEST(LinksFile, SaysWhatIsWrong) {
+TEST(LinksFile, ReportsTheProblem) {
   EXPECT_NE(wrong_with("plc: {host: 127.0.0.1}").find("has no protocol"), std::string::npos);
   EXPECT_NE(wrong_tag("direction: in").find("has no place"), std::string::npos);
   EXPECT_NE(wrong_tag("coil: 1").find("has no direction"), std::string::npos);

@@ -342,7 +342,7 @@ class SteppedModbusServer : public testing::Test {
   SteppedModbusServer() : server(modbus::make_server(link_entry(kServer, port))) { server->open(); }
   /// A round at `now`, ms; what has come is there.
   void step(int now) {
-    signals::LinkNews news;
+    signals::LinkReport news;
     server->exchange({}, Nanoseconds{now} * 1'000'000, 20'000'000, news);
   }
   /// Whether it is answered within a few rounds at one time.
@@ -448,7 +448,7 @@ TEST(ModbusFrame, NoBytesAreReadBeyondTheirEndAndNoFrameIsLongerThanTheyAre) {
   }
 }
 
-class AskedModbusServer : public ModbusServer {
+class RequestedModbusServer : public ModbusServer {
  protected:
   void SetUp() override {
     if (!test::has_pymodbus()) GTEST_SKIP() << "python3-pymodbus is not installed";
@@ -460,7 +460,7 @@ class AskedModbusServer : public ModbusServer {
   std::unique_ptr<Peer> master;
 };
 
-TEST_F(AskedModbusServer, OffersWhatTheCellSetsAndTakesWhatIsWritten) {
+TEST_F(RequestedModbusServer, OffersWhatTheCellSetsAndTakesWhatIsWritten) {
   link->post("Running", true);
   link->post("Count", 65537);
   ASSERT_TRUE(link->given());
@@ -473,7 +473,7 @@ TEST_F(AskedModbusServer, OffersWhatTheCellSetsAndTakesWhatIsWritten) {
   EXPECT_TRUE(link->comes("Wanted", 1));
 }
 
-TEST_F(AskedModbusServer, ACoilOfBothSidesGoesBothWays) {
+TEST_F(RequestedModbusServer, ACoilOfBothSidesGoesBothWays) {
   EXPECT_EQ(master->ask("write co 1 1"), "done");
   ASSERT_TRUE(link->comes("Gripper", true));
   link->post("Gripper", false);
@@ -481,20 +481,20 @@ TEST_F(AskedModbusServer, ACoilOfBothSidesGoesBothWays) {
   EXPECT_EQ(master->ask("read co 1 1"), "0");
 }
 
-TEST_F(AskedModbusServer, WhatIsTheCellsToSayIsPutRight) {
+TEST_F(RequestedModbusServer, WhatIsTheCellsToSayIsPutRight) {
   link->post("Ours", 7);
   ASSERT_TRUE(link->given());
   EXPECT_EQ(master->ask("write hr 8 99"), "done");
   EXPECT_TRUE(test::eventually([&] { return master->ask("read hr 8 1") == "7"; }));
 }
 
-TEST_F(AskedModbusServer, AnAddressThatThereIsNotIsAnExceptionAndTheLinkStays) {
+TEST_F(RequestedModbusServer, AnAddressThatThereIsNotIsAnExceptionAndTheLinkStays) {
   EXPECT_TRUE(master->ask("read hr 5000 2").starts_with("error"));
   EXPECT_EQ(master->ask("read hr 8 1"), "0");
   EXPECT_TRUE(link->up());
 }
 
-TEST_F(AskedModbusServer, RubbishIsNoRequestAndSpoilsNothing) {
+TEST_F(RequestedModbusServer, RubbishIsNoRequestAndSpoilsNothing) {
   EXPECT_EQ(master->ask("write hr 0 16256 0"), "done");
   ASSERT_TRUE(link->comes("Wanted", 1));
   for (int k = 0; k < 20; ++k) {
@@ -515,7 +515,7 @@ TEST_F(AskedModbusServer, RubbishIsNoRequestAndSpoilsNothing) {
   EXPECT_EQ(link->values.at("Wanted"), data::Value(1));
 }
 
-TEST_F(AskedModbusServer, AMasterThatWritesANumberThatIsNoneIsRefused) {
+TEST_F(RequestedModbusServer, AMasterThatWritesANumberThatIsNoneIsRefused) {
   EXPECT_EQ(master->ask("write hr 0 32704 0"), "done");  // NaN
   EXPECT_TRUE(link->refuses("not a finite number"));
   EXPECT_EQ(master->ask("write hr 0 17000 0"), "done");

@@ -26,7 +26,7 @@ using process::Packer;
 using process::Unpacker;
 using signals::Direction;
 using signals::LinkEntry;
-using signals::LinkNews;
+using signals::LinkReport;
 using signals::LinkTag;
 using signals::RemotePort;
 using test::eventually;
@@ -168,7 +168,7 @@ TEST_F(RemoteModbus, AProcessThatNoLongerAnswersIsEndedAndStartedAgain) {
   const int child = port.process();
   ASSERT_GT(child, 0);
   ::kill(child, SIGSTOP);
-  LinkNews news;
+  LinkReport news;
   try {
     port.exchange({}, 0, 0, news);
     FAIL() << "a stopped process has answered";
@@ -228,7 +228,7 @@ TEST(RemotePortTest, AValueGrowsStaleWhileTheProcessHangs) {
     void open() override {}
     void close() noexcept override {}
     bool waits() const override { return true; }
-    void exchange(const std::vector<signals::LinkValue>&, Nanoseconds, Nanoseconds, LinkNews& news) override {
+    void exchange(const std::vector<signals::LinkValue>&, Nanoseconds, Nanoseconds, LinkReport& news) override {
       if (++rounds == 1) return news.seen.push_back(0);
       while (!over) ::usleep(1000);
     }
@@ -372,17 +372,17 @@ TEST(LinkExchange, AnEntryArrivesWhole) {
   EXPECT_EQ(copy.groups.at("fast"), 7);
 }
 
-bool accepted(const LinkNews& news) {
+bool accepted(const LinkReport& news) {
   std::vector<std::byte> bytes;
   Packer out(bytes);
   signals::pack(out, news);
   Unpacker in(bytes);
-  LinkNews got;
-  return signals::unpack_news(in, entry_of_all_kinds(), got);
+  LinkReport got;
+  return signals::unpack_reports(in, entry_of_all_kinds(), got);
 }
 
-LinkNews with(std::size_t tag, data::Value value) {
-  LinkNews out;
+LinkReport with(std::size_t tag, data::Value value) {
+  LinkReport out;
   out.values.push_back({tag, std::move(value)});
   return out;
 }
@@ -406,7 +406,7 @@ TEST(LinkExchange, OnlyWhatAPortMayBringIsTaken) {
   place.pose.position.x = 0.5;
   place.pose.rotation = {0, 0, 0, 0};
   EXPECT_FALSE(accepted(with(3, place))) << "no rotation";
-  LinkNews unknown;
+  LinkReport unknown;
   unknown.seen.push_back(7);
   EXPECT_FALSE(accepted(unknown));
   unknown = {};
@@ -415,14 +415,14 @@ TEST(LinkExchange, OnlyWhatAPortMayBringIsTaken) {
 }
 
 TEST(LinkExchange, WordsOfTheOtherSideAreOneLineThatATerminalBears) {
-  LinkNews news;
+  LinkReport news;
   news.refuse(0, "\033[2Jgone\nroot: \xff" + std::string(5000, 'x'));
   std::vector<std::byte> bytes;
   Packer out(bytes);
   signals::pack(out, news);
   Unpacker in(bytes);
-  LinkNews got;
-  ASSERT_TRUE(signals::unpack_news(in, entry_of_all_kinds(), got));
+  LinkReport got;
+  ASSERT_TRUE(signals::unpack_reports(in, entry_of_all_kinds(), got));
   EXPECT_EQ(got.refused.at(0).second.find_first_of("\033\n"), std::string::npos);
   EXPECT_LT(got.refused.at(0).second.size(), 2000u);
 }
@@ -431,7 +431,7 @@ TEST(LinkExchange, AHundredThousandMutatedAnswersBringNothingThatIsForbidden) {
   const LinkEntry entry = entry_of_all_kinds();
   data::Point place;
   place.pose.position = {0.5, 0.5, 0.5};
-  LinkNews news = with(0, true);
+  LinkReport news = with(0, true);
   news.values.push_back({1, 2});
   news.values.push_back({2, "red"});
   news.values.push_back({3, place});
@@ -448,8 +448,8 @@ TEST(LinkExchange, AHundredThousandMutatedAnswersBringNothingThatIsForbidden) {
     for (unsigned k = 1 + random() % 4; k > 0; --k) bytes[random() % bytes.size()] = static_cast<std::byte>(random());
     if (random() % 8 == 0) bytes.resize(random() % bytes.size());
     Unpacker in(bytes);
-    LinkNews got;
-    if (!signals::unpack_news(in, entry, got)) continue;
+    LinkReport got;
+    if (!signals::unpack_reports(in, entry, got)) continue;
     ++taken;
     for (const auto& each : got.values) {
       ASSERT_LT(each.tag, 4u);
@@ -470,7 +470,7 @@ class Flooding : public signals::LinkPort {
  public:
   void open() override {}
   void close() noexcept override {}
-  void exchange(const std::vector<signals::LinkValue>&, Nanoseconds, Nanoseconds, LinkNews& news) override {
+  void exchange(const std::vector<signals::LinkValue>&, Nanoseconds, Nanoseconds, LinkReport& news) override {
     for (int i = 0; i < 3000; ++i) {
       news.values.push_back({0, ++count});
       news.refuse(1, "rubbish " + std::to_string(count));

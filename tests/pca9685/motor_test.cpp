@@ -51,7 +51,7 @@ TEST(Motor, StopsByRollingOutOrByBraking) {
   EXPECT_EQ(drive_at(m, 0).drive, (MotorDrive{0, 0, 0}));
   m.brake = true;
   EXPECT_EQ(drive_at(m, 0).drive, (MotorDrive{4096, 4096, 4096}));
-  EXPECT_EQ(let_go().drive, (MotorDrive{0, 0, 0})) << "without a command it rolls, whatever a stop is";
+  EXPECT_EQ(release_now().drive, (MotorDrive{0, 0, 0})) << "without a command it rolls, whatever a stop is";
 }
 
 TEST(Motor, BeginsAtTheDutyThatTurnsIt) {

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 bool tells(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
-#define EXPECT_TELLS(text, part) EXPECT_PRED2(tells, text, part)
+#define EXPECT_OUTPUT_HAS(text, part) EXPECT_PRED2(tells, text, part)
 
 class ForeignCell : public ::testing::Test {
  protected:
@@ -56,8 +56,8 @@ TEST_F(ForeignCell, RunsNoneOfItsCodeBeforeSomebodyHasApprovedIt) {
   bring_library();
   const auto refused = run();
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_TELLS(refused.output, "that nobody has approved on this machine");
-  EXPECT_TELLS(refused.output, "polyarm plugins approve ");
+  EXPECT_OUTPUT_HAS(refused.output, "that nobody has approved on this machine");
+  EXPECT_OUTPUT_HAS(refused.output, "polyarm plugins approve ");
   test::run_command({"check", cell(), "--dry", "--cycles", "1"});
   const auto listed = test::run_command({"plugins", cell(), "--json"});
   EXPECT_EQ(listed.exit_code, 1);
@@ -76,7 +76,7 @@ TEST_F(ForeignCell, CheckNeverLoadsWhatACellBrings) {
   ASSERT_EQ(test::run_command({"plugins", "approve", library()}).exit_code, 0);
   const auto checked = test::run_command({"check", cell()});
   EXPECT_EQ(checked.exit_code, 0) << checked.output;
-  EXPECT_TELLS(checked.output, "check loads no native code of a cell");
+  EXPECT_OUTPUT_HAS(checked.output, "check loads no native code of a cell");
   EXPECT_FALSE(fs::exists(mark()));
 }
 
@@ -96,7 +96,7 @@ TEST_F(ForeignCell, AFolderForDevelopmentIsBuiltAnewWithoutAQuestion) {
   write_file_atomically(library(), read_file(library()) + "x");
   EXPECT_EQ(run().exit_code, 0);
   EXPECT_TRUE(fs::exists(mark()));
-  EXPECT_TELLS(test::run_command({"plugins", "approved"}).output, "folder");
+  EXPECT_OUTPUT_HAS(test::run_command({"plugins", "approved"}).output, "folder");
   ASSERT_EQ(test::run_command({"plugins", "revoke", cell()}).exit_code, 0);
   fs::remove(mark());
   EXPECT_EQ(run().exit_code, 1);
@@ -128,8 +128,8 @@ TEST_F(ForeignCell, RecordsIntoItsOwnFolderAlone) {
   cell_with("record: ../home/precious.txt\n");
   const auto refused = run();
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_TELLS(refused.output, "outside its folder");
-  EXPECT_TELLS(refused.output, "--allow ");
+  EXPECT_OUTPUT_HAS(refused.output, "outside its folder");
+  EXPECT_OUTPUT_HAS(refused.output, "--allow ");
   EXPECT_EQ(read_file(precious()), "mine\n");
   cell_with("record: sub/a.mcap\n");
   EXPECT_EQ(run().exit_code, 0);
@@ -142,7 +142,7 @@ TEST_F(ForeignCell, AStateFolderThatIsALinkEmptiesNothing) {
   fs::create_directory_symlink(place.path() / "home", cell() / ".state");
   const auto refused = run();
   EXPECT_EQ(refused.exit_code, 1) << refused.output;
-  EXPECT_TELLS(refused.output, "--allow ");
+  EXPECT_OUTPUT_HAS(refused.output, "--allow ");
   EXPECT_TRUE(fs::exists(place.path() / "home/data/precious.txt"));
 }
 
@@ -152,7 +152,7 @@ TEST_F(ForeignCell, ALinkDeepInItsStateFolderIsRefusedAsWell) {
   fs::create_directory_symlink(place.path() / "home", cell() / ".state/versions/main.script");
   const auto refused = run();
   EXPECT_EQ(refused.exit_code, 1) << refused.output;
-  EXPECT_TELLS(refused.output, ".state/versions/main.script");
+  EXPECT_OUTPUT_HAS(refused.output, ".state/versions/main.script");
 }
 
 TEST_F(ForeignCell, APasswordFromElsewhereIsRefusedOnce) {
@@ -179,7 +179,7 @@ TEST_F(ForeignCell, LinksToNothingAreRefusedInItsStateFolder) {
       fs::create_symlink(target, cell() / link);
       const auto refused = run();
       EXPECT_EQ(refused.exit_code, 1) << link << " to " << target << ": " << refused.output;
-      EXPECT_TELLS(refused.output, std::string(link) + ": error: ");
+      EXPECT_OUTPUT_HAS(refused.output, std::string(link) + ": error: ");
       EXPECT_FALSE(fs::exists(place.path() / "home/missing"));
     }
 }
@@ -189,10 +189,10 @@ TEST_F(ForeignCell, ARunWithoutItsLockDoesNotBegin) {
   place.write("foreign/other", "");
   fs::create_directories(cell() / ".state");
   fs::create_symlink("../other", cell() / ".state/lock.cell.yaml");
-  EXPECT_TELLS(run().output, "this is a link, but a run needs a file for its lock here");
+  EXPECT_OUTPUT_HAS(run().output, "this is a link, but a run needs a file for its lock here");
   fs::remove(cell() / ".state/lock.cell.yaml");
   fs::create_directory(cell() / ".state/lock.cell.yaml");
-  EXPECT_TELLS(run().output, "the lock of a run cannot be created");
+  EXPECT_OUTPUT_HAS(run().output, "the lock of a run cannot be created");
   fs::remove(cell() / ".state/lock.cell.yaml");
   EXPECT_EQ(run().exit_code, 0);
 }
@@ -206,7 +206,7 @@ TEST_F(ForeignCell, ReadsItsOwnFolderAlone) {
     fs::create_symlink(place.path() / "home/scene.yaml", cell() / "link.yaml", there);
     const auto refused = run();
     EXPECT_EQ(refused.exit_code, 1) << named;
-    EXPECT_TELLS(refused.output, "outside its folder");
+    EXPECT_OUTPUT_HAS(refused.output, "outside its folder");
     EXPECT_EQ(test::run_command({"check", cell()}).exit_code, 1) << named;
     EXPECT_EQ(run({"--allow", place.path() / "home"}).exit_code, 0) << named;
   }
@@ -226,8 +226,8 @@ TEST_F(ForeignCell, SpeaksWithNoHostBeyondThisMachineUnasked) {
               "{coil: 1, direction: in}}}\n");
   const auto refused = run({"--links"});
   EXPECT_EQ(refused.exit_code, 1) << refused.output;
-  EXPECT_TELLS(refused.output, "192.0.2.1, which you have not allowed");
-  EXPECT_TELLS(refused.output, "--allow host:192.0.2.1");
+  EXPECT_OUTPUT_HAS(refused.output, "192.0.2.1, which you have not allowed");
+  EXPECT_OUTPUT_HAS(refused.output, "--allow host:192.0.2.1");
   EXPECT_FALSE(tells(run({"--links", "--allow", "host:192.0.2.1"}).output, "which you have not allowed"));
 }
 
@@ -239,8 +239,8 @@ TEST_F(ForeignCell, APasswordFileOutsideIsNotRead) {
                     "', tags: {A: {topic: a, direction: in}}}\n");
     return run({"--links"});
   };
-  EXPECT_TELLS(with("../home/precious.txt").output, "outside its folder");
-  EXPECT_TELLS(with("secret:broker").output, "your secret 'broker'");
+  EXPECT_OUTPUT_HAS(with("../home/precious.txt").output, "outside its folder");
+  EXPECT_OUTPUT_HAS(with("secret:broker").output, "your secret 'broker'");
 }
 
 TEST_F(ForeignCell, PipesAndDevicesAreRefusedWithWords) {
@@ -248,7 +248,7 @@ TEST_F(ForeignCell, PipesAndDevicesAreRefusedWithWords) {
   ASSERT_EQ(::system(("mkfifo '" + (cell() / "scene.yaml").string() + "'").c_str()), 0);
   const auto refused = run();
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_TELLS(refused.output, "this is a pipe, a file was expected");
+  EXPECT_OUTPUT_HAS(refused.output, "this is a pipe, a file was expected");
 }
 
 /// `before`, then `each` with its number in the place of '#', so many times.
@@ -263,7 +263,7 @@ TEST_F(ForeignCell, FilesOfAnySizeAreRefusedWithWordsAndLittleTime) {
     const auto begun = std::chrono::steady_clock::now();
     for (const auto& finished : {run(), test::run_command({"check", cell()})}) {
       EXPECT_EQ(finished.exit_code, 1) << words;
-      EXPECT_TELLS(finished.output, words);
+      EXPECT_OUTPUT_HAS(finished.output, words);
       EXPECT_LT(finished.output.size(), 200'000u) << words;
     }
     EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(20)) << words;
@@ -306,7 +306,7 @@ TEST_F(ForeignCell, TwoRunsOfOneFolderRefuseEachOther) {
   for (int i = 0; i < 50 && second.exit_code != 1; ++i)  // until the first has come so far
     second = test::run_command({"run", cell(), "--seconds", "0.01", "--no-socket"});
   EXPECT_EQ(second.exit_code, 1);
-  EXPECT_TELLS(second.output, "another polyarm runs this cell");
+  EXPECT_OUTPUT_HAS(second.output, "another polyarm runs this cell");
   EXPECT_EQ(test::run_command({"check", cell()}).exit_code, 0) << "check runs beside it";
 }
 

@@ -45,7 +45,7 @@ std::string thrown_by(Step step) {
   }
   return "nothing was thrown";
 }
-#define EXPECT_SAYS(text, part) EXPECT_NE(std::string(text).find(part), std::string::npos) << (text)
+#define EXPECT_TEXT_HAS(text, part) EXPECT_NE(std::string(text).find(part), std::string::npos) << (text)
 
 struct Row {
   const char* library;
@@ -60,8 +60,8 @@ TEST_P(Refused, WithTheReasonAndTheRestGoesOn) {
   const plugins::Refusal* const refusal = refused(GetParam().library);
   ASSERT_NE(refusal, nullptr);
   EXPECT_EQ(refusal->file, folder_of(GetParam().library) / (std::string(GetParam().library) + ".so"));
-  EXPECT_SAYS(refusal->reason, GetParam().reason);
-  EXPECT_SAYS(refusal->advice, GetParam().advice);
+  EXPECT_TEXT_HAS(refusal->reason, GetParam().reason);
+  EXPECT_TEXT_HAS(refusal->advice, GetParam().advice);
   EXPECT_NE(found("both"), nullptr);
   EXPECT_FALSE(hardware::driver_available("table/Follower"));
   EXPECT_FALSE(hardware::driver_available("things/Another"));
@@ -94,7 +94,7 @@ TEST(Plugins, AFileThatDoesNotLoadIsToldWithTheLoadersWords) {
   folder.write("notes.txt", "nor is this, and it does not say so");
   plugins::load_folder(folder.path());
   ASSERT_NE(refused("broken"), nullptr);
-  EXPECT_SAYS(refused("broken")->reason, "cannot be loaded: ");
+  EXPECT_TEXT_HAS(refused("broken")->reason, "cannot be loaded: ");
   EXPECT_EQ(refused("notes"), nullptr);
 }
 
@@ -123,9 +123,9 @@ TEST(Plugins, OneLibraryMayBringHardwareAndControllers) {
 
 TEST(Plugins, UnknownNamesGetTheNearestAmongThoseOfPlugins) {
   load("both");
-  EXPECT_SAYS(thrown_by([] { hardware::make_driver("things/Folower"); }), "did you mean 'things/Follower'");
+  EXPECT_TEXT_HAS(thrown_by([] { hardware::make_driver("things/Folower"); }), "did you mean 'things/Follower'");
   controllers::Parameters parameters;
-  EXPECT_SAYS(thrown_by([&] { controllers::make_controller("things/Holdr", parameters); }),
+  EXPECT_TEXT_HAS(thrown_by([&] { controllers::make_controller("things/Holdr", parameters); }),
               "did you mean 'things/Holder'");
 }
 
@@ -133,7 +133,7 @@ TEST(Plugins, ANameInADescriptionIsThePluginsOrGetsTheNearest) {
   load("both");
   EXPECT_EQ(ros_files::choose_hardware("things/Follower", "block").driver, "things/Follower");
   EXPECT_EQ(ros_files::choose_hardware("things/Follower", "block").note, "");
-  EXPECT_SAYS(ros_files::choose_hardware("things/Folower", "block").note, "did you mean 'things/Follower'");
+  EXPECT_TEXT_HAS(ros_files::choose_hardware("things/Folower", "block").note, "did you mean 'things/Follower'");
 }
 
 TEST(Plugins, NamesWithASlashAreNeverPaths) {
@@ -144,9 +144,9 @@ TEST(Plugins, NamesWithASlashAreNeverPaths) {
 TEST(Plugins, AFactoryThatThrowsIsReportedWithTheFile) {
   load("throwing_factory");
   const std::string said = thrown_by([] { hardware::make_driver("throwing/Hardware"); });
-  EXPECT_SAYS(said, "throwing_factory.so: making 'throwing/Hardware' it threw: no licence found");
+  EXPECT_TEXT_HAS(said, "throwing_factory.so: making 'throwing/Hardware' it threw: no licence found");
   controllers::Parameters parameters;
-  EXPECT_SAYS(thrown_by([&] { controllers::make_controller("throwing/Controller", parameters); }),
+  EXPECT_TEXT_HAS(thrown_by([&] { controllers::make_controller("throwing/Controller", parameters); }),
               "threw: something that is not a std::exception");
 }
 
@@ -215,12 +215,12 @@ TEST_F(ACell, TellsAtOnceWhatOverranItsBudgetAndThenNotEveryTime) {
   test::OpenCell cell(cell::read_cell_file(folder.path()), catalogue(), options, notes);
   for (int i = 0; i < 8; ++i) cell.loop().step_next();
   cell.tick(cell.loop().cycle().time);
-  EXPECT_SAYS(notes.all, "read took 0.0");
-  EXPECT_SAYS(notes.all, " ms in cycle 0, its budget is 0.010 ms (is_async=\"true\"");
+  EXPECT_TEXT_HAS(notes.all, "read took 0.0");
+  EXPECT_TEXT_HAS(notes.all, " ms in cycle 0, its budget is 0.010 ms (is_async=\"true\"");
   EXPECT_EQ(notes.all.find(" ms in cycle 1,"), std::string::npos) << notes.all;
   for (int i = 0; i < 2; ++i) cell.loop().step_next();
   cell.tick(cell.loop().cycle().time);
-  EXPECT_SAYS(notes.all, "; 10 times now");
+  EXPECT_TEXT_HAS(notes.all, "; 10 times now");
   EXPECT_EQ(notes.all.find("hold: "), std::string::npos) << "nobody gave the controller a budget";
 }
 
@@ -244,7 +244,7 @@ class Tripping : public ACell, public ::testing::WithParamInterface<Trip> {};
 TEST_P(Tripping, IsToldAndDoesNotEndTheProcess) {
   write(std::string("throws: ") + GetParam().callback);
   const std::string said = thrown_by([&] { make(); });
-  EXPECT_SAYS(said, GetParam().text);
+  EXPECT_TEXT_HAS(said, GetParam().text);
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, Tripping,
@@ -282,7 +282,7 @@ TEST(Callbacks, OneThatThrowsInOnCleanupAsksOnError) {
   host.add(hardware::make_driver("things/Follower"), context, {});
   host.run(0, hardware::Step::configure);
   host.begin_cleanup(0);
-  EXPECT_SAYS(thrown_by([&] { host.run(0, hardware::Step::cleanup); }), "it threw: tripped in on_cleanup");
+  EXPECT_TEXT_HAS(thrown_by([&] { host.run(0, hardware::Step::cleanup); }), "it threw: tripped in on_cleanup");
   EXPECT_EQ(host.state_of(0), hardware::LifecycleState::unconfigured);
 }
 
@@ -291,7 +291,7 @@ TEST_F(ACell, ToldOfAControllerThatThrowsWhatIsNoException) {
   const auto cell = make();  // the rest of the cell starts
   std::string said;
   for (const auto& event : cell->events().events()) said += protocol::any_of(event).dump();
-  EXPECT_SAYS(said, "the controller 'hold', on_configure, threw: something that is not a std::exception");
+  EXPECT_TEXT_HAS(said, "the controller 'hold', on_configure, threw: something that is not a std::exception");
 }
 
 TEST_F(ACell, AControllerThatThrowsInOnCleanupIsUnconfigured) {
@@ -299,19 +299,19 @@ TEST_F(ACell, AControllerThatThrowsInOnCleanupIsUnconfigured) {
   const auto cell = make();
   control::ControllerManager& manager = cell->loop().controllers();
   manager.deactivate("hold");
-  EXPECT_SAYS(thrown_by([&] { manager.cleanup("hold"); }), "on_cleanup, threw: tripped in on_cleanup");
+  EXPECT_TEXT_HAS(thrown_by([&] { manager.cleanup("hold"); }), "on_cleanup, threw: tripped in on_cleanup");
   EXPECT_NO_THROW(manager.configure("hold"));
 }
 
 /// Check loads no code of a cell: it knows what plugins offer once a run of this process has loaded them.
 TEST_F(ACell, HardwareThatThereIsNotIsNamed) {
   write("", "", "things/Follow");
-  EXPECT_SAYS(thrown_by([&] { make(); }), "did you mean 'things/Follower'");
+  EXPECT_TEXT_HAS(thrown_by([&] { make(); }), "did you mean 'things/Follower'");
   const cell::CheckResult checked = cell::check(folder.path(), {}, catalogue(), {});
   ASSERT_TRUE(checked.has_errors());
   const Problem problem = one_of(checked.problems, "unknown-driver");
   EXPECT_EQ(problem.where.line, 6);
-  EXPECT_SAYS(problem.what, "did you mean 'things/Follower'");
+  EXPECT_TEXT_HAS(problem.what, "did you mean 'things/Follower'");
 }
 
 TEST_F(ACell, NamesAFolderThatIsNotThereWithItsLine) {
@@ -320,8 +320,8 @@ TEST_F(ACell, NamesAFolderThatIsNotThereWithItsLine) {
   const cell::CheckResult checked = cell::check(folder.path(), {}, catalogue(), {});
   EXPECT_FALSE(checked.has_errors()) << "a cell that needs no plugin runs without it";
   const std::string told = one_of(checked.problems, "no-folder").text();
-  EXPECT_SAYS(told, "cell.yaml:2:");
-  EXPECT_SAYS(told, "'biuld' is not a folder with plugins");
+  EXPECT_TEXT_HAS(told, "cell.yaml:2:");
+  EXPECT_TEXT_HAS(told, "'biuld' is not a folder with plugins");
 }
 
 }  // namespace

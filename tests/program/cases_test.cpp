@@ -97,7 +97,7 @@ void compare_run(const FakeHost& host, const Interpreter& interpreter, const Exp
   for (const auto& [line, text] : host.asked)
     if (expected.moves.contains(line)) moves[line].push_back(text);
   EXPECT_EQ(moves, expected.moves);
-  EXPECT_EQ(host.arrivals_asked, expected.arrivals.value_or(host.arrivals_asked));
+  EXPECT_EQ(host.arrivals_requested, expected.arrivals.value_or(host.arrivals_requested));
   const TaskStatus status = interpreter.overview();
   if (expected.failures.empty()) {
     EXPECT_NE(status.state, TaskState::failed) << status.problem->text();

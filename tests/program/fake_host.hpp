@@ -35,7 +35,7 @@ class FakeHost : public Host {
   std::vector<std::string> ended_moves, holds;
   std::vector<Nanoseconds> suspensions;  ///< when a trap stopped the robots
   std::size_t room = 1000, most_open = 0;
-  int arrivals_asked = 0;
+  int arrivals_requested = 0;
   bool dropped = false;  ///< somebody stopped the robot
   std::vector<std::string> moves;
   std::vector<std::pair<int, std::string>> logs;  ///< line, text
@@ -82,7 +82,7 @@ class FakeHost : public Host {
     return open < room;
   }
   Handle start_arrival(const std::string& robot) override {
-    ++arrivals_asked;
+    ++arrivals_requested;
     return start(std::max(arrivals[robot], time));
   }
   void end_move(Handle handle, const Location&) override {

@@ -34,9 +34,9 @@ TEST(Bell, NobodyRingsAndItIsDue) {
   EXPECT_GE(monotonic_now(), due);
 }
 
-TEST(BellRope, RingsTheBellThatItIsTiedToAndNoOther) {
+TEST(WakeupHandle, RingsTheBellThatItIsTiedToAndNoOther) {
   const auto first = std::make_shared<Bell>(), second = std::make_shared<Bell>();
-  BellRope rope;
+  WakeupHandle rope;
   rope.pull();  // nobody hears it
   rope.tie(first);
   rope.tie(second);

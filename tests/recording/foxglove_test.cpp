@@ -290,7 +290,7 @@ TEST(FoxgloveServer, ATimeOfItsOwnIsToldInLockStepAlone) {
   const auto client = own.connect();
   while (client->next()) {
   }
-  own.tell_time(12);
+  own.report_time(12);
   const auto out = client->next();
   ASSERT_TRUE(out && out->binary);
   EXPECT_EQ(*out->body, std::string("\x02\x0c\0\0\0\0\0\0\0", 9));

@@ -225,7 +225,7 @@ TEST_F(Ros2Cell, AClientThatIsKilledWithAGoalUnderWayHarmsNobody) {
   const json goal{{"goal_id", id(1)}, {"goal", goal_to(0.5, 1)}};
   test::Process client(
       {"goal", std::to_string(domain_), "/arm_controller/follow_joint_trajectory", goal.dump()});
-  ASSERT_TRUE(client.said_something()) << "it was not accepted";
+  ASSERT_TRUE(client.has_output()) << "it was not accepted";
   client.kill();
   EXPECT_EQ(call(kAction + "get_result", kType + "_GetResult", {{"goal_id", id(1)}})["status"], 4);
 }

@@ -80,7 +80,7 @@ int rotten(const std::string& how) {
   process::Channel channel{process::Channel::Inherited{}};
   std::mt19937 random(8);
   std::vector<std::byte> message;
-  const auto send = [&](DdsNews news, auto fill) {
+  const auto send = [&](DdsReport news, auto fill) {
     process::Packer out(message);
     out.number(static_cast<std::uint8_t>(news));
     fill(out);
@@ -88,7 +88,7 @@ int rotten(const std::string& how) {
   };
   if (how == "silent")
     for (;;) ::pause();
-  send(DdsNews::ready, [](process::Packer& out) { out.array(Guid{1, 0x0f, 7}); });
+  send(DdsReport::ready, [](process::Packer& out) { out.array(Guid{1, 0x0f, 7}); });
   if (how == "frozen")
     for (;;) ::pause();
   const auto noise = [&](std::size_t most) {
@@ -110,13 +110,13 @@ int rotten(const std::string& how) {
     Guid guid;
     for (auto& byte : guid) byte = static_cast<std::uint8_t>(random());
     if (how == "noise")  // of every number that there is, and some that there are not
-      send(static_cast<DdsNews>(random() % 14), [&](process::Packer& out) { out.rest(noise(300)); });
+      send(static_cast<DdsReport>(random() % 14), [&](process::Packer& out) { out.rest(noise(300)); });
     else if (how == "flood")  // endpoints without end
-      send(DdsNews::known, [&](process::Packer& out) {
+      send(DdsReport::known, [&](process::Packer& out) {
         out.array(guid).text(std::string(kMostUserData, 'x')).text("rt/t").text("T");
       });
     else  // well-formed
-      send(i % 2 == 0 ? DdsNews::matched : DdsNews::sample, [&](process::Packer& out) {
+      send(i % 2 == 0 ? DdsReport::matched : DdsReport::sample, [&](process::Packer& out) {
         out.number(id).array(guid);
         if (i % 2 == 0) out.number(random() % 3 != 0);
         if (i % 2 == 1) out.number(std::int64_t{-5}).array(guid).number(std::int64_t{-1}).rest(noise(200));

@@ -21,7 +21,7 @@ namespace polyarm::ros2 {
 namespace {
 
 using signals::LinkEntry;
-using signals::LinkNews;
+using signals::LinkReport;
 using signals::LinkValue;
 using test::json;
 using test::wait;
@@ -61,7 +61,7 @@ class Node {
   void set(const std::string& tag, data::Value value) { writes_.push_back({index(tag), std::move(value)}); }
   /// One round; then the newest value of each tag is in `values`.
   void round() {
-    LinkNews news;
+    LinkReport news;
     port_->exchange(std::exchange(writes_, {}), 0, 1'000'000, news);
     for (LinkValue& value : news.values) values[entry.tags[value.tag].name] = std::move(value.value);
     for (auto& [tag, why] : news.refused) refused[entry.tags[tag].name] = why;

@@ -36,7 +36,7 @@ class Process {
     ::close(output_);
   }
   /// Waits for a byte of its output.
-  bool said_something() const {
+  bool has_output() const {
     char byte = 0;
     return ::read(output_, &byte, 1) == 1;
   }

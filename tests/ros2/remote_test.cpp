@@ -84,10 +84,10 @@ TEST(RemoteParticipant, EndedByWhateverItIsStartedAgainWithAllThatThereWas) {
     last = process;
     const Guid prefix = wire.participant().prefix();
     ASSERT_EQ(::kill(process, round == 1 ? SIGABRT : SIGKILL), 0);
-    std::vector<RemoteNews> news;
+    std::vector<RemoteReport> news;
     ASSERT_TRUE(wait([&] {
       wire.take(10);
-      for (RemoteNews& each : wire.take_news()) news.push_back(std::move(each));
+      for (RemoteReport& each : wire.take_reports()) news.push_back(std::move(each));
       return wire.participant().statistics().losses == static_cast<std::uint64_t>(round) &&
              wire.participant().settled();
     }));
@@ -267,7 +267,7 @@ TEST_P(Rotten, DoesNothingButEnd) {
       remote.guid(id);
       remote.matched(id);
     }
-    remote.take_news();
+    remote.take_reports();
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   const std::string how = GetParam();

@@ -129,7 +129,7 @@ TEST(Wire, RubbishIsCountedAndAnswersNobody) {
 TEST(Wire, WhatComesInRingsTheBell) {
   Wire wire(options());
   const auto bell = std::make_shared<realtime::Bell>();
-  wire.set_bell(bell);
+  wire.set_wakeup(bell);
   int taken = 0;
   wire.subscription("/n", "/chatter", type_info<messages::std_msgs::msg::Int32>(), {},
                     [&](std::span<const std::byte>) { return ++taken > 0; });
@@ -223,7 +223,7 @@ TEST(Wire, AParticipantThatVanishesHoldsNobodyBackAndIsForgotten) {
   Wire wire(options());
   const auto publisher = wire.publisher("/n", "/chatter", type_info<messages::std_msgs::msg::Int32>());
   Process gone({"listen", std::to_string(own_domain())});
-  ASSERT_TRUE(gone.said_something());
+  ASSERT_TRUE(gone.has_output());
   ASSERT_TRUE(wait([&] { return wire.wanted(publisher); }));
   std::atomic<int> heard{0};
   Participant other(options());

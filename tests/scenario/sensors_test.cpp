@@ -105,7 +105,7 @@ TEST_F(SensorsInACell, ACableThatIsPulledIsAFaultThatNamesSensorAndPort) {
   const std::string port = imu.path();
   watched("level", "0.70710");
   imu.stop();
-  imu.pty.hang_up();
+  imu.pty.close_connection();
   EXPECT_TRUE(cell.wait_for("unplugged"));
   cell.signal(SIGTERM);
   const std::string said = cell.wait().output;
@@ -115,7 +115,7 @@ TEST_F(SensorsInACell, ACableThatIsPulledIsAFaultThatNamesSensorAndPort) {
 TEST_F(SensorsInACell, ACellDoesNotStartWhereADeviceIsMissing) {
   imu.stop();
   gnss.stop();
-  gnss.pty.hang_up();
+  gnss.pty.close_connection();
   imu.silent = true;
   const auto said = run_command({"run", copy.path()});
   EXPECT_EQ(said.exit_code, 1);

@@ -137,7 +137,7 @@ TEST(SerialImu, UnpluggingIsAnErrorAndActivationFindsThePluggedInAgain) {
   ASSERT_TRUE(rig.configure()) << rig.sensor.reason();
   ASSERT_EQ(rig.sensor.on_activate(), CallbackReturn::success);
   first->stop();
-  first->pty.hang_up();
+  first->pty.close_connection();
   ASSERT_TRUE(rig.until([&] { return rig.last == ReturnType::error; }));
   EXPECT_TRUE(std::isnan(rig.state("cart/imu/orientation.w")));
   EXPECT_NE(rig.sensor.reason().find("unplugged"), std::string::npos) << rig.sensor.reason();
@@ -232,7 +232,7 @@ TEST(SerialImu, ReadingNeitherAllocatesNorThrows) {
   const double before = imu.state("frames");
   EXPECT_TRUE(neither_allocates_nor_throws(imu.rig->sensor, 1000, imu.rig->states, {}));
   ASSERT_TRUE(imu.rig->until([&] { return imu.state("frames") >= before + 60; }));
-  imu.far.pty.hang_up();
+  imu.far.pty.close_connection();
   EXPECT_TRUE(neither_allocates_nor_throws(imu.rig->sensor, 10, imu.rig->states, {})) << "nor unplugged";
 }
 

@@ -192,7 +192,7 @@ TEST(UbloxGnss, UnpluggingIsAnErrorAndActivationConfiguresAnew) {
   first->start();
   ASSERT_TRUE(rig.configure()) << rig.sensor.reason();
   first->stop();
-  first->pty.hang_up();
+  first->pty.close_connection();
   ASSERT_TRUE(rig.until([&] { return rig.last == ReturnType::error; }));
   EXPECT_EQ(rig.state("cart/gps/status"), -1);
   EXPECT_NE(rig.sensor.reason().find("unplugged"), std::string::npos) << rig.sensor.reason();
@@ -234,7 +234,7 @@ TEST(UbloxGnss, ReadingNeitherAllocatesNorThrows) {
   const double before = gnss.state("frames");
   EXPECT_TRUE(neither_allocates_nor_throws(gnss.rig->sensor, 1000, gnss.rig->states, {}));
   ASSERT_TRUE(gnss.rig->until([&] { return gnss.state("frames") >= before + 20; }));
-  gnss.far.pty.hang_up();
+  gnss.far.pty.close_connection();
   EXPECT_TRUE(neither_allocates_nor_throws(gnss.rig->sensor, 10, gnss.rig->states, {})) << "nor unplugged";
 }
 

@@ -99,7 +99,7 @@ TEST(SerialPort, FlushDropsWhatArrived) {
 TEST(SerialPort, KnowsThatTheFarSideIsGone) {
   test::Pty pty;
   Port port = open_port(pty);
-  pty.hang_up();
+  pty.close_connection();
   Bytes got(1);
   EXPECT_EQ(port.read(got, soon()).status, Status::gone);
   const Bytes one{1};
@@ -110,7 +110,7 @@ TEST(SerialPort, KnowsThatTheFarSideIsGone) {
 TEST(SerialPort, WakesFromAReadWhenTheFarSideGoes) {
   test::Pty pty;
   Port port = open_port(pty);
-  std::thread cable([&pty] { pty.hang_up(); });
+  std::thread cable([&pty] { pty.close_connection(); });
   Bytes got(1);
   EXPECT_EQ(port.read(got, soon()).status, Status::gone);
   cable.join();

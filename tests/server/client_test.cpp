@@ -20,7 +20,7 @@ TEST(ClientTest, OfStatesTheLatestIsSentAndTheOthersAreCounted) {
   EXPECT_EQ(*out->body, "99");
   EXPECT_TRUE(out->binary);
   EXPECT_FALSE(client.next());
-  EXPECT_EQ(client.frames_left_out(), 99u);
+  EXPECT_EQ(client.omitted_frames(), 99u);
 }
 
 TEST(ClientTest, ANewerEventTakesThePlaceOfOneThatWaitsButLinesAndAnswersDoNot) {
@@ -52,7 +52,7 @@ TEST(ClientTest, EventsForWhoReadsNothingAreLeftOutAndCounted) {
   Client client(1, {"here"});
   for (int i = 0; i < 100'000; ++i) client.put(Kind::log, text("a line"));
   EXPECT_FALSE(client.gone());
-  EXPECT_GT(client.events_left_out(), 90'000u);
+  EXPECT_GT(client.omitted_events(), 90'000u);
 }
 
 TEST(ClientTest, LinesThatComeTooFastEndIt) {

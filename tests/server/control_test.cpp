@@ -6,7 +6,7 @@ namespace polyarm::server {
 namespace {
 
 using Taken = Control::Taken;
-using What = ControlNews::What;
+using What = ControlReport::What;
 
 TEST(ControlTest, WhoComesFirstHoldsItAndOnlyOneDoes) {
   Control control;
@@ -24,14 +24,14 @@ TEST(ControlTest, TheHolderIsAskedAndMayRefuse) {
   EXPECT_EQ(control.take(2, false, 1), Taken::asked);
   EXPECT_TRUE(control.holds(1));
   EXPECT_EQ(control.take(3, false, 1), Taken::others);
-  auto news = control.take_news();
+  auto news = control.take_reports();
   ASSERT_EQ(news.size(), 1u);
   EXPECT_EQ(news[0].to, 1u);
   EXPECT_EQ(news[0].what, What::asked);
   EXPECT_FALSE(control.answer(2, true)) << "who asks does not answer";
   EXPECT_TRUE(control.answer(1, false));
   EXPECT_TRUE(control.holds(1));
-  news = control.take_news();
+  news = control.take_reports();
   ASSERT_EQ(news.size(), 1u);
   EXPECT_EQ(news[0].to, 2u);
   EXPECT_EQ(news[0].what, What::refused);
@@ -46,9 +46,9 @@ TEST(ControlTest, TheHolderGivesItOrLosesItByKeepingSilent) {
   EXPECT_TRUE(control.answer(1, true));
   EXPECT_TRUE(control.holds(2));
   control.take(1, false, 5);
-  control.tick(5 + Control::kPatience - 0.01);
+  control.tick(5 + Control::kTimeout - 0.01);
   EXPECT_TRUE(control.holds(2));
-  control.tick(5 + Control::kPatience);
+  control.tick(5 + Control::kTimeout);
   EXPECT_TRUE(control.holds(1));
 }
 
@@ -72,7 +72,7 @@ TEST(ControlTest, TakenWithoutAskingTheHolderIsTold) {
   control.take(1, false, 0);
   EXPECT_EQ(control.take(2, true, 0), Taken::yes);
   EXPECT_TRUE(control.holds(2));
-  const auto news = control.take_news();
+  const auto news = control.take_reports();
   ASSERT_EQ(news.size(), 2u);
   EXPECT_EQ(news[0].to, 1u);
   EXPECT_EQ(news[0].what, What::taken);

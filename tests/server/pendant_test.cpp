@@ -309,7 +309,7 @@ TEST_F(PendantTest, ControlIsHandedOverByConsentOrWhenTheHolderIsGone) {
   ask(*one, {{"request", "session.answer"}, {"give", true}});
   EXPECT_TRUE(heard(*two, "control", [](const Json& e) { return e["you_hold"] == true; }));
   EXPECT_EQ(code(ask(*two, {{"request", "control.override"}, {"percent", 60}})), "ok");
-  two->hang_up();
+  two->close_connection();
   ask(*one, {{"request", "session.hello"}});
   EXPECT_TRUE(
       heard(*one, "status", [](const Json& e) { return e["holder"].is_null() && e["clients"] == 1; }));
@@ -364,7 +364,7 @@ TEST_F(PendantTest, WithoutAHeartbeatItStandsInAQuarterOfASecondAndANewPressIsNe
     EXPECT_NEAR(joint(), stood, 1e-6) << "a heartbeat that comes too late moves nothing";
     EXPECT_TRUE(heard(*peer, "jog", [](const Json& e) { return e["over"] == true && e["why"] == "lost"; }));
     EXPECT_EQ(code(begin_jog(*peer)), "ok") << "pressed again";
-    peer->hang_up();
+    peer->close_connection();
     run(1);
     until([&] { return pendant->counts().clients == 0; });
     cell->run(1);
@@ -381,7 +381,7 @@ TEST_F(PendantTest, WhoIsKilledWhileJoggingLeavesItAtRestAtOnce) {
     run(0.05);
   }
   beat(*peer, begun["result"]["jog"]);
-  peer->hang_up();
+  peer->close_connection();
   ASSERT_TRUE(served_until([&] { return pendant->counts().clients == 0; }));
   EXPECT_FALSE(standing());
   const double after = time_to_rest(*this, cell->cell(), [&] { tick(); });
@@ -618,7 +618,7 @@ TEST_F(PendantTest, NoiseOnTheSocketIsAnsweredAndChangesNothing) {
 /// One ring, one look, and no tick: a request does not wait for the time.
 TEST_F(PendantTest, ARequestRingsTheBellAndIsTakenWithoutATick) {
   const auto bell = std::make_shared<realtime::Bell>();
-  pendant->set_bell(bell);
+  pendant->set_wakeup(bell);
   const auto peer = connect();
   const Nanoseconds time = cell->cell().now();
   for (int i = 1; i <= 20; ++i) {
@@ -634,7 +634,7 @@ TEST_F(PendantTest, ARequestRingsTheBellAndIsTakenWithoutATick) {
     peer->take();
     return !peer->answer(20).is_null();
   }));
-  pendant->set_bell(nullptr);
+  pendant->set_wakeup(nullptr);
 }
 
 }  // namespace

@@ -147,7 +147,7 @@ TEST_F(PortTest, MoreConnectionsThanThereMayBeAreRefused) {
 TEST_F(PortTest, WhoShowsNoTokenKeepsNobodyOut) {
   open();
   std::vector<std::unique_ptr<WebPeer>> strangers;
-  for (std::size_t i = 0; i < bounds::kStrangers + 100; ++i) {
+  for (std::size_t i = 0; i < bounds::kUnauthenticated + 100; ++i) {
     strangers.push_back(std::make_unique<WebPeer>(port->number()));
     strangers.back()->say("GET /x HTTP/1.1\r\n");
   }
@@ -362,7 +362,7 @@ TEST_F(PortTest, AStuckClientSlowsNobodyAndGetsTheLatestWhenItReadsAgain) {
   };
   EXPECT_TRUE(until([&] {
     send_one();
-    bool all = site.client(0)->frames_left_out() > 20;
+    bool all = site.client(0)->omitted_frames() > 20;
     for (std::size_t i = 1; i < 20; ++i) {
       while (peers[i]->listen(0) && peers[i]->heard.size() > 65536) peers[i]->take();
       peers[i]->take();

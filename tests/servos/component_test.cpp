@@ -269,7 +269,7 @@ TEST_P(BothWires, APulledCableEndsInAnErrorThatNamesTheJoints) {
   ServoRig rig(GetParam());
   ASSERT_TRUE(rig.start());
   ASSERT_EQ(rig.step(), ReturnType::ok);
-  rig.fake.hang_up();
+  rig.fake.close_connection();
   EXPECT_GT(rig.steps_until_error(), 0);
   EXPECT_TRUE(rig.says("is gone")) << rig.component->reason();
   for (const char* joint : {"a (servo 1", "b (servo 2", "c (servo 3"}) EXPECT_TRUE(rig.says(joint));
@@ -287,7 +287,7 @@ TEST_P(BothWires, TheFarSideDiesInTheMidstOfAnAnswer) {
   const std::uint64_t before = rig.fake.instructions();
   std::thread cable([&] {
     while (rig.fake.instructions() == before) std::this_thread::yield();
-    rig.fake.hang_up();
+    rig.fake.close_connection();
   });
   const int steps = rig.steps_until_error();
   cable.join();
@@ -424,7 +424,7 @@ TEST_P(UnderGuard, ReadAndWriteNeitherAllocateNorThrow) {
   rig.fake.mischief(noise);
   EXPECT_TRUE(guarded(6)) << "nor while answers are lost";
   EXPECT_TRUE(rig.says("no answer in 5 cycles")) << rig.component->reason();
-  rig.fake.hang_up();
+  rig.fake.close_connection();
   EXPECT_TRUE(guarded(3)) << "nor when the port is gone";
 }
 

@@ -37,7 +37,7 @@ class Driven : public ::testing::Test {
   bool both(const Register& reg, const std::function<bool(std::int32_t)>& is) {
     return fake->wait(1, reg, is) && fake->wait(2, reg, is);
   }
-  bool both_stand() {
+  bool both_at_rest() {
     return both(family->goal_velocity, [](int v) { return v == 0; });
   }
   void kill_it() {
@@ -46,7 +46,7 @@ class Driven : public ::testing::Test {
   }
   void TearDown() override {
     process.reset();
-    if (fake) fake->hang_up();  // the watchdog ends with the port
+    if (fake) fake->close_connection();  // the watchdog ends with the port
   }
 
   const servo_bus::Family* family = nullptr;
@@ -68,7 +68,7 @@ TEST_P(ServoDeaths, StopWhatTurns) {
     process->tell(GetParam().word);
   else
     process->signal(GetParam().signal);
-  EXPECT_TRUE(both_stand());
+  EXPECT_TRUE(both_at_rest());
   EXPECT_EQ(fake->get(1, family->torque), 1) << "nothing is let go";
 }
 
@@ -85,7 +85,7 @@ using ServoWatchdog = Driven;
 TEST_F(ServoWatchdog, SaysNoMoreThanIsNeededByteForByte) {
   turn();
   process->signal(SIGSTOP);
-  ASSERT_TRUE(both_stand());
+  ASSERT_TRUE(both_at_rest());
   const auto all = fake->heard();
   const Frame stop{0xFF, 0xFF, 0xFE, 0x0A, 0x83, 0x2E, 0x02, 0x01, 0x00, 0x00, 0x02, 0x00, 0x00, 0x41};
   const auto first = std::find(all.begin(), all.end(), stop);
@@ -106,7 +106,7 @@ TEST_F(ServoWatchdog, SaysNoMoreThanIsNeededByteForByte) {
 TEST_F(ServoWatchdog, AProcessThatStandsStillIsStoppedAndStaysSo) {
   turn();
   process->signal(SIGSTOP);
-  ASSERT_TRUE(both_stand());
+  ASSERT_TRUE(both_at_rest());
   process->signal(SIGCONT);
   const std::string said = process->line();
   EXPECT_NE(said.find("error: this process did not run for more than 1000 ms"), std::string::npos) << said;
@@ -123,7 +123,7 @@ TEST_F(ServoWatchdog, StoppedRightBehindItsGoalsItTellsAndNothingTurns) {
   fake->on_instruction([&](std::uint64_t) {  // on the bus's thread, which lets nobody speak meanwhile
     if (!stopped.exchange(true)) process->signal(SIGSTOP);
   });
-  ASSERT_TRUE(both_stand());
+  ASSERT_TRUE(both_at_rest());
   fake->on_instruction({});
   process->signal(SIGCONT);
   EXPECT_NE(process->line().find("stood still"), std::string::npos);
@@ -134,7 +134,7 @@ TEST_F(ServoWatchdog, StoppedRightBehindItsGoalsItTellsAndNothingTurns) {
 TEST_F(ServoWatchdog, ALoopThatHangsIsStopped) {
   turn();
   process->tell("spin");
-  EXPECT_TRUE(both_stand());
+  EXPECT_TRUE(both_at_rest());
 }
 
 TEST_F(ServoWatchdog, ADeadBusIsTriedUntilItAnswers) {
@@ -143,7 +143,7 @@ TEST_F(ServoWatchdog, ADeadBusIsTriedUntilItAnswers) {
   dead.silent = {1, 2};
   fake->mischief(dead);
   kill_it();
-  ASSERT_TRUE(both_stand()) << "what they hear they do";
+  ASSERT_TRUE(both_at_rest()) << "what they hear they do";
   ASSERT_TRUE(fake->wait_for_instructions(fake->instructions() + 5)) << "but they have not confirmed it";
   const std::string second = DrivingProcess(words).line();
   EXPECT_NE(second.find("in use by component bus"), std::string::npos) << second;
@@ -167,13 +167,13 @@ TEST_F(ServoWatchdog, AServoThatHasNotHeardItIsToldAgain) {
   });
   kill_it();
   ASSERT_TRUE(fake->wait(2, family->present_velocity, [&](int v) { return v == 0 && deaf == 0; }));
-  EXPECT_TRUE(both_stand());
+  EXPECT_TRUE(both_at_rest());
 }
 
 TEST_F(ServoWatchdog, BehindAPulledCableServosTurnOnAndTheDriverSaysThatThePortIsGone) {
   turn();
   process->signal(SIGSTOP);
-  fake->hang_up();
+  fake->close_connection();
   process->signal(SIGCONT);
   EXPECT_NE(process->line().find("is gone"), std::string::npos);
   EXPECT_GT(fake->get(1, family->goal_velocity), 0) << "as documented: nobody can reach them";
@@ -237,14 +237,14 @@ TEST_F(ServoWatchdog, IsForDynamixelOnWhereItIsAskedFor) {
   drive(Wire::dynamixel, "velocity", {"watchdog=on", "watchdog_ms=1000", "bus_watchdog_ms=0"});
   ASSERT_TRUE(both(family->goal_velocity, [](int v) { return v > 0; }));
   kill_it();
-  EXPECT_TRUE(both_stand());
+  EXPECT_TRUE(both_at_rest());
 }
 
 TEST_F(ServoWatchdog, ADynamixelsOwnStopsItAfterAKill) {
   drive(Wire::dynamixel, "velocity", {});
   ASSERT_TRUE(both(family->goal_velocity, [](int v) { return v > 0; }));
   kill_it();
-  EXPECT_TRUE(both_stand());
+  EXPECT_TRUE(both_at_rest());
   EXPECT_EQ(fake->get(1, family->watchdog), 0xFF) << "by itself";
 }
 
@@ -362,7 +362,7 @@ TEST(ServoWatchdogProgram, ItEndsWithThePort) {
   ASSERT_TRUE(rig->start());
   const int watchdog = rig->component->watchdog_process();
   ASSERT_FALSE(ended(watchdog));
-  rig->fake.hang_up();
+  rig->fake.close_connection();
   ASSERT_GT(rig->steps_until_error(), 0);
   EXPECT_TRUE(rig->says("is gone"));
   rig->component->on_error();

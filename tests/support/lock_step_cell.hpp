@@ -106,7 +106,7 @@ class LockStepCell {
     overrides.hardware = "failing";
     cell::CellOptions options;
     options.lock_step = !worked_from_outside;
-    options.hardware_patience = patience;
+    options.hardware_timeout = patience;
     cell_ = std::make_unique<OpenCell>(
         cell::cell_from_description(urdf, {folder_.write("controllers.yaml", controllers)}, overrides),
         description::Catalogue({}), options, observer_);

@@ -27,7 +27,7 @@ class OpenCell : public cell::Cell {
   cell::Task* plc() { return in().programs->plc(); }
   cell::Answers& answers() { return in().programs->answers(); }
   const std::optional<cell::Failure>& failure() { return in().life->failure(); }
-  const std::optional<cell::RestartWish>& restart() { return in().life->restart(); }
+  const std::optional<cell::RestartRequest>& restart() { return in().life->restart(); }
   bool finished() { return in().life->finished(); }
   const std::vector<cell::StopReport>& stops() { return in().watches->stops(); }
   const std::vector<Problem>& group_faults() { return in().watches->group_faults(); }

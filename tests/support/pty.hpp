@@ -33,7 +33,7 @@ class Pty {
     if (::tcsetattr(slave_, TCSANOW, &raw) != 0) throw std::runtime_error("no pty");
   }
   ~Pty() {
-    hang_up();
+    close_connection();
     ::close(slave_);
   }
   Pty(const Pty&) = delete;
@@ -43,7 +43,7 @@ class Pty {
   int master() const { return master_; }
 
   /// Closes the far side, as when a cable is unplugged.
-  void hang_up() {
+  void close_connection() {
     if (master_ >= 0) ::close(std::exchange(master_, -1));
   }
   void write(std::span<const std::uint8_t> bytes) {

@@ -29,13 +29,13 @@ class WebPeer {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     connected = ::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
   }
-  ~WebPeer() { hang_up(); }
+  ~WebPeer() { close_connection(); }
   WebPeer(const WebPeer&) = delete;
   WebPeer& operator=(const WebPeer&) = delete;
   bool connected = false;
 
   /// Closes the socket without a goodbye, as when the process is killed.
-  void hang_up() {
+  void close_connection() {
     if (fd_ >= 0) ::close(fd_);
     fd_ = -1;
   }
@@ -49,10 +49,10 @@ class WebPeer {
     return true;
   }
   /// Reads what arrives within the time; false at the end of the connection.
-  bool listen(int patience_ms = 0) {
+  bool listen(int wait_limit_ms = 0) {
     pollfd waiting{fd_, POLLIN, 0};
     if (closed_) return false;
-    if (::poll(&waiting, 1, patience_ms) <= 0) return true;
+    if (::poll(&waiting, 1, wait_limit_ms) <= 0) return true;
     char buffer[65536];
     const ssize_t n = ::recv(fd_, buffer, sizeof buffer, 0);
     if (n > 0) heard.append(buffer, static_cast<std::size_t>(n));
@@ -60,8 +60,8 @@ class WebPeer {
     return n > 0;
   }
   /// Reads until the other side closes, or until the time is over.
-  std::string rest(int patience_ms = 20'000) {
-    while (listen(patience_ms) && !heard.empty()) {
+  std::string rest(int wait_limit_ms = 20'000) {
+    while (listen(wait_limit_ms) && !heard.empty()) {
     }
     return heard;
   }

@@ -4,7 +4,7 @@
  */
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../i18n';
-import { answerAsked, asked, connected, holder, releaseControl, takeControl, waiting, youHold } from '../state/cell';
+import { answerQuestion, asked, connected, holder, releaseControl, takeControl, waiting, youHold } from '../state/cell';
 import { settings } from '../state/settings';
 import { open } from '../ui/ask';
 import { Button, Field } from '../ui/controls';
@@ -101,8 +101,8 @@ export function ControlQuestion() {
       title={t('control.askedTitle', { name: who.name || t('control.someone') })}
       actions={
         <>
-          <Button label={t('control.keep')} onClick={() => void answerAsked(false)} />
-          <Button label={t('control.giveIt')} tone="primary" onClick={() => void answerAsked(true)} />
+          <Button label={t('control.keep')} onClick={() => void answerQuestion(false)} />
+          <Button label={t('control.giveIt')} tone="primary" onClick={() => void answerQuestion(true)} />
         </>
       }
     >

@@ -202,7 +202,7 @@ export async function releaseControl(): Promise<void> {
   if (await attempt('session.release')) youHold.value = false;
 }
 
-export async function answerAsked(give: boolean): Promise<void> {
+export async function answerQuestion(give: boolean): Promise<void> {
   asked.value = null;
   await attempt('session.answer', { give });
 }

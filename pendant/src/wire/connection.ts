@@ -90,7 +90,7 @@ export class Connection {
   private timer: ReturnType<typeof setTimeout> | undefined;
   private ended = false;
   private looking: ReturnType<typeof setInterval> | undefined;
-  private heardAt = 0;
+  private receivedAt = 0;
   private watched = false;
   private silentLooks = 0;
   private silent = false;
@@ -211,7 +211,7 @@ export class Connection {
   }
 
   private hear(): void {
-    this.heardAt = performance.now();
+    this.receivedAt = performance.now();
     this.silentLooks = 0;
   }
 
@@ -220,7 +220,7 @@ export class Connection {
    * busy page late.
    */
   private look(): void {
-    const late = this.watched && performance.now() - this.heardAt >= (this.options.silence ?? 1_500);
+    const late = this.watched && performance.now() - this.receivedAt >= (this.options.silence ?? 1_500);
     this.silentLooks = late && this.options.mayBeSilent?.() !== true ? this.silentLooks + 1 : 0;
     if (this.silentLooks < kSilentLooks || this.silent) return;
     this.silent = true;

@@ -252,7 +252,7 @@ export interface ExpectedJoint {
   expected: number | null;
 }
 
-export interface FallenComponent {
+export interface FailedComponent {
   component: string;
   cause: string;
   cause_code: string;
@@ -510,7 +510,7 @@ export interface LoopHealthAnswer {
   last_stop: StopFacts | null;
   parts: LoopPart[];
   threads: PartThread[];
-  fallen: FallenComponent[];
+  fallen: FailedComponent[];
 }
 
 export interface LoopPart {

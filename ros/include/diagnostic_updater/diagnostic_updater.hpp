@@ -27,7 +27,7 @@ class Updater {
  public:
   template <typename NodePointer>
   explicit Updater(const NodePointer& node, double = 1.0) {
-    polyarm_ros::say_closed(node->get_name(), "topic", "/diagnostics");
+    polyarm_ros::report_unavailable(node->get_name(), "topic", "/diagnostics");
   }
   template <typename... Interfaces>
   explicit Updater(Interfaces&&...) {}

@@ -9,7 +9,7 @@
 
 namespace polyarm_ros {
 
-inline void say_closed(const std::string& node, const char* what, const std::string& name) {
+inline void report_unavailable(const std::string& node, const char* what, const std::string& name) {
   static std::mutex mutex;
   static std::set<std::string> said;
   const std::lock_guard lock(mutex);

@@ -172,7 +172,7 @@ class NodeApi {
 
  private:
   void note(const char* what, const std::string& name) const {
-    if (!core_->wires.open) say_closed(get_name(), what, name);
+    if (!core_->wires.open) report_unavailable(get_name(), what, name);
   }
   Core core_;
 };

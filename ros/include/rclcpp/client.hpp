@@ -16,7 +16,7 @@ class ClientBase {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(ClientBase)
   ClientBase(const std::string& node, std::string name) : name_(std::move(name)) {
-    polyarm_ros::say_closed(node, "service", name_);
+    polyarm_ros::report_unavailable(node, "service", name_);
   }
   virtual ~ClientBase() = default;
   const char* get_service_name() const { return name_.c_str(); }

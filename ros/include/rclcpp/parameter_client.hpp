@@ -13,7 +13,7 @@ class SyncParametersClient {
   RCLCPP_SMART_PTR_DEFINITIONS(SyncParametersClient)
   template <typename NodePointer>
   explicit SyncParametersClient(NodePointer&& node, const std::string& remote = "") {
-    polyarm_ros::say_closed(node->get_name(), "node", remote);
+    polyarm_ros::report_unavailable(node->get_name(), "node", remote);
   }
   template <typename Timeout = std::chrono::nanoseconds>
   bool wait_for_service(Timeout = {}) {

@@ -18,7 +18,7 @@ typename Server<Action>::SharedPtr create_server(
     typename Server<Action>::AcceptedCallback accepted, Rest&&...) {
   auto server =
       std::make_shared<Server<Action>>(name, std::move(goal), std::move(cancel), std::move(accepted));
-  if (!base->wires.open) polyarm_ros::say_closed(base->get_name(), "action", name);
+  if (!base->wires.open) polyarm_ros::report_unavailable(base->get_name(), "action", name);
   base->wires.add(server->polyarm_port());
   return server;
 }
