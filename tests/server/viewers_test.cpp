@@ -28,7 +28,7 @@ GateRules rules() {
   return out;
 }
 
-Head head(const std::string& origin, const std::string& target, const std::string& cookie = "") {
+Head viewer_head(const std::string& origin, const std::string& target, const std::string& cookie = "") {
   Head out;
   out.method = "GET";
   out.target = target;
@@ -40,13 +40,13 @@ Head head(const std::string& origin, const std::string& target, const std::strin
 
 TEST(ViewerGate, APageOfAnotherToolMayWatchWhereItShowsTheTokenItself) {
   const std::string cookie = "polyarm_token_1=the-token";
-  EXPECT_EQ(judge_viewer(head("https://app.foxglove.dev", "/?token=the-token"), rules()).status, 200);
-  EXPECT_EQ(judge_viewer(head("", "/?token=the-token"), rules()).status, 200);
-  EXPECT_EQ(judge_viewer(head("https://app.foxglove.dev", "/?token=wrong"), rules()).status, 403);
-  EXPECT_EQ(judge_viewer(head("https://app.foxglove.dev", "/", cookie), rules()).status, 403)
+  EXPECT_EQ(judge_viewer(viewer_head("https://app.foxglove.dev", "/?token=the-token"), rules()).status, 200);
+  EXPECT_EQ(judge_viewer(viewer_head("", "/?token=the-token"), rules()).status, 200);
+  EXPECT_EQ(judge_viewer(viewer_head("https://app.foxglove.dev", "/?token=wrong"), rules()).status, 403);
+  EXPECT_EQ(judge_viewer(viewer_head("https://app.foxglove.dev", "/", cookie), rules()).status, 403)
       << "a cookie is sent by the browser, whoever asks for it";
-  EXPECT_EQ(judge_viewer(head("", "/"), rules()).status, 401);
-  Head elsewhere = head("", "/?token=the-token");
+  EXPECT_EQ(judge_viewer(viewer_head("", "/"), rules()).status, 401);
+  Head elsewhere = viewer_head("", "/?token=the-token");
   elsewhere.host = "evil.example";
   EXPECT_EQ(judge_viewer(elsewhere, rules()).status, 421);
 }
