@@ -203,6 +203,7 @@ void CellInside::tick(Nanoseconds now) {
   motions->follow_others();
   read_outside(now);
   tick_motions();
+  guards->prepare();
   run_programs();
   machine.supervisor().set_contacts_meant(programs->touches());
   tick_motions();

@@ -99,7 +99,9 @@ void BodyGuard::fill(std::span<const double> velocity, std::span<const std::vect
     const double least = margin(pair), keep = least + drift;
     const double range = keep + bodies_.change(pair, robot_, reach_) + kBeyond;
     double distance = pair.slack;
-    if (distance <= range && bodies_.measured() < budget) distance = bodies_.measure(i, range);
+    // What was never measured has no bound, and would hold nothing back.
+    const bool is_unknown = !std::isfinite(distance);
+    if (distance <= range && (bodies_.measured() < budget || is_unknown)) distance = bodies_.measure(i, range);
     if (distance > range || bodies_.measured() >= budget) {
       keep_rest(distance - keep, i, out);
       continue;

@@ -29,6 +29,8 @@ constexpr Nanoseconds kForThings = 1'000'000'000, kForEachOther = 1'000'000'000,
 /// Robots in step that were slowed down come together again at this rate, 1/s.
 constexpr double kCatchUp = 4;
 constexpr std::size_t kSamples = GuardBodies::kAhead;
+/// More robots have no guards: their bodies alone would take long to make.
+constexpr std::size_t kMostRobots = 100;
 
 /// A planned motion of one robot, with the most that its joints may accelerate.
 class PathOfMove : public surroundings::PlannedWay {
@@ -159,22 +161,30 @@ bool Guards::needed() const {
 
 /// Bodies are made on the planning thread, before it plans the first move: that reads the disk. In lock-step
 /// they are made when a robot first moves.
+void Guards::prepare() {
+  if (!work_->off && !work_->bodies && !work_->making && !cell_.setup.options.lock_step) begin_bodies();
+}
+
+void Guards::begin_bodies() {
+  work_->making = std::make_shared<Work::Making>();
+  cell_.planner.post([making = work_->making, shared = cell_.motions.bodies(), robots = work_->robots.size(),
+                      zones = zones_of(cell_.setup)] {
+    try {
+      if (robots > kMostRobots)
+        throw Error("too-many-bodies", fmt::format("{} robots are more than guards can follow", robots));
+      making->models = shared->get();
+      making->bodies = std::make_unique<GuardBodies>(making->models->robots, making->models->scene, zones);
+    } catch (const std::exception& why) {
+      making->failed = why.what();
+    }
+    making->done.store(true, std::memory_order_release);
+  });
+}
+
 bool Guards::take_bodies() {
   Work& work = *work_;
   if (work.bodies) return true;
-  if (!work.making) {
-    work.making = std::make_shared<Work::Making>();
-    cell_.planner.post([making = work.making, shared = cell_.motions.bodies(),
-                        zones = zones_of(cell_.setup)] {
-      try {
-        making->models = shared->get();
-        making->bodies = std::make_unique<GuardBodies>(making->models->robots, making->models->scene, zones);
-      } catch (const std::exception& why) {
-        making->failed = why.what();
-      }
-      making->done.store(true, std::memory_order_release);
-    });
-  }
+  if (!work.making) begin_bodies();
   if (!work.making->done.load(std::memory_order_acquire)) return false;
   if (!work.making->failed.empty()) {
     work.off = true;
@@ -182,7 +192,7 @@ bool Guards::take_bodies() {
                               {"no-guards",
                                {},
                                "nothing guards the robots against contacts: " + work.making->failed,
-                               "give the robot fewer or simpler bodies, or say guards: off",
+                               "use fewer robots or simpler bodies, or write guards: off",
                                Severity::warning,
                                {}});
     return false;
@@ -246,6 +256,7 @@ void Guards::see(std::size_t r) {
   of.time = now->begun ? now->time : 0;
   of.speed = now->begun ? std::abs(now->speed) : 1;
   of.duration = now->motion->path.duration();
+  if (of.ahead) of.ahead->permit_touch(!cell_.programs.touch_of(*motion).file.empty());
   if (std::exchange(of.goal, now->goal) == now->goal) return;
   of.pace = 1;
   of.slowed = of.reported = false;
@@ -374,6 +385,8 @@ bool Guards::deadlocked(std::size_t robot) const {
     const int next =
         work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)].other_than(static_cast<int>(at));
     if (next < 0 || next == static_cast<int>(at)) return false;
+    const Of& other = work_->robots[static_cast<std::size_t>(next)];
+    if (of.step && other.goal != 0 && other.step == of.step) return true;  // in step it stands because this one does
     at = static_cast<std::size_t>(next);
     if (at == robot) return true;
   }
@@ -383,17 +396,19 @@ bool Guards::deadlocked(std::size_t robot) const {
 void Guards::stop_before(std::size_t r, const char* code, const std::string& text) {
   const moves::RobotMotion& motion = *cell_.motions.motion(r);
   const Of& of = work_->robots[r];
-  const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)];
   Problem problem{code,
                   cell_.programs.place_of(motion, motion.move_under_way()),
                   text,
                   "clear the way and resume, or move the points or the obstacle",
                   Severity::error,
-                  {{"robot", cell_.setup.robots[r]->entry.name},
-                   {"a", work_->bodies->name(pair.a)},
-                   {"b", work_->bodies->name(pair.b)},
-                   {"distance_m", of.ahead_of.gap.distance},
-                   {"clearance_m", of.ahead_of.required}}};
+                  {{"robot", cell_.setup.robots[r]->entry.name}}};
+  if (of.ahead_of.pair >= 0) {
+    const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)];
+    problem.facts.push_back({"a", work_->bodies->name(pair.a)});
+    problem.facts.push_back({"b", work_->bodies->name(pair.b)});
+    problem.facts.push_back({"distance_m", of.ahead_of.gap.distance});
+    problem.facts.push_back({"clearance_m", of.ahead_of.required});
+  }
   if (!recovered_by_others(cell_.setup, cell_.programs)) return cell_.life.fail(std::move(problem));
   cell_.observer.on_problem(cell_.machine.now(), problem);
   cell_.machine.hold_for(std::move(problem));
@@ -405,7 +420,7 @@ void Guards::judge(std::size_t r) {
   const Nanoseconds now = cell_.machine.now();
   const bool runs = cell_.machine.snapshot().state == control::RunState::running &&
                     cell_.machine.supervisor().latch().requested() == realtime::StopKind::none;
-  const bool blocked = runs && of.goal != 0 && of.wanted == 0 && of.speed == 0 && of.ahead_of.pair >= 0;
+  const bool blocked = runs && of.goal != 0 && of.wanted == 0 && of.speed == 0;
   if (!blocked) {
     of.stands_since = -1;
     of.reported = false;
@@ -414,6 +429,12 @@ void Guards::judge(std::size_t r) {
   if (of.stands_since < 0) of.stands_since = now;
   const Nanoseconds stands = now - of.stands_since;
   const std::string& name = cell_.setup.robots[r]->entry.name;
+  if (of.ahead_of.pair < 0) {  // more is near than one tick can measure
+    const std::string text = name + " stands: more bodies are near its path than a guard can measure in a tick";
+    if (!std::exchange(of.reported, true)) cell_.observer.on_note(text);
+    if (stands >= kForRobots) stop_before(r, "guard", text);
+    return;
+  }
   const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)];
   const int other = pair.own ? -1 : pair.other_than(static_cast<int>(r));
   if (other < 0) {

@@ -34,6 +34,8 @@ class Guards {
   explicit Guards(const Owners& cell);
   ~Guards();
 
+  /// Call each tick before programs run: on the wall clock it begins to make the bodies, before the first plan.
+  void prepare();
   /// Call each tick, after new moves were handed over.
   void tick();
   /// The pace at which the guard lets a robot's move go on, 0 to 1.
@@ -45,6 +47,7 @@ class Guards {
   struct Work;
   struct Of;
   bool needed() const;
+  void begin_bodies();
   bool take_bodies();
   void see(std::size_t robot);
   void find_stopping(std::size_t robot);

@@ -296,6 +296,7 @@ class FileMailbox::Io {
     if (auto foreign = not_ours(now)) return displaced_by(std::move(*foreign));
     const Identity found = identity(now);
     if (!told && !held_ && found == known_ && !may_be_stale(found)) return;
+    if (auto outside = out_of_reach(Reach::Use::read)) return displaced_by(std::move(*outside));
     const auto content = read_path(found);
     if (!content) return missing();
     if (*content != known_text_) return consider(*content, found, label);
@@ -317,16 +318,17 @@ class FileMailbox::Io {
     return content;
   }
 
-  /// Why what now has the file's name is not read; nothing for an ordinary file that the cell may reach. Links on the
-  /// way are followed: after the start, another process may have put one there.
+  /// Why what now has the file's name is not read; nothing for an ordinary file.
   std::optional<Problem> not_ours(const struct stat& now) const {
     const char* const advice = "its values stay as they were; put the file back";
     if (!S_ISREG(now.st_mode)) return Problem{"not-a-file", {path_}, "this is no ordinary file any more", advice};
     if (static_cast<std::uintmax_t>(now.st_size) > kMostBytes)
       return Problem{"too-large", {path_}, "the file has more than " + std::to_string(kMostBytes) + " bytes", advice};
-    return out_of_reach(Reach::Use::read);
+    return std::nullopt;
   }
 
+  /// Links on the way are followed: after the start, another process may have put one there. It costs some system
+  /// calls, so a file that is the same as at the last check is not asked about.
   std::optional<Problem> out_of_reach(Reach::Use use) const {
     if (!reach().confined()) return std::nullopt;
     try {

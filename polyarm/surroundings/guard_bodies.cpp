@@ -66,8 +66,13 @@ GuardBodies::GuardBodies(std::vector<Robot> robots, const description::Scene& sc
   for (const GuardZone& zone : zones) add_zone(zone);
   parts_.resize(scene.parts.size());
   for (const Robot& robot : robots_) hands_.push_back(hand_of(*robot.model));
-  for (std::size_t a = 0; a < bodies_.size(); ++a)
+  for (std::size_t a = 0; a < bodies_.size(); ++a) {
     for (std::size_t b = a + 1; b < bodies_.size(); ++b) add_pair(a, b);
+    if (pairs_.size() > kMostPairs)
+      throw Error("too-many-bodies", std::to_string(robots_.size()) + " robots with " +
+                                         std::to_string(bodies_.size()) +
+                                         " bodies around them are more than guards can follow");
+  }
   for (std::size_t r = 0; r < models_.size(); ++r) {
     for (const collision::LinkPairBody& link : models_[r]->pairs()) {
       GuardPair pair;
@@ -122,6 +127,7 @@ void GuardBodies::add_pair(std::size_t a, std::size_t b) {
   pair.of_part = first.part >= 0 || second.part >= 0;
   pair.of_zone = zone_robot_[a] != -2 || zone_robot_[b] != -2;
   pair.slack = kUnknown;
+  if (first.part >= 0 && second.part >= 0 && robots_.size() < 2) return;  // no two hands could bring them together
   if (pair.of_zone) {
     if (pair.of_part || !first.of_robot() || first.is_root) return;
     if (zone_robot_[b] >= 0 && zone_robot_[b] != first.robot) return;

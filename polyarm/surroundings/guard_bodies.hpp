@@ -48,7 +48,11 @@ struct GuardGap {
 
 class GuardBodies : private SweepBodies {
  public:
-  /// Throws as RobotBody does. `robots` and `scene` outlive it; their meshes have their pieces.
+  /// The most pairs of bodies: guards go through all of them in a tick.
+  static constexpr std::size_t kMostPairs = 100'000;
+
+  /// Throws as RobotBody does, and Error("too-many-bodies"). `robots` and `scene` outlive it; their meshes have
+  /// their pieces.
   GuardBodies(std::vector<Robot> robots, const description::Scene& scene,
               const std::vector<GuardZone>& zones = {});
 

@@ -21,7 +21,10 @@ constexpr std::uint64_t kAtFirst = 5;  // the first look along a way may measure
 }  // namespace
 
 LookAhead::LookAhead(GuardBodies& bodies, int robot, const LookAheadOptions& options)
-    : bodies_(bodies), robot_(robot), options_(options), of_(bodies.pairs().size()) {
+    : bodies_(bodies), robot_(robot), options_(options) {
+  for (std::size_t i = 0; i < bodies.pairs().size(); ++i)
+    if (bodies.pairs()[i].of_part || bodies.pairs()[i].concerns(robot)) pairs_.push_back(i);
+  of_.resize(pairs_.size());
   const std::size_t n = bodies.variables(static_cast<std::size_t>(robot));
   for (std::vector<double>* values : {&q_, &v_, &from_, &way_, &step_}) values->assign(n, 0);
   ends_.reserve(kMostEnds + 2);
@@ -42,12 +45,12 @@ void LookAhead::begin(PlannedWay& way, std::span<const double> ends) noexcept {
     bodies_.try_joints(static_cast<std::size_t>(robot_), q_);
     for (std::size_t i = 0; i < of_.size(); ++i) require(i, way, {&time, 1});
   }
-  for (std::size_t i = 0; i < of_.size(); ++i) of_[i].version = bodies_.pairs()[i].version;
+  for (std::size_t i = 0; i < of_.size(); ++i) of_[i].version = pair_at(i).version;
 }
 
 /// Lowers what is required of a pair to what it has at an end of a move, where try_joints() put the robot.
 void LookAhead::require(std::size_t i, PlannedWay&, std::span<const double> times) noexcept {
-  const GuardPair& pair = bodies_.pairs()[i];
+  const GuardPair& pair = pair_at(i);
   Of& of = of_[i];
   if (!pair.active || !pair.concerns(robot_)) return;
   const double most = pair.own || pair.of_zone ? 0 : options_.clearance;
@@ -63,7 +66,7 @@ void LookAhead::require(std::size_t i, PlannedWay&, std::span<const double> time
 
 /// After a part was taken or brought: as if the way began here.
 void LookAhead::renew(std::size_t i, PlannedWay& way) noexcept {
-  of_[i] = {kForever, -1, 0, bodies_.pairs()[i].version};
+  of_[i] = {kForever, -1, 0, pair_at(i).version};
   for (const double time : ends_) {
     way.at(time, q_, v_);
     bodies_.try_joints(static_cast<std::size_t>(robot_), q_);
@@ -100,16 +103,16 @@ LookAhead::Answer LookAhead::look(PlannedWay& way, double now, double until,
   out.free_until = kForever;
   mine_.clear();
   for (std::size_t i = 0; i < of_.size(); ++i) {
-    const GuardPair& pair = bodies_.pairs()[i];
-    if (!pair.active || !pair.concerns(robot_)) continue;
+    const GuardPair& pair = pair_at(i);
+    if (!pair.active || !pair.concerns(robot_) || is_meant(pair)) continue;
     const double most = pair.own || pair.of_zone ? 0 : options_.clearance;
     const double needed = most + bodies_.change(pair, robot_, way_) + drift(pair, stopping);
     if (pair.slack >= needed || is_known(i, until)) continue;
     const bool is_followed = is_still(i) && of_[i].clear_until > now;
-    if (is_followed || bodies_.measure(i, needed) < needed) mine_.push_back(i);
+    if (is_followed || bodies_.measure(pairs_[i], needed) < needed) mine_.push_back(i);
   }
   for (const std::size_t i : mine_) {
-    const GuardPair& pair = bodies_.pairs()[i];
+    const GuardPair& pair = pair_at(i);
     if (of_[i].version != pair.version) renew(i, way);
     const double further = kFurther * (1 + static_cast<double>(i % kSpread) / kSpread);
     const double end = is_still(i) ? std::min(until + further, way.duration()) : until;
@@ -120,19 +123,26 @@ LookAhead::Answer LookAhead::look(PlannedWay& way, double now, double until,
 
 /// True if the pair was followed that far already, and what is around has not moved since.
 bool LookAhead::is_known(std::size_t i, double until) const noexcept {
-  return is_still(i) && of_[i].version == bodies_.pairs()[i].version && of_[i].clear_until >= until;
+  return is_still(i) && of_[i].version == pair_at(i).version && of_[i].clear_until >= until;
 }
 
 bool LookAhead::is_still(std::size_t i) const noexcept {
-  const GuardPair& pair = bodies_.pairs()[i];
+  const GuardPair& pair = pair_at(i);
   if (pair.own) return true;
   return pair.other_than(robot_) < 0 && bodies_.moved(obstacle_of(pair)) - of_[i].moved <= kStill;
+}
+
+/// True for a pair that permit_touch() excepts.
+bool LookAhead::is_meant(const GuardPair& pair) const noexcept {
+  if (!may_touch_ || pair.own || pair.of_zone || pair.other_than(robot_) >= 0) return false;
+  const BodyKind kind = bodies_.kind(pair.robot_a == robot_ ? pair.a : pair.b);
+  return kind == BodyKind::tool || kind == BodyKind::fingers || kind == BodyKind::part;
 }
 
 /// Follows a near pair along the way; true if it is clear until then.
 bool LookAhead::scan(std::size_t i, PlannedWay& way, double now, double until, double drift,
                      Answer& out) noexcept {
-  const GuardPair& pair = bodies_.pairs()[i];
+  const GuardPair& pair = pair_at(i);
   Of& of = of_[i];
   if (!is_still(i)) {
     of.clear_until = -1;
@@ -151,7 +161,7 @@ bool LookAhead::scan(std::size_t i, PlannedWay& way, double now, double until, d
     const GuardGap gap = bodies_.gap_while_braking(pair, robot_, drift, of.required + kNear);
     const double room = gap.distance - of.required;
     if (room < -kRounding) {
-      out = {time, static_cast<int>(i), gap, of.required};
+      out = {time, static_cast<int>(pairs_[i]), gap, of.required};
       return false;
     }
     for (std::size_t j = 0; j < q_.size(); ++j) step_[j] = std::abs(v_[j]);

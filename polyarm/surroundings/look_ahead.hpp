@@ -36,10 +36,12 @@ class LookAhead {
   /// Steps along the way near something are at most so long that a body moves by this, m.
   static constexpr double kResolution = 5e-4;
   /// The ends of moves on one way that set how near they may come; of later ones the clearance is kept.
-  static constexpr std::size_t kMostEnds = 32;
+  static constexpr std::size_t kMostEnds = 128;
 
   LookAhead(GuardBodies& bodies, int robot, const LookAheadOptions& options);
 
+  /// True: from the next look on, the tool of this robot and what it holds may touch what no robot moves.
+  void permit_touch(bool permitted) noexcept { may_touch_ = permitted; }
   /// A new way; `ends`: times at which moves end on it. Measures what is near there.
   void begin(PlannedWay& way, std::span<const double> ends) noexcept;
 
@@ -69,6 +71,8 @@ class LookAhead {
   void renew(std::size_t pair, PlannedWay& way) noexcept;
   bool is_known(std::size_t pair, double until) const noexcept;
   bool is_still(std::size_t pair) const noexcept;
+  bool is_meant(const GuardPair& pair) const noexcept;
+  const GuardPair& pair_at(std::size_t i) const noexcept { return bodies_.pairs()[pairs_[i]]; }
   std::uint32_t obstacle_of(const GuardPair& pair) const noexcept {
     return pair.robot_a == robot_ ? pair.b : pair.a;
   }
@@ -76,12 +80,14 @@ class LookAhead {
   GuardBodies& bodies_;
   int robot_;
   LookAheadOptions options_;
-  std::vector<Of> of_;  // by pair
-  std::vector<std::size_t> mine_;
+  std::vector<std::size_t> pairs_;  // that concern this robot, or will when it holds a part
+  std::vector<Of> of_;              // of each of them
+  std::vector<std::size_t> mine_;   // those near the way, as places in pairs_
   std::vector<double> q_, v_, from_, way_, step_;
   std::vector<double> ends_;
   std::uint64_t budget_ = 0;
   bool is_first_ = true;  // the next look is the first one along the way
+  bool may_touch_ = false;
   double speed_ = 0;
 };
 

@@ -217,6 +217,18 @@ TEST_F(GuardsTest, RobotsInStepSlowDownTogether) {
   EXPECT_GT(x(0), 0.4);
 }
 
+TEST_F(GuardsTest, OneInStepThatStandsInTheWayOfTheOtherIsNamed) {
+  fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
+  build(
+      "together\n  movej joints(1.5rad, 0rad, 0rad), robot left\n  movej joints(0rad, 0.05rad, 0rad), robot "
+      "right\nend\n",
+      "", true, true);
+  for (int i = 0; i < 3000 && state() != "held"; ++i) cell->tick();
+  EXPECT_EQ(state(), "held");
+  EXPECT_EQ(cell->cell().stop_cause().code, "guard-deadlock");
+  EXPECT_LE(x(0), 1 - 2 * kBall - 0.004);
+}
+
 TEST_F(GuardsTest, BadEntriesAreNamed) {
   const auto code = [&](const std::string& more) {
     try {

@@ -188,5 +188,13 @@ TEST(GuardBodies, AZoneIsOfTheBodiesOfItsRobot) {
   EXPECT_NEAR(desk, 0.4 - kBall, 1e-6);
 }
 
+TEST(GuardBodies, MoreRobotsThanATickCanFollowAreRefused) {
+  const description::RobotModel model = gantry();
+  description::Scene scene;
+  scene.floor = false;
+  EXPECT_NO_THROW(GuardBodies(std::vector<Robot>(20, {"arm", &model, nullptr, -1, false, {}}), scene));
+  EXPECT_THROW(GuardBodies(std::vector<Robot>(500, {"arm", &model, nullptr, -1, false, {}}), scene), Error);
+}
+
 }  // namespace
 }  // namespace polyarm::surroundings

@@ -145,6 +145,29 @@ TEST(LookAhead, AStartInsideSomethingMayBeLeft) {
   EXPECT_LT(ahead.look(in, 0, 1, nobody).free_until, 0.02);
 }
 
+TEST(LookAhead, AToolThatIsMeantToTouchMayAndTheRestOfTheArmMayNot) {
+  const description::RobotModel model = gantry();
+  description::Tool tool;
+  tool.body = {box(0.01, 0.01, 0.01)};
+  tool.body[0].pose.position = {0.03, 0, 0};  // ahead of the ball
+  description::Scene scene;
+  scene.floor = false;
+  scene.fixtures = {fixture("wall", {0.1, 1, 1}, {0.5, 0, 0})};
+  GuardBodies bodies({{"arm", &model, &tool, -1, false, {}}}, scene);
+  LookAhead ahead(bodies, 0, {});
+  const std::vector<std::vector<double>> nobody(1, std::vector<double>(3, 0.0));
+  Straight way({0, 0, 0}, {0.8, 0, 0}, 1);
+  bodies.look(at(0, 0, 0));
+  ahead.begin(way, {});
+  const auto free_until = [&](bool touch) {
+    ahead.permit_touch(touch);
+    return 0.8 * ahead.look(way, 0, 1, nobody).free_until;
+  };
+  EXPECT_NEAR(free_until(false), 0.41, 0.002) << "the tool keeps the clearance";
+  EXPECT_NEAR(free_until(true), 0.425, 0.002) << "the ball does";
+  EXPECT_NEAR(free_until(false), 0.41, 0.002) << "and the tool again";
+}
+
 TEST(LookAhead, AnObstacleThatComesIsSeenAndOneThatLeavesIsForgotten) {
   const description::RobotModel model = gantry();
   description::Scene scene;
