@@ -71,11 +71,17 @@ std::uint64_t SweptCheck::mark_of(std::size_t robot) {
   return marks_.size() - 1;
 }
 
-/// The tool, or a part that it may hold, in a move that is meant to touch.
+/// The tool, or a part that it may hold, in a move that is meant to touch; never with another link of a robot.
 bool SweptCheck::is_meant(const Approach& a) const {
   if (!meant_.contains({a.robot, a.mark})) return false;
-  const std::string tool = cell_.setup.robots[a.robot]->entry.name + "/tool";
-  const auto may = [&](const std::string& name) { return name.starts_with(tool) || name.starts_with("part "); };
+  const auto is_tool = [](const std::string& name, const std::string& robot) {
+    return name.starts_with(robot + "/tool") || name.starts_with(robot + "/finger");
+  };
+  for (const auto& robot : cell_.setup.robots)
+    for (const std::string* name : {&a.first, &a.second})
+      if (name->starts_with(robot->entry.name + "/") && !is_tool(*name, robot->entry.name)) return false;
+  const std::string& own = cell_.setup.robots[a.robot]->entry.name;
+  const auto may = [&](const std::string& name) { return is_tool(name, own) || name.starts_with("part "); };
   return may(a.first) || may(a.second);
 }
 

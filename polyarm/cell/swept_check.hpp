@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/time.hpp"
 #include "polyarm/surroundings/sweep.hpp"
 
 namespace polyarm::cell {

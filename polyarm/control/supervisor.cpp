@@ -62,7 +62,10 @@ Overrun Supervisor::when_late(const FaultEvent& event) const noexcept {
 
 bool Supervisor::react(const FaultEvent& event, bool contained) noexcept {
   const bool meant = event.cause == StopCause::contact && contacts_meant_.load(std::memory_order_relaxed);
-  const ContactStop contact_stop = meant ? ContactStop::none : contact_stop_;
+  return react(event, contained, meant ? ContactStop::none : contact_stop_);
+}
+
+bool Supervisor::react(const FaultEvent& event, bool contained, ContactStop contact_stop) noexcept {
   const Reaction reaction = reaction_to(event.cause, contained, when_late(event), contact_stop);
   if (reaction.loop == Reaction::Loop::stops) enter(Event::stop, event);
   if (reaction.loop == Reaction::Loop::faults) enter(Event::fault, event);
@@ -80,6 +83,8 @@ void Supervisor::note_times(Nanoseconds now, bool standing) noexcept {
 
 controllers::Verdict Supervisor::judge(Nanoseconds now, bool standing, Request request) noexcept {
   controllers::Verdict verdict;
+  const bool contact = stop_for_contact_.exchange(false, std::memory_order_acquire);
+  if (contact && !(touched_ && state() == RunState::stopping)) react({StopCause::contact}, false, contact_stop_);
   const realtime::StopKind stop = latch_.requested();
   if (stop != realtime::StopKind::none) react({StopCause::asked}, false);
   if (watch_cell.load(std::memory_order_relaxed) && !standing &&

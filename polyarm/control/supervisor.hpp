@@ -133,8 +133,11 @@ class Supervisor {
   void set_contact_stop(ContactStop stop) noexcept { contact_stop_ = stop; }
   ContactStop contact_stop() const noexcept { return contact_stop_; }
   /// While it is true, contacts do not stop the robots by themselves: the cell thread, which knows which contacts
-  /// are meant, does. Any thread.
+  /// are meant, calls stop_for_contact(). Any thread.
   void set_contacts_meant(bool meant) noexcept { contacts_meant_.store(meant, std::memory_order_relaxed); }
+  /// Stops the robots for a contact that is not meant, as set_contact_stop() says, also while others are meant.
+  /// Any thread.
+  void stop_for_contact() noexcept { stop_for_contact_.store(true, std::memory_order_release); }
 
   RunState state() const noexcept { return state_.load(std::memory_order_acquire); }
   StopCause cause() const noexcept { return cause_.load(std::memory_order_acquire); }
@@ -161,6 +164,7 @@ class Supervisor {
  private:
   void enter(Event event, const FaultEvent& why = {}) noexcept;
   Overrun when_late(const FaultEvent& event) const noexcept;
+  bool react(const FaultEvent& event, bool contained, ContactStop contact_stop) noexcept;
   void note_times(Nanoseconds now, bool standing) noexcept;
 
   std::uint32_t other_stops_ = 0;  // control thread
@@ -173,7 +177,7 @@ class Supervisor {
   StopTimes times_;
   bool stops_ = false;  // in the previous cycle
   ContactStop contact_stop_ = ContactStop::none;
-  std::atomic<bool> contacts_meant_{false};
+  std::atomic<bool> contacts_meant_{false}, stop_for_contact_{false};
   Overrun late_ = Overrun::report;
   std::vector<Overrun> component_late_;
   bool touched_ = false;  // the current stop brakes harder because of a contact

@@ -205,7 +205,7 @@ void CellInside::tick(Nanoseconds now) {
   tick_motions();
   guards->prepare();
   run_programs();
-  machine.supervisor().set_contacts_meant(programs->touches());
+  machine.supervisor().set_contacts_meant(programs->touches() && !jogging->engaged());
   tick_motions();
   guards->tick();
   data.write(now, machine.snapshot(), programs_over());

@@ -26,6 +26,18 @@ void end_here(Move& move) {
   move.blend = 0;
   move.through = false;
 }
+
+/// A joint move that is not faster than `move`, and goes around obstacles if it does.
+Move paced_like(const Move& move) {
+  Move out;
+  out.around = move.around;
+  out.speed = move.speed, out.acceleration = move.acceleration;
+  out.tcp_speed = move.tcp_speed, out.tcp_acceleration = move.tcp_acceleration;
+  out.joint_speed = move.joint_speed > 0 ? move.joint_speed : move.turn_speed;
+  out.joint_acceleration = move.joint_acceleration > 0 ? move.joint_acceleration : move.turn_acceleration;
+  out.joint_pace = move.joint_pace;
+  return out;
+}
 }  // namespace
 
 std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> with,
@@ -37,6 +49,7 @@ std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> wi
   if (!waiting_.empty() &&
       (step != waiting_.back().step || waiting_.back().with != with || (find_obstacles_ && bends(move))))
     end_here(waiting_.back().move);
+  back_ = paced_like(move);
   waiting_.push_back({++last_id_, std::move(move), std::move(with), std::move(step)});
   return last_id_;
 }
@@ -236,6 +249,7 @@ void RobotMotion::watch() {
 
 void RobotMotion::suspend() {
   if (apart_) return;
+  return_failure_.reset();
   apart_.emplace();
   apart_->settled = settled_, apart_->last = last_id_;
   apart_->planned = planned_;
@@ -262,7 +276,7 @@ void RobotMotion::resume() {
   if (!suspended() || apart_->phase == Apart::Phase::returning) return;
   apart_->phase = Apart::Phase::returning;
   if (planned_ == apart_->held) return;
-  Move back;
+  Move back = back_;
   back.targets = {{apart_->held, "the place where a trap stopped the robot"}};
   apart_->back = queue(std::move(back));
 }
@@ -275,6 +289,7 @@ void RobotMotion::look_at_return() {
     const auto why = problem_of(apart_->back);
     give_up_apart();
     if (!why) return;
+    return_failure_ = *why;
     ended_badly_[first] = MoveState::failed;
     problems_[first] = *why;
     return;
@@ -298,6 +313,8 @@ void RobotMotion::look_at_return() {
 void RobotMotion::give_up_apart() {
   if (!apart_) return;
   const std::uint64_t first = apart_->settled + 1, last = apart_->last;
+  if (apart_->phase == Apart::Phase::returning)
+    return_failure_ = Problem{"discarded", {}, "the way back to where a trap stopped the robot was discarded", {}};
   apart_.reset();
   for (std::uint64_t id = first; id <= last; ++id) ended_badly_.try_emplace(id, MoveState::discarded);
 }

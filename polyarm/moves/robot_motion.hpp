@@ -88,11 +88,13 @@ class RobotMotion {
   void suspend();
   /// True when the robot is at standstill after suspend().
   bool suspended() const { return apart_ && apart_->phase != Apart::Phase::stopping; }
-  /// After the moves in between have arrived: goes back by a joint move to where suspend() stopped the robot,
-  /// and goes on along the path.
+  /// After the moves in between have arrived: goes back by a joint move, at the pace of the last of them, to where
+  /// suspend() stopped the robot, and goes on along the path.
   void resume();
   /// True when the moves that were set apart are the present ones again.
   bool resumed() const { return !apart_; }
+  /// Why the robot did not get back to its place after resume(), once; nothing if it did.
+  std::optional<Problem> take_return_failure() { return std::exchange(return_failure_, std::nullopt); }
   /// The newest move that is not set apart; 0 if there is none.
   std::uint64_t newest_present() const { return apart_ && apart_->last == last_id_ ? 0 : last_id_; }
 
@@ -228,9 +230,11 @@ class RobotMotion {
   Ready active_;            ///< the motion of that goal
   std::uint64_t last_id_ = 0, settled_ = 0;
   std::optional<Apart> apart_;
+  Move back_;  ///< without targets: at the pace of the last move
   std::map<std::uint64_t, MoveState> ended_badly_;
   std::map<std::uint64_t, Problem> problems_;
   std::vector<Warning> warnings_;
+  std::optional<Problem> return_failure_;
 };
 
 }  // namespace polyarm::moves

@@ -82,14 +82,22 @@ Problem Watches::problem_of(const ContactReport& contact) const {
   return out;
 }
 
-/// True for a contact of a robot's tool, or of a part that it holds, in a move that is meant to touch.
+/// True for a contact of a robot's tool, or of a part that it holds, in a move that is meant to touch, with anything
+/// but the links of a robot. Never while somebody jogs.
 bool Watches::is_meant(const ContactReport& contact) const {
+  const auto is_tool = [](const std::string& name, const std::string& robot) {
+    return name.starts_with(robot + "/tool") || name.starts_with(robot + "/finger");
+  };
+  for (const auto& robot : cell_.setup.robots)
+    for (const std::string* name : {&contact.a, &contact.b})
+      if (name->starts_with(robot->entry.name + "/") && !is_tool(*name, robot->entry.name)) return false;
+  if (contact.during == ContactDuring::jog) return false;
   const auto& parts = cell_.machine.snapshot().world.parts;
   for (std::size_t r = 0; r < cell_.setup.robots.size(); ++r) {
     const moves::RobotMotion* const motion = cell_.motions.motion(r);
     if (!motion || cell_.programs.touch_of(*motion).file.empty()) continue;
     for (const std::string* name : {&contact.a, &contact.b}) {
-      if (name->starts_with(cell_.setup.robots[r]->entry.name + "/tool")) return true;
+      if (is_tool(*name, cell_.setup.robots[r]->entry.name)) return true;
       for (std::size_t p = 0; p < cell_.setup.scene.parts.size() && p < parts.size(); ++p)
         if (*name == "part " + cell_.setup.scene.parts[p].name && parts[p].held_by == static_cast<int>(r)) return true;
     }
@@ -110,10 +118,11 @@ void Watches::watch_contacts() {
       problem.severity = options.contact_errors ? Severity::error : Severity::warning;
       cell_.observer.on_problem(now, problem);
       if (options.contact_errors && contact->during == ContactDuring::start) inside = std::move(problem);
-    } else if (cell_.programs.waits()) {  // a person is present; the loop has already begun to stop
+    } else if (cell_.programs.waits()) {  // a person is present
       cell_.observer.on_problem(now, problem);
-      if (cell_.programs.touches()) cell_.machine.hold_for(std::move(problem));  // then the loop has not
+      cell_.machine.supervisor().stop_for_contact();  // the loop has not stopped while other contacts were meant
     } else {
+      cell_.machine.supervisor().stop_for_contact();
       cell_.life.fail(std::move(problem));
     }
   }

@@ -117,7 +117,7 @@ Poll<ControlDiscard::Answer> control_discard(const StopOwners& cell, const Contr
   if (const auto why = why_no_discard(cell.machine)) throw Error(*why);
   const bool held = cell.motions.motion_left();
   cell.machine.post(control::Request::discard);
-  cell.motions.drop_bases();
+  cell.motions.drop();  // also what no controller follows yet, and what a trap has set apart
   cell.watches.forget_pushes();
   return [cell, held, asked = cell.machine.now()] {
     constexpr Nanoseconds kTimeout = 500'000'000;

@@ -30,6 +30,11 @@ ForceReadings::Sensor& ForceReadings::sensor_of(const std::string& robot) {
   if (entry == setup_.robots.end() || !(*entry)->entry.force_sensor)
     throw Error("signal", "'" + robot + "' has no force sensor",
                 "write `force_sensor: true` at the robot in cell.yaml, for physics, or use hardware with a sensor");
+  if (setup_.options.real)
+    for (const NamedHardware& real : named_real_hardware(setup_.robots))
+      if (real.robot == robot)
+        throw Error("signal", "the hardware of '" + robot + "' gives no force: a search would not stop",
+                    "take `force_sensor` out of cell.yaml, or use hardware with a sensor");
   observer_.on_note("'" + robot + "' has no physics: its force sensor measures zero");
   out.simulated_as_zero = true;
   return sensors_[robot] = out;

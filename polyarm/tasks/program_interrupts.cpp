@@ -1,6 +1,5 @@
 /// What traps do to the moves of a task, and which of its moves may touch something.
 #include <algorithm>
-#include <limits>
 
 #include "polyarm/tasks/program_moves.hpp"
 
@@ -10,12 +9,10 @@ const std::string& ProgramMoves::name_of(const std::string& robot) const {
   return arms_[arm_of(robot, {})].robot.robot->entry.name;
 }
 
-/// A move that is meant to touch permits it until the next move that is not begins.
-void ProgramMoves::note_touch(Arm& arm, std::uint64_t first, bool touch, const Location& where) {
+/// A move that is meant to touch permits it until the next move of this robot begins, of whatever origin.
+void ProgramMoves::note_touch(Arm& arm, const Moves& moves, bool touch, const Location& where) {
   constexpr std::size_t kMost = 1000;
-  constexpr std::uint64_t kOpen = std::numeric_limits<std::uint64_t>::max();
-  if (!arm.touches.empty() && arm.touches.back().to == kOpen) arm.touches.back().to = first - 1;
-  if (touch) arm.touches.push_back({first, kOpen, where});
+  if (touch) arm.touches.push_back({moves.first, moves.last, where});
   while (arm.touches.size() > kMost) arm.touches.pop_front();
 }
 
@@ -67,6 +64,18 @@ bool ProgramMoves::is_over(const Interruption& interruption) const {
     const moves::RobotMotion* const motion = arms_[i].robot.motion;
     return !motion || motion->resumed() || (!interruption.ends && motion->suspended());
   });
+}
+
+/// A program does not continue from another place than where a trap stopped its robot.
+program::Progress ProgramMoves::result_of(const Interruption& over) {
+  for (const std::size_t i : over.arms) {
+    moves::RobotMotion* const motion = arms_[i].robot.motion;
+    std::optional<Problem> why = motion && over.ends ? motion->take_return_failure() : std::nullopt;
+    if (!why) continue;
+    const bool discarded = why->code == "discarded";
+    return discarded ? program::Progress::ended(std::move(*why)) : program::Progress::failed(std::move(*why));
+  }
+  return program::Progress::done();
 }
 
 }  // namespace polyarm::cell

@@ -301,7 +301,7 @@ program::Handle ProgramMoves::start(const program::Move& asked, const Location& 
     queued.last = arm.robot.motion->queue(std::move(one), facts, step);
     arm.open.push_back({queued.last, where, std::move(name), move.called});
   }
-  note_touch(arm, queued.first, move.touch, where);
+  note_touch(arm, queued, move.touch, where);
   forget_ended();
   asked_[++last_handle_] = {queued};
   return last_handle_;
@@ -389,8 +389,9 @@ std::optional<program::Progress> ProgramMoves::bad_end(Arm& arm, std::uint64_t t
 program::Progress ProgramMoves::poll(program::Handle handle) {
   if (const auto at = interruptions_.find(handle); at != interruptions_.end()) {
     if (!is_over(at->second)) return {};
+    const Interruption over = std::move(at->second);
     interruptions_.erase(at);
-    return program::Progress::done();
+    return result_of(over);
   }
   const auto found = asked_.find(handle);
   if (found == asked_.end()) return program::Progress::done();

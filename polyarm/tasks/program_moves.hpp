@@ -107,7 +107,7 @@ class ProgramMoves {
     std::deque<Open> open;
     std::map<std::string, MadeTool> tools;
     struct Touch {
-      std::uint64_t from = 0, to = 0;  ///< ids: from the move that may touch up to the one before the next that may not
+      std::uint64_t from = 0, to = 0;  ///< ids of the moves that may touch
       Location where;
     };
     std::deque<Touch> touches;
@@ -136,7 +136,7 @@ class ProgramMoves {
                  std::vector<moves::Move>& moves) const;
   void check_payload(const program::Move& move, const Arm& arm, const Location& where) const;
   void forget_ended();
-  static void note_touch(Arm& arm, std::uint64_t first, bool touch, const Location& where);
+  static void note_touch(Arm& arm, const Moves& moves, bool touch, const Location& where);
   /// Arms that a trap stops, or lets go on.
   struct Interruption {
     std::vector<std::size_t> arms;
@@ -144,6 +144,7 @@ class ProgramMoves {
   };
   program::Handle interrupt(const std::vector<std::string>& robots, bool ends);
   bool is_over(const Interruption& interruption) const;
+  program::Progress result_of(const Interruption& over);
   std::map<program::Handle, Interruption> interruptions_;
   std::shared_ptr<moves::InStep> step_of(const program::Move& move, std::size_t arm, const Location& where);
   std::optional<program::Progress> bad_end(Arm& arm, std::uint64_t through);

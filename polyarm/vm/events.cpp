@@ -1,5 +1,6 @@
 /// Traps, timers and pulses: what happens beside the lines of a task.
 #include <algorithm>
+#include <limits>
 
 #include "polyarm/language/operators.hpp"
 #include "polyarm/vm/task.hpp"
@@ -78,6 +79,8 @@ bool Interpreter::gone_back(Task& task) {
     return false;
   }
   if (Task* const owner = task_of(task.interrupts)) owner->frozen = 0;
+  if (stepping_ && stepping_->task == task.id)  // whoever steps through the block goes on stepping behind it
+    stepping_ = Stepping{task.interrupts, std::numeric_limits<std::size_t>::max()};
   return true;
 }
 

@@ -293,6 +293,7 @@ void Interpreter::raise(Task& task, Problem problem, bool catchable) {
   if (problem.where.file.empty() && problem.where.line == 0)
     problem.where = program_.at(code_.sources[task.pc].line);
   end_children(task.id);
+  end_watched_move(task);
   task.work.reset();
   task.waiting = {};
   task.handles.clear();
@@ -301,6 +302,17 @@ void Interpreter::raise(Task& task, Problem problem, bool catchable) {
   for (auto& [name, come] : meetings_) std::erase(come, task.id);
   if (catchable && !task.handlers.empty()) return unwind(task, problem);
   fail(task, std::move(problem));
+}
+
+/// Stops the move of an `until` that is no longer looked at.
+void Interpreter::end_watched_move(Task& task) {
+  if (!task.measured) return;
+  const Handle move = *task.measured;
+  task.measured.reset();
+  try {
+    host_.end_move(move, program_.at(task.line));
+  } catch (const Error&) {  // a host without it has refused the program already
+  }
 }
 
 void Interpreter::unwind(Task& task, const Problem& problem) {
@@ -348,6 +360,7 @@ void Interpreter::end_children(std::uint64_t parent) {
   for (const auto& task : tasks_) {
     if (task->parent != parent || task->over()) continue;
     task->state = TaskState::stopped;
+    end_watched_move(*task);
     give_back_locks(*task, 0);
     end_children(task->id);
   }

@@ -167,6 +167,7 @@ class Interpreter {
   void pulse(Task& task, const Step& step);
   void end_program(TaskState outcome);
   void end_children(std::uint64_t parent);
+  void end_watched_move(Task& task);
   void remove_children();
   void give_back_locks(Task& task, std::size_t keep);
   void raise(Task& task, Problem problem, bool catchable);

@@ -27,9 +27,10 @@ void Interpreter::go_on(Task& task) {
   task.state = TaskState::running;
 }
 
-/// True if no motion of this task is under way; else the task waits for it, and repeats this step.
+/// True if no motion of this task is under way; else the task waits for it, and repeats this step. The condition of
+/// an `until` waits for nothing: the other robots of the task may still move.
 bool Interpreter::arrived(Task& task) {
-  if (task.robots.empty()) return true;
+  if (task.robots.empty() || task.measured) return true;
   task.handles.clear();
   for (const std::string& robot : task.robots) task.handles.push_back(host_.start_arrival(robot));
   task.robots.clear();

@@ -95,6 +95,18 @@ TEST_F(ProgramRequests, AnEndlessProgramThatQueuesAheadCountsTheCyclesThatTheRob
   EXPECT_LE(std::abs(state()["passes"].get<int>() - turns), 1) << "nor does its end count what was queued";
 }
 
+TEST_F(ProgramRequests, ADiscardReachesWhatATrapHasSetApart) {
+  folder.write("work.script",
+               "load work_data\ntrap when Ready\n  wait 60s\nend\nmovej A, at start + 200ms set Ready = true\nmoveto B\n");
+  ASSERT_TRUE(load("work.script")["ok"].get<bool>());
+  ask("program.start");
+  cell->run(3);
+  ask("control.hold");
+  cell->run(1);
+  EXPECT_EQ(cell->result({{"request", "control.discard"}})["discarded"], true);
+  EXPECT_EQ(cell->result({{"request", "control.discard"}})["discarded"], false) << "the robot can be jogged";
+}
+
 TEST_F(ProgramRequests, ACanceledMotionCountsNoCycleThatTheRobotHasNotDone) {
   folder.write("work.script", "load work_data\nwhile true\n  movej A\n  movej B\nend\n");
   ASSERT_TRUE(load("work.script")["ok"].get<bool>());

@@ -142,6 +142,25 @@ TEST(ReactionTable, ContactsFollowWhatTheCellSays) {
   }
 }
 
+TEST(ReactionTable, AContactThatIsNotMeantStopsAsHardWhileOthersAreMeant) {
+  for (const ContactStop stop : {ContactStop::path, ContactStop::cut}) {
+    Supervisor supervisor;
+    supervisor.watch_cell = false;
+    supervisor.set_contact_stop(stop);
+    supervisor.set_contacts_meant(true);
+    supervisor.react({StopCause::contact}, false);
+    EXPECT_FALSE(supervisor.judge(0, false, Request::none).immediate) << "the cell thread judges it";
+    EXPECT_EQ(supervisor.state(), RunState::running);
+    supervisor.stop_for_contact();
+    supervisor.latch().request(realtime::StopKind::controlled);
+    const controllers::Verdict verdict = supervisor.judge(1, false, Request::none);
+    EXPECT_TRUE(verdict.immediate);
+    EXPECT_EQ(verdict.cut, stop == ContactStop::cut);
+    EXPECT_EQ(supervisor.state(), RunState::stopping);
+    EXPECT_EQ(supervisor.cause(), StopCause::contact);
+  }
+}
+
 TEST(ReactionTable, OnlyStopsThatNobodyAskedForCountAsOthers) {
   Supervisor supervisor;
   supervisor.watch_cell = false;

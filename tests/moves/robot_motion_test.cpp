@@ -324,6 +324,19 @@ TEST(RobotMotion, SuspendedMovesAreDiscardedWithTheRest) {
   EXPECT_EQ(rig.motion->state_of(next), MoveState::done);
 }
 
+TEST(RobotMotion, AWayBackThatIsDiscardedIsAFailureOnce) {
+  Rig rig;
+  rig.motion->suspend();
+  rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.05}), "aside"));
+  for (int i = 0; i < 5000; ++i) rig.pass(1);
+  rig.motion->resume();
+  rig.pass(20);
+  rig.motion->drop();
+  EXPECT_TRUE(rig.motion->resumed());
+  EXPECT_TRUE(rig.motion->take_return_failure());
+  EXPECT_FALSE(rig.motion->take_return_failure());
+}
+
 TEST(RobotMotion, AStandingRobotReturnsToItsPlace) {
   Rig rig;
   rig.motion->suspend();
@@ -334,6 +347,20 @@ TEST(RobotMotion, AStandingRobotReturnsToItsPlace) {
   for (int i = 0; i < 5000 && !rig.motion->resumed(); ++i) rig.pass(1);
   EXPECT_TRUE(rig.motion->resumed());
   for (std::size_t j = 0; j < rig.from.size(); ++j) EXPECT_NEAR(rig.commanded()[j], rig.from[j], 1e-9);
+}
+
+TEST(RobotMotion, ReturnsAtThePaceOfTheMovesInBetween) {
+  Rig rig;
+  rig.motion->suspend();
+  Move aside = joint({0, -1.5, 1.5, 0, 0.5, 0}, "aside");
+  aside.speed = 0.1;
+  const auto id = rig.motion->queue(std::move(aside));
+  int out = 0, back = 0;
+  for (; out < 50000 && rig.motion->state_of(id) == MoveState::running; ++out) rig.pass(1);
+  rig.motion->resume();
+  for (; back < 50000 && !rig.motion->resumed(); ++back) rig.pass(1);
+  ASSERT_TRUE(rig.motion->resumed());
+  EXPECT_GT(back, 0.9 * out);
 }
 
 TEST(RobotMotion, PlansBesideTheOneWhoAsks) {

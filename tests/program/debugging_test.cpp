@@ -107,6 +107,23 @@ TEST(Debugging, StepsIntoOverAndOutOfFunctions) {
   EXPECT_EQ(line_of(interpreter), 8) << "the call in line 7 was stepped over";
 }
 
+TEST(Debugging, StepsOutOfATrapIntoTheTaskThatItInterrupts) {
+  FakeHost host;
+  host.store.declare_tag("A", data::Point{});
+  host.store.declare_tag("Stop", false);
+  Interpreter interpreter(parsed("trap when Stop\nlog(1)\nend\nmoveto A\nlog(2)\nlog(3)\n"), host);
+  interpreter.set_breakpoints({{"test.script", 2, 0}});
+  interpreter.step(100);
+  host.store.set("Stop", true, "plc");
+  run(interpreter, host, host.time + 100'000'000);
+  ASSERT_TRUE(interpreter.paused());
+  ASSERT_EQ(line_of(interpreter), 2);
+  interpreter.resume_for(StepKind::over);
+  run(interpreter, host, host.time + 60'000'000'000);
+  EXPECT_TRUE(interpreter.paused()) << "it does not run on by itself";
+  EXPECT_EQ(line_of(interpreter), 5);
+}
+
 TEST(Debugging, ShowsTheNamesThatHold) {
   FakeHost host;
   Interpreter interpreter(parsed(kCalls), host);

@@ -193,6 +193,31 @@ TEST(Interpreter, EndsAfterTheWantedPassesWhereItMayNotClearTheCondition) {
   EXPECT_TRUE(host.sets.empty());
 }
 
+TEST(Interpreter, UntilIsLookedAtWhileAnotherRobotStillMoves) {
+  FakeHost host;
+  for (const char* name : {"A", "B"}) host.store.declare_tag(name, data::Point{});
+  host.store.declare_tag("Contact", false);
+  Interpreter interpreter(
+      parsed("movej A, robot left\nmovel B, robot right, until Contact\nlog(met())\n"), host);
+  interpreter.step(100);
+  EXPECT_EQ(interpreter.status().front().waiting.kind, WaitKind::until);
+  host.time = nanoseconds(0.01);
+  host.store.set("Contact", true, "plc");
+  interpreter.step(100);
+  EXPECT_EQ(host.ended_moves, std::vector<std::string>{"B"});
+}
+
+TEST(Interpreter, AMoveDoesNotGoOnWithoutItsUntil) {
+  FakeHost host;
+  for (const char* name : {"A", "B"}) host.store.declare_tag(name, data::Point{});
+  host.store.declare_tag("Zero", 0);
+  Interpreter interpreter(
+      parsed("try\nmovel B, until 1 / Zero > 1\non error e\nlog(e.kind)\nend\n"), host);
+  EXPECT_EQ(run(interpreter, host).state, TaskState::finished);
+  EXPECT_EQ(host.ended_moves, std::vector<std::string>{"B"});
+  EXPECT_EQ(host.logs.size(), 1u);
+}
+
 TEST(Interpreter, DoesNothingAfterStop) {
   FakeHost host;
   Interpreter interpreter(parsed("while true\nlog(1)\nwait 1s\nend\n"), host);
