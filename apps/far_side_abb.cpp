@@ -74,7 +74,7 @@ int simulate(const AbbArguments& a) {
 }  // namespace
 
 int run_far_side_abb(int argc, char** argv) {
-  CommandLine app("Simulates a controller of ABB down to its bytes, for drivers and programs without a robot",
+  CommandLine app("Simulates a controller of ABB byte for byte, for drivers and programs without a robot",
                   "polyarm far-side");
   AbbArguments a;
   app.add_option("maker", a.maker, "abb")->required()->one_of({"abb"});

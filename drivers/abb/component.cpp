@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
@@ -23,6 +24,7 @@ constexpr double kDegrees = 180 / std::numbers::pi, kNaN = std::numeric_limits<d
 // The controller judges no acceleration or jerk of EGM; these shares of the description's limits are for
 // braking, and for commands that jump.
 constexpr double kAcceleration = 2, kJerk = 8;
+constexpr double kShownSpeed = 1;  // rad/s, of a jog at the FlexPendant
 constexpr double kAccelerationElse = 400, kJerkElse = 20000;  // degrees, seconds; without limits there
 
 using hardware::DriverParameter;
@@ -94,6 +96,16 @@ std::string short_name(const std::string& signal) {
   return signal.substr(signal.rfind('/') + 1);
 }
 
+/// Inputs and outputs have one list of interfaces.
+void check_names(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
+  std::set<std::string> seen;
+  for (const auto* list : {&inputs, &outputs})
+    for (const std::string& signal : *list)
+      if (!seen.insert(short_name(signal)).second)
+        throw Error("bad-value", "two signals would have the interface 'io/" + short_name(signal) + "'",
+                    "name each signal once: a signal of `digital_out` can be read too");
+}
+
 std::string password_of(const std::string& file) {
   if (file.empty()) return "robotics";  // the maker's default, which its manuals print
   const bool secret = file.starts_with(kSecretPrefix);
@@ -154,6 +166,7 @@ CallbackReturn AbbComponent::on_init(const hardware::ComponentContext& context) 
   http.password = password_of(p.text("password_file"));
   settings_.inputs = signals_of("digital_in", p.text("digital_in"));
   settings_.outputs = signals_of("digital_out", p.text("digital_out"));
+  check_names(settings_.inputs, settings_.outputs);
   outputs_ = Outputs();
   link_ = std::make_unique<Link>(settings_);
   return CallbackReturn::success;
@@ -187,7 +200,7 @@ ReturnType AbbComponent::perform_command_mode_switch(std::span<const std::string
 }
 
 CallbackReturn AbbComponent::on_configure() {
-  active_ = false;
+  active_ = guided_ = placed_ = false;
   if (!link_->open()) return CallbackReturn::failure;
   const double cell = 1 / seconds(period_);
   if (paced_ && std::abs(cell - link_->rate()) > 0.01 * link_->rate()) {
@@ -201,13 +214,14 @@ CallbackReturn AbbComponent::on_configure() {
 CallbackReturn AbbComponent::on_activate() {
   steps_.begin();
   if (!link_->start()) return CallbackReturn::failure;
-  active_ = true;
+  active_ = guided_ = true;
   return CallbackReturn::success;
 }
 
 CallbackReturn AbbComponent::on_deactivate() {
   active_ = false;
   link_->stop();
+  guided_ = false;
   return CallbackReturn::success;
 }
 
@@ -217,14 +231,26 @@ CallbackReturn AbbComponent::on_cleanup() {
   return CallbackReturn::success;
 }
 
-ReturnType AbbComponent::read(const hardware::Cycle&, std::span<double> states) noexcept {
+/// Robot Web Services give the joints a few times a second: somebody who jogs the robot at the FlexPendant moves it
+/// far between two answers. Such a step is shown as a motion.
+const wire::Six& AbbComponent::shown_position(bool guided, double dt) noexcept {
+  const wire::Six& at = guided ? link_->sample().q : link_->panel().joints;
+  const double most = kShownSpeed * dt;
+  for (std::size_t j = 0; j < 6; ++j)
+    shown_[j] = guided || !placed_ ? at[j] : shown_[j] + std::clamp(at[j] - shown_[j], -most, most);
+  placed_ = true;
+  return shown_;
+}
+
+ReturnType AbbComponent::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
   link_->fetch();
   const Sample& sample = link_->sample();
   const Panel& panel = link_->panel();
-  const bool guided = active_ && sample.count > 0;
+  const bool guided = guided_ && sample.count > 0;
+  const wire::Six& shown = shown_position(guided, seconds(cycle.period));
   std::size_t at = 0;
   for (std::size_t j = 0; j < 6; ++j) {
-    states[at++] = guided ? sample.q[j] : panel.joints[j];
+    states[at++] = shown[j];
     states[at++] = guided ? sample.dq[j] : 0;
   }
   for (const double value : pose_of(sample)) states[at++] = value;

@@ -55,6 +55,7 @@ class AbbComponent : public hardware::Component {
   bool stepped_services_ = false;
 
  private:
+  const wire::Six& shown_position(bool guided, double dt) noexcept;
   void find_limits(const hardware::RobotInstance& robot, double max_speed);
 
   LinkSettings settings_;
@@ -64,6 +65,9 @@ class AbbComponent : public hardware::Component {
   std::unique_ptr<Link> link_;
   // the control thread's
   std::atomic<bool> active_{false};
+  std::atomic<bool> guided_{false};  ///< from the first packet until the program is stopped
+  bool placed_ = false;              ///< shown_ is a position of the robot
+  wire::Six shown_{};                ///< rad
   wire::StepCheck steps_;
   Outputs outputs_;
 };

@@ -17,6 +17,7 @@ namespace {
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr Nanoseconds kLook = 20'000'000;    // between two judgements without an event
 constexpr Nanoseconds kEnd = 2'000'000'000;  // for a motion to end
+constexpr Nanoseconds kExplain = 1'000'000'000;  // for the controller to say why, beside its timeouts
 constexpr int kMostBehind = 8;               // old packets in a row; more are a new start
 constexpr int kFadeIn_ms = 160;              // with the robot held; the RAPID module fades EGM in for 100
 
@@ -242,12 +243,35 @@ Link::Sign Link::sign_of() const noexcept {
   return Sign::none;
 }
 
+/// What EGM alone shows.
+Cause Link::cause_of(Sign sign) const noexcept {
+  switch (sign) {
+    case Sign::motors:
+      return Cause::motors_off;
+    case Sign::program:
+      return Cause::program_stopped;
+    case Sign::error:
+      return Cause::egm_error;
+    case Sign::restart:
+      return Cause::restarted;
+    case Sign::egm:
+      return Cause::egm_stopped;
+    default:
+      return strange_ ? Cause::other_sender : Cause::silent;
+  }
+}
+
 void Link::judge(Nanoseconds now) {
   if (phase_ != Phase::streaming || fault_) return;
   if (current_.collision) return note(Cause::collision);
   if (sign_ == Sign::none && now - heard_ > settings_.silence) sign_ = Sign::silence;
   if (sign_ != Sign::none) {
-    if (asked_.exchange(sign_) != sign_) ::eventfd_write(services_wake_.number(), 1);
+    if (asked_.exchange(sign_) != sign_) {
+      sign_since_ = now;
+      ::eventfd_write(services_wake_.number(), 1);
+    }
+    // The other robots of the cell must not wait for a controller that does not say why.
+    if (now - sign_since_ > 2 * settings_.rws.http.timeout + kExplain) note(cause_of(sign_));
     return;
   }
   if (commanded_ && pacer_.silent(now)) note(Cause::loop_silent);

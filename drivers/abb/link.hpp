@@ -159,6 +159,7 @@ class Link : public wire::LinkBase<Cause> {
   bool brakes() const noexcept { return phase_ == Phase::ending || fault_ || sign_ != Sign::none; }
   void judge(Nanoseconds now);
   Sign sign_of() const noexcept;
+  Cause cause_of(Sign sign) const noexcept;
   void end(Nanoseconds now);
   void set_phase(Phase phase);
 
@@ -204,7 +205,7 @@ class Link : public wire::LinkBase<Cause> {
   std::uint64_t answered_ = 0;  // count of the last packet with an answer
   int steady_ = 0, behind_ = 0;
   std::uint32_t sequence_ = 0;
-  Nanoseconds heard_ = 0, ending_since_ = 0, began_ = 0;
+  Nanoseconds heard_ = 0, ending_since_ = 0, began_ = 0, sign_since_ = 0;
   Cause unusable_ = Cause::none;  // what makes the packets of a start useless; with mutex_
   int unusable_detail_ = 0;
   std::atomic<bool> quit_{false};

@@ -33,7 +33,7 @@ bool is_plain(Cause cause) {
 
 bool Link::read_signals(Panel& panel) {
   const auto read = [&](const std::vector<std::string>& names, std::array<bool, kMostSignals>& into) {
-    for (std::size_t i = 0; i < names.size(); ++i) {
+    for (std::size_t i = 0; i < names.size() && asked_ == Sign::none; ++i) {  // why it stopped comes first
       const auto value = rws_.signal(names[i]);
       if (!value) return false;
       into[i] = *value;

@@ -70,6 +70,7 @@ bool Link::open() {
   const std::lock_guard lock(rws_mutex_);
   fault_.clear();
   refused_.clear();
+  asked_ = Sign::none;
   current_ = {};
   written_ = wanted_ = Outputs();
   current_panel_ = {};
@@ -233,6 +234,9 @@ void Link::stop() {
   {
     const std::lock_guard lock(rws_mutex_);
     rws_.stop_program();
+    current_panel_.joints = current_.q;  // those of before the motion are old
+    panels_.write(current_panel_);
+    round_ = 0;
   }
   if (fault_) return;
   begin_session();

@@ -120,6 +120,7 @@ class ControllerManager {
   std::vector<std::pair<controllers::Controller*, hardware::LifecycleState>> loaded() const;
   /// Names of the loaded controllers, for hints.
   std::vector<std::string> names() const;
+  std::vector<std::string> active_names() const;
   std::string name_of(int id) const;
   /// Id of the controller that the control thread is updating; -1: none. Any thread.
   int in_call() const noexcept { return in_call_.load(std::memory_order_relaxed); }
@@ -163,7 +164,6 @@ class ControllerManager {
   std::unique_ptr<Commit> failure_commit_of(const std::vector<Slot*>& slots, std::span<const ControllerView> views,
                                   std::span<const ControllerView> chain, std::size_t who) const;
   std::set<std::size_t> components_of(const ControllerView& view) const;
-  std::vector<std::string> active_names() const;
   int home_of(std::span<const ControllerView> chain) const;
   std::vector<char> contained_components(std::span<const char> tied) const;
   bool commands_beyond(const ControllerView& view, std::size_t component) const;

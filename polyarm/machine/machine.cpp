@@ -118,6 +118,8 @@ void Machine::report_events() {
   calls_.tick(hardware(), now_);
   report_overruns();
   report_threads();
+  // Controllers of ROS run their timers here, also while no client follows a goal.
+  for (const std::string& name : controllers().active_names()) goal_events(name);
 }
 
 void Machine::report_loop_event(const control::LoopEvent& event) {

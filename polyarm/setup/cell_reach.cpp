@@ -107,6 +107,8 @@ class List {
       else if (name == "host" || name == "hostname" || name == "ip" || name == "robot_ip" ||
                name == "address" || name == "ip_address")
         add("host", value, why, robot.where);
+      else if (value.starts_with(kSecretPrefix))
+        add("secret", value.substr(kSecretPrefix.size()), why, robot.where);
       else if (value.find('/') != std::string::npos && fs::exists(file_.folder / value, error))
         file(value, why, robot.where, Reach::Use::read);
     }
@@ -210,6 +212,24 @@ void admit_links(const CellFile& file, signals::Signals& signals, Problems& prob
       }
     }
   }
+}
+
+void admit_robots(const CellFile& file, Problems& problems) {
+  for (const RobotEntry& robot : file.robots)
+    for (const auto& [key, value] : robot.parameters) {
+      if (!value.starts_with(kSecretPrefix)) continue;
+      const std::string name = value.substr(kSecretPrefix.size());
+      const auto host = robot.parameters.find("host");
+      if (!secret_allowed(file, name))
+        problems.error("secret-not-allowed", robot.where,
+                       "the hardware of '" + robot.name + "' sends your secret '" + name + "' to " +
+                           (host == robot.parameters.end() ? "its device" : host->second) +
+                           ", which you have not allowed",
+                       "if you trust the cell, run it at a terminal and answer, or add --allow " +
+                           shell_word("secret:" + name) + " to the command");
+      else if (file.grant)
+        collect(problems, [&] { file.grant->allow_reading(secret_file(name)); });
+    }
 }
 
 void admit_doors(const CellFile& file, Problems& problems) {

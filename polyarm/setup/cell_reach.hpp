@@ -34,7 +34,10 @@ void allow_and_remember(const CellFile& file, const Wanted& wanted);
 /// Call before links are connected: checks their hosts, secrets and certificates. Replaces `secret:NAME` by a
 /// file path. Adds Error("host-not-allowed" | "secret-not-allowed" | "outside-cell").
 void admit_links(const CellFile& file, signals::Signals& signals, Problems& problems);
-/// The same for doors that are open to a network.
+/// The same as admit_links for doors that are open to a network.
 void admit_doors(const CellFile& file, Problems& problems);
+/// Call before real hardware is opened: `secret:NAME` among the parameters of robots may be read from now on, if
+/// the user allows it. Adds Error("secret-not-allowed" | "bad-secret").
+void admit_robots(const CellFile& file, Problems& problems);
 
 }  // namespace polyarm::cell

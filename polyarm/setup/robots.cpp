@@ -16,6 +16,7 @@
 #include "polyarm/ros_files/hardware_names.hpp"
 #include "polyarm/ros_files/joint_limits.hpp"
 #include "polyarm/setup/bodies.hpp"
+#include "polyarm/setup/cell_reach.hpp"
 #include "polyarm/setup/controllers_plan.hpp"
 
 namespace polyarm::cell {
@@ -358,6 +359,7 @@ CellRobots resolve_robots(const CellFile& file, const std::vector<ros_files::Joi
     }
   }
   check_carriers(out, problems);
+  if (real) admit_robots(file, problems);
   return out;
 }
 

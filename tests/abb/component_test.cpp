@@ -124,6 +124,8 @@ TEST(AbbComponent, DeactivatingWhileItMovesBrakesAndStopsTheProgram) {
   EXPECT_EQ(rig.component.cause(), Cause::none);
   EXPECT_FALSE(rig.far().with([](abb::Machine& m) { return m.program_runs(); }));
   const Six at = rig.q();
+  ASSERT_EQ(rig.read(), hardware::ReturnType::ok);
+  EXPECT_NEAR(rig.state("joint_1/position"), at[0], 2e-3) << "not where it was before the motion";
   for (int i = 0; i < 100; ++i) rig.far().step();
   EXPECT_NEAR(rig.q()[0], at[0], 1e-3);
   ASSERT_TRUE(rig.activate()) << rig.component.reason();
@@ -145,6 +147,9 @@ TEST(AbbComponent, WrongParametersAreNamed) {
   EXPECT_THROW(abb::AbbComponent().on_init(abb_context()), Error) << "a host must be given";
   EXPECT_THROW(abb::AbbComponent().on_init(abb_context({{"host", "x"}, {"rws", "3"}})), Error);
   EXPECT_THROW(abb::AbbComponent().on_init(abb_context({{"host", "x"}, {"digital_in", "a a"}})), Error);
+  EXPECT_THROW(abb::AbbComponent().on_init(
+                   abb_context({{"host", "x"}, {"digital_in", "n/d/doA"}, {"digital_out", "doA"}})),
+               Error);
   EXPECT_THROW(abb::AbbComponent().on_init(abb_context({{"host", "x"}, {"password_file", "/no/such"}})),
                Error);
   EXPECT_THROW(abb::FakeAbb().on_init(abb_context({{"wires", "doA"}})), Error);

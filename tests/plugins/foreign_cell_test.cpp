@@ -243,6 +243,22 @@ TEST_F(ForeignCell, APasswordFileOutsideIsNotRead) {
   EXPECT_OUTPUT_HAS(with("secret:broker").output, "your secret 'broker'");
 }
 
+TEST_F(ForeignCell, ASecretOfHardwareIsReadWhenItIsAllowed) {
+  place.write("foreign/cell.yaml",
+              "polyarm: cell/1\nrate: 250\nrobots: {arm: {model: abb/irb_120, hardware: abb, parameters: {host: "
+              "127.0.0.1, rws_port: 1, password_file: \"secret:abb\"}}}\n");
+  const fs::path secret = place.write("settings/polyarm/secrets/abb", "word");
+  fs::permissions(secret.parent_path(), fs::perms::owner_all);
+  fs::permissions(secret, fs::perms::owner_read | fs::perms::owner_write);
+  const std::vector<std::string> words = {"run", cell(), "--real", "--seconds", "0.1"};
+  EXPECT_OUTPUT_HAS(test::run_command(words).output, "your secret 'abb'");
+  auto more = words;
+  more.insert(more.end(), {"--allow", "secret:abb"});
+  const std::string allowed = test::run_command(more).output;
+  EXPECT_FALSE(tells(allowed, "not allowed")) << allowed;
+  EXPECT_FALSE(tells(allowed, "outside its folder")) << allowed;
+}
+
 TEST_F(ForeignCell, PipesAndDevicesAreRefusedWithWords) {
   cell_with("scene: scene.yaml\n");
   ASSERT_EQ(::system(("mkfifo '" + (cell() / "scene.yaml").string() + "'").c_str()), 0);

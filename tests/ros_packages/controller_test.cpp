@@ -49,6 +49,33 @@ class Mover : public controller_interface::ControllerInterface {
   bool turns_ = false;
 };
 
+/// Measures how old the last message is.
+class Listening : public controller_interface::ControllerInterface {
+ public:
+  static inline double age = 0;  ///< s
+  CallbackReturn on_init() override { return CallbackReturn::SUCCESS; }
+  InterfaceConfiguration command_interface_configuration() const override {
+    return {interface_configuration_type::INDIVIDUAL, {"elbow/velocity"}};
+  }
+  InterfaceConfiguration state_interface_configuration() const override {
+    return {interface_configuration_type::NONE, {}};
+  }
+  CallbackReturn on_configure(const rclcpp_lifecycle::State&) override {
+    subscription_ = get_node()->create_subscription<geometry_msgs::msg::TwistStamped>(
+        "~/cmd_vel", rclcpp::QoS(1), [this](const geometry_msgs::msg::TwistStamped& m) { stamp_ = m.header.stamp; });
+    return CallbackReturn::SUCCESS;
+  }
+  return_type update(const rclcpp::Time& time, const rclcpp::Duration&) override {
+    age = (time - rclcpp::Time(stamp_, RCL_ROS_TIME)).seconds();
+    command_interfaces_[0].set_value(0.5);
+    return return_type::OK;
+  }
+
+ private:
+  builtin_interfaces::msg::Time stamp_;
+  rclcpp::Subscription<geometry_msgs::msg::TwistStamped>::SharedPtr subscription_;
+};
+
 /// Takes a reference from others and exports a state.
 class Follower : public controller_interface::ChainableControllerInterface {
  public:
@@ -83,6 +110,7 @@ class Follower : public controller_interface::ChainableControllerInterface {
 }  // namespace wrapped_controllers
 
 PLUGINLIB_EXPORT_CLASS(wrapped_controllers::Mover, controller_interface::ControllerInterface)
+PLUGINLIB_EXPORT_CLASS(wrapped_controllers::Listening, controller_interface::ControllerInterface)
 PLUGINLIB_EXPORT_CLASS(wrapped_controllers::Follower, controller_interface::ChainableControllerInterface)
 
 namespace polyarm_ros {
@@ -205,6 +233,27 @@ TEST(RosController, AVelocityIsBrakedToZeroAndDoesNotReturn) {
   EXPECT_EQ(arm.command("elbow/velocity"), 0);  // the controller was activated again
 }
 
+TEST(RosController, AStampOfNowIsNowAfterSlowedTimeAndAfterAStop) {
+  ControllerRig arm = rig("wrapped_controllers::Listening");
+  arm.offer("elbow/velocity");
+  ASSERT_TRUE(arm.start());
+  const auto age = [&] {
+    polyarm::controllers::Twist twist;
+    twist.stamp = arm.time();
+    arm.controller().receive("cmd_vel", twist, false);
+    arm.update();
+    return wrapped_controllers::Listening::age;
+  };
+  arm.verdict.speed = 0.5;
+  for (int i = 0; i < 2000; ++i) arm.update();
+  EXPECT_NEAR(age(), 0, 0.002) << "a watchdog of commands would never end";
+  arm.verdict.speed = 0;
+  for (int i = 0; i < 2000; ++i) arm.update();
+  arm.verdict.speed = 1;
+  arm.update();
+  EXPECT_NEAR(age(), 0, 0.002);
+}
+
 TEST(RobotText, IsReadBackByTheModelOfUrdf) {
   polyarm::description::RobotModel robot;
   robot.name = "one & two";
@@ -227,6 +276,17 @@ TEST(RobotText, IsReadBackByTheModelOfUrdf) {
   EXPECT_EQ(read->parent_to_joint_origin_transform.position.x, 0.5);
   EXPECT_FALSE(urdf::Model().initString("<robot><link name='a'/>"));
   EXPECT_FALSE(urdf::Model().initString("no robot"));
+}
+
+TEST(RosController, RequestsAfterItsCleanupAreRefused) {
+  ControllerRig arm(std::make_unique<RosController>("two_joints::Scale"), {"elbow"},
+                    {{"joints", {"elbow"}}, {"gain", {"2"}}});
+  ASSERT_TRUE(arm.start());
+  arm.deactivate();
+  arm.cleanup();
+  EXPECT_FALSE(arm.controller().cancel(1));
+  EXPECT_THROW(arm.change("gain", "3"), polyarm::Error);
+  EXPECT_THROW(arm.controller().receive("commands", Numbers{{0.5}}, false), polyarm::Error);
 }
 
 TEST(RosController, WhatItThrowsIsAnError) {

@@ -5,6 +5,7 @@
 /// Its topics and actions are the controller's inputs in Polyarm, where their messages are among those of
 /// messages.hpp. What it throws is caught. In update the wrapper copies numbers and nothing else: it does not
 /// allocate, lock or log, apart from the line that says what was thrown. How it stops: stopping.hpp.
+#include <atomic>
 #include <deque>
 #include <limits>
 #include <memory>
@@ -87,6 +88,7 @@ class RosController : public pc::Controller, public pc::RobotUser {
   std::vector<pc::InputPort> inputs() const override;
   std::uint64_t receive(const std::string& port, const pc::Input& message, bool goal) override;
   bool cancel(std::uint64_t goal) override {
+    if (!node_) return false;
     for (const auto& action : wires().actions())
       if (action->cancel(goal)) return true;
     return false;
@@ -100,11 +102,12 @@ class RosController : public pc::Controller, public pc::RobotUser {
     return out;
   }
   std::string refuse_changes(const std::vector<pc::ParameterChange>& changes) const override {
-    for (const pc::ParameterChange& change : changes) {
-      const auto result = node_->set_parameter(values_.parameter(change));
-      if (!result.successful) return result.reason;
-    }
-    return {};
+    if (!node_) return "it is not configured";
+    std::vector<rclcpp::Parameter> all;  // all or none
+    for (const pc::ParameterChange& change : changes) all.push_back(values_.parameter(change));
+    const auto result = node_->set_parameters_atomically(all);
+    if (result.successful) return {};
+    return result.reason.empty() ? "it does not say why" : result.reason;
   }
 
  private:
@@ -165,6 +168,12 @@ class RosController : public pc::Controller, public pc::RobotUser {
   }
 
   std::uint64_t hand_over(const std::string& port, const pc::Input& message);
+  /// Stamps are in the controller's own time, which slowed time has put behind the cell's: a stamp of now is now.
+  Naming naming() const {
+    Naming out = naming_;
+    out.epoch += time_source_->load(std::memory_order_relaxed) - timer_source_->load(std::memory_order_relaxed);
+    return out;
+  }
   void make_object(pc::ControllerContext& context);
   void claim(pc::ControllerContext& context);
   void claim_commands(const pc::ControllerContext& context);
@@ -220,9 +229,19 @@ class RosController : public pc::Controller, public pc::RobotUser {
       if (value == value) *commands_[i].place = value, set_command(i, value);
     }
   }
+  /// A trajectory controller that commands efforts counts the true periods, which it needs to hold the joints: it
+  /// does not see slower time and would drive on through a stop. It is started again once in each stop, and after
+  /// each message that comes while the stop lasts, and holds where it stands.
+  bool ends_trajectory(double wanted) noexcept {
+    if (!follows_ || !stopping_.pushes()) return false;
+    if (wanted > 0) moves_.store(true, std::memory_order_relaxed);
+    return wanted <= 0 && moves_.exchange(false, std::memory_order_relaxed);
+  }
   /// After a stop that its motion does not survive: it starts again from where it stands.
   pc::ReturnType restart() noexcept {
     deactivate();
+    virtual_time_ = timer_source_->load(std::memory_order_relaxed);  // the time that it lost is no longer of use
+    time_source_->store(virtual_time_, std::memory_order_relaxed);
     resting_ = false;
     stopping_.begin(0);
     return activate() == pc::CallbackReturn::success ? pc::ReturnType::ok : pc::ReturnType::error;
@@ -239,6 +258,8 @@ class RosController : public pc::Controller, public pc::RobotUser {
   std::vector<std::shared_ptr<hardware_interface::CommandInterface>> reference_handles_;
   Stopping stopping_;
   bool resting_ = false, discarded_ = false;
+  bool follows_ = false;            ///< has an action FollowJointTrajectory
+  std::atomic<bool> moves_{false};  ///< may follow a trajectory
   std::int64_t virtual_time_ = 0;  ///< ROS time, ns; slower than the cell's while a stop lasts
   TimeSource time_source_, timer_source_;
   std::uint64_t goals_ = 0;
@@ -290,6 +311,9 @@ inline pc::CallbackReturn RosController::on_configure(pc::ControllerContext& con
   state(2, "inactive");
   values_.declare(*node_->get_node_base_interface(), context.parameters);
   claim(context);
+  follows_ = false;
+  for (const auto& action : wires().actions())
+    follows_ = follows_ || *action->type == typeid(control_msgs::action::FollowJointTrajectory::Goal);
   for (const auto& listener : wires().listeners())
     if (!find_conversion(*listener->type))
       log_format(Severity::info, name_.c_str(), "nothing sends to the topic '%s' here", listener->topic.c_str());
@@ -399,7 +423,7 @@ inline pc::ReturnType RosController::update(const pc::Cycle& cycle, const pc::Ve
       return result;
     }
   }
-  if (resting_ || (verdict.discard && !discarded_)) result = restart();
+  if (resting_ || (verdict.discard && !discarded_) || ends_trajectory(wanted)) result = restart();
   discarded_ = verdict.discard;
   const double share = stopping_.next_share(wanted, dt);
   const auto period = static_cast<std::int64_t>(static_cast<double>(cycle.period) * share + 0.5);
@@ -428,9 +452,12 @@ inline std::vector<pc::InputPort> RosController::inputs() const {
 }
 
 inline std::uint64_t RosController::receive(const std::string& port, const pc::Input& message, bool) {
+  if (!node_) throw polyarm::Error("wrong-state", "the controller '" + name_ + "' is not configured");
   try {
     node_->get_node_base_interface()->run_timers();
-    return hand_over(port, message);
+    const std::uint64_t goal = hand_over(port, message);
+    moves_ = true;
+    return goal;
   } catch (const polyarm::Error&) {
     throw;
   } catch (const std::exception& e) {  // of the controller's callback
@@ -455,7 +482,7 @@ inline std::uint64_t RosController::hand_over(const std::string& port, const pc:
       const std::lock_guard lock(events_mutex_);
       events_.push_back(event);
     };
-    const bool fits = known->hand(message, naming_, [&](const void* goal) {
+    const bool fits = known->hand(message, naming(), [&](const void* goal) {
       accepted = action->goal(goal, number, ended);
     });
     if (!fits) throw polyarm::Error("wrong-message", name_ + "/" + port + " takes " + known->name);
@@ -471,7 +498,7 @@ inline std::uint64_t RosController::hand_over(const std::string& port, const pc:
   for (const auto& listener : wires().listeners()) {
     const Conversion* known = find_conversion(*listener->type);
     if (!known || port_name(listener->topic) != port) continue;
-    if (!known->hand(message, naming_, listener->deliver))
+    if (!known->hand(message, naming(), listener->deliver))
       throw polyarm::Error("wrong-message", name_ + "/" + port + " takes " + known->name);
     return 0;
   }
