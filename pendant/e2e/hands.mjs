@@ -109,7 +109,7 @@ test('says what holds a motion back as long as its key is held, and not on anoth
   await words.waitFor({ state: 'detached' });
   await go(page, 'Points');
   await page.getByRole('group', { name: 'Points' }).getByRole('button', { name: /^PrePick / }).click();
-  const told = main().getByRole('status').filter({ hasText: 'The view shows the way' });
+  const told = main().getByRole('status').filter({ hasText: 'The view shows the path' });
   await told.getByText(/\(about \d+\.\d s\)/).waitFor();
   assert.match(await told.innerText(), /\(about \d+\.\d s\)$/);
   await page.getByRole('group', { name: 'Points' }).getByRole('checkbox', { name: 'Choose PrePick', exact: true }).uncheck();

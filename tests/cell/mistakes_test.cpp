@@ -118,7 +118,7 @@ TEST_F(Mistakes, AProgramSetsNoTagThatTheHardwareMeasures) {
   folder.write("job.script", "set Lamp = Where > 1\n");
   folder.write("plc.script", "wait Lamp\nset Where = 2\n");
   cell("", "signals: signals.yaml\nprogram: job.script\nplc: plc.script\n");
-  EXPECT_NE(both().find("plc.script:2 'Where' says"), std::string::npos) << checked();
+  EXPECT_NE(both().find("plc.script:2 'Where' is a measured value"), std::string::npos) << checked();
 }
 
 TEST_F(Mistakes, ARobotThatTheCellDoesNotHaveIsAnErrorBehindAWaitToo) {

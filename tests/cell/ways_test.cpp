@@ -131,7 +131,7 @@ bool follow(const std::string& advice, LockStepCell& cell, int depth = 0) {
   const Json* chosen = nullptr;
   for (const auto& [words, request] : known)
     if (const auto at = advice.find(words); at < first) first = at, chosen = &request;
-  const bool waits = advice.starts_with("ask again") || advice.starts_with("wait") || advice.starts_with("let it go");
+  const bool waits = advice.starts_with("try again") || advice.starts_with("ask again") || advice.starts_with("wait") || advice.starts_with("let it go");
   if (!chosen && !waits) return false;
   Json answer;
   if (chosen && !waits) answer = cell.ask(*chosen);

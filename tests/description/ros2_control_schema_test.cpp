@@ -381,7 +381,7 @@ std::vector<Odd> odd_blocks() {
       {"WordsForAMin", interface("name=\"x\"", "<param name=\"min\">low</param>"), 12, "bad-number", "'low'"},
       {"TooMuchForAByte",
        interface("name=\"x\" data_type=\"uint8\"", "<param name=\"initial_value\">256</param>"), 12,
-       "bad-number", "no uint8"},
+       "bad-number", "not a uint8"},
       {"CommandsOfASensor",
        block("<sensor name=\"s\">\n<command_interface name=\"x\"/></sensor>\n", "name=\"h\" type=\"sensor\""),
        12, "no-effect", "type=\"system\""},

@@ -13,6 +13,7 @@
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -119,8 +120,10 @@ class Attack : public ::testing::Test {
   /// The one that the cell of this folder has started; 0 where there is none.
   int process_of_dds() const {
     const auto text = [](const std::string& file) {
-      std::ifstream in(file);
-      return std::string(std::istreambuf_iterator<char>(in), {});
+      const std::ifstream in(file);
+      std::ostringstream out;
+      out << in.rdbuf();  // of a process that ends meanwhile: what was read so far
+      return out.str();
     };
     std::error_code error;
     for (const auto& entry : std::filesystem::directory_iterator("/proc", error)) {
