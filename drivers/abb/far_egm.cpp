@@ -36,12 +36,13 @@ void FarEgm::serve() {
   for (int i = 0; i < 256; ++i) {
     const wire::Received got = wire::receive_datagram(socket_.number(), bytes, &from);
     if (got.got != wire::Got::bytes) return;
-    if (faults_.deaf || faults_.power_off || !(from == target_)) continue;
+    if (faults_.power_off || !(from == target_)) continue;
     const auto message = decode_sensor(Bytes(bytes).first(got.count));
     if (!message) continue;
+    unanswered_ = std::max(0, unanswered_ - 1);  // the clock waits for an answer that is not taken, too
+    if (faults_.deaf) continue;
     ++messages_;
     answers_ = true;
-    unanswered_ = std::max(0, unanswered_ - 1);
     machine_.take(*message);
   }
 }
@@ -111,7 +112,8 @@ void FarEgm::send() {
   std::vector<std::uint8_t> bytes = encode(packet());
   ++sequence_;
   if (faults_.silent || faults_.power_off) return;
-  if (std::exchange(faults_.garbage, false)) bytes.resize(bytes.size() / 2);
+  const bool broken = std::exchange(faults_.garbage, false);
+  if (broken) bytes.resize(bytes.size() / 2);
   if (faults_.late > 0 || faults_.reorder > 0) {
     kept_.push_back(bytes);
     const bool late = faults_.late > 0;
@@ -125,6 +127,7 @@ void FarEgm::send() {
   for (const auto& one : kept_) send_bytes(one);
   kept_.clear();
   send_bytes(bytes);
+  if (broken) --unanswered_;  // nobody answers it
   if (faults_.duplicate > 0 && faults_.duplicate-- > 0) wire::send_datagram(socket_.number(), bytes, target_);
 }
 

@@ -174,7 +174,7 @@ bool FarSide::step(Nanoseconds patience) {
   bool came = true;
   if (patience > 0)
     came = served_.wait_for(lock, std::chrono::nanoseconds(patience), [&] {
-      return faults_.deaf || faults_.silent || faults_.power_off || faults_.stranger || !egm_.waits();
+      return faults_.silent || faults_.power_off || faults_.stranger || !egm_.waits();
     });
   egm_.cycle();
   return came;

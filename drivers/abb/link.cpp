@@ -19,6 +19,7 @@ constexpr Nanoseconds kLook = 20'000'000;    // between two judgements without a
 constexpr Nanoseconds kEnd = 2'000'000'000;  // for a motion to end
 constexpr Nanoseconds kExplain = 1'000'000'000;  // for the controller to say why, beside its timeouts
 constexpr int kMostBehind = 8;               // old packets in a row; more are a new start
+constexpr int kErrorLasts_ms = 500;          // in the packets of a start, until it is not waited for
 constexpr int kFadeIn_ms = 160;              // with the robot held; the RAPID module fades EGM in for 100
 
 Six joints_of(const Values& values) {
@@ -145,6 +146,8 @@ void Link::check_start(const EgmRobot& robot) {
   const std::size_t joints = robot.feedback->joints->count;
   const std::uint32_t steps = robot.header.sequence - current_.sequence;
   const std::uint32_t ms = robot.header.time_ms - current_.time_ms;
+  errors_ = robot.state == EgmState::error ? errors_ + 1 : 0;
+  if (errors_ * settings_.sampling_ms >= kErrorLasts_ms) useless(Cause::egm_error);
   if (!robot.feedback->time) useless(Cause::old_egm);
   if (joints > 6) useless(Cause::axes, static_cast<int>(joints));
   if (!fresh_ && steps == 1 && ms > 0 && ms < 1000 && ms != static_cast<std::uint32_t>(settings_.sampling_ms))
@@ -189,6 +192,7 @@ void Link::answer(const EgmRobot& robot) {
   if (brakes()) return brake();
   if (!commanded_) return send(shaper_.at(), {});  // until the loop commands
   if (answered_ + 1 != current_.count) {
+    late_ = late_ || current_.behind == 0;
     brake();
     answered_ = current_.count - 1;
   }
@@ -219,17 +223,18 @@ void Link::take_command(Nanoseconds now) {
   if (phase_ != Phase::streaming) return;
   if (fresh && !std::exchange(commanded_, true)) pacer_.sent();  // the position that is held
   if (!commanded_ || brakes()) return;
-  const bool open = answered_ != current_.count;
   const bool ours = commands_.value().count == current_.count;
-  if (settings_.follows ? !open || !ours : !pacer_.due()) return;
+  if (settings_.follows ? !is_open() || !ours : !pacer_.due()) return;
   const Wanted& wanted = commands_.value();
   const Six next =
       wanted.move ? shaper_.next(wanted.joints, settings_.limits) : shaper_.brake(settings_.limits);
   current_.behind = shaper_.behind() * kRadians;
+  late_ = late_ && current_.behind > 0;
   current_.shaped = shaper_.shaped();
   send(next, shaper_.velocity());
   pacer_.sent();
   if (current_.behind > settings_.most_behind) {
+    if (late_) return note(Cause::loop_silent);  // what is behind was lost while no command came
     const std::size_t axis = shaper_.axis_behind();
     note(Cause::too_fast, static_cast<int>(3 * axis) + static_cast<int>(shaper_.exceeded(axis)));
   }
@@ -285,6 +290,7 @@ void Link::end(Nanoseconds now) {
     ending_since_ = now;
   }
   if (phase_ == Phase::ending) {
+    if (is_open()) brake();  // the loop does not answer any more
     const bool stands = shaper_.still() && std::all_of(current_.dq.begin(), current_.dq.end(),
                                                        [](double v) { return std::abs(v) < 1e-4; });
     const bool follows = current_.state == EgmState::running && now - heard_ < settings_.silence;

@@ -158,6 +158,8 @@ class Link : public wire::LinkBase<Cause> {
   void brake();
   bool brakes() const noexcept { return phase_ == Phase::ending || fault_ || sign_ != Sign::none; }
   void judge(Nanoseconds now);
+  /// The newest packet waits for the loop's answer.
+  bool is_open() const noexcept { return commanded_ && answered_ != current_.count; }
   Sign sign_of() const noexcept;
   Cause cause_of(Sign sign) const noexcept;
   void end(Nanoseconds now);
@@ -202,8 +204,9 @@ class Link : public wire::LinkBase<Cause> {
   wire::UdpAddress sender_;
   Sign sign_ = Sign::none;
   bool commanded_ = false, fresh_ = true, running_ = false;
+  bool late_ = false;           // the loop missed a packet, and has not caught up since
   std::uint64_t answered_ = 0;  // count of the last packet with an answer
-  int steady_ = 0, behind_ = 0;
+  int steady_ = 0, behind_ = 0, errors_ = 0;
   std::uint32_t sequence_ = 0;
   Nanoseconds heard_ = 0, ending_since_ = 0, began_ = 0, sign_since_ = 0;
   Cause unusable_ = Cause::none;  // what makes the packets of a start useless; with mutex_

@@ -103,10 +103,11 @@ void Link::close() {
 
 void Link::begin_session() {
   fresh_ = true;
-  steady_ = behind_ = 0;
+  steady_ = behind_ = errors_ = 0;
   sign_ = Sign::none;
   asked_ = Sign::none;
-  commanded_ = false;
+  commanded_ = late_ = false;
+  current_.behind = 0;
   stop_wanted_ = false;
   unusable_ = Cause::none;
   strange_ = false;
@@ -169,7 +170,9 @@ bool Link::begin_program() {
 bool Link::refuse_why(Cause otherwise) {
   const Rws::Failure why = find_why(Sign::silence);
   if (why.cause == Cause::none)
-    return refuse(otherwise, 0, rws_.http().own_address() + ":" + std::to_string(egm_port()));
+    return refuse(
+        otherwise, 0,
+        otherwise == Cause::no_packets ? rws_.http().own_address() + ":" + std::to_string(egm_port()) : "");
   return refuse(why.cause, why.detail, why.text);
 }
 
@@ -182,6 +185,7 @@ bool Link::await_running() {
   halt_threads();
   phase_ = Phase::idle;
   if (fault_) return false;
+  if (unusable_ == Cause::egm_error) return refuse_why(unusable_);
   if (unusable_ != Cause::none) return refuse(unusable_, unusable_detail_);
   if (current_.count > 0) return refuse_why(Cause::not_running);
   return current_.strangers > 0 ? refuse(Cause::other_sender) : refuse_why(Cause::no_packets);

@@ -186,7 +186,7 @@ std::string motion_sentence(Cause cause, int detail, const std::string& where, c
              " runs, but no packets of EGM arrive: in its configuration (Communication, UDPUC Device) the "
              "device "
              "`Polyarm` must have the address and port of this computer" +
-             quoted(text) + "; allow UDP in the firewall here";
+             (text.empty() ? "" : " (" + text + ")") + "; allow UDP in the firewall here";
     case Cause::not_running:
       return "EGM of " + where + " does not begin to follow" + quoted(text) +
              ": look for its reason in the event log of the controller";

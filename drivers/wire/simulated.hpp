@@ -2,6 +2,7 @@
 /// What drivers on a simulated controller of their own share: faults that become due, and a clock that moves
 /// while the driver ends.
 #include <atomic>
+#include <chrono>
 #include <string>
 #include <thread>
 #include <utility>
@@ -37,7 +38,10 @@ class Stepper {
  public:
   Stepper(FarSide& far, Nanoseconds patience)
       : far_(far), thread_([this, patience] {
-          while (!quit_) far_.step(patience);
+          while (!quit_) {
+            far_.step(patience);
+            std::this_thread::sleep_for(kTurn);
+          }
         }) {}
   ~Stepper() {
     quit_ = true;
@@ -46,6 +50,9 @@ class Stepper {
   }
 
  private:
+  /// Between two steps: without it, the lock of the far side is hardly ever free for the thread that answers
+  /// the driver's requests, and the driver waits until they time out.
+  static constexpr std::chrono::microseconds kTurn{100};
   FarSide& far_;
   std::atomic<bool> quit_{false};
   std::thread thread_;

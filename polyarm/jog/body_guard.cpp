@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace polyarm::jog {
@@ -12,8 +13,8 @@ namespace {
 /// Links of one robot may come this near to each other, m; held parts and what they lie on may overlap by
 /// kPressing.
 constexpr double kOwn = 0.001, kPressing = 0.002;
-/// Barriers reach this far beyond what the joints can move, m.
-constexpr double kBeyond = 0.02;
+/// Barriers reach this far beyond what the joints can move, m: the robot moves on while the cell thread is late.
+constexpr double kBeyond = 0.05;
 /// Deeper than this it counts as a contact, m.
 constexpr double kContact = 5e-4;
 /// Reaction to new barriers: some ticks and cycles, s.
@@ -43,7 +44,22 @@ double BodyGuard::margin(const GuardPair& pair) const noexcept {
   return options_.clearance;
 }
 
+/// The room of a pair in terms of the levers of the whole robot: a link near the base moves little.
+double BodyGuard::room_in_levers(double room, const GuardPair& pair, const Barriers& out) noexcept {
+  if (room <= 0) return room;
+  double share = std::numeric_limits<double>::infinity();
+  for (std::size_t j = 0; j < one_.size(); ++j) {
+    std::fill(one_.begin(), one_.end(), 0.0);
+    one_[j] = 1;
+    const double lever = bodies_.change(pair, robot_, one_);
+    if (lever > 0) share = std::min(share, out.lever[j] / lever);
+  }
+  return room * share;
+}
+
 void BodyGuard::keep_rest(double room, std::size_t pair, Barriers& out) noexcept {
+  if (room >= out.rest) return;
+  room = room_in_levers(room, bodies_.pairs()[pair], out);
   if (room >= out.rest) return;
   out.rest = room;
   out.rest_which = static_cast<std::int32_t>(pair);

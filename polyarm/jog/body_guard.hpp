@@ -37,7 +37,8 @@ class BodyGuard {
   double margin(const surroundings::GuardPair& pair) const noexcept;
   void add(const Barrier& barrier, Barriers& out) noexcept;
   void add_points(std::size_t pair, double keep, double range, Barriers& out) noexcept;
-  static void keep_rest(double room, std::size_t pair, Barriers& out) noexcept;
+  double room_in_levers(double room, const surroundings::GuardPair& pair, const Barriers& out) noexcept;
+  void keep_rest(double room, std::size_t pair, Barriers& out) noexcept;
 
   surroundings::GuardBodies& bodies_;
   int robot_;
