@@ -131,8 +131,7 @@ Value format_of(Values a, Names) {
   const std::string& text = string_of(a[0]);
   const std::vector<FormatField> fields = format_fields(text);
   if (fields.size() != a.size() - 1)
-    refuse("format() has " + std::to_string(fields.size()) + " fields and " + std::to_string(a.size() - 1) +
-           " values");
+    refuse(wrong_values(fields.size(), a.size() - 1));
   std::string out;
   std::size_t at = 0;
   for (std::size_t i = 0; i < fields.size(); ++i) {
@@ -262,6 +261,13 @@ std::string shown_text(const Value& value) {
   data::ValueWriter telling(value, data::kShownDigits);
   while (!telling.go_on(out, kLongestText) && out.size() <= kLongestText) continue;
   return out;
+}
+
+std::string wrong_values(std::size_t fields, std::size_t values) {
+  const auto counted = [](std::size_t count, const std::string& what) {
+    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+  };
+  return "format() has " + counted(fields, "field") + " and " + counted(values, "value");
 }
 
 std::vector<FormatField> format_fields(std::string_view text) {

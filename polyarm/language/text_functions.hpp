@@ -21,6 +21,8 @@ struct FormatField {
 };
 /// The fields in `text`. Throws OperationError with the faulty field. The units refer to `text`.
 std::vector<FormatField> format_fields(std::string_view text);
+/// What is wrong if a format has not one value for each field.
+std::string wrong_values(std::size_t fields, std::size_t values);
 
 /// The text of a value as a program shows it: numbers have at most nine significant digits.
 std::string shown_text(const Value& value);

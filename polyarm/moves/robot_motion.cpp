@@ -84,6 +84,8 @@ bool RobotMotion::is_far_ahead() const {
 /// into the next.
 void RobotMotion::plan() {
   if (job_ || waiting_.empty()) return;
+  // It is not known yet where the robot will stand.
+  if (goal_ != 0 && active_.ends->load(std::memory_order_relaxed)) return;
   const bool alone = find_obstacles_ && bends(waiting_.front().move);
   if (alone && (goal_ != 0 || !ready_.empty())) return;  // what is around it may still change
   auto last =
@@ -247,6 +249,14 @@ void RobotMotion::watch() {
   }
 }
 
+std::vector<double> RobotMotion::begin_of(const Ready& ready) {
+  const timing::TimedPath& path = ready.motion.path;
+  std::vector<double> out(path.joints());
+  std::size_t hint = 0;
+  path.sample(0, out, {}, {}, {}, hint);
+  return out;
+}
+
 void RobotMotion::suspend() {
   if (apart_) return;
   return_failure_.reset();
@@ -258,10 +268,7 @@ void RobotMotion::suspend() {
   } else {
     apart_->phase = Apart::Phase::away;
     if (!ready_.empty()) {  // not begun yet
-      const timing::TimedPath& path = ready_.front().motion.path;
-      std::size_t hint = 0;
-      planned_.resize(path.joints());
-      path.sample(0, planned_, {}, {}, {}, hint);
+      planned_ = begin_of(ready_.front());
     } else if (job_) {
       planned_ = job_->from;
     }
@@ -332,7 +339,10 @@ void RobotMotion::end(std::uint64_t id) {
   }
   while (!waiting_.empty() && waiting_.back().id >= id) waiting_.pop_back();
   if (job_ && job_->first_id + job_->moves.size() > id) job_ = nullptr;
-  while (!ready_.empty() && ready_.back().last_id >= id) ready_.pop_back();
+  while (!ready_.empty() && ready_.back().last_id >= id) {
+    planned_ = begin_of(ready_.back());
+    ready_.pop_back();
+  }
   if (goal_ != 0 && active_.last_id >= id) active_.ends->store(true, std::memory_order_relaxed);
 }
 

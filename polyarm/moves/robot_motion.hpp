@@ -202,6 +202,7 @@ class RobotMotion {
     bool holds(std::uint64_t id) const { return id > settled && id <= last; }
   };
 
+  static std::vector<double> begin_of(const Ready& ready);
   void look_at_return();
   void give_up_apart();
   bool is_far_ahead() const;

@@ -256,7 +256,6 @@ void Guards::see(std::size_t r) {
   of.time = now->begun ? now->time : 0;
   of.speed = now->begun ? std::abs(now->speed) : 1;
   of.duration = now->motion->path.duration();
-  if (of.ahead) of.ahead->permit_touch(!cell_.programs.touch_of(*motion).file.empty());
   if (std::exchange(of.goal, now->goal) == now->goal) return;
   of.pace = 1;
   of.slowed = of.reported = false;
@@ -264,7 +263,16 @@ void Guards::see(std::size_t r) {
   if (!of.ahead) return;
   std::vector<double> ends;
   for (const double end : now->motion->ends) ends.push_back(now->motion->path.profile().time_at(end));
-  of.ahead->begin(of.way, ends);
+  // The present move is the first one whose end is still ahead.
+  const std::uint64_t present = motion->move_under_way();
+  const std::size_t past =
+      static_cast<std::size_t>(std::count_if(ends.begin(), ends.end(), [&](double end) { return end < of.time; }));
+  std::vector<surroundings::TouchTime> touches;
+  for (std::size_t k = past; k < ends.size(); ++k)
+    if (cell_.programs.touches(*motion, present + (k - past)))
+      touches.push_back({k == 0 ? 0 : ends[k - 1], ends[k]});
+  if (!touches.empty() && past + touches.size() == ends.size()) touches.back().to = of.duration;
+  of.ahead->begin(of.way, ends, touches);
 }
 
 /// How far the joints still move if the robot begins to brake now.

@@ -272,8 +272,7 @@ void Scope::check_format(const Expression& e, const std::vector<Type>& arguments
   const std::vector<FormatField> fields = format_fields(*text.value.as_text());
   if (fields.size() + 1 != e.parts.size())
     return error("bad-format", text.place,
-                 "format() has " + std::to_string(fields.size()) + " fields and " +
-                     std::to_string(e.parts.size() - 1) + " values",
+                 wrong_values(fields.size(), e.parts.size() - 1),
                  "every value has a field {}");
   for (std::size_t i = 0; i < fields.size(); ++i) {
     const Type& type = arguments[i + 1];

@@ -28,11 +28,14 @@ LookAhead::LookAhead(GuardBodies& bodies, int robot, const LookAheadOptions& opt
   const std::size_t n = bodies.variables(static_cast<std::size_t>(robot));
   for (std::vector<double>* values : {&q_, &v_, &from_, &way_, &step_}) values->assign(n, 0);
   ends_.reserve(kMostEnds + 2);
+  touches_.reserve(kMostEnds);
   mine_.reserve(of_.size());
 }
 
-void LookAhead::begin(PlannedWay& way, std::span<const double> ends) noexcept {
+void LookAhead::begin(PlannedWay& way, std::span<const double> ends,
+                      std::span<const TouchTime> touches) noexcept {
   is_first_ = true;
+  touches_.assign(touches.begin(), touches.begin() + static_cast<std::ptrdiff_t>(std::min(touches.size(), kMostEnds)));
   ends_.assign(1, 0.0);
   for (std::size_t i = 0; i < ends.size() && i < kMostEnds; ++i) ends_.push_back(ends[i]);
   ends_.push_back(way.duration());
@@ -104,7 +107,7 @@ LookAhead::Answer LookAhead::look(PlannedWay& way, double now, double until,
   mine_.clear();
   for (std::size_t i = 0; i < of_.size(); ++i) {
     const GuardPair& pair = pair_at(i);
-    if (!pair.active || !pair.concerns(robot_) || is_meant(pair)) continue;
+    if (!pair.active || !pair.concerns(robot_) || looked_until(pair, now, until) <= now) continue;
     const double most = pair.own || pair.of_zone ? 0 : options_.clearance;
     const double needed = most + bodies_.change(pair, robot_, way_) + drift(pair, stopping);
     if (pair.slack >= needed || is_known(i, until)) continue;
@@ -115,7 +118,8 @@ LookAhead::Answer LookAhead::look(PlannedWay& way, double now, double until,
     const GuardPair& pair = pair_at(i);
     if (of_[i].version != pair.version) renew(i, way);
     const double further = kFurther * (1 + static_cast<double>(i % kSpread) / kSpread);
-    const double end = is_still(i) ? std::min(until + further, way.duration()) : until;
+    const double end =
+        looked_until(pair, now, is_still(i) ? std::min(until + further, way.duration()) : until);
     scan(i, way, now, std::min(end, out.free_until), drift(pair, stopping), out);
   }
   return out;
@@ -132,11 +136,19 @@ bool LookAhead::is_still(std::size_t i) const noexcept {
   return pair.other_than(robot_) < 0 && bodies_.moved(obstacle_of(pair)) - of_[i].moved <= kStill;
 }
 
-/// True for a pair that permit_touch() excepts.
-bool LookAhead::is_meant(const GuardPair& pair) const noexcept {
-  if (!may_touch_ || pair.own || pair.of_zone || pair.other_than(robot_) >= 0) return false;
+/// The tool, its fingers, or a part that the robot holds, with something that no robot moves.
+bool LookAhead::may_touch(const GuardPair& pair) const noexcept {
+  if (pair.own || pair.of_zone || pair.other_than(robot_) >= 0) return false;
   const BodyKind kind = bodies_.kind(pair.robot_a == robot_ ? pair.a : pair.b);
   return kind == BodyKind::tool || kind == BodyKind::fingers || kind == BodyKind::part;
+}
+
+/// Until when a pair must be clear: a contact that is meant is not looked for.
+double LookAhead::looked_until(const GuardPair& pair, double now, double until) const noexcept {
+  if (touches_.empty() || !may_touch(pair)) return until;
+  for (const TouchTime& touch : touches_)
+    if (now <= touch.to) return touch.from <= now ? now : std::min(until, touch.from);
+  return until;
 }
 
 /// Follows a near pair along the way; true if it is clear until then.

@@ -29,6 +29,11 @@ struct LookAheadOptions {
   std::uint64_t most_measured = 600;  ///< exact distances in one look, after the first one along a way
 };
 
+/// From when to when on a way the tool, or a part that the robot holds, is meant to touch something.
+struct TouchTime {
+  double from = 0, to = 0;
+};
+
 class LookAhead {
  public:
   /// Held parts that lie on something, and tools that grip, may overlap with it by this, m.
@@ -40,10 +45,9 @@ class LookAhead {
 
   LookAhead(GuardBodies& bodies, int robot, const LookAheadOptions& options);
 
-  /// True: from the next look on, the tool of this robot and what it holds may touch what no robot moves.
-  void permit_touch(bool permitted) noexcept { may_touch_ = permitted; }
   /// A new way; `ends`: times at which moves end on it. Measures what is near there.
-  void begin(PlannedWay& way, std::span<const double> ends) noexcept;
+  /// `touches`: in order; of more than kMostEnds the later ones do not count.
+  void begin(PlannedWay& way, std::span<const double> ends, std::span<const TouchTime> touches = {}) noexcept;
 
   struct Answer {
     double free_until = 0;  ///< time of the plan; infinite: nothing on the way as far as it was looked
@@ -71,7 +75,8 @@ class LookAhead {
   void renew(std::size_t pair, PlannedWay& way) noexcept;
   bool is_known(std::size_t pair, double until) const noexcept;
   bool is_still(std::size_t pair) const noexcept;
-  bool is_meant(const GuardPair& pair) const noexcept;
+  bool may_touch(const GuardPair& pair) const noexcept;
+  double looked_until(const GuardPair& pair, double now, double until) const noexcept;
   const GuardPair& pair_at(std::size_t i) const noexcept { return bodies_.pairs()[pairs_[i]]; }
   std::uint32_t obstacle_of(const GuardPair& pair) const noexcept {
     return pair.robot_a == robot_ ? pair.b : pair.a;
@@ -85,9 +90,9 @@ class LookAhead {
   std::vector<std::size_t> mine_;   // those near the way, as places in pairs_
   std::vector<double> q_, v_, from_, way_, step_;
   std::vector<double> ends_;
+  std::vector<TouchTime> touches_;
   std::uint64_t budget_ = 0;
   bool is_first_ = true;  // the next look is the first one along the way
-  bool may_touch_ = false;
   double speed_ = 0;
 };
 

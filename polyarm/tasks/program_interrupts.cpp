@@ -17,12 +17,15 @@ void ProgramMoves::note_touch(Arm& arm, const Moves& moves, bool touch, const Lo
 }
 
 Location ProgramMoves::touch_of(const moves::RobotMotion& motion) const {
+  const std::uint64_t now = motion.move_under_way();
+  return touch_of(motion, now != 0 ? now : motion.last_id());
+}
+
+Location ProgramMoves::touch_of(const moves::RobotMotion& motion, std::uint64_t move) const {
   for (const Arm& arm : arms_) {
     if (arm.robot.motion != &motion) continue;
-    const std::uint64_t now = motion.move_under_way();
-    const std::uint64_t at = now != 0 ? now : motion.last_id();
     for (const Arm::Touch& touch : arm.touches)
-      if (at >= touch.from && at <= touch.to) return touch.where;
+      if (move >= touch.from && move <= touch.to) return touch.where;
   }
   return {};
 }

@@ -57,6 +57,7 @@ class ProgramMoves {
   const std::string& name_of(const std::string& robot) const;
   /// The line of the move under way, or of the last one, if it is meant to touch something; else empty.
   Location touch_of(const moves::RobotMotion& motion) const;
+  Location touch_of(const moves::RobotMotion& motion, std::uint64_t move) const;
 
   /// A move in the planner's form, not queued. `with`: facts of the robot with another TCP.
   struct Prepared {

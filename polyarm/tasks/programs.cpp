@@ -139,6 +139,10 @@ Location Programs::touch_of(const moves::RobotMotion& motion) const {
   return moves_ && under_way() ? moves_->touch_of(motion) : Location{};
 }
 
+bool Programs::touches(const moves::RobotMotion& motion, std::uint64_t move) const {
+  return moves_ && under_way() && !moves_->touch_of(motion, move).file.empty();
+}
+
 bool Programs::touches() const {
   for (std::size_t i = 0; i < setup_.robots.size(); ++i)
     if (const moves::RobotMotion* motion = motions_.motion(i); motion && !touch_of(*motion).file.empty()) return true;

@@ -78,6 +78,8 @@ class Programs {
   std::string hint_of_live() const;
   /// The line of the program's move by which the robot may touch something now; empty: it may not.
   Location touch_of(const moves::RobotMotion& motion) const;
+  /// True if this move is meant to touch.
+  bool touches(const moves::RobotMotion& motion, std::uint64_t move) const;
   /// True if any robot may.
   bool touches() const;
   /// The program line of a move; empty if it is not from the program.

@@ -363,6 +363,32 @@ TEST(RobotMotion, ReturnsAtThePaceOfTheMovesInBetween) {
   EXPECT_GT(back, 0.9 * out);
 }
 
+/// The next move begins where the robot will stand, not at the end of a move that was dropped.
+TEST(RobotMotion, AMoveEndedBeforeItsBeginLeavesNoTrace) {
+  Rig rig;
+  rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.1}), "up"));
+  rig.pass(4);
+  const auto dropped = rig.motion->queue(line(shifted(rig.start(), {0, 0.1, 0.1}), "aside"));
+  rig.pass(4);
+  rig.motion->end(dropped);
+  const auto next = rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.05}), "next"));
+  rig.until_idle();
+  EXPECT_EQ(rig.motion->state_of(next), MoveState::done);
+  EXPECT_NEAR(norm(rig.tcp().position - shifted(rig.start(), {0, 0, 0.05}).position), 0, 1e-6);
+}
+
+TEST(RobotMotion, AMoveQueuedWhileAnotherOneIsEndedBeginsWhereThatStops) {
+  Rig rig;
+  const auto ended = rig.motion->queue(line(shifted(rig.start(), {0, 0, 0.2}), "up"));
+  rig.pass(250);
+  rig.motion->end(ended);
+  const auto next = rig.motion->queue(line(shifted(rig.start(), {0, 0.05, 0.05}), "next"));
+  rig.pass(1);
+  rig.until_idle();
+  EXPECT_EQ(rig.motion->state_of(next), MoveState::done);
+  EXPECT_NEAR(norm(rig.tcp().position - shifted(rig.start(), {0, 0.05, 0.05}).position), 0, 1e-6);
+}
+
 TEST(RobotMotion, PlansBesideTheOneWhoAsks) {
   Rig rig;
   rig.holds_jobs = true;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
@@ -156,6 +157,20 @@ TEST(OverAWall, IsWithoutContactOnMockAsInPhysics) {
     const Finished checked = run_command({"check", copy.path(), "--dry", "--hardware", hardware});
     EXPECT_EQ(checked.exit_code, 0) << checked.output;
     EXPECT_NE(checked.output.find("0 errors"), std::string::npos) << checked.output;
+  }
+}
+
+/// Three places of the plate: found in a spiral, found late, and met at once.
+TEST(PegInHole, FindsItsHoleWhereverItIs) {
+  const ExampleCopy copy("peg_in_hole");
+  const std::filesystem::path file = std::filesystem::path(copy.path()) / "cell.yaml";
+  const std::string cell = read_file(file);
+  for (const std::string seed : {"1", "3", "8"}) {
+    std::string text = cell;
+    text.replace(text.find("seed: 1"), 7, "seed: " + seed);
+    std::ofstream(file) << text;
+    const Finished run = run_command({"run", copy.path(), "--fast", "--json"});
+    EXPECT_EQ(run.exit_code, 0) << "seed " << seed << '\n' << run.output;
   }
 }
 

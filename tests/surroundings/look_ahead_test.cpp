@@ -158,9 +158,9 @@ TEST(LookAhead, AToolThatIsMeantToTouchMayAndTheRestOfTheArmMayNot) {
   const std::vector<std::vector<double>> nobody(1, std::vector<double>(3, 0.0));
   Straight way({0, 0, 0}, {0.8, 0, 0}, 1);
   bodies.look(at(0, 0, 0));
-  ahead.begin(way, {});
+  const std::vector<TouchTime> meant{{0, 1}};
   const auto free_until = [&](bool touch) {
-    ahead.permit_touch(touch);
+    ahead.begin(way, {}, touch ? std::span<const TouchTime>(meant) : std::span<const TouchTime>());
     return 0.8 * ahead.look(way, 0, 1, nobody).free_until;
   };
   EXPECT_NEAR(free_until(false), 0.41, 0.002) << "the tool keeps the clearance";
