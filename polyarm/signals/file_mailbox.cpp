@@ -321,7 +321,7 @@ class FileMailbox::Io {
   /// Why what now has the file's name is not read; nothing for an ordinary file.
   std::optional<Problem> not_ours(const struct stat& now) const {
     const char* const advice = "its values stay as they were; put the file back";
-    if (!S_ISREG(now.st_mode)) return Problem{"not-a-file", {path_}, "this is no ordinary file any more", advice};
+    if (!S_ISREG(now.st_mode)) return Problem{"not-a-file", {path_}, "this is not an ordinary file any more", advice};
     if (static_cast<std::uintmax_t>(now.st_size) > kMostBytes)
       return Problem{"too-large", {path_}, "the file has more than " + std::to_string(kMostBytes) + " bytes", advice};
     return std::nullopt;

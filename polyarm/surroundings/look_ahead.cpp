@@ -17,6 +17,8 @@ constexpr double kStill = 1e-4;      // m that an obstacle may move before its w
 // are not followed again all at once.
 constexpr double kFurther = 0.25;
 constexpr std::size_t kSpread = 16;
+/// A part may lie this much nearer to something than planned, m: grips and movers are not exact.
+constexpr double kInexact = 0.003;
 constexpr std::uint64_t kAtFirst = 5;  // the first look along a way may measure so many times as much
 }  // namespace
 
@@ -58,10 +60,13 @@ void LookAhead::require(std::size_t i, PlannedWay&, std::span<const double> time
   if (!pair.active || !pair.concerns(robot_)) return;
   const double most = pair.own || pair.of_zone ? 0 : options_.clearance;
   of.required = std::min(of.required, most);
-  const double distance = bodies_.gap_of(pair, most, robot_).distance;
-  if (distance >= most) return;
+  const bool held = is_held(pair);
+  const double near = held ? most + kInexact : most;
+  const double distance = bodies_.gap_of(pair, near, robot_).distance;
+  if (distance >= near) return;
   const bool starts = times.front() == 0;
-  const double least = distance > 0 ? options_.share * distance : distance - kTouching;
+  double least = distance > 0 ? options_.share * distance : distance - kTouching;
+  if (held) least = std::min(least, -kPressing);  // it is taken from there, or put there
   // A goal inside something is no reason to go there; a start inside something is one to leave it.
   const double floor = pair.of_part ? -kPressing : 0;
   of.required = std::min(of.required, starts ? least : std::max(least, floor));
@@ -136,6 +141,12 @@ bool LookAhead::is_still(std::size_t i) const noexcept {
   return pair.other_than(robot_) < 0 && bodies_.moved(obstacle_of(pair)) - of_[i].moved <= kStill;
 }
 
+/// A part that the robot holds, with something that no robot moves.
+bool LookAhead::is_held(const GuardPair& pair) const noexcept {
+  if (!pair.of_part || pair.own || pair.of_zone || pair.other_than(robot_) >= 0) return false;
+  return bodies_.kind(pair.robot_a == robot_ ? pair.a : pair.b) == BodyKind::part;
+}
+
 /// The tool, its fingers, or a part that the robot holds, with something that no robot moves.
 bool LookAhead::may_touch(const GuardPair& pair) const noexcept {
   if (pair.own || pair.of_zone || pair.other_than(robot_) >= 0) return false;
@@ -157,6 +168,7 @@ bool LookAhead::scan(std::size_t i, PlannedWay& way, double now, double until, d
   const GuardPair& pair = pair_at(i);
   Of& of = of_[i];
   if (!is_still(i)) {
+    if (is_held(pair)) renew(i, way);  // the place to which the part goes may have moved
     of.clear_until = -1;
     if (!pair.own && pair.other_than(robot_) < 0) of.moved = bodies_.moved(obstacle_of(pair));
   }

@@ -75,6 +75,7 @@ class LookAhead {
   void renew(std::size_t pair, PlannedWay& way) noexcept;
   bool is_known(std::size_t pair, double until) const noexcept;
   bool is_still(std::size_t pair) const noexcept;
+  bool is_held(const GuardPair& pair) const noexcept;
   bool may_touch(const GuardPair& pair) const noexcept;
   double looked_until(const GuardPair& pair, double now, double until) const noexcept;
   const GuardPair& pair_at(std::size_t i) const noexcept { return bodies_.pairs()[pairs_[i]]; }

@@ -197,7 +197,6 @@ bool carries_no_part(const std::string& name) {
   static const std::set<std::string> names{"aubo/i16",
                                            "doosan/m1509",
                                            "elephant_robotics/mycobot_pro_630",
-                                           "fanuc/lr_mate_200i",
                                            "kawada/nextage_open_left_arm",
                                            "kawada/nextage_open_right_arm",
                                            "robotis/omy_3m",

@@ -190,6 +190,8 @@ export const codes = {
   'told.changed-meanwhile': 'The file was changed meanwhile',
   'told.unwritable': 'The file cannot be written',
   'told.unreadable': 'The file cannot be read',
+  'told.not-a-file': 'This is not an ordinary file',
+  'told.signal': 'A signal has no value',
   'told.no-file': 'The file does not exist',
   'told.unknown-file': 'The file does not exist',
   'told.no-folder': 'The folder does not exist',

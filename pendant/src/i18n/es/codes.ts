@@ -188,6 +188,8 @@ export const codes: Record<keyof typeof en, string> = {
   'told.changed-meanwhile': 'El archivo cambió mientras tanto',
   'told.unwritable': 'No se puede escribir el archivo',
   'told.unreadable': 'No se puede leer el archivo',
+  'told.not-a-file': 'Esto no es un archivo normal',
+  'told.signal': 'Una señal no tiene valor',
   'told.no-file': 'El archivo no existe',
   'told.unknown-file': 'El archivo no existe',
   'told.no-folder': 'La carpeta no existe',
