@@ -16,6 +16,7 @@ export const codes = {
   'told.busy': 'The cell is busy with it already',
   'told.too-many': 'Too many at once',
   'told.too-long': 'Too long',
+  'told.too-many-bodies': 'Too many bodies for guards',
   'told.too-large': 'Too large',
   'told.bad-request': 'The request cannot be read',
   'told.unknown-request': 'The cell does not know this request',

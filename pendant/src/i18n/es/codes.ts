@@ -14,6 +14,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.busy': 'La celda ya está ocupada con ello',
   'told.too-many': 'Demasiados a la vez',
   'told.too-long': 'Demasiado largo',
+  'told.too-many-bodies': 'Demasiados cuerpos para las protecciones',
   'told.too-large': 'Demasiado grande',
   'told.bad-request': 'No se puede leer la petición',
   'told.unknown-request': 'La celda no conoce esta petición',
