@@ -10,8 +10,6 @@ constexpr double kBandwidth = 100;       // rad/s
 constexpr double kUnstatedEffort = 300;  // Nm or N, if the description states no limit
 /// Share of the acceleration that the effort limit allows, with which a joint brakes onto its set point.
 constexpr double kBraking = 0.5;
-/// Farther than this from its joint, rad or m, a set point has jumped.
-constexpr double kJump = 0.02;
 
 /// The acceleration, within its effort, of a joint `error` away from its set point: it approaches as fast as it can
 /// brake with `braking`. Near the set point this is the critically damped correction.
@@ -109,7 +107,7 @@ void Servo::accelerations(const ModelView& view, std::size_t robot, mjtNum* acce
       a += kBandwidth * kBandwidth * (joint.reference - q);
       // A set point that jumps would be overshot: its effort stops the joint later than the correction expects.
       const double strongest = strongest_acceleration(joint, view, r.dof[j]);
-      if (std::abs(joint.acceleration) > strongest && std::abs(joint.reference - q) > kJump) joint.behind = true;
+      if (std::abs(joint.acceleration) > strongest) joint.behind = true;
       if (joint.behind && std::abs(a) <= kBraking * strongest) joint.behind = false;
       if (joint.behind)  // more than it can do would also be charged to the other joints
         a = std::clamp(catch_up(joint.reference - q, v, kBraking * strongest), -strongest, strongest);
