@@ -439,7 +439,7 @@ void Guards::judge(std::size_t r) {
   const std::string& name = cell_.setup.robots[r]->entry.name;
   if (of.ahead_of.pair < 0) {  // more is near than one tick can measure
     const std::string text = name + " stands: more bodies are near its path than a guard can measure in a tick";
-    if (!std::exchange(of.reported, true)) cell_.observer.on_note(text);
+    if (stands >= kForThings && !std::exchange(of.reported, true)) cell_.observer.on_note(text);
     if (stands >= kForRobots) stop_before(r, "guard", text);
     return;
   }
