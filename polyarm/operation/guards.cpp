@@ -377,10 +377,12 @@ std::string Guards::text_of(std::size_t r) const {
   const bool first = pair.robot_a == static_cast<int>(r);
   const surroundings::GuardGap& gap = of.ahead_of.gap;
   const Vec3 point = 0.5 * (gap.on_a + gap.on_b);
-  return fmt::format("{} would come within {:.1f} mm of {} at ({:.3f}, {:.3f}, {:.3f}), {:.1f} mm are kept",
-                     work_->bodies->name(first ? pair.a : pair.b), std::max(0.0, 1e3 * gap.distance),
-                     work_->bodies->name(first ? pair.b : pair.a), point.x, point.y, point.z,
-                     std::max(0.0, 1e3 * of.ahead_of.required));
+  const std::string& mine = work_->bodies->name(first ? pair.a : pair.b);
+  const std::string& other = work_->bodies->name(first ? pair.b : pair.a);
+  const std::string place = fmt::format("({:.3f}, {:.3f}, {:.3f})", point.x, point.y, point.z);
+  if (of.ahead_of.required < 5e-5 || gap.distance < 5e-5) return mine + " would touch " + other + " at " + place;
+  return fmt::format("{} would come within {:.1f} mm of {} at {}, {:.1f} mm are kept", mine, 1e3 * gap.distance, other,
+                     place, 1e3 * of.ahead_of.required);
 }
 
 /// True if a robot waits for another one that waits for it, over any number of robots.
