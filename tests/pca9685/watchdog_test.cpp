@@ -70,7 +70,7 @@ TEST_F(WatchdogTest, AProcessThatStandsStillIsStoppedAndStaysSo) {
   board.forget_log();
   process.signal(SIGCONT);
   const std::string said = process.line();
-  EXPECT_NE(said.find("error: this process stood still"), std::string::npos) << said;
+  EXPECT_NE(said.find("error: this process did not run"), std::string::npos) << said;
   EXPECT_NE(said.find("activate it again"), std::string::npos) << said;
   EXPECT_FALSE(board.was_on()) << "nothing moves by itself";
   process.tell("activate");

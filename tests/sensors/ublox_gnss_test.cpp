@@ -138,7 +138,7 @@ TEST(UbloxGnss, SaysWhetherNothingGarbageOrOnlyOneDirectionComes) {
   far.start();
   Rig nothing({{"port", far.path()}, {"start_timeout", "0.05"}});
   EXPECT_FALSE(nothing.configure());
-  EXPECT_NE(nothing.sensor.reason().find("says nothing"), std::string::npos) << nothing.sensor.reason();
+  EXPECT_NE(nothing.sensor.reason().find("sends nothing"), std::string::npos) << nothing.sensor.reason();
   FakeImu other;
   other.start();
   Rig garbage({{"port", other.path()}, {"start_timeout", "0.2"}});

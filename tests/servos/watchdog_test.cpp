@@ -126,7 +126,7 @@ TEST_F(ServoWatchdog, StoppedRightBehindItsGoalsItTellsAndNothingTurns) {
   ASSERT_TRUE(both_at_rest());
   fake->on_instruction({});
   process->signal(SIGCONT);
-  EXPECT_NE(process->line().find("stood still"), std::string::npos);
+  EXPECT_NE(process->line().find("did not run for"), std::string::npos);
   EXPECT_EQ(fake->get(1, family->goal_velocity), 0);
   EXPECT_EQ(fake->get(2, family->goal_velocity), 0);
 }
