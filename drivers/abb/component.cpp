@@ -231,8 +231,8 @@ CallbackReturn AbbComponent::on_cleanup() {
   return CallbackReturn::success;
 }
 
-/// Robot Web Services give the joints a few times a second: somebody who jogs the robot at the FlexPendant moves it
-/// far between two answers. Such a step is shown as a motion.
+/// Robot Web Services report the joints a few times a second. Between two reports a person at the FlexPendant can
+/// jog the robot far. Such a step is shown as a motion.
 const wire::Six& AbbComponent::shown_position(bool guided, double dt) noexcept {
   const wire::Six& at = guided ? link_->sample().q : link_->panel().joints;
   const double most = kShownSpeed * dt;

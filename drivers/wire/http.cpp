@@ -160,7 +160,7 @@ bool HttpReader::choose_body() {
   return true;
 }
 
-/// True when a chunk was taken; `body_` is none after the last one.
+/// True when a chunk was taken; `body_` is `Body::none` after the last one.
 bool HttpReader::read_chunk() {
   const std::size_t end = bytes_.find("\r\n");
   if (end == std::string::npos) {

@@ -79,7 +79,7 @@ std::string spelled(const Expression& expression) {
 
 namespace {
 void collect_names(const Expression& expression, std::vector<std::string>& out) {
-  if (expression.kind == Expression::Kind::each) {  // its own names are none that it reads
+  if (expression.kind == Expression::Kind::each) {  // it does not read its own names
     std::vector<std::string> inside;
     for (const ExpressionPtr& part : expression.parts) collect_names(*part, inside);
     const auto own = [&](const std::string& name) {
