@@ -185,7 +185,7 @@ class Link : public wire::LinkBase<Cause> {
   std::atomic<bool> go_{false};            // the loop may command as soon as RSI runs
   std::atomic<bool> renew_{false};         // RSI's thread begins a session
   std::atomic<bool> silent_{false};        // packets ended, and nobody knows why yet
-  std::atomic<bool> stands_{false};        // what is ending stands, or cannot be told to
+  std::atomic<bool> stands_{false};        // what is ending stands, or does not answer
   std::atomic<bool> quiet_{false};         // its packets have ended
   std::atomic<bool> rsi_off_{false};       // EthernetKRL says so
   std::atomic<int> late_answers_{0};       // of the newest packet
