@@ -456,6 +456,7 @@ class Checker {
       RunResult run = cell::run(cell, run_options, listener);
       std::vector<Problem> found;
       if (swept) found = swept->finish();
+      add_stops(inside_of(cell).guards->would_stop(), found);
       std::erase_if(found, [&](const Problem& problem) { return is_start_known(problem); });
       std::erase_if(listener.problems, [&](const Problem& problem) { return is_told(problem, found); });
       for (Problem& problem : found) problems_.add(std::move(problem));
@@ -493,6 +494,20 @@ class Checker {
     };
     return (named(a, "a") == named(b, "a") && named(a, "b") == named(b, "b")) ||
            (named(a, "a") == named(b, "b") && named(a, "b") == named(b, "a"));
+  }
+
+  /// Where guards would stop a robot: said with what the swept check found of the same two bodies in the line.
+  static void add_stops(const std::vector<Problem>& stops, std::vector<Problem>& found) {
+    const std::size_t swept = found.size();
+    for (const Problem& stop : stops) {
+      bool is_known = false;
+      for (std::size_t i = 0; i < swept; ++i) {
+        if (found[i].where.text() != stop.where.text() || !is_same_pair(found[i], stop)) continue;
+        found[i].what += "; in a run guards stop " + std::get<std::string>(stop.facts[0].value) + " before it";
+        is_known = true;
+      }
+      if (!is_known) found.push_back(stop);
+    }
   }
 
   /// A contact at the start that was found before the dry run.
