@@ -456,9 +456,9 @@ class Checker {
       RunResult run = cell::run(cell, run_options, listener);
       std::vector<Problem> found;
       if (swept) found = swept->finish();
-      add_stops(inside_of(cell).guards->would_stop(), found);
       std::erase_if(found, [&](const Problem& problem) { return is_start_known(problem); });
       std::erase_if(listener.problems, [&](const Problem& problem) { return is_told(problem, found); });
+      add_stops(inside_of(cell).guards->would_stop(), found, listener.problems);
       for (Problem& problem : found) problems_.add(std::move(problem));
       if (swept) note_clearance(*swept);
       for (const Problem& problem : listener.problems) problems_.add(problem);
@@ -496,16 +496,20 @@ class Checker {
            (named(a, "a") == named(b, "b") && named(a, "b") == named(b, "a"));
   }
 
-  /// Where guards would stop a robot: said with what the swept check found of the same two bodies in the line.
-  static void add_stops(const std::vector<Problem>& stops, std::vector<Problem>& found) {
+  /// Where guards would stop a robot: said with what the swept check, or physics, found of the same two bodies in
+  /// the line; added to `found` if they found nothing there.
+  static void add_stops(const std::vector<Problem>& stops, std::vector<Problem>& found,
+                        std::vector<Problem>& of_physics) {
     const std::size_t swept = found.size();
     for (const Problem& stop : stops) {
       bool is_known = false;
-      for (std::size_t i = 0; i < swept; ++i) {
-        if (found[i].where.text() != stop.where.text() || !is_same_pair(found[i], stop)) continue;
-        found[i].what += "; in a run guards stop " + std::get<std::string>(stop.facts[0].value) + " before it";
+      const auto say = [&](Problem& problem) {
+        if (problem.where.line != stop.where.line || !is_same_pair(problem, stop)) return;
+        problem.what += "; in a run guards stop " + std::get<std::string>(stop.facts[0].value) + " before it";
         is_known = true;
-      }
+      };
+      for (std::size_t i = 0; i < swept; ++i) say(found[i]);
+      for (Problem& problem : of_physics) say(problem);
       if (!is_known) found.push_back(stop);
     }
   }

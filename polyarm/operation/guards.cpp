@@ -30,9 +30,6 @@ constexpr Nanoseconds kForThings = 1'000'000'000, kForEachOther = 1'000'000'000,
 /// Robots in step that were slowed down come together again at this rate, 1/s.
 constexpr double kCatchUp = 4;
 constexpr std::size_t kSamples = 8;  // of the velocities ahead
-/// A robot that meets another moving one begins to slow down this much later than before what stands: it goes on
-/// as soon as the other has passed.
-constexpr double kBeforeMoving = 0.25;
 /// More robots have no guards: their bodies alone would take long to make.
 constexpr std::size_t kMostRobots = 100;
 
@@ -358,11 +355,7 @@ void Guards::look_along(std::size_t r) {
   const double longer = std::min(1.0, cell_.setup.file.guards.slow_from / slow);
   of.ahead_of = of.ahead->look(of.way, of.time, of.time + of.braking.at(1) + longer, work_->stopping);
   if (!std::isfinite(of.ahead_of.free_until)) return;
-  const int other = of.ahead_of.pair < 0 ? -1
-                                         : work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)]
-                                               .other_than(static_cast<int>(r));
-  const bool meets = other >= 0 && other != static_cast<int>(r) && work_->robots[static_cast<std::size_t>(other)].goal != 0;
-  of.wanted = of.braking.pace_for(of.ahead_of.free_until - of.time, meets ? kBeforeMoving * longer : longer);
+  of.wanted = of.braking.pace_for(of.ahead_of.free_until - of.time, longer);
   if (of.wanted < (of.pace > 0 ? kStop : kGoOn)) of.wanted = 0;
 }
 

