@@ -139,10 +139,10 @@ bool Guards::listens() const {
   return cell_.setup.options.allow_contact;
 }
 
-/// True if something other than a program or a person who jogs moves the robot.
+/// True if something other than a program or a person who jogs moves the robot, and that is guarded.
 bool Guards::is_unplanned(std::size_t r) const {
   const moves::RobotMotion* motion = cell_.motions.motion(r);
-  if (!cell_.setup.file.guards.moves || (motion && !motion->idle()) || cell_.jogging.engaged(r)) return false;
+  if (!cell_.setup.file.guards.others || (motion && !motion->idle()) || cell_.jogging.engaged(r)) return false;
   return work_->robots[r].rates->move();
 }
 

@@ -180,7 +180,7 @@ TEST_F(GuardsTest, AStreamedTargetBehindTheWallIsFollowedUpToIt) {
 }
 
 TEST_F(GuardsTest, ATrajectoryOfPointsStopsBeforeTheWall) {
-  build("", "", true);
+  build("", "guards: {others: true}\n", true);
   const Json answer = send({{0.9, 0, 0}}, 2);
   ASSERT_TRUE(answer["ok"].get<bool>()) << answer;
   double most = 0;
@@ -203,11 +203,14 @@ TEST_F(GuardsTest, ATrajectoryOfPointsStopsBeforeTheWall) {
 }
 
 TEST_F(GuardsTest, ATrajectoryOfPointsThatStaysClearGoesToItsEnd) {
-  build("", "", true);
-  ASSERT_TRUE(send({{0.42, 0, 0}, {0.42, 0.8, 0.1}}, 1)["ok"].get<bool>());
-  cell->run(3);
-  EXPECT_NEAR(x(), 0.42, 1e-6);
-  EXPECT_EQ(state(), "running");
+  for (const bool others : {false, true}) {
+    const double there = others ? 0.3 : 0.9;  // without others it is not guarded
+    build("", others ? "guards: {others: true}\n" : "", true);
+    ASSERT_TRUE(send({{there, 0, 0}, {there, 0.8, 0.1}}, 1)["ok"].get<bool>());
+    cell->run(3);
+    EXPECT_NEAR(x(), there, 1e-6);
+    EXPECT_EQ(state(), "running");
+  }
 }
 
 TEST_F(GuardsTest, WhereContactsAreListedItSaysWhereItWouldStopAndStopsNothing) {
