@@ -94,9 +94,11 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
     return robot;
   }
   for (const std::string& key : yaml.keys()) robot.places[key] = yaml.key_location(key);
-  yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
-                   "accept_unverified", "budget", "rate", "thread", "on_fault", "workspace", "joint_ranges",
-                   "payload", "tip", "on", "force_sensor"},
+  yaml.check_keys({"model",        "arguments", "at",     "xyz",        "rpy",
+                   "quaternion",   "hardware",  "tool",   "parameters", "accept_unverified",
+                   "budget",       "rate",      "thread", "on_fault",   "workspace",
+                   "joint_ranges", "payload",   "tip",    "on",         "force_sensor",
+                   "calibration"},
                   problems);
   robot.payload = read_payload(yaml["payload"], problems);
   robot.workspace = read_workspace(yaml["workspace"], problems);
@@ -111,6 +113,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   });
   collect(problems, [&] { robot.tool = yaml["tool"].text("none"); });
   collect(problems, [&] { robot.tip = yaml["tip"].text(""); });
+  collect(problems, [&] { robot.calibration = yaml["calibration"].text(""); });
   collect(problems, [&] { robot.on = read_carrier(name, yaml); });
   read_thread(yaml["thread"], robot, problems);
   read_on_fault(yaml["on_fault"], robot, problems);
@@ -340,11 +343,10 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   Problems problems;
   check_kind(yaml, problems);
   check_repeats(yaml, problems);
-  std::vector<std::string> keys{"polyarm",  "rate",      "robots",  "scene",   "controllers",
-                                "activate", "send",      "plugins", "budget",  "signals",
-                                "program",  "plc",       "motion",  "loop",    "profile",
-                                "profiles", "workspace", "record",  "contacts",
-                                "guards",   "seed"};
+  std::vector<std::string> keys{"polyarm",  "rate",    "robots",  "scene",    "controllers", "activate",
+                                "send",     "plugins", "budget",  "signals",  "program",     "plc",
+                                "motion",   "loop",    "profile", "profiles", "workspace",   "record",
+                                "contacts", "guards",  "seed"};
   for (const DoorKind& kind : door_kinds()) keys.push_back(kind.name);
   yaml.check_keys(keys, problems);
   cell.profiles = read_profiles(yaml, problems);
