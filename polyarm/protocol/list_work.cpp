@@ -17,7 +17,7 @@ POLYARM_REQUESTS(program_requests, WatchEvents, ProgramLoad, ProgramStart, Progr
                  ProgramStop)
 POLYARM_REQUESTS(point_requests, PointsList, PointsHere, PointsTeach, PointsSet, PointsShift, PointsGroup,
                  PointsRename, PointsDelete, PointsOutside, PointsTake, PointsHistory, PointsUndo,
-                 PointsFrame, PointsTool, PlanPreview)
+                 PointsFrame, PointsTool, PointsSighting, PointsCamera, PlanPreview)
 POLYARM_REQUESTS(project_requests, FilesList, FilesRead, FilesDraft, FilesWrite, FilesVersions, FilesVersion,
                  FilesDelete, FilesRename, LanguageWords, ProgramCheck, ProgramSteps, ProgramNames,
                  CellRestart, ProgramDry, CellCheck, CellReach, CellsList, CellSaveAs, CellNew, CellConnect,

@@ -606,6 +606,34 @@ class PointFacts(TypedDict):
     group: str
 
 
+class PointsCameraAnswer(TypedDict):
+    kind: NotRequired[Literal["boolean", "number", "text", "list", "joints", "pose", "record"]]
+    file: NotRequired[str]
+    text: NotRequired[str]
+    literal: NotRequired[str]
+    value: NotRequired[Any]
+    unit: NotRequired[str]
+    pose: NotRequired[PoseFacts | None]
+    world: NotRequired[PoseFacts | None]
+    joints: NotRequired[dict[str, float] | None]
+    taught: NotRequired[TaughtFacts | None]
+    group: NotRequired[str]
+    undo: NotRequired[str]
+    name: str
+    frame: str
+    camera: PoseFacts
+    marker: PoseFacts
+    position_residuals: list[float]
+    rotation_residuals: list[float]
+    position_rms: float
+    rotation_rms: float
+    position_sigma: float
+    rotation_sigma: float
+    outlier: NotRequired[float]
+    next: PoseFacts
+    next_sigma: float
+
+
 class PointsDeleteAnswer(TypedDict):
     name: str
     undo: str
@@ -662,6 +690,12 @@ class PointsRenameAnswer(TypedDict):
     uses: list[FileLine]
 
 
+class PointsSightingAnswer(TypedDict):
+    flange: PoseFacts
+    marker: PoseFacts
+    age: float
+
+
 class PointsToolAnswer(TypedDict):
     kind: NotRequired[Literal["boolean", "number", "text", "list", "joints", "pose", "record"]]
     file: NotRequired[str]
@@ -681,6 +715,10 @@ class PointsToolAnswer(TypedDict):
     residuals: list[float]
     rms: float
     largest: float
+    sigma: float
+    outlier: NotRequired[float]
+    next: PoseFacts
+    next_sigma: float
 
 
 class PointsUndoAnswer(TypedDict):
@@ -1274,6 +1312,12 @@ class Requests:
 
     async def points_tool(self, *, name: str, poses: Any = None, from_: str | list[str] | None = None, robot: str | None = None, file: str | None = None, dry: bool | None = None) -> PointsToolAnswer:
         return await self._ask("points.tool", {"name": name, "poses": poses, "from": from_, "robot": robot, "file": file, "dry": dry})
+
+    async def points_sighting(self, *, marker: str, robot: str | None = None) -> PointsSightingAnswer:
+        return await self._ask("points.sighting", {"marker": marker, "robot": robot})
+
+    async def points_camera(self, *, name: str, sightings: Any = None, place: Literal["hand", "beside"] | None = None, robot: str | None = None, file: str | None = None, dry: bool | None = None) -> PointsCameraAnswer:
+        return await self._ask("points.camera", {"name": name, "sightings": sightings, "place": place, "robot": robot, "file": file, "dry": dry})
 
     async def plan_preview(self, *, to: str | None = None, joints: dict[str, Any] | None = None, pose: dict[str, Any] | None = None, kind: Literal["joint", "line"] | None = None, robot: str | None = None, speed: float | None = None) -> PlanPreviewAnswer:
         return await self._ask("plan.preview", {"to": to, "joints": joints, "pose": pose, "kind": kind, "robot": robot, "speed": speed})
