@@ -48,6 +48,7 @@ const std::vector<Verb>& verbs() {
       {"interfaces", "every state and command interface of a running cell", run_interfaces},
       {"health", "state and timing of the control loop of a running cell", run_health},
       {"limits", "which limits changed commands in a running cell", run_limits},
+      {"calibrate", "calibrate tools, frames, cameras, arms and payloads from samples", run_calibrate},
       {"data", "data sets: list, get, set, import, export, undo, frames, tools", run_data},
       {"tags", "tags and links of a running cell: show, set, force", run_tags},
       {"send", "send a message to a controller of a running cell", run_send},

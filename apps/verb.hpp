@@ -30,6 +30,7 @@ const std::vector<Verb>& verbs();
 
 int run_run(int argc, char** argv);
 int run_check(int argc, char** argv);
+int run_calibrate(int argc, char** argv);
 int run_fmt(int argc, char** argv);
 int run_test(int argc, char** argv);
 int run_compare(int argc, char** argv);
