@@ -114,6 +114,7 @@ export const codes = {
   'told.no-jog': 'This robot cannot be jogged now',
   'told.jogged': 'Another client jogs this robot',
   'told.no-base': 'This robot has no wheels to drive',
+  'told.base-silent': 'The controller of the base is silent',
   'told.base-short': 'The base ended too far from its target',
   'told.no-odometry': 'The base publishes no odometry',
   'told.no-motion': 'There is no motion',

@@ -112,6 +112,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.no-jog': 'Este robot no puede moverse a mano ahora',
   'told.jogged': 'Otra persona mueve este robot a mano',
   'told.no-base': 'Este robot no tiene ruedas',
+  'told.base-silent': 'El controlador de la base no responde',
   'told.base-short': 'La base terminó lejos de su destino',
   'told.no-odometry': 'La base no dice dónde está',
   'told.no-motion': 'No hay ningún movimiento',
