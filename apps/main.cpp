@@ -108,7 +108,7 @@ int main(int argc, char** argv) {
   hardware::register_driver("mock",
                             [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
   cell::register_door({"ros2",
-                       {"domain", "range", "peers", "namespace", "distribution", "cmd_vel"},
+                       {"domain", "range", "peers", "namespace", "distribution", "cmd_vel", "move_group"},
                        "install Fast DDS (tools/setup does) and build again, or run without --ros2"});
   apps::guard_terminal(apps::asks_for_document(argc, argv));
   hulls::listen_to_making([](std::size_t made, std::size_t meshes) {
