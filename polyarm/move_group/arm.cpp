@@ -27,7 +27,8 @@ Arm::Arm(const moves::RobotFacts& facts, description::RobotModel model, std::siz
   for (const description::GroupInfo& info : model_.groups) {
     Group group{info.name, {}, -1, false};
     for (std::size_t v = 0; v < model_.actuated.size(); ++v)
-      if (std::count(info.joints.begin(), info.joints.end(), model_.actuated[v])) group.variables.push_back(v);
+      if (std::count(info.joints.begin(), info.joints.end(), model_.actuated[v]))
+        group.variables.push_back(v);
     if (!info.joints.empty() && has_chain(model_, info)) {
       group.tip = joint_at(model_, info.joints.back()).child_link;
       group.solvable = carries_tool(group.tip);
@@ -40,16 +41,16 @@ const Group& Arm::group(const std::string& name) const {
   if (name.empty()) {
     for (const Group& group : groups_)
       if (group.solvable || groups_.size() == 1) return group;
-    throw Refusal(Code::INVALID_GROUP_NAME, "no group is named, and no group of '" + this->name() + "' is an arm");
+    throw Refusal(Code::INVALID_GROUP_NAME,
+                  "no group is named, and no group of '" + this->name() + "' is an arm");
   }
   std::vector<std::string> names;
   for (const Group& group : groups_) {
     if (group.name == name) return group;
     names.push_back(group.name);
   }
-  throw Refusal(Code::INVALID_GROUP_NAME,
-                fmt::format("'{}' has no group '{}'{}: it has {}", this->name(), name, did_you_mean(name, names),
-                            join(names, ", ")));
+  throw Refusal(Code::INVALID_GROUP_NAME, fmt::format("'{}' has no group '{}'{}: it has {}", this->name(),
+                                                      name, did_you_mean(name, names), join(names, ", ")));
 }
 
 std::optional<std::size_t> Arm::find_joint(const std::string& name) const {

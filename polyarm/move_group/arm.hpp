@@ -1,6 +1,6 @@
 #pragma once
-/// One robot as MoveIt's clients see it: joints, groups and links by name, and the frames that messages may refer
-/// to. Const after construction: any thread. Metres, radians.
+/// One robot as MoveIt's clients see it: joints, groups and links by name, and the frames that messages may
+/// refer to. Const after construction: any thread. Metres, radians.
 #include <memory>
 #include <optional>
 #include <span>
@@ -49,7 +49,8 @@ class Arm {
   bool carries_tool(int link) const { return rigid_root(link) == rigid_root(model_.tool_link()); }
 
   /// Sets the joints of `state` in `q`. Names of mimic and fixed joints are skipped. Throws
-  /// Refusal(INVALID_ROBOT_STATE) for unknown names, lists of different lengths and values that are not finite.
+  /// Refusal(INVALID_ROBOT_STATE) for unknown names, lists of different lengths and values that are not
+  /// finite.
   void set_joints(const messages::sensor_msgs::msg::JointState& state, std::vector<double>& q) const;
   messages::sensor_msgs::msg::JointState joint_state(std::span<const double> q) const;
   /// The first joint outside its limits, as a sentence; empty if there is none.

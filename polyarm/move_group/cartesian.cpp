@@ -35,9 +35,11 @@ class CartesianPath {
     if (!(request.max_step > 0 && std::isfinite(request.max_step)))
       throw Refusal(Code::INVALID_GOAL_CONSTRAINTS, "max_step is not above 0");
     const int link = request.link_name.empty() ? group_.tip : arm_.link(request.link_name);
-    const Pose frame = arm_.facts().chain.base() * inverse(around_.base()) * around_.frame(request.header.frame_id);
+    const Pose frame =
+        arm_.facts().chain.base() * inverse(around_.base()) * around_.frame(request.header.frame_id);
     for (const geometry::Pose& pose : request.waypoints)
-      targets_.push_back(frame * pose_of(pose, "a waypoint", Code::INVALID_GOAL_CONSTRAINTS) * arm_.tcp_in_link(link));
+      targets_.push_back(frame * pose_of(pose, "a waypoint", Code::INVALID_GOAL_CONSTRAINTS) *
+                         arm_.tcp_in_link(link));
   }
 
   void run(srv::GetCartesianPath::Response& out) {
@@ -56,7 +58,8 @@ class CartesianPath {
     double length = 0, done = 0;
     std::vector<double> lengths;
     for (Pose last = from; const Pose& target : targets_) {
-      lengths.push_back(norm(target.position - last.position) + angle_between(target.rotation, last.rotation) * 0.1);
+      lengths.push_back(norm(target.position - last.position) +
+                        angle_between(target.rotation, last.rotation) * 0.1);
       length += lengths.back();
       last = target;
     }
@@ -86,7 +89,8 @@ class CartesianPath {
     const auto wanted = static_cast<std::size_t>(std::ceil(std::max({way / step, turn / kTurnStep, 1.0})));
     const std::size_t steps = std::min(wanted, kMostSteps);
     for (std::size_t i = 1; i <= steps; ++i) {
-      if (settings_.cancelled && settings_.cancelled()) throw Refusal(Code::PREEMPTED, "the request was cancelled");
+      if (settings_.cancelled && settings_.cancelled())
+        throw Refusal(Code::PREEMPTED, "the request was cancelled");
       const double s = static_cast<double>(i) / static_cast<double>(steps);
       if (!step_to(between(from, to, s), q)) return static_cast<double>(i - 1) / static_cast<double>(steps);
     }
@@ -117,7 +121,8 @@ class CartesianPath {
   /// A larger change in one step is another configuration.
   double jump(std::size_t joint) const {
     constexpr double kJump = 0.5;
-    const double asked = arm_.facts().chain.slides(joint) ? request_.prismatic_jump_threshold : request_.revolute_jump_threshold;
+    const double asked = arm_.facts().chain.slides(joint) ? request_.prismatic_jump_threshold
+                                                          : request_.revolute_jump_threshold;
     return asked > 0 ? std::min(asked, kJump) : kJump;
   }
 
@@ -150,7 +155,8 @@ class CartesianPath {
 
 }  // namespace
 
-srv::GetCartesianPath::Response cartesian_path(const Around& around, const srv::GetCartesianPath::Request& request,
+srv::GetCartesianPath::Response cartesian_path(const Around& around,
+                                               const srv::GetCartesianPath::Request& request,
                                                const PlanSettings& settings) {
   srv::GetCartesianPath::Response out;
   try {

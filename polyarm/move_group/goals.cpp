@@ -18,17 +18,18 @@ namespace {
 using Primitive = messages::shape_msgs::msg::SolidPrimitive;
 using planning::JointState;
 
-constexpr double kSlack = 1e-6;        // m and rad that rounding explains
+constexpr double kSlack = 1e-6;  // m and rad that rounding explains
 constexpr std::size_t kMostStates = 48;
-constexpr int kSamples = 32;           // poses within tolerances and regions
-constexpr double kFree = 3.14;         // rad: an orientation tolerance that leaves the axis free
+constexpr int kSamples = 32;    // poses within tolerances and regions
+constexpr double kFree = 3.14;  // rad: an orientation tolerance that leaves the axis free
 constexpr std::uint64_t kSeed = 1;
 
 void require(bool good, const std::string& what) {
   if (!good) throw Refusal(Code::INVALID_GOAL_CONSTRAINTS, what);
 }
 
-/// The angles of rotations about x, then y, then z of the turned frame, as Eigen's eulerAngles(0, 1, 2) has them.
+/// The angles of rotations about x, then y, then z of the turned frame, as Eigen's eulerAngles(0, 1, 2) has
+/// them.
 Vec3 euler_xyz(const Quaternion& q) {
   const Vec3 x = q * Vec3{1, 0, 0}, y = q * Vec3{0, 1, 0}, z = q * Vec3{0, 0, 1};
   return {std::atan2(-z.y, z.z), std::asin(std::clamp(z.x, -1.0, 1.0)), std::atan2(-y.x, x.x)};
@@ -79,17 +80,20 @@ void Goal::add(const msg::JointConstraint& message) {
                               did_you_mean(message.joint_name, around_.arm->joints())));
   const double above = message.tolerance_above, below = message.tolerance_below;
   require(std::isfinite(message.position) && above >= 0 && below >= 0,
-              "the constraint of '" + message.joint_name + "' has a number that is not finite, or a negative tolerance");
+          "the constraint of '" + message.joint_name +
+              "' has a number that is not finite, or a negative tolerance");
   joints_.push_back({*variable, message.position, message.position - below, message.position + above});
 }
 
 void Goal::add(const msg::PositionConstraint& message) {
   PositionBound bound{around_.arm->link(message.link_name), {}, {}};
-  bound.offset = {message.target_point_offset.x, message.target_point_offset.y, message.target_point_offset.z};
+  bound.offset = {message.target_point_offset.x, message.target_point_offset.y,
+                  message.target_point_offset.z};
   require(std::isfinite(norm(bound.offset)), "the target point offset is not finite");
   const auto& region = message.constraint_region;
   if (!region.meshes.empty())
-    throw Refusal(Code::INVALID_GOAL_CONSTRAINTS, "a region of meshes is not supported: box, sphere and cylinder are");
+    throw Refusal(Code::INVALID_GOAL_CONSTRAINTS,
+                  "a region of meshes is not supported: box, sphere and cylinder are");
   if (region.primitives.empty() || region.primitives.size() != region.primitive_poses.size())
     throw Refusal(Code::INVALID_GOAL_CONSTRAINTS,
                   fmt::format("the position of '{}' has {} regions and {} poses of them", message.link_name,
@@ -105,7 +109,8 @@ void Goal::add(const msg::PositionConstraint& message) {
     require(sizes > 0, "a region of this type is not supported: box, sphere and cylinder are");
     require(primitive.dimensions.size() >= sizes, "a region has too few dimensions");
     for (std::size_t k = 0; k < sizes; ++k)
-      require(primitive.dimensions[k] >= 0 && primitive.dimensions[k] < 1e6, "a region has a size that is not finite");
+      require(primitive.dimensions[k] >= 0 && primitive.dimensions[k] < 1e6,
+              "a region has a size that is not finite");
     const auto& d = primitive.dimensions;
     Solid solid{primitive.type, d[0] / 2, 0, 0, {}};
     if (primitive.type == Primitive::SPHERE) solid.a = d[0];
@@ -121,7 +126,7 @@ void Goal::add(const msg::OrientationConstraint& message) {
   const Vec3 tolerance{message.absolute_x_axis_tolerance, message.absolute_y_axis_tolerance,
                        message.absolute_z_axis_tolerance};
   require(tolerance.x >= 0 && tolerance.y >= 0 && tolerance.z >= 0,
-              "an orientation has a tolerance that is negative or not a number");
+          "an orientation has a tolerance that is negative or not a number");
   const auto& q = message.orientation;
   require(q.x != 0 || q.y != 0 || q.z != 0 || q.w != 0, "an orientation is a quaternion of length 0");
   const Quaternion target =
@@ -134,8 +139,8 @@ void Goal::add(const msg::OrientationConstraint& message) {
 std::string Goal::violated(const JointBound& bound, std::span<const double> q) const {
   const double value = q[bound.variable];
   if (value >= bound.low - kSlack && value <= bound.high + kSlack) return "";
-  return fmt::format("{} is at {:.4f}, outside {:.4f} to {:.4f}", around_.arm->joints()[bound.variable], value,
-                     bound.low, bound.high);
+  return fmt::format("{} is at {:.4f}, outside {:.4f} to {:.4f}", around_.arm->joints()[bound.variable],
+                     value, bound.low, bound.high);
 }
 
 std::string Goal::violated(const PositionBound& bound, std::span<const double> q) const {
@@ -148,9 +153,11 @@ std::string Goal::violated(const PositionBound& bound, std::span<const double> q
 
 std::string Goal::violated(const OrientationBound& bound, std::span<const double> q) const {
   const Vec3 e = bound.error(around_.link_in_world(bound.link, q).rotation), &t = bound.tolerance;
-  if (std::abs(e.x) <= t.x + kSlack && std::abs(e.y) <= t.y + kSlack && std::abs(e.z) <= t.z + kSlack) return "";
-  return fmt::format("'{}' is turned by {:.4f}, {:.4f}, {:.4f} rad from its orientation; {:.4f}, {:.4f}, {:.4f} are allowed",
-                     around_.arm->link_name(bound.link), e.x, e.y, e.z, t.x, t.y, t.z);
+  if (std::abs(e.x) <= t.x + kSlack && std::abs(e.y) <= t.y + kSlack && std::abs(e.z) <= t.z + kSlack)
+    return "";
+  return fmt::format(
+      "'{}' is turned by {:.4f}, {:.4f}, {:.4f} rad from its orientation; {:.4f}, {:.4f}, {:.4f} are allowed",
+      around_.arm->link_name(bound.link), e.x, e.y, e.z, t.x, t.y, t.z);
 }
 
 std::string Goal::violated(std::span<const double> q) const {
@@ -168,8 +175,8 @@ std::vector<msg::ConstraintEvalResult> Goal::evaluate(std::span<const double> q)
   for (const JointBound& bound : joints_)
     out.push_back({violated(bound, q).empty(), std::abs(q[bound.variable] - bound.value)});
   for (const PositionBound& bound : positions_)
-    out.push_back({violated(bound, q).empty(),
-                   norm(around_.link_in_world(bound.link, q) * bound.offset - bound.region.front().pose.position)});
+    out.push_back({violated(bound, q).empty(), norm(around_.link_in_world(bound.link, q) * bound.offset -
+                                                    bound.region.front().pose.position)});
   for (const OrientationBound& bound : orientations_)
     out.push_back({violated(bound, q).empty(),
                    angle_between(bound.target, around_.link_in_world(bound.link, q).rotation)});
@@ -185,8 +192,9 @@ void Goal::narrow(std::vector<double>& lower, std::vector<double>& upper) const 
 
 int Goal::pose_link() const {
   const int link = positions_.empty() ? orientations_.front().link : positions_.front().link;
-  const bool one = std::all_of(positions_.begin(), positions_.end(), [&](const auto& b) { return b.link == link; }) &&
-                   std::all_of(orientations_.begin(), orientations_.end(), [&](const auto& b) { return b.link == link; });
+  const bool one =
+      std::all_of(positions_.begin(), positions_.end(), [&](const auto& b) { return b.link == link; }) &&
+      std::all_of(orientations_.begin(), orientations_.end(), [&](const auto& b) { return b.link == link; });
   if (!one || positions_.size() > 1 || orientations_.size() > 1)
     throw Refusal(Code::INVALID_GOAL_CONSTRAINTS,
                   "a goal may have one position and one orientation, of one link");
@@ -202,8 +210,8 @@ planning::JointState Goal::joint_goal(const Group& group, std::span<const double
                  high = std::min(bound.high, chain.upper()[bound.variable]);
     if (low > high)
       throw Refusal(Code::INVALID_GOAL_CONSTRAINTS,
-                    fmt::format("the goal of {} is {:.4f}, and its limits are {:.4f} to {:.4f}", joint, bound.value,
-                                chain.lower()[bound.variable], chain.upper()[bound.variable]));
+                    fmt::format("the goal of {} is {:.4f}, and its limits are {:.4f} to {:.4f}", joint,
+                                bound.value, chain.lower()[bound.variable], chain.upper()[bound.variable]));
     if (!group.has(bound.variable)) {
       if (q[bound.variable] < low - kSlack || q[bound.variable] > high + kSlack)
         throw Refusal(Code::INVALID_GOAL_CONSTRAINTS,
@@ -218,11 +226,13 @@ planning::JointState Goal::joint_goal(const Group& group, std::span<const double
 std::vector<JointState> Goal::pose_goals(const Group& group, std::span<const double> start, bool wide) const {
   const int link = pose_link();
   if (!group.solvable)
-    throw Refusal(Code::NO_IK_SOLUTION, "the group '" + group.name +
-                                            "' has no inverse kinematics: its last link is not rigid with the tool link");
+    throw Refusal(Code::NO_IK_SOLUTION,
+                  "the group '" + group.name +
+                      "' has no inverse kinematics: its last link is not rigid with the tool link");
   const Arm& arm = *around_.arm;
   const Pose T_link_tcp = arm.tcp_in_link(link);
-  const Pose to_chain = arm.facts().chain.base() * inverse(around_.base());  // the chain stands where the cell's file says
+  const Pose to_chain =
+      arm.facts().chain.base() * inverse(around_.base());  // the chain stands where the cell's file says
   std::vector<JointState> out;
   const auto keep = [&](const JointState& q) {
     if (out.size() >= kMostStates || !violated(q).empty()) return;
@@ -231,10 +241,12 @@ std::vector<JointState> Goal::pose_goals(const Group& group, std::span<const dou
     out.push_back(q);
   };
   const std::optional<ik::InverseKinematics> made =
-      arm.facts().solver ? std::nullopt : std::optional<ik::InverseKinematics>(std::in_place, arm.facts().chain);
+      arm.facts().solver ? std::nullopt
+                         : std::optional<ik::InverseKinematics>(std::in_place, arm.facts().chain);
   const ik::InverseKinematics& solver = made ? *made : *arm.facts().solver;
   const auto try_pose = [&](const Pose& T_world_link) {
-    for (const JointState& q : planning::goals_for(solver, to_chain * T_world_link * T_link_tcp, start)) keep(q);
+    for (const JointState& q : planning::goals_for(solver, to_chain * T_world_link * T_link_tcp, start))
+      keep(q);
   };
   const PositionBound* position = positions_.empty() ? nullptr : &positions_.front();
   const OrientationBound* orientation = orientations_.empty() ? nullptr : &orientations_.front();
@@ -242,14 +254,16 @@ std::vector<JointState> Goal::pose_goals(const Group& group, std::span<const dou
   const auto pose_at = [&](const Vec3& point, const Quaternion& rotation) {
     return Pose{position ? point - rotation * position->offset : point, rotation};
   };
-  const Vec3 middle = position ? position->region.front().pose.position : around_.link_in_world(link, start).position;
+  const Vec3 middle =
+      position ? position->region.front().pose.position : around_.link_in_world(link, start).position;
   if (position || orientation) try_pose(pose_at(middle, turned));
   if (!wide && !out.empty()) return out;
   // Partial poses: the free rows of the task are what the constraints leave.
   const Pose point = {position ? position->offset : Vec3{}, {}};
   const ik::InverseKinematics partial(kinematics::Chain(arm.model(), link, arm.facts().chain.base(), point));
   kinematics::IkTask task;
-  const double room = position ? position->region.front().least() / std::sqrt(3.0) : kinematics::IkTask::kFree;
+  const double room =
+      position ? position->region.front().least() / std::sqrt(3.0) : kinematics::IkTask::kFree;
   const Vec3 turn = orientation ? orientation->tolerance : Vec3{10, 10, 10};
   const double turns[] = {turn.x, turn.y, turn.z};
   for (std::size_t row = 0; row < 6; ++row) {
@@ -261,16 +275,21 @@ std::vector<JointState> Goal::pose_goals(const Group& group, std::span<const dou
   }
   const auto solutions = std::make_unique<kinematics::IkSolutions>();
   partial.solve_all(to_chain * Pose{middle, turned}, task, start, *solutions);
-  for (const kinematics::IkSolution& s : *solutions) keep(JointState(s.q.begin(), s.q.begin() + static_cast<std::ptrdiff_t>(start.size())));
+  for (const kinematics::IkSolution& s : *solutions)
+    keep(JointState(s.q.begin(), s.q.begin() + static_cast<std::ptrdiff_t>(start.size())));
   // Poses drawn from tolerances and regions.
   kinematics::Random random(kSeed);
   for (int i = 0; i < kSamples && out.size() < kMostStates; ++i) {
-    const auto drawn = [&](double t) { return random.between(-std::min(t, std::numbers::pi), std::min(t, std::numbers::pi)); };
+    const auto drawn = [&](double t) {
+      return random.between(-std::min(t, std::numbers::pi), std::min(t, std::numbers::pi));
+    };
     const Vec3 vector{drawn(turn.x), drawn(turn.y), drawn(turn.z)};
     Vec3 at = middle;
     if (position) {
       const Solid& solid = position->region[static_cast<std::size_t>(i) % position->region.size()];
-      const double z = solid.type == Primitive::CYLINDER ? solid.b : solid.type == Primitive::SPHERE ? solid.a : solid.c;
+      const double z = solid.type == Primitive::CYLINDER ? solid.b
+                       : solid.type == Primitive::SPHERE ? solid.a
+                                                         : solid.c;
       const double y = solid.type == Primitive::BOX ? solid.b : solid.a;
       at = solid.pose * Vec3{random.between(-solid.a, solid.a), random.between(-y, y), random.between(-z, z)};
       if (!solid.contains(at)) continue;
@@ -279,9 +298,9 @@ std::vector<JointState> Goal::pose_goals(const Group& group, std::span<const dou
     try_pose(pose_at(at, turned * (angle > 0 ? from_axis_angle(normalized(vector), angle) : Quaternion{})));
   }
   if (out.empty() && wide) {
-    const std::string why =
-        solver.explain(to_chain * pose_at(middle, turned) * T_link_tcp, start).reason;
-    throw Refusal(Code::NO_IK_SOLUTION, why.empty() ? "no joint state within limits keeps the constraints of the goal" : why);
+    const std::string why = solver.explain(to_chain * pose_at(middle, turned) * T_link_tcp, start).reason;
+    throw Refusal(Code::NO_IK_SOLUTION,
+                  why.empty() ? "no joint state within limits keeps the constraints of the goal" : why);
   }
   return out;
 }

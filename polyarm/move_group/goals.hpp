@@ -1,6 +1,6 @@
 #pragma once
-/// Constraints of MoveIt: whether a joint state keeps them, and joint states that do. Metres, radians. Any thread;
-/// allocates.
+/// Constraints of MoveIt: whether a joint state keeps them, and joint states that do. Metres, radians. Any
+/// thread; allocates.
 #include <string>
 #include <vector>
 
@@ -15,7 +15,8 @@ inline constexpr std::size_t kMostConstraints = 200, kMostAlternatives = 50;
 /// One Constraints message, with names and frames resolved.
 class Goal {
  public:
-  /// Throws Refusal: unknown joints, links and frames, numbers that are not finite, and visibility constraints.
+  /// Throws Refusal: unknown joints, links and frames, numbers that are not finite, and visibility
+  /// constraints.
   Goal(const Around& around, const msg::Constraints& message);
 
   bool empty() const { return joints_.empty() && positions_.empty() && orientations_.empty(); }
@@ -30,7 +31,8 @@ class Goal {
   /// Joint states of the group within limits that keep the constraints, best first; other joints stay as in
   /// `start`. `wide`: also away from the middle of tolerances and regions, which takes longer. Throws
   /// Refusal(NO_IK_SOLUTION | INVALID_GOAL_CONSTRAINTS) with the reason if there are none and `wide` is set.
-  std::vector<planning::JointState> states(const Group& group, std::span<const double> start, bool wide) const;
+  std::vector<planning::JointState> states(const Group& group, std::span<const double> start,
+                                           bool wide) const;
 
  private:
   struct JointBound {
@@ -64,7 +66,8 @@ class Goal {
   std::string violated(const PositionBound& bound, std::span<const double> q) const;
   std::string violated(const OrientationBound& bound, std::span<const double> q) const;
   planning::JointState joint_goal(const Group& group, std::span<const double> start) const;
-  std::vector<planning::JointState> pose_goals(const Group& group, std::span<const double> start, bool wide) const;
+  std::vector<planning::JointState> pose_goals(const Group& group, std::span<const double> start,
+                                               bool wide) const;
 
   const Around around_;
   std::vector<JointBound> joints_;

@@ -1,6 +1,6 @@
 #pragma once
-/// The planning groups of a robot, as MoveIt's SRDF names them, and the controllers that move their joints. Any
-/// thread.
+/// The planning groups of a robot, as MoveIt's SRDF names them, and the controllers that move their joints.
+/// Any thread.
 #include <string>
 #include <vector>
 
@@ -26,8 +26,8 @@ std::vector<Actor> actors_of(const control::ControllerManager& controllers, cons
 /// The joints from the root to the tool's mounting link, including fixed ones.
 std::vector<int> joints_to_tool(const description::RobotModel& model);
 
-/// Leaves the groups of a description as they are. A model without any gets the arm up to its tool, named `arm`,
-/// and the joints of each gripper as an end effector.
+/// Leaves the groups of a description as they are. A model without any gets the arm up to its tool, named
+/// `arm`, and the joints of each gripper as an end effector.
 void add_groups(description::RobotModel& model, const std::string& arm, const std::vector<Actor>& actors);
 
 /// True if the joints of the group are one chain with at least three that move, so that it has an inverse.

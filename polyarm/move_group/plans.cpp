@@ -21,7 +21,7 @@ using planning::PlanOutcome;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostSamples = 1'000'000, kMostStates = 60'000;
-constexpr double kRoom = 0.8;      // of the distance that start and goal leave
+constexpr double kRoom = 0.8;         // of the distance that start and goal leave
 constexpr double kLookEvery = 0.004;  // s along a timed path
 constexpr int kMostAttempts = 10;
 
@@ -48,7 +48,8 @@ class Request {
   moves::MovePlan plan() {
     check();
     const std::string outside = arm_.outside_limits(around_.joints());
-    if (!outside.empty()) throw Refusal(Code::START_STATE_INVALID, "the start is outside the limits: " + outside);
+    if (!outside.empty())
+      throw Refusal(Code::START_STATE_INVALID, "the start is outside the limits: " + outside);
     if (const std::string why = path_.violated(around_.joints()); !why.empty())
       throw Refusal(Code::START_STATE_VIOLATES_PATH_CONSTRAINTS, "the start: " + why);
     make_goals(false);
@@ -68,10 +69,12 @@ class Request {
     if (message_.goal_constraints.empty())
       throw Refusal(Code::INVALID_GOAL_CONSTRAINTS, "the request has no goal");
     if (message_.goal_constraints.size() > kMostAlternatives)
-      throw Refusal(Code::INVALID_GOAL_CONSTRAINTS, fmt::format("the request has {} goals; {} are possible",
-                                                                message_.goal_constraints.size(), kMostAlternatives));
+      throw Refusal(Code::INVALID_GOAL_CONSTRAINTS,
+                    fmt::format("the request has {} goals; {} are possible", message_.goal_constraints.size(),
+                                kMostAlternatives));
     if (!message_.trajectory_constraints.constraints.empty() || !message_.reference_trajectories.empty())
-      throw Refusal(Code::INVALID_GOAL_CONSTRAINTS, "trajectory constraints and reference trajectories are not supported");
+      throw Refusal(Code::INVALID_GOAL_CONSTRAINTS,
+                    "trajectory constraints and reference trajectories are not supported");
   }
 
   /// Of the goals that can be resolved; if none can, the first reason counts.
@@ -107,7 +110,8 @@ class Request {
 
   /// With the cell's clearance; where start or goal leave less, with most of what they leave.
   planning::Plan search(std::uint64_t first_seed) {
-    planning::PlanQuery query{around_.joints(), goals_, arm_.facts().chain.lower(), arm_.facts().chain.upper()};
+    planning::PlanQuery query{around_.joints(), goals_, arm_.facts().chain.lower(),
+                              arm_.facts().chain.upper()};
     for (std::size_t v = 0; v < query.lower.size(); ++v)
       if (!group_.has(v)) query.lower[v] = query.upper[v] = query.start[v];
     path_.narrow(query.lower, query.upper);
@@ -123,7 +127,8 @@ class Request {
     for (int attempt = 0; attempt < attempts; ++attempt) {
       options.seed = first_seed + static_cast<std::uint64_t>(attempt);
       out = planning::plan(surroundings_->probe(), query, options);
-      const bool touches = out.outcome == PlanOutcome::start_touches || out.outcome == PlanOutcome::goal_touches;
+      const bool touches =
+          out.outcome == PlanOutcome::start_touches || out.outcome == PlanOutcome::goal_touches;
       if (touches && !narrow && out.contact.distance > 0) {
         clearance = kRoom * room_of(query);
         if (!(clearance > 0)) break;
@@ -154,7 +159,8 @@ class Request {
       case PlanOutcome::goal_touches:
         throw Refusal(Code::GOAL_IN_COLLISION, plan.reason);
       case PlanOutcome::out_of_time:
-        if (settings_.cancelled && settings_.cancelled()) throw Refusal(Code::PREEMPTED, "the request was cancelled");
+        if (settings_.cancelled && settings_.cancelled())
+          throw Refusal(Code::PREEMPTED, "the request was cancelled");
         throw Refusal(Code::TIMED_OUT, plan.reason);
       default:
         throw Refusal(Code::PLANNING_FAILED, plan.reason);
@@ -174,13 +180,15 @@ class Request {
 
   moves::MovePlan timed(const planning::Plan& plan) {
     moves::Move move = move_to(plan.waypoints.back());
-    const std::vector<double> radii = planning::corner_radii(surroundings_->probe(), plan.waypoints, plan.exact);
-    for (std::size_t k = 1; k + 1 < plan.waypoints.size(); ++k) move.over.push_back({plan.waypoints[k], radii[k]});
+    const std::vector<double> radii =
+        planning::corner_radii(surroundings_->probe(), plan.waypoints, plan.exact);
+    for (std::size_t k = 1; k + 1 < plan.waypoints.size(); ++k)
+      move.over.push_back({plan.waypoints[k], radii[k]});
     return moves::plan_moves(arm_.facts(), around_.joints(), std::vector{move}, settings_.limits);
   }
 
-  /// With constraints of the tool's pose along the path: a line of the TCP, the straight joint move, and ways around
-  /// obstacles that happen to keep them.
+  /// With constraints of the tool's pose along the path: a line of the TCP, the straight joint move, and ways
+  /// around obstacles that happen to keep them.
   moves::MovePlan planned_within() {
     std::string why;
     const planning::Plan found = search(1);
@@ -197,9 +205,11 @@ class Request {
       if (keeps(plan)) return plan;
       if (seed >= kMostAttempts || stopped()) break;
     }
-    throw Refusal(Code::PLANNING_FAILED,
-                  "no way that keeps the path constraints was found: a line of the tool and ways around obstacles were "
-                  "tried. On the last one " + why);
+    throw Refusal(
+        Code::PLANNING_FAILED,
+        "no way that keeps the path constraints was found: a line of the tool and ways around obstacles were "
+        "tried. On the last one " +
+            why);
   }
 
   std::optional<moves::MovePlan> line_to(const JointState& goal) {
@@ -286,11 +296,13 @@ void take_state(const msg::RobotState& state, Around& around) {
   const int tool = around.arm->model().tool_link();
   const Pose T_new_old = around.link_in_world(tool, next) * inverse(around.link_in_world(tool));
   for (auto& part : around.moment.parts)
-    if (part.in_world && part.held_by == static_cast<int>(around.arm->index())) part.pose = T_new_old * part.pose;
+    if (part.in_world && part.held_by == static_cast<int>(around.arm->index()))
+      part.pose = T_new_old * part.pose;
   q = std::move(next);
   for (const msg::AttachedCollisionObject& object : state.attached_collision_objects) {
     const description::Scene& scene = *around.bodies.scene;
-    if (std::any_of(scene.parts.begin(), scene.parts.end(), [&](const auto& p) { return p.name == object.object.id; }))
+    if (std::any_of(scene.parts.begin(), scene.parts.end(),
+                    [&](const auto& p) { return p.name == object.object.id; }))
       continue;
     SceneState made = *around.scene;
     apply(around, object, made);
@@ -298,7 +310,8 @@ void take_state(const msg::RobotState& state, Around& around) {
   }
 }
 
-msg::MotionPlanResponse plan(const Around& around, const msg::MotionPlanRequest& request, const PlanSettings& settings) {
+msg::MotionPlanResponse plan(const Around& around, const msg::MotionPlanRequest& request,
+                             const PlanSettings& settings) {
   const auto begin = Clock::now();
   msg::MotionPlanResponse out;
   out.group_name = request.group_name;
@@ -328,17 +341,21 @@ srv::GetPositionIK::Response solve_ik(const Around& around, const msg::PositionI
     const geometry::PoseStamped& target = listed ? request.pose_stamped_vector.front() : request.pose_stamped;
     std::string name = request.ik_link_names.empty() ? request.ik_link_name : request.ik_link_names.front();
     if (name.empty() && group.tip >= 0) name = now.arm->link_name(group.tip);
-    if (!group.solvable) throw Refusal(Code::NO_IK_SOLUTION, "the group '" + group.name + "' has no inverse kinematics");
+    if (!group.solvable)
+      throw Refusal(Code::NO_IK_SOLUTION, "the group '" + group.name + "' has no inverse kinematics");
     const int link = now.arm->link(name);
-    const Pose pose = now.frame(target.header.frame_id) * pose_of(target.pose, "the target", Code::INVALID_GOAL_CONSTRAINTS);
+    const Pose pose = now.frame(target.header.frame_id) *
+                      pose_of(target.pose, "the target", Code::INVALID_GOAL_CONSTRAINTS);
     const Pose tcp = now.arm->facts().chain.base() * inverse(now.base()) * pose * now.arm->tcp_in_link(link);
     const Goal constraints(now, request.constraints);
     const std::optional<ik::InverseKinematics> made =
-        now.arm->facts().solver ? std::nullopt : std::optional<ik::InverseKinematics>(std::in_place, now.arm->facts().chain);
+        now.arm->facts().solver ? std::nullopt
+                                : std::optional<ik::InverseKinematics>(std::in_place, now.arm->facts().chain);
     const ik::InverseKinematics& solver = made ? *made : *now.arm->facts().solver;
     std::string why;
     for (const JointState& q : planning::goals_for(solver, tcp, now.joints())) {
-      if (settings.cancelled && settings.cancelled()) throw Refusal(Code::PREEMPTED, "the request was cancelled");
+      if (settings.cancelled && settings.cancelled())
+        throw Refusal(Code::PREEMPTED, "the request was cancelled");
       const std::string violated = constraints.violated(q);
       const auto contact = violated.empty() && request.avoid_collisions ? contact_at(now, q) : std::nullopt;
       if (violated.empty() && !contact) {
@@ -347,8 +364,9 @@ srv::GetPositionIK::Response solve_ik(const Around& around, const msg::PositionI
       }
       if (why.empty()) why = contact ? planning::text_of(*contact) : violated;
     }
-    throw Refusal(Code::NO_IK_SOLUTION, why.empty() ? solver.explain(tcp, now.joints()).reason
-                                                    : "no solution keeps what is asked; at the nearest one " + why);
+    throw Refusal(Code::NO_IK_SOLUTION, why.empty()
+                                            ? solver.explain(tcp, now.joints()).reason
+                                            : "no solution keeps what is asked; at the nearest one " + why);
   });
   return out;
 }
@@ -360,10 +378,12 @@ srv::GetPositionFK::Response solve_fk(const Around& around, const srv::GetPositi
     take_state(request.robot_state, now);
     const Pose frame = inverse(now.frame(request.header.frame_id));
     if (request.fk_link_names.empty()) throw Refusal(Code::INVALID_LINK_NAME, "no link is named");
-    if (request.fk_link_names.size() > kMostConstraints) throw Refusal(Code::INVALID_LINK_NAME, "too many links are named");
+    if (request.fk_link_names.size() > kMostConstraints)
+      throw Refusal(Code::INVALID_LINK_NAME, "too many links are named");
     for (const std::string& name : request.fk_link_names) {
       geometry::PoseStamped made;
-      made.header.frame_id = request.header.frame_id.empty() ? now.arm->planning_frame() : request.header.frame_id;
+      made.header.frame_id =
+          request.header.frame_id.empty() ? now.arm->planning_frame() : request.header.frame_id;
       made.pose = to_message(frame * now.link_in_world(now.arm->link(name)));
       out.pose_stamped.push_back(std::move(made));
       out.fk_link_names.push_back(name);
@@ -372,7 +392,8 @@ srv::GetPositionFK::Response solve_fk(const Around& around, const srv::GetPositi
   return out;
 }
 
-srv::GetStateValidity::Response validity(const Around& around, const srv::GetStateValidity::Request& request) {
+srv::GetStateValidity::Response validity(const Around& around,
+                                         const srv::GetStateValidity::Request& request) {
   srv::GetStateValidity::Response out;
   Around now = around;
   take_state(request.robot_state, now);
@@ -390,7 +411,8 @@ srv::GetStateValidity::Response validity(const Around& around, const srv::GetSta
 void check_trajectory(const Around& around, const msg::RobotTrajectory& trajectory, std::size_t from) {
   const auto& joints = trajectory.joint_trajectory;
   if (!trajectory.multi_dof_joint_trajectory.points.empty())
-    throw Refusal(Code::INVALID_MOTION_PLAN, "a trajectory of joints with several degrees of freedom is not supported");
+    throw Refusal(Code::INVALID_MOTION_PLAN,
+                  "a trajectory of joints with several degrees of freedom is not supported");
   if (joints.points.size() > kMostTrajectoryPoints)
     throw Refusal(Code::INVALID_MOTION_PLAN, fmt::format("the trajectory has {} points; {} are possible",
                                                          joints.points.size(), kMostTrajectoryPoints));
@@ -409,7 +431,8 @@ void check_trajectory(const Around& around, const msg::RobotTrajectory& trajecto
     states.push_back(std::move(q));
   }
   const auto surroundings = compiled(around, around.joints(), 0);
-  check_free(*surroundings, states, Code::MOTION_PLAN_INVALIDATED_BY_ENVIRONMENT_CHANGE, "the trajectory hits something");
+  check_free(*surroundings, states, Code::MOTION_PLAN_INVALIDATED_BY_ENVIRONMENT_CHANGE,
+             "the trajectory hits something");
 }
 
 void check_start(const Around& around, const msg::RobotTrajectory& trajectory) {

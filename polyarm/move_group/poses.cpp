@@ -6,7 +6,8 @@ namespace polyarm::move_group {
 
 Quaternion rotation_of(const geometry::Quaternion& q, const std::string& what, int code) {
   const double length = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w);
-  if (!std::isfinite(length)) throw Refusal(code, "the rotation of " + what + " has a number that is not finite");
+  if (!std::isfinite(length))
+    throw Refusal(code, "the rotation of " + what + " has a number that is not finite");
   if (length < 1e-9) return {};
   if (std::abs(length - 1) > 0.1)
     throw Refusal(code, "the rotation of " + what + " is a quaternion of length " + std::to_string(length) +
@@ -16,7 +17,8 @@ Quaternion rotation_of(const geometry::Quaternion& q, const std::string& what, i
 
 Pose pose_of(const geometry::Pose& pose, const std::string& what, int code) {
   const Vec3 at{pose.position.x, pose.position.y, pose.position.z};
-  if (!std::isfinite(norm(at))) throw Refusal(code, "the position of " + what + " has a number that is not finite");
+  if (!std::isfinite(norm(at)))
+    throw Refusal(code, "the position of " + what + " has a number that is not finite");
   return {at, rotation_of(pose.orientation, what, code)};
 }
 

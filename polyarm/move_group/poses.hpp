@@ -1,5 +1,6 @@
 #pragma once
-/// Poses of ROS messages. Metres; throws Refusal for numbers that are not finite and rotations without a length.
+/// Poses of ROS messages. Metres; throws Refusal for numbers that are not finite and rotations without a
+/// length.
 #include <string>
 
 #include "polyarm/base/pose.hpp"

@@ -18,10 +18,11 @@ Pose inverse_of_frame(const Around& around, int link) {
   return inverse(around.link_in_world(link));
 }
 
-/// The pose of the robot whose link carries an attached object, and of that link. Objects are attached to links
-/// that are rigid with the tool link, so the moment of the other robots is enough.
+/// The pose of the robot whose link carries an attached object, and of that link. Objects are attached to
+/// links that are rigid with the tool link, so the moment of the other robots is enough.
 Pose attached_in_world(const Around& around, const AttachedObject& attached) {
-  if (attached.robot == around.arm->index()) return around.link_in_world(attached.link) * attached.object.pose;
+  if (attached.robot == around.arm->index())
+    return around.link_in_world(attached.link) * attached.object.pose;
   const surroundings::Robot& robot = (*around.bodies.robots)[attached.robot];
   const auto& state = around.moment.robots[attached.robot];
   const kinematics::Chain chain(*robot.model, attached.link, state.base);
@@ -34,11 +35,11 @@ Object object_of(const msg::CollisionObject& message, const Pose& T_owner_frame)
   Object out;
   out.id = message.id;
   out.type = message.type;
-  out.pose =
-      T_owner_frame * pose_of(message.pose, "object '" + message.id + "'", Code::INVALID_OBJECT_NAME);
+  out.pose = T_owner_frame * pose_of(message.pose, "object '" + message.id + "'", Code::INVALID_OBJECT_NAME);
   out.shapes = shapes_of(message);
   if (message.subframe_names.size() != message.subframe_poses.size())
-    throw Refusal(Code::INVALID_OBJECT_NAME, "object '" + message.id + "' has not one pose for each subframe");
+    throw Refusal(Code::INVALID_OBJECT_NAME,
+                  "object '" + message.id + "' has not one pose for each subframe");
   for (std::size_t i = 0; i < message.subframe_names.size(); ++i)
     out.subframes[message.subframe_names[i]] =
         pose_of(message.subframe_poses[i], "a subframe of '" + message.id + "'", Code::INVALID_OBJECT_NAME);
@@ -61,8 +62,8 @@ void check_bounds(const SceneState& state) {
   const std::size_t objects = state.world.size() + state.attached.size();
   if (objects > kMostObjects || shapes > kMostObjectShapes)
     throw Refusal(Code::INVALID_OBJECT_NAME,
-                  fmt::format("the scene would have {} objects with {} shapes; {} and {} are possible", objects,
-                              shapes, kMostObjects, kMostObjectShapes));
+                  fmt::format("the scene would have {} objects with {} shapes; {} and {} are possible",
+                              objects, shapes, kMostObjects, kMostObjectShapes));
 }
 
 void remove(const std::string& id, SceneState& state) {
@@ -78,11 +79,13 @@ Object& existing(const std::string& id, SceneState& state) {
 }
 
 /// An entry of the matrix that lets an object touch everything. Pairs with single links are not kept.
-void take_allowed(const msg::AllowedCollisionMatrix& matrix, SceneState& state, std::vector<std::string>& notes) {
+void take_allowed(const msg::AllowedCollisionMatrix& matrix, SceneState& state,
+                  std::vector<std::string>& notes) {
   if (matrix.entry_names.empty() && matrix.default_entry_names.empty()) return;
   if (matrix.entry_values.size() != matrix.entry_names.size() ||
       matrix.default_entry_values.size() != matrix.default_entry_names.size())
-    throw Refusal(Code::INVALID_OBJECT_NAME, "the matrix of allowed collisions has lists of different lengths");
+    throw Refusal(Code::INVALID_OBJECT_NAME,
+                  "the matrix of allowed collisions has lists of different lengths");
   state.allowed.clear();
   for (std::size_t i = 0; i < matrix.default_entry_names.size(); ++i)
     if (matrix.default_entry_values[i] != 0) state.allowed.insert(matrix.default_entry_names[i]);
@@ -108,7 +111,8 @@ void take_allowed(const msg::AllowedCollisionMatrix& matrix, SceneState& state, 
 
 void note_the_rest(const msg::PlanningScene& message, std::vector<std::string>& notes) {
   if (!message.world.octomap.octomap.data.empty())
-    notes.push_back("an octomap is not taken: obstacles are boxes, spheres, cylinders, cones, planes and meshes");
+    notes.push_back(
+        "an octomap is not taken: obstacles are boxes, spheres, cylinders, cones, planes and meshes");
   if (std::any_of(message.link_padding.begin(), message.link_padding.end(),
                   [](const auto& each) { return each.padding != 0; }) ||
       std::any_of(message.link_scale.begin(), message.link_scale.end(),
@@ -117,12 +121,13 @@ void note_the_rest(const msg::PlanningScene& message, std::vector<std::string>& 
 }
 
 bool is_of(const description::Scene& scene, const std::string& id) {
-  return std::any_of(scene.fixtures.begin(), scene.fixtures.end(), [&](const auto& f) { return f.name == id; }) ||
+  return std::any_of(scene.fixtures.begin(), scene.fixtures.end(),
+                     [&](const auto& f) { return f.name == id; }) ||
          std::any_of(scene.parts.begin(), scene.parts.end(), [&](const auto& p) { return p.name == id; });
 }
 
 msg::CollisionObject object_message(const Object& object, const std::string& frame, const Pose& T_frame_owner,
-                                bool geometry) {
+                                    bool geometry) {
   msg::CollisionObject out;
   out.header.frame_id = frame;
   out.id = object.id;
@@ -142,7 +147,8 @@ std::vector<Object> objects_of_cell(const Around& around) {
   std::vector<Object> out;
   const description::Scene& scene = *around.bodies.scene;
   for (const description::Fixture& fixture : scene.fixtures)
-    out.push_back({fixture.name, surroundings::pose_of(fixture, scene, around.moment), fixture.shapes, {}, {}});
+    out.push_back(
+        {fixture.name, surroundings::pose_of(fixture, scene, around.moment), fixture.shapes, {}, {}});
   for (std::size_t i = 0; i < scene.parts.size() && i < around.moment.parts.size(); ++i)
     if (const auto& part = around.moment.parts[i]; part.in_world && part.held_by < 0)
       out.push_back({scene.parts[i].name, part.pose, {scene.parts[i].shape}, {}, {}});
@@ -198,8 +204,9 @@ Pose Around::frame(const std::string& id) const {
     return in(found->second, found->second.pose);
   if (const auto found = scene->attached.find(object); found != scene->attached.end())
     return in(found->second.object, attached_in_world(*this, found->second));
-  throw Refusal(Code::FRAME_TRANSFORM_FAILURE,
-                fmt::format("there is no frame '{}': world, links of '{}' and objects are frames", id, arm->name()));
+  throw Refusal(
+      Code::FRAME_TRANSFORM_FAILURE,
+      fmt::format("there is no frame '{}': world, links of '{}' and objects are frames", id, arm->name()));
 }
 
 void apply(const Around& around, const msg::CollisionObject& message, SceneState& state) {
@@ -246,8 +253,9 @@ void apply(const Around& around, const msg::AttachedCollisionObject& message, Sc
   if (message.object.operation == Operation::REMOVE) {
     bool any = id.empty();
     for (auto at = state.attached.begin(); at != state.attached.end();) {
-      const bool meant = at->second.robot == around.arm->index() && (id.empty() || at->first == id) &&
-                         (message.link_name.empty() || around.arm->link_name(at->second.link) == message.link_name);
+      const bool meant =
+          at->second.robot == around.arm->index() && (id.empty() || at->first == id) &&
+          (message.link_name.empty() || around.arm->link_name(at->second.link) == message.link_name);
       if (!meant) {
         ++at;
         continue;
@@ -258,18 +266,22 @@ void apply(const Around& around, const msg::AttachedCollisionObject& message, Sc
       at = state.attached.erase(at);
       any = true;
     }
-    if (!any) throw Refusal(Code::INVALID_OBJECT_NAME, "no object '" + id + "' is attached to '" + around.arm->name() + "'");
+    if (!any)
+      throw Refusal(Code::INVALID_OBJECT_NAME,
+                    "no object '" + id + "' is attached to '" + around.arm->name() + "'");
     return;
   }
   if (message.object.operation != Operation::ADD && message.object.operation != Operation::APPEND)
-    throw Refusal(Code::INVALID_OBJECT_NAME, "an attached object is added or removed; '" + id + "' is neither");
+    throw Refusal(Code::INVALID_OBJECT_NAME,
+                  "an attached object is added or removed; '" + id + "' is neither");
   check_free(around, id);
   const int link = around.arm->link(message.link_name);
   if (!around.arm->carries_tool(link))
-    throw Refusal(Code::INVALID_LINK_NAME,
-                  fmt::format("'{}' cannot be attached to '{}': objects are attached to the tool link '{}' or a "
-                              "link that is rigid with it",
-                              id, message.link_name, around.arm->link_name(around.arm->model().tool_link())));
+    throw Refusal(
+        Code::INVALID_LINK_NAME,
+        fmt::format("'{}' cannot be attached to '{}': objects are attached to the tool link '{}' or a "
+                    "link that is rigid with it",
+                    id, message.link_name, around.arm->link_name(around.arm->model().tool_link())));
   AttachedObject made{{}, around.arm->index(), link, message.touch_links};
   const Pose T_link_world = inverse_of_frame(around, link);
   if (message.object.primitives.empty() && message.object.meshes.empty() && message.object.planes.empty()) {
@@ -277,7 +289,8 @@ void apply(const Around& around, const msg::AttachedCollisionObject& message, Sc
     made.object.pose = T_link_world * made.object.pose;
   } else {
     const std::string& frame = message.object.header.frame_id;
-    made.object = object_of(message.object, T_link_world * (frame.empty() ? around.link_in_world(link) : around.frame(frame)));
+    made.object = object_of(
+        message.object, T_link_world * (frame.empty() ? around.link_in_world(link) : around.frame(frame)));
   }
   state.world.erase(id);
   state.attached[id] = std::move(made);
@@ -373,11 +386,13 @@ std::unique_ptr<surroundings::Surroundings> compiled(const Around& around, std::
   description::Scene scene = *around.bodies.scene;
   Around now = around;
   now.moment.robots[around.arm->index()].joints.assign(q.begin(), q.end());
-  now.moment.parts.resize(scene.parts.size());  // where the cell does not know its parts, none is in the world
+  now.moment.parts.resize(
+      scene.parts.size());  // where the cell does not know its parts, none is in the world
   const int tool = around.arm->model().tool_link();
   const Pose T_new_old = now.link_in_world(tool) * inverse(around.link_in_world(tool));
   for (auto& part : now.moment.parts)
-    if (part.in_world && part.held_by == static_cast<int>(around.arm->index())) part.pose = T_new_old * part.pose;
+    if (part.in_world && part.held_by == static_cast<int>(around.arm->index()))
+      part.pose = T_new_old * part.pose;
   std::vector<std::string> touching;
   for (const auto& [id, object] : around.scene->world) {
     scene.fixtures.push_back({id, object.shapes, object.pose, {}, 0.8});

@@ -59,7 +59,9 @@ struct Around {
   const std::vector<double>& joints() const { return moment.robots[arm->index()].joints; }
   const Pose& base() const { return moment.robots[arm->index()].base; }
   Pose link_in_world(int link) const { return base() * arm->link_in_base(link, joints()); }
-  Pose link_in_world(int link, std::span<const double> q) const { return base() * arm->link_in_base(link, q); }
+  Pose link_in_world(int link, std::span<const double> q) const {
+    return base() * arm->link_in_base(link, q);
+  }
   /// T_world_frame of "" (the planning frame), "world", a link, an object, "object/subframe", or a link of a
   /// cell with several robots as its tf names it ("left/tool0"). Throws Refusal(FRAME_TRANSFORM_FAILURE).
   Pose frame(const std::string& id) const;
@@ -73,8 +75,8 @@ SceneState applied(const Around& around, const msg::PlanningScene& message, std:
 void apply(const Around& around, const msg::CollisionObject& message, SceneState& state);
 void apply(const Around& around, const msg::AttachedCollisionObject& message, SceneState& state);
 
-/// The scene as clients read it: objects of clients, and the fixtures and parts of the cell. `components`: bits of
-/// PlanningSceneComponents; 0: all.
+/// The scene as clients read it: objects of clients, and the fixtures and parts of the cell. `components`:
+/// bits of PlanningSceneComponents; 0: all.
 msg::PlanningScene to_message(const Around& around, std::uint32_t components);
 msg::RobotState robot_state(const Around& around, std::span<const double> q, bool with_attached = true);
 

@@ -31,9 +31,11 @@ constexpr double kLargest = 1e4;  // m
 
 double size_at(const std::string& id, const Primitive& primitive, std::size_t i) {
   if (primitive.dimensions.size() <= i)
-    refuse(id, fmt::format("a primitive of type {} has {} dimensions", primitive.type, primitive.dimensions.size()));
+    refuse(id, fmt::format("a primitive of type {} has {} dimensions", primitive.type,
+                           primitive.dimensions.size()));
   const double size = primitive.dimensions[i];
-  if (!(size > 0 && size <= kLargest)) refuse(id, fmt::format("a dimension is {}, not in (0, 10000] m", size));
+  if (!(size > 0 && size <= kLargest))
+    refuse(id, fmt::format("a dimension is {}, not in (0, 10000] m", size));
   return size;
 }
 
@@ -78,7 +80,8 @@ Shape shape_of(const std::string& id, const Primitive& primitive) {
 
 Shape shape_of(const std::string& id, const Mesh& mesh) {
   if (mesh.triangles.size() > kMostMeshTriangles)
-    refuse(id, fmt::format("a mesh has {} triangles; {} are possible", mesh.triangles.size(), kMostMeshTriangles));
+    refuse(id, fmt::format("a mesh has {} triangles; {} are possible", mesh.triangles.size(),
+                           kMostMeshTriangles));
   std::vector<Vec3> points;
   for (const auto& p : mesh.vertices) {
     if (!(std::abs(p.x) <= kLargest && std::abs(p.y) <= kLargest && std::abs(p.z) <= kLargest))
@@ -91,7 +94,8 @@ Shape shape_of(const std::string& id, const Mesh& mesh) {
     hulls::Triangle made;
     for (std::size_t i = 0; i < 3; ++i) {
       if (triangle.vertex_indices[i] >= points.size())
-        refuse(id, fmt::format("a triangle names vertex {} of {}", triangle.vertex_indices[i], points.size()));
+        refuse(id,
+               fmt::format("a triangle names vertex {} of {}", triangle.vertex_indices[i], points.size()));
       made[i] = points[triangle.vertex_indices[i]];
     }
     triangles.push_back(made);
@@ -101,7 +105,8 @@ Shape shape_of(const std::string& id, const Mesh& mesh) {
   if (triangles.size() > kMostCutTriangles)
     out.pieces.push_back(hulls::enclosing_hull(points, kMostHullCorners).corners);
   else
-    for (const hulls::Hull& piece : hulls::convex_pieces(triangles).pieces) out.pieces.push_back(piece.corners);
+    for (const hulls::Hull& piece : hulls::convex_pieces(triangles).pieces)
+      out.pieces.push_back(piece.corners);
   return out;
 }
 
@@ -179,8 +184,8 @@ void add_to_message(const std::vector<Shape>& shapes, msg::CollisionObject& mess
       case ShapeKind::capsule:
         add_primitive(Primitive::CYLINDER, {shape.length, shape.radius}, shape.pose, message);
         for (const int end : {-1, 1})
-          add_primitive(Primitive::SPHERE, {shape.radius}, shape.pose * Pose{{0, 0, end * shape.length / 2}, {}},
-                        message);
+          add_primitive(Primitive::SPHERE, {shape.radius},
+                        shape.pose * Pose{{0, 0, end * shape.length / 2}, {}}, message);
         break;
       case ShapeKind::mesh:
         add_pieces(shape, message);

@@ -8,8 +8,8 @@
 
 namespace polyarm::move_group {
 
-/// The shapes of a message in its own frame. A cone and a mesh become convex pieces, a plane a thin slab. Throws
-/// Refusal(INVALID_OBJECT_NAME) that names the shape and the fault.
+/// The shapes of a message in its own frame. A cone and a mesh become convex pieces, a plane a thin slab.
+/// Throws Refusal(INVALID_OBJECT_NAME) that names the shape and the fault.
 std::vector<description::Shape> shapes_of(const msg::CollisionObject& message);
 /// Adds shapes to a message. A capsule becomes a cylinder and two spheres, convex pieces become meshes.
 void add_to_message(const std::vector<description::Shape>& shapes, msg::CollisionObject& message);

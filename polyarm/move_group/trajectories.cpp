@@ -10,8 +10,8 @@ namespace polyarm::move_group {
 
 namespace {
 
-constexpr double kStep = 0.02;               // s between points
-constexpr std::size_t kMostSteps = 1000;     // of one trajectory: longer ones have longer steps
+constexpr double kStep = 0.02;            // s between points
+constexpr std::size_t kMostSteps = 1000;  // of one trajectory: longer ones have longer steps
 
 messages::builtin_interfaces::msg::Duration duration_of(double seconds) {
   const double whole = std::floor(seconds);
@@ -42,7 +42,8 @@ msg::RobotTrajectory to_message(const Arm& arm, const Group& group, const moves:
   double begin = 0;
   for (const moves::PlannedMotion& motion : plan.motions) {
     const double duration = motion.path.duration();
-    const auto steps = std::clamp(static_cast<std::size_t>(std::ceil(duration / kStep)), std::size_t{1}, kMostSteps);
+    const auto steps =
+        std::clamp(static_cast<std::size_t>(std::ceil(duration / kStep)), std::size_t{1}, kMostSteps);
     std::size_t hint = 0;
     for (std::size_t i = trajectory.points.empty() ? 0 : 1; i <= steps; ++i) {
       const double t = duration * static_cast<double>(i) / static_cast<double>(steps);
@@ -54,7 +55,8 @@ msg::RobotTrajectory to_message(const Arm& arm, const Group& group, const moves:
   return out;
 }
 
-void along(const moves::MovePlan& plan, double step, const std::function<bool(std::span<const double>)>& look) {
+void along(const moves::MovePlan& plan, double step,
+           const std::function<bool(std::span<const double>)>& look) {
   for (const moves::PlannedMotion& motion : plan.motions) {
     const double duration = motion.path.duration();
     const auto steps = static_cast<std::size_t>(std::ceil(duration / step)) + 1;
@@ -77,7 +79,8 @@ void check_free(surroundings::Surroundings& around, const std::vector<std::vecto
     std::vector<double> q = states[i - 1];
     for (std::size_t j = 0; j < q.size(); ++j) q[j] += answer.at * (states[i][j] - q[j]);
     const collision::Contact contact = around.probe().nearest(q);
-    if (answer.verdict == collision::EdgeVerdict::close && contact.distance > 0) continue;  // near, and not in contact
+    if (answer.verdict == collision::EdgeVerdict::close && contact.distance > 0)
+      continue;  // near, and not in contact
     throw Refusal(code, what + ": " + planning::text_of(contact));
   }
 }
@@ -89,7 +92,8 @@ std::string body_name(const std::string& body) {
 }
 
 std::uint32_t body_type(const std::string& body) {
-  if (body.starts_with("part ") || body == "tool" || body == "fingers") return msg::ContactInformation::ROBOT_ATTACHED;
+  if (body.starts_with("part ") || body == "tool" || body == "fingers")
+    return msg::ContactInformation::ROBOT_ATTACHED;
   return body.starts_with("fixture ") || body == "floor" || body.find('/') != std::string::npos
              ? msg::ContactInformation::WORLD_OBJECT
              : msg::ContactInformation::ROBOT_LINK;

@@ -13,7 +13,8 @@ msg::RobotTrajectory to_message(const Arm& arm, const Group& group, const moves:
                                 std::span<const double> start);
 
 /// Calls `look` with joint states along the plan, at most `step` seconds apart, until it returns false.
-void along(const moves::MovePlan& plan, double step, const std::function<bool(std::span<const double>)>& look);
+void along(const moves::MovePlan& plan, double step,
+           const std::function<bool(std::span<const double>)>& look);
 
 /// Throws Refusal(code) if a straight line between neighbours touches something; names the pair.
 void check_free(surroundings::Surroundings& around, const std::vector<std::vector<double>>& states, int code,

@@ -28,7 +28,8 @@ void GoalServer::begin(Owner owner) {
   feedback_type_ = &bridge_.type(type_ + "_FeedbackMessage");
   feedback_ = bridge_.wire().publisher(node_, base + "feedback", *feedback_type_);
   status_ = bridge_.wire().publisher(node_, base + "status",
-                                     messages::type_info<messages::action_msgs::msg::GoalStatusArray>(), {true, true, 1});
+                                     messages::type_info<messages::action_msgs::msg::GoalStatusArray>(),
+                                     {true, true, 1});
   const auto serve = [&](const char* name, const std::string& type, auto member) {
     bridge_.service(node_, base + name, type, [self = weak_from_this(), member](Json request, Reply reply) {
       if (const auto server = self.lock()) (server.get()->*member)(std::move(request), std::move(reply));
@@ -134,7 +135,8 @@ void GoalServer::tell_feedback(const Goal& goal, Json feedback) {
 void GoalServer::report_status() {
   Json list = Json::array();
   for (const GoalPointer& goal : goals_)
-    list.push_back({{"goal_info", {{"goal_id", goal->id}, {"stamp", goal->stamp}}}, {"status", goal->status}});
+    list.push_back(
+        {{"goal_info", {{"goal_id", goal->id}, {"stamp", goal->stamp}}}, {"status", goal->status}});
   const messages::TypeInfo& type = messages::type_info<messages::action_msgs::msg::GoalStatusArray>();
   bridge_.wire().publish(status_, messages::from_json(type, {{"status_list", std::move(list)}}));
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// The goals of one ROS 2 action: its three services, feedback and status. Its owner decides what a goal does. Cell
-/// thread.
+/// The goals of one ROS 2 action: its three services, feedback and status. Its owner decides what a goal
+/// does. Cell thread.
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -31,8 +31,8 @@ using GoalPointer = std::shared_ptr<Goal>;
 
 class GoalServer : public std::enable_shared_from_this<GoalServer> {
  public:
-  /// `take`: called with each new goal and its message; it calls accept() or refuse(), perhaps later. `cancel`:
-  /// called once for a goal that a client cancels; its owner ends the goal when it has stopped.
+  /// `take`: called with each new goal and its message; it calls accept() or refuse(), perhaps later.
+  /// `cancel`: called once for a goal that a client cancels; its owner ends the goal when it has stopped.
   struct Owner {
     std::function<void(const GoalPointer& goal, Json message, Reply reply)> take;
     std::function<void(const GoalPointer& goal)> cancel;

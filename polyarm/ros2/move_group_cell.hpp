@@ -1,5 +1,6 @@
 #pragma once
-/// What the parts of the move_group door share: threads for long work, the planning scene, and messages as structs.
+/// What the parts of the move_group door share: threads for long work, the planning scene, and messages as
+/// structs.
 #include <atomic>
 #include <deque>
 #include <functional>
@@ -90,8 +91,7 @@ class SharedScene {
 
 /// What the nodes of all robots share.
 struct MoveGroupCell {
-  explicit MoveGroupCell(Bridge& to)
-      : bridge{to}, bodies{to.cell().bodies()}, work{to.cell().lock_step()} {}
+  explicit MoveGroupCell(Bridge& to) : bridge{to}, bodies{to.cell().bodies()}, work{to.cell().lock_step()} {}
 
   Bridge& bridge;
   std::shared_ptr<SharedScene> scene = std::make_shared<SharedScene>();

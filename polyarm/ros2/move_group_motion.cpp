@@ -1,5 +1,5 @@
-/// The actions move_action and execute_trajectory: a plan is made beside the cell thread, and its trajectory goes to
-/// controllers as any goal of ROS 2 does.
+/// The actions move_action and execute_trajectory: a plan is made beside the cell thread, and its trajectory
+/// goes to controllers as any goal of ROS 2 does.
 #include <algorithm>
 #include <cmath>
 
@@ -45,7 +45,8 @@ Json trajectory_for(const move_group::Actor& actor, const move_group::Arm& arm, 
   std::vector<int> columns;
   for (const std::string& joint : actor.joints) {
     const auto at = std::find(trajectory.joint_names.begin(), trajectory.joint_names.end(), joint);
-    columns.push_back(at == trajectory.joint_names.end() ? -1 : static_cast<int>(at - trajectory.joint_names.begin()));
+    columns.push_back(
+        at == trajectory.joint_names.end() ? -1 : static_cast<int>(at - trajectory.joint_names.begin()));
   }
   for (const auto& point : trajectory.points) {
     Json made{{"time_from_start", seconds_of(point.time_from_start)}};
@@ -67,12 +68,14 @@ Json trajectory_for(const move_group::Actor& actor, const move_group::Arm& arm, 
 }
 
 /// The end of the first of its joints that the trajectory moves.
-Json gripper_goal_for(const move_group::Actor& actor, const messages::trajectory_msgs::msg::JointTrajectory& trajectory) {
-  const auto at = std::find_first_of(trajectory.joint_names.begin(), trajectory.joint_names.end(), actor.joints.begin(),
-                                     actor.joints.end());
+Json gripper_goal_for(const move_group::Actor& actor,
+                      const messages::trajectory_msgs::msg::JointTrajectory& trajectory) {
+  const auto at = std::find_first_of(trajectory.joint_names.begin(), trajectory.joint_names.end(),
+                                     actor.joints.begin(), actor.joints.end());
   const auto& positions = trajectory.points.back().positions;
   const auto index = static_cast<std::size_t>(at - trajectory.joint_names.begin());
-  if (index >= positions.size()) throw Refusal(Code::INVALID_MOTION_PLAN, "the last point has too few positions");
+  if (index >= positions.size())
+    throw Refusal(Code::INVALID_MOTION_PLAN, "the last point has too few positions");
   const double position = positions[index];
   if (actor.type == "ParallelGripperCommand")
     return {{"command", {{"name", Json::array({*at})}, {"position", Json::array({position})}}}};
@@ -107,7 +110,8 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
   Work(MoveGroupCell& to, std::shared_ptr<const move_group::Arm> of) : shared{to}, arm{std::move(of)} {}
 
   void begin(const std::string& node, const std::string& space) {
-    move = std::make_shared<GoalServer>(shared.bridge, node, space + "/move_action", "moveit_msgs/action/MoveGroup");
+    move = std::make_shared<GoalServer>(shared.bridge, node, space + "/move_action",
+                                        "moveit_msgs/action/MoveGroup");
     execute = std::make_shared<GoalServer>(shared.bridge, node, space + "/execute_trajectory",
                                            "moveit_msgs/action/ExecuteTrajectory");
     shown = shared.bridge.wire().publisher(node, space + "/display_planned_path",
@@ -153,7 +157,8 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
   void stop(Run& run) {
     run.cancelled->store(true);
     for (const auto& [target, number] : run.numbers)
-      shared.bridge.ask(protocol::GoalCancel{target, static_cast<double>(number)}, [](const protocol::Reply&) {});
+      shared.bridge.ask(protocol::GoalCancel{target, static_cast<double>(number)},
+                        [](const protocol::Reply&) {});
   }
 
   void start(const RunPointer& run) {
@@ -163,7 +168,9 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
     check(run, true);
   }
 
-  void tell_state(const Run& run, const char* state) { run.server->tell_feedback(*run.goal, {{"state", state}}); }
+  void tell_state(const Run& run, const char* state) {
+    run.server->tell_feedback(*run.goal, {{"state", state}});
+  }
 
   void plan(const RunPointer& run) {
     tell_state(*run, "PLANNING");
@@ -177,7 +184,8 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
         const msg::PlanningScene& diff = run->request.planning_options.planning_scene_diff;
         std::vector<std::string> notes;
         if (diff.is_diff && run->request.planning_options.planning_scene_diff != msg::PlanningScene{})
-          around.scene = std::make_shared<const move_group::SceneState>(move_group::applied(around, diff, notes));
+          around.scene =
+              std::make_shared<const move_group::SceneState>(move_group::applied(around, diff, notes));
         response = move_group::plan(around, run->request.request, settings);
       } catch (const Refusal& refusal) {
         response.error_code = move_group::code_of(refusal);
@@ -213,25 +221,26 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
   void check(const RunPointer& run, bool whole) {
     run->checking = true;
     const double done = whole ? 0 : seconds(shared.bridge.cell().now() - run->began);
-    const bool posted = shared.work.plan([self = shared_from_this(), run, whole, done, look = shared.look(arm)]() -> LongWork::Then {
-      Code code = move_group::success();
-      std::uint64_t scene = 0;
-      try {
-        const move_group::Around around = look();
-        scene = around.scene->version;
-        const auto& points = run->result.planned_trajectory.joint_trajectory.points;
-        std::size_t from = 0;
-        if (!whole)
-          while (from + 1 < points.size() && seconds_of(points[from + 1].time_from_start) < done) ++from;
-        if (whole) move_group::check_start(around, run->result.planned_trajectory);
-        move_group::check_trajectory(around, run->result.planned_trajectory, from);
-      } catch (const Refusal& refusal) {
-        code = move_group::code_of(refusal);
-      } catch (const std::exception& error) {
-        code = {Code::FAILURE, error.what(), "polyarm"};
-      }
-      return [self, run, whole, scene, code] { self->checked(run, whole, scene, code); };
-    });
+    const bool posted = shared.work.plan(
+        [self = shared_from_this(), run, whole, done, look = shared.look(arm)]() -> LongWork::Then {
+          Code code = move_group::success();
+          std::uint64_t scene = 0;
+          try {
+            const move_group::Around around = look();
+            scene = around.scene->version;
+            const auto& points = run->result.planned_trajectory.joint_trajectory.points;
+            std::size_t from = 0;
+            if (!whole)
+              while (from + 1 < points.size() && seconds_of(points[from + 1].time_from_start) < done) ++from;
+            if (whole) move_group::check_start(around, run->result.planned_trajectory);
+            move_group::check_trajectory(around, run->result.planned_trajectory, from);
+          } catch (const Refusal& refusal) {
+            code = move_group::code_of(refusal);
+          } catch (const std::exception& error) {
+            code = {Code::FAILURE, error.what(), "polyarm"};
+          }
+          return [self, run, whole, scene, code] { self->checked(run, whole, scene, code); };
+        });
     if (!posted && whole) finish(run, Code::FAILURE, "too many requests wait");
   }
 
@@ -271,20 +280,24 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
     std::vector<std::string> left = trajectory.joint_names;
     std::erase_if(left, [&](const std::string& joint) { return !arm->find_joint(joint); });
     for (const bool gripper : {false, true})
-      for (const move_group::Actor& actor : move_group::actors_of(shared.bridge.cell().controllers(), arm->name())) {
-        const bool named = run.wanted.empty() || std::count(run.wanted.begin(), run.wanted.end(), actor.name) > 0;
-        const bool moves = std::any_of(actor.joints.begin(), actor.joints.end(), [&](const std::string& joint) {
-          return std::count(left.begin(), left.end(), joint) > 0;
-        });
+      for (const move_group::Actor& actor :
+           move_group::actors_of(shared.bridge.cell().controllers(), arm->name())) {
+        const bool named =
+            run.wanted.empty() || std::count(run.wanted.begin(), run.wanted.end(), actor.name) > 0;
+        const bool moves = std::any_of(
+            actor.joints.begin(), actor.joints.end(),
+            [&](const std::string& joint) { return std::count(left.begin(), left.end(), joint) > 0; });
         if (actor.gripper() != gripper || !named || !moves || !actor.active) continue;
-        out.push_back({actor, gripper ? gripper_goal_for(actor, trajectory) : trajectory_for(actor, *arm, now, trajectory)});
+        out.push_back({actor, gripper ? gripper_goal_for(actor, trajectory)
+                                      : trajectory_for(actor, *arm, now, trajectory)});
         std::erase_if(left, [&](const std::string& joint) {
           return std::count(actor.joints.begin(), actor.joints.end(), joint) > 0;
         });
       }
     if (!left.empty())
-      throw Refusal(Code::CONTROL_FAILED, "no active controller follows trajectories of " + left.front() +
-                                              ": activate one that accepts FollowJointTrajectory or gripper goals");
+      throw Refusal(Code::CONTROL_FAILED,
+                    "no active controller follows trajectories of " + left.front() +
+                        ": activate one that accepts FollowJointTrajectory or gripper goals");
     return out;
   }
 
@@ -293,9 +306,8 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
     sent.to = goal.actor.name + "/" + goal.actor.action;
     sent.message = protocol::Message(goal.message);
     sent.goal = true;
-    shared.bridge.ask(std::move(sent), [self = shared_from_this(), run, to = sent.to](const protocol::Reply& reply) {
-      self->answered(run, to, reply);
-    });
+    shared.bridge.ask(std::move(sent), [self = shared_from_this(), run, to = sent.to](
+                                           const protocol::Reply& reply) { self->answered(run, to, reply); });
   }
 
   void answered(const RunPointer& run, const std::string& to, const protocol::Reply& reply) {
@@ -338,7 +350,8 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
   void replan_or_end(const RunPointer& run) {
     const auto& options = run->request.planning_options;
     const int most = options.replan ? std::clamp(options.replan_attempts, 1, kMostReplans) : 0;
-    if (!run->plans || run->replans >= most || run->preempted || run->goal->status == GoalStatus::STATUS_CANCELING)
+    if (!run->plans || run->replans >= most || run->preempted ||
+        run->goal->status == GoalStatus::STATUS_CANCELING)
       return finish(run, Code::MOTION_PLAN_INVALIDATED_BY_ENVIRONMENT_CHANGE, run->invalidated);
     ++run->replans;
     shared.tell("it plans again: " + run->invalidated);
@@ -392,8 +405,8 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
   bool closed = false;
 };
 
-MoveGroupMotion::MoveGroupMotion(MoveGroupCell& shared, std::shared_ptr<const move_group::Arm> arm, std::string node,
-                                 const std::string& space)
+MoveGroupMotion::MoveGroupMotion(MoveGroupCell& shared, std::shared_ptr<const move_group::Arm> arm,
+                                 std::string node, const std::string& space)
     : work_{std::make_shared<Work>(shared, std::move(arm))} {
   work_->begin(node, space);
 }

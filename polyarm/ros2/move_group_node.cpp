@@ -42,10 +42,12 @@ class MoveGroupNode {
     while (space_.ends_with('/')) space_.pop_back();
     node_ = space_ + "/move_group";
     motion_.emplace(shared_, arm_, node_, space_);
-    scene_topic_ = bridge_.wire().publisher(node_, space_ + "/monitored_planning_scene",
-                                            bridge_.type("moveit_msgs/msg/PlanningScene"), {true, false, 100});
-    semantic_topic_ = bridge_.wire().publisher(node_, space_ + "/robot_description_semantic",
-                                               messages::type_info<messages::std_msgs::msg::String>(), {true, true, 1});
+    scene_topic_ =
+        bridge_.wire().publisher(node_, space_ + "/monitored_planning_scene",
+                                 bridge_.type("moveit_msgs/msg/PlanningScene"), {true, false, 100});
+    semantic_topic_ =
+        bridge_.wire().publisher(node_, space_ + "/robot_description_semantic",
+                                 messages::type_info<messages::std_msgs::msg::String>(), {true, true, 1});
     offer_services();
     listen();
     offer_standard_services(bridge_, node_, parameters());
@@ -84,36 +86,42 @@ class MoveGroupNode {
   /// A service whose request and response are structs. `answer` runs on another thread.
   template <class Request, class Response>
   void serve(const char* name, const char* type, Answer<Request, Response> answer) {
-    bridge_.wire().service(node_, space_ + "/" + name, type, [this, answer = std::move(answer), name](Wire::Request call) {
-      const auto request = std::make_shared<Request>();
-      if (!decode(bridge_, call.payload, *request)) return false;
-      const auto reply = std::make_shared<std::function<void(std::vector<std::byte>)>>(std::move(call.answer));
-      const bool plans = std::string_view(name) == "plan_kinematic_path" || std::string_view(name) == "compute_cartesian_path";
-      LongWork::Work work = [this, answer, request, reply, look = shared_.look(arm_), settings = shared_.settings()]() -> LongWork::Then {
-        const auto response = std::make_shared<Response>();
-        std::string failure;
-        try {
-          *response = answer(look(), *request, settings);
-        } catch (const std::exception& error) {
-          failure = error.what();
-        }
-        return [this, response, reply, failure] {
-          if (!failure.empty()) shared_.tell(failure);
-          report(*response);
-          (*reply)(encode(bridge_, *response));
-        };
-      };
-      const bool posted = plans ? shared_.work.plan(std::move(work)) : shared_.work.query(std::move(work));
-      if (!posted) (*reply)(encode(bridge_, Response{}));  // too many wait: the codes of the answer are 0
-      return true;
-    });
+    bridge_.wire().service(
+        node_, space_ + "/" + name, type, [this, answer = std::move(answer), name](Wire::Request call) {
+          const auto request = std::make_shared<Request>();
+          if (!decode(bridge_, call.payload, *request)) return false;
+          const auto reply =
+              std::make_shared<std::function<void(std::vector<std::byte>)>>(std::move(call.answer));
+          const bool plans = std::string_view(name) == "plan_kinematic_path" ||
+                             std::string_view(name) == "compute_cartesian_path";
+          LongWork::Work work = [this, answer, request, reply, look = shared_.look(arm_),
+                                 settings = shared_.settings()]() -> LongWork::Then {
+            const auto response = std::make_shared<Response>();
+            std::string failure;
+            try {
+              *response = answer(look(), *request, settings);
+            } catch (const std::exception& error) {
+              failure = error.what();
+            }
+            return [this, response, reply, failure] {
+              if (!failure.empty()) shared_.tell(failure);
+              report(*response);
+              (*reply)(encode(bridge_, *response));
+            };
+          };
+          const bool posted =
+              plans ? shared_.work.plan(std::move(work)) : shared_.work.query(std::move(work));
+          if (!posted) (*reply)(encode(bridge_, Response{}));  // too many wait: the codes of the answer are 0
+          return true;
+        });
   }
 
   /// The sentence of a failure, for clients that have only the code.
   template <class Response>
   void report(const Response& response) {
     if constexpr (requires { response.error_code; }) report(response.error_code);
-    if constexpr (requires { response.motion_plan_response; }) report(response.motion_plan_response.error_code);
+    if constexpr (requires { response.motion_plan_response; })
+      report(response.motion_plan_response.error_code);
   }
   void report(const Code& code) {
     if (code.val == Code::SUCCESS || code.message.empty()) return;
@@ -130,7 +138,8 @@ class MoveGroupNode {
     serve<srv::GetMotionPlan::Request, srv::GetMotionPlan::Response>(
         "plan_kinematic_path", "moveit_msgs/srv/GetMotionPlan",
         [](const Around& around, const auto& request, const auto& settings) {
-          return srv::GetMotionPlan::Response{move_group::plan(around, request.motion_plan_request, settings)};
+          return srv::GetMotionPlan::Response{
+              move_group::plan(around, request.motion_plan_request, settings)};
         });
     serve<srv::GetPositionIK::Request, srv::GetPositionIK::Response>(
         "compute_ik", "moveit_msgs/srv/GetPositionIK",
@@ -139,44 +148,51 @@ class MoveGroupNode {
         });
     serve<srv::GetPositionFK::Request, srv::GetPositionFK::Response>(
         "compute_fk", "moveit_msgs/srv/GetPositionFK",
-        [](const Around& around, const auto& request, const auto&) { return move_group::solve_fk(around, request); });
+        [](const Around& around, const auto& request, const auto&) {
+          return move_group::solve_fk(around, request);
+        });
     serve<srv::GetStateValidity::Request, srv::GetStateValidity::Response>(
         "check_state_validity", "moveit_msgs/srv/GetStateValidity",
-        [](const Around& around, const auto& request, const auto&) { return move_group::validity(around, request); });
+        [](const Around& around, const auto& request, const auto&) {
+          return move_group::validity(around, request);
+        });
     serve<srv::GetCartesianPath::Request, srv::GetCartesianPath::Response>(
         "compute_cartesian_path", "moveit_msgs/srv/GetCartesianPath",
         [](const Around& around, const auto& request, const auto& settings) {
           return move_group::cartesian_path(around, request, settings);
         });
     serve<srv::GetPlanningScene::Request, srv::GetPlanningScene::Response>(
-        "get_planning_scene", "moveit_msgs/srv/GetPlanningScene", [](const Around& around, const auto& request, const auto&) {
-          return srv::GetPlanningScene::Response{move_group::to_message(around, request.components.components)};
+        "get_planning_scene", "moveit_msgs/srv/GetPlanningScene",
+        [](const Around& around, const auto& request, const auto&) {
+          return srv::GetPlanningScene::Response{
+              move_group::to_message(around, request.components.components)};
         });
     serve<srv::ApplyPlanningScene::Request, srv::ApplyPlanningScene::Response>(
-        "apply_planning_scene", "moveit_msgs/srv/ApplyPlanningScene", [this](const Around& around, const auto& request, const auto&) {
-          return srv::ApplyPlanningScene::Response{apply(around, [&](auto& notes) {
-            return move_group::applied(around, request.scene, notes);
-          })};
+        "apply_planning_scene", "moveit_msgs/srv/ApplyPlanningScene",
+        [this](const Around& around, const auto& request, const auto&) {
+          return srv::ApplyPlanningScene::Response{
+              apply(around, [&](auto& notes) { return move_group::applied(around, request.scene, notes); })};
         });
     offer_planners();
   }
 
   void offer_planners() {
-    bridge_.service(node_, space_ + "/query_planner_interface", "moveit_msgs/srv/QueryPlannerInterfaces",
-                    [](const Json&, const Reply& reply) {
-                      reply({{"planner_interfaces",
-                              Json::array({{{"name", "Polyarm"},
-                                            {"pipeline_id", kPipeline},
-                                            {"planner_ids", Json::array({kPlanner})}}})}});
-                    });
+    bridge_.service(
+        node_, space_ + "/query_planner_interface", "moveit_msgs/srv/QueryPlannerInterfaces",
+        [](const Json&, const Reply& reply) {
+          reply({{"planner_interfaces", Json::array({{{"name", "Polyarm"},
+                                                      {"pipeline_id", kPipeline},
+                                                      {"planner_ids", Json::array({kPlanner})}}})}});
+        });
     bridge_.service(node_, space_ + "/get_planner_params", "moveit_msgs/srv/GetPlannerParams",
                     [](const Json&, const Reply& reply) { reply(Json::object()); });
-    bridge_.service(node_, space_ + "/set_planner_params", "moveit_msgs/srv/SetPlannerParams",
-                    [this](const Json& request, const Reply& reply) {
-                      if (!request["params"]["keys"].empty())
-                        shared_.tell("the planner has no parameters: those of set_planner_params have no effect");
-                      reply(Json::object());
-                    });
+    bridge_.service(
+        node_, space_ + "/set_planner_params", "moveit_msgs/srv/SetPlannerParams",
+        [this](const Json& request, const Reply& reply) {
+          if (!request["params"]["keys"].empty())
+            shared_.tell("the planner has no parameters: those of set_planner_params have no effect");
+          reply(Json::object());
+        });
     bridge_.service(node_, space_ + "/clear_octomap", "std_srvs/srv/Empty",
                     [](const Json&, const Reply& reply) { reply(Json::object()); });
   }
@@ -201,18 +217,21 @@ class MoveGroupNode {
 
   /// Messages that change the scene without an answer.
   template <class Message>
-  void listen(const char* topic, std::function<move_group::SceneState(const move_group::Around&, const Message&,
-                                                                      std::vector<std::string>&)> change) {
+  void listen(const char* topic,
+              std::function<move_group::SceneState(const move_group::Around&, const Message&,
+                                                   std::vector<std::string>&)>
+                  change) {
     bridge_.wire().subscription(
         node_, space_ + "/" + topic, bridge_.type(messages::type_info<Message>().name), {true, false, 100},
         [this, topic, change = std::move(change)](std::span<const std::byte> payload) {
           const auto message = std::make_shared<Message>();
           if (!decode(bridge_, payload, *message)) return false;
-          const bool posted = shared_.work.query([this, change, message, look = shared_.look(arm_)]() -> LongWork::Then {
-            const move_group::Around around = look();
-            apply(around, [&](auto& notes) { return change(around, *message, notes); });
-            return [] {};
-          });
+          const bool posted =
+              shared_.work.query([this, change, message, look = shared_.look(arm_)]() -> LongWork::Then {
+                const move_group::Around around = look();
+                apply(around, [&](auto& notes) { return change(around, *message, notes); });
+                return [] {};
+              });
           if (!posted) shared_.tell(fmt::format("a message on {} is dropped: too many wait", topic));
           return true;
         });
@@ -221,17 +240,20 @@ class MoveGroupNode {
   void listen() {
     using Notes = std::vector<std::string>;
     using Around = move_group::Around;
-    listen<msg::PlanningScene>("planning_scene", [](const Around& around, const msg::PlanningScene& message, Notes& notes) {
-      return move_group::applied(around, message, notes);
-    });
-    listen<msg::CollisionObject>("collision_object", [](const Around& around, const msg::CollisionObject& message, Notes&) {
-      move_group::SceneState state = *around.scene;
-      move_group::apply(around, message, state);
-      ++state.version;
-      return state;
-    });
+    listen<msg::PlanningScene>("planning_scene",
+                               [](const Around& around, const msg::PlanningScene& message, Notes& notes) {
+                                 return move_group::applied(around, message, notes);
+                               });
+    listen<msg::CollisionObject>("collision_object",
+                                 [](const Around& around, const msg::CollisionObject& message, Notes&) {
+                                   move_group::SceneState state = *around.scene;
+                                   move_group::apply(around, message, state);
+                                   ++state.version;
+                                   return state;
+                                 });
     listen<msg::AttachedCollisionObject>(
-        "attached_collision_object", [](const Around& around, const msg::AttachedCollisionObject& message, Notes&) {
+        "attached_collision_object",
+        [](const Around& around, const msg::AttachedCollisionObject& message, Notes&) {
           move_group::SceneState state = *around.scene;
           move_group::apply(around, message, state);
           ++state.version;
@@ -246,9 +268,9 @@ class MoveGroupNode {
     told_at_ = now;
     if (!bridge_.wire().wanted(scene_topic_)) return;
     const std::vector<double> q = bridge_.cell().moment().robots[arm_->index()].joints;
-    const bool moved = q.size() != told_.size() || !std::equal(q.begin(), q.end(), told_.begin(), [](double a, double b) {
-      return std::abs(a - b) < kMoved;
-    });
+    const bool moved =
+        q.size() != told_.size() || !std::equal(q.begin(), q.end(), told_.begin(),
+                                                [](double a, double b) { return std::abs(a - b) < kMoved; });
     if (!moved) return;
     told_ = q;
     msg::PlanningScene scene;
@@ -275,7 +297,8 @@ class MoveGroupNode {
   void make_semantic() {
     shared_.work.plan([this, look = shared_.look(arm_)]() -> LongWork::Then {
       const move_group::Around around = look();
-      description::RobotModel model = *(*around.bodies.robots)[arm_->index()].model;  // with bodies of its meshes
+      description::RobotModel model =
+          *(*around.bodies.robots)[arm_->index()].model;  // with bodies of its meshes
       model.groups = arm_->model().groups;
       model.end_effectors = arm_->model().end_effectors;
       std::string text = description::write_srdf(model, description::needless_pairs(model, kPairSamples),
@@ -290,7 +313,9 @@ class MoveGroupNode {
   ParameterSource parameters() {
     ParameterSource out;
     out.list = [this](const std::function<void(Json)>& got) { got(parameter_list()); };
-    out.set = [](const Json&, std::function<void(std::string)> done) { done("it is read when the cell is built"); };
+    out.set = [](const Json&, std::function<void(std::string)> done) {
+      done("it is read when the cell is built");
+    };
     return out;
   }
 
@@ -307,7 +332,8 @@ class MoveGroupNode {
     for (const move_group::Group& group : arm_->groups()) {
       const std::string of = "robot_description_kinematics." + group.name + ".";
       if (!group.solvable) continue;
-      add(of + "kinematics_solver", "kdl_kinematics_plugin/KDLKinematicsPlugin", "for clients that solve by themselves");
+      add(of + "kinematics_solver", "kdl_kinematics_plugin/KDLKinematicsPlugin",
+          "for clients that solve by themselves");
       add(of + "kinematics_solver_search_resolution", 0.005, "for clients that solve by themselves");
       add(of + "kinematics_solver_timeout", 0.05, "for clients that solve by themselves, s");
     }

@@ -12,14 +12,18 @@ namespace polyarm::ros2 {
 
 inline const std::string kMoveIt = "moveit_msgs/srv/";
 inline constexpr int kSucceeded = 4, kCanceled = 5, kAborted = 6;
-inline const std::vector<std::string> kUrJoints = {"shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint",
-                                                   "wrist_1_joint",      "wrist_2_joint",       "wrist_3_joint"};
+inline const std::vector<std::string> kUrJoints = {"shoulder_pan_joint", "shoulder_lift_joint",
+                                                   "elbow_joint",        "wrist_1_joint",
+                                                   "wrist_2_joint",      "wrist_3_joint"};
 inline const std::vector<double> kThere = {0.6, -1.4, 1.3, -1.2, -1.4, 0.3};
 
 inline json joint_goal(const std::vector<double>& q) {
   json out = json::array();
   for (std::size_t i = 0; i < q.size(); ++i)
-    out.push_back({{"joint_name", kUrJoints[i]}, {"position", q[i]}, {"tolerance_above", 1e-4}, {"tolerance_below", 1e-4},
+    out.push_back({{"joint_name", kUrJoints[i]},
+                   {"position", q[i]},
+                   {"tolerance_above", 1e-4},
+                   {"tolerance_below", 1e-4},
                    {"weight", 1.0}});
   return {{"joint_constraints", out}};
 }
@@ -39,7 +43,8 @@ class MoveGroupCellTest : public ::testing::Test {
   void SetUp() override {
     cell_.emplace(test::OwnCell::Files{
         {"cell.yaml",
-         "polyarm: cell/1\nrate: 500\nrobots:\n  arm: {model: universal_robots/ur5e, hardware: mock}\ncontrollers: "
+         "polyarm: cell/1\nrate: 500\nrobots:\n  arm: {model: universal_robots/ur5e, hardware: "
+         "mock}\ncontrollers: "
          "controllers.yaml\nactivate: [joint_state_broadcaster, arm_controller]\nros2: {move_group: true}\n"},
         {"controllers.yaml", kControllers}});
     client_ = &*cell_->client;
@@ -55,7 +60,8 @@ class MoveGroupCellTest : public ::testing::Test {
   }
   json send(int number, const json& goal, const std::string& action = "/move_action",
             const std::string& type = "moveit_msgs/action/MoveGroup") {
-    return client_->call(action + "/_action/send_goal", type + "_SendGoal", {{"goal_id", id(number)}, {"goal", goal}});
+    return client_->call(action + "/_action/send_goal", type + "_SendGoal",
+                         {{"goal_id", id(number)}, {"goal", goal}});
   }
   json result(int number, const std::string& action = "/move_action",
               const std::string& type = "moveit_msgs/action/MoveGroup") {
@@ -79,7 +85,8 @@ class MoveGroupCellTest : public ::testing::Test {
   }
   bool is_at(const std::vector<double>& q) const {
     const std::vector<double> now = joints();
-    return std::equal(q.begin(), q.end(), now.begin(), [](double a, double b) { return std::abs(a - b) < 2e-3; });
+    return std::equal(q.begin(), q.end(), now.begin(),
+                      [](double a, double b) { return std::abs(a - b) < 2e-3; });
   }
 
   std::optional<test::OwnCell> cell_;

@@ -18,32 +18,36 @@ json request_to(const json& goal) {
   return {{"group_name", "arm"}, {"goal_constraints", json::array({goal})}};
 }
 json pose_goal(const json& pose, double position = 1e-3, double angle = 1e-2) {
-  return {{"position_constraints",
-           json::array({{{"header", {{"frame_id", "world"}}},
-                         {"link_name", "tool0"},
-                         {"constraint_region",
-                          {{"primitives", json::array({{{"type", 2}, {"dimensions", json::array({position})}}})},
-                           {"primitive_poses", json::array({{{"position", pose["position"]}, {"orientation", {{"w", 1.0}}}}})}}},
-                         {"weight", 1.0}}})},
-          {"orientation_constraints",
-           json::array({{{"header", {{"frame_id", "world"}}},
-                         {"link_name", "tool0"},
-                         {"orientation", pose["orientation"]},
-                         {"absolute_x_axis_tolerance", angle},
-                         {"absolute_y_axis_tolerance", angle},
-                         {"absolute_z_axis_tolerance", angle},
-                         {"weight", 1.0}}})}};
+  return {
+      {"position_constraints",
+       json::array({{{"header", {{"frame_id", "world"}}},
+                     {"link_name", "tool0"},
+                     {"constraint_region",
+                      {{"primitives", json::array({{{"type", 2}, {"dimensions", json::array({position})}}})},
+                       {"primitive_poses",
+                        json::array({{{"position", pose["position"]}, {"orientation", {{"w", 1.0}}}}})}}},
+                     {"weight", 1.0}}})},
+      {"orientation_constraints", json::array({{{"header", {{"frame_id", "world"}}},
+                                                {"link_name", "tool0"},
+                                                {"orientation", pose["orientation"]},
+                                                {"absolute_x_axis_tolerance", angle},
+                                                {"absolute_y_axis_tolerance", angle},
+                                                {"absolute_z_axis_tolerance", angle},
+                                                {"weight", 1.0}}})}};
 }
 
 class MoveGroupGoals : public MoveGroupCellTest {
  protected:
   json plan(const json& request) {
-    return call("/plan_kinematic_path", kMoveIt + "GetMotionPlan", {{"motion_plan_request", request}})["motion_plan_response"];
+    return call("/plan_kinematic_path", kMoveIt + "GetMotionPlan",
+                {{"motion_plan_request", request}})["motion_plan_response"];
   }
   int code(const json& request) { return plan(request)["error_code"]["val"].get<int>(); }
   json fk(const std::vector<double>& q) {
     return call("/compute_fk", kMoveIt + "GetPositionFK",
-                {{"header", {{"frame_id", "world"}}}, {"fk_link_names", {"tool0"}}, {"robot_state", state(q)}})["pose_stamped"][0]["pose"];
+                {{"header", {{"frame_id", "world"}}},
+                 {"fk_link_names", {"tool0"}},
+                 {"robot_state", state(q)}})["pose_stamped"][0]["pose"];
   }
   static std::vector<double> end_of(const json& plan) {
     return plan["trajectory"]["joint_trajectory"]["points"].back()["positions"].get<std::vector<double>>();
@@ -64,7 +68,8 @@ TEST_F(MoveGroupGoals, APositionAloneAndAlternativesAreReached) {
   position.erase("orientation_constraints");
   EXPECT_EQ(code(request_to(position)), 1);
   json far = pose_goal(fk(kThere));
-  far["position_constraints"][0]["constraint_region"]["primitive_poses"][0]["position"] = {{"x", 9.0}, {"y", 0.0}, {"z", 0.0}};
+  far["position_constraints"][0]["constraint_region"]["primitive_poses"][0]["position"] = {
+      {"x", 9.0}, {"y", 0.0}, {"z", 0.0}};
   EXPECT_EQ(code(request_to(far)), -31);
   json both = request_to(far);
   both["goal_constraints"].push_back(joint_goal(kThere));
@@ -73,12 +78,15 @@ TEST_F(MoveGroupGoals, APositionAloneAndAlternativesAreReached) {
 
 TEST_F(MoveGroupGoals, ObjectsAreAvoidedNamedAndRemoved) {
   const json at = fk(kThere)["position"];
-  ASSERT_TRUE(apply({{"is_diff", true},
-                     {"world", {{"collision_objects", json::array({box("crate", {0.2, 0.2, 0.2}, at["x"], at["y"], at["z"])})}}}}));
+  ASSERT_TRUE(apply(
+      {{"is_diff", true},
+       {"world",
+        {{"collision_objects", json::array({box("crate", {0.2, 0.2, 0.2}, at["x"], at["y"], at["z"])})}}}}));
   const json blocked = plan(request_to(joint_goal(kThere)));
   EXPECT_EQ(blocked["error_code"]["val"], -12) << blocked["error_code"];
   EXPECT_NE(blocked["error_code"]["message"].get<std::string>().find("crate"), std::string::npos);
-  const json scene = call("/get_planning_scene", kMoveIt + "GetPlanningScene", {{"components", {{"components", 24}}}})["scene"];
+  const json scene = call("/get_planning_scene", kMoveIt + "GetPlanningScene",
+                          {{"components", {{"components", 24}}}})["scene"];
   ASSERT_EQ(scene["world"]["collision_objects"].size(), 1u) << scene["world"];
   EXPECT_EQ(scene["world"]["collision_objects"][0]["id"], "crate");
   json removed = box("crate", {}, 0, 0, 0);
@@ -91,18 +99,22 @@ TEST_F(MoveGroupGoals, ObjectsAreAvoidedNamedAndRemoved) {
 TEST_F(MoveGroupGoals, AnAttachedObjectGoesWithTheRobotAndStaysWhereItIsLetGo) {
   json held = box("bar", {0.02, 0.02, 0.8}, 0, 0, 0.45);
   held["header"]["frame_id"] = "tool0";
-  ASSERT_TRUE(apply({{"is_diff", true},
-                     {"robot_state", {{"is_diff", true},
-                                      {"attached_collision_objects", json::array({{{"link_name", "tool0"}, {"object", held}}})}}}}));
+  ASSERT_TRUE(
+      apply({{"is_diff", true},
+             {"robot_state",
+              {{"is_diff", true},
+               {"attached_collision_objects", json::array({{{"link_name", "tool0"}, {"object", held}}})}}}}));
   const json valid = call("/check_state_validity", kMoveIt + "GetStateValidity",
                           {{"group_name", "arm"}, {"robot_state", state({0, -0.6, 1.2, -2.2, -1.57, 0})}});
   EXPECT_EQ(valid["valid"], false) << "it reaches into the floor";
   json let_go = held;
   let_go["operation"] = 1;
   let_go["primitives"] = let_go["primitive_poses"] = json::array();
-  ASSERT_TRUE(apply({{"is_diff", true},
-                     {"robot_state", {{"is_diff", true},
-                                      {"attached_collision_objects", json::array({{{"link_name", "tool0"}, {"object", let_go}}})}}}}));
+  ASSERT_TRUE(apply(
+      {{"is_diff", true},
+       {"robot_state",
+        {{"is_diff", true},
+         {"attached_collision_objects", json::array({{{"link_name", "tool0"}, {"object", let_go}}})}}}}));
   const json scene = call("/get_planning_scene", kMoveIt + "GetPlanningScene")["scene"];
   EXPECT_TRUE(scene["robot_state"]["attached_collision_objects"].empty());
   ASSERT_EQ(scene["world"]["collision_objects"].size(), 1u);
@@ -136,18 +148,26 @@ TEST_F(MoveGroupGoals, ALineIsFollowedAndCarriedOut) {
   json to = fk(joints());
   to["position"]["z"] = to["position"]["z"].get<double>() - 0.05;
   const json path = call("/compute_cartesian_path", kMoveIt + "GetCartesianPath",
-                         {{"header", {{"frame_id", "world"}}}, {"group_name", "arm"}, {"link_name", "tool0"},
-                          {"waypoints", json::array({to})}, {"max_step", 0.01}, {"avoid_collisions", true}});
+                         {{"header", {{"frame_id", "world"}}},
+                          {"group_name", "arm"},
+                          {"link_name", "tool0"},
+                          {"waypoints", json::array({to})},
+                          {"max_step", 0.01},
+                          {"avoid_collisions", true}});
   ASSERT_EQ(path["error_code"]["val"], 1) << path["error_code"];
   EXPECT_DOUBLE_EQ(path["fraction"].get<double>(), 1);
-  ASSERT_EQ(send(1, {{"trajectory", path["solution"]}}, "/execute_trajectory", kExecuteType)["accepted"], true);
+  ASSERT_EQ(send(1, {{"trajectory", path["solution"]}}, "/execute_trajectory", kExecuteType)["accepted"],
+            true);
   const json done = result(1, "/execute_trajectory", kExecuteType);
   EXPECT_EQ(done["result"]["error_code"]["val"], 1) << done;
   EXPECT_NEAR(fk(joints())["position"]["z"].get<double>(), to["position"]["z"].get<double>(), 1e-3);
   json far = to;
   far["position"]["x"] = 5.0;
   const json cut = call("/compute_cartesian_path", kMoveIt + "GetCartesianPath",
-                        {{"header", {{"frame_id", "world"}}}, {"group_name", "arm"}, {"waypoints", json::array({far})}, {"max_step", 0.01}});
+                        {{"header", {{"frame_id", "world"}}},
+                         {"group_name", "arm"},
+                         {"waypoints", json::array({far})},
+                         {"max_step", 0.01}});
   EXPECT_LT(cut["fraction"].get<double>(), 0.9);
 }
 
@@ -157,7 +177,9 @@ TEST_F(MoveGroupGoals, ACancelledMoveStopsAndSaysSo) {
   const std::vector<double> before = joints();
   ASSERT_EQ(send(1, goal)["accepted"], true);
   ASSERT_TRUE(wait([&] { return std::abs(joints()[0] - before[0]) > 0.01; }));
-  EXPECT_EQ(call("/move_action/_action/cancel_goal", "action_msgs/srv/CancelGoal", {{"goal_info", {{"goal_id", id(1)}}}})["return_code"], 0);
+  EXPECT_EQ(call("/move_action/_action/cancel_goal", "action_msgs/srv/CancelGoal",
+                 {{"goal_info", {{"goal_id", id(1)}}}})["return_code"],
+            0);
   const json ended = result(1);
   EXPECT_EQ(ended["status"], kCanceled) << ended["status"];
   EXPECT_EQ(ended["result"]["error_code"]["val"], -7);
@@ -182,8 +204,10 @@ TEST_F(MoveGroupGoals, AnObjectInTheWayStopsTheMotion) {
   const json at = fk({2.5, -1.4, 1.3, -1.2, -1.4, 0.3})["position"];
   ASSERT_EQ(send(1, goal)["accepted"], true);
   ASSERT_TRUE(wait([&] { return std::abs(joints()[0] - before[0]) > 0.01; }));
-  ASSERT_TRUE(apply({{"is_diff", true},
-                     {"world", {{"collision_objects", json::array({box("late", {0.2, 0.2, 0.2}, at["x"], at["y"], at["z"])})}}}}));
+  ASSERT_TRUE(apply(
+      {{"is_diff", true},
+       {"world",
+        {{"collision_objects", json::array({box("late", {0.2, 0.2, 0.2}, at["x"], at["y"], at["z"])})}}}}));
   const json ended = result(1);
   EXPECT_EQ(ended["result"]["error_code"]["val"], -3) << ended["result"]["error_code"];
   EXPECT_NE(ended["result"]["error_code"]["message"].get<std::string>().find("late"), std::string::npos);
@@ -234,7 +258,9 @@ TEST_F(MoveGroupGoals, BadInputIsRefusedWithItsCode) {
 
 TEST_F(MoveGroupGoals, BadScenesChangeNothing) {
   const auto add = [&](const json& object) {
-    return apply({{"is_diff", true}, {"world", {{"collision_objects", json::array({box("good", {0.1, 0.1, 0.1}, 2, 2, 2), object})}}}});
+    return apply(
+        {{"is_diff", true},
+         {"world", {{"collision_objects", json::array({box("good", {0.1, 0.1, 0.1}, 2, 2, 2), object})}}}});
   };
   EXPECT_FALSE(add(box("nan", {kNan, 1, 1}, 0, 0, 0)));
   EXPECT_FALSE(add(box("negative", {-1, 1, 1}, 0, 0, 0)));
@@ -243,7 +269,8 @@ TEST_F(MoveGroupGoals, BadScenesChangeNothing) {
   EXPECT_FALSE(add(box("", {1, 1, 1}, 0, 0, 0)));
   json mesh = box("mesh", {}, 0, 0, 0);
   mesh["primitives"] = mesh["primitive_poses"] = json::array();
-  mesh["meshes"] = json::array({{{"vertices", json::array({{{"x", 0.0}}})}, {"triangles", json::array({{{"vertex_indices", {0, 1, 2}}}})}}});
+  mesh["meshes"] = json::array({{{"vertices", json::array({{{"x", 0.0}}})},
+                                 {"triangles", json::array({{{"vertex_indices", {0, 1, 2}}}})}}});
   mesh["mesh_poses"] = json::array({{{"orientation", {{"w", 1.0}}}}});
   EXPECT_FALSE(add(mesh));
   json many = json::array();
@@ -255,8 +282,12 @@ TEST_F(MoveGroupGoals, BadScenesChangeNothing) {
 
 TEST_F(MoveGroupGoals, ATrajectoryFromElsewhereIsNotCarriedOut) {
   const std::vector<double> before = joints();
-  json points = json::array({{{"positions", kThere}, {"time_from_start", 0.0}}, {{"positions", before}, {"time_from_start", 5.0}}});
-  ASSERT_EQ(send(1, {{"trajectory", {{"joint_trajectory", {{"joint_names", kUrJoints}, {"points", points}}}}}}, "/execute_trajectory", kExecuteType)["accepted"], true);
+  json points = json::array(
+      {{{"positions", kThere}, {"time_from_start", 0.0}}, {{"positions", before}, {"time_from_start", 5.0}}});
+  ASSERT_EQ(
+      send(1, {{"trajectory", {{"joint_trajectory", {{"joint_names", kUrJoints}, {"points", points}}}}}},
+           "/execute_trajectory", kExecuteType)["accepted"],
+      true);
   EXPECT_EQ(result(1, "/execute_trajectory", kExecuteType)["result"]["error_code"]["val"], -4);
   EXPECT_EQ(joints(), before);
 }

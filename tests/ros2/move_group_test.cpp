@@ -11,7 +11,8 @@ namespace polyarm::ros2 {
 namespace {
 
 TEST_F(MoveGroupCellTest, PlansAndMovesToJointValues) {
-  const json result = move(1, {{"request", {{"group_name", "arm"}, {"goal_constraints", json::array({joint_goal(kThere)})}}}});
+  const json result = move(
+      1, {{"request", {{"group_name", "arm"}, {"goal_constraints", json::array({joint_goal(kThere)})}}}});
   EXPECT_EQ(result["status"], kSucceeded) << result;
   EXPECT_EQ(result["result"]["error_code"]["val"], 1) << result["result"]["error_code"];
   EXPECT_GT(result["result"]["planned_trajectory"]["joint_trajectory"]["points"].size(), 10u);
@@ -20,8 +21,9 @@ TEST_F(MoveGroupCellTest, PlansAndMovesToJointValues) {
 
 TEST_F(MoveGroupCellTest, PlanOnlyMovesNothing) {
   const std::vector<double> before = joints();
-  const json result = move(1, {{"request", {{"group_name", "arm"}, {"goal_constraints", json::array({joint_goal(kThere)})}}},
-                               {"planning_options", {{"plan_only", true}}}});
+  const json result =
+      move(1, {{"request", {{"group_name", "arm"}, {"goal_constraints", json::array({joint_goal(kThere)})}}},
+               {"planning_options", {{"plan_only", true}}}});
   EXPECT_EQ(result["status"], kSucceeded) << result;
   EXPECT_EQ(joints(), before);
 }
@@ -31,8 +33,11 @@ TEST_F(MoveGroupCellTest, SolvesAndUndoesItself) {
                        {{"fk_link_names", {"tool0"}}, {"robot_state", state(kThere)}});
   ASSERT_EQ(fk["error_code"]["val"], 1) << fk;
   const json ik = call("/compute_ik", kMoveIt + "GetPositionIK",
-                       {{"ik_request", {{"group_name", "arm"}, {"robot_state", state(kThere)}, {"avoid_collisions", true},
-                                        {"pose_stamped", fk["pose_stamped"][0]}}}});
+                       {{"ik_request",
+                         {{"group_name", "arm"},
+                          {"robot_state", state(kThere)},
+                          {"avoid_collisions", true},
+                          {"pose_stamped", fk["pose_stamped"][0]}}}});
   ASSERT_EQ(ik["error_code"]["val"], 1) << ik["error_code"];
   for (std::size_t i = 0; i < kThere.size(); ++i)
     EXPECT_NEAR(ik["solution"]["joint_state"]["position"][i].get<double>(), kThere[i], 1e-6);
@@ -40,7 +45,8 @@ TEST_F(MoveGroupCellTest, SolvesAndUndoesItself) {
 
 TEST_F(MoveGroupCellTest, TellsWhetherAStateIsValid) {
   const auto valid = [&](const std::vector<double>& q) {
-    return call("/check_state_validity", kMoveIt + "GetStateValidity", {{"group_name", "arm"}, {"robot_state", state(q)}});
+    return call("/check_state_validity", kMoveIt + "GetStateValidity",
+                {{"group_name", "arm"}, {"robot_state", state(q)}});
   };
   EXPECT_EQ(valid(kThere)["valid"], true);
   const json folded = valid({0, -1.5, 3.1, 0, 0, 0});
