@@ -52,6 +52,8 @@ msg::RobotTrajectory to_message(const Arm& arm, const Group& group, const moves:
     }
     begin += duration;
   }
+  for (double& value : trajectory.points.back().velocities) value = 0;  // it ends at rest
+  for (double& value : trajectory.points.back().accelerations) value = 0;
   return out;
 }
 

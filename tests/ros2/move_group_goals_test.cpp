@@ -121,11 +121,11 @@ TEST_F(MoveGroupGoals, AnAttachedObjectGoesWithTheRobotAndStaysWhereItIsLetGo) {
 }
 
 TEST_F(MoveGroupGoals, APathConstraintIsKeptOrRefused) {
-  json goal = fk(joints());
+  json goal = fk(kThere);
   goal["position"]["z"] = goal["position"]["z"].get<double>() - 0.08;
   json upright = pose_goal(goal)["orientation_constraints"];
   json request = request_to(pose_goal(goal));
-  request["start_state"] = state(joints());
+  request["start_state"] = state(kThere);
   request["path_constraints"]["orientation_constraints"] = upright;
   const json found = plan(request);
   ASSERT_EQ(found["error_code"]["val"], 1) << found["error_code"];
@@ -145,6 +145,8 @@ TEST_F(MoveGroupGoals, APathConstraintIsKeptOrRefused) {
 }
 
 TEST_F(MoveGroupGoals, ALineIsFollowedAndCarriedOut) {
+  ASSERT_EQ(move(7, {{"request", request_to(joint_goal(kThere))}})["result"]["error_code"]["val"], 1);
+  ASSERT_TRUE(wait([&] { return is_at(kThere); }));
   json to = fk(joints());
   to["position"]["z"] = to["position"]["z"].get<double>() - 0.05;
   const json path = call("/compute_cartesian_path", kMoveIt + "GetCartesianPath",
