@@ -381,6 +381,14 @@ msg::PlanningScene to_message(const Around& around, std::uint32_t components) {
   return out;
 }
 
+std::vector<description::Fixture> fixtures_of(const SceneState& state) {
+  std::vector<description::Fixture> out;
+  for (const auto& [id, object] : state.world)
+    if (!state.allowed.contains(id) && !object.shapes.empty())
+      out.push_back({id, object.shapes, object.pose, {}, 0.8});
+  return out;
+}
+
 std::unique_ptr<surroundings::Surroundings> compiled(const Around& around, std::span<const double> q,
                                                      double clearance) {
   description::Scene scene = *around.bodies.scene;
@@ -393,11 +401,7 @@ std::unique_ptr<surroundings::Surroundings> compiled(const Around& around, std::
   for (auto& part : now.moment.parts)
     if (part.in_world && part.held_by == static_cast<int>(around.arm->index()))
       part.pose = T_new_old * part.pose;
-  std::vector<std::string> touching;
-  for (const auto& [id, object] : around.scene->world) {
-    scene.fixtures.push_back({id, object.shapes, object.pose, {}, 0.8});
-    if (around.scene->allowed.contains(id)) touching.push_back("fixture " + id);
-  }
+  for (description::Fixture& fixture : fixtures_of(*around.scene)) scene.fixtures.push_back(std::move(fixture));
   for (const auto& [id, attached] : around.scene->attached) {
     if (around.scene->allowed.contains(id)) continue;
     const Pose pose = attached_in_world(now, attached);
@@ -411,7 +415,7 @@ std::unique_ptr<surroundings::Surroundings> compiled(const Around& around, std::
     }
   }
   return std::make_unique<surroundings::Surroundings>(*around.bodies.robots, scene, now.moment,
-                                                      around.arm->index(), clearance, touching);
+                                                      around.arm->index(), clearance);
 }
 
 }  // namespace polyarm::move_group

@@ -75,6 +75,9 @@ SceneState applied(const Around& around, const msg::PlanningScene& message, std:
 void apply(const Around& around, const msg::CollisionObject& message, SceneState& state);
 void apply(const Around& around, const msg::AttachedCollisionObject& message, SceneState& state);
 
+/// The objects that nobody holds, as fixtures of the cell; those that everything may touch are left out.
+std::vector<description::Fixture> fixtures_of(const SceneState& state);
+
 /// The scene as clients read it: objects of clients, and the fixtures and parts of the cell. `components`:
 /// bits of PlanningSceneComponents; 0: all.
 msg::PlanningScene to_message(const Around& around, std::uint32_t components);

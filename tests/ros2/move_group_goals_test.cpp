@@ -104,9 +104,14 @@ TEST_F(MoveGroupGoals, AnAttachedObjectGoesWithTheRobotAndStaysWhereItIsLetGo) {
              {"robot_state",
               {{"is_diff", true},
                {"attached_collision_objects", json::array({{{"link_name", "tool0"}, {"object", held}}})}}}}));
-  const json valid = call("/check_state_validity", kMoveIt + "GetStateValidity",
-                          {{"group_name", "arm"}, {"robot_state", state({0, -0.6, 1.2, -2.2, -1.57, 0})}});
-  EXPECT_EQ(valid["valid"], false) << "it reaches into the floor";
+  ASSERT_TRUE(apply(
+      {{"is_diff", true},
+       {"world", {{"collision_objects", json::array({box("slab", {1.2, 1.2, 0.1}, 0.8, 0, -0.45)})}}}}));
+  const std::vector<double> low{0, -0.6, 1.2, -2.2, -1.57, 0};
+  const json answer = call("/check_state_validity", kMoveIt + "GetStateValidity",
+                           {{"group_name", "arm"}, {"robot_state", state(low)}});
+  EXPECT_EQ(answer["valid"], false) << "the bar reaches into the slab";
+  EXPECT_NE(answer["contacts"].dump().find("bar"), std::string::npos) << answer;
   json let_go = held;
   let_go["operation"] = 1;
   let_go["primitives"] = let_go["primitive_poses"] = json::array();
@@ -117,7 +122,10 @@ TEST_F(MoveGroupGoals, AnAttachedObjectGoesWithTheRobotAndStaysWhereItIsLetGo) {
          {"attached_collision_objects", json::array({{{"link_name", "tool0"}, {"object", let_go}}})}}}}));
   const json scene = call("/get_planning_scene", kMoveIt + "GetPlanningScene")["scene"];
   EXPECT_TRUE(scene["robot_state"]["attached_collision_objects"].empty());
-  ASSERT_EQ(scene["world"]["collision_objects"].size(), 1u);
+  ASSERT_EQ(scene["world"]["collision_objects"].size(), 2u);
+  EXPECT_EQ(call("/check_state_validity", kMoveIt + "GetStateValidity",
+                 {{"group_name", "arm"}, {"robot_state", state(low)}})["valid"],
+            true);
 }
 
 TEST_F(MoveGroupGoals, APathConstraintIsKeptOrRefused) {
