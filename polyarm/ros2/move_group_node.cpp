@@ -21,6 +21,7 @@ namespace msg = move_group::msg;
 namespace srv = move_group::srv;
 
 constexpr Nanoseconds kStates = 100'000'000;  // between states of the robot on monitored_planning_scene
+constexpr Nanoseconds kBetweenReports = 1'000'000'000;
 constexpr int kPairSamples = 2000;            // joint states that are compared for the SRDF
 constexpr double kMoved = 1e-4;               // rad or m: less is not told
 const char* const kPipeline = "polyarm";
@@ -126,9 +127,7 @@ class MoveGroupNode {
   void report(const Code& code) {
     if (code.val == Code::SUCCESS || code.message.empty()) return;
     const Nanoseconds now = bridge_.cell().now();
-    constexpr Nanoseconds kAgain = 5'000'000'000;
-    if (code.message == reported_ && now - reported_at_ < kAgain) return;
-    reported_ = code.message;
+    if (now - reported_at_ < kBetweenReports) return;  // a client may ask many times a second
     reported_at_ = now;
     shared_.tell(fmt::format("code {}: {}", code.val, code.message));
   }
@@ -362,8 +361,8 @@ class MoveGroupNode {
   const std::shared_ptr<const Arm> arm_;
   std::optional<MoveGroupMotion> motion_;
   Wire::Id scene_topic_ = 0, semantic_topic_ = 0;
-  std::string semantic_, reported_;
-  Nanoseconds reported_at_ = 0, told_at_ = -1;
+  std::string semantic_;
+  Nanoseconds reported_at_ = -kBetweenReports, told_at_ = -1;
   std::vector<double> told_;
   std::mutex notes_mutex_;
   std::vector<std::string> notes_;
