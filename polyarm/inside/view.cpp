@@ -139,9 +139,6 @@ surroundings::Moment CellView::moment() const {
 std::shared_ptr<SharedBodies> CellView::bodies() const {
   return inside_.motions->bodies();
 }
-void CellView::set_objects(std::vector<description::Fixture> objects) {
-  inside_.motions->bodies()->set_objects(std::move(objects));
-}
 moves::MovePlanOptions CellView::plan_options() const {
   return inside_.motions->plan_options();
 }

@@ -84,9 +84,6 @@ class CellView {
   surroundings::Moment moment() const;
   /// Robots and scene as contacts see them. Its get() may read the disk: not on the cell thread.
   std::shared_ptr<SharedBodies> bodies() const;
-  /// Objects around the robots that a door's clients name: plans of programs go around them, and guards keep
-  /// robots from them. They replace those of the last call.
-  void set_objects(std::vector<description::Fixture> objects);
   /// The speed limits of planned moves.
   moves::MovePlanOptions plan_options() const;
   Pose tcp(std::size_t robot) const;

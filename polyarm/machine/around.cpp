@@ -172,33 +172,10 @@ class CellObstacles : public moves::Obstacles {
 
 }  // namespace
 
-const std::shared_ptr<const ContactBodies>& SharedBodies::made() {
-  if (!made_) made_ = contact_bodies(robots_, scene_);
-  return made_;
-}
-
-std::shared_ptr<const ContactBodies> SharedBodies::own() {
-  const std::lock_guard lock(mutex_);
-  return made();
-}
-
 std::shared_ptr<const ContactBodies> SharedBodies::get() {
   const std::lock_guard lock(mutex_);
-  if (objects_.empty()) return made();
-  if (with_objects_) return with_objects_;
-  const auto out = std::make_shared<ContactBodies>(*made());
-  for (std::size_t r = 0; r < out->robots.size(); ++r)
-    out->robots[r].model = &out->models[r], out->robots[r].tool = &out->tools[r];
-  out->scene.fixtures.insert(out->scene.fixtures.end(), objects_.begin(), objects_.end());
-  with_objects_ = out;
-  return with_objects_;
-}
-
-void SharedBodies::set_objects(std::vector<description::Fixture> objects) {
-  const std::lock_guard lock(mutex_);
-  objects_ = std::move(objects);
-  with_objects_.reset();
-  version_.fetch_add(1, std::memory_order_release);
+  if (!made_) made_ = contact_bodies(robots_, scene_);
+  return made_;
 }
 
 std::shared_ptr<moves::Obstacles> obstacles_around(std::shared_ptr<SharedBodies> bodies,

@@ -1,11 +1,8 @@
 #pragma once
 /// What is around the robots of a cell, for moves that go around obstacles.
-#include <atomic>
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <vector>
 
 #include "polyarm/moves/obstacles.hpp"
 #include "polyarm/setup/bodies.hpp"
@@ -20,22 +17,12 @@ class SharedBodies {
   SharedBodies(const CellRobots& robots, const description::Scene& scene) : robots_(robots), scene_(scene) {}
   /// Throws Error as contact_bodies() does; then it tries again at the next call.
   std::shared_ptr<const ContactBodies> get();
-  /// The same without the objects of clients.
-  std::shared_ptr<const ContactBodies> own();
-  /// Objects that clients add while the cell runs. They count from the next get() on.
-  void set_objects(std::vector<description::Fixture> objects);
-  /// Counts the calls of set_objects().
-  std::uint64_t version() const { return version_.load(std::memory_order_acquire); }
 
  private:
-  const std::shared_ptr<const ContactBodies>& made();
   const CellRobots& robots_;
   const description::Scene& scene_;
   std::mutex mutex_;
   std::shared_ptr<const ContactBodies> made_;
-  std::shared_ptr<const ContactBodies> with_objects_;  // null: not made since the last change
-  std::vector<description::Fixture> objects_;
-  std::atomic<std::uint64_t> version_{0};
 };
 
 struct AroundOptions {

@@ -129,7 +129,6 @@ struct Guards::Work {
     std::atomic<bool> done{false};
   };
   std::shared_ptr<Making> making;
-  std::uint64_t version = 0;  // of the objects of clients, when the bodies were made
   bool off = false;
 };
 
@@ -168,7 +167,6 @@ void Guards::prepare() {
 
 void Guards::begin_bodies() {
   work_->making = std::make_shared<Work::Making>();
-  work_->version = cell_.motions.bodies()->version();
   cell_.planner.post([making = work_->making, shared = cell_.motions.bodies(), robots = work_->robots.size(),
                       zones = zones_of(cell_.setup)] {
     try {
@@ -185,36 +183,25 @@ void Guards::begin_bodies() {
 
 bool Guards::take_bodies() {
   Work& work = *work_;
-  const bool changed = work.version != cell_.motions.bodies()->version();
-  if (work.bodies && !work.making && !changed) return true;
+  if (work.bodies) return true;
   if (!work.making) begin_bodies();
-  if (!work.making->done.load(std::memory_order_acquire)) return work.bodies != nullptr;  // those before count
+  if (!work.making->done.load(std::memory_order_acquire)) return false;
   if (!work.making->failed.empty()) {
-    const bool of_objects = work.bodies != nullptr;  // without those that clients added it worked
-    work.off = !of_objects;
+    work.off = true;
     cell_.observer.on_problem(cell_.machine.now(),
                               {"no-guards",
                                {},
-                               (of_objects ? "guards keep to the objects before the last change: "
-                                           : "nothing guards the robots against contacts: ") +
-                                   work.making->failed,
+                               "nothing guards the robots against contacts: " + work.making->failed,
                                "use fewer robots or simpler bodies, or write guards: off",
                                Severity::warning,
                                {}});
-    work.making.reset();
-    return of_objects;
+    return false;
   }
-  const std::shared_ptr<const ContactBodies> before = work.models;  // what is replaced refers to it
-  for (Of& of : work.robots) of.ahead.reset(), of.jogged.reset();
-  work.bodies = std::move(work.making->bodies);
   work.models = std::move(work.making->models);
-  work.making.reset();
-  work.stopping.clear();
-  work.seen = -1;
+  work.bodies = std::move(work.making->bodies);
   const GuardsEntry& entry = cell_.setup.file.guards;
   for (std::size_t r = 0; r < work.robots.size(); ++r) {
     Of& of = work.robots[r];
-    of.goal = 0;  // the new bodies look along its motion from here
     of.axes = axes_of(*cell_.setup.robots[r]);
     const std::size_t n = of.axes.size();
     for (std::vector<double>* values : {&of.velocity, &of.before, &of.q, &of.v, &of.last, &of.step_size})

@@ -33,7 +33,7 @@ void LongWork::finish() {
 
 MoveGroupCell::Look MoveGroupCell::look(std::shared_ptr<const move_group::Arm> arm) const {
   return [arm = std::move(arm), moment = bridge.cell().moment(), shared = bodies, scene = scene] {
-    const std::shared_ptr<const cell::ContactBodies> made = shared->own();
+    const std::shared_ptr<const cell::ContactBodies> made = shared->get();
     return move_group::Around{arm, {made, &made->robots, &made->scene}, moment, scene->now()};
   };
 }

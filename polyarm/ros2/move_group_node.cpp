@@ -376,7 +376,6 @@ class MoveGroups : public Part {
       auto node = std::make_unique<MoveGroupNode>(shared_, i);
       if (node->arm().groups().empty()) continue;
       node->on_change = [this] {
-        shared_.bridge.cell().set_objects(move_group::fixtures_of(*shared_.scene->now()));
         for (const auto& each : nodes_) each->tell_scene();
       };
       nodes_.push_back(std::move(node));

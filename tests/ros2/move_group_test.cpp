@@ -101,33 +101,5 @@ TEST(TwoMoveGroups, PlanAroundEachOtherAndTheFixtures) {
   }
 }
 
-/// A program that knows nothing of ROS: its robot stops before the object.
-TEST(MoveGroupObjects, GuardsKeepProgramsFromThem) {
-  test::OwnCell cell({{"cell.yaml",
-                       "polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur5e, hardware: mock}\n"
-                       "program: job.script\nros2: {move_group: true}\n"},
-                      {"job.script",
-                       "while true\n  moveto joints(0, -1.4, 1.3, -1.2, -1.4, 0.3), speed 20%\n"
-                       "  moveto joints(1.2, -1.4, 1.3, -1.2, -1.4, 0.3), speed 20%\nend\n"}},
-                     {"--stay"});
-  const auto log = cell.client->listen("/rosout", "rcl_interfaces/Log", {true, true, 1000});
-  const json at = cell.call(
-      "/compute_fk", kMoveIt + "GetPositionFK",
-      {{"header", {{"frame_id", "world"}}},
-       {"fk_link_names", {"tool0"}},
-       {"robot_state", state({0.6, -1.4, 1.3, -1.2, -1.4, 0.3})}})["pose_stamped"][0]["pose"]["position"];
-  const json scene{
-      {"is_diff", true},
-      {"world",
-       {{"collision_objects", json::array({box("crate", {0.05, 0.05, 0.05}, at["x"], at["y"], at["z"])})}}}};
-  ASSERT_EQ(cell.call("/apply_planning_scene", kMoveIt + "ApplyPlanningScene", {{"scene", scene}})["success"],
-            true);
-  EXPECT_TRUE(wait([&] {
-    for (const json& line : log->since(0))
-      if (line["msg"].get<std::string>().find("fixture crate") != std::string::npos) return true;
-    return false;
-  }));
-}
-
 }  // namespace
 }  // namespace polyarm::ros2
