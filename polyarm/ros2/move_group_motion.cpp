@@ -64,7 +64,9 @@ Json trajectory_for(const move_group::Actor& actor, const move_group::Arm& arm, 
     list("accelerations", point.accelerations, false);
     points.push_back(std::move(made));
   }
-  return {{"trajectory", {{"joint_names", actor.joints}, {"points", std::move(points)}}}};
+  std::vector<std::string> names;  // whole, so that they mean this robot's in any cell
+  for (const std::string& joint : actor.joints) names.push_back(arm.name() + "/" + joint);
+  return {{"trajectory", {{"joint_names", names}, {"points", std::move(points)}}}};
 }
 
 /// The end of the first of its joints that the trajectory moves.
