@@ -66,13 +66,13 @@ TEST_F(MoveGroupCellTest, PublishesTheSrdf) {
 
 /// Each robot has its names; the other one, and a fixture, are obstacles.
 TEST(TwoMoveGroups, PlanAroundEachOtherAndTheFixtures) {
-  test::OwnCell cell(
-      {{"cell.yaml",
-        "polyarm: cell/1\nrobots:\n"
-        "  left: {model: universal_robots/ur3, hardware: mock}\n"
-        "  right: {model: universal_robots/ur3, hardware: mock, at: [0.5, 0, 0], rpy: [0, 0, 180deg]}\n"
-        "scene: scene.yaml\nros2: {move_group: true}\n"},
-       {"scene.yaml", "polyarm: scene/1\nfixtures:\n  post: {box: [0.1, 0.1, 0.4], at: [0, 0.4, 0.2]}\n"}});
+  test::OwnCell cell(test::OwnCell::Files{
+      {"cell.yaml",
+       "polyarm: cell/1\nrobots:\n"
+       "  left: {model: universal_robots/ur3, hardware: mock}\n"
+       "  right: {model: universal_robots/ur3, hardware: mock, at: [0.5, 0, 0], rpy: [0, 0, 180deg]}\n"
+       "scene: scene.yaml\nros2: {move_group: true}\n"},
+      {"scene.yaml", "polyarm: scene/1\nfixtures:\n  post: {box: [0.1, 0.1, 0.4], at: [0, 0.4, 0.2]}\n"}});
   const json scene = cell.call("/left/get_planning_scene", kMoveIt + "GetPlanningScene")["scene"];
   ASSERT_EQ(scene["world"]["collision_objects"].size(), 1u) << scene["world"];
   EXPECT_EQ(scene["world"]["collision_objects"][0]["id"], "post");
