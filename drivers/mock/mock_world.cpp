@@ -124,6 +124,11 @@ MockWorld::MockWorld(const hardware::ComponentContext& context,
   for (const description::Mover& m : scene_->movers)
     movers_.push_back({command("scene/" + m.name + "/position"), state("scene/" + m.name + "/position", 0), 0,
                        m.speed, m.lower, m.upper, m.axis});
+  for (const description::Belt& b : scene_->belts) {  // their encoders count, and no part rides on them
+    const std::string name = "scene/" + b.name + "/";
+    belts_.push_back({command(name + "speed"), state(name + "position", 0), state(name + "speed", 0), b.speed});
+    state(name + "parts", 0), state(name + "latch", 0);
+  }
   carried_by_.assign(state_.parts.size(), -1);
   add_supports();
   for (std::size_t i = 0; i < state_.parts.size(); ++i)
@@ -275,6 +280,13 @@ void MockWorld::step(const hardware::Cycle& cycle, std::span<const double> asked
       if (by != 0) carry(m, by);
     }
     states[static_cast<std::size_t>(mover.state)] = mover.at;
+  }
+  for (Belt& belt : belts_) {
+    const double wanted = asked[static_cast<std::size_t>(belt.command)];
+    const double speed = std::isfinite(wanted) ? std::clamp(wanted, -belt.most, belt.most) : 0;
+    belt.at += speed * dt;
+    states[static_cast<std::size_t>(belt.position_state)] = belt.at;
+    states[static_cast<std::size_t>(belt.speed_state)] = speed;
   }
   for (Feeder& feeder : feeders_) feed(feeder, asked, states);
   for (Arm& arm : arms_) grip(arm, dt, asked, states);

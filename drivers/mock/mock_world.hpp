@@ -79,6 +79,11 @@ class MockWorld {
   std::vector<Feeder> feeders_;
   std::vector<Region> regions_;
   std::vector<Mover> movers_;
+  struct Belt {
+    int command, position_state, speed_state;
+    double most, at = 0;
+  };
+  std::vector<Belt> belts_;
   std::vector<Support> supports_;
   std::vector<int> carried_by_;  // mover of each part, or -1
   hardware::WorldState state_;
