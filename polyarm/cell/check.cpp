@@ -293,6 +293,7 @@ class Checker {
     for (const signals::LinkEntry& link : signals_.links)
       for (const signals::LinkTag& tag : link.tags) later.insert(tag.name);
     for (const signals::CameraLink& camera : signals_.cameras) later.insert(camera.point);
+    for (const BeltEntry& belt : file_.belts) later.insert(belt.name);
     FrameCheck frames(sets_, robots_, std::move(later));
     for (const auto& [path, read] : read_) frames.look_at(read.program);
     // From another carrier's place a carried robot reaches other points; its moves are checked later.

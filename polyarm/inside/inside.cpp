@@ -202,6 +202,7 @@ void CellInside::tick(Nanoseconds now) {
   requests.tick();
   motions->follow_others();
   read_outside(now);
+  programs->tick_belts_and_streams();
   tick_motions();
   guards->prepare();
   run_programs();

@@ -245,7 +245,9 @@ void Guards::see(std::size_t r) {
     of.before[j] = q[j];
   }
   const moves::RobotMotion* motion = cell_.motions.motion(r);
-  const auto now = motion && cell_.setup.file.guards.moves ? motion->under_way() : std::nullopt;
+  // A path that is moved with a belt is not where it was planned: its robot is judged by its velocity.
+  const bool planned = motion && !motion->riding() && cell_.setup.file.guards.moves;
+  const auto now = planned ? motion->under_way() : std::nullopt;
   if (!now) {
     of.goal = 0;
     of.pace = of.wanted = 1;

@@ -344,7 +344,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
                                 "activate", "send",      "plugins", "budget",  "signals",
                                 "program",  "plc",       "motion",  "loop",    "profile",
                                 "profiles", "workspace", "record",  "contacts",
-                                "guards",   "seed"};
+                                "guards",   "seed",      "belts",   "streams"};
   for (const DoorKind& kind : door_kinds()) keys.push_back(kind.name);
   yaml.check_keys(keys, problems);
   cell.profiles = read_profiles(yaml, problems);
@@ -385,6 +385,8 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   cell.motion = read_motion(yaml["motion"], problems);
   cell.loop = read_loop(yaml["loop"], problems);
   cell.seed = static_cast<std::uint64_t>(whole(yaml, "seed", 0, 0, 1'000'000'000, problems));
+  cell.belts = read_belts(yaml["belts"], problems);
+  cell.streams = read_streams(yaml["streams"], problems);
   cell.contact_stop = read_contact_stop(yaml["contacts"], problems);
   cell.clearance = read_clearance(yaml["contacts"], problems);
   cell.guards = read_guards(yaml["guards"], cell.clearance, problems);

@@ -12,6 +12,8 @@
 #include "polyarm/base/time.hpp"
 #include "polyarm/control/control_loop.hpp"
 #include "polyarm/moves/robot_facts.hpp"
+#include "polyarm/io/stream_entries.hpp"
+#include "polyarm/setup/belts.hpp"
 #include "polyarm/setup/door.hpp"
 #include "polyarm/setup/recorder.hpp"
 #include "polyarm/setup/safety_entries.hpp"
@@ -108,6 +110,8 @@ struct CellFile {
   control::ContactStop contact_stop = control::ContactStop::path;  ///< what follows a contact in physics
   double clearance = kClearance;  ///< m that should stay between a robot and everything else
   GuardsEntry guards;             ///< what stops robots before contacts
+  std::vector<BeltEntry> belts;
+  std::vector<StreamEntry> streams;
   ProfileEntries profiles;
   std::vector<moves::WorkspaceZone> workspace;   ///< for all robots
   std::map<std::string, DoorOptions> doors;      ///< by module name
