@@ -62,7 +62,7 @@ const std::map<std::string_view, std::string_view>& function_examples() {
       {"travelled",
        "# given P: point 0.4 0 0.1\nmovel P, until false\nlog(travelled())                         # expect: 1m"},
       {"next_part",
-       "wait next_part(\"line\")\nmovel pose(0, 0, 5mm), frame \"line\"      # expect move: line pose(0, 0, 5mm) frame line "
+       "wait next_part(\"line\")\nmovel pose(0, 0, 5mm), frame \"line\"      # expect move: line pose(0, …) frame line "
        "exact"},
       {"waiting_parts", "log(waiting_parts(\"line\"))               # expect: 1"},
       {"missed_parts", "log(missed_parts(\"line\"))                # expect: 0"},
