@@ -88,7 +88,9 @@ class FrameRide : public controllers::MotionShift {
   trajectory::MotionState approach(std::size_t joint, const Request& request) noexcept;
   trajectory::MotionState towards_velocity(std::size_t joint, double velocity, double period,
                                            const trajectory::MotionLimits& limits) noexcept;
-  bool is_allowed(std::size_t joint, const trajectory::MotionState& next, double period) const noexcept;
+  void derive_acceleration(double period) noexcept;
+  double allowed_jerk(std::size_t joint, double jerk, double period) const noexcept;
+  trajectory::MotionLimits left_limits(std::size_t joint, double speed, double feed) const noexcept;
   bool is_at_end_of_range(std::size_t joint) const noexcept;
   void end() noexcept;
 
@@ -107,8 +109,10 @@ class FrameRide : public controllers::MotionShift {
   // Control thread.
   States now_, aim_, before_;          ///< commanded; of the path in the moving frame, in this cycle and the last
   std::vector<double> path_, jacobian_, solved_, guess_, step_;
+  std::vector<double> earlier_;  ///< velocities of aim_ two cycles ago
   std::array<double, 3> smooth_{};     ///< travel of the frame, its velocity and acceleration, without steps
-  bool aimed_ = false, standing_ = true;  // aimed_: aim_ is of the cycle before
+  int aimed_ = 0;  ///< cycles in a row with an aim, at most 2
+  bool standing_ = true;
   trajectory::StateToState planner_;
 };
 
