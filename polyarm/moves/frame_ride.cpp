@@ -19,8 +19,8 @@ constexpr double kSmoothing = 60;
 constexpr double kPolePerCycle = 0.2;
 /// Without news of the frame for this long nobody knows where it is.
 constexpr Nanoseconds kStale = 100'000'000;
-/// A ride is synchronised within these errors of each joint: rad or m, per s.
-constexpr double kNear = 2e-5, kSlow = 2e-3;
+/// A ride is synchronised within these errors of each joint: rad or m, per s, per s².
+constexpr double kNear = 2e-5, kSlow = 2e-3, kSteady = 0.2;
 /// Near the path three equal poles of the sampled error, at 1 - kPull, hold a joint on it.
 constexpr double kPull = 0.3;
 constexpr double kPullPosition = kPull * kPull * kPull, kPullVelocity = 3 * kPull * kPull - kPullPosition,
@@ -253,14 +253,15 @@ double FrameRide::allowed_jerk(std::size_t j, double jerk, double period) const 
   return within;
 }
 
-/// What is left for the error beside the motion of the path. At a lower speed it decays more slowly.
-MotionLimits FrameRide::left_limits(std::size_t j, double speed, double feed) const noexcept {
+/// What is left for the error beside the motion of the path. At a lower speed it decays more slowly. The jerk does
+/// not change with the path: an error that brakes would overshoot if it became less.
+MotionLimits FrameRide::left_limits(std::size_t j, double speed) const noexcept {
   const MotionLimits& l = limits_[j];
   const MotionState& to = aim_[j];
   const double share = kCatchUp * std::min(speed, 1.0);
   const auto left = [&](double most, double used) { return std::max(share * (most - used), kLeastShare * most); };
   return {left(l.max_velocity, to.velocity), left(l.max_acceleration, to.acceleration),
-          left(l.max_jerk, std::abs(feed)), -left(l.max_velocity, -to.velocity),
+          std::max(share, kLeastShare) * l.max_jerk, -left(l.max_velocity, -to.velocity),
           -left(l.max_acceleration, -to.acceleration)};
 }
 
@@ -275,7 +276,7 @@ MotionState FrameRide::approach(std::size_t j, const Request& request) noexcept 
                a = kPullAcceleration * error.acceleration / dt;
   double jerk = -(p + v + a);
   if (std::max({std::abs(p), std::abs(v), std::abs(a)}) > kNearShare * limits_[j].max_jerk) {
-    const MotionLimits left = left_limits(j, request.speed, feed);
+    const MotionLimits left = left_limits(j, request.speed);
     const MotionState zero;
     const trajectory::MotionOptions options{trajectory::Synchronization::none, trajectory::TargetKind::position, 0};
     if (planner_.plan({&error, 1}, {&zero, 1}, {&left, 1}, options) == trajectory::MotionStatus::ok)
@@ -305,7 +306,8 @@ controllers::MotionShift::Outcome FrameRide::apply(const Request& request, const
   for (std::size_t j = 0; j < now_.size(); ++j) {
     now_[j] = rides ? approach(j, request) : brake(j, request);
     near = near && std::abs(now_[j].position - aim_[j].position) < kNear &&
-           std::abs(now_[j].velocity - aim_[j].velocity) < kSlow;
+           std::abs(now_[j].velocity - aim_[j].velocity) < kSlow &&
+           std::abs(now_[j].acceleration - aim_[j].acceleration) < kSteady;
     if (std::abs(now_[j].velocity) < kRest && std::abs(now_[j].acceleration) < kRest && !rides)
       now_[j].velocity = now_[j].acceleration = 0;
     rests = rests && now_[j].velocity == 0 && now_[j].acceleration == 0;

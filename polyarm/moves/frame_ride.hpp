@@ -90,7 +90,7 @@ class FrameRide : public controllers::MotionShift {
                                            const trajectory::MotionLimits& limits) noexcept;
   void derive_acceleration(double period) noexcept;
   double allowed_jerk(std::size_t joint, double jerk, double period) const noexcept;
-  trajectory::MotionLimits left_limits(std::size_t joint, double speed, double feed) const noexcept;
+  trajectory::MotionLimits left_limits(std::size_t joint, double speed) const noexcept;
   bool is_at_end_of_range(std::size_t joint) const noexcept;
   void end() noexcept;
 

@@ -151,7 +151,7 @@ TEST(FrameRide, TheToolTurnsWithATurntable) {
 
 TEST(FrameRide, AHeldRobotStandsAndCatchesUpAfterwards) {
   Rig rig;
-  rig.speed = 0.2;
+  rig.speed = -0.2;
   rig.began = rig.now().travel;
   rig.begin_ride();
   for (int i = 0; i < 400; ++i) rig.step();
