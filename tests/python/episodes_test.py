@@ -1,4 +1,5 @@
 """Episodes: what is written is read back, survives interruptions, and moves a robot again."""
+import asyncio
 import contextlib
 import io
 import json
@@ -8,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import unittest.mock
 import zlib
@@ -15,11 +17,12 @@ import zlib
 import numpy as np
 import polyarm
 from polyarm import episodes as episodes_module
+from polyarm.client import connect, running_cells
 from polyarm.episodes import DataSet, png
 from polyarm.parquet import Column, encode_table, read_table, write_table
-from polyarm.policy import ActionQueue, PolicyFailed, replay, run_policy
-from polyarm.record import features_of, joints_of, record
-from support import forward_cell
+from polyarm.policy import ActionQueue, PolicyFailed, replay, run_policy, run_policy_on
+from polyarm.record import features_of, joints_of, record, record_running, running_joints
+from support import COMMAND, EXAMPLES, forward_cell
 
 FEATURES = {"observation.state": ["a", "b"], "action": ["a", "b"]}
 
@@ -359,6 +362,88 @@ class Policies(InAFolder):
         with self.assertRaises(ZeroDivisionError):
             record(cell, out, "Reach forward", until=lambda: 1 / 0)
         self.assertEqual((len(out), out.frames), (1, 0))
+
+
+class Running(unittest.IsolatedAsyncioTestCase):
+    """With a cell on the clock of this machine; no test depends on how fast that is."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.folder)
+        (self.folder / "run").mkdir(mode=0o700)
+        environment = unittest.mock.patch.dict(os.environ, XDG_RUNTIME_DIR=str(self.folder / "run"), HOME=str(self.folder))
+        environment.start()
+        self.addCleanup(environment.stop)
+        shutil.copytree(forward_cell(self).parent, self.folder / "six")
+        shutil.copy(EXAMPLES / "r6bot/r6bot.urdf", self.folder / "six")
+        (self.folder / "six/cell.yaml").write_text((self.folder / "six/cell.yaml").read_text().replace(
+            f"{EXAMPLES}/r6bot/", ""))
+        self.cell = subprocess.Popen([COMMAND, "run", str(self.folder / "six")], cwd=self.folder, text=True,
+                                     stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(self.cell.wait)
+        self.addCleanup(self.cell.kill)
+        while not running_cells():
+            self.assertIsNone(self.cell.poll(), "the cell has ended")
+            time.sleep(0.01)
+
+    async def positions(self, client):
+        states = {state["name"]: state["value"] for state in (await client.ask("interfaces"))["states"]}
+        return np.array([states[name] for name in await running_joints(client)])
+
+    async def at_rest(self, client):
+        """Waits until nothing moves; the positions."""
+        before = await self.positions(client)
+        while True:
+            await asyncio.sleep(0.1)
+            now = await self.positions(client)
+            if np.abs(now - before).max() < 1e-9:
+                return now
+            before = now
+
+    async def test_a_policy_moves_a_running_cell_and_its_failure_stops_it(self):
+        async with await connect("six") as client:
+            goal = np.full(6, 0.2)
+
+            def towards(observation):
+                here = observation["observation.state"]
+                return [here + np.clip(goal - here, -0.02, 0.02), goal * 0.5 + here * 0.5]
+
+            calls = await run_policy_on(client, towards, rate=20, seconds=60, until=lambda: self.near)
+            self.assertGreater(calls, 1)
+            there = await self.at_rest(client)
+            self.assertGreater(there.min(), 0.15)
+
+            def fails(observation):
+                raise RuntimeError("out of memory")
+
+            for bad in (fails, lambda observation: np.full(6, np.nan)):
+                with self.assertRaises(PolicyFailed):
+                    await run_policy_on(client, bad, rate=20, seconds=60)
+                np.testing.assert_allclose(await self.at_rest(client), there, atol=1e-9)
+
+    near = False
+
+    async def asyncSetUp(self):
+        async def watch():
+            async with await connect("six") as client:
+                while not self.near:
+                    self.near = (await self.positions(client)).min() > 0.19
+                    await asyncio.sleep(0.05)
+
+        self.watching = asyncio.create_task(watch())
+        self.addCleanup(self.watching.cancel)
+
+    async def test_a_running_cell_is_recorded(self):
+        async with await connect("six") as client:
+            out = DataSet.create(self.folder / "set", features_of(await running_joints(client)), fps=5)
+            self.assertEqual(await record_running(client, out, "Stand still", seconds=1), 0)
+            self.assertEqual(out.check(), [])
+            self.assertEqual(out.read(0)["action"].shape, (5, 6))
+        done = await asyncio.to_thread(episodes_module.main, ["record", str(self.folder / "set"), "--cell", "six", "--task",
+                                                             "Stand", "--seconds", "0.6"])
+        self.assertEqual(done, 0)
+        again = DataSet.open(self.folder / "set")
+        self.assertEqual((len(again), again.check()), (2, []))
 
 
 if __name__ == "__main__":
