@@ -28,13 +28,23 @@ def joints_of(cell, robot="arm"):
     return _joints(cell.state_names, cell.command_names, robot)
 
 
-def features_of(names, observed=(), cameras=None):
-    """The features of a data set for these joints. `observed`: further interfaces. `cameras`: {name: (height, width)}."""
+_TCP = ["x", "y", "z", "qx", "qy", "qz", "qw"]
+
+
+def features_of(names, observed=(), cameras=None, tcp=False):
+    """The features of a data set for these joints. `observed`: further interfaces. `cameras`: {name: (height, width)}.
+    `tcp`: also the pose of the TCP in the world, as position and quaternion."""
     short = [name.split("/")[-2] for name in names]
     out = {"observation.state": short, "action": short}
     if observed:
         out["observation.environment_state"] = list(observed)
+    if tcp:
+        out["observation.tcp"] = _TCP
     return out | {f"observation.images.{name}": size for name, size in (cameras or {}).items()}
+
+
+def _tcp_of(answer):
+    return np.array([*answer["position"], *answer["orientation"]], float)
 
 
 def record(cell, episodes, task, robot="arm", seconds=10.0, observed=(), images=None, until=None, action=None):
@@ -60,6 +70,8 @@ def record(cell, episodes, task, robot="arm", seconds=10.0, observed=(), images=
             values = {"observation.state": measured[states], "action": wanted}
             if more:
                 values["observation.environment_state"] = measured[more]
+            if "observation.tcp" in episodes.features:
+                values["observation.tcp"] = _tcp_of(cell.ask("jog.state", robot=robot))
             for name, image in (images() if images else {}).items():
                 values[f"observation.images.{name}"] = image
             episodes.add_frame(values)
@@ -101,6 +113,8 @@ async def record_running(client, episodes, task, robot="arm", seconds=10.0, obse
             values = {"observation.state": measured, "action": np.where(np.isfinite(commanded), commanded, measured)}
             if observed:
                 values["observation.environment_state"] = np.array([_number(states.get(name)) for name in observed])
+            if "observation.tcp" in episodes.features:
+                values["observation.tcp"] = _tcp_of(await client.ask("jog.state", robot=robot))
             for name, image in (images() if images else {}).items():
                 values[f"observation.images.{name}"] = image
             episodes.add_frame(values)

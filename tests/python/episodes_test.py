@@ -350,13 +350,15 @@ class Policies(InAFolder):
 
     def test_a_cell_is_recorded(self):
         cell = self.cell()
-        out = DataSet.create(self.folder, features_of(joints_of(cell)), fps=25, robot_type="r6bot")
+        out = DataSet.create(self.folder, features_of(joints_of(cell), tcp=True), fps=25, robot_type="r6bot")
         cell.send("forward", [0.2] * 6)
         self.assertEqual(record(cell, out, "Reach forward", seconds=1), 0)
         self.assertEqual(out.check(), [])
         table = out.read(0)
         self.assertEqual(table["action"].shape, (25, 6))
         np.testing.assert_allclose(table["observation.state"][-1], 0.2, atol=1e-3)
+        pose = polyarm.Robot(EXAMPLES / "r6bot/r6bot.urdf").fk([0.2] * 6)
+        np.testing.assert_allclose(table["observation.tcp"][-1][:3], pose[:3, 3], atol=1e-3)
         with self.assertRaises(polyarm.Error):
             record(cell, out, "Reach forward", robot="nobody")
         with self.assertRaises(ZeroDivisionError):
