@@ -136,8 +136,8 @@ class Components {
       if (!std::exchange(tool_given, true)) made.tool = &robot.tool;
     };
     if (robot.blocks.empty()) {
-      const bool own = robot.driver != "mujoco" &&
-                       (robot.entry.rate > 0 || robot.entry.thread || robot.entry.fault_of_group);
+      const bool own = robot.driver != "mujoco" && (robot.entry.rate > 0 || robot.entry.thread ||
+                                                    robot.entry.fault_of_group || has_a_device_of_its_own(robot));
       Planned& planned = component(robot.driver, own ? robot.entry.name : robot.driver);
       budget(planned, robot);
       pace(planned, robot);
@@ -148,6 +148,15 @@ class Components {
       return;
     }
     for (const HardwareBlock& block : robot.blocks) take_block(robot, block, with_tool);
+  }
+
+  /// True if another robot has the same driver with other parameters: another port, for example.
+  bool has_a_device_of_its_own(const CellRobot& robot) const {
+    return waits_for_a_device(robot.driver) &&
+           std::any_of(robots_.begin(), robots_.end(), [&](const auto& other) {
+             return other->blocks.empty() && other->driver == robot.driver &&
+                    other->entry.parameters != robot.entry.parameters;
+           });
   }
 
   template <typename WithTool>
