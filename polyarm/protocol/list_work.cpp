@@ -7,11 +7,12 @@
 #include "polyarm/protocol/projects.hpp"
 #include "polyarm/protocol/session.hpp"
 #include "polyarm/protocol/status.hpp"
+#include "polyarm/protocol/teleop.hpp"
 
 namespace polyarm::protocol {
 
 POLYARM_REQUESTS(help_requests, Help)
-POLYARM_REQUESTS(jog_requests, JogMotion, JogState, FollowTarget, LimitsProfile, MoveTo)
+POLYARM_REQUESTS(jog_requests, JogMotion, JogState, FollowTarget, Teleop, LimitsProfile, MoveTo)
 POLYARM_REQUESTS(program_requests, WatchEvents, ProgramLoad, ProgramStart, ProgramAnswer, ProgramState,
                  ProgramWatch, ProgramPause, ProgramGo, ProgramStep, ProgramBreak, ProgramEdited, ProgramFrom,
                  ProgramStop)

@@ -11,6 +11,7 @@
 #include "polyarm/base/there.hpp"
 #include "polyarm/setup/cell_reach.hpp"
 #include "polyarm/setup/door_kinds.hpp"
+#include "polyarm/setup/teleop_entries.hpp"
 #include "polyarm/yaml/yaml.hpp"
 #include "polyarm/yaml/yaml_repeats.hpp"
 
@@ -344,7 +345,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
                                 "activate", "send",      "plugins", "budget",  "signals",
                                 "program",  "plc",       "motion",  "loop",    "profile",
                                 "profiles", "workspace", "record",  "contacts",
-                                "guards",   "seed"};
+                                "guards",   "seed",      "teleop"};
   for (const DoorKind& kind : door_kinds()) keys.push_back(kind.name);
   yaml.check_keys(keys, problems);
   cell.profiles = read_profiles(yaml, problems);
@@ -388,6 +389,9 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   cell.contact_stop = read_contact_stop(yaml["contacts"], problems);
   cell.clearance = read_clearance(yaml["contacts"], problems);
   cell.guards = read_guards(yaml["guards"], cell.clearance, problems);
+  collect(problems, [&] {
+    cell.teleop = read_teleop(yaml["teleop"], yaml["robots"].keys(), problems);
+  });
   for (const DoorKind& kind : door_kinds())
     collect(problems, [&] { read_door(kind, yaml[kind.name], cell, problems); });
   collect(problems, [&] { cell.record = read_record(yaml["record"], cell.folder, problems); });

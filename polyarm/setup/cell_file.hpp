@@ -15,6 +15,7 @@
 #include "polyarm/setup/door.hpp"
 #include "polyarm/setup/recorder.hpp"
 #include "polyarm/setup/safety_entries.hpp"
+#include "polyarm/teleop/settings.hpp"
 #include "polyarm/base/reach.hpp"
 
 namespace polyarm::ros_files {
@@ -110,6 +111,7 @@ struct CellFile {
   GuardsEntry guards;             ///< what stops robots before contacts
   ProfileEntries profiles;
   std::vector<moves::WorkspaceZone> workspace;   ///< for all robots
+  std::vector<teleop::PairSettings> teleop;      ///< robots that lead others
   std::map<std::string, DoorOptions> doors;      ///< by module name
   std::optional<RecordOptions> record;           ///< set: record each run
   /// What the cell may access; valid as long as this object or a copy exists.

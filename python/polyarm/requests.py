@@ -1019,6 +1019,22 @@ class TaughtFacts(TypedDict):
     robot: str
 
 
+class TeleopAnswer(TypedDict):
+    pairs: list[TeleopPair]
+
+
+class TeleopPair(TypedDict):
+    name: str
+    leader: str
+    follower: str
+    mapping: str
+    clutch: str
+    state: str
+    reason: str
+    furthest: str
+    distance: float
+
+
 class Times(TypedDict):
     p50_ns: float
     p99_ns: float
@@ -1187,6 +1203,9 @@ class Requests:
 
     async def target(self, *, robot: str | None = None, joints: dict[str, Any] | None = None, pose: dict[str, Any] | None = None, frame: str | None = None, speed: float | None = None, hold: float | None = None, session: float | None = None) -> JogAnswer:
         return await self._ask("target", {"robot": robot, "joints": joints, "pose": pose, "frame": frame, "speed": speed, "hold": hold, "session": session})
+
+    async def teleop(self, *, pair: str | None = None, hold: float | None = None) -> TeleopAnswer:
+        return await self._ask("teleop", {"pair": pair, "hold": hold})
 
     async def profile(self, *, name: str | None = None) -> LimitsProfileAnswer:
         return await self._ask("profile", {"name": name})

@@ -15,7 +15,7 @@ from support import EXAMPLES, SOURCE
 
 class Page(unittest.TestCase):
     def test_the_examples_run_in_order(self):
-        for name, least in (("python", 6), ("episodes", 2)):
+        for name, least in (("python", 6), ("episodes", 2), ("teleoperation", 1)):
             with self.subTest(page=name):
                 self.run_page(f"docs/{name}.md", least)
 

@@ -1049,6 +1049,22 @@ export interface TaughtFacts {
   robot: string;
 }
 
+export interface TeleopAnswer {
+  pairs: TeleopPair[];
+}
+
+export interface TeleopPair {
+  name: string;
+  leader: string;
+  follower: string;
+  mapping: string;
+  clutch: string;
+  state: string;
+  reason: string;
+  furthest: string;
+  distance: number;
+}
+
 export interface Times {
   p50_ns: number;
   p99_ns: number;
@@ -1131,6 +1147,7 @@ export interface Requests {
   'jog': { args: { robot?: string; joints?: Record<string, unknown>; tcp?: Record<string, unknown>; frame?: string; by?: boolean; speed?: number; hold?: number; session?: number; end?: boolean }; answer: JogAnswer };
   'jog.state': { args: { robot?: string }; answer: JogAnswer };
   'target': { args: { robot?: string; joints?: Record<string, unknown>; pose?: Record<string, unknown>; frame?: string; speed?: number; hold?: number; session?: number }; answer: JogAnswer };
+  'teleop': { args: { pair?: string; hold?: number }; answer: TeleopAnswer };
   'profile': { args: { name?: string }; answer: LimitsProfileAnswer };
   'move': { args: { points: unknown; robot?: string; kind?: 'joint' | 'line'; pace?: number; speed?: number; rests?: boolean }; answer: MoveToAnswer };
   'events': { args: { since?: number }; answer: Event[] };
