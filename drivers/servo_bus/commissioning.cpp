@@ -15,7 +15,8 @@ namespace polyarm::servo_bus {
 namespace {
 constexpr int kAttempts = 3, kTries = 5;
 constexpr int kLeastRange = 60;  // steps, 5°: a smaller range means that the joint was not moved
-/// Looks at the joints between two saves of what was measured, and between two attempts to open a port that is gone.
+/// Looks at the joints between two saves of what was measured, and between two attempts to open a port that
+/// is gone.
 constexpr int kLooksToSave = 20, kLooksToReopen = 50;
 
 bool yes(const std::string& answer) {

@@ -52,9 +52,10 @@ std::optional<Progress> read_progress(const fs::path& calibration, const Family&
 }
 
 void write_progress(const fs::path& calibration, const Family& family, const Progress& progress) {
-  std::string text = std::string("polyarm: servo_progress/1\nfamily: ") + family.name +
-                     "\n# An unfinished calibration: setup continues from here. Remove it to begin anew.\nstage: " +
-                     kStages[static_cast<int>(progress.stage)] + "\njoints:\n";
+  std::string text =
+      std::string("polyarm: servo_progress/1\nfamily: ") + family.name +
+      "\n# An unfinished calibration: setup continues from here. Remove it to begin anew.\nstage: " +
+      kStages[static_cast<int>(progress.stage)] + "\njoints:\n";
   for (const auto& [name, joint] : progress.joints) {
     text += "  " + name + ": {min: " + std::to_string(joint.min) + ", max: " + std::to_string(joint.max);
     if (joint.zero) text += ", zero: " + std::to_string(*joint.zero);

@@ -1,5 +1,6 @@
 #pragma once
-/// What an unfinished calibration has reached, in a file beside the calibration: a later run continues from it.
+/// What an unfinished calibration has reached, in a file beside the calibration: a later run continues from
+/// it.
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -12,9 +13,9 @@ namespace polyarm::servo_bus {
 struct Progress {
   enum class Stage { moving, writing };
   struct Joint {
-    int min = 0, max = 0;        ///< steps; while moving they may lie outside of one turn
-    std::optional<int> zero;     ///< steps; from `writing` on
-    std::optional<int> homing;   ///< value of the register; from `writing` on, if it changes
+    int min = 0, max = 0;       ///< steps; while moving they may lie outside of one turn
+    std::optional<int> zero;    ///< steps; from `writing` on
+    std::optional<int> homing;  ///< value of the register; from `writing` on, if it changes
   };
   Stage stage = Stage::moving;
   std::map<std::string, Joint> joints;

@@ -85,16 +85,16 @@ const teleop::PairSettings& Teleoperation::settings(std::size_t pair) const {
 void Teleoperation::build(Problems& problems) {
   const CellRobots& robots = cell_.setup.robots;
   const auto index_of = [&](const std::string& name) {
-    return static_cast<std::size_t>(
-        std::find_if(robots.begin(), robots.end(), [&](const auto& each) { return each->entry.name == name; }) -
-        robots.begin());
+    return static_cast<std::size_t>(std::find_if(robots.begin(), robots.end(),
+                                                 [&](const auto& each) { return each->entry.name == name; }) -
+                                    robots.begin());
   };
   const auto require_tag = [&](const std::string& tag, const Location& where) {
     if (!cell_.data.store.find(tag))
-      throw Error(Problem{"unknown-name", where,
-                          "the cell has no tag or variable '" + tag + "'" +
-                              did_you_mean(tag, cell_.data.store.names()),
-                          "declare it in the signals file"});
+      throw Error(Problem{
+          "unknown-name", where,
+          "the cell has no tag or variable '" + tag + "'" + did_you_mean(tag, cell_.data.store.names()),
+          "declare it in the signals file"});
   };
   for (const auto& each : pairs_)
     collect(problems, [&] {
@@ -112,7 +112,8 @@ void Teleoperation::build(Problems& problems) {
                               "`polyarm interfaces` lists what its hardware offers"});
         pair.states.push_back(*state);
       }
-      if (!pair.states.empty()) pair.component = cell_.machine.hardware().component_of_state(pair.states.front());
+      if (!pair.states.empty())
+        pair.component = cell_.machine.hardware().component_of_state(pair.states.front());
       if (settings.clutch == Clutch::tag) require_tag(settings.tag, settings.where);
       if (settings.clutch == Clutch::gripper)
         pair.clutch_joint = joint_of(leader, settings.hand.joint, settings.where);
@@ -134,7 +135,8 @@ std::size_t Teleoperation::find(const std::optional<std::string>& name) const {
                 names.empty() ? "write a 'teleop' block into the cell" : "name one: " + join(names, ", "));
   const auto found = std::find(names.begin(), names.end(), *name);
   if (found == names.end())
-    throw Error("unknown-pair", "the cell has no pair '" + shortened(*name) + "'" + did_you_mean(*name, names),
+    throw Error("unknown-pair",
+                "the cell has no pair '" + shortened(*name) + "'" + did_you_mean(*name, names),
                 names.empty() ? "write a 'teleop' block into the cell" : "it has: " + join(names, ", "));
   return static_cast<std::size_t>(found - names.begin());
 }
@@ -142,11 +144,12 @@ std::size_t Teleoperation::find(const std::optional<std::string>& name) const {
 void Teleoperation::hold_key(std::size_t i, Nanoseconds hold) {
   Pair& pair = *pairs_[i];
   if (pair.settings.clutch != Clutch::key)
-    throw Error("other-clutch", "the clutch of '" + pair.settings.name + "' is " +
-                                    (pair.settings.clutch == Clutch::tag ? "the tag " + pair.settings.tag
-                                                                         : "the leader's hand"),
-                "use that, or write 'clutch: key' into the cell");
-  pair.key_until = cell_.machine.now() + hold;
+    throw Error(
+        "other-clutch",
+        "the clutch of '" + pair.settings.name + "' is " +
+            (pair.settings.clutch == Clutch::tag ? "the tag " + pair.settings.tag : "the leader's hand"),
+        "use that, or write 'clutch: key' into the cell");
+  pair.key_until = hold > 0 ? cell_.machine.now() + hold : -1;
 }
 
 Teleoperation::State Teleoperation::state(std::size_t pair) const {
@@ -196,7 +199,7 @@ void Teleoperation::see_leader(Pair& pair) const {
   else if (late)
     pair.reason = who + "has sent nothing for 0.1 s";
   else if (!pair.watch.finite())
-    pair.reason = who + "measures no number";
+    pair.reason = who + "measures NaN";
   else if (pair.watch.jumped())
     pair.reason = who + "jumped";
 }
@@ -243,8 +246,8 @@ void Teleoperation::judge_follower(Pair& pair, TeleopSeen& seen) const {
   }
   const bool approaches = pair.settings.mapping == teleop::Mapping::joints && !pair.settings.relative;
   const std::size_t joints = cell_.setup.robots[pair.follower]->joints.size();
-  seen.matches = !approaches ||
-                 pair.map->furthest(pair.q, std::span(status.joints).first(joints)).much < kMatches;
+  seen.matches =
+      !approaches || pair.map->furthest(pair.q, std::span(status.joints).first(joints)).much < kMatches;
 }
 
 void Teleoperation::change(Pair& pair, TeleopPhase to) const {

@@ -136,8 +136,9 @@ class Components {
       if (!std::exchange(tool_given, true)) made.tool = &robot.tool;
     };
     if (robot.blocks.empty()) {
-      const bool own = robot.driver != "mujoco" && (robot.entry.rate > 0 || robot.entry.thread ||
-                                                    robot.entry.fault_of_group || has_a_device_of_its_own(robot));
+      const bool own =
+          robot.driver != "mujoco" && (robot.entry.rate > 0 || robot.entry.thread ||
+                                       robot.entry.fault_of_group || has_a_device_of_its_own(robot));
       Planned& planned = component(robot.driver, own ? robot.entry.name : robot.driver);
       budget(planned, robot);
       pace(planned, robot);
@@ -150,12 +151,19 @@ class Components {
     for (const HardwareBlock& block : robot.blocks) take_block(robot, block, with_tool);
   }
 
-  /// True if another robot has the same driver with other parameters: another port, for example.
+  /// True if both name a device, and not the same: each needs a component of its own.
+  static bool on_other_devices(const CellRobot& a, const CellRobot& b) {
+    for (const char* key : {"port", "host"}) {
+      const auto one = a.entry.parameters.find(key), other = b.entry.parameters.find(key);
+      if (one != a.entry.parameters.end() && other != b.entry.parameters.end() &&
+          one->second != other->second)
+        return true;
+    }
+    return false;
+  }
   bool has_a_device_of_its_own(const CellRobot& robot) const {
-    return waits_for_a_device(robot.driver) &&
-           std::any_of(robots_.begin(), robots_.end(), [&](const auto& other) {
-             return other->blocks.empty() && other->driver == robot.driver &&
-                    other->entry.parameters != robot.entry.parameters;
+    return robot.driver != "mock" && std::any_of(robots_.begin(), robots_.end(), [&](const auto& other) {
+             return other->blocks.empty() && other->driver == robot.driver && on_other_devices(*other, robot);
            });
   }
 
@@ -213,7 +221,7 @@ class Components {
       if (planned.driver != driver || planned.context.name != name) continue;
       for (const auto& other : robots_)
         if (other.get() != &robot && other->entry.name == planned.context.robots.front().name &&
-            !run_alike(*other, robot))
+            (!run_alike(*other, robot) || (driver != "mock" && on_other_devices(*other, robot))))
           return robot.entry.name + "_" + name;
     }
     return name;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "polyarm/base/quantity.hpp"
 #include "polyarm/base/printable.hpp"
+#include "polyarm/base/quantity.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::cell {
@@ -161,9 +161,10 @@ std::vector<PairSettings> read_teleop(const Yaml& yaml, const std::vector<std::s
   for (std::size_t a = 0; a < out.size(); ++a)
     for (std::size_t b = 0; b < a; ++b)
       if (!out[a].follower.empty() && out[a].follower == out[b].follower)
-        problems.error("bad-value", out[a].where,
-                       "'" + out[a].follower + "' follows in '" + out[b].name + "' and in '" + out[a].name + "'",
-                       "a robot has one leader");
+        problems.error(
+            "bad-value", out[a].where,
+            "'" + out[a].follower + "' follows in '" + out[b].name + "' and in '" + out[a].name + "'",
+            "a robot has one leader");
   return out;
 }
 

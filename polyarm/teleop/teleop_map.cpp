@@ -115,8 +115,8 @@ jog::JogSetpoint TeleopMap::target(std::span<const double> leader) const noexcep
       follower_tcp_.position + settings_.scale * (axes_ * (now.position - leader_tcp_.position));
   out.target.rotation = follower_tcp_.rotation;
   if (settings_.orientation)
-    out.target.rotation = normalized(axes_ * (now.rotation * inverse(leader_tcp_.rotation)) *
-                                     inverse(axes_) * follower_tcp_.rotation);
+    out.target.rotation = normalized(axes_ * (now.rotation * inverse(leader_tcp_.rotation)) * inverse(axes_) *
+                                     follower_tcp_.rotation);
   return out;
 }
 

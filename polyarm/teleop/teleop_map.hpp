@@ -16,7 +16,8 @@ namespace polyarm::teleop {
 /// constructor allocates and throws.
 class TeleopMap {
  public:
-  /// Both chains must outlive the map. Throws Error("unknown-joint" | "unlike-arms") with the settings' place.
+  /// Both chains must outlive the map. Throws Error("unknown-joint" | "unlike-arms") with the settings'
+  /// place.
   TeleopMap(const PairSettings& settings, const kinematics::Chain& leader, const kinematics::Chain& follower);
 
   void engage(std::span<const double> leader, std::span<const double> follower) noexcept;

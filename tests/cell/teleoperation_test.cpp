@@ -33,9 +33,11 @@ hand:
     joints: [leader/joint_1, leader/joint_2, leader/joint_3, leader/joint_4, leader/joint_5, leader/joint_6]
     interface_name: position
 )");
-    folder.write("cell.yaml", "polyarm: cell/1\nrate: 500\nsignals: signals.yaml\ncontrollers: controllers.yaml\n"
-                              "robots:\n  leader: " + r6bot + of_leader + "}\n  arm: " + r6bot + ", at: [0, 3, 0]" + more +
-                                  "}\nteleop:\n  pair: {leader: leader, follower: arm, " + pair + "}\n");
+    folder.write("cell.yaml",
+                 "polyarm: cell/1\nrate: 500\nsignals: signals.yaml\ncontrollers: controllers.yaml\n"
+                 "robots:\n  leader: " +
+                     r6bot + of_leader + "}\n  arm: " + r6bot + ", at: [0, 3, 0]" + more +
+                     "}\nteleop:\n  pair: {leader: leader, follower: arm, " + pair + "}\n");
     cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()));
     cell->run(0.05);
   }
@@ -131,7 +133,9 @@ TEST_F(TeleoperationTest, JointsApproachSlowlyAndSaySo) {
 TEST_F(TeleoperationTest, TheTcpFollowsScaled) {
   build("clutch: {tag: Pedal}, mapping: tcp, scale: 0.5");
   lead(bent, 0.5);
-  cell->result({{"request", "jog"}, {"robot", "arm"}, {"by", true},
+  cell->result({{"request", "jog"},
+                {"robot", "arm"},
+                {"by", true},
                 {"joints", {{"joint_2", 0.5}, {"joint_3", 1.0}, {"joint_5", 0.8}}}});
   cell->run(0.6);
   const Vec3 from = cell->cell().tcp(0).position, at = cell->cell().tcp(1).position;
@@ -215,8 +219,9 @@ TEST_F(TeleoperationTest, AKeyIsHeldOnlyAsLongAsItIsRenewed) {
 }
 
 TEST_F(TeleoperationTest, TheHandIsAClutchAndDrivesTheGripper) {
-  build("clutch: {joint: joint_6, closed: 0.5, open: -0.5}, match: relative, "
-        "gripper: {joint: joint_5, closed: 0, open: 0.4, tag: Grip}");
+  build(
+      "clutch: {joint: joint_6, closed: 0.5, open: -0.5}, match: relative, "
+      "gripper: {joint: joint_5, closed: 0, open: 0.4, tag: Grip}");
   auto hand = bent;
   hand[5] = -0.4;
   lead(hand, 0.3);
@@ -279,7 +284,8 @@ TEST(TeleopEntriesTest, EveryMistakeHasItsPlace) {
   EXPECT_EQ(codes("  p: {leader: a, follower: b, mapping: tcp, scale: -2}\n"), Codes{"bad-value"});
   EXPECT_EQ(codes("  p: {leader: a, follower: b, mapping: tcp, match: relative}\n"), Codes{"bad-value"});
   EXPECT_EQ(codes("  p: {leader: a, follower: b, clutch: {tag: T, joint: j}}\n"), Codes{"bad-value"});
-  EXPECT_EQ(codes("  p: {leader: a, follower: b, clutch: {joint: j, closed: 1, open: 1}}\n"), Codes{"bad-value"});
+  EXPECT_EQ(codes("  p: {leader: a, follower: b, clutch: {joint: j, closed: 1, open: 1}}\n"),
+            Codes{"bad-value"});
   EXPECT_EQ(codes("  p: {leader: a, follower: b, joints: {x: {joint: y, scale: 0}}}\n"), Codes{"bad-value"});
   EXPECT_EQ(codes("  p: {leader: a, follower: b, speed: 0}\n"), Codes{"bad-value"});
   EXPECT_EQ(codes("  p: {leader: a, follower: b, color: red}\n"), Codes{"unknown-key"});

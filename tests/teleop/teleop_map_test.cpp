@@ -1,4 +1,6 @@
 /// How the pose of a leader becomes a target of its follower.
+#include "polyarm/teleop/teleop_map.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,7 +11,6 @@
 #include <vector>
 
 #include "polyarm/catalogue/catalogue.hpp"
-#include "polyarm/teleop/teleop_map.hpp"
 
 namespace polyarm::teleop {
 namespace {
@@ -19,14 +20,14 @@ using kinematics::Chain;
 class TeleopMapTest : public ::testing::Test {
  protected:
   static Chain chain(const std::string& name, const Pose& base = {}) {
-    static const description::Catalogue catalogue(
-        {std::filesystem::path(POLYARM_SOURCE_DIR) / "robots"});
+    static const description::Catalogue catalogue({std::filesystem::path(POLYARM_SOURCE_DIR) / "robots"});
     const description::RobotModel model = catalogue.load(name);
     return Chain(model, model.tool_link(), base);
   }
   std::vector<double> random_state(const Chain& of) {
     std::vector<double> q;
-    for (std::size_t j = 0; j < of.joints(); ++j) q.push_back(std::uniform_real_distribution(-1.0, 1.0)(random));
+    for (std::size_t j = 0; j < of.joints(); ++j)
+      q.push_back(std::uniform_real_distribution(-1.0, 1.0)(random));
     return q;
   }
   static std::vector<double> values(const jog::JogSetpoint& target, const Chain& of) {
@@ -65,7 +66,8 @@ TEST_F(TeleopMapTest, TheTcpRepeatsTheLeadersWayScaledAndTurned) {
     const jog::JogSetpoint target = map.target(to);
     EXPECT_EQ(target.kind, jog::JogSetpoint::Kind::tcp_target);
     const Pose base = inverse(leader.base());
-    const Pose before = base * leader.forward(from), after = base * leader.forward(to), tcp = follower.forward(at);
+    const Pose before = base * leader.forward(from), after = base * leader.forward(to),
+               tcp = follower.forward(at);
     EXPECT_LT(norm(target.target.position - tcp.position - 2.0 * (after.position - before.position)), 1e-9);
     EXPECT_NEAR(angle_between(target.target.rotation, tcp.rotation),
                 angle_between(after.rotation, before.rotation), 1e-6);

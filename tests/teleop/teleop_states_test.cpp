@@ -1,9 +1,9 @@
 /// When a follower moves: the clutch, and everything that ends a motion.
+#include "polyarm/teleop/teleop_states.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
-
-#include "polyarm/teleop/teleop_states.hpp"
 
 namespace polyarm::teleop {
 namespace {
