@@ -53,6 +53,7 @@ const std::vector<Verb>& verbs() {
       {"send", "send a message to a controller of a running cell", run_send},
       {"watch", "show the output of a controller of a running cell", run_watch},
       {"jog", "move a robot of a running cell by hand: joints or tool, by keys or by a distance", run_jog},
+      {"lead", "lead an arm of a running cell by another while a key is held", run_lead},
       {"teleop", "drive a base of a running cell from the keyboard", run_teleop},
       {"param", "parameters of the controllers of a running cell", run_param},
       {"setup", "set up the servos of an arm, or inspect the controller of a robot", run_setup},

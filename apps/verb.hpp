@@ -56,6 +56,7 @@ int run_data(int argc, char** argv);
 int run_send(int argc, char** argv);
 int run_watch(int argc, char** argv);
 int run_console(int argc, char** argv);
+int run_lead(int argc, char** argv);
 int run_teleop(int argc, char** argv);
 int run_jog(int argc, char** argv);
 int run_param(int argc, char** argv);
