@@ -18,9 +18,9 @@ class Machine;
 class Observer;
 struct CellSetup;
 
-/// Cell thread. While the clutch of a pair is held, its follower is jogged after the leader's measured motion:
-/// with the limits, guards, workspace and stops of jogging. Whatever ends that motion (a stop, a leader that is
-/// gone, implausible or silent) ends it until the clutch is released and held again.
+/// Cell thread. While the clutch of a pair is held, its follower is jogged after the leader's measured
+/// motion: with the limits, guards, workspace and stops of jogging. Whatever ends that motion (a stop, a
+/// leader that is gone, implausible or silent) ends it until the clutch is released and held again.
 class Teleoperation {
  public:
   struct Owners {

@@ -16,11 +16,11 @@ inline constexpr const char* kTeleopPhases[] = {"blocked", "waiting", "engaging"
 
 /// What one tick has seen.
 struct TeleopSeen {
-  bool held = false;       ///< the clutch
-  bool leader = false;     ///< the leader's values are there and plausible
-  bool allowed = true;     ///< the follower may be moved, and nobody has stopped it
-  bool taken = false;      ///< the follower has been taken over
-  bool matches = false;    ///< the follower is at the leader's pose, or need not be
+  bool held = false;     ///< the clutch
+  bool leader = false;   ///< the leader's values are there and plausible
+  bool allowed = true;   ///< the follower may be moved, and nobody has stopped it
+  bool taken = false;    ///< the follower has been taken over
+  bool matches = false;  ///< the follower is at the leader's pose, or need not be
 };
 
 /// The phase after a tick. Only a clutch that is pressed while everything is well begins a motion.
