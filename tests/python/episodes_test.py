@@ -9,7 +9,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 import unittest.mock
 import zlib
@@ -17,12 +16,12 @@ import zlib
 import numpy as np
 import polyarm
 from polyarm import episodes as episodes_module
-from polyarm.client import connect, running_cells
+from polyarm.client import connect
 from polyarm.episodes import DataSet, png
 from polyarm.parquet import Column, encode_table, read_table, write_table
 from polyarm.policy import ActionQueue, PolicyFailed, replay, run_policy, run_policy_on
 from polyarm.record import features_of, joints_of, record, record_running, running_joints
-from support import COMMAND, EXAMPLES, forward_cell
+from support import COMMAND, EXAMPLES, forward_cell, wait_for_cell
 
 FEATURES = {"observation.state": ["a", "b"], "action": ["a", "b"]}
 
@@ -384,9 +383,7 @@ class Running(unittest.IsolatedAsyncioTestCase):
                                      stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(self.cell.wait)
         self.addCleanup(self.cell.kill)
-        while not running_cells():
-            self.assertIsNone(self.cell.poll(), "the cell has ended")
-            time.sleep(0.01)
+        wait_for_cell(self, self.cell, "six")
 
     async def positions(self, client):
         states = {state["name"]: state["value"] for state in (await client.ask("interfaces"))["states"]}

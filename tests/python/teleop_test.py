@@ -7,14 +7,13 @@ import shutil
 import signal
 import subprocess
 import tempfile
-import time
 import unittest
 import unittest.mock
 
 import numpy as np
-from polyarm.client import connect, running_cells
+from polyarm.client import connect
 from polyarm.errors import Error
-from support import COMMAND, EXAMPLES
+from support import COMMAND, EXAMPLES, wait_for_cell
 
 CELL = """polyarm: cell/1
 rate: 250
@@ -62,9 +61,7 @@ class RunningCell(unittest.IsolatedAsyncioTestCase):
                                      stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(self.cell.wait)
         self.addCleanup(self.cell.kill)
-        while not running_cells():
-            self.assertIsNone(self.cell.poll(), "the cell has ended")
-            time.sleep(0.01)
+        wait_for_cell(self, self.cell, "led")
 
     async def until(self, client, state):
         while True:
