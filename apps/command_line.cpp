@@ -66,6 +66,13 @@ const CLI::App& innermost(const CLI::App& app) {
 std::string not_understood(const CLI::App& app) {
   const std::vector<std::string> rest = app.remaining(true);
   const CLI::App& at = innermost(app);
+  std::vector<std::string> parts;
+  for (const CLI::App* part : at.get_subcommands([](const CLI::App*) { return true; }))
+    parts.push_back(part->get_name());
+  // Before the options: those that follow belong to the word that is wrong.
+  if (!parts.empty() && !rest.empty() && !rest.front().starts_with('-'))
+    return "there is no '" + at.get_name() + " " + rest.front() + "'" + did_you_mean(rest.front(), parts) +
+           " (" + join(parts, ", ") + ")\n";
   std::string out;
   for (const std::string& word : rest) {
     if (word.size() < 2 || word.front() != '-') continue;
@@ -73,12 +80,6 @@ std::string not_understood(const CLI::App& app) {
     out += "there is no option '" + name + "'" + did_you_mean(name, option_names(at)) + "\n";
   }
   if (!out.empty() || rest.empty()) return out;
-  std::vector<std::string> parts;
-  for (const CLI::App* part : at.get_subcommands([](const CLI::App*) { return true; }))
-    parts.push_back(part->get_name());
-  if (!parts.empty())
-    return "there is no '" + at.get_name() + " " + rest.front() + "'" + did_you_mean(rest.front(), parts) +
-           " (" + join(parts, ", ") + ")\n";
   return "'" + join(rest, "' '") + "': nothing takes " + (rest.size() == 1 ? "this word" : "these words") +
          ", or it is given twice\n";
 }

@@ -7,9 +7,10 @@
 #include "apps/client.hpp"
 #include "apps/verb.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/calibration/touch.hpp"
 #include "polyarm/data/literal.hpp"
+#include "polyarm/data/point_in.hpp"
 #include "polyarm/data/set_edit.hpp"
-#include "polyarm/data/taught_frames.hpp"
 
 namespace polyarm::apps {
 
@@ -42,26 +43,20 @@ std::vector<Pose> poses_of(const ImportFile& set, const std::vector<std::string>
   return out;
 }
 
-data::Point point_in(const Pose& pose, const std::string& frame) {
-  data::Point out{pose, false};
-  if (!frame.empty()) out.taught = std::make_shared<data::Taught>(data::Taught{frame, {}, {}, {}});
-  return out;
-}
-
 int teach_frame(const TeachArguments& a) {
   data::edit_set(a.file, "frame " + a.name, [&](ImportFile& set) {
     std::string frame;
     const std::vector<Pose> poses = poses_of(set, a.from, frame);
     Pose found;
     if (poses.size() == 3)
-      found = data::frame_from_points(poses[0].position, poses[1].position, poses[2].position);
+      found = calibration::frame_from_points(poses[0].position, poses[1].position, poses[2].position);
     else if (poses.size() == 1)
       found = poses[0];
     else
       throw Error("bad-points", "a frame comes from three points, or from one pose",
                   "--from ORIGIN ON_X IN_PLANE, or --from POSE --in FRAME");
     if (!a.in.empty()) frame = a.in;
-    set.set(a.name, point_in(found, frame));
+    set.set(a.name, data::point_in(found, frame));
     fmt::print("{} is {}\n", a.name, set.values().value(a.name)->text());
   });
   return kOk;
@@ -70,15 +65,17 @@ int teach_frame(const TeachArguments& a) {
 int teach_tool(const TeachArguments& a) {
   data::edit_set(a.file, "tool " + a.name, [&](ImportFile& set) {
     std::string frame;
-    const data::TaughtTool tool = data::tool_from_poses(poses_of(set, a.from, frame));
+    const calibration::TouchedTool tool = calibration::tool_from_poses(poses_of(set, a.from, frame));
+    const double largest = tool.residuals.largest.position;
     for (std::size_t k = 0; k < a.from.size(); ++k)
-      fmt::print("{:<16} {:8.3f} mm\n", a.from[k], 1e3 * tool.residuals[k]);
-    fmt::print("{:<16} {:8.3f} mm rms, {:.3f} mm at most\n", "residual", 1e3 * tool.rms, 1e3 * tool.largest);
-    if (1e3 * tool.largest > a.most_mm && !a.yes)
+      fmt::print("{:<16} {:8.3f} mm\n", a.from[k], 1e3 * tool.residuals.each[k].position);
+    fmt::print("{:<16} {:8.3f} mm rms, {:.3f} mm at most\n", "residual", 1e3 * tool.residuals.rms.position,
+               1e3 * largest);
+    if (1e3 * largest > a.most_mm && !a.yes)
       throw Error("bad-points",
-                  fmt::format("the tip was up to {:.3f} mm off; nothing was changed", 1e3 * tool.largest),
+                  fmt::format("the tip was up to {:.3f} mm off; nothing was changed", 1e3 * largest),
                   "teach the worst pose again, or use --most MM or --yes");
-    set.set(a.name, data::point_of(tool));
+    set.set(a.name, data::point_in({tool.tcp, {}}, "tool0"));
     fmt::print("{} is {}\n", a.name, set.values().value(a.name)->text());
   });
   return kOk;

@@ -12,6 +12,7 @@
 #include "polyarm/description/plain_urdf.hpp"
 #include "polyarm/description/srdf.hpp"
 #include "polyarm/hulls/robot_bodies.hpp"
+#include "polyarm/move_group/groups.hpp"
 
 namespace polyarm::apps {
 
@@ -20,50 +21,11 @@ namespace {
 using description::GroupInfo;
 using description::Joint;
 using description::RobotModel;
+using move_group::Actor;
+using move_group::joint_of;
 
 const Joint& joint_at(const RobotModel& model, int index) {
   return model.joints[static_cast<std::size_t>(index)];
-}
-
-/// A controller that accepts goals from MoveIt.
-struct Actor {
-  std::string name, type, action;   ///< "FollowJointTrajectory", "follow_joint_trajectory"
-  std::vector<std::string> joints;  ///< the robot's joints, in the controller's order
-  bool gripper() const { return type != "FollowJointTrajectory"; }
-};
-
-/// "arm/elbow_joint/position" → "elbow_joint" for robot `arm`; "" for another robot.
-std::string joint_of(const std::string& interface, const std::string& robot) {
-  const std::vector<std::string> parts = split_fields(interface, '/');
-  return parts.size() == 3 && parts[0] == robot ? parts[1] : "";
-}
-
-std::vector<Actor> actors_of(const cell::CellView& cell, const std::string& robot) {
-  std::vector<Actor> out;
-  for (const control::ListedController& listed : cell.controllers().list()) {
-    Actor actor{listed.name, {}, {}, {}};
-    for (const controllers::InputPort& port : cell.controllers().find(listed.name)->inputs()) {
-      if (!port.action) continue;
-      actor.type = port.types.front().substr(port.types.front().find('/') + 1);
-      actor.action = port.name;
-    }
-    for (const std::string& interface : listed.required_commands)
-      if (const std::string joint = joint_of(interface, robot);
-          !joint.empty() && !std::count(actor.joints.begin(), actor.joints.end(), joint))
-        actor.joints.push_back(joint);
-    if (!actor.type.empty() && !actor.joints.empty()) out.push_back(std::move(actor));
-  }
-  return out;
-}
-
-/// The joints from the root to the tool's mounting link, including fixed ones.
-std::vector<int> joints_to_tool(const RobotModel& model) {
-  std::vector<int> out;
-  for (int link = model.tool_link(); model.links[static_cast<std::size_t>(link)].parent_joint >= 0;) {
-    out.insert(out.begin(), model.links[static_cast<std::size_t>(link)].parent_joint);
-    link = joint_at(model, out.front()).parent_link;
-  }
-  return out;
 }
 
 /// Always with a decimal point, because some YAML readers distinguish integers from floats.
@@ -72,43 +34,10 @@ std::string decimal(double value) {
   return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
 }
 
-/// The groups of the description; without any, the arm up to its tool, and the joints of grippers.
-void add_groups(RobotModel& model, const std::string& arm, const std::vector<Actor>& actors) {
-  if (!model.groups.empty()) return;
-  std::vector<int> chain = joints_to_tool(model);
-  std::set<std::string> gripping;
-  for (const Actor& actor : actors)
-    if (actor.gripper()) gripping.insert(actor.joints.begin(), actor.joints.end());
-  while (!chain.empty() && gripping.contains(joint_at(model, chain.back()).name)) chain.pop_back();
-  if (!chain.empty()) model.groups.push_back({arm, chain, {}});
-  for (const Actor& actor : actors) {
-    if (!actor.gripper()) continue;
-    GroupInfo group{actor.name == arm ? actor.name + "_gripper" : actor.name, {}, {}};
-    for (const std::string& joint : actor.joints)
-      if (const int index = model.find_joint(joint); index >= 0) group.joints.push_back(index);
-    std::sort(group.joints.begin(), group.joints.end());
-    if (group.joints.empty()) continue;
-    const int parent = joint_at(model, group.joints.front()).parent_link;
-    model.end_effectors.push_back({group.name + "_end", group.name, chain.empty() ? "" : arm, parent});
-    model.groups.push_back(std::move(group));
-  }
-}
-
-bool has_chain(const RobotModel& model, const GroupInfo& group) {
-  int moving = 0;
-  for (std::size_t i = 0; i < group.joints.size(); ++i) {
-    moving += joint_at(model, group.joints[i]).moves() ? 1 : 0;
-    if (i > 0 &&
-        joint_at(model, group.joints[i]).parent_link != joint_at(model, group.joints[i - 1]).child_link)
-      return false;
-  }
-  return moving >= 3;
-}
-
 std::string kinematics_yaml(const RobotModel& model) {
   std::string out;
   for (const GroupInfo& group : model.groups)
-    if (has_chain(model, group))
+    if (move_group::has_chain(model, group))
       out += fmt::format(
           "{}:\n  kinematics_solver: kdl_kinematics_plugin/KDLKinematicsPlugin\n"
           "  kinematics_solver_search_resolution: 0.005\n  kinematics_solver_timeout: 0.05\n",
@@ -309,8 +238,8 @@ std::string in_world(std::string urdf, const RobotModel& model, const Pose& base
 MoveItFiles moveit_files(const cell::CellView& cell, std::size_t index, int samples) {
   const cell::CellRobot& robot = *cell.robots()[index];
   RobotModel model = robot.model;
-  const std::vector<Actor> actors = actors_of(cell, robot.entry.name);
-  add_groups(model, robot.entry.name, actors);
+  const std::vector<Actor> actors = move_group::actors_of(cell.controllers(), robot.entry.name);
+  move_group::add_groups(model, robot.entry.name, actors);
   hulls::make_bodies(model, hulls::bodies_cache());
   const auto pairs = description::needless_pairs(model, samples);
   MoveItFiles out;

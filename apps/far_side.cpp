@@ -87,14 +87,16 @@ int run_far_side(int argc, char** argv) {
   if (maker != argv + argc && std::string(*maker) == "ur") return run_far_side_ur(argc, argv);
   if (maker != argv + argc && std::string(*maker) == "fanuc") return run_far_side_fanuc(argc, argv);
   if (maker != argv + argc && std::string(*maker) == "abb") return run_far_side_abb(argc, argv);
+  if (maker != argv + argc && std::string(*maker) == "kuka") return run_far_side_kuka(argc, argv);
   CommandLine app(
       "Simulates the controller of a robot byte for byte, for drivers and programs without a robot",
       "polyarm far-side");
   std::string name;
   app.add_option("maker", name,
-                 "ur: Universal Robots; fanuc: FANUC; abb: ABB; `polyarm far-side MAKER --help` has the rest")
+                 "ur: Universal Robots; fanuc: FANUC; abb: ABB; kuka: KUKA; `polyarm far-side MAKER --help` has the "
+                 "rest")
       ->required()
-      ->one_of({"ur", "fanuc", "abb"});
+      ->one_of({"ur", "fanuc", "abb", "kuka"});
   app.footer(examples({"polyarm far-side ur", "polyarm far-side abb --help"}));
   if (const auto code = app.parse(argc, argv)) return *code;
   return kOk;

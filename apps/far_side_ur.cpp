@@ -15,7 +15,7 @@ struct UrArguments {
   std::string maker, robot = "universal_robots/ur5e", address = "127.0.0.1", software = "5.15";
   int port = 30004, dashboard = 29999, primary = 30001, secondary = 30002;
   double rate = 0;
-  bool off = false, local = false;
+  bool off = false, local = false, calibrated = false;
   std::vector<std::string> wires, orders;
 };
 
@@ -23,6 +23,7 @@ ur::FarSideOptions ur_options(const UrArguments& a) {
   Problems warnings;
   ur::FarSideOptions out;
   out.machine.facts = ur::facts_of(description::load_robot(a.robot, open_catalogue(), warnings));
+  if (a.calibrated) ur::make_calibrated(out.machine.facts);
   const auto parts = split_fields(a.software, '.');
   const auto number = [&](std::size_t i) {
     return i < parts.size() ? static_cast<int>(parse_number(parts[i]).value_or(-1)) : 0;
@@ -85,6 +86,7 @@ int run_far_side_ur(int argc, char** argv) {
   app.add_option("--rate", a.rate, "Hz; else 500, before software 5 125")->range(10.0, 500.0);
   app.add_flag("--off", a.off, "the robot is switched off at the beginning");
   app.add_flag("--local", a.local, "local control at the beginning");
+  app.add_flag("--calibrated", a.calibrated, "the arm differs from its type as real ones do");
   app.add_option("--wire", a.wires, "OUTPUT=INPUT: the digital input follows the output; may be repeated");
   app.add_option("--order", a.orders, "a fault from the beginning; may be repeated");
   app.footer(examples({"polyarm far-side ur", "polyarm far-side ur --robot universal_robots/ur3e --wire 0=0",

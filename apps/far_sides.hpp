@@ -20,5 +20,6 @@ std::array<double, 6> start_of(const std::string& text, std::array<double, 6> ot
 int run_far_side_ur(int argc, char** argv);
 int run_far_side_fanuc(int argc, char** argv);
 int run_far_side_abb(int argc, char** argv);
+int run_far_side_kuka(int argc, char** argv);
 
 }  // namespace polyarm::apps

@@ -48,11 +48,13 @@ const std::vector<Verb>& verbs() {
       {"interfaces", "every state and command interface of a running cell", run_interfaces},
       {"health", "state and timing of the control loop of a running cell", run_health},
       {"limits", "which limits changed commands in a running cell", run_limits},
+      {"calibrate", "calibrate tools, frames, cameras, arms and payloads from samples", run_calibrate},
       {"data", "data sets: list, get, set, import, export, undo, frames, tools", run_data},
       {"tags", "tags and links of a running cell: show, set, force", run_tags},
       {"send", "send a message to a controller of a running cell", run_send},
       {"watch", "show the output of a controller of a running cell", run_watch},
       {"jog", "move a robot of a running cell by hand: joints or tool, by keys or by a distance", run_jog},
+      {"lead", "lead an arm of a running cell by another while a key is held", run_lead},
       {"teleop", "drive a base of a running cell from the keyboard", run_teleop},
       {"param", "parameters of the controllers of a running cell", run_param},
       {"setup", "set up the servos of an arm, or inspect the controller of a robot", run_setup},
@@ -108,7 +110,7 @@ int main(int argc, char** argv) {
   hardware::register_driver("mock",
                             [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
   cell::register_door({"ros2",
-                       {"domain", "range", "peers", "namespace", "distribution", "cmd_vel"},
+                       {"domain", "range", "peers", "namespace", "distribution", "cmd_vel", "move_group"},
                        "install Fast DDS (tools/setup does) and build again, or run without --ros2"});
   apps::guard_terminal(apps::asks_for_document(argc, argv));
   hulls::listen_to_making([](std::size_t made, std::size_t meshes) {

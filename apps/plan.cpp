@@ -347,8 +347,9 @@ PlannedMotion from_moves(const Request& request, const Setting& setting, Problem
 
 // --- around obstacles -----------------------------------------------------------------------------------
 
-bool looks_around(const Request& request) {
-  return request.around || !request.scene.empty();
+/// A cell has its own scene.
+bool looks_around(const Request& request, const Setting& setting) {
+  return request.around || !request.scene.empty() || !setting.file.scene.empty();
 }
 
 PlanAround surroundings_of(const Request& request, const Setting& setting, Problems& problems) {
@@ -396,7 +397,7 @@ PlannedMotion from_moves_around(const Request& request, const Setting& setting, 
 
 PlannedMotion planned(const Request& request, const Setting& setting, Problems& problems) {
   const bool file = is_trajectory_file(request.words[0]);
-  if (!looks_around(request))
+  if (!looks_around(request, setting))
     return file ? from_file(request, setting, problems) : from_moves(request, setting, problems);
   if (file && request.around)
     throw Error("bad-value", "--around plans moves, not a trajectory file", "name moves: movej Pick");

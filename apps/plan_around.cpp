@@ -112,27 +112,30 @@ std::vector<PlanAround::Way> PlanAround::around(const std::vector<double>& start
 
 void PlanAround::measure(PlannedMotion& motion) {
   PlanState state(motion.joints.size());
-  PlanClearance least;
-  const auto steps = static_cast<std::size_t>(std::ceil(motion.duration / kMeasureEvery));
-  for (std::size_t i = 0; i <= steps; ++i) {
-    const double t = steps > 0 ? motion.duration * double(i) / double(steps) : 0;
-    motion.at(t, state);
-    const collision::Contact contact = surroundings_->probe().nearest(state.value[0]);
-    if (!(contact.distance < least.distance)) continue;
-    least = {contact.distance, contact.first, contact.second, t, contact.on_second};
+  for (PlanSection& section : motion.sections) {
+    const double duration = section.end - section.begin;
+    const auto steps = static_cast<std::size_t>(std::ceil(duration / kMeasureEvery));
+    PlanClearance least;
+    for (std::size_t i = 0; i <= steps; ++i) {
+      const double t = section.begin + (steps > 0 ? duration * double(i) / double(steps) : 0);
+      motion.at(t, state);
+      const collision::Contact contact = surroundings_->probe().nearest(state.value[0]);
+      if (contact.distance < least.distance)
+        least = {contact.distance, contact.first, contact.second, t, contact.on_second};
+    }
+    if (!std::isfinite(least.distance)) continue;
+    section.clearance = least;
+    if (!motion.clearance || least.distance < motion.clearance->distance) motion.clearance = least;
+    if (least.distance > 0) continue;
+    Problem problem;
+    problem.code = "contact";
+    problem.what = fmt::format("{}{} is {:.1f} mm inside {} at {:.3f} s, at ({:.3f}, {:.3f}, {:.3f})",
+                               section.name.empty() ? "" : section.name + ": ", least.first,
+                               -1000 * least.distance, least.second, least.time, least.point.x, least.point.y,
+                               least.point.z);
+    problem.advice = "plan movej with --around, or move the target";
+    motion.problems.push_back(std::move(problem));
   }
-  if (!std::isfinite(least.distance)) return;
-  motion.clearance = least;
-  if (least.distance > 0) return;
-  const auto section = std::find_if(motion.sections.begin(), motion.sections.end(),
-                                    [&](const PlanSection& s) { return least.time <= s.end; });
-  Problem problem;
-  problem.code = "contact";
-  problem.what = fmt::format("{}{} is {:.1f} mm inside {} at {:.3f} s",
-                             section == motion.sections.end() ? "" : section->name + ": ", least.first,
-                             -1000 * least.distance, least.second, least.time);
-  problem.advice = "plan movej with --around, or move the target";
-  motion.problems.push_back(std::move(problem));
 }
 
 }  // namespace polyarm::apps

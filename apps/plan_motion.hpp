@@ -32,9 +32,18 @@ struct PlanBand {
   timing::LimitKind kind;
 };
 
+/// The point of the motion nearest to an obstacle, or with the deepest overlap.
+struct PlanClearance {
+  double distance = std::numeric_limits<double>::infinity();  ///< m; negative: penetration depth
+  std::string first, second;
+  double time = 0;  ///< s
+  Vec3 point;       ///< in the world, on `second`
+};
+
 struct PlanSection {
   std::string name;
   double begin, end;
+  std::optional<PlanClearance> clearance = {};  ///< empty without surroundings
 };
 
 /// State of all joints at one time.
@@ -51,14 +60,6 @@ struct PlanState {
 inline constexpr std::array<const char*, 4> kQuantities = {"position", "velocity", "acceleration", "jerk"};
 /// "rad/s²" or "m".
 std::string unit_of(const PlanJoint& joint, std::size_t quantity);
-
-/// The point of the motion nearest to an obstacle, or with the deepest overlap.
-struct PlanClearance {
-  double distance = std::numeric_limits<double>::infinity();  ///< m; negative: penetration depth
-  std::string first, second;
-  double time = 0;  ///< s
-  Vec3 point;       ///< in the world, on `second`
-};
 
 struct PlannedMotion {
   std::string title;

@@ -53,12 +53,28 @@ std::string shares(const PlannedMotion& motion, const PlanSection& section) {
   return out;
 }
 
+std::string text_of(const PlanClearance& c) {
+  const std::string where = fmt::format("{} and {} at {:.3f} s, at ({:.3f}, {:.3f}, {:.3f})", c.first, c.second,
+                                        c.time, c.point.x, c.point.y, c.point.z);
+  return c.distance > 0 ? fmt::format("clearance: at least {:.1f} mm, between {}", 1000 * c.distance, where)
+                        : fmt::format("contact: {:.1f} mm deep, between {}", -1000 * c.distance, where);
+}
+
+json json_of(const PlanClearance& c) {
+  return {{"distance", c.distance},
+          {"first", c.first},
+          {"second", c.second},
+          {"time", c.time},
+          {"point", {c.point.x, c.point.y, c.point.z}}};
+}
+
 }  // namespace
 
 std::string report_of(const PlannedMotion& motion) {
   std::string out = fmt::format("{}: {:.3f} s\n", motion.title, motion.duration);
   for (const PlanSection& s : motion.sections) {
     out += fmt::format("\n{}, {:.3f} to {:.3f} s\n", s.name, s.begin, s.end);
+    if (s.clearance) out += "  " + text_of(*s.clearance) + "\n";
     if (motion.bands.empty()) continue;
     out += fmt::format("  bounded by {}\n", shares(motion, s));
     std::vector<PlanBand> own;
@@ -86,8 +102,7 @@ std::string report_of(const PlannedMotion& motion) {
   if (std::isfinite(motion.tcp_speed_limit)) out += fmt::format(" of {:.4g}", motion.tcp_speed_limit);
   out += "\n";
   if (const auto& c = motion.clearance; c && c->distance > 0)
-    out += fmt::format("clearance: at least {:.1f} mm, between {} and {} at {:.3f} s\n", 1000 * c->distance,
-                       c->first, c->second, c->time);
+    out += text_of(*c) + "\n";
   return out;
 }
 
@@ -100,6 +115,7 @@ std::string json_of(const PlannedMotion& motion) {
         bounds.push_back(
             {{"from", b.from}, {"to", b.to}, {"row", motion.row_name(b.row)}, {"limit", name(b.kind)}});
     sections.push_back({{"name", s.name}, {"begin", s.begin}, {"end", s.end}, {"bounded_by", bounds}});
+    if (s.clearance) sections.back()["clearance"] = json_of(*s.clearance);
   }
   double tcp = 0;
   const std::vector<PlanPeaks> peaks = motion.at ? peaks_of(motion, &tcp) : std::vector<PlanPeaks>{};
@@ -125,12 +141,7 @@ std::string json_of(const PlannedMotion& motion) {
               {"joints", joints},
               {"tcp_speed", tcp},
               {"problems", problems}};
-  if (const auto& c = motion.clearance)
-    out["clearance"] = {{"distance", c->distance},
-                        {"first", c->first},
-                        {"second", c->second},
-                        {"time", c->time},
-                        {"point", {c->point.x, c->point.y, c->point.z}}};
+  if (motion.clearance) out["clearance"] = json_of(*motion.clearance);
   return out.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 

@@ -77,10 +77,15 @@ int run_build(int argc, char** argv) {
   bool all = true;
   for (const Asked& asked : packages_with_plugins(workspace)) {
     try {
-      const fs::path module = build_plugin(*asked.package, workspace, kit, build);
+      Problems left_out;
+      const fs::path module = build_plugin(*asked.package, workspace, kit, build, left_out);
+      print_all(left_out.list());
       fmt::print("built {}\n", module.string());
+      const auto known = plugins::built_classes();
       for (const auto& c : asked.classes)
-        print_class(c, build.simulated);
+        if (std::any_of(known.begin(), known.end(),
+                        [&](const auto& k) { return k.name == c.name && k.module == module; }))
+          print_class(c, build.simulated);
     } catch (const Error& e) {
       all = false;
       print_all(e.problems());

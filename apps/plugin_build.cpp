@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
@@ -139,15 +140,45 @@ std::vector<std::string> errors_in(const fs::path& log, std::size_t most) {
   throw Error(problems.list());
 }
 
-std::vector<plugins::BuiltClass> classes_of(const hardware::PluginTable& table, const fs::path& module) {
+/// Makes each class once: those that are really in the module. The others are problems, unless no class is left.
+std::vector<plugins::BuiltClass> classes_of(const hardware::PluginTable& table, const fs::path& module,
+                                            Problems& problems) {
   std::vector<plugins::BuiltClass> out;
+  Problems missing;
   for (std::uint32_t i = 0; i < table.count; ++i) {
-    const hardware::PluginEntry& entry = table.entries[i];  // made once: the class is really in it
-    if (entry.kind == hardware::PluginKind::controller)
-      plugins::make_controller(entry, module);
-    else
-      hardware::make_component(entry, module);
-    out.push_back({entry.name, module, entry.help, entry.kind});
+    const hardware::PluginEntry& entry = table.entries[i];
+    collect(missing, [&] {
+      if (entry.kind == hardware::PluginKind::controller)
+        plugins::make_controller(entry, module);
+      else
+        hardware::make_component(entry, module);
+      out.push_back({entry.name, module, entry.help, entry.kind});
+    });
+  }
+  if (out.empty() && table.count > 0) throw Error(missing.list());
+  for (Problem each : missing.list()) {
+    each.severity = Severity::warning;
+    problems.add(each);
+  }
+  return out;
+}
+
+/// The packages that the module is made of. A package with filters or kinematics for it that misses something is
+/// left out, and named.
+std::vector<const Package*> order_with_helpers(const Package& package, const Workspace& workspace,
+                                               const ros_packages::Kit& kit, Problems& problems) {
+  std::vector<const Package*> out = ros_packages::in_build_order(package, workspace.all);
+  for (const Package* helper : ros_packages::helpers_of(out, workspace.all)) {
+    Problems missing;
+    ros_packages::check_package(*helper, workspace.all, kit, missing);
+    if (missing.has_errors()) {
+      problems.warning("missing", {helper->folder.string(), 0},
+                       "the plugins of " + helper->name + " are left out of " + package.name,
+                       "polyarm plugin check " + helper->folder.string() + " says what they miss");
+      continue;
+    }
+    for (const Package* each : ros_packages::in_build_order(*helper, workspace.all))
+      if (std::find(out.begin(), out.end(), each) == out.end()) out.insert(out.end() - 1, each);
   }
   return out;
 }
@@ -170,7 +201,7 @@ Workspace open_workspace(const std::string& path, Problems& problems) {
 }
 
 fs::path build_plugin(const Package& package, const Workspace& workspace, const ros_packages::Kit& kit,
-                      const PluginBuild& build) {
+                      const PluginBuild& build, Problems& problems) {
   kit.require_headers();
   const fs::path root = build.scratch.empty() ? cache_folder() : fs::absolute(build.scratch);
   const fs::path folder = root / (package.name + "-" + sha256(package.folder.string()).substr(0, 8));
@@ -178,7 +209,7 @@ fs::path build_plugin(const Package& package, const Workspace& workspace, const 
   fs::create_directories(folder);
   write_file_atomically(log, "");
   const auto classes = ros_packages::plugin_classes(package);
-  const auto order = ros_packages::in_build_order(package, workspace.all);
+  const auto order = order_with_helpers(package, workspace, kit, problems);
   ros_packages::ModuleOptions options{build.simulated, fs::read_symlink("/proc/self/exe"),
                                       root / "interfaces", folder / "build"};
   ros_packages::write_headers(kit.interfaces(), options.generated);
@@ -197,7 +228,7 @@ fs::path build_plugin(const Package& package, const Workspace& workspace, const 
   const fs::path made = folder / "build" / (package.name + ".so"),
                  module = plugins::built_folder() / (package.name + ".so");
   const hardware::PluginTable& table = hardware::open_plugin(made);
-  std::vector<plugins::BuiltClass> found = classes_of(table, made);
+  const std::vector<plugins::BuiltClass> found = classes_of(table, made, problems);
   install(made, module);
   plugins::record_built(module, found);
   return module;

@@ -30,6 +30,7 @@ const std::vector<Verb>& verbs();
 
 int run_run(int argc, char** argv);
 int run_check(int argc, char** argv);
+int run_calibrate(int argc, char** argv);
 int run_fmt(int argc, char** argv);
 int run_test(int argc, char** argv);
 int run_compare(int argc, char** argv);
@@ -56,6 +57,7 @@ int run_data(int argc, char** argv);
 int run_send(int argc, char** argv);
 int run_watch(int argc, char** argv);
 int run_console(int argc, char** argv);
+int run_lead(int argc, char** argv);
 int run_teleop(int argc, char** argv);
 int run_jog(int argc, char** argv);
 int run_param(int argc, char** argv);

@@ -177,15 +177,18 @@ int main(int argc, char** argv) {
   const description::Catalogue catalogue({POLYARM_SOURCE_DIR "/robots"});
   fmt::print(
       "# Inverse kinematics of every robot of the catalogue\n\n"
-      "Written by `build/release/bench/ik_catalogue {0} > docs/ik-catalogue.md` ({1}, one core that other "
-      "work used too).\n{0} random joint states within limits of each robot and their poses. *Branches*: "
-      "mean "
-      "number of solutions within limits (of arms with an axis to spare up to 64 of endlessly many). "
-      "*Solved*: poses for which `solve` has an answer that forward kinematics confirms. *Found again*: "
-      "poses whose solutions hold the very joint state they were made from (says nothing where there are "
-      "endlessly many). *All*, *nearest*: median times of `solve_all` and `solve` from random seeds. What "
-      "the ways are: [inverse-kinematics.md](inverse-kinematics.md).\n\n"
-      "| robot | axes | way | branches | solved | found again | all | nearest | what was seen |\n"
+      "Written by `build/release/bench/ik_catalogue {0} > docs/ik-catalogue.md` ({1}, one core, beside other "
+      "work). For each robot the program draws {0} random joint states within its limits, and solves their "
+      "poses. [Inverse kinematics](inverse-kinematics.md) explains the ways.\n\n"
+      "| column | meaning |\n|---|---|\n"
+      "| branches | mean number of solutions within the limits. An arm with a redundant axis has infinitely "
+      "many; at most 64 are counted |\n"
+      "| solved | poses for which `solve` finds a solution that forward kinematics confirms |\n"
+      "| found again | poses whose solutions contain the joint state that the pose was made from; empty for "
+      "arms with a redundant axis |\n"
+      "| all, nearest | median time of `solve_all` and of `solve`, from random seeds |\n"
+      "| report | what the solver found about the arm |\n\n"
+      "| robot | axes | way | branches | solved | found again | all | nearest | report |\n"
       "|---|---|---|---|---|---|---|---|---|\n",
       poses, processor());
   for (const std::string& robot : catalogue.names()) {

@@ -193,42 +193,21 @@ std::vector<hardware::InterfaceDescription> AbbComponent::command_interfaces() c
   return out;
 }
 
-ReturnType AbbComponent::perform_command_mode_switch(std::span<const std::string>,
-                                                     std::span<const std::string>) noexcept {
-  steps_.begin();
-  return ReturnType::ok;
-}
-
 CallbackReturn AbbComponent::on_configure() {
-  active_ = guided_ = placed_ = false;
-  if (!link_->open()) return CallbackReturn::failure;
-  const double cell = 1 / seconds(period_);
-  if (paced_ && std::abs(cell - link_->rate()) > 0.01 * link_->rate()) {
-    link_->fail(Cause::wrong_rate, static_cast<int>(std::lround(link_->rate())));
-    link_->close();
-    return CallbackReturn::failure;
-  }
-  return CallbackReturn::success;
+  guided_ = placed_ = false;
+  return StreamComponent::on_configure();
 }
 
 CallbackReturn AbbComponent::on_activate() {
-  steps_.begin();
-  if (!link_->start()) return CallbackReturn::failure;
-  active_ = guided_ = true;
-  return CallbackReturn::success;
+  const CallbackReturn done = StreamComponent::on_activate();
+  if (done == CallbackReturn::success) guided_ = true;
+  return done;
 }
 
 CallbackReturn AbbComponent::on_deactivate() {
-  active_ = false;
-  link_->stop();
+  const CallbackReturn done = StreamComponent::on_deactivate();
   guided_ = false;
-  return CallbackReturn::success;
-}
-
-CallbackReturn AbbComponent::on_cleanup() {
-  active_ = false;
-  if (link_) link_->close();
-  return CallbackReturn::success;
+  return done;
 }
 
 /// Robot Web Services report the joints a few times a second. Between two reports a person at the FlexPendant can
@@ -276,23 +255,7 @@ ReturnType AbbComponent::write(const hardware::Cycle&, std::span<const double> c
   outputs_.speed_ratio = commands[6];
   std::copy_n(commands.begin() + 7, settings_.outputs.size(), outputs_.digital.begin());
   link_->outputs(outputs_);
-  Six joints;
-  std::copy_n(commands.begin(), 6, joints.begin());
-  if (std::any_of(joints.begin(), joints.end(), [](double q) { return !std::isfinite(q); })) {
-    link_->command(false, {});  // without a command for one joint the whole arm holds
-    steps_.begin();
-    return ReturnType::ok;
-  }
-  if (const auto joint = steps_.jumps(joints, link_->sample().q)) {
-    link_->fail(Cause::jump, *joint);
-    return ReturnType::error;
-  }
-  link_->command(true, joints);
-  return ReturnType::ok;
-}
-
-std::string AbbComponent::reason() const {
-  return link_ ? link_->reason() : std::string();
+  return write_joints(commands);
 }
 
 const hardware::DriverFacts* AbbComponent::facts() const noexcept {

@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "drivers/abb/link.hpp"
-#include "drivers/wire/six_axes.hpp"
-#include "polyarm/hardware/component.hpp"
+#include "drivers/wire/stream_component.hpp"
 
 namespace polyarm::abb {
 
@@ -20,38 +19,21 @@ namespace polyarm::abb {
 /// Configuring connects, reads and moves nothing. Activating starts the controller's program; the robot
 /// stands still, and the first command must be at the measured position. Deactivating brakes the robot and
 /// stops the program. When commands stop for any reason, the controller's own watchdog stops the robot.
-class AbbComponent : public hardware::Component {
+class AbbComponent : public wire::StreamComponent<Link, Cause> {
  public:
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   hardware::CallbackReturn on_configure() override;
   hardware::CallbackReturn on_activate() override;
   hardware::CallbackReturn on_deactivate() override;
-  hardware::CallbackReturn on_cleanup() override;
-  hardware::CallbackReturn on_shutdown() override { return on_cleanup(); }
-  hardware::CallbackReturn on_error() override { return on_cleanup(); }
   std::vector<hardware::InterfaceDescription> state_interfaces() const override;
   std::vector<hardware::InterfaceDescription> command_interfaces() const override;
-  hardware::ReturnType perform_command_mode_switch(std::span<const std::string> start,
-                                                   std::span<const std::string> stop) noexcept override;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
   hardware::ReturnType write(const hardware::Cycle& cycle,
                              std::span<const double> commands) noexcept override;
-  bool real() const noexcept override { return true; }
-  bool paces() const noexcept override { return paced_; }
-  bool await_cycle(Nanoseconds timeout) noexcept override { return link_ && link_->await(timeout); }
-  std::string reason() const override;
   const hardware::DriverFacts* facts() const noexcept override;
   std::string summary() const override;
 
-  /// Why it failed last; none after configuring. Any thread.
-  Cause cause() const noexcept {
-    return !link_ ? Cause::none : link_->cause() != Cause::none ? link_->cause() : link_->refused();
-  }
-
  protected:
-  Link* link() noexcept { return link_.get(); }
-  bool paced_ = true;
-  bool follows_ = false;  ///< the loop follows the packets though it is not paced by them
   bool stepped_services_ = false;
 
  private:
@@ -61,14 +43,10 @@ class AbbComponent : public hardware::Component {
   LinkSettings settings_;
   std::string name_, robot_;
   std::vector<std::string> joints_;
-  Nanoseconds period_ = 4'000'000;
-  std::unique_ptr<Link> link_;
   // the control thread's
-  std::atomic<bool> active_{false};
   std::atomic<bool> guided_{false};  ///< from the first packet until the program is stopped
   bool placed_ = false;              ///< shown_ is a position of the robot
   wire::Six shown_{};                ///< rad
-  wire::StepCheck steps_;
   Outputs outputs_;
 };
 

@@ -13,7 +13,7 @@ using hardware::CallbackReturn;
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr Nanoseconds kTimeout = 5'000'000'000, kDisturbed = 20'000'000, kAnswer = 50'000'000;
+constexpr Nanoseconds kAnswer = 50'000'000;
 constexpr std::uint64_t kServices = 12;  // cycles between two exchanges of signals: about 20 a second
 
 std::pair<std::string, std::string> wire_of(const std::string& text) {
@@ -38,10 +38,6 @@ MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds peri
 }
 
 }  // namespace
-
-FakeAbb::~FakeAbb() {
-  on_cleanup();
-}
 
 CallbackReturn FakeAbb::on_init(const hardware::ComponentContext& context) {
   if (context.robots.size() != 1) return AbbComponent::on_init(context);
@@ -89,49 +85,15 @@ CallbackReturn FakeAbb::on_configure() {
 }
 
 CallbackReturn FakeAbb::on_activate() {
-  const CallbackReturn done = AbbComponent::on_activate();
-  if (done != CallbackReturn::success) return done;
-  far_->hold_clock(true);
-  cycles_ = 0;
-  stepped_ = true;
+  const CallbackReturn done = SimulatedComponent::on_activate();
+  if (done == CallbackReturn::success) cycles_ = 0;
   return done;
 }
 
-CallbackReturn FakeAbb::on_deactivate() {
-  if (!stepped_.exchange(false)) return AbbComponent::on_deactivate();
-  const wire::Stepper<FarSide> stepper(*far_, kDisturbed);
-  return AbbComponent::on_deactivate();
-}
-
-CallbackReturn FakeAbb::on_cleanup() {
-  if (!link()) return CallbackReturn::success;
-  if (!stepped_.exchange(false)) return AbbComponent::on_cleanup();
-  const wire::Stepper<FarSide> stepper(*far_, kDisturbed);
-  return AbbComponent::on_cleanup();
-}
-
 hardware::ReturnType FakeAbb::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
-  if (stepped_) {
-    faults_.step(*far_, seconds(cycle.period));
-    const std::uint64_t before = far_->packets();
-    far_->step(kTimeout);
-    await_packet(before);
-  }
+  step(seconds(cycle.period));
   if (cycles_++ % kServices == 0) link()->serve_services();
   return AbbComponent::read(cycle, states);
-}
-
-/// Until the newest packet is there: older ones may still be on their way.
-void FakeAbb::await_packet(std::uint64_t before) noexcept {
-  const auto [packets, sequence] = far_->sent();
-  if (packets == before) {  // a fault keeps the packet back, or EGM ended
-    link()->await(kDisturbed);
-    return;
-  }
-  do {
-    link()->fetch();
-    if (link()->sample().sequence >= sequence) return;
-  } while (link()->await(kTimeout) && link()->cause() == Cause::none);
 }
 
 std::string FakeAbb::summary() const {

@@ -6,7 +6,7 @@
 
 #include "drivers/abb/component.hpp"
 #include "drivers/abb/far_side.hpp"
-#include "drivers/wire/simulated.hpp"
+#include "drivers/wire/simulated_component.hpp"
 
 namespace polyarm::abb {
 
@@ -15,32 +15,21 @@ namespace polyarm::abb {
 /// since the first activation. While the component is active, the controller's clock stands still between two
 /// cycles of the loop, and signals are exchanged every 12 cycles, so that a run repeats itself, as fast as
 /// the machine can.
-class FakeAbb : public AbbComponent {
+class FakeAbb : public wire::SimulatedComponent<AbbComponent, FarSide> {
  public:
   FakeAbb() {
     paced_ = false;
     follows_ = true;
     stepped_services_ = true;
   }
-  ~FakeAbb() override;
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   hardware::CallbackReturn on_configure() override;
   hardware::CallbackReturn on_activate() override;
-  hardware::CallbackReturn on_deactivate() override;
-  hardware::CallbackReturn on_cleanup() override;
-  hardware::CallbackReturn on_shutdown() override { return on_cleanup(); }
-  hardware::CallbackReturn on_error() override { return on_cleanup(); }
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
-  bool real() const noexcept override { return false; }
   std::string summary() const override;
-  FarSide& far_side() { return *far_; }
 
  private:
-  void await_packet(std::uint64_t before) noexcept;
-  std::unique_ptr<FarSide> far_;
-  wire::DueOrders faults_;
   std::uint64_t cycles_ = 0;
-  std::atomic<bool> stepped_{false};
 };
 
 }  // namespace polyarm::abb

@@ -5,15 +5,18 @@
 #include <cmath>
 
 #include "drivers/abb/far_services.hpp"
-#include "polyarm/base/bounds.hpp"
+#include "drivers/wire/service.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::abb {
 
 namespace {
 
-constexpr Nanoseconds kWrite = 1'000'000'000;
+/// A client that does not read its answers is closed after this time. It is short because EGM shares the
+/// thread.
+constexpr Nanoseconds kWrite = 20'000'000;
 constexpr const char* kCookie = "-http-session-=simulated::http.session::0; path=/; httponly";
 
 std::string span(const std::string& name, const std::string& value) {
@@ -64,24 +67,36 @@ void FarRws::drop() {
 }
 
 void FarRws::serve() {
+  close_unfinished();
   while (Descriptor socket = wire::accept_tcp(listener_.number()))
     if (!faults_.power_off && clients_.size() < bounds::kFarSideClients) {
       clients_.push_back(std::make_unique<Client>());
       clients_.back()->channel = wire::Channel(std::move(socket), context_ ? &*context_ : nullptr);
+      clients_.back()->begun = realtime::monotonic_now();
     }
   if (faults_.power_off) return drop();
   for (auto& client : clients_) read(*client);
   std::erase_if(clients_, [](const auto& client) { return client->gone; });
 }
 
+/// Connections that never finish a handshake or a request must not take the places of others.
+void FarRws::close_unfinished() {
+  const Nanoseconds before = realtime::monotonic_now() - request_time_;
+  std::erase_if(clients_, [&](const auto& client) { return client->begun > 0 && client->begun < before; });
+}
+
 void FarRws::read(Client& client) {
   std::array<std::uint8_t, 8192> bytes;
-  for (;;) {
+  for (int turn = 0; turn < wire::kReadsInTurn; ++turn) {
     const wire::Received got = client.channel.read(bytes);
     if (got.got == wire::Got::nothing) return;
     if (got.got != wire::Got::bytes) return void(client.gone = true);
     client.reader.take({reinterpret_cast<const char*>(bytes.data()), got.count});
-    while (const auto request = client.reader.next()) take(client, *request);
+    while (const auto request = client.reader.next()) {
+      client.begun = 0;
+      take(client, *request);
+    }
+    if (client.begun == 0 && client.reader.unfinished()) client.begun = realtime::monotonic_now();
     if (client.reader.failed()) client.gone = true;
     if (client.gone) return;
   }

@@ -9,6 +9,7 @@
 #include "drivers/wire/http.hpp"
 #include "drivers/wire/tls.hpp"
 #include "drivers/wire/udp.hpp"
+#include "polyarm/base/bounds.hpp"
 
 namespace polyarm::abb {
 
@@ -89,18 +90,23 @@ class FarRws {
   void drop();
   std::uint64_t requests() const { return requests_; }
   void set_user(const std::string& user, const std::string& password);
+  /// The time for the TLS handshake with the first request, and for each further request from its first byte
+  /// on. A connection that takes longer is closed.
+  void set_request_time(Nanoseconds time) { request_time_ = time; }
 
  private:
   struct Client {
     wire::Channel channel;
     wire::HttpReader reader{wire::HttpReader::Kind::request};
     bool gone = false, known = false;
+    Nanoseconds begun = 0;  ///< of the connection, then of the request that is not complete; 0: it is idle
   };
   struct Answer {
     int status = 200;
     std::string body;
   };
   void read(Client& client);
+  void close_unfinished();
   void take(Client& client, const wire::HttpMessage& request);
   bool allowed(const wire::HttpMessage& request) const;
   Answer answer(const wire::HttpMessage& request);
@@ -123,6 +129,7 @@ class FarRws {
   Descriptor listener_;
   std::vector<std::unique_ptr<Client>> clients_;
   std::string user_ = "Default User", password_ = "robotics", nonce_;
+  Nanoseconds request_time_ = static_cast<Nanoseconds>(bounds::kHead_ms) * 1'000'000;
   std::uint64_t requests_ = 0;
   bool master_ = false;
 };

@@ -70,6 +70,7 @@ FarSide::FarSide(FarSideOptions options)
       rws_(machine_, faults_, options_.rws_version),
       wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   rws_.set_user(options_.user, options_.password);
+  if (options_.request_time > 0) rws_.set_request_time(options_.request_time);
   rws_.listen(options_.address, options_.rws);
   egm_.open(options_.address);
   if (options_.egm > 0) egm_.send_to(options_.egm_host, options_.egm);

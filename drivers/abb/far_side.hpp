@@ -18,6 +18,7 @@ struct FarSideOptions {
   std::string egm_host = "127.0.0.1";  ///< of the computer that guides the robot
   int egm = 6510;                      ///< its port; 0: send_egm_to() says it later
   std::string user = "Default User", password = "robotics";
+  Nanoseconds request_time = 0;  ///< see FarRws::set_request_time(); 0: its default
   Nanoseconds patience = 0;  ///< longest wait of the clock for the answer to a packet, ns
   std::function<void(const std::string&)> report;  ///< what happens, for people; on its thread
 };

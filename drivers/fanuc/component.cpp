@@ -140,43 +140,6 @@ std::vector<hardware::InterfaceDescription> FanucComponent::command_interfaces()
   return out;
 }
 
-ReturnType FanucComponent::perform_command_mode_switch(std::span<const std::string>,
-                                                       std::span<const std::string>) noexcept {
-  steps_.begin();
-  return ReturnType::ok;
-}
-
-CallbackReturn FanucComponent::on_configure() {
-  active_ = false;
-  if (!link_->open()) return CallbackReturn::failure;
-  const double cell = 1 / seconds(period_);
-  if (paced_ && std::abs(cell - link_->rate()) > 0.01 * link_->rate()) {
-    link_->fail(Cause::wrong_rate, static_cast<int>(std::lround(link_->rate())));
-    link_->close();
-    return CallbackReturn::failure;
-  }
-  return CallbackReturn::success;
-}
-
-CallbackReturn FanucComponent::on_activate() {
-  steps_.begin();
-  if (!link_->start()) return CallbackReturn::failure;
-  active_ = true;
-  return CallbackReturn::success;
-}
-
-CallbackReturn FanucComponent::on_deactivate() {
-  active_ = false;
-  link_->stop();
-  return CallbackReturn::success;
-}
-
-CallbackReturn FanucComponent::on_cleanup() {
-  active_ = false;
-  if (link_) link_->close();
-  return CallbackReturn::success;
-}
-
 ReturnType FanucComponent::read(const hardware::Cycle&, std::span<double> states) noexcept {
   link_->fetch();
   const Sample& sample = link_->sample();
@@ -210,23 +173,7 @@ ReturnType FanucComponent::write(const hardware::Cycle&, std::span<const double>
     std::copy_n(commands.begin() + 6, settings_.outputs.count, outputs_.digital.begin());
     link_->outputs(outputs_);
   }
-  Six joints;
-  std::copy_n(commands.begin(), 6, joints.begin());
-  if (std::any_of(joints.begin(), joints.end(), [](double q) { return !std::isfinite(q); })) {
-    link_->command(false, {});  // without a command for one joint the whole arm holds
-    steps_.begin();
-    return ReturnType::ok;
-  }
-  if (const auto joint = steps_.jumps(joints, link_->sample().q)) {
-    link_->fail(Cause::jump, *joint);
-    return ReturnType::error;
-  }
-  link_->command(true, joints);
-  return ReturnType::ok;
-}
-
-std::string FanucComponent::reason() const {
-  return link_ ? link_->reason() : std::string();
+  return write_joints(commands);
 }
 
 const hardware::DriverFacts* FanucComponent::facts() const noexcept {

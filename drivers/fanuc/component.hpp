@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "drivers/fanuc/link.hpp"
-#include "drivers/wire/six_axes.hpp"
-#include "polyarm/hardware/component.hpp"
+#include "drivers/wire/stream_component.hpp"
 
 namespace polyarm::fanuc {
 
@@ -22,38 +21,16 @@ namespace polyarm::fanuc {
 /// Configuring connects, reads and moves nothing. Activating starts the controller's streaming program; the
 /// robot stands still, and the first command must be at the measured position. Deactivating brakes the robot
 /// within the controller's limits and ends the program.
-class FanucComponent : public hardware::Component {
+class FanucComponent : public wire::StreamComponent<Link, Cause> {
  public:
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
-  hardware::CallbackReturn on_configure() override;
-  hardware::CallbackReturn on_activate() override;
-  hardware::CallbackReturn on_deactivate() override;
-  hardware::CallbackReturn on_cleanup() override;
-  hardware::CallbackReturn on_shutdown() override { return on_cleanup(); }
-  hardware::CallbackReturn on_error() override { return on_cleanup(); }
   std::vector<hardware::InterfaceDescription> state_interfaces() const override;
   std::vector<hardware::InterfaceDescription> command_interfaces() const override;
-  hardware::ReturnType perform_command_mode_switch(std::span<const std::string> start,
-                                                   std::span<const std::string> stop) noexcept override;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
   hardware::ReturnType write(const hardware::Cycle& cycle,
                              std::span<const double> commands) noexcept override;
-  bool real() const noexcept override { return true; }
-  bool paces() const noexcept override { return paced_; }
-  bool await_cycle(Nanoseconds timeout) noexcept override { return link_ && link_->await(timeout); }
-  std::string reason() const override;
   const hardware::DriverFacts* facts() const noexcept override;
   std::string summary() const override;
-
-  /// Why it failed last; none after configuring. Any thread.
-  Cause cause() const noexcept {
-    return !link_ ? Cause::none : link_->cause() != Cause::none ? link_->cause() : link_->refused();
-  }
-
- protected:
-  Link* link() noexcept { return link_.get(); }
-  bool paced_ = true;
-  bool follows_ = false;  ///< the loop follows the packets though it is not paced by them
 
  private:
   void find_limits(const description::RobotModel& model);
@@ -62,12 +39,7 @@ class FanucComponent : public hardware::Component {
   std::string name_, robot_;
   std::vector<std::string> joints_;
   std::array<Six, 3> described_{};  ///< limits of the description, degrees, by LimitKind; 0: unknown
-  Nanoseconds period_ = 8'000'000;
-  std::unique_ptr<Link> link_;
-  // the control thread's
-  std::atomic<bool> active_{false};
-  wire::StepCheck steps_;
-  Outputs outputs_;
+  Outputs outputs_;                 ///< the control thread's
 };
 
 /// "1-16", "3", "": a range of at most kMostDigital numbers from 1. Throws Error("bad-value").

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string_view>
 #include <utility>
+
+#include "polyarm/description/shape_bounds.hpp"
 
 namespace polyarm::drivers {
 
@@ -41,6 +42,22 @@ bool is_over(const description::Shape& shape, const Vec3& p) {
     return std::abs(p.x) <= shape.size.x / 2 && std::abs(p.y) <= shape.size.y / 2;
   return shape.kind == description::ShapeKind::cylinder && std::hypot(p.x, p.y) <= shape.radius;
 }
+/// True if a cup at `point` reaches the surface of the shape, from any side.
+bool is_near(const description::Shape& shape, const Pose& pose, const Vec3& point) {
+  const Vec3 p = inverse(pose * shape.pose) * point;
+  const double r = std::hypot(p.x, p.y);
+  switch (shape.kind) {
+    case description::ShapeKind::box:
+      return std::abs(p.x) <= shape.size.x / 2 + kGripReach && std::abs(p.y) <= shape.size.y / 2 + kGripReach &&
+             std::abs(p.z) <= shape.size.z / 2 + kGripReach;
+    case description::ShapeKind::cylinder:
+      return r <= shape.radius + kGripReach && std::abs(p.z) <= shape.length / 2 + kGripReach;
+    case description::ShapeKind::capsule:
+      return std::hypot(r, std::max(0.0, std::abs(p.z) - shape.length / 2)) <= shape.radius + kGripReach;
+    default:
+      return norm(p) <= shape.radius + kGripReach;
+  }
+}
 bool is_upright(const Quaternion& rotation) {
   return (rotation * Vec3{0, 0, 1}).z > 0.999;
 }
@@ -62,13 +79,10 @@ MockWorld::MockWorld(const hardware::ComponentContext& context,
       if (states[i].name == name) return static_cast<int>(i);
     return -1;
   };
-  int index = -1;
-  std::string_view before;
   for (const hardware::RobotInstance& robot : context.robots) {
-    if (robot.name != std::exchange(before, robot.name)) ++index;  // a robot has an instance for each of its blocks
     if (!robot.tool || robot.tool->gripper == description::GripperKind::none) continue;
     Arm arm;
-    arm.robot = index;
+    arm.robot = robot.number;
     arm.base = robot.base;
     arm.last = robot.tool->tcp;
     for (int link = robot.model->tool_link();
@@ -124,6 +138,11 @@ MockWorld::MockWorld(const hardware::ComponentContext& context,
   for (const description::Mover& m : scene_->movers)
     movers_.push_back({command("scene/" + m.name + "/position"), state("scene/" + m.name + "/position", 0), 0,
                        m.speed, m.lower, m.upper, m.axis});
+  for (const description::Belt& b : scene_->belts) {  // their encoders count, and no part rides on them
+    const std::string name = "scene/" + b.name + "/";
+    belts_.push_back({command(name + "speed"), state(name + "position", 0), state(name + "speed", 0), b.speed});
+    state(name + "parts", 0), state(name + "latch", 0);
+  }
   carried_by_.assign(state_.parts.size(), -1);
   add_supports();
   for (std::size_t i = 0; i < state_.parts.size(); ++i)
@@ -189,6 +208,14 @@ void MockWorld::release_now(Arm& arm) noexcept {
   hardware::PartState& part = state_.parts[i];
   const description::Part& fact = scene_->parts[i];
   part.held_by = -1;
+  for (Arm& other : arms_)  // another cup may have come to it: the part changes hands
+    if (std::exchange(other.touched, -1) == arm.held && other.held < 0) {
+      other.held = static_cast<int>(i);
+      other.grasp = inverse(other.at) * part.pose;
+      part.held_by = other.robot;
+      arm.held = -1;
+      return;
+    }
   const double top = top_below(i);
   if (top > kNothing)
     part.pose.position.z = top + top_of(fact.shape);
@@ -203,9 +230,13 @@ void MockWorld::grip(Arm& arm, double dt, std::span<const double> asked, std::sp
   if (!wanted && arm.held >= 0) release_now(arm);
   const bool looks = wanted && arm.held < 0 && arm.on_for >= kGripTime && scene_;
   const Pose at = looks || arm.held >= 0 ? tcp(arm, states) : Pose{};
+  arm.touched = -1;
+  arm.at = at;
   if (looks) {
     for (std::size_t i = 0; i < state_.parts.size(); ++i) {
       hardware::PartState& part = state_.parts[i];
+      if (part.in_world && part.held_by >= 0 && is_near(scene_->parts[i].shape, part.pose, at.position))
+        arm.touched = static_cast<int>(i);
       const Vec3 top = part.pose * Vec3{0, 0, top_of(scene_->parts[i].shape)};
       if (!part.in_world || part.held_by >= 0 || norm(top - at.position) > kGripReach) continue;
       arm.held = static_cast<int>(i);
@@ -216,12 +247,25 @@ void MockWorld::grip(Arm& arm, double dt, std::span<const double> asked, std::sp
   }
   if (arm.held >= 0) state_.parts[static_cast<std::size_t>(arm.held)].pose = at * arm.grasp;
   states[static_cast<std::size_t>(arm.level_state)] = wanted ? 1 : 0;
-  states[static_cast<std::size_t>(arm.present_state)] = arm.held >= 0 ? 1 : 0;
+  states[static_cast<std::size_t>(arm.present_state)] = arm.held >= 0 || arm.touched >= 0 ? 1 : 0;
+}
+
+/// As in physics: two parts in one place would push each other away.
+bool MockWorld::is_free(const Feeder& feeder) const noexcept {
+  constexpr double kOverlap = -1e-3;
+  const auto bounds = [&](std::size_t part, const Pose& at) {
+    return description::bounds_of(scene_->parts[part].shape, at);
+  };
+  const auto next = static_cast<std::size_t>(feeder.parts[static_cast<std::size_t>(feeder.presented)]);
+  const description::Bounds there = bounds(next, feeder.pose);
+  for (std::size_t i = 0; i < state_.parts.size(); ++i)
+    if (state_.parts[i].in_world && there.near(bounds(i, state_.parts[i].pose), kOverlap)) return false;
+  return true;
 }
 
 void MockWorld::feed(Feeder& feeder, std::span<const double> asked, std::span<double> states) noexcept {
   if (count(asked, feeder.command) > feeder.presented &&
-      feeder.presented < static_cast<int>(feeder.parts.size())) {
+      feeder.presented < static_cast<int>(feeder.parts.size()) && is_free(feeder)) {
     hardware::PartState& part =
         state_.parts[static_cast<std::size_t>(feeder.parts[static_cast<std::size_t>(feeder.presented++)])];
     part.pose = feeder.pose;
@@ -275,6 +319,13 @@ void MockWorld::step(const hardware::Cycle& cycle, std::span<const double> asked
       if (by != 0) carry(m, by);
     }
     states[static_cast<std::size_t>(mover.state)] = mover.at;
+  }
+  for (Belt& belt : belts_) {
+    const double wanted = asked[static_cast<std::size_t>(belt.command)];
+    const double speed = std::isfinite(wanted) ? std::clamp(wanted, -belt.most, belt.most) : 0;
+    belt.at += speed * dt;
+    states[static_cast<std::size_t>(belt.position_state)] = belt.at;
+    states[static_cast<std::size_t>(belt.speed_state)] = speed;
   }
   for (Feeder& feeder : feeders_) feed(feeder, asked, states);
   for (Arm& arm : arms_) grip(arm, dt, asked, states);

@@ -35,10 +35,12 @@ class MockWorld {
     Pose base, last;
     std::vector<Step> chain;
     int command = -1, level_state = -1, present_state = -1;
-    int robot = 0;  ///< for PartState::held_by; robots without a gripper count, too
+    int robot = 0;  ///< for PartState::held_by
     double on_for = 0;
     int held = -1;
-    Pose grasp;  ///< T_tcp_part
+    Pose grasp;        ///< T_tcp_part
+    int touched = -1;  ///< the part of another robot that the cup is at: it is taken over when that lets go
+    Pose at;           ///< of the TCP in the world, while the vacuum is on
   };
   struct Feeder {
     int command, presented_state, remaining_state, present_state, count_state, kind_state;
@@ -70,6 +72,7 @@ class MockWorld {
   /// The highest top below the part, m; remembers the mover that carries it. Minus infinity: there is none.
   double top_below(std::size_t part) noexcept;
   void carry(std::size_t mover, double by) noexcept;
+  bool is_free(const Feeder& feeder) const noexcept;
   void feed(Feeder& feeder, std::span<const double> asked, std::span<double> states) noexcept;
   void watch(Region& region, std::span<const double> asked, std::span<double> states) noexcept;
 
@@ -79,6 +82,11 @@ class MockWorld {
   std::vector<Feeder> feeders_;
   std::vector<Region> regions_;
   std::vector<Mover> movers_;
+  struct Belt {
+    int command, position_state, speed_state;
+    double most, at = 0;
+  };
+  std::vector<Belt> belts_;
   std::vector<Support> supports_;
   std::vector<int> carried_by_;  // mover of each part, or -1
   hardware::WorldState state_;

@@ -256,7 +256,7 @@ void MujocoComponent::publish() noexcept {
     out.entered = part.entered;
     out.in_world = parts_->in_world(i);
     out.asleep = part.mode == Parts::Mode::asleep;
-    out.held_by = part.robot;
+    out.held_by = part.robot < 0 ? -1 : context_.robots[static_cast<std::size_t>(part.robot)].number;
   }
   world_.tracking_error = tracking_error_;
   tracking_error_ = 0;
@@ -285,7 +285,7 @@ ReturnType MujocoComponent::read(const hardware::Cycle& cycle, std::span<double>
     if (robot.tool_state < 0) continue;
     states[static_cast<std::size_t>(robot.tool_state)] =
         robot.gripper->suction() ? robot.gripper->level() : robot.gripper->width(view());
-    states[static_cast<std::size_t>(robot.tool_state) + 1] = robot.gripper->held() >= 0 ? 1 : 0;
+    states[static_cast<std::size_t>(robot.tool_state) + 1] = robot.gripper->senses() ? 1 : 0;
   }
   machines_->read(*parts_, states);
   publish();

@@ -59,13 +59,18 @@ double cup_distance(const Shape& shape, const Pose& pose, const Vec3& lip_world,
   return best;
 }
 
+/// A part that another robot holds is only touched. This cup takes it over in the step after that robot lets go.
 void Gripper::take_hold(const Pose& tool, Parts& parts, ContactReader& contacts) noexcept {
   const Pose tcp = tool * tool_->tcp;
   const Vec3 axis = tcp.rotation * Vec3{0, 0, 1};
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (!parts.in_world(i) || parts[i].robot >= 0) continue;
+    if (!parts.in_world(i)) continue;
     const double distance = cup_distance(parts.fact(i).shape, parts[i].pose, tcp.position, axis);
     if (!(distance <= tool_->reach && distance >= -2e-3)) continue;
+    if (parts[i].robot >= 0) {
+      touches_ = true;
+      continue;
+    }
     held_ = static_cast<int>(i);
     fresh_ = true;
     parts.hold(i, static_cast<int>(robot_), inverse(tool) * parts[i].pose);
@@ -112,7 +117,8 @@ void Gripper::update(ModelView& view, Parts& parts, ContactReader& contacts, con
   if (parallel()) {
     const int gripped = on_ ? contacts.between_fingers(robot_) : -1;
     if (gripped != held_) {
-      if (held_ >= 0) parts[static_cast<std::size_t>(held_)].robot = -1;
+      if (held_ >= 0 && parts[static_cast<std::size_t>(held_)].robot == static_cast<int>(robot_))
+        parts[static_cast<std::size_t>(held_)].robot = -1;  // else another gripper has taken it over
       if (gripped >= 0) {
         parts.wake_neighbours(static_cast<std::size_t>(gripped));
         parts[static_cast<std::size_t>(gripped)].robot = static_cast<int>(robot_);
@@ -123,6 +129,7 @@ void Gripper::update(ModelView& view, Parts& parts, ContactReader& contacts, con
     return;
   }
   if (!suction()) return;
+  touches_ = false;
   level_ += ((on_ ? 1.0 : 0.0) - level_) * timestep / kLag;
   const Pose tool = body_pose(view.d(), view.robots[robot_].tool_body);
   if (level_ < 0.5) pulled_off_ = false;

@@ -29,6 +29,8 @@ class Gripper {
   double level() const noexcept { return level_; }
   double width(const ModelView& view) const noexcept;
   int held() const noexcept { return held_; }
+  /// What its sensor reports: it holds a part, or the cup is sealed on one that another robot holds.
+  bool senses() const noexcept { return held_ >= 0 || touches_; }
   bool moving(const ModelView& view) const noexcept;
 
  private:
@@ -44,6 +46,7 @@ class Gripper {
   int held_ = -1;
   Vec3 last_position_, velocity_, acceleration_;  // of the held part, filtered
   bool fresh_ = true;
+  bool touches_ = false;
   bool pulled_off_ = false;  // a part was lost: nothing is gripped until the vacuum has been off
 };
 

@@ -30,6 +30,7 @@ class Machines {
     std::vector<int> parts;
     int asked = 0, presented = 0;
     Pose pose;
+    const description::Feeder* fact = nullptr;
   };
   struct Region {
     int command = -1, present_state = -1, taken_state = -1;
@@ -44,10 +45,23 @@ class Machines {
     std::vector<const description::Fixture*> fixtures;
     bool moves() const noexcept { return velocity != 0 || at != target; }
   };
+  struct Belt {
+    int command, position_state, speed_state, parts_state, latch_state;
+    const description::Belt* fact = nullptr;
+    Bounds surface{};
+    double at = 0, velocity = 0, target = 0, latch = 0;
+    int seen = 0;
+    std::vector<double> before{};  ///< place of each part along the belt; NaN: not on it
+  };
+  Pose place_of_next(const Feeder& feeder) const noexcept;
   bool is_free(const Feeder& feeder, const Parts& parts) const noexcept;
   void advance(std::size_t index, Mover& mover, ModelView& view, Parts& parts, double dt) noexcept;
 
+  void advance(Belt& belt, Parts& parts, double dt) noexcept;
+  static double place_on(const Belt& belt, const Vec3& position) noexcept;
+
   const description::Scene* scene_;
+  std::vector<Belt> belts_;
   std::vector<Feeder> feeders_;
   std::vector<Region> regions_;
   std::vector<Mover> movers_;

@@ -285,7 +285,9 @@ class Writer {
 
   void fixtures(const description::Scene& scene) {
     for (std::size_t f = 0; f < scene.fixtures.size(); ++f)
-      if (scene.fixtures[f].mover.empty()) fixture(f, scene.fixtures[f], scene.fixtures[f].pose);
+      if (scene.fixtures[f].mover.empty() && scene.fixtures[f].belt.empty())
+        fixture(f, scene.fixtures[f], scene.fixtures[f].pose);
+    for (std::size_t b = 0; b < scene.belts.size(); ++b) belt(b, scene);
     for (std::size_t m = 0; m < scene.movers.size(); ++m) {
       line("<body name=\"{}\" mocap=\"true\">", mover_name(m));
       bool any = false;
@@ -297,6 +299,18 @@ class Writer {
       if (!any) line("<geom type=\"sphere\" size=\"0.001\" contype=\"0\" conaffinity=\"0\"/>");
       line("</body>");
     }
+  }
+
+  void belt(std::size_t b, const description::Scene& scene) {
+    const description::Belt& belt = scene.belts[b];
+    constexpr double kHeavy = 1000;  // kg, kg m²: parts do not slow it down
+    line("<body name=\"{}\" {}>", belt_name(b), place(belt.pose));
+    line("<joint name=\"{}\" type=\"{}\" axis=\"{}\"/>", belt_name(b), belt.turns ? "hinge" : "slide",
+         belt.turns ? "0 0 1" : "1 0 0");
+    line("<inertial pos=\"0 0 0\" mass=\"{0:g}\" diaginertia=\"{0:g} {0:g} {0:g}\"/>", kHeavy);
+    for (std::size_t f = 0; f < scene.fixtures.size(); ++f)
+      if (scene.fixtures[f].belt == belt.name) fixture(f, scene.fixtures[f], {});
+    line("</body>");
   }
 
   void fixture(std::size_t f, const description::Fixture& fixture, const Pose& at) {

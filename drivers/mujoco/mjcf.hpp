@@ -32,6 +32,10 @@ inline std::string slot_name(std::size_t slot) {
 inline std::string mover_name(std::size_t mover) {
   return "mover" + std::to_string(mover);
 }
+/// A belt is a heavy body that slides or turns; each physics step gives it its velocity and puts it back.
+inline std::string belt_name(std::size_t belt) {
+  return "belt" + std::to_string(belt);
+}
 inline std::string fixture_name(std::size_t fixture, std::size_t shape) {
   return "fixture" + std::to_string(fixture) + "_" + std::to_string(shape);
 }

@@ -202,6 +202,11 @@ void ModelSet::find_places(const hardware::ComponentContext& context, ModelView&
   }
   for (std::size_t k = 0; context.scene && k < context.scene->movers.size(); ++k)
     view.mover_mocap.push_back(m->body_mocapid[find(m, mjOBJ_BODY, mover_name(k))]);
+  for (std::size_t b = 0; context.scene && b < context.scene->belts.size(); ++b) {
+    const int id = find(m, mjOBJ_JOINT, belt_name(b));
+    view.belt_qpos.push_back(m->jnt_qposadr[id]);
+    view.belt_dof.push_back(m->jnt_dofadr[id]);
+  }
 }
 
 void ModelSet::find_owners(const hardware::ComponentContext& context, ModelView& view) {

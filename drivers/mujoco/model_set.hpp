@@ -44,6 +44,7 @@ struct ModelView {
   };
   std::vector<Slot> slot;
   std::vector<int> twin_geom, twin_mocap, mover_mocap;
+  std::vector<int> belt_qpos, belt_dof;
   std::vector<Owner> owner;  ///< by geom
   /// Places robot `r` at rest at these positions of its actuated joints; missing ones are 0.
   void place(std::size_t r, const std::vector<double>& positions) noexcept;

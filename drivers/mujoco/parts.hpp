@@ -4,16 +4,12 @@
 #include <vector>
 
 #include "drivers/mujoco/model_set.hpp"
+#include "polyarm/description/shape_bounds.hpp"
 
 namespace polyarm::drivers {
 
-/// Axis-aligned box in the world, m.
-struct Bounds {
-  Vec3 lower, upper;
-  bool near(const Bounds& other, double margin) const noexcept;
-  bool contains(const Vec3& p) const noexcept;
-};
-Bounds bounds_of(const description::Shape& shape, const Pose& pose) noexcept;
+using description::Bounds;
+using description::bounds_of;
 
 /// The parts of the world and their states: waiting in a feeder, asleep (a fixed twin), awake (a free body),
 /// held by a cup (part of the arm), or removed. Control thread; nothing allocates after construction.

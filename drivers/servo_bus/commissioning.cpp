@@ -15,6 +15,9 @@ namespace polyarm::servo_bus {
 namespace {
 constexpr int kAttempts = 3, kTries = 5;
 constexpr int kLeastRange = 60;  // steps, 5°: a smaller range means that the joint was not moved
+/// Looks at the joints between two saves of what was measured, and between two attempts to open a port that
+/// is gone.
+constexpr int kLooksToSave = 20, kLooksToReopen = 50;
 
 bool yes(const std::string& answer) {
   return equal_ignoring_case(trim(answer), "yes") || equal_ignoring_case(trim(answer), "y");
@@ -251,16 +254,22 @@ void Commissioning::take_torque_off(const std::vector<int>& ids, const std::stri
   }
 }
 
-/// Tracks each joint through the end of the count, where 0 follows 4095.
-void Commissioning::follow(std::map<std::string, Range>& ranges) {
+/// Tracks each joint through the end of the count, where 0 follows 4095. A joint that is known from an earlier
+/// run continues at the turn nearest to its range.
+void Commissioning::follow(Ranges& ranges) {
+  if (reopen_if_gone()) return;
   const int turn = family_.steps_per_turn;
   for (auto& [joint, range] : ranges) {
     std::int32_t at = 0;
-    if (bus_->read(static_cast<std::uint8_t>(id_of(joint)), family_.present_position, at) != Outcome::ok)
-      continue;
+    const Outcome outcome =
+        bus_->read(static_cast<std::uint8_t>(id_of(joint)), family_.present_position, at);
+    if (outcome == Outcome::gone) return lose_adapter();
+    if (outcome != Outcome::ok) continue;
     if (!std::exchange(range.known, true)) {
-      range.last = range.min = range.max = at;
-      continue;
+      range.last = at;
+      if (!range.moved) range.min = range.max = at;
+      const double middle = (range.min + range.max) / 2.0;
+      range.turns = turn * static_cast<int>(std::lround((middle - at) / turn));
     }
     if (at - range.last > turn / 2) range.turns -= turn;
     if (at - range.last < -turn / 2) range.turns += turn;
@@ -268,10 +277,41 @@ void Commissioning::follow(std::map<std::string, Range>& ranges) {
     range.min = std::min(range.min, range.now());
     range.max = std::max(range.max, range.now());
   }
+  if (++looks_ % kLooksToSave == 0) save(ranges);
+}
+
+void Commissioning::lose_adapter() {
+  bus_.reset();
+  looks_ = 0;
+  dialogue_.say("  " + options_.port + " is gone: plug the adapter in again. What was measured is kept");
+}
+
+/// True while the adapter is gone. Looks for it now and then.
+bool Commissioning::reopen_if_gone() {
+  if (bus_) return false;
+  if (++looks_ % kLooksToReopen != 0) return true;
+  try {
+    open(options_.port, baud_);
+  } catch (const Error&) {  // not there yet
+    return true;
+  }
+  dialogue_.say("  " + options_.port + " is back");
+  return false;
+}
+
+void Commissioning::save(const Ranges& ranges) const {
+  Progress progress;
+  for (const auto& [joint, range] : ranges)
+    if (range.max - range.min >= kLeastRange) progress.joints[joint] = {range.min, range.max, {}, {}};
+  if (options_.calibration.empty()) return;
+  if (progress.joints.empty())
+    remove_progress(options_.calibration);
+  else
+    write_progress(options_.calibration, family_, progress);
 }
 
 /// Chooses homing such that the middle of the range is the middle of the count.
-void Commissioning::move_away_from_the_wrap(const std::string& joint, Range& range) {
+int Commissioning::homing_without_wrap(const std::string& joint, Range& range) {
   const int turn = family_.steps_per_turn, id = id_of(joint);
   const int middle = (range.min + range.max) / 2;
   const int shift = turn / 2 - middle;
@@ -282,54 +322,123 @@ void Commissioning::move_away_from_the_wrap(const std::string& joint, Range& ran
     throw Error("wrap",
                 joint + " turns through the end of its count, and this family cannot move the count that far",
                 "take its horn off and put it on turned by half a turn, then run this again");
-  dialogue_.say(joint + " turns through the end of its count: homing is set to " + std::to_string(homing));
-  set_lasting(id, family_.homing, homing);
   range.min += shift;
   range.max += shift;
   range.turns += shift;
+  return homing;
+}
+
+/// Measures the ranges of all joints; those that an earlier run has measured need no further motion.
+Commissioning::Ranges Commissioning::measure_ranges(const std::optional<Progress>& earlier) {
+  Ranges ranges;
+  std::vector<std::string> known;
+  for (const std::string& joint : options_.joints) {
+    Range& range = ranges[joint];
+    if (!earlier || !earlier->joints.contains(joint)) continue;
+    const Progress::Joint& before = earlier->joints.at(joint);
+    range.min = before.min;
+    range.max = before.max;
+    range.moved = true;
+    known.push_back(joint);
+  }
+  if (!known.empty())
+    dialogue_.say("an earlier run has measured " + join(known, ", ") + "; it continues from " +
+                  progress_file(options_.calibration).string() + " (remove this file to begin anew)");
+  for (int attempt = 0;; ++attempt) {
+    const auto unmoved = [&] {
+      std::vector<std::string> out;
+      for (const std::string& joint : options_.joints)
+        if (ranges[joint].max - ranges[joint].min < kLeastRange) out.push_back(joint);
+      return out;
+    };
+    if (unmoved().empty()) break;
+    dialogue_.ask(known.empty() ? "Move every joint slowly from stop to stop, then press Enter"
+                                : "Move the other joints slowly from stop to stop, then press Enter",
+                  [&] { follow(ranges); });
+    save(ranges);
+    const std::vector<std::string> left = unmoved();
+    if (left.empty()) break;
+    if (attempt == kTries)
+      throw Error("not-moved", join(left, ", ") + " did not move",
+                  "run this again: it continues with them");
+    dialogue_.say("not moved yet: " + join(left, ", "));
+  }
+  return ranges;
 }
 
 void Commissioning::calibrate() {
   if (!bus_) find();
+  std::optional<Progress> progress = read_progress(options_.calibration, family_);
   take_torque_off(ids(), "the joints are moved by hand");
-  std::map<std::string, Range> ranges;
-  for (const std::string& joint : options_.joints) ranges[joint];
-  for (int attempt = 0;; ++attempt) {
-    dialogue_.ask("Move every joint slowly from stop to stop, then press Enter", [&] { follow(ranges); });
-    std::vector<std::string> unmoved;
-    for (const std::string& joint : options_.joints)
-      if (ranges[joint].max - ranges[joint].min < kLeastRange) unmoved.push_back(joint);
-    if (unmoved.empty()) break;
-    if (attempt == kTries) throw Error("not-moved", join(unmoved, ", ") + " did not move", "run this again");
-    dialogue_.say("not moved yet: " + join(unmoved, ", "));
-  }
+  if (progress && progress->stage == Progress::Stage::writing)
+    dialogue_.say("an earlier run has measured everything: its values are written now");
+  else
+    progress = choose(measure_ranges(progress));
+  write_registers(*progress);
+  write_calibration();
+  if (!options_.calibration.empty()) remove_progress(options_.calibration);
+  dialogue_.say("calibration written to " + options_.calibration.string());
+}
+
+/// Asks for zero and decides what is written. Saves the decision: from then on a later run only writes.
+Progress Commissioning::choose(Ranges ranges) {
   const std::string zero =
       dialogue_.ask("Hold the arm in its zero pose and press Enter, or type m for the middle of each range",
                     [&] { follow(ranges); });
   follow(ranges);
+  if (!bus_) throw Error("no-port", options_.port + " is gone", "plug it in and run this again: it continues");
+  Progress out;
+  out.stage = Progress::Stage::writing;
   for (const std::string& joint : options_.joints) {
     Range& range = ranges[joint];
-    const int turn = family_.steps_per_turn, id = id_of(joint);
-    JointCalibration& out = calibration_[joint];
-    const bool all_round = range.max - range.min >= turn - kLeastRange;
-    if (all_round) {
+    Progress::Joint& to = out.joints[joint];
+    const int turn = family_.steps_per_turn;
+    if (range.max - range.min >= turn - kLeastRange) {
       range.min = 0;
       range.max = turn - 1;
       range.turns = 0;
+      dialogue_.say(joint + " turns all round");
     } else if (range.min < 0 || range.max >= turn) {
-      move_away_from_the_wrap(joint, range);
+      try {
+        to.homing = homing_without_wrap(joint, range);
+      } catch (const Error&) {  // it must be moved again, whatever the remedy
+        ranges.erase(joint);
+        save(ranges);
+        throw;
+      }
     }
-    out.id = id;
-    out.min = range.min;
-    out.max = range.max;
-    out.zero = equal_ignoring_case(trim(zero), "m") ? (range.min + range.max) / 2 : range.now();
-    set_lasting(id, family_.min_limit, range.min);
-    set_lasting(id, family_.max_limit, range.max);
-    dialogue_.say(joint + ": " + std::to_string(range.min) + " to " + std::to_string(range.max) +
-                  ", zero at " + std::to_string(*out.zero) + (all_round ? " (turns all round)" : ""));
+    to.min = range.min;
+    to.max = range.max;
+    to.zero = equal_ignoring_case(trim(zero), "m") ? (range.min + range.max) / 2 : range.now();
   }
-  write_calibration();
-  dialogue_.say("calibration written to " + options_.calibration.string());
+  if (!options_.calibration.empty()) write_progress(options_.calibration, family_, out);
+  return out;
+}
+
+/// Every write may be repeated.
+void Commissioning::write_registers(const Progress& progress) {
+  for (const std::string& joint : options_.joints) {
+    const auto found = progress.joints.find(joint);
+    if (found == progress.joints.end())
+      throw Error("not-moved", "the unfinished calibration has no " + joint,
+                  "remove " + progress_file(options_.calibration).string() + " and calibrate from the beginning");
+    const Progress::Joint& from = found->second;
+    const int id = id_of(joint);
+    JointCalibration& out = calibration_[joint];
+    out.id = id;
+    out.min = from.min;
+    out.max = from.max;
+    out.zero = from.zero;
+    if (from.homing) {
+      dialogue_.say(joint + " turns through the end of its count: homing is set to " +
+                    std::to_string(*from.homing));
+      set_lasting(id, family_.homing, *from.homing);
+    }
+    set_lasting(id, family_.min_limit, from.min);
+    set_lasting(id, family_.max_limit, from.max);
+    dialogue_.say(joint + ": " + std::to_string(from.min) + " to " + std::to_string(from.max) + ", zero at " +
+                  std::to_string(*out.zero));
+  }
 }
 
 int Commissioning::restore(const std::filesystem::path& file) {

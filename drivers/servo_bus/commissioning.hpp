@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "drivers/servo_bus/bus.hpp"
+#include "drivers/servo_bus/progress.hpp"
 
 namespace polyarm::servo_bus {
 
@@ -62,7 +63,7 @@ class Commissioning {
   std::filesystem::path back_up();
   /// Switches torque off (after confirmation), records ranges while the user moves the joints by hand, then
   /// zero. Writes limits (and homing, if a range crosses the end of the count) into the servos, and the
-  /// calibration file.
+  /// calibration file. What has been measured is saved meanwhile; a later run continues from it.
   void calibrate();
   /// Restores a backup. Returns the number of registers that differed.
   int restore(const std::filesystem::path& file);
@@ -70,7 +71,8 @@ class Commissioning {
  private:
   struct Range {
     int last = 0, turns = 0, min = 0, max = 0;
-    bool known = false;
+    bool known = false;  ///< the joint has been seen in this run
+    bool moved = false;  ///< the range comes from an earlier run
     int now() const noexcept { return last + turns; }
   };
   void open(const std::string& port, int baud);
@@ -82,8 +84,15 @@ class Commissioning {
   void give_id(const FoundServo& servo, int id);
   void take_torque_off(const std::vector<int>& ids, const std::string& why);
   std::vector<int> ids() const;
-  void follow(std::map<std::string, Range>& ranges);
-  void move_away_from_the_wrap(const std::string& joint, Range& range);
+  using Ranges = std::map<std::string, Range>;
+  void follow(Ranges& ranges);
+  void lose_adapter();
+  bool reopen_if_gone();
+  void save(const Ranges& ranges) const;
+  int homing_without_wrap(const std::string& joint, Range& range);
+  Ranges measure_ranges(const std::optional<Progress>& earlier);
+  Progress choose(Ranges ranges);
+  void write_registers(const Progress& progress);
   void read_calibration();
   void write_calibration() const;
 
@@ -92,7 +101,7 @@ class Commissioning {
   CommissioningOptions options_;
   Dialogue& dialogue_;
   std::unique_ptr<ServoBus> bus_;
-  int baud_ = 0;
+  int baud_ = 0, looks_ = 0;
   Calibration calibration_;
 };
 

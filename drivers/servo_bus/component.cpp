@@ -58,6 +58,7 @@ std::vector<hardware::InterfaceDescription> ServoComponent::state_interfaces() c
 
 std::vector<hardware::InterfaceDescription> ServoComponent::command_interfaces() const {
   std::vector<hardware::InterfaceDescription> out;
+  if (setup_.led_by_hand) return out;
   for (const JointSetup& joint : setup_.joints) out.push_back({joint.interface + "/" + name(joint.mode)});
   return out;
 }
@@ -264,6 +265,7 @@ CallbackReturn ServoComponent::on_activate() {
     problems.error("no-servo", {}, "not all servos on " + setup_.port + " answer", "check cables and power");
   else
     for (std::size_t j = 0; j < ids_.size(); ++j) check_before_torque(j, problems);
+  if (setup_.led_by_hand) return let_go(problems);
   if (!problems.has_errors() && !start_watchdog(problems)) return refuse(problems);
   // Goal = measured, and only then torque.
   for (std::size_t j = 0; j < ids_.size() && !problems.has_errors(); ++j)
@@ -276,8 +278,22 @@ CallbackReturn ServoComponent::on_activate() {
   return CallbackReturn::success;
 }
 
+/// Joints that are moved by hand: those that still hold are let go slowly.
+CallbackReturn ServoComponent::let_go(Problems& problems) {
+  bool holds = false;
+  for (std::size_t j = 0; j < ids_.size() && !problems.has_errors(); ++j) {
+    std::int32_t torque = 0;
+    if (!fetch(j, family_.torque, torque)) problems.error("no-servo", {}, who(j) + " stopped answering");
+    holds = holds || torque != 0;
+  }
+  if (problems.has_errors()) return refuse(problems);
+  if (holds) lower();
+  return CallbackReturn::success;
+}
+
 /// Stops the joints in place; torque stays on. True if all joints have confirmed it.
 bool ServoComponent::hold() noexcept {
+  if (setup_.led_by_hand) return true;
   bool all = true;
   for (std::size_t j = 0; j < ids_.size(); ++j) {
     const Outcome outcome = stand(bus_, ids_[j], setup_.joints[j].mode, servos_[j].min, servos_[j].max);

@@ -23,6 +23,9 @@ namespace polyarm::servo_bus {
 /// holds: torque stays on. Torque goes off only at shutdown, only with `torque_off: on_shutdown`, and slowly.
 /// After an error the joints are commanded to hold their positions, as far as they can be reached.
 ///
+/// With `by_hand: true` it has no commands: activation switches the torque off, slowly if it was on, and the
+/// joints are only measured.
+///
 /// If joints would keep turning without a master, and wherever `watchdog: on` is set, a separate process
 /// stops them when this one dies or hangs. After a hang nothing is sent until on_activate.
 class ServoComponent : public hardware::Component {
@@ -102,6 +105,7 @@ class ServoComponent : public hardware::Component {
   void check_before_torque(std::size_t joint, Problems& problems) const;
   bool enable(std::size_t joint, Problems& problems);
   bool set_mode(std::size_t joint, Problems& problems);
+  hardware::CallbackReturn let_go(Problems& problems);
   bool hold() noexcept;
   bool start_watchdog(Problems& problems);
   bool fine(watchdog::Health health) noexcept;

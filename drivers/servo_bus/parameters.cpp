@@ -19,6 +19,8 @@ constexpr DriverParameter kOfBus[] = {
     {"torque_off", text, "never", "on_shutdown: lowers slowly at the end of a run", 0, 0,
      "never on_shutdown"},
     {"release_time", number, "3", "s, for that", 0, 60},
+    {"by_hand", boolean, "false",
+     "torque off: the joints are moved by hand and only measured, as a leader of another arm"},
     {"watchdog", text, "auto",
      "a process that stops joints when this one dies or hangs: on, off; auto: for joints in velocity whose "
      "servos cannot do so themselves",

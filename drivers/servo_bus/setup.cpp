@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "drivers/servo_bus/parameters.hpp"
+#include "drivers/servo_bus/progress.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/yaml/yaml.hpp"
@@ -135,6 +136,13 @@ std::map<std::string, Values> read_calibration(const hardware::ComponentContext&
       throw Error("no-calibration",
                   "there is no calibration '" + given->second + "' beside the description, nor here",
                   std::string("make it with `polyarm setup ") + family.name + " --calibration FILE`");
+    if (const auto unfinished = read_progress(path, family);
+        unfinished && unfinished->stage == Progress::Stage::writing)
+      throw Error(Problem{"unfinished-calibration",
+                          {progress_file(path).string()},
+                          "a new calibration has been measured, and is only partly in the servos",
+                          std::string("run `polyarm setup ") + family.name + " --calibration " + path.string() +
+                              "` again: it continues"});
     const Yaml yaml = Yaml::load(path.string());
     if (yaml["polyarm"].text("") != "servo_calibration/1")
       problems.error("wrong-kind", yaml.where(), "this is not a servo_calibration/1 file",
@@ -282,6 +290,7 @@ BusSetup read_setup(const hardware::ComponentContext& context, const Family& fam
   out.lost_cycles = read.whole("lost_cycles");
   out.lowers_on_shutdown = read.choice("torque_off") == "on_shutdown";
   out.release_time = nanoseconds(read.number("release_time"));
+  out.led_by_hand = read.flag("by_hand");
   if (family.watchdog) {
     out.fast_sync_read = read.flag("fast_sync_read");
     out.bus_watchdog_ms = read.whole("bus_watchdog_ms");

@@ -40,6 +40,7 @@ struct BusSetup {
   Nanoseconds answer_timeout = 0;
   int lost_cycles = 5;
   bool lowers_on_shutdown = false;
+  bool led_by_hand = false;  ///< torque off: the joints are moved by hand, and only measured
   Nanoseconds release_time = 0;
   bool fast_sync_read = false;
   int bus_watchdog_ms = 0;   ///< of the servos themselves; 0: disabled

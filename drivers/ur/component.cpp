@@ -109,8 +109,7 @@ void UrComponent::find_joints(const hardware::ComponentContext& context, Problem
     for (const description::Joint& joint : robot.model->joints)
       if (joint.name == joints_[i]) {
         velocity_limits_[i] = joint.limits.velocity.value_or(velocity_limits_[i]);
-        if (i == 0) lengths_[2] = joint.origin.position.z;
-        if (i == 2 || i == 3) lengths_[i - 2] = joint.origin.position.x;
+        described_.push_back({joint.origin, joint.axis});
       }
 }
 
@@ -310,12 +309,11 @@ std::string UrComponent::summary() const {
   if (!link_) return {};
   std::string out = fmt::format("Universal Robots controller {} at {}, {:g} Hz", link_->version(),
                                 settings_.host, link_->rate());
-  if (const auto k = link_->kinematics(); k && lengths_[0] != 0) {
-    const double off = std::max(
-        {std::abs(k->a[1] - lengths_[0]), std::abs(k->a[2] - lengths_[1]), std::abs(k->d[0] - lengths_[2])});
-    out += off > 0.01
-               ? fmt::format("; its arm is not the described one: a length differs by {:.0f} mm", 1000 * off)
-               : fmt::format("; its lengths differ from the description by at most {:.2f} mm", 1000 * off);
+  if (const auto k = link_->kinematics(); k && described_.size() == 6) {
+    const double off = flange_difference(*k, described_);
+    out += off > 0.02
+               ? fmt::format("; its arm is not the described one: the flange differs by up to {:.0f} mm", 1000 * off)
+               : fmt::format("; its flange differs from the description by at most {:.2f} mm", 1000 * off);
   }
   return out;
 }

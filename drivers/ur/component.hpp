@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/ur/arm_kinematics.hpp"
 #include "drivers/ur/link.hpp"
 #include "drivers/wire/six_axes.hpp"
 #include "polyarm/hardware/component.hpp"
@@ -66,7 +67,7 @@ class UrComponent : public hardware::Component {
   std::string name_, robot_;
   std::vector<std::string> joints_;
   std::vector<double> velocity_limits_;
-  std::array<double, 3> lengths_{};  ///< of the description: a2, a3, d1; 0: unknown
+  std::vector<JointLine> described_;  ///< the six joints of the description; empty: unknown
   bool positions_ = true, velocities_ = false;
   Nanoseconds period_ = 2'000'000;
   std::unique_ptr<Link> link_;

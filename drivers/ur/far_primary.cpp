@@ -96,10 +96,10 @@ std::vector<std::uint8_t> FarPrimary::state() const {
   board.u32(static_cast<std::uint64_t>(machine_.value("actual_digital_output_bits").front()));
   board.u8(0).u8(0).f64(0).f64(0).u8(0).u8(0).f64(0).f64(0).f32(25).f32(48).f32(1).f32(0);
   board.u8(static_cast<std::uint64_t>(machine_.safety_mode())).u8(0).u8(0).u32(0).u8(0).u8(0).u8(0);
-  six(pose, flange_pose(facts.kinematics, q));
+  six(pose, flange_pose(facts.arm, q));
   six(pose, zero);
   for (std::uint64_t i = 1; i <= 6; ++i) kinematics.u32(0x9E3779B9u * i);
-  for (int i = 0; i < 4; ++i) six(kinematics, zero);  // no calibration: the nominal robot
+  for (const Six* one : {&facts.arm.theta, &facts.arm.a, &facts.arm.d, &facts.arm.alpha}) six(kinematics, *one);
   kinematics.u32(0);
   for (std::size_t i = 0; i < 6; ++i) setup.f64(facts.lower[i]).f64(facts.upper[i]);
   for (std::size_t i = 0; i < 6; ++i) setup.f64(facts.velocity[i]).f64(40);

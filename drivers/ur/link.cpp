@@ -33,15 +33,8 @@ void Link::outputs(const Outputs& outputs) noexcept {
 
 std::optional<Kinematics> Link::kinematics() const {
   const std::lock_guard lock(mutex_);
-  if (!nominal_ || !difference_) return std::nullopt;
-  Kinematics out = *nominal_;
-  for (std::size_t i = 0; i < 6; ++i) {
-    out.theta[i] += difference_->theta[i];
-    out.a[i] += difference_->a[i];
-    out.d[i] += difference_->d[i];
-    out.alpha[i] += difference_->alpha[i];
-  }
-  return out;
+  if (!nominal_ || !calibrated_) return std::nullopt;
+  return calibrated_->stated() ? *calibrated_ : *nominal_;
 }
 
 void Link::wait() {
@@ -139,7 +132,7 @@ void Link::take_primary() {
   for (const PrimaryEvent& event : events) {
     using Kind = PrimaryEvent::Kind;
     if (event.kind == Kind::configuration) nominal_ = event.kinematics;
-    if (event.kind == Kind::kinematics) difference_ = event.kinematics;
+    if (event.kind == Kind::kinematics) calibrated_ = event.kinematics;
     if (event.kind == Kind::exception && phase_ != Phase::idle)
       exception_ = event.text + " in line " + std::to_string(event.code);
     if (event.kind == Kind::error && event.code == kReadOnly && phase_ == Phase::starting)

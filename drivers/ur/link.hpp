@@ -171,7 +171,7 @@ class Link : public wire::LinkBase<Cause> {
   std::int32_t sequence_ = 0;  // the control thread's
 
   // with mutex_
-  std::optional<Kinematics> nominal_, difference_;
+  std::optional<Kinematics> nominal_, calibrated_;
   Phase phase_ = Phase::idle;
   bool stop_wanted_ = false;
   std::string exception_, refusal_;  // of the primary interface since start()

@@ -221,7 +221,7 @@ bool Link::open() {
   outputs_.fetch();
   {
     const std::lock_guard lock(mutex_);
-    nominal_ = difference_ = std::nullopt;
+    nominal_ = calibrated_ = std::nullopt;
     phase_ = Phase::idle;
   }
   std::string why;

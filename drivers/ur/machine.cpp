@@ -57,7 +57,20 @@ MachineFacts facts_of(const description::RobotModel& model) {
   k.alpha = {kPi / 2, 0, 0, kPi / 2, -kPi / 2, 0};
   k.a = {0, at(2).x, at(3).x, 0, 0, 0};
   k.d = {at(0).z, 0, 0, at(3).z, -at(4).y, at(5).y};
+  out.arm = k;
   return out;
+}
+
+void make_calibrated(MachineFacts& facts) {
+  Kinematics& k = facts.arm;
+  const Six theta{0, 4e-4, -7e-4, 3e-4, -2e-4, 0}, a{2e-5, 6e-4, -4e-4, -5e-5, 6e-5, 0},
+      d{3e-4, 2, -2.0005, 4e-4, -2e-4, 1e-4}, alpha{-6e-4, 2e-4, -1e-4, -8e-4, 4e-4, 0};
+  for (std::size_t i = 0; i < 6; ++i) {
+    k.theta[i] += theta[i];
+    k.a[i] += a[i];
+    k.d[i] += d[i];
+    k.alpha[i] += alpha[i];
+  }
 }
 
 Machine::Machine(MachineOptions options) : options_(std::move(options)), q_(options_.start) {
@@ -162,7 +175,7 @@ void Machine::push_by_hand(const Six& change) {
 
 std::vector<double> Machine::value(std::string_view name) const {
   const auto number = [](auto v) { return std::vector<double>{static_cast<double>(v)}; };
-  const auto pose = [&] { return list(flange_pose(options_.facts.kinematics, q_)); };
+  const auto pose = [&] { return list(flange_pose(options_.facts.arm, q_)); };
   const bool emergency = safety_mode_ == system_emergency || safety_mode_ == robot_emergency;
   if (const auto found = reported_.find(name); found != reported_.end()) return {found->second};
   if (name == "timestamp") return {time_};

@@ -21,8 +21,11 @@ struct MachineFacts {
   std::string model = "UR5e";
   int type = 1;  ///< the controller's number of it
   Six lower{}, upper{}, velocity{};
-  Kinematics kinematics;
+  Kinematics kinematics;  ///< nominal
+  Kinematics arm;         ///< of this arm: the same unless it is calibrated
 };
+/// The arm gets errors as large as those that a factory measures: tenths of a millimetre, a milliradian.
+void make_calibrated(MachineFacts& facts);
 /// From a model of six revolute joints in a chain with the axes of these robots. Throws Error("bad-model").
 MachineFacts facts_of(const description::RobotModel& model);
 

@@ -15,6 +15,9 @@ namespace polyarm::ur {
 /// Denavit-Hartenberg parameters of the six joints: rad, m.
 struct Kinematics {
   std::array<double, 6> theta{}, a{}, d{}, alpha{};
+  /// False if all of them are zero: the controller says nothing of its arm.
+  bool stated() const noexcept { return *this != Kinematics{}; }
+  friend bool operator==(const Kinematics&, const Kinematics&) = default;
 };
 /// The pose of the flange in the controller's base frame: position (m) and rotation vector (rad).
 std::array<double, 6> flange_pose(const Kinematics& kinematics, const std::array<double, 6>& q);
@@ -33,12 +36,15 @@ struct PrimaryEvent {
   } kind;
   std::string text;            ///< of the controller; a program's name; the version "5.15.0"
   int code = 0, argument = 0;  ///< of an error; line and column of an exception; major and minor of a version
-  Kinematics kinematics;       ///< the calibration's differences, or the nominal values of the configuration
+  /// kinematics: of this arm, as calibrated at the factory (d of the second to fourth joint may be many
+  /// metres, and the arm is where it should be all the same); configuration: of its type.
+  Kinematics kinematics;
 };
 /// The code of an error by which the controller refuses a program because it is in local control.
 inline constexpr int kReadOnly = 210;
 
-/// Finds packages in a stream. Allocates; bounded: a package of more than bounds::kPrimaryBytes bytes breaks the stream.
+/// Finds packages in a stream. Allocates; bounded: a package of more than bounds::kPrimaryBytes bytes breaks
+/// the stream.
 class PrimaryStream {
  public:
   /// Appends what was found. False: the stream is broken, until reset().

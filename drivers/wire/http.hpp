@@ -31,6 +31,8 @@ class HttpReader {
   /// The next complete message.
   std::optional<HttpMessage> next();
   bool failed() const { return failed_; }
+  /// Part of a message has come, the rest has not.
+  bool unfinished() const { return in_body_ || !bytes_.empty(); }
   /// The answer to a HEAD request, or one with status 204 or 304, has no body: the caller sets this before
   /// the answer comes.
   void expect_no_body(bool on) { no_body_ = on; }

@@ -12,6 +12,9 @@
 
 namespace polyarm::wire {
 
+/// Reads of one client in one turn: a client that never stops sending holds up no other one.
+inline constexpr int kReadsInTurn = 64;
+
 /// At most bounds::kFarSideClients clients; a further one is closed. `Client` has the members `socket` and
 /// `gone`.
 template <typename Client>
@@ -45,11 +48,12 @@ class Service {
   template <typename Take>
   static bool read(Client& client, Take& take) {
     std::array<std::uint8_t, 4096> buffer;
-    for (;;) {
+    for (int turn = 0; turn < kReadsInTurn; ++turn) {
       const Received got = receive(client.socket.number(), buffer);
       if (got.got == Got::nothing) return true;
       if (got.got != Got::bytes || !take(client, Bytes(buffer).first(got.count)) || client.gone) return false;
     }
+    return true;
   }
   Descriptor listener_;
   int local_port_ = 0;

@@ -42,16 +42,14 @@ class Client : public signals::LinkPort {
     if (!client_) throw Error("link-lost", "out of memory");
     mosquitto_connect_callback_set(client_, &Client::on_connect);
     mosquitto_message_callback_set(client_, &Client::on_message);
+    mosquitto_subscribe_callback_set(client_, &Client::on_subscribe);
     set_up();
     connected_ = -1;
     const int keep_alive =
         static_cast<int>(std::clamp<Nanoseconds>(entry_.keep_alive / 1'000'000'000, 5, 65535));
     check(mosquitto_connect(client_, entry_.host.c_str(), entry_.port, keep_alive), "cannot be reached");
     await_answer();
-    for (const LinkTag& tag : entry_.tags)
-      if (tag.direction != Direction::out)
-        check(mosquitto_subscribe(client_, nullptr, tag.topic.c_str(), tag.qos),
-              "did not take a subscription");
+    subscribe();
     for (auto& text : last_) text.reset();
   }
 
@@ -113,6 +111,30 @@ class Client : public signals::LinkPort {
       throw Error("link-lost", entry_.address() + " refuses: " + mosquitto_connack_string(connected_));
   }
 
+  /// A broker may connect a client that it lets read nothing: its replies to the subscriptions say so.
+  void subscribe() {
+    subscriptions_.clear();
+    came_.clear();
+    came_bytes_ = 0;
+    for (const auto& [topic, tag] : tags_of_) {
+      int message = 0;
+      check(mosquitto_subscribe(client_, &message, topic.c_str(), entry_.tags[tag].qos),
+            "did not take a subscription");
+      subscriptions_.emplace(message, topic);
+    }
+    using Clock = std::chrono::steady_clock;
+    for (const auto until = Clock::now() + std::chrono::nanoseconds(entry_.timeout);
+         !subscriptions_.empty() && Clock::now() < until;) {
+      check(mosquitto_loop(client_, 20, 1), "is gone");
+      if (!refused_topic_.empty())
+        throw Error("link-lost", entry_.address() + " refuses the subscription to '" +
+                                     std::exchange(refused_topic_, {}) + "'");
+    }
+    if (!subscriptions_.empty())
+      throw Error("link-lost", entry_.address() + " does not answer the subscription to '" +
+                                   subscriptions_.begin()->second + "'");
+  }
+
   void check(int code, const char* what) {
     if (code == MOSQ_ERR_SUCCESS) return;
     const std::string why = code == MOSQ_ERR_ERRNO ? std::strerror(errno) : mosquitto_strerror(code);
@@ -142,10 +164,19 @@ class Client : public signals::LinkPort {
 
   static void on_connect(mosquitto*, void* self, int code) { static_cast<Client*>(self)->connected_ = code; }
 
+  static void on_subscribe(mosquitto*, void* self, int message, int count, const int* granted) {
+    constexpr int kRefused = 0x80;
+    Client& client = *static_cast<Client*>(self);
+    const auto known = client.subscriptions_.find(message);
+    if (known == client.subscriptions_.end()) return;
+    if (count < 1 || granted[0] >= kRefused) client.refused_topic_ = known->second;
+    client.subscriptions_.erase(known);
+  }
+
   static void on_message(mosquitto*, void* self, const mosquitto_message* message) {
     Client& client = *static_cast<Client*>(self);
     const auto [first, last] = client.tags_of_.equal_range(message->topic);
-    if (first == last) return;
+    if (first == last || (!client.subscriptions_.empty() && client.is_much())) return;
     // One byte more than the limit, so that a longer message is refused.
     const auto length = std::min(static_cast<std::size_t>(std::max(0, message->payloadlen)), kLongestMessage + 1);
     const std::string text(static_cast<const char*>(message->payload), length);
@@ -161,6 +192,8 @@ class Client : public signals::LinkPort {
   std::vector<std::pair<std::size_t, std::string>> came_;
   std::size_t looked_ = 0, came_bytes_ = 0;
   std::multimap<std::string, std::size_t> tags_of_;  ///< incoming tags, by topic
+  std::map<int, std::string> subscriptions_;         ///< topics whose reply has not come, by message
+  std::string refused_topic_;
   std::vector<std::optional<std::string>> last_;  ///< direction both: the payload that both sides know
 };
 }  // namespace

@@ -7,7 +7,7 @@ import { fileURLToPath } from 'node:url';
 import WebSocket from 'ws';
 
 const root = fileURLToPath(new URL('../..', import.meta.url));
-const polyarm = process.env.POLYARM ?? join(root, 'build/release/polyarm');
+export const polyarm = process.env.POLYARM ?? join(root, 'build/release/polyarm');
 
 /** `what` once it holds; asked again and again for at most `seconds`. */
 export async function until(what, seconds = 60, name = what.toString()) {

@@ -131,6 +131,8 @@
   X(kFarSideScriptBytes, 1 << 20, "bytes", "a program that a simulated UR controller takes",                    \
     "the connection is closed")                                                                                 \
   X(kEgmDatagramBytes, 2048, "bytes", "one datagram of EGM (ABB)", "the link ends; dropped by a simulated controller")\
+  X(kRsiDatagramBytes, 2048, "bytes", "one datagram of RSI (KUKA)", "the link ends; dropped by a simulated controller")\
+  X(kEkiMessageBytes, 4096, "bytes", "one XML message of EthernetKRL (KUKA)", "the connection is closed")          \
   X(kHttpHeadBytes, 1 << 14, "bytes", "the head of an HTTP message of a controller", "the connection is closed")\
   X(kHttpBodyBytes, 1 << 20, "bytes", "the body of such a message", "the connection is closed")                 \
   X(kEventLogEntries, 50, "entries", "entries of a controller's event log that are read at once (ABB)",         \

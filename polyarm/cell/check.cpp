@@ -293,6 +293,7 @@ class Checker {
     for (const signals::LinkEntry& link : signals_.links)
       for (const signals::LinkTag& tag : link.tags) later.insert(tag.name);
     for (const signals::CameraLink& camera : signals_.cameras) later.insert(camera.point);
+    for (const BeltEntry& belt : file_.belts) later.insert(belt.name);
     FrameCheck frames(sets_, robots_, std::move(later));
     for (const auto& [path, read] : read_) frames.look_at(read.program);
     // From another carrier's place a carried robot reaches other points; its moves are checked later.
@@ -458,6 +459,7 @@ class Checker {
       if (swept) found = swept->finish();
       std::erase_if(found, [&](const Problem& problem) { return is_start_known(problem); });
       std::erase_if(listener.problems, [&](const Problem& problem) { return is_told(problem, found); });
+      add_stops(inside_of(cell).guards->would_stop(), found, listener.problems);
       for (Problem& problem : found) problems_.add(std::move(problem));
       if (swept) note_clearance(*swept);
       for (const Problem& problem : listener.problems) problems_.add(problem);
@@ -493,6 +495,24 @@ class Checker {
     };
     return (named(a, "a") == named(b, "a") && named(a, "b") == named(b, "b")) ||
            (named(a, "a") == named(b, "b") && named(a, "b") == named(b, "a"));
+  }
+
+  /// Where guards would stop a robot: said with what the swept check, or physics, found of the same two bodies in
+  /// the line; added to `found` if they found nothing there.
+  static void add_stops(const std::vector<Problem>& stops, std::vector<Problem>& found,
+                        std::vector<Problem>& of_physics) {
+    const std::size_t swept = found.size();
+    for (const Problem& stop : stops) {
+      bool is_known = false;
+      const auto say = [&](Problem& problem) {
+        if (problem.where.line != stop.where.line || !is_same_pair(problem, stop)) return;
+        problem.what += "; in a run guards stop " + std::get<std::string>(stop.facts[0].value) + " before it";
+        is_known = true;
+      };
+      for (std::size_t i = 0; i < swept; ++i) say(found[i]);
+      for (Problem& problem : of_physics) say(problem);
+      if (!is_known) found.push_back(stop);
+    }
   }
 
   /// A contact at the start that was found before the dry run.

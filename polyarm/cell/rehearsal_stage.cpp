@@ -52,6 +52,7 @@ Stage::Stage(CellInside& cell, const program::Program& program, const program::P
 
 Stage::~Stage() {
   if (moves_) moves_->set_busy({});
+  if (moves_ && moves_->belts()) moves_->belts()->forget_supposed();
   for (auto& [name, value] : before_) cell_.data.store.set(name, std::move(value), "check");
 }
 
@@ -186,6 +187,19 @@ data::JointState Stage::joints_at(const data::Value& place, const data::JointSta
 data::Value Stage::pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
                            const std::string& frame) const {
   return moves_of_program().pose_at(joints, robot, tool, frame);
+}
+
+data::List Stage::rows_of(const std::string& file) {
+  return rows_in(cell_.setup.file.folder, file);
+}
+
+std::string Stage::next_line(const std::string& stream) {
+  throw Error("nobody-there", "check knows no lines of the stream '" + stream + "'");
+}
+
+bool Stage::next_part(const std::string& belt, const std::string& robot) {
+  moves_of_program().suppose_part(belt, robot);
+  return true;
 }
 
 std::uint64_t Stage::seed() const {

@@ -100,6 +100,17 @@ class Stage : public program::Host {
   /// Nothing touches here: until conditions of force do not come.
   std::array<double, 6> wrench(const std::string&) override { return {}; }
   void zero_force(const std::string&) override {}
+  /// A part is always there, where robots begin to follow it.
+  bool next_part(const std::string& belt, const std::string& robot) override;
+  double waiting_parts(const std::string&) override { return 1; }
+  double missed_parts(const std::string&) override { return 0; }
+  void add_part(const std::string&, const Pose&) override {}
+  data::List rows_of(const std::string& file) override;
+  /// Nobody knows what a device would send: the walk ends where the program takes a line.
+  bool is_connected(const std::string&) override { return true; }
+  bool has_line(const std::string&) override { return true; }
+  std::string next_line(const std::string& stream) override;
+  void send_text(const std::string&, const std::string&) override {}
   std::uint64_t seed() const override;
   program::Handle start_load(const std::string&, program::LoadForm, const Location& where) override;
   program::Progress poll_load(program::Handle) override { return program::Progress::done(); }

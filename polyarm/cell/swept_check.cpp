@@ -72,8 +72,11 @@ std::uint64_t SweptCheck::mark_of(std::size_t robot) {
 }
 
 /// The tool, or a part that it may hold, in a move that is meant to touch; never with another link of a robot.
+/// The contact may last into the next move, such as the one that goes back, but not get deeper there.
 bool SweptCheck::is_meant(const Approach& a) const {
-  if (!meant_.contains({a.robot, a.mark})) return false;
+  const bool lasts = meant_.contains({a.robot, a.first_mark}) && a.distance <= 0 &&
+                     a.distance >= a.first_distance - surroundings::Sweep::kPressing;
+  if (!lasts && !meant_.contains({a.robot, a.mark})) return false;
   const auto is_tool = [](const std::string& name, const std::string& robot) {
     return name.starts_with(robot + "/tool") || name.starts_with(robot + "/finger");
   };

@@ -133,21 +133,32 @@ void keep(const fs::path& path, const std::string& text, bool existed, const std
 }
 }  // namespace
 
-ImportFile edit_set(const fs::path& path, const std::string& what,
-                    const std::function<void(ImportFile&)>& change, int wait_limit_ms) {
+void edit_text(const fs::path& path, const std::string& what,
+               const std::function<std::string(const std::string&)>& change, int wait_limit_ms) {
   const FolderLock lock(path, wait_limit_ms);
   remove_leftovers(path);
   std::error_code ignored;
   const bool existed = fs::exists(path, ignored);
   const std::string before = existed ? read_file(path) : "";
-  Problems problems;
-  ImportFile set = ImportFile::parse(before, path.string(), problems);
-  problems.throw_if_errors();
-  change(set);
-  const std::string after = set.text();
-  if (existed && after == before) return set;
+  const std::string after = change(before);
+  if (existed && after == before) return;
   keep(path, before, existed, what);
   write_file_atomically(path, after);
+}
+
+ImportFile edit_set(const fs::path& path, const std::string& what,
+                    const std::function<void(ImportFile&)>& change, int wait_limit_ms) {
+  ImportFile set;
+  edit_text(
+      path, what,
+      [&](const std::string& before) {
+        Problems problems;
+        set = ImportFile::parse(before, path.string(), problems);
+        problems.throw_if_errors();
+        change(set);
+        return set.text();
+      },
+      wait_limit_ms);
   return set;
 }
 

@@ -21,6 +21,11 @@ constexpr std::size_t kVersionsKept = 200;
 ImportFile edit_set(const std::filesystem::path& path, const std::string& what,
                     const std::function<void(ImportFile&)>& change, int wait_limit_ms = 5000);
 
+/// The same for a text file of any kind: `change` gets the present text (empty if there is no file) and
+/// returns the new one.
+void edit_text(const std::filesystem::path& path, const std::string& what,
+               const std::function<std::string(const std::string&)>& change, int wait_limit_ms = 5000);
+
 /// An earlier version of a file.
 struct SetVersion {
   int number = 0;

@@ -54,6 +54,7 @@ struct Fixture {
   Pose pose;                  ///< in the world, or in the mover's frame at position zero
   std::string mover;          ///< name of the mover that carries it; empty: fixed to the world
   double friction = 0.8;
+  std::string belt;  ///< name of the belt whose surface it is; empty: of none
 };
 
 /// A region of the world in which parts are counted. If it has walls, they are a fixture.
@@ -71,6 +72,19 @@ struct Mover {
   double speed = 0.1, acceleration = 0.5;
 };
 
+/// A conveyor belt, whose surface moves along its x axis, or a turntable, whose surface turns about its z axis; its
+/// body is a fixture. Parts ride on it by friction. Command `scene/<name>/speed` (m/s or rad/s). States
+/// `scene/<name>/position` (its encoder, m or rad), `scene/<name>/speed`, `scene/<name>/parts` (number of parts whose
+/// middle has passed `sensor_at`), `scene/<name>/latch` (its encoder where the last of them passed).
+struct Belt {
+  std::string name;
+  Pose pose;           ///< of its frame: the middle of its surface
+  bool turns = false;
+  double speed = 1, acceleration = 1;  ///< the most, per s and per s²
+  double sensor_at = 0;                ///< place of the light barrier along x, or about z, m or rad
+  double half_width = 0.1;             ///< of the region across x that the barrier sees; of a turntable its radius
+};
+
 /// Brings the parts that name it to `pose`, one for each increment of its command `scene/<name>/feed` (a
 /// count). States: `scene/<name>/presented` (number of parts so far), `scene/<name>/remaining`,
 /// `scene/<name>/present` (1 while a part lies there), `scene/<name>/count` (number of parts there),
@@ -78,6 +92,11 @@ struct Mover {
 struct Feeder {
   std::string name;
   Pose pose;
+  /// Each part is beside `pose` by at most these lengths along its axes, and turned about its z axis by at most
+  /// `turn`, by chance; a feeder makes the same places in every run.
+  Vec3 spread;
+  double turn = 0;
+  Pose place(std::size_t part) const;
 };
 
 /// Removes the part that rests in its region, one for each increment of its command `scene/<name>/take` (a
@@ -106,6 +125,7 @@ struct Scene {
   std::vector<std::string> kinds;  ///< all kinds of parts, in the order of their first use
   std::vector<Bin> bins;
   std::vector<Mover> movers;
+  std::vector<Belt> belts;
   std::vector<Feeder> feeders;
   std::vector<Outfeed> outfeeds;
   std::vector<PresenceSensor> sensors;

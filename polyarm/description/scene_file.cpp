@@ -67,11 +67,13 @@ class SceneReader {
     header();
     check_repeats(yaml_, problems_);
     each("movers", [&](const std::string& name, const Yaml& y) { mover(name, y); });
+    each("belts", [&](const std::string& name, const Yaml& y) { belt(name, y); });
     each("bins", [&](const std::string& name, const Yaml& y) { bin(name, y); });
     each("fixtures", [&](const std::string& name, const Yaml& y) { fixture(name, y); });
     each("feeders", [&](const std::string& name, const Yaml& y) {
-      y.check_keys({"at", "xyz", "rpy", "quaternion"}, problems_);
-      scene_.feeders.push_back({name, y.pose()});
+      y.check_keys({"at", "xyz", "rpy", "quaternion", "spread", "turn"}, problems_);
+      const Vec3 spread = y.has("spread") ? y["spread"].vec3() : Vec3{};
+      scene_.feeders.push_back({name, y.pose(), spread, y["turn"].number(Dimension::angle, 0)});
     });
     each("outfeeds", [&](const std::string& name, const Yaml& y) {
       const auto [lower, upper] = region(y, {});
@@ -125,7 +127,7 @@ class SceneReader {
       problems_.error("wrong-kind", yaml_.where(),
                       kind.empty() ? "this is not a scene file: the line 'polyarm: scene/1' is missing"
                                    : "this is a '" + kind + "' file, a scene/1 was expected");
-    yaml_.check_keys({"polyarm", "floor", "gravity", "fixtures", "bins", "movers", "feeders", "outfeeds",
+    yaml_.check_keys({"polyarm", "floor", "gravity", "fixtures", "bins", "movers", "belts", "feeders", "outfeeds",
                       "sensors", "cameras", "parts"},
                      problems_);
     const Yaml floor = yaml_["floor"];
@@ -162,6 +164,44 @@ class SceneReader {
                               format_number(kLongestWay) + " s from one end to the other",
                           "give it a higher speed or acceleration, or a shorter way"});
     scene_.movers.push_back(out);
+  }
+
+  /// Its frame is in the middle of its surface, on top.
+  void belt(const std::string& name, const Yaml& y) {
+    y.check_keys({"size", "radius", "at", "xyz", "rpy", "quaternion", "speed", "acceleration", "sensor_at", "friction"},
+                 problems_);
+    Belt out;
+    out.name = name;
+    out.pose = y.pose();
+    out.turns = y.has("radius");
+    const Dimension way = out.turns ? Dimension::angular_speed : Dimension::speed;
+    out.speed = amount(y["speed"], way, out.speed, kFastest, out.turns ? "rad/s" : "m/s");
+    out.acceleration = amount(y["acceleration"], out.turns ? Dimension::angular_acceleration : Dimension::acceleration,
+                              out.acceleration, kHardest, out.turns ? "rad/s2" : "m/s2");
+    out.sensor_at = y["sensor_at"].number(out.turns ? Dimension::angle : Dimension::length, 0);
+    Shape shape;
+    if (out.turns) {
+      constexpr double kThickness = 0.02;
+      shape.kind = ShapeKind::cylinder;
+      shape.radius = out.half_width = length(y["radius"], 0);
+      shape.length = kThickness;
+      shape.pose.position.z = -kThickness / 2;
+    } else {
+      shape.size = y.required("size").vec3();
+      shape.pose.position.z = -shape.size.z / 2;
+      out.half_width = shape.size.y / 2;
+    }
+    const bool solid = out.turns ? shape.radius > 0 : shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0;
+    if (!(solid && out.speed > 0 && out.acceleration > 0))
+      throw Error(Problem{"bad-value", y.where(), "a belt needs sizes, speed and acceleration above zero",
+                          "write size: [LENGTH, WIDTH, THICKNESS], or radius: R for a turntable"});
+    Fixture body;
+    body.name = body.belt = name;
+    body.pose = out.pose;
+    body.shapes = {shape};
+    body.friction = friction(y["friction"], body.friction);
+    scene_.belts.push_back(std::move(out));
+    scene_.fixtures.push_back(std::move(body));
   }
 
   void fixture(const std::string& name, const Yaml& y) {
@@ -301,6 +341,19 @@ class SceneReader {
 };
 
 }  // namespace
+
+/// SplitMix64 of the part's number and the axis.
+Pose Feeder::place(std::size_t part) const {
+  const auto chance = [&](std::uint64_t axis) {
+    std::uint64_t z = (4 * part + axis + 1) * 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return 2 * static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53 - 1;
+  };
+  if (spread == Vec3{} && turn == 0) return pose;
+  return pose * Pose{{chance(0) * spread.x, chance(1) * spread.y, chance(2) * spread.z},
+                     from_axis_angle({0, 0, 1}, chance(3) * turn)};
+}
 
 Scene read_scene(const Yaml& yaml) {
   return SceneReader(yaml).read();

@@ -12,11 +12,45 @@ namespace polyarm::description {
 
 namespace {
 
+/// A ball that contains something.
+struct Ball {
+  Vec3 center;
+  double radius = 0;
+};
+
 /// A convex body in its link's frame: the hull of its points, expanded by its radius.
 struct Body {
   std::vector<Vec3> points;
   double radius = 0;
+  Ball around;
 };
+
+Ball ball_around(const Body& body) {
+  Vec3 lower = body.points.front(), upper = lower;
+  for (const Vec3& p : body.points) {
+    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
+    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
+  }
+  Ball out{0.5 * (lower + upper), 0};
+  for (const Vec3& p : body.points) out.radius = std::max(out.radius, norm(p - out.center));
+  out.radius += body.radius;
+  return out;
+}
+
+Ball ball_around(const std::vector<Body>& bodies) {
+  Ball out;
+  for (const Body& body : bodies) out.center = out.center + (1.0 / static_cast<double>(bodies.size())) * body.around.center;
+  for (const Body& body : bodies)
+    out.radius = std::max(out.radius, norm(body.around.center - out.center) + body.around.radius);
+  return out;
+}
+
+/// True if the balls are apart. Most pairs of links are: this is much cheaper than the exact answer.
+bool are_apart(const Ball& a, const Pose& pose_a, const Ball& b, const Pose& pose_b) {
+  const Vec3 between = pose_a * a.center - pose_b * b.center;
+  const double reach = a.radius + b.radius + 1e-9;
+  return dot(between, between) > reach * reach;
+}
 
 Vec3 support(const Body& body, const Pose& pose, const Vec3& direction) {
   const Vec3 local = inverse(pose.rotation) * direction;
@@ -139,16 +173,16 @@ void add_bodies(const Shape& shape, std::vector<Body>& to) {
       break;
     }
     case ShapeKind::sphere:
-      to.push_back({{{}}, shape.radius});
+      to.push_back({{{}}, shape.radius, {}});
       break;
     case ShapeKind::capsule:
-      to.push_back({{{0, 0, -shape.length / 2}, {0, 0, shape.length / 2}}, shape.radius});
+      to.push_back({{{0, 0, -shape.length / 2}, {0, 0, shape.length / 2}}, shape.radius, {}});
       break;
     case ShapeKind::cylinder:
-      to.push_back({rims(shape.radius, shape.length)});
+      to.push_back({rims(shape.radius, shape.length), 0, {}});
       break;
     case ShapeKind::mesh:
-      for (const std::vector<Vec3>& piece : shape.pieces) to.push_back({piece});
+      for (const std::vector<Vec3>& piece : shape.pieces) to.push_back({piece, 0, {}});
   }
   for (std::size_t i = before; i < to.size(); ++i)
     for (Vec3& point : to[i].points) point = shape.pose * point;
@@ -164,6 +198,10 @@ class Bodies {
         add_bodies(shape, of_link_[i]);
         if (of_link_[i].size() == before) known_[i] = false;
       }
+    for (std::vector<Body>& bodies : of_link_) {
+      for (Body& body : bodies) body.around = ball_around(body);
+      around_.push_back(ball_around(bodies));
+    }
   }
 
   bool any(int link) const { return !model_.links[at(link)].collisions.empty(); }
@@ -184,9 +222,13 @@ class Bodies {
   }
 
   bool touch(int first, int second, const std::vector<Pose>& poses) const {
-    for (const Body& a : of_link_[at(first)])
+    const Pose &pose_a = poses[at(first)], &pose_b = poses[at(second)];
+    if (are_apart(around_[at(first)], pose_a, around_[at(second)], pose_b)) return false;
+    for (const Body& a : of_link_[at(first)]) {
+      if (are_apart(a.around, pose_a, around_[at(second)], pose_b)) continue;
       for (const Body& b : of_link_[at(second)])
-        if (description::touch(a, poses[at(first)], b, poses[at(second)])) return true;
+        if (!are_apart(a.around, pose_a, b.around, pose_b) && description::touch(a, pose_a, b, pose_b)) return true;
+    }
     return false;
   }
 
@@ -201,6 +243,7 @@ class Bodies {
 
   const RobotModel& model_;
   std::vector<std::vector<Body>> of_link_;
+  std::vector<Ball> around_;  ///< by link: all its bodies
   std::vector<bool> known_;
 };
 

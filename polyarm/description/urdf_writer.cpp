@@ -296,6 +296,7 @@ LaunchHints find_in_launch_file(std::string_view text) {
   };
   for (std::string word : split_words(text, " \t\r\n\"'<>=,()[]{}")) {
     if (const auto close = word.rfind(')'); close != std::string::npos) word.erase(0, close + 1);
+    if (word.starts_with('.') && word.find('/') == std::string::npos) continue;  // the end of a computed name
     if (word.ends_with(".urdf") || word.ends_with(".xacro")) add(out.descriptions, word);
     if (word.ends_with(".yaml") || word.ends_with(".yml")) add(out.controllers, word);
   }

@@ -43,6 +43,7 @@ struct RobotInstance {
   std::vector<description::HardwareInfo>
       hardware;    ///< the <ros2_control> blocks that this component implements; may be empty
   std::string on;  ///< the robot whose root link carries this one; empty: it is fixed in the world
+  int number = 0;  ///< its place among all robots of the cell, for PartState::held_by
 };
 
 /// All information that a component gets when it is created.

@@ -16,7 +16,7 @@ struct PartState {
   bool entered = false;   ///< true once it has been in the cell
   bool in_world = false;  ///< true while it is there: not waiting in a feeder, not removed by an outfeed
   bool asleep = false;
-  int held_by = -1;  ///< index of the robot that holds it; -1 if none does
+  int held_by = -1;  ///< RobotInstance::number of the robot that holds it; -1 if none does
 };
 
 /// An unwanted contact.

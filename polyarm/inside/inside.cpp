@@ -43,6 +43,7 @@ CellInside::CellInside(const CellFile& file, const description::Catalogue& catal
   machine.prepare();
   data.offer_named_states();
   collect(problems, [&] { make_programs(problems); });
+  teleoperation->build(problems);
   problems.throw_if_errors();
   for (const Problem& problem : problems.list()) events.on_problem(0, problem);
   data.end_building();
@@ -60,6 +61,7 @@ void CellInside::make_owners() {
   parts.emplace(setup.scene);
   jogging.emplace(setup, machine, *arming, *motions, *programs, events);
   held_motions.emplace(JogOwners{setup, machine, data, contacts, *motions, *programs, *jogging}, worker);
+  teleoperation.emplace(Teleoperation::Owners{setup, machine, data, *jogging, events});
   life.emplace(machine, *motions, events);
   watches.emplace(Watches::Owners{setup, machine, data, *motions, *programs, *jogging, *arming, *life,
                                   contacts, *parts, worker, events});
@@ -171,6 +173,7 @@ void CellInside::read_outside(Nanoseconds now) {
   });
   jogging->tick();
   held_motions->tick();
+  teleoperation->tick();
   if (arming->needed() || arming->reduced()) {
     const Task* const program = programs->program();
     arming->govern(now, motions->tcps(), snapshot.commands,
@@ -202,6 +205,7 @@ void CellInside::tick(Nanoseconds now) {
   requests.tick();
   motions->follow_others();
   read_outside(now);
+  programs->tick_belts_and_streams();
   tick_motions();
   guards->prepare();
   run_programs();

@@ -16,6 +16,7 @@
 #include "polyarm/operation/guards.hpp"
 #include "polyarm/operation/held_motions.hpp"
 #include "polyarm/operation/jogging.hpp"
+#include "polyarm/operation/teleoperation.hpp"
 #include "polyarm/operation/watches.hpp"
 #include "polyarm/setup/cell_setup.hpp"
 #include "polyarm/setup/recorder.hpp"
@@ -59,6 +60,7 @@ struct CellInside {
   std::optional<PartTracker> parts;
   std::optional<Jogging> jogging;
   std::optional<HeldMotions> held_motions;
+  std::optional<Teleoperation> teleoperation;
   std::optional<LifeCycle> life;
   std::optional<Watches> watches;
   std::optional<Guards> guards;
@@ -107,6 +109,8 @@ Owner& CellInside::owner() {
     return *jogging;
   else if constexpr (std::is_same_v<O, HeldMotions>)
     return *held_motions;
+  else if constexpr (std::is_same_v<O, Teleoperation>)
+    return *teleoperation;
   else if constexpr (std::is_same_v<O, LifeCycle>)
     return *life;
   else if constexpr (std::is_same_v<O, Watches>)

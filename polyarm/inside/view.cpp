@@ -133,6 +133,15 @@ const moves::RobotMotion* CellView::motion(std::size_t robot) const {
 const MovingBase& CellView::base(std::size_t robot) const {
   return inside_.motions->base(robot);
 }
+surroundings::Moment CellView::moment() const {
+  return inside_.motions->moment();
+}
+std::shared_ptr<SharedBodies> CellView::bodies() const {
+  return inside_.motions->bodies();
+}
+moves::MovePlanOptions CellView::plan_options() const {
+  return inside_.motions->plan_options();
+}
 Pose CellView::tcp(std::size_t robot) const {
   return inside_.motions->tcp(robot);
 }

@@ -8,6 +8,7 @@
 #include "polyarm/io/links.hpp"
 #include "polyarm/jog/jog_controller.hpp"
 #include "polyarm/machine/arming.hpp"
+#include "polyarm/machine/around.hpp"
 #include "polyarm/machine/event_log.hpp"
 #include "polyarm/moves/robot_motion.hpp"
 #include "polyarm/protocol/motion.hpp"
@@ -79,6 +80,12 @@ class CellView {
   // Robots, by index.
   const moves::RobotMotion* motion(std::size_t robot) const;
   const MovingBase& base(std::size_t robot) const;
+  /// Where everything is now, for plans around obstacles: joints as commanded.
+  surroundings::Moment moment() const;
+  /// Robots and scene as contacts see them. Its get() may read the disk: not on the cell thread.
+  std::shared_ptr<SharedBodies> bodies() const;
+  /// The speed limits of planned moves.
+  moves::MovePlanOptions plan_options() const;
   Pose tcp(std::size_t robot) const;
   bool motion_left() const;
   bool jogged(std::size_t robot) const;

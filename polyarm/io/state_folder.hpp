@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/base/reach.hpp"
 #include "polyarm/data/file_lookup.hpp"
 
 namespace polyarm::cell {

@@ -17,6 +17,8 @@ constexpr double kOwn = 0.001, kPressing = 0.002;
 constexpr double kBeyond = 0.05;
 /// Deeper than this it counts as a contact, m.
 constexpr double kContact = 5e-4;
+/// A robot that is too near already may come nearer by this; steps along the way on which it brakes, m.
+constexpr double kDeeper = 2e-4, kStep = 5e-4;
 /// Reaction to new barriers: some ticks and cycles, s.
 constexpr double kReaction = 0.01;
 }  // namespace
@@ -30,7 +32,8 @@ BodyGuard::BodyGuard(surroundings::GuardBodies& bodies, int robot, std::vector<A
                      const BodyGuardOptions& options)
     : bodies_(bodies), robot_(robot), limits_(std::move(limits)), options_(options) {
   reach_.assign(limits_.size(), 0);
-  one_.assign(limits_.size(), 0);
+  trial_.assign(limits_.size(), 0);
+  reaches_.assign(bodies.bodies(), 0);
 }
 
 double BodyGuard::margin(const GuardPair& pair) const noexcept {
@@ -48,12 +51,9 @@ double BodyGuard::margin(const GuardPair& pair) const noexcept {
 double BodyGuard::room_in_levers(double room, const GuardPair& pair, const Barriers& out) noexcept {
   if (room <= 0) return room;
   double share = std::numeric_limits<double>::infinity();
-  for (std::size_t j = 0; j < one_.size(); ++j) {
-    std::fill(one_.begin(), one_.end(), 0.0);
-    one_[j] = 1;
-    const double lever = bodies_.change(pair, robot_, one_);
-    if (lever > 0) share = std::min(share, out.lever[j] / lever);
-  }
+  const std::span<const double> lever = bodies_.lever_of(pair, robot_);
+  for (std::size_t j = 0; j < lever.size(); ++j)
+    if (lever[j] > 0) share = std::min(share, out.lever[j] / lever[j]);
   return room * share;
 }
 
@@ -78,19 +78,14 @@ void BodyGuard::add(const Barrier& barrier, Barriers& out) noexcept {
   keep_rest(dropped.room, static_cast<std::size_t>(dropped.which), out);
 }
 
-void BodyGuard::add_points(std::size_t index, double keep, double range, Barriers& out) noexcept {
+void BodyGuard::add_points(std::size_t index, double keep, std::size_t count, Barriers& out) noexcept {
   const GuardPair& pair = bodies_.pairs()[index];
-  const std::size_t count = bodies_.points_of(pair, robot_, range, points_);
   Barrier barrier;
   barrier.which = static_cast<std::int32_t>(index);
-  for (std::size_t j = 0; j < one_.size(); ++j) {
-    std::fill(one_.begin(), one_.end(), 0.0);
-    one_[j] = 1;
-    barrier.bend = std::max(barrier.bend, bodies_.change(pair, robot_, one_));
-  }
+  for (const double lever : bodies_.lever_of(pair, robot_)) barrier.bend = std::max(barrier.bend, lever);
   for (std::size_t i = 0; i < count; ++i) {
     barrier.room = points_[i].distance - keep;
-    bodies_.gradient(pair, robot_, points_[i], {barrier.gradient.data(), one_.size()});
+    bodies_.gradient(pair, robot_, points_[i], {barrier.gradient.data(), limits_.size()});
     add(barrier, out);
   }
 }
@@ -103,28 +98,70 @@ void BodyGuard::fill(std::span<const double> velocity, std::span<const std::vect
   out.rest = std::numeric_limits<double>::infinity();
   out.rest_which = -1;
   std::copy(q.begin(), q.end(), out.at.begin());
-  bodies_.levers(robot_, {out.lever.data(), one_.size()});
+  bodies_.levers(robot_, {out.lever.data(), limits_.size()});
   for (std::size_t j = 0; j < limits_.size(); ++j) reach_[j] = stopping_reach(velocity[j], limits_[j]);
+  bodies_.reaches(robot_, reach_, stopping, reaches_);
   const std::uint64_t budget = bodies_.measured() + options_.most_measured;
   for (std::size_t i = 0; i < bodies_.pairs().size(); ++i) {
     const GuardPair& pair = bodies_.pairs()[i];
     if (!pair.active || !pair.concerns(robot_)) continue;
     const int other = pair.own ? -1 : pair.other_than(robot_);
-    const double drift =
-        other < 0 ? 0 : bodies_.change(pair, other, stopping[static_cast<std::size_t>(other)]);
+    const bool first = pair.robot_a == robot_;
+    const std::uint32_t mine = first ? pair.a : pair.b, its = first ? pair.b : pair.a;
+    const double drift = other < 0 ? 0 : reaches_[its];
     const double least = margin(pair), keep = least + drift;
-    const double range = keep + bodies_.change(pair, robot_, reach_) + kBeyond;
-    double distance = pair.slack;
+    const double range = keep + (pair.own ? bodies_.change(pair, robot_, reach_) : reaches_[mine]) + kBeyond;
     // What was never measured has no bound, and would hold nothing back.
-    const bool is_unknown = !std::isfinite(distance);
-    if (distance <= range && (bodies_.measured() < budget || is_unknown)) distance = bodies_.measure(i, range);
-    if (distance > range || bodies_.measured() >= budget) {
-      keep_rest(distance - keep, i, out);
+    const bool is_unknown = !std::isfinite(pair.slack);
+    const bool measures = pair.slack <= range && (bodies_.measured() < budget || is_unknown);
+    const std::size_t count = measures ? bodies_.measure_points(i, robot_, range, points_) : 0;
+    if (count == 0) {
+      keep_rest(pair.slack - keep, i, out);
       continue;
     }
-    if (distance < -kContact && distance < least) out.touching = true;
-    add_points(i, keep, range, out);
+    if (pair.slack < -kContact && pair.slack < least) out.touching = true;
+    add_points(i, keep, count, out);
   }
+}
+
+/// Steps along the way that are proven: what is farther than a step cannot be reached by it.
+bool BodyGuard::follow(std::size_t index, std::span<const double> way, double least, double reach,
+                       InTheWay& out) noexcept {
+  const GuardPair& pair = bodies_.pairs()[index];
+  const std::span<const double> q = bodies_.joints(static_cast<std::size_t>(robot_));
+  for (double share = 0; share < 1;) {
+    for (std::size_t j = 0; j < trial_.size(); ++j) trial_[j] = q[j] + share * way[j];
+    bodies_.try_joints(static_cast<std::size_t>(robot_), trial_);
+    const surroundings::GuardGap gap = bodies_.gap_of(pair, least + reach, robot_);
+    if (share == 0) least = std::min(least, gap.distance - kDeeper);
+    if (gap.distance < least) {
+      out = {static_cast<std::int32_t>(index), gap, least};
+      return true;
+    }
+    share += std::max(gap.distance - least, kStep) / reach;
+  }
+  return false;
+}
+
+BodyGuard::InTheWay BodyGuard::in_the_way(std::span<const double> way,
+                                          std::span<const std::vector<double>> stopping) noexcept {
+  InTheWay out;
+  for (std::size_t j = 0; j < reach_.size(); ++j) reach_[j] = std::abs(way[j]);
+  bodies_.reaches(robot_, reach_, stopping, reaches_);
+  const std::uint64_t budget = bodies_.measured() + options_.most_measured;
+  for (std::size_t i = 0; i < bodies_.pairs().size() && bodies_.measured() < budget; ++i) {
+    const GuardPair& pair = bodies_.pairs()[i];
+    if (!pair.active || !pair.concerns(robot_)) continue;
+    const bool first = pair.robot_a == robot_, meets = !pair.own && pair.other_than(robot_) >= 0;
+    const double drift = meets ? reaches_[first ? pair.b : pair.a] : 0;
+    const double reach = pair.own ? bodies_.change(pair, robot_, reach_) : reaches_[first ? pair.a : pair.b];
+    // Nobody says where the motion ends: it may be meant to end near something.
+    const double keep = meets ? margin(pair) : std::min(margin(pair), options_.tool_clearance);
+    const double needed = keep + drift + reach;
+    if (reach <= 0 || pair.slack >= needed || bodies_.measure(i, needed) >= needed) continue;
+    if (follow(i, way, keep + drift, reach, out)) return out;
+  }
+  return out;
 }
 
 }  // namespace polyarm::jog

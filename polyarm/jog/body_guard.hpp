@@ -1,6 +1,7 @@
 #pragma once
-/// Makes the barriers of a robot that is jogged from the bodies around it, in each tick. Cell thread;
-/// allocates in the constructor alone. Metres, radians, seconds.
+/// Makes the barriers of a robot that is jogged from the bodies around it, in each tick, and says what a robot
+/// whose plan is not known would touch while it brakes. Cell thread; allocates in the constructor alone.
+/// Metres, radians, seconds.
 #include <array>
 #include <span>
 #include <vector>
@@ -33,18 +34,30 @@ class BodyGuard {
   void fill(std::span<const double> velocity, std::span<const std::vector<double>> stopping,
             Barriers& out) noexcept;
 
+  /// What the robot comes too near to.
+  struct InTheWay {
+    std::int32_t pair = -1;  ///< -1: nothing
+    surroundings::GuardGap gap;
+    double required = 0;
+  };
+  /// What is in the way of a robot whose joints still go by `way` until they stand, on a straight line, after
+  /// bodies.look(). A robot that is too near already may go anywhere but deeper.
+  InTheWay in_the_way(std::span<const double> way, std::span<const std::vector<double>> stopping) noexcept;
+
  private:
   double margin(const surroundings::GuardPair& pair) const noexcept;
   void add(const Barrier& barrier, Barriers& out) noexcept;
-  void add_points(std::size_t pair, double keep, double range, Barriers& out) noexcept;
+  void add_points(std::size_t pair, double keep, std::size_t count, Barriers& out) noexcept;
   double room_in_levers(double room, const surroundings::GuardPair& pair, const Barriers& out) noexcept;
+  bool follow(std::size_t pair, std::span<const double> way, double least, double reach, InTheWay& out) noexcept;
   void keep_rest(double room, std::size_t pair, Barriers& out) noexcept;
 
   surroundings::GuardBodies& bodies_;
   int robot_;
   std::vector<AxisLimits> limits_;
   BodyGuardOptions options_;
-  std::vector<double> reach_, one_;
+  std::vector<double> reach_, trial_;  // by joint
+  std::vector<double> reaches_;  // by body
   std::array<surroundings::GuardGap, 6> points_;
 };
 

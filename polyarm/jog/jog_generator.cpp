@@ -131,7 +131,8 @@ void JogGenerator::setpoint_joints(const JogSetpoint& wish, const JogLimits& lim
 /// `limits` of all joints. False if the joints are not in proportion now.
 bool JogGenerator::step_straight(std::span<const MotionState> to, std::span<const MotionLimits> limits,
                                  States& next) noexcept {
-  constexpr double kOff = 1e-3;  // deviation from proportion, in joint limits, at which it is lost
+  // A joint out of proportion comes into it within this cycle, with at most this share of its jerk.
+  constexpr double kJump = 0.1;
   std::size_t lead = 0;
   const auto left = [&](std::size_t j) { return to[j].position - state_[j].position; };
   for (std::size_t j = 1; j < to.size(); ++j)
@@ -140,8 +141,9 @@ bool JogGenerator::step_straight(std::span<const MotionState> to, std::span<cons
   MotionLimits all = limits[lead];
   for (std::size_t j = 0; j < to.size(); ++j) {
     const double share = left(j) / left(lead), size = std::max(std::abs(share), 1e-9);
-    if (std::abs(state_[j].velocity - share * state_[lead].velocity) > kOff * axes_[j].velocity ||
-        std::abs(state_[j].acceleration - share * state_[lead].acceleration) > kOff * axes_[j].acceleration)
+    const double jump = kJump * axes_[j].jerk * dt_;
+    if (std::abs(state_[j].velocity - share * state_[lead].velocity) > jump * dt_ ||
+        std::abs(state_[j].acceleration - share * state_[lead].acceleration) > jump)
       return false;
     all.max_velocity = std::min(all.max_velocity, limits[j].max_velocity / size);
     all.max_acceleration = std::min(all.max_acceleration, limits[j].max_acceleration / size);

@@ -63,6 +63,7 @@ CallbackReturn JointTrajectoryController::on_activate(const Cycle& cycle) noexce
     pids_[j].reset();
   }
   judged_.id = 0;
+  shifted_ = false;
   over_since_ = -1;
   factor_ = initial_scaling_;
   requested_factor_.store(factor_, std::memory_order_relaxed);
@@ -81,6 +82,7 @@ CallbackReturn JointTrajectoryController::on_activate(const Cycle& cycle) noexce
 void JointTrajectoryController::on_deactivate(const Cycle&) noexcept {
   end_action(GoalOutcome::aborted, -1);
   drop_all();
+  if (std::exchange(shifted_, false)) shift_.load(std::memory_order_acquire)->drop();
   for (TrajectoryGoal*& goal : waiting_)
     if (goal) inbox_.put_back(std::exchange(goal, nullptr));
   while (TrajectoryGoal* goal = inbox_.take()) refuse(goal, GoalRefusal::busy);
@@ -90,7 +92,7 @@ void JointTrajectoryController::on_deactivate(const Cycle&) noexcept {
 }
 
 bool JointTrajectoryController::standing() const noexcept {
-  if (any_braking_) return false;
+  if (any_braking_ || (shifted_ && !shift_.load(std::memory_order_acquire)->standing())) return false;
   for (const Track& track : tracks())
     if (track.goal && !(track.goal->planned ? track.goal->planned->stands() : scale_.value() <= 0))
       return false;
@@ -268,6 +270,7 @@ void JointTrajectoryController::end_action(GoalOutcome outcome, int code, int jo
 /// time.
 void JointTrajectoryController::hold(bool may_brake) noexcept {
   drop_all();
+  if (std::exchange(shifted_, false)) shift_.load(std::memory_order_acquire)->drop();
   measure();
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     position_[j] = measured_position_[j];
@@ -280,11 +283,12 @@ void JointTrajectoryController::hold(bool may_brake) noexcept {
 }
 
 /// Every joint that is led brakes by itself from the speed that it is commanded; the motion is given up.
-void JointTrajectoryController::cut() noexcept {
-  if (tracks_used_ == 0) return;
+/// `all`: also those that nothing leads.
+void JointTrajectoryController::cut(bool all) noexcept {
+  if (tracks_used_ == 0 && !all) return;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const double v = velocity_[j], limit = dynamics_[j].deceleration;
-    if (leader_[j] < 0 || !std::isfinite(v) || v == 0) continue;
+    if ((leader_[j] < 0 && !all) || !std::isfinite(v) || v == 0) continue;
     const double most = std::isfinite(limit) && limit > 0 ? kCutFactor * limit : std::abs(v) / period_s_;
     braking_[j] = {true, position_[j], v, most, 0};
     any_braking_ = true;
@@ -591,12 +595,14 @@ ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& 
     for (std::size_t j = 0; j < joints_.size(); ++j)
       error_velocity_[j] = velocity_[j] - measured_velocity_[j];
   }
+  const bool was_shifted = shifted_;
+  if (shifted_) take_path_up(verdict);
   take_requests(cycle);
   if (verdict.discard && standing()) {
     end_action(GoalOutcome::aborted, -1);
     drop_all();
   }
-  if (verdict.cut) cut();
+  if (verdict.cut) cut(was_shifted);
   const double factor = scaling();
   const double step = pass_time(verdict);
   status_.speed.store(scale_.value() * factor, std::memory_order_relaxed);
@@ -609,10 +615,35 @@ ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& 
     if (rules_.nonzero_end)
       for (std::size_t j = 0; j < joints_.size(); ++j) velocity_[j] = 0;
   }
+  shift(cycle, verdict);
   command_all(period_s_);
   publish(cycle);
   answer_sample(cycle);
   return ReturnType::ok;
+}
+
+/// Between cycles the desired state is the shifted one; a cycle begins with that of the path. A motion that is given
+/// up stays where it was shifted to.
+void JointTrajectoryController::take_path_up(const Verdict& verdict) noexcept {
+  MotionShift& shift = *shift_.load(std::memory_order_acquire);
+  if (verdict.cut || (verdict.discard && standing()) || !shift.active()) {
+    shift.drop();
+    shifted_ = false;
+    return;
+  }
+  std::copy(path_position_.begin(), path_position_.end(), position_.begin());
+  std::copy(path_velocity_.begin(), path_velocity_.end(), velocity_.begin());
+  std::copy(path_acceleration_.begin(), path_acceleration_.end(), acceleration_.begin());
+}
+
+void JointTrajectoryController::shift(const Cycle& cycle, const Verdict& verdict) noexcept {
+  MotionShift* const shift = shift_.load(std::memory_order_acquire);
+  if (!shift || !shift->active() || any_braking_) return;
+  std::copy(position_.begin(), position_.end(), path_position_.begin());
+  std::copy(velocity_.begin(), velocity_.end(), path_velocity_.begin());
+  std::copy(acceleration_.begin(), acceleration_.end(), path_acceleration_.begin());
+  const MotionShift::Request request{cycle.time, period_s_, verdict.speed, verdict.immediate};
+  shifted_ = shift->apply(request, {position_, velocity_, acceleration_}) == MotionShift::Outcome::shifted;
 }
 
 void JointTrajectoryController::publish(const Cycle& cycle) noexcept {

@@ -6,6 +6,7 @@
 
 #include "polyarm/controllers/controller.hpp"
 #include "polyarm/controllers/pid.hpp"
+#include "polyarm/joint_control/motion_shift.hpp"
 #include "polyarm/joint_control/trajectory_goal.hpp"
 #include "polyarm/realtime/handover.hpp"
 #include "polyarm/realtime/queue.hpp"
@@ -57,6 +58,12 @@ class JointTrajectoryController : public Controller {
   /// Cell thread. False when the inbox is full; the goal stays with the caller.
   bool follow(std::unique_ptr<TrajectoryGoal>& goal) { return inbox_.give(goal); }
   const GoalStatus& status() const noexcept { return status_; }
+  /// Cell thread, at most once: a motion that is added to that of the paths while it is active. It must shift all
+  /// joints of the controller, in their order.
+  void set_shift(std::shared_ptr<MotionShift> shift) {
+    owned_shift_ = std::move(shift);
+    shift_.store(owned_shift_.get(), std::memory_order_release);
+  }
   const std::vector<std::string>& joints() const { return joints_; }
   /// As the user names them.
   const std::vector<std::string>& told_joints() const { return reported_joints_; }
@@ -109,7 +116,7 @@ class JointTrajectoryController : public Controller {
   void retire(std::size_t track, bool finished) noexcept;
   void drop_all() noexcept;
   void hold(bool brake) noexcept;
-  void cut() noexcept;
+  void cut(bool all) noexcept;
   void measure() noexcept;
   void advance(double dt) noexcept;
   void follow_trajectory(std::size_t track, double dt) noexcept;
@@ -124,6 +131,8 @@ class JointTrajectoryController : public Controller {
   void end_action(GoalOutcome outcome, int code, int joint = -1, double error = 0,
                   double tolerance = 0) noexcept;
   void command_all(double dt) noexcept;
+  void take_path_up(const Verdict& verdict) noexcept;
+  void shift(const Cycle& cycle, const Verdict& verdict) noexcept;
   void publish(const Cycle& cycle) noexcept;
   void answer_sample(const Cycle& cycle) noexcept;
   bool sample_track(const Track& track, double ahead) noexcept;
@@ -164,6 +173,8 @@ class JointTrajectoryController : public Controller {
   std::span<double> sample_position_, sample_velocity_, sample_acceleration_, sample_effort_;
   std::span<double> measured_position_, measured_velocity_;
   std::span<double> error_, error_velocity_, output_;
+  std::span<double> path_position_, path_velocity_, path_acceleration_;  // of the path, while it is shifted
+  bool shifted_ = false;     // in the cycle before
   std::vector<int> leader_;  // track of each joint; -1: held
   std::vector<Braking> braking_;
   std::vector<Track> tracks_;
@@ -194,6 +205,8 @@ class JointTrajectoryController : public Controller {
   std::atomic<double> requested_factor_{1};
   std::atomic<Nanoseconds> now_{0};
   GoalStatus status_;
+  std::shared_ptr<MotionShift> owned_shift_;
+  std::atomic<MotionShift*> shift_{nullptr};
   Output* state_output_ = nullptr;
 };
 

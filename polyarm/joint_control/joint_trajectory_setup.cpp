@@ -254,7 +254,8 @@ void JointTrajectoryController::make_rows() {
                      &velocity_,        &acceleration_,      &effort_,
                      &sample_position_, &sample_velocity_,   &sample_acceleration_,
                      &sample_effort_,   &measured_position_, &measured_velocity_,
-                     &error_,           &error_velocity_,    &output_};
+                     &error_,           &error_velocity_,    &output_,
+                     &path_position_,   &path_velocity_,     &path_acceleration_};
   rows_.assign(rows.size() * n, 0.0);
   std::size_t at = 0;
   for (std::span<double>* row : rows) *row = std::span(rows_).subspan(n * at++, n);

@@ -405,6 +405,41 @@ std::vector<Function> all_functions() {
            Live::met, false);
   measured("travelled", "travelled()", "how far the tool went in the last move with `until` of this task",
            Kind::number, Dimension::length, Live::travelled, false);
+  const auto on_belt = [&](std::string_view name, std::string_view signature, std::string_view meaning,
+                           std::vector<FunctionParameter> parameters, Kind kind, Live which) {
+    Function& function = live(name, signature, meaning, std::move(parameters), kind, {}, which);
+    function.open = true;
+    function.waits = which == Live::next_part;
+  };
+  on_belt("next_part", "next_part(belt)",
+          "true if a part comes that the robot can still reach: the frame with the name of the belt then moves with this part; "
+          "waits until the robot has arrived",
+          {{"belt", W::text, {}}}, Kind::boolean, Live::next_part);
+  on_belt("waiting_parts", "waiting_parts(belt)", "how many parts come that a robot can still reach",
+          {{"belt", W::text, {}}}, Kind::number, Live::waiting_parts);
+  on_belt("missed_parts", "missed_parts(belt)", "how many parts no robot has taken in time",
+          {{"belt", W::text, {}}}, Kind::number, Live::missed_parts);
+  on_belt("add_part", "add_part(belt, pose)",
+          "a part that a camera sees now, at this pose in the frame that stands where the belt reads zero",
+          {{"belt", W::text, {}}, {"pose", W::pose, {}}}, Kind::boolean, Live::add_part);
+  live("rows_of", "rows_of(file)",
+       "the rows of a table in the folder of the cell, such as a CSV: records if its first line names the columns, else lists",
+       {{"file", W::text, {}}}, Kind::list, {}, Live::rows_of)
+      .open = true;
+  const auto on_stream = [&](std::string_view name, std::string_view signature, std::string_view meaning,
+                             std::vector<FunctionParameter> parameters, Kind kind, Live which) {
+    Function& function = live(name, signature, meaning, std::move(parameters), kind, {}, which);
+    function.open = true;
+    function.waits = which == Live::send_text;
+  };
+  on_stream("is_connected", "is_connected(stream)", "true while the stream has its other side",
+            {{"stream", W::text, {}}}, Kind::boolean, Live::is_connected);
+  on_stream("has_line", "has_line(stream)", "true if a line has come over the stream that is not taken yet",
+            {{"stream", W::text, {}}}, Kind::boolean, Live::has_line);
+  on_stream("next_line", "next_line(stream)", "takes the oldest line that has come over the stream; an empty text if there is none",
+            {{"stream", W::text, {}}}, Kind::text, Live::next_line);
+  on_stream("send_text", "send_text(stream, text)", "sends the text over the stream; waits until the robot has arrived",
+            {{"stream", W::text, {}}, {"text", W::text, {}}}, Kind::boolean, Live::send_text);
   add_text_functions(out);
   const auto of_tests = [&](std::string_view name, std::string_view signature, std::string_view meaning,
                             std::vector<FunctionParameter> parameters, std::optional<Kind> gives_kind) {

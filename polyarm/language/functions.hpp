@@ -28,7 +28,16 @@ enum class Live {
   wrench,
   zero_force,
   met,
-  travelled
+  travelled,
+  next_part,
+  waiting_parts,
+  missed_parts,
+  add_part,
+  rows_of,
+  is_connected,
+  has_line,
+  next_line,
+  send_text
 };
 
 struct FunctionParameter {

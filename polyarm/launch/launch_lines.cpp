@@ -61,9 +61,12 @@ void cut_out(std::string& text, std::string_view begin, std::string_view end) {
   text = std::move(out);
 }
 
-/// True for a file that defines macros, but has no link of its own and calls no macro: a part of robots.
-bool only_defines_macros(std::string text) {
-  if (text.find("<xacro:macro") == std::string::npos) return false;
+/// True for a part of robots: a file that defines macros, but has no link of its own and calls no macro; or one
+/// that has neither, such as a list of materials.
+bool is_part(std::string text) {
+  if (text.find("<xacro:macro") == std::string::npos)
+    return text.find("<link") == std::string::npos && text.find("<ros2_control") == std::string::npos &&
+           text.find("<xacro:") == std::string::npos;
   for (std::size_t at; (at = text.find("<!--")) != std::string::npos;)
     text.erase(at, std::min(text.size(), text.find("-->", at) + 3) - at);
   cut_out(text, "<xacro:macro", "</xacro:macro>");
@@ -110,7 +113,7 @@ Found search_in(const fs::path& package) {
             [&](const fs::path& a, const fs::path& b) { return rank(a) < rank(b); });
   std::erase_if(out.descriptions, [](const fs::path& file) {
     const std::string text = text_of(file);
-    return is_semantic(file) || text.find("<robot") == std::string::npos || only_defines_macros(text) ||
+    return is_semantic(file) || text.find("<robot") == std::string::npos || is_part(text) ||
            !description::files_that_include(file).empty();
   });
   std::sort(out.controllers.begin(), out.controllers.end());

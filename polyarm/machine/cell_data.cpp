@@ -87,6 +87,7 @@ void CellData::build(const hardware::InterfaceTable& table, Worker& worker, Prob
   });
   check_live(file, signals_, problems);
   if (!options.lock_step || options.links) admit_links(file, signals_, problems);
+  if (!options.lock_step || options.links) admit_streams(file, problems);
   if (!options.lock_step) admit_doors(file, problems);
   std::set<std::string> live(signals_.live.begin(), signals_.live.end());
   if (options.test) live.clear();  // a test writes to none of the user's files

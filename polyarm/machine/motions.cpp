@@ -129,24 +129,30 @@ Pose Motions::tcp(std::size_t robot) const {
 }
 
 surroundings::Moment Motions::moment() const {
-  const control::Snapshot& snapshot = machine_.snapshot();
   surroundings::Moment out;
-  const std::vector<double> joints = machine_.joint_places().commanded(snapshot);
-  std::size_t next = 0;
+  moment(out);
+  return out;
+}
+
+void Motions::moment(surroundings::Moment& out) const {
+  const control::Snapshot& snapshot = machine_.snapshot();
+  out.robots.resize(setup_.robots.size());
   for (std::size_t r = 0; r < setup_.robots.size(); ++r) {
-    const std::size_t count = setup_.robots[r]->joints.size();
-    const auto first = joints.begin() + static_cast<std::ptrdiff_t>(next);
-    out.robots.push_back({places_[r].moves() ? places_[r].pose(snapshot) : setup_.robots[r]->entry.base,
-                          {first, first + static_cast<std::ptrdiff_t>(count)}});
-    next += count;
+    out.robots[r].base = places_[r].moves() ? places_[r].pose(snapshot) : setup_.robots[r]->entry.base;
+    const std::span<const JointPlaces::Place> places = machine_.joint_places().of(r);
+    std::vector<double>& joints = out.robots[r].joints;
+    joints.resize(places.size());
+    for (std::size_t j = 0; j < places.size(); ++j) joints[j] = JointPlaces::commanded(snapshot, places[j]);
   }
-  for (std::size_t p = 0; p < snapshot.world.parts.size() && p < setup_.scene.parts.size(); ++p) {
+  const std::size_t parts = std::min(snapshot.world.parts.size(), setup_.scene.parts.size());
+  out.parts.resize(parts);
+  for (std::size_t p = 0; p < parts; ++p) {
     const hardware::PartState& part = snapshot.world.parts[p];
-    out.parts.push_back({part.pose, part.in_world, part.held_by});
+    out.parts[p] = {part.pose, part.in_world, part.held_by};
   }
+  out.movers.clear();
   for (const int mover : movers_)
     out.movers.push_back(mover < 0 ? 0 : snapshot.states[static_cast<std::size_t>(mover)]);
-  return out;
 }
 
 std::shared_ptr<moves::Obstacles> Motions::obstacles(std::size_t robot, surroundings::Moment moment) const {

@@ -57,6 +57,8 @@ class Motions {
 
   /// Where everything is now: joints as commanded, parts as a simulation tells.
   surroundings::Moment moment() const;
+  /// The same into a moment that keeps its memory from call to call.
+  void moment(surroundings::Moment& out) const;
   /// Robots and scene as contacts see them; made at the first use.
   const std::shared_ptr<SharedBodies>& bodies() const { return bodies_; }
   /// What is around a robot at a moment, for its moves.

@@ -64,12 +64,14 @@ std::span<const JointPlaces::Place> JointPlaces::of(std::size_t robot) const {
 
 void JointPlaces::commanded(const control::Snapshot& snapshot, std::vector<double>& out) const {
   out.clear();
-  for (const Place& p : places_) {
-    double q = p.command >= 0 ? snapshot.commands[static_cast<std::size_t>(p.command)]
-                              : std::numeric_limits<double>::quiet_NaN();
-    if (!std::isfinite(q) && p.state >= 0) q = snapshot.states[static_cast<std::size_t>(p.state)];
-    out.push_back(std::isfinite(q) ? q : 0);
-  }
+  for (const Place& place : places_) out.push_back(commanded(snapshot, place));
+}
+
+double JointPlaces::commanded(const control::Snapshot& snapshot, const Place& p) {
+  double q = p.command >= 0 ? snapshot.commands[static_cast<std::size_t>(p.command)]
+                            : std::numeric_limits<double>::quiet_NaN();
+  if (!std::isfinite(q) && p.state >= 0) q = snapshot.states[static_cast<std::size_t>(p.state)];
+  return std::isfinite(q) ? q : 0;
 }
 
 void StopWatch::add(const CellRobots& robots, const JointPlaces& places, const std::vector<double>& now) {

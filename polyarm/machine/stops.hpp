@@ -51,7 +51,9 @@ class JointPlaces {
   const std::vector<Place>& all() const { return places_; }
   /// The joints of one robot, in its order.
   std::span<const Place> of(std::size_t robot) const;
-  /// The commanded position of each joint, otherwise the measured one, otherwise 0; rad or m. Resizes `out`.
+  /// The commanded position of a joint, otherwise the measured one, otherwise 0; rad or m.
+  static double commanded(const control::Snapshot& snapshot, const Place& place);
+  /// The same of each joint. Resizes `out`.
   void commanded(const control::Snapshot& snapshot, std::vector<double>& out) const;
   std::vector<double> commanded(const control::Snapshot& snapshot) const {
     std::vector<double> out;

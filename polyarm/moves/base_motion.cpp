@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace polyarm::moves {
 
@@ -54,7 +55,7 @@ std::uint64_t BaseMotion::start(const BaseMove& move) {
   move_ = move;
   active_ = true;
   planned_ = seen_ = false;
-  late_ = 0;
+  late_ = unheard_ = 0;
   last_ = -1;
   problem_.reset();
   return ++last_id_;
@@ -72,6 +73,13 @@ bool BaseMotion::look() {
   if (!seen_) begin_ = now;
   seen_ = true;
   return true;
+}
+
+/// True if the controller has published nothing for too long: it was not configured, or it is not active.
+bool BaseMotion::is_silent(double dt) {
+  const Nanoseconds stamp = odometry_->value().time;
+  unheard_ = std::exchange(heard_, stamp) == stamp ? unheard_ + dt : 0;
+  return unheard_ > kTimeout;
 }
 
 double BaseMotion::covered() const {
@@ -105,11 +113,21 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
   if (!active_ || now == last_) return;
   const double dt = last_ < 0 ? 0 : seconds(now - last_);
   last_ = now;
-  if (!look()) return;
+  const bool seen = look();
   if (!running) {  // the base stops; it continues from there later
     planned_ = false;
     return;
   }
+  if (is_silent(dt)) {
+    problem_ = Problem{"base-silent",
+                       {},
+                       fmt::format("the controller of the base has published no odometry for {:g} s", kTimeout),
+                       "polyarm control list says whether it is active; the start of the run says why it is not"};
+    active_ = false;
+    outcome_ = State::failed;
+    return;
+  }
+  if (!seen) return;
   const double done = covered();
   if (!planned_) {
     if (!controller_.standing()) return;

@@ -53,6 +53,7 @@ class BaseMotion {
     double x = 0, y = 0, heading = 0;  ///< heading unbounded
   };
   bool look();
+  bool is_silent(double dt);
   double covered() const;
   bool plan(double from);
   void send(double linear, double angular);
@@ -68,7 +69,8 @@ class BaseMotion {
   bool seen_ = false, active_ = false, planned_ = false;
   double time_ = 0, late_ = 0;  // s: time on the plan; time since its end
   double pace_ = 1;             // speed of the plan's time
-  Nanoseconds last_ = -1;
+  Nanoseconds last_ = -1, heard_ = 0;  ///< of the last tick; stamp of the newest odometry
+  double unheard_ = 0;                 ///< s since it came
   std::uint64_t last_id_ = 0;
   State outcome_ = State::done;
   std::optional<Problem> problem_;

@@ -40,6 +40,14 @@ Move paced_like(const Move& move) {
 }
 }  // namespace
 
+RobotMotion::RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryController& controller, Post post)
+    : robot_(robot),
+      controller_(controller),
+      post_(std::move(post)),
+      ride_(std::make_shared<FrameRide>(robot.chain, robot.limits)) {
+  controller_.set_shift(ride_);
+}
+
 std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> with,
                                  std::shared_ptr<InStep> step) {
   if (waiting_.size() >= kMostWaiting)
@@ -60,16 +68,17 @@ void RobotMotion::close() {
 
 void RobotMotion::tick(Nanoseconds now) {
   watch();
+  look_at_ride();
   look_at_return();
   collect();
   plan();
   collect();
   hand_over(now);
-  if (idle()) settled_ = last_id_;
+  if (!apart_ && at_end()) settled_ = last_id_;
 }
 
 bool RobotMotion::idle() const {
-  return !apart_ && goal_ == 0 && ready_.empty() && !job_ && waiting_.empty();
+  return !apart_ && !riding_ && at_end();
 }
 
 bool RobotMotion::is_far_ahead() const {
@@ -224,6 +233,8 @@ void RobotMotion::watch() {
     end_badly(settled_ + 1, MoveState::discarded);
     if (refused) ended_badly_[active_.last_id] = MoveState::refused;
   } else if (status.finished.load(std::memory_order_acquire) >= goal_) {
+    const bool ends = active_.ends->load(std::memory_order_relaxed);
+    if (riding_ && !ends && !ride_->synchronised() && !ride_->over()) return;  // not yet in its place in the frame
     goal_ = 0;
     if (apart_ && apart_->phase == Apart::Phase::stopping) {
       apart_->time = controller_.status().time.load(std::memory_order_relaxed);

@@ -13,6 +13,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/joint_control/joint_trajectory_controller.hpp"
+#include "polyarm/moves/frame_ride.hpp"
 #include "polyarm/moves/move_plan.hpp"
 #include "polyarm/moves/obstacles.hpp"
 #include "polyarm/moves/robot_facts.hpp"
@@ -60,8 +61,7 @@ class RobotMotion {
   static constexpr double kSecondsAhead = 60;
 
   /// All arguments must outlive this object and the posted jobs.
-  RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryController& controller, Post post)
-      : robot_(robot), controller_(controller), post_(std::move(post)) {}
+  RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryController& controller, Post post);
 
   /// True if a program may queue another move now; else the program waits until a move has finished.
   bool has_room() const {
@@ -98,6 +98,25 @@ class RobotMotion {
   /// The newest move that is not set apart; 0 if there is none.
   std::uint64_t newest_present() const { return apart_ && apart_->last == last_id_ ? 0 : last_id_; }
 
+  /// From now on the robot follows the frame, which has this travel, at rest or on the paths of moves that are
+  /// queued from now on. These are planned as if the frame stood still, and arrive when the robot is synchronised.
+  /// Only at_end(). `lead`: of FrameRide.
+  void begin_ride(const MovingFrame& frame, double travel, double lead = 0);
+  /// In each tick of a ride, before tick().
+  void feed_ride(const FrameTravel& travel) { ride_->feed(travel); }
+  /// After the moves that are queued, the robot comes to rest beside the frame. riding() becomes false then, and
+  /// planned() is where the robot stands.
+  void end_ride() { ride_ends_ = true; }
+  /// Ends the ride at once: the moves that are left fail with this problem.
+  void fail_ride(const Problem& why);
+  bool riding() const { return riding_; }
+  /// True if the robot cannot follow any more; call fail_ride().
+  bool ride_lost() const { return riding_ && ride_->lost(); }
+  /// What has moved the planned paths in the world so far; identity without a ride.
+  Pose ride_moved() const { return riding_ ? ride_->moved() : Pose{}; }
+  /// True if no move is present: the robot has arrived, in the moving frame during a ride.
+  bool at_end() const { return goal_ == 0 && ready_.empty() && !job_ && waiting_.empty(); }
+
   MoveState state_of(std::uint64_t id) const;
   /// True if the move `id` or a later one failed, was refused or was discarded. O(log n).
   bool ended_badly_from(std::uint64_t id) const;
@@ -111,7 +130,7 @@ class RobotMotion {
     Problem problem;
   };
   std::vector<Warning> take_warnings() { return std::exchange(warnings_, {}); }
-  /// True when nothing is queued, planned or under way.
+  /// True when nothing is queued, planned or under way, and the robot follows no frame.
   bool idle() const;
   std::uint64_t last_id() const { return last_id_; }
 
@@ -204,6 +223,7 @@ class RobotMotion {
 
   static std::vector<double> begin_of(const Ready& ready);
   void look_at_return();
+  void look_at_ride();
   void give_up_apart();
   bool is_far_ahead() const;
   void plan();
@@ -236,6 +256,8 @@ class RobotMotion {
   std::map<std::uint64_t, Problem> problems_;
   std::vector<Warning> warnings_;
   std::optional<Problem> return_failure_;
+  std::shared_ptr<FrameRide> ride_;  ///< shared with the controller
+  bool riding_ = false, ride_ends_ = false;
 };
 
 }  // namespace polyarm::moves

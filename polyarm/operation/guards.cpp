@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "polyarm/jog/body_guard.hpp"
+#include "polyarm/operation/guard_parts.hpp"
 #include "polyarm/operation/watches.hpp"
 #include "polyarm/surroundings/look_ahead.hpp"
 
@@ -28,31 +29,9 @@ constexpr double kStop = 0.02, kGoOn = 0.06;
 constexpr Nanoseconds kForThings = 1'000'000'000, kForEachOther = 1'000'000'000, kForRobots = 30'000'000'000;
 /// Robots in step that were slowed down come together again at this rate, 1/s.
 constexpr double kCatchUp = 4;
-constexpr std::size_t kSamples = GuardBodies::kAhead;
+constexpr std::size_t kSamples = 8;  // of the velocities ahead
 /// More robots have no guards: their bodies alone would take long to make.
 constexpr std::size_t kMostRobots = 100;
-
-/// A planned motion of one robot, with the most that its joints may accelerate.
-class PathOfMove : public surroundings::PlannedWay {
- public:
-  void set(const moves::PlannedMotion& motion, const moves::RobotFacts& robot) {
-    motion_ = &motion;
-    hint_ = 0;
-    acceleration_.clear();
-    for (const trajectory::JointMotionLimits& limits : robot.limits)
-      acceleration_.push_back(limits.acceleration);
-  }
-  double duration() const noexcept override { return motion_->path.duration(); }
-  void at(double time, std::span<double> position, std::span<double> velocity) noexcept override {
-    motion_->path.sample(time, position, velocity, {}, {}, hint_);
-  }
-  std::span<const double> acceleration() const noexcept override { return acceleration_; }
-
- private:
-  const moves::PlannedMotion* motion_ = nullptr;
-  std::size_t hint_ = 0;
-  std::vector<double> acceleration_;
-};
 
 std::vector<jog::AxisLimits> axes_of(const CellRobot& robot) {
   std::vector<jog::AxisLimits> out;
@@ -81,19 +60,6 @@ std::vector<GuardZone> zones_of(const CellSetup& setup) {
   return out;
 }
 
-/// How the braking of a path grows with its speed: at pace p it takes less than `square` p² + `plain` p
-/// seconds of the plan, twice what the joints need when the plan asks nothing else of them.
-struct Braking {
-  double square = 0, plain = 0;
-  double at(double pace) const { return (square * pace + plain) * pace; }
-  /// The pace that leaves `room` s of the plan; `longer`: s in which it slows down in addition.
-  double pace_for(double room, double longer) const {
-    const double a = square + longer;
-    if (a < 1e-9) return room >= plain ? 1 : room / plain;
-    return std::min(1.0, (std::sqrt(plain * plain + 4 * a * std::max(0.0, room)) - plain) / (2 * a));
-  }
-};
-
 }  // namespace
 
 /// One robot.
@@ -110,9 +76,12 @@ struct Guards::Of {
   double pace = 1, wanted = 1;
   bool slowed = false;  // during this motion
   LookAhead::Answer ahead_of;
-  std::vector<double> velocity, before, q, v, last, step_size;
+  std::vector<double> velocity, before, q, v, last, step_size, braking_way;
   Nanoseconds stands_since = -1;
   bool reported = false;
+  std::optional<JointRates> rates;
+  std::optional<Pose> base;  // when it was first seen
+  bool drove = false;
 };
 
 struct Guards::Work {
@@ -120,7 +89,9 @@ struct Guards::Work {
   std::unique_ptr<GuardBodies> bodies;
   std::vector<Of> robots;
   std::vector<std::vector<double>> stopping;
+  surroundings::Moment moment;
   Nanoseconds seen = -1;
+  std::vector<Problem> would_stop;
   // made on the planning thread
   struct Making {
     std::shared_ptr<const ContactBodies> models;
@@ -134,8 +105,16 @@ struct Guards::Work {
 
 Guards::Guards(const Owners& cell) : cell_(cell), work_(std::make_unique<Work>()) {
   const CellOptions& options = cell.setup.options;
-  work_->off = !cell.setup.file.guards.on || options.allow_contact;
+  work_->off = !cell.setup.file.guards.on || (options.allow_contact && !options.contact_errors);
   work_->robots.resize(cell.setup.robots.size());
+  for (std::size_t r = 0; r < work_->robots.size(); ++r) {
+    Of& of = work_->robots[r];
+    of.axes = axes_of(*cell.setup.robots[r]);
+    for (std::vector<double>* values :
+         {&of.velocity, &of.before, &of.q, &of.v, &of.last, &of.step_size, &of.braking_way})
+      values->assign(of.axes.size(), 0);
+    of.rates.emplace(of.axes.size());
+  }
   cell_.jogging.set_barrier_names([this](std::size_t robot, std::int32_t which) {
     return which < 0 ? std::string() : obstacle_of(robot, static_cast<std::size_t>(which));
   });
@@ -151,10 +130,27 @@ std::uint64_t Guards::measured() const {
   return work_->bodies ? work_->bodies->measured() : 0;
 }
 
+const std::vector<Problem>& Guards::would_stop() const {
+  return work_->would_stop;
+}
+
+/// True if guards only note where they would stop a robot.
+bool Guards::listens() const {
+  return cell_.setup.options.allow_contact;
+}
+
+/// True if something other than a program or a person who jogs moves the robot, and that is guarded.
+bool Guards::is_unplanned(std::size_t r) const {
+  const moves::RobotMotion* motion = cell_.motions.motion(r);
+  if (!cell_.setup.file.guards.others || (motion && !motion->idle()) || cell_.jogging.engaged(r)) return false;
+  return work_->robots[r].rates->move();
+}
+
 bool Guards::needed() const {
   for (std::size_t r = 0; r < work_->robots.size(); ++r) {
     const moves::RobotMotion* motion = cell_.motions.motion(r);
-    if ((motion && !motion->idle() && cell_.setup.file.guards.moves) || cell_.jogging.engaged(r)) return true;
+    if ((motion && !motion->idle() && cell_.setup.file.guards.moves) || cell_.jogging.engaged(r) || is_unplanned(r))
+      return true;
   }
   return false;
 }
@@ -202,15 +198,12 @@ bool Guards::take_bodies() {
   const GuardsEntry& entry = cell_.setup.file.guards;
   for (std::size_t r = 0; r < work.robots.size(); ++r) {
     Of& of = work.robots[r];
-    of.axes = axes_of(*cell_.setup.robots[r]);
-    const std::size_t n = of.axes.size();
-    for (std::vector<double>* values : {&of.velocity, &of.before, &of.q, &of.v, &of.last, &of.step_size})
-      values->assign(n, 0);
-    work.stopping.emplace_back(n, 0.0);
+    work.stopping.emplace_back(of.axes.size(), 0.0);
     const int robot = static_cast<int>(r);
+    surroundings::LookAheadOptions options{.clearance = entry.clearance};
+    if (!cell_.setup.options.lock_step) options.at_first = 1;  // spread over some ticks
     if (!work.bodies->drives(r)) {
-      of.ahead =
-          std::make_unique<LookAhead>(*work.bodies, robot, surroundings::LookAheadOptions{entry.clearance});
+      of.ahead = std::make_unique<LookAhead>(*work.bodies, robot, options);
       of.jogged = std::make_unique<jog::BodyGuard>(*work.bodies, robot, of.axes,
                                                    jog::BodyGuardOptions{entry.clearance});
     }
@@ -220,32 +213,64 @@ bool Guards::take_bodies() {
 
 void Guards::tick() {
   if (work_->off || cell_.life.failure()) return;
+  if (cell_.machine.snapshot().states.empty()) return;  // before the first cycle
+  see_moment();
   const bool is_needed = needed();
   if ((!is_needed && (work_->bodies || cell_.setup.options.lock_step)) || !take_bodies() || !is_needed)
     return;
-  const Nanoseconds now = cell_.machine.now();
-  work_->bodies->look(cell_.motions.moment());
+  work_->bodies->look(work_->moment);
   for (std::size_t r = 0; r < work_->robots.size(); ++r) see(r);
   for (std::size_t r = 0; r < work_->robots.size(); ++r) find_stopping(r);
   for (std::size_t r = 0; r < work_->robots.size(); ++r) look_along(r);
+  if (listens()) {
+    for (std::size_t r = 0; r < work_->robots.size(); ++r) note_stop(r);
+    return;
+  }
   set_paces();
   for (std::size_t r = 0; r < work_->robots.size(); ++r) fill_barriers(r);
   for (std::size_t r = 0; r < work_->robots.size(); ++r) judge(r);
-  work_->seen = now;
+  for (std::size_t r = 0; r < work_->robots.size(); ++r) look_at_braking(r);
 }
 
-/// The motion of a robot and its joint velocities.
+/// Where everything is, and how fast the joints move.
+void Guards::see_moment() {
+  const Nanoseconds now = cell_.machine.now();
+  const double dt = seconds(now - work_->seen);
+  const bool follows = work_->seen >= 0 && dt > 0 && dt < 0.05;
+  work_->seen = now;
+  cell_.motions.moment(work_->moment);
+  for (std::size_t r = 0; r < work_->robots.size(); ++r) {
+    Of& of = work_->robots[r];
+    const std::vector<double>& q = work_->moment.robots[r].joints;
+    see_base(r);
+    for (std::size_t j = 0; j < of.velocity.size() && j < q.size(); ++j) {
+      of.velocity[j] = follows ? (q[j] - of.before[j]) / dt : 0;
+      of.before[j] = q[j];
+    }
+    of.rates->add(now, q);
+  }
+}
+
+/// Says once that nothing guards a base that drives.
+void Guards::see_base(std::size_t r) {
+  Of& of = work_->robots[r];
+  constexpr double kMoved = 2e-3;  // m, rad
+  const Pose& base = work_->moment.robots[r].base;
+  if (!of.base) of.base = base;
+  if (of.drove || !cell_.setup.robots[r]->entry.on.empty()) return;
+  if (norm(base.position - of.base->position) < kMoved && angle_between(base.rotation, of.base->rotation) < kMoved)
+    return;
+  of.drove = true;
+  cell_.observer.on_note(cell_.setup.robots[r]->entry.name + " drives: guards do not watch a base that moves by itself");
+}
+
+/// The motion of a robot.
 void Guards::see(std::size_t r) {
   Of& of = work_->robots[r];
-  const std::span<const double> q = work_->bodies->joints(r);
-  const double dt = seconds(cell_.machine.now() - work_->seen);
-  const bool follows = work_->seen >= 0 && dt > 0 && dt < 0.05;
-  for (std::size_t j = 0; j < of.velocity.size(); ++j) {
-    of.velocity[j] = follows ? (q[j] - of.before[j]) / dt : 0;
-    of.before[j] = q[j];
-  }
   const moves::RobotMotion* motion = cell_.motions.motion(r);
-  const auto now = motion && cell_.setup.file.guards.moves ? motion->under_way() : std::nullopt;
+  // A path that is moved with a belt is not where it was planned: its robot is judged by its velocity.
+  const bool planned = motion && !motion->riding() && cell_.setup.file.guards.moves;
+  const auto now = planned ? motion->under_way() : std::nullopt;
   if (!now) {
     of.goal = 0;
     of.pace = of.wanted = 1;
@@ -304,12 +329,14 @@ void Guards::find_stopping(std::size_t r) {
     for (std::size_t j = 0; j < n; ++j)
       of.braking.square = std::max(of.braking.square, std::abs(of.v[j]) / of.axes[j].acceleration);
   }
-  const double h = of.braking.at(std::max(of.speed, of.pace)) / kSamples;
+  constexpr std::size_t kPlaces = GuardBodies::kAhead;
+  if (work_->robots.size() == 1) return;  // nobody asks where it will be
+  const double h = of.braking.at(std::max(of.speed, of.pace)) / kPlaces;
   std::fill(stopping.begin(), stopping.end(), 0.0);
   of.way.at(of.time, of.q, of.v);
   std::vector<double>& from = of.q;
   of.last = from;
-  for (std::size_t k = 1; k <= kSamples; ++k) {
+  for (std::size_t k = 1; k <= kPlaces; ++k) {
     std::vector<double>& to = of.v;
     of.way.at(of.time + h * static_cast<double>(k), to, {});
     for (std::size_t j = 0; j < n; ++j) {
@@ -403,11 +430,11 @@ bool Guards::deadlocked(std::size_t robot) const {
   return false;
 }
 
-void Guards::stop_before(std::size_t r, const char* code, const std::string& text) {
-  const moves::RobotMotion& motion = *cell_.motions.motion(r);
+Problem Guards::problem_of(std::size_t r, const char* code, const std::string& text) const {
+  const moves::RobotMotion* const motion = cell_.motions.motion(r);
   const Of& of = work_->robots[r];
   Problem problem{code,
-                  cell_.programs.place_of(motion, motion.move_under_way()),
+                  motion && of.goal != 0 ? cell_.programs.place_of(*motion, motion->move_under_way()) : Location{},
                   text,
                   "clear the way and resume, or move the points or the obstacle",
                   Severity::error,
@@ -419,18 +446,57 @@ void Guards::stop_before(std::size_t r, const char* code, const std::string& tex
     problem.facts.push_back({"distance_m", of.ahead_of.gap.distance});
     problem.facts.push_back({"clearance_m", of.ahead_of.required});
   }
+  return problem;
+}
+
+void Guards::stop_before(std::size_t r, const char* code, const std::string& text) {
+  Problem problem = problem_of(r, code, text);
   if (!recovered_by_others(cell_.setup, cell_.programs)) return cell_.life.fail(std::move(problem));
   cell_.observer.on_problem(cell_.machine.now(), problem);
   cell_.machine.hold_for(std::move(problem));
+}
+
+bool Guards::runs() const {
+  return cell_.machine.snapshot().state == control::RunState::running &&
+         cell_.machine.supervisor().latch().requested() == realtime::StopKind::none;
+}
+
+/// Stops a robot whose plan is not known when its braking would end too near to something.
+void Guards::look_at_braking(std::size_t r) {
+  Of& of = work_->robots[r];
+  if (!of.jogged || of.goal != 0 || !is_unplanned(r) || !runs()) return;
+  of.rates->stopping(of.axes, kLatency, of.braking_way);
+  const jog::BodyGuard::InTheWay found = of.jogged->in_the_way(of.braking_way, work_->stopping);
+  if (found.pair < 0) return;
+  of.ahead_of = {0, found.pair, found.gap, found.required};
+  stop_before(r, "guard", cell_.setup.robots[r]->entry.name + " stopped before a contact: " + text_of(r));
+}
+
+/// Notes where a robot would stand before something that does not move away by itself.
+void Guards::note_stop(std::size_t r) {
+  constexpr double kHere = 0.004;  // s of the plan: the robot is there in this tick or the next one
+  const Of& of = work_->robots[r];
+  if (of.goal == 0 || of.ahead_of.pair < 0 || !(of.ahead_of.free_until - of.time <= kHere)) return;
+  const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)];
+  if (!pair.own && pair.other_than(static_cast<int>(r)) >= 0) return;  // it waits
+  Problem problem = problem_of(
+      r, "guard", cell_.setup.robots[r]->entry.name + " would be stopped before a contact: " + text_of(r));
+  problem.severity = Severity::warning;
+  problem.advice = "move the points or the obstacle, or let the move go around it: `around true`";
+  problem.facts.push_back({"at_s", seconds(cell_.machine.now())});
+  const auto is_same = [&](const Problem& other) {
+    return other.where.text() == problem.where.text() && other.facts[1].value == problem.facts[1].value &&
+           other.facts[2].value == problem.facts[2].value;
+  };
+  std::vector<Problem>& noted = work_->would_stop;
+  if (std::none_of(noted.begin(), noted.end(), is_same)) noted.push_back(std::move(problem));
 }
 
 /// Holds the cell when a robot stands before something that does not move away by itself.
 void Guards::judge(std::size_t r) {
   Of& of = work_->robots[r];
   const Nanoseconds now = cell_.machine.now();
-  const bool runs = cell_.machine.snapshot().state == control::RunState::running &&
-                    cell_.machine.supervisor().latch().requested() == realtime::StopKind::none;
-  const bool blocked = runs && of.goal != 0 && of.wanted == 0 && of.speed == 0;
+  const bool blocked = runs() && of.goal != 0 && of.wanted == 0 && of.speed == 0;
   if (!blocked) {
     of.stands_since = -1;
     of.reported = false;

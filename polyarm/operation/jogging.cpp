@@ -25,6 +25,19 @@ struct Jogging::Robot {
   jog::JogSetpoint target;  // last streamed target
   std::uint32_t target_session = 0;
   Nanoseconds targeted = 0;
+  std::vector<std::size_t> command_places;  // of its joints' positions
+  std::vector<double> commanded;            // as last seen
+  Nanoseconds changed = 0;                  // when they last changed
+
+  /// Call once each tick.
+  void see(const control::Snapshot& snapshot, Nanoseconds now) {
+    commanded.resize(command_places.size(), NAN);
+    for (std::size_t j = 0; j < command_places.size(); ++j) {
+      const double q = snapshot.commands[command_places[j]];
+      if (q != commanded[j] && std::isfinite(q)) changed = now;
+      commanded[j] = q;
+    }
+  }
 };
 
 namespace {
@@ -36,6 +49,8 @@ constexpr double kJump = 2, kJumpTurned = 6, kJumpOfJoint = 2;
 /// Longest wait for a robot that settles from its last motion; and the longest interval between requests that
 /// count as one attempt.
 constexpr Nanoseconds kSettling = 300'000'000, kAskedAgain = 20'000'000;
+/// A robot whose commands have not changed for this long is at rest, while others may move.
+constexpr Nanoseconds kUnchanged = 20'000'000;
 }  // namespace
 
 Jogging::Jogging(const CellSetup& setup, Machine& machine, const Arming& arming, const Motions& motions,
@@ -127,8 +142,11 @@ std::string Jogging::mover_of(std::size_t i) const {
   for (const controllers::JointFacts& joint : setup_.robots[i]->joints) {
     const std::string holder = machine_.controllers().holder_of(joint.name + "/position");
     if (holder.empty() || holder == robot(i).name) continue;
-    const controllers::Controller* const mover = machine_.controllers().find(holder);
-    if (dynamic_cast<const controllers::JointTrajectoryController*>(mover)) return holder;
+    const auto* const mover =
+        dynamic_cast<const controllers::JointTrajectoryController*>(machine_.controllers().find(holder));
+    if (!mover) continue;
+    const bool rests = !follows_something(*mover) && machine_.now() - robot(i).changed > kUnchanged;
+    if (!rests) return holder;
   }
   return {};
 }
@@ -395,7 +413,14 @@ void Jogging::tick() {
   // A resume ends all jogging that began while the cell was held.
   if (std::exchange(was_held_, state == control::RunState::held) && state == control::RunState::running)
     end_all();
-  for (const auto& robot : robots_) tick(*robot);
+  for (const auto& robot : robots_) {
+    if (robot->command_places.empty())
+      for (const controllers::JointFacts& joint : setup_.robots[robot->index]->joints)
+        if (const auto place = machine_.table().find_command(joint.name + "/position"))
+          robot->command_places.push_back(*place);
+    robot->see(machine_.snapshot(), machine_.now());
+    tick(*robot);
+  }
 }
 
 }  // namespace polyarm::cell

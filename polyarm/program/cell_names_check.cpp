@@ -70,7 +70,7 @@ class CellNamesCheck {
              "a tool is a point of the data (the pose of its TCP in tool0), or the tool of a robot");
     if (clause.kind == Kinds::frame && !is_point(name))
       one_of("frame", name, e.place, frames(),
-             "a frame is a point of the data, 'world', 'base', or ROBOT/base, ROBOT/flange, ROBOT/tcp");
+             "a frame is a point of the data, a belt, 'world', 'base', or ROBOT/base, ROBOT/flange, ROBOT/tcp");
   }
   void one_of(const std::string& what, const std::string& name, Place place,
               const std::vector<std::string>& all, const std::string& advice) {
@@ -98,6 +98,7 @@ class CellNamesCheck {
   }
   std::vector<std::string> frames() const {
     std::vector<std::string> out = points();
+    out.insert(out.end(), known_.robots->belts.begin(), known_.robots->belts.end());
     out.insert(out.end(), {"world", "base"});
     for (const std::string& robot : known_.robots->names)
       for (const char* part : {"base", "flange", "tool0", "tcp"}) out.push_back(robot + "/" + part);

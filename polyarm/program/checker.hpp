@@ -32,6 +32,7 @@ struct KnownNames {
   std::map<std::string, std::string> brought;  ///< tags that only a link sets, with its name
   struct Robots {
     std::vector<std::string> names, tools;
+    std::vector<std::string> belts;  ///< frames that move
   };
   std::optional<Robots>
       robots;  ///< of the cell; empty: the names of robots, tools and frames are not checked

@@ -7,17 +7,18 @@
 #include "polyarm/protocol/projects.hpp"
 #include "polyarm/protocol/session.hpp"
 #include "polyarm/protocol/status.hpp"
+#include "polyarm/protocol/teleop.hpp"
 
 namespace polyarm::protocol {
 
 POLYARM_REQUESTS(help_requests, Help)
-POLYARM_REQUESTS(jog_requests, JogMotion, JogState, FollowTarget, LimitsProfile, MoveTo)
+POLYARM_REQUESTS(jog_requests, JogMotion, JogState, FollowTarget, Teleop, LimitsProfile, MoveTo)
 POLYARM_REQUESTS(program_requests, WatchEvents, ProgramLoad, ProgramStart, ProgramAnswer, ProgramState,
                  ProgramWatch, ProgramPause, ProgramGo, ProgramStep, ProgramBreak, ProgramEdited, ProgramFrom,
                  ProgramStop)
 POLYARM_REQUESTS(point_requests, PointsList, PointsHere, PointsTeach, PointsSet, PointsShift, PointsGroup,
                  PointsRename, PointsDelete, PointsOutside, PointsTake, PointsHistory, PointsUndo,
-                 PointsFrame, PointsTool, PlanPreview)
+                 PointsFrame, PointsTool, PointsSighting, PointsCamera, PlanPreview)
 POLYARM_REQUESTS(project_requests, FilesList, FilesRead, FilesDraft, FilesWrite, FilesVersions, FilesVersion,
                  FilesDelete, FilesRename, LanguageWords, ProgramCheck, ProgramSteps, ProgramNames,
                  CellRestart, ProgramDry, CellCheck, CellReach, CellsList, CellSaveAs, CellNew, CellConnect,

@@ -299,9 +299,73 @@ struct PointsTool {
     Vec3 tcp, tip;
     std::vector<double> residuals;  ///< m
     double rms = 0, largest = 0;
-    POLYARM_MEMBERS(Answer, point, name, tcp, tip, residuals, rms, largest)
+    double sigma = 0;               ///< m: one standard deviation of the TCP
+    std::optional<double> outlier;  ///< the pose that the others contradict, from 0
+    PoseFacts next;                 ///< of tool0: the next pose that helps most
+    double next_sigma = 0;          ///< m: `sigma` expected with it
+    POLYARM_MEMBERS(Answer, point, name, tcp, tip, residuals, rms, largest, sigma, outlier, next, next_sigma)
   };
   POLYARM_MEMBERS(PointsTool, name, poses, from, robot, file, dry)
+};
+
+enum class CameraSeat { hand, beside };
+template <>
+struct Words<CameraSeat> {
+  static constexpr const char* kNoun = "place of a camera";
+  static constexpr const char* kWords[] = {"hand", "beside"};
+};
+
+struct PointsSighting {
+  static constexpr Facts kFacts{
+      .name = "points.sighting",
+      .role = Role::watch,
+      .text =
+          "Returns a pair for points.camera: the flange of a robot at rest in the world, and a marker as "
+          "the camera sees it. `marker` names a pose of the cell's data, which a link, a file or a "
+          "program writes. `age`: seconds since it last changed."};
+  std::string marker;
+  std::optional<std::string> robot;
+  struct Answer {
+    static constexpr const char* kOf = "PointsSighting";
+    PoseFacts flange, marker;
+    double age = 0;
+    POLYARM_MEMBERS(Answer, flange, marker, age)
+  };
+  POLYARM_MEMBERS(PointsSighting, marker, robot)
+};
+
+struct PointsCamera {
+  static constexpr Facts kFacts{
+      .name = "points.camera",
+      .role = Role::program,
+      .text =
+          "Computes where a camera is from three or more `sightings` {flange, marker} of "
+          "points.sighting. `place`: on the hand (default; the result is in ROBOT/flange), or beside the "
+          "robot (in "
+          "the world). `robot`: whose hand. With `dry` it stores nothing.",
+      .moves = true,
+      .watch_with = "dry"};
+  std::string name;
+  std::optional<Any> sightings;
+  std::optional<CameraSeat> place;
+  std::optional<std::string> robot, file;
+  bool dry = false;
+  struct Answer {
+    static constexpr const char* kOf = "PointsCamera";
+    Merged<ChangedPoint> point;  ///< missing with `dry`
+    std::string name, frame;
+    PoseFacts camera, marker;  ///< the marker: in the world, or on the flange
+    /// Of each sighting, the marker as seen against the marker as computed: m and rad.
+    std::vector<double> position_residuals, rotation_residuals;
+    double position_rms = 0, rotation_rms = 0;
+    double position_sigma = 0, rotation_sigma = 0;  ///< of the camera: one standard deviation
+    std::optional<double> outlier;                  ///< the sighting that the others contradict, from 0
+    PoseFacts next;                                 ///< of the flange: the next pose that helps most
+    double next_sigma = 0;                          ///< `position_sigma` expected with it
+    POLYARM_MEMBERS(Answer, point, name, frame, camera, marker, position_residuals, rotation_residuals,
+                    position_rms, rotation_rms, position_sigma, rotation_sigma, outlier, next, next_sigma)
+  };
+  POLYARM_MEMBERS(PointsCamera, name, sightings, place, robot, file, dry)
 };
 
 struct PlanPreview {

@@ -16,6 +16,7 @@ std::vector<Handler> hardware_handlers();
 std::vector<Handler> health_handlers();
 std::vector<Handler> message_handlers();
 std::vector<Handler> jog_handlers();
+std::vector<Handler> teleop_handlers();
 std::vector<Handler> move_handlers();
 std::vector<Handler> load_handlers();
 std::vector<Handler> program_handlers();

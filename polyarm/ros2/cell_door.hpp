@@ -114,6 +114,9 @@ std::unique_ptr<Part> make_robot_node(Bridge& bridge);
 /// /polyarm (stop, hold, resume, program control), and /diagnostics.
 std::unique_ptr<Part> make_cell_node(Bridge& bridge);
 
+/// /move_group of each robot, as MoveIt's clients know it.
+std::unique_ptr<Part> make_move_groups(Bridge& bridge);
+
 /// Parameters of a node. `list` returns {key: {value, type, text, read_only}}.
 struct ParameterSource {
   std::function<void(std::function<void(Json parameters)> got)> list;

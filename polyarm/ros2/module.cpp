@@ -1,5 +1,5 @@
 /// The ROS 2 door, which `ros2:` in a cell or --ros2 opens.
-#include <array>
+#include <vector>
 
 #include "polyarm/ros2/cell_door.hpp"
 #include "polyarm/ros2/options.hpp"
@@ -19,8 +19,9 @@ class Ros2Door : public cell::Door {
         bridge_{cell, options_, distribution_of(options), option_of(options, "namespace"),
                 twists_of(options)} {
     bridge_.check_clock();
-    parts_ = {make_robot_node(bridge_), make_manager_node(bridge_), make_controller_nodes(bridge_),
-              make_cell_node(bridge_)};
+    for (auto make : {make_robot_node, make_manager_node, make_controller_nodes, make_cell_node})
+      parts_.push_back(make(bridge_));
+    if (has_move_group(options)) parts_.push_back(make_move_groups(bridge_));
   }
 
   void serve() override {
@@ -65,7 +66,7 @@ class Ros2Door : public cell::Door {
  private:
   ParticipantOptions options_;
   Bridge bridge_;
-  std::array<std::unique_ptr<Part>, 4> parts_;
+  std::vector<std::unique_ptr<Part>> parts_;
 };
 
 std::unique_ptr<cell::Door> make(cell::CellView& cell, const cell::DoorOptions& options) {

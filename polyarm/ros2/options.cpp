@@ -63,6 +63,13 @@ std::vector<std::string> twists_of(const Options& options) {
               "write `ros2: {cmd_vel: …}` with TwistStamped, Twist or both");
 }
 
+bool has_move_group(const Options& options) {
+  const std::string said = option_of(options, "move_group"), name = lower(said);
+  if (name.empty() || name == "false" || name == "off" || name == "no") return false;
+  if (name == "true" || name == "on" || name == "yes") return true;
+  throw Error("bad-value", "move_group is '" + said + "'", "write `ros2: {move_group: true}` or false");
+}
+
 messages::Distribution distribution_of(const Options& options) {
   const std::string name = lower(option(options, "distribution", "ROS_DISTRO"));
   if (name == "humble") return messages::Distribution::humble;

@@ -27,11 +27,15 @@ target_link_libraries(polyarm_ros2_wire PUBLIC polyarm_ros2_types polyarm_base p
 add_dependencies(polyarm_ros2_wire polyarm_ros2_dds)
 add_library(polyarm_door_ros2 MODULE ros2/module.cpp ros2/bridge.cpp ros2/controller_nodes.cpp ros2/manager_node.cpp
   ros2/robot_node.cpp ros2/cell_node.cpp ros2/action_server.cpp ros2/parameters.cpp ros2/type_descriptions.cpp
-  ros2/life_cycle.cpp ros2/typed_topic.cpp recording/state_messages.cpp)
+  ros2/life_cycle.cpp ros2/typed_topic.cpp ros2/goal_server.cpp ros2/move_group_cell.cpp ros2/move_group_motion.cpp
+  ros2/move_group_node.cpp recording/state_messages.cpp)
 set_target_properties(polyarm_door_ros2 PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/drivers)
 # The command that loads it exports the symbols of the cell.
 target_include_directories(polyarm_door_ros2 PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
 target_link_libraries(polyarm_door_ros2 PRIVATE polyarm_ros2_wire fmt::fmt nlohmann_json::nlohmann_json)
+# The room move_group is this module's alone. What that room uses is the command's.
+target_link_libraries(polyarm_door_ros2 PRIVATE $<TARGET_FILE:polyarm_move_group>)
+add_dependencies(polyarm_door_ros2 polyarm_move_group)
 polyarm_together(polyarm_door_ros2 ros2 "${POLYARM_ROOMS_TOGETHER}")
 polyarm_around_cell(polyarm_door_ros2)
 install(TARGETS polyarm_door_ros2 LIBRARY DESTINATION lib/polyarm)

@@ -42,6 +42,27 @@ std::vector<fs::path> sources_of(const Package& package) {
   return out;
 }
 
+/// Whether a line is between #if and #endif, apart from a header's guard.
+class Conditions {
+ public:
+  void take(std::string_view line) {
+    if (!line.starts_with("#")) return;
+    const std::string_view word = trim(line.substr(1));
+    ++directives_;
+    if (word.starts_with("if")) {
+      if (directives_ == 1 && (word.starts_with("ifndef") || word.starts_with("if !defined"))) guard_ = true;
+      ++depth_;
+    } else if (word.starts_with("endif") && depth_ > 0) {
+      --depth_;
+    }
+  }
+  bool inside() const { return depth_ > (guard_ ? 1 : 0); }
+
+ private:
+  int depth_ = 0, directives_ = 0;
+  bool guard_ = false;
+};
+
 struct Check {
   const Package& package;
   const std::vector<Package>& all;
@@ -61,6 +82,7 @@ struct Check {
       take_parameters(*each);
       for (const fs::path& file : sources_of(*each)) take_own(*each, file);
     }
+    take_folders_beside();
     check_cmake(package.folder / "CMakeLists.txt");
     for (waiting = plugin_sources(); !waiting.empty();) {
       const fs::path file = waiting.back();
@@ -69,23 +91,38 @@ struct Check {
     }
   }
 
-  /// What the build file lists for the libraries of the plugins; all sources if it is not that plain.
+  /// The words of each call of `name` in the build file.
+  static std::vector<std::vector<std::string>> calls(const std::string& text, const std::string& name) {
+    std::vector<std::vector<std::string>> out;
+    for (auto at = text.find(name + "("); at != std::string::npos; at = text.find(name + "(", at + 1)) {
+      const auto begin = at + name.size() + 1, end = std::min(text.find(')', begin), text.size());
+      out.push_back(split_words(text.substr(begin, end - begin)));
+    }
+    return out;
+  }
+  /// What the build file lists for the libraries of the plugins, also by way of a variable; all sources if it is
+  /// not that plain.
   std::vector<fs::path> plugin_sources() const {
     std::vector<fs::path> out;
     std::error_code error;
     if (!fs::exists(package.folder / "CMakeLists.txt", error)) return sources_of(package);
     const std::string text = read_file(package.folder / "CMakeLists.txt", kLargestSource);
-    for (const PluginClass& c : plugin_classes(package)) {
-      if (c.library.empty()) continue;
-      for (auto at = text.find("add_library("); at != std::string::npos;
-           at = text.find("add_library(", at + 1)) {
-        const auto begin = at + 12, end = std::min(text.find(')', begin), text.size());
-        std::vector<std::string> words = split_words(text.substr(begin, end - begin));
-        if (words.empty() || (words[0] != c.library && words[0] != "${PROJECT_NAME}")) continue;
+    std::map<std::string, std::vector<std::string>> variables;
+    for (std::vector<std::string>& words : calls(text, "set"))
+      if (words.size() > 1) variables["${" + words[0] + "}"] = {words.begin() + 1, words.end()};
+    variables["${PROJECT_NAME}"] = {package.name};
+    const auto of = [&](const std::string& word) {
+      const auto found = variables.find(word);
+      return found == variables.end() ? std::vector<std::string>{word} : found->second;
+    };
+    std::vector<std::vector<std::string>> libraries = calls(text, "add_library");  // also ament_auto_add_library
+    for (const PluginClass& c : plugin_classes(package))
+      for (const std::vector<std::string>& words : libraries) {
+        if (c.library.empty() || words.empty() || of(words[0]) != std::vector<std::string>{c.library}) continue;
         for (const std::string& word : words)
-          if (fs::is_regular_file(package.folder / word, error)) out.push_back(package.folder / word);
+          for (const std::string& each : of(word))
+            if (fs::is_regular_file(package.folder / each, error)) out.push_back(package.folder / each);
       }
-    }
     return out.empty() ? sources_of(package) : out;
   }
 
@@ -110,6 +147,21 @@ struct Check {
         declared.insert(name);
       }
   }
+  /// Folders outside the package that its build file names.
+  void take_folders_beside() {
+    std::error_code error;
+    if (!fs::exists(package.folder / "CMakeLists.txt", error)) return;
+    const std::string text = read_file(package.folder / "CMakeLists.txt", kLargestSource);
+    for (const std::string& word : split_words(text, " \t\r\n()\"")) {
+      const auto at = word.find("../");
+      if (at == std::string::npos || (at > 0 && word[at - 1] != '/' && word[at - 1] != '}')) continue;
+      const fs::path folder = (package.folder / word.substr(at)).lexically_normal();
+      if (!fs::is_directory(folder, error)) continue;
+      Package beside = package;
+      beside.folder = folder;
+      for (const fs::path& file : sources_of(beside)) take_own(beside, file);
+    }
+  }
   /// Headers that the build makes of the package's parameter files.
   void take_parameters(const Package& from) {
     std::error_code error;
@@ -118,8 +170,9 @@ struct Check {
     constexpr std::string_view kCall = "generate_parameter_library(";
     for (auto at = text.find(kCall); at != std::string::npos; at = text.find(kCall, at + 1)) {
       const auto begin = at + kCall.size(), end = std::min(text.find(')', begin), text.size());
-      const std::vector<std::string> words = split_words(text.substr(begin, end - begin));
+      std::vector<std::string> words = split_words(text.substr(begin, end - begin));
       if (words.empty()) continue;
+      if (words[0].starts_with("${PROJECT_NAME}")) words[0] = from.name + words[0].substr(15);
       own.emplace(words[0] + ".hpp", "");
       own.emplace(from.name + "/" + words[0] + ".hpp", "");
     }
@@ -129,7 +182,8 @@ struct Check {
     for (const char* kind : {"msg", "srv", "action"}) {
       std::error_code error;
       for (const auto& file : fs::directory_iterator(from.folder / kind, error))
-        own.emplace(from.name + "/" + kind + "/" + header_name(file.path().stem().string()) + ".hpp", "");
+        for (const std::string& name : header_names({from.name, kind, file.path().stem().string(), "", {}}))
+          own.emplace(name, "");
     }
   }
 
@@ -155,9 +209,11 @@ struct Check {
     const std::string code = read_file(file, kLargestSource);
     std::istringstream lines(code);
     int number = 0;
+    Conditions conditions;
     for (std::string line; std::getline(lines, line);) {
       ++number;
-      check_include(file, number, line);
+      conditions.take(trim(line));
+      check_include(file, number, line, conditions.inside());
       if (trim(line).starts_with("*") || trim(line).starts_with("/*")) continue;  // a comment
       for (const char* space :
            {"hardware_interface::", "rclcpp::", "rclcpp_lifecycle::", "rclcpp_action::", "realtime_tools::",
@@ -166,7 +222,7 @@ struct Check {
     }
   }
 
-  void check_include(const fs::path& file, int number, const std::string& line) {
+  void check_include(const fs::path& file, int number, const std::string& line, bool conditional) {
     const std::string_view text = trim(line);
     if (!text.starts_with("#")) return;
     const std::string_view rest = trim(text.substr(1));
@@ -188,6 +244,13 @@ struct Check {
     if (kit.has_header(header) || on_machine(header)) return;
     const std::string folder = header.substr(0, header.find('/'));
     const bool known = header.find('/') != std::string::npos && kit.has_package(folder);
+    if (conditional) {  // of another system, or of an option
+      if (reported.insert(header).second)
+        problems.warning("missing", {file.string(), number},
+                         "no header '" + header + "' is here; it is between #if and #endif",
+                         "if the compiler says that it is needed, install it");
+      return;
+    }
     missing(header, {file.string(), number}, "no header '" + header + "' is here",
             kit.source_of_header(header),
             known ? "Polyarm has the package " + folder +

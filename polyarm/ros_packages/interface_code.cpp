@@ -168,14 +168,15 @@ struct Writer {
     for (const Member& m : made.members)
       if (!m.constant) {
         out += "  " + m.type + " " + m.name + "{" + m.initial + "};\n";
-        setters += "  " + made.name + "& set__" + m.name + "(const " + m.type + "& value) { return " + m.name +
-                   " = value, *this; }\n";
-        equal += (equal.empty() ? "" : " && ") + m.name + " == o." + m.name;
+        setters += "  " + made.name + "& set__" + m.name + "(const " + m.type + "& given_) { return " + m.name +
+                   " = given_, *this; }\n";
+        equal += (equal.empty() ? "" : " && ") + m.name + " == other_." + m.name;
       }
     out += setters;
-    out += "  bool operator==(const " + made.name + "& " + (equal.empty() ? "" : "o") + ") const { return " +
+    out += "  bool operator==(const " + made.name + "& " + (equal.empty() ? "" : "other_") + ") const { return " +
            (equal.empty() ? "true" : equal) + "; }\n";
-    out += "  bool operator!=(const " + made.name + "& o) const { return !(*this == o); }\n};\n";
+    out += "  bool operator!=(const " + made.name + "& other_) const { return !(*this == other_); }\n};\n";
+    out += "template <typename> using " + made.name + "_ = " + made.name + ";  // ROS has one for each allocator\n";
     return out;
   }
 
@@ -254,14 +255,24 @@ std::string header_code(const Interface& interface) {
   return writer.code();
 }
 
+std::vector<std::string> header_names(const Interface& interface) {
+  const std::string begin = interface.package + "/" + interface.kind + "/", name = header_name(interface.name);
+  return {begin + name + ".hpp", begin + "detail/" + name + "__struct.hpp", begin + "detail/" + name + "__builder.hpp",
+          begin + "detail/" + name + "__traits.hpp"};
+}
+
 void write_headers(const std::vector<Interface>& all, const fs::path& folder) {
-  for (const Interface& each : all) {
-    const fs::path file = folder / each.package / each.kind / (header_name(each.name) + ".hpp");
-    const std::string code = header_code(each);
+  const auto write = [](const fs::path& file, const std::string& code) {
     std::error_code error;
-    if (fs::is_regular_file(file, error) && read_file(file, kLargestInterface) == code) continue;
+    if (fs::is_regular_file(file, error) && read_file(file, kLargestInterface) == code) return;
     fs::create_directories(file.parent_path(), error);
     write_file_atomically(file, code);
+  };
+  for (const Interface& each : all) {
+    const std::vector<std::string> names = header_names(each);
+    write(folder / names[0], header_code(each));
+    for (std::size_t i = 1; i < names.size(); ++i)
+      write(folder / names[i], "#pragma once\n#include \"" + names[0] + "\"\n");
   }
 }
 

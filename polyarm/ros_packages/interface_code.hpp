@@ -28,7 +28,9 @@ std::vector<Interface> read_interface_list(const std::filesystem::path& file);
 std::string header_name(std::string_view name);
 /// The header of an interface. Throws Error("bad-interface") with file and line.
 std::string header_code(const Interface& interface);
-/// Writes package/kind/header_name.hpp for all below `folder`, and those with the same content not again.
+/// The headers of an interface: "package/kind/header_name.hpp" first, then those in detail/ that include it.
+std::vector<std::string> header_names(const Interface& interface);
+/// Writes the headers of all below `folder`, and those with the same content not again.
 void write_headers(const std::vector<Interface>& all, const std::filesystem::path& folder);
 
 }  // namespace polyarm::ros_packages

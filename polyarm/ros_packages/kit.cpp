@@ -1,5 +1,6 @@
 #include "polyarm/ros_packages/kit.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <sstream>
 
@@ -41,10 +42,17 @@ Kit::Kit() : folder_(find_folder()) {
       installed ? folder_.parent_path().parent_path().parent_path() / "include" : folder_.parent_path();
   interfaces_ = read_interface_list(installed ? folder_ / "interfaces.list"
                                               : folder_.parent_path() / "polyarm/messages/interfaces.list");
-  for (Interface& more : read_interface_list(folder_ / "more_interfaces.list"))
-    interfaces_.push_back(std::move(more));
+  for (Interface& more : read_interface_list(folder_ / "more_interfaces.list")) {
+    const auto same = std::find_if(interfaces_.begin(), interfaces_.end(), [&](const Interface& i) {
+      return i.package == more.package && i.kind == more.kind && i.name == more.name;
+    });
+    if (same == interfaces_.end())
+      interfaces_.push_back(std::move(more));
+    else
+      *same = std::move(more);
+  }
   for (const Interface& each : interfaces_) {
-    message_headers_.insert(each.package + "/" + each.kind + "/" + header_name(each.name) + ".hpp");
+    for (std::string& name : header_names(each)) message_headers_.insert(std::move(name));
     packages_.insert(each.package);
   }
   for (const auto& row : rows(folder_ / "packages.list"))

@@ -56,6 +56,9 @@ std::string module_code(const Package& package, const std::vector<PluginClass>& 
     }
   }
   for (const Package* each : order)
+    for (const PluginClass& c : helper_classes(*each, order))
+      described += "  polyarm_ros::described_types()[" + literal(c.name) + "] = " + literal(c.type) + ";\n";
+  for (const Package* each : order)
     described += "  polyarm_ros::package_folders()[" + literal(each->name) +
                  "] = " + literal(each->folder.string()) + ";\n";
   out += "[[maybe_unused]] const bool described = [] {\n" + described +
@@ -93,10 +96,15 @@ std::string module_cmake(const Package& package, const std::vector<PluginClass>&
   out +=
       "polyarm_ros_module(" + package.name + " " + package.name + " ${CMAKE_CURRENT_SOURCE_DIR}/module.cpp";
   std::set<std::string> libraries;
-  for (const PluginClass& c : classes)
-    if (!c.library.empty()) libraries.insert(c.library);
-  for (const std::string& library : libraries) out += " " + cmake_text(library);
-  return out + ")\n";
+  for (const PluginClass& c : classes) libraries.insert(c.library);
+  for (const PluginClass& c : helper_classes(package, order)) libraries.insert(c.library);
+  for (const std::string& library : libraries)
+    if (!library.empty()) out += " " + cmake_text(library);
+  out += ")\n";
+  for (const Package* each : order)
+    if (each != &package && !helper_classes(*each, order).empty())
+      out += "polyarm_ros_whole(" + each->name + ")\n";
+  return out;
 }
 
 }  // namespace polyarm::ros_packages

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <sstream>
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
@@ -57,15 +58,44 @@ struct Search {
   }
 };
 
+/// What the build file names in find_package or in a list: a package of the workspace with such a name is needed,
+/// whatever package.xml says.
+std::set<std::string> cmake_names(const fs::path& file) {
+  std::set<std::string> out;
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return out;
+  std::istringstream lines(read_file(file, kLargestSource));
+  bool list = false;
+  int tests = 0;  // depth of what is between if(BUILD_TESTING) and its endif
+  for (std::string line; std::getline(lines, line);) {
+    line.erase(std::min(line.find('#'), line.size()));
+    const std::vector<std::string> words = split_words(line, " \t();");
+    if (words.empty()) continue;
+    const std::string first = lower(words[0]);
+    if (tests > 0) {  // not built
+      tests += first == "if" ? 1 : first == "endif" ? -1 : 0;
+      continue;
+    }
+    if (first == "if" && words.size() > 1 && words[1] == "BUILD_TESTING") tests = 1;
+    list = list || first == "set" || first == "ament_target_dependencies";
+    if (first == "find_package" && words.size() > 1) out.insert(words[1]);
+    if (list) out.insert(words.begin(), words.end());
+    if (line.find(')') != std::string::npos) list = false;
+    if (out.size() > kMostPackages) break;
+  }
+  return out;
+}
+
 void add_in_order(const Package& package, const std::vector<Package>& all, std::set<std::string>& seen,
                   std::vector<const Package*>& out) {
   if (!seen.insert(package.name).second) return;
-  for (const Dependency& needed : package.dependencies) {
-    if (!needed.for_build) continue;
-    const auto found =
-        std::find_if(all.begin(), all.end(), [&](const Package& p) { return p.name == needed.name; });
+  const auto add = [&](const std::string& name) {
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Package& p) { return p.name == name; });
     if (found != all.end()) add_in_order(*found, all, seen, out);
-  }
+  };
+  for (const Dependency& needed : package.dependencies)
+    if (needed.for_build) add(needed.name);
+  for (const std::string& name : package.named_by_cmake) add(name);
   out.push_back(&package);
 }
 
@@ -140,6 +170,7 @@ Package read_package(const fs::path& file) {
                       tag == "doc_depend" || tag == "group_depend";
     out.dependencies.push_back({text_of(e), e->GetLineNum(), !runs});
   }
+  out.named_by_cmake = cmake_names(out.folder / "CMakeLists.txt");
   if (const auto* exports = root->FirstChildElement("export"))
     out.build_type = text_of(exports->FirstChildElement("build_type"));
   if (out.build_type.empty()) out.build_type = "catkin";  // ROS 1 writes nothing
@@ -178,6 +209,31 @@ std::vector<const Package*> in_build_order(const Package& package, const std::ve
   return out;
 }
 
+namespace {
+/// All classes of the package's plugin description files.
+std::vector<PluginClass> described_classes(const Package& package) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  auto at = fs::recursive_directory_iterator(package.folder, error);
+  for (std::size_t seen = 0; !error && at != fs::recursive_directory_iterator() && seen < kMostFolders;
+       at.increment(error), ++seen) {
+    const std::string name = at->path().filename().string();
+    if (at->is_directory(error) &&
+        (at.depth() >= 3 || left_out(at->path()) || name == "test" || name == "tests"))
+      at.disable_recursion_pending();
+    if (at->path().extension() == ".xml" && at->path().filename() != "package.xml")
+      files.push_back(at->path());
+  }
+  std::sort(files.begin(), files.end());
+  std::vector<PluginClass> out;
+  for (const fs::path& file : files) {
+    Problems ignored;  // files of other kinds end in .xml too
+    collect(ignored, [&] { read_classes(file, out); });
+  }
+  return out;
+}
+}  // namespace
+
 bool PluginClass::is_hardware() const {
   for (const char* each : {"SystemInterface", "ActuatorInterface", "SensorInterface"})
     if (base == std::string("hardware_interface::") + each) return true;
@@ -188,23 +244,37 @@ bool PluginClass::is_controller() const {
 }
 
 std::vector<PluginClass> plugin_classes(const Package& package) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  auto at = fs::recursive_directory_iterator(package.folder, error);
-  for (std::size_t seen = 0; !error && at != fs::recursive_directory_iterator() && seen < kMostFolders;
-       at.increment(error), ++seen) {
-    if (at->is_directory(error) && (at.depth() >= 3 || left_out(at->path()))) at.disable_recursion_pending();
-    if (at->path().extension() == ".xml" && at->path().filename() != "package.xml")
-      files.push_back(at->path());
-  }
-  std::sort(files.begin(), files.end());
-  std::vector<PluginClass> out;
-  for (const fs::path& file : files) {
-    Problems ignored;  // files of other kinds end in .xml too
-    collect(ignored, [&] { read_classes(file, out); });
-  }
+  std::vector<PluginClass> out = described_classes(package);
   const auto of_others = [&](const PluginClass& c) { return !c.is_hardware() && !c.is_controller(); };
   out.erase(std::remove_if(out.begin(), out.end(), of_others), out.end());
+  return out;
+}
+
+std::vector<PluginClass> helper_classes(const Package& package, const std::vector<const Package*>& bases) {
+  std::vector<PluginClass> out = described_classes(package);
+  const auto of_others = [&](const PluginClass& c) {
+    const std::string space = c.base.substr(0, c.base.find("::"));
+    const auto is_base = [&](const Package* p) { return p->name == space; };
+    return c.is_hardware() || c.is_controller() ||
+           (space != "filters" && std::none_of(bases.begin(), bases.end(), is_base));
+  };
+  out.erase(std::remove_if(out.begin(), out.end(), of_others), out.end());
+  return out;
+}
+
+std::vector<const Package*> helpers_of(const std::vector<const Package*>& order, const std::vector<Package>& all) {
+  const bool filters = std::any_of(order.begin(), order.end(), [](const Package* p) {
+    return std::any_of(p->dependencies.begin(), p->dependencies.end(),
+                       [](const Dependency& d) { return d.name == "filters"; });
+  });
+  std::vector<const Package*> out;
+  for (const Package& each : all) {
+    if (std::any_of(order.begin(), order.end(), [&](const Package* p) { return p->name == each.name; })) continue;
+    const auto classes = helper_classes(each, order);
+    if (std::any_of(classes.begin(), classes.end(),
+                    [&](const PluginClass& c) { return filters || !c.base.starts_with("filters::"); }))
+      out.push_back(&each);
+  }
   return out;
 }
 

@@ -2,6 +2,7 @@
 /// Packages of ROS as they lie in a workspace: package.xml, and the plugin description files beside it. Files
 /// of strangers: sizes, depth and numbers are bounded. Any thread; reads disk.
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct Package {
   std::string name, version, build_type;  ///< build_type: "ament_cmake", "ament_python", "catkin"
   std::filesystem::path folder;
   std::vector<Dependency> dependencies;
+  std::set<std::string> named_by_cmake;  ///< words that may be packages, in its CMakeLists.txt
   bool has_cmake() const;
 };
 
@@ -45,7 +47,12 @@ struct PluginClass {
   bool is_hardware() const;
   bool is_controller() const;
 };
-/// All of the package's plugin description files, in order of files and lines.
+/// The hardware and the controllers of the package's plugin description files, in order of files and lines.
 std::vector<PluginClass> plugin_classes(const Package& package);
+/// Its classes that plugins load while they run, filters and kinematics: those whose base class belongs to one
+/// of `bases`, names of packages.
+std::vector<PluginClass> helper_classes(const Package& package, const std::vector<const Package*>& bases);
+/// The packages of `all` that are not in `order`, but have helper classes for it.
+std::vector<const Package*> helpers_of(const std::vector<const Package*>& order, const std::vector<Package>& all);
 
 }  // namespace polyarm::ros_packages

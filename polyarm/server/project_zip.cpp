@@ -177,6 +177,15 @@ std::string content(zip_t* zip, zip_uint64_t index, const std::string& name, std
   }
 }
 
+void write(const fs::path& file, const std::string& text, const std::string& name) {
+  try {
+    write_file_atomically(file, text);
+  } catch (const Error& e) {
+    throw Error("bad-zip", "'" + shortened(name) + "' of the zip cannot be written: " + e.problems().front().what,
+                "use short names");
+  }
+}
+
 }  // namespace
 
 bool can_zip() {
@@ -246,7 +255,10 @@ void unzip_into(std::string_view bytes, const fs::path& folder) {
       if (error)
         throw Error("bad-zip", "the zip has '" + name + "', which cannot be created: " + error.message(),
                     "use short names, and no name for a file and a folder");
-      write_file_atomically(file, text);
+      if (fs::exists(fs::symlink_status(file, error)))  // also where a file system ignores upper and lower case
+        throw Error("bad-zip", "the zip has '" + shortened(name) + "' twice, in another spelling or as a folder",
+                    "use names that differ in more than upper and lower case");
+      write(file, text, name);
     }
     if (!fs::exists(coming / "cell.yaml", error))
       throw Error("bad-zip", "the zip has no cell.yaml: it is not a project");

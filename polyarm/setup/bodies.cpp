@@ -9,6 +9,7 @@
 #include "polyarm/description/bodies.hpp"
 #include "polyarm/moves/holding.hpp"
 #include "polyarm/setup/floor.hpp"
+#include "polyarm/surroundings/at_start.hpp"
 #include "polyarm/surroundings/bodies.hpp"
 
 namespace polyarm::cell {
@@ -64,6 +65,7 @@ void make_robot_bodies(const CellRobots& robots, Problems& problems) {
 void make_scene_bodies(const CellRobots& robots, description::Scene& scene, Problems& problems) {
   if (std::any_of(robots.begin(), robots.end(), [](const auto& robot) { return checks_contacts(*robot); }))
     surroundings::make_meshes(scene, problems);
+  for (Problem& problem : surroundings::parts_inside(scene)) problems.add(std::move(problem));
 }
 
 bool checks_contacts(const CellRobot& robot) {

@@ -106,6 +106,7 @@ void add_robots(const CellFile& file, program::KnownNames& known) {
     known.robots->names.push_back(robot.name);
     known.robots->tools.push_back(robot.tool);
   }
+  for (const BeltEntry& belt : file.belts) known.robots->belts.push_back(belt.name);
 }
 
 void check_live(const CellFile& file, const signals::Signals& signals, Problems& problems) {

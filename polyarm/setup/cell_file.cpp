@@ -11,6 +11,7 @@
 #include "polyarm/base/there.hpp"
 #include "polyarm/setup/cell_reach.hpp"
 #include "polyarm/setup/door_kinds.hpp"
+#include "polyarm/setup/teleop_entries.hpp"
 #include "polyarm/yaml/yaml.hpp"
 #include "polyarm/yaml/yaml_repeats.hpp"
 
@@ -94,9 +95,11 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
     return robot;
   }
   for (const std::string& key : yaml.keys()) robot.places[key] = yaml.key_location(key);
-  yaml.check_keys({"model", "arguments", "at", "xyz", "rpy", "quaternion", "hardware", "tool", "parameters",
-                   "accept_unverified", "budget", "rate", "thread", "on_fault", "workspace", "joint_ranges",
-                   "payload", "tip", "on", "force_sensor"},
+  yaml.check_keys({"model",        "arguments", "at",     "xyz",        "rpy",
+                   "quaternion",   "hardware",  "tool",   "parameters", "accept_unverified",
+                   "budget",       "rate",      "thread", "on_fault",   "workspace",
+                   "joint_ranges", "payload",   "tip",    "on",         "force_sensor",
+                   "calibration"},
                   problems);
   robot.payload = read_payload(yaml["payload"], problems);
   robot.workspace = read_workspace(yaml["workspace"], problems);
@@ -111,6 +114,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
   });
   collect(problems, [&] { robot.tool = yaml["tool"].text("none"); });
   collect(problems, [&] { robot.tip = yaml["tip"].text(""); });
+  collect(problems, [&] { robot.calibration = yaml["calibration"].text(""); });
   collect(problems, [&] { robot.on = read_carrier(name, yaml); });
   read_thread(yaml["thread"], robot, problems);
   read_on_fault(yaml["on_fault"], robot, problems);
@@ -340,11 +344,10 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   Problems problems;
   check_kind(yaml, problems);
   check_repeats(yaml, problems);
-  std::vector<std::string> keys{"polyarm",  "rate",      "robots",  "scene",   "controllers",
-                                "activate", "send",      "plugins", "budget",  "signals",
-                                "program",  "plc",       "motion",  "loop",    "profile",
-                                "profiles", "workspace", "record",  "contacts",
-                                "guards",   "seed"};
+  std::vector<std::string> keys{"polyarm",  "rate",    "robots",  "scene",    "controllers", "activate",
+                                "send",     "plugins", "budget",  "signals",  "program",     "plc",
+                                "motion",   "loop",    "profile", "profiles", "workspace",   "record",
+                                "contacts", "guards",  "seed",    "belts",   "streams",     "teleop"};
   for (const DoorKind& kind : door_kinds()) keys.push_back(kind.name);
   yaml.check_keys(keys, problems);
   cell.profiles = read_profiles(yaml, problems);
@@ -385,9 +388,14 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   cell.motion = read_motion(yaml["motion"], problems);
   cell.loop = read_loop(yaml["loop"], problems);
   cell.seed = static_cast<std::uint64_t>(whole(yaml, "seed", 0, 0, 1'000'000'000, problems));
+  cell.belts = read_belts(yaml["belts"], problems);
+  cell.streams = read_streams(yaml["streams"], problems);
   cell.contact_stop = read_contact_stop(yaml["contacts"], problems);
   cell.clearance = read_clearance(yaml["contacts"], problems);
   cell.guards = read_guards(yaml["guards"], cell.clearance, problems);
+  collect(problems, [&] {
+    cell.teleop = read_teleop(yaml["teleop"], yaml["robots"].keys(), problems);
+  });
   for (const DoorKind& kind : door_kinds())
     collect(problems, [&] { read_door(kind, yaml[kind.name], cell, problems); });
   collect(problems, [&] { cell.record = read_record(yaml["record"], cell.folder, problems); });

@@ -9,13 +9,16 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/pose.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/base/time.hpp"
 #include "polyarm/control/control_loop.hpp"
 #include "polyarm/moves/robot_facts.hpp"
+#include "polyarm/io/stream_entries.hpp"
+#include "polyarm/setup/belts.hpp"
 #include "polyarm/setup/door.hpp"
 #include "polyarm/setup/recorder.hpp"
 #include "polyarm/setup/safety_entries.hpp"
-#include "polyarm/base/reach.hpp"
+#include "polyarm/teleop/settings.hpp"
 
 namespace polyarm::ros_files {
 struct ControllersFile;
@@ -45,14 +48,15 @@ struct RobotEntry {
   double rate = 0;                       ///< Hz, for its hardware and its controllers; 0: the loop's rate
   bool thread = false;                   ///< its hardware runs on a thread of its own
   std::optional<ThreadEntry> on_thread;  ///< thread options, if stated; override those of the description
-  bool fault_of_group = false;  ///< `on_fault: group`: a fault of its hardware stops only this robot
+  bool fault_of_group = false;           ///< `on_fault: group`: a fault of its hardware stops only this robot
   std::map<std::string, std::string> arguments;  ///< NAME:=VALUE for a description in xacro
   bool accept_unverified = false;  ///< may be armed although some of its facts are recalled or estimated
   std::vector<moves::WorkspaceZone> workspace;  ///< of this robot only
   PayloadEntry payload;                         ///< in addition to its tool
   std::vector<RangeEntry> ranges;               ///< joint ranges narrower than the robot's
+  std::string calibration;    ///< file with the measured geometry of the arm; empty: that of the description
   bool force_sensor = false;  ///< physics measures the wrench between robot and tool
-  std::string text;  ///< the description itself, if `model` is the file that contains it
+  std::string text;           ///< the description itself, if `model` is the file that contains it
   Location where;
   std::map<std::string, Location> places;  ///< of its keys in the file
   /// Location of a key, or of the robot if the file does not have the key.
@@ -104,14 +108,17 @@ struct CellFile {
       launched;  ///< from a launch file, instead of `controllers`
   MotionEntry motion;
   LoopEntry loop;
-  std::uint64_t seed = 0;  ///< of the programs' random()
+  std::uint64_t seed = 0;                                          ///< of the programs' random()
   control::ContactStop contact_stop = control::ContactStop::path;  ///< what follows a contact in physics
   double clearance = kClearance;  ///< m that should stay between a robot and everything else
   GuardsEntry guards;             ///< what stops robots before contacts
+  std::vector<BeltEntry> belts;
+  std::vector<StreamEntry> streams;
   ProfileEntries profiles;
-  std::vector<moves::WorkspaceZone> workspace;   ///< for all robots
-  std::map<std::string, DoorOptions> doors;      ///< by module name
-  std::optional<RecordOptions> record;           ///< set: record each run
+  std::vector<moves::WorkspaceZone> workspace;  ///< for all robots
+  std::vector<teleop::PairSettings> teleop;     ///< robots that lead others
+  std::map<std::string, DoorOptions> doors;     ///< by module name
+  std::optional<RecordOptions> record;          ///< set: record each run
   /// What the cell may access; valid as long as this object or a copy exists.
   std::shared_ptr<ReachGrant> grant = reach().grant();
 };

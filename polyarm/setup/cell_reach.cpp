@@ -49,6 +49,11 @@ class List {
     for (const RobotEntry& robot : file_.robots) of_robot(robot);
     for (const auto& [name, options] : file_.doors)
       for (const std::string& host : graph_hosts(options)) add("host", host, "the door " + name, {});
+    for (const StreamEntry& stream : file_.streams) {
+      const bool device = stream.kind == StreamEntry::Kind::device, listens = stream.kind == StreamEntry::Kind::listen;
+      add(device ? "device" : "host", device ? stream.device : stream.host,
+          "the stream '" + stream.name + "'" + (listens ? ", which listens there" : ""), stream.where);
+    }
     collect(unread, [&] { links(); });
     return std::move(out_);
   }
@@ -230,6 +235,12 @@ void admit_robots(const CellFile& file, Problems& problems) {
       else if (file.grant)
         collect(problems, [&] { file.grant->allow_reading(secret_file(name)); });
     }
+}
+
+void admit_streams(const CellFile& file, Problems& problems) {
+  for (const StreamEntry& stream : file.streams)
+    if (stream.kind != StreamEntry::Kind::device)
+      admit_host(file, stream.host, "the stream '" + stream.name + "'", stream.where, problems);
 }
 
 void admit_doors(const CellFile& file, Problems& problems) {

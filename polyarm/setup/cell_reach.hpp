@@ -35,6 +35,8 @@ void allow_and_remember(const CellFile& file, const Wanted& wanted);
 /// file path. Adds Error("host-not-allowed" | "secret-not-allowed" | "outside-cell").
 void admit_links(const CellFile& file, signals::Signals& signals, Problems& problems);
 /// The same as admit_links for doors that are open to a network.
+/// Adds a problem for each host of a stream that the user has not allowed.
+void admit_streams(const CellFile& file, Problems& problems);
 void admit_doors(const CellFile& file, Problems& problems);
 /// Call before real hardware is opened: `secret:NAME` among the parameters of robots may be read from now on, if
 /// the user allows it. Adds Error("secret-not-allowed" | "bad-secret").

@@ -112,7 +112,9 @@ class Components {
   }
 
   hardware::RobotInstance instance(const CellRobot& robot) const {
-    return {robot.entry.name, &robot.model, nullptr, robot.entry.base, robot.start, {}, robot.entry.on};
+    const auto at = std::find_if(robots_.begin(), robots_.end(), [&](const auto& each) { return each.get() == &robot; });
+    const int number = static_cast<int>(at - robots_.begin());
+    return {robot.entry.name, &robot.model, nullptr, robot.entry.base, robot.start, {}, robot.entry.on, number};
   }
 
   /// Physics measures the wrench between the tool and the robot if the cell asks for it.
@@ -136,8 +138,9 @@ class Components {
       if (!std::exchange(tool_given, true)) made.tool = &robot.tool;
     };
     if (robot.blocks.empty()) {
-      const bool own = robot.driver != "mujoco" &&
-                       (robot.entry.rate > 0 || robot.entry.thread || robot.entry.fault_of_group);
+      const bool own =
+          robot.driver != "mujoco" && (robot.entry.rate > 0 || robot.entry.thread ||
+                                       robot.entry.fault_of_group || has_a_device_of_its_own(robot));
       Planned& planned = component(robot.driver, own ? robot.entry.name : robot.driver);
       budget(planned, robot);
       pace(planned, robot);
@@ -148,6 +151,22 @@ class Components {
       return;
     }
     for (const HardwareBlock& block : robot.blocks) take_block(robot, block, with_tool);
+  }
+
+  /// True if both name a device, and not the same: each needs a component of its own.
+  static bool on_other_devices(const CellRobot& a, const CellRobot& b) {
+    for (const char* key : {"port", "host"}) {
+      const auto one = a.entry.parameters.find(key), other = b.entry.parameters.find(key);
+      if (one != a.entry.parameters.end() && other != b.entry.parameters.end() &&
+          one->second != other->second)
+        return true;
+    }
+    return false;
+  }
+  bool has_a_device_of_its_own(const CellRobot& robot) const {
+    return robot.driver != "mock" && std::any_of(robots_.begin(), robots_.end(), [&](const auto& other) {
+             return other->blocks.empty() && other->driver == robot.driver && on_other_devices(*other, robot);
+           });
   }
 
   template <typename WithTool>
@@ -204,7 +223,7 @@ class Components {
       if (planned.driver != driver || planned.context.name != name) continue;
       for (const auto& other : robots_)
         if (other.get() != &robot && other->entry.name == planned.context.robots.front().name &&
-            !run_alike(*other, robot))
+            (!run_alike(*other, robot) || (driver != "mock" && on_other_devices(*other, robot))))
           return robot.entry.name + "_" + name;
     }
     return name;

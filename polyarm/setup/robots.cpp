@@ -10,6 +10,8 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/there.hpp"
+#include "polyarm/calibration/arm_errors.hpp"
+#include "polyarm/description/arm_calibration.hpp"
 #include "polyarm/description/tools.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
@@ -247,14 +249,29 @@ using ReadRobots = std::map<std::string, description::RobotModel>;
 description::RobotModel read_model(const CellFile& file, const RobotEntry& entry,
                                    const description::Catalogue& catalogue, ReadRobots& read,
                                    Problems& found) {
-  if (!entry.text.empty()) return description::read_urdf(entry.text, entry.model, found, {description::packages_near(file.folder / "cell.yaml")});
+  if (!entry.text.empty())
+    return description::read_urdf(entry.text, entry.model, found,
+                                  {description::packages_near(file.folder / "cell.yaml")});
   const auto beside = file.folder / entry.model;
-  if (is_file(beside))
-    return description::load_robot(beside.string(), catalogue, found, entry.arguments);
+  if (is_file(beside)) return description::load_robot(beside.string(), catalogue, found, entry.arguments);
   if (const auto known = read.find(entry.model); known != read.end()) return known->second;
   if (!catalogue.find(entry.model))
     return description::load_robot(entry.model, catalogue, found, entry.arguments);
   return read.emplace(entry.model, catalogue.load(entry.model)).first->second;
+}
+
+/// Replaces the geometry of the description by the measured one, and says how far the tool moves by that.
+void calibrate(const CellFile& file, const RobotEntry& entry, description::RobotModel& model,
+               std::vector<std::string>& notes) {
+  if (entry.calibration.empty()) return;
+  const description::RobotModel described = model;
+  description::apply(description::read_arm_calibration(file.folder / entry.calibration), model,
+                     entry.place_of("calibration"));
+  const calibration::Residual moved = calibration::difference_of(described, model, model.tool_link());
+  notes.push_back(
+      fmt::format("{}: with the calibration {} the tool is up to {:.2f} mm and {:.3f} degrees from where "
+                  "the description has it",
+                  entry.name, entry.calibration, 1e3 * moved.position, moved.rotation * 180 / M_PI));
 }
 
 std::unique_ptr<CellRobot> resolve(const CellFile& file,
@@ -272,6 +289,7 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file,
     else
       problems.add(problem);
   description::set_tip(robot->model, entry.tip, entry.where);
+  at_key(entry, "calibration", [&] { calibrate(file, entry, robot->model, notes); });
   narrow_ranges(entry.ranges, robot->model, problems);
   std::vector<moves::WorkspaceZone> zones = file.workspace;
   zones.insert(zones.end(), entry.workspace.begin(), entry.workspace.end());

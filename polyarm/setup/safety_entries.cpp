@@ -99,10 +99,10 @@ GuardsEntry read_guards(const Yaml& yaml, double clearance_of_contacts, Problems
     out.on = text == "on" || text == "true";
     if (!out.on && text != "off" && text != "false")
       problems.error("bad-value", yaml.where(), "guards is '" + text + "'",
-                     "off, on, or {clearance: 5mm, moves: true, slow_from: 60mm}");
+                     "off, on, or {clearance: 5mm, moves: true, slow_from: 60mm, others: false}");
     return out;
   }
-  yaml.check_keys({"clearance", "moves", "slow_from"}, problems);
+  yaml.check_keys({"clearance", "moves", "slow_from", "others"}, problems);
   const auto length = [&](const char* key, double& value) {
     if (!yaml.has(key)) return;
     collect(problems, [&] { value = yaml[key].number(Dimension::length); });
@@ -113,6 +113,7 @@ GuardsEntry read_guards(const Yaml& yaml, double clearance_of_contacts, Problems
   length("clearance", out.clearance);
   length("slow_from", out.slow_from);
   collect(problems, [&] { out.moves = yaml["moves"].boolean(true); });
+  collect(problems, [&] { out.others = yaml["others"].boolean(false); });
   return out;
 }
 

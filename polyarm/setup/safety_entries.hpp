@@ -49,12 +49,13 @@ control::ContactStop read_contact_stop(const Yaml& yaml, Problems& problems);
 /// `contacts: {clearance: 5mm}`: m that should stay between a robot and everything else.
 double read_clearance(const Yaml& yaml, Problems& problems);
 inline constexpr double kClearance = 0.005, kMostClearance = 1;
-/// `guards: off`, or `guards: {clearance: 5mm, moves: true, slow_from: 60mm}`.
+/// `guards: off`, or `guards: {clearance: 5mm, moves: true, slow_from: 60mm, others: false}`.
 struct GuardsEntry {
   bool on = true;
   double clearance = kClearance;  ///< m that robots keep from everything else; at most that of `contacts`
   bool moves = true;              ///< false: jogging and streamed targets alone are guarded
   double slow_from = 0.06;        ///< m before the place where it would stop
+  bool others = false;            ///< motions that other programs command are stopped, too
 };
 GuardsEntry read_guards(const Yaml& yaml, double clearance_of_contacts, Problems& problems);
 /// `profile` and `profiles` of the cell file.

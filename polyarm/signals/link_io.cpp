@@ -17,6 +17,8 @@ namespace {
 /// Interval at which a port that waits for news checks for posts, ns.
 constexpr Nanoseconds kTimeout = 5'000'000;
 constexpr Nanoseconds kSecond = 1'000'000'000;
+/// A far side that has never been reached for this time is reported.
+constexpr Nanoseconds kUnreached = kSecond;
 /// Limit for losses, refusals and notes that wait for the cell.
 constexpr std::size_t kMostOtherEvents = 100;
 
@@ -130,9 +132,11 @@ class Link::Io {
   }
 
   void connect(Nanoseconds now) {
+    if (first_try_ < 0) first_try_ = now;
     try {
       port_->open();
       open_ = true;
+      opened_ = now;
       const std::lock_guard lock(mutex_);
       std::fill(given_.begin(), given_.end(), 0);  // the far side may have lost them
       const bool first = !std::exchange(has_been_open_, true);
@@ -154,6 +158,8 @@ class Link::Io {
     pause_ = std::min(2 * pause_, options_.longest_pause);
     const std::lock_guard lock(mutex_);
     down(why);
+    if (!state_.was_up && now - first_try_ >= kUnreached && !std::exchange(unreached_reported_, true))
+      events_.push_back({{LinkEvent::Kind::note, 0, {}, "it is not connected yet: " + why}, UINT64_MAX});
   }
 
   void down(const std::string& why) {
@@ -164,8 +170,9 @@ class Link::Io {
     events_.push_back({{LinkEvent::Kind::lost, 0, {}, why}, 0});
   }
 
-  void up() {
-    pause_ = options_.first_pause;
+  /// A far side that accepts each connection and drops it soon is asked more and more rarely, too.
+  void up(Nanoseconds now) {
+    if (now - opened_ >= options_.longest_pause) pause_ = options_.first_pause;
     if (state_.up) return;
     state_.up = state_.was_up = true;
     state_.reason.clear();
@@ -203,7 +210,7 @@ class Link::Io {
 
   void take(LinkReport& news, const std::vector<std::uint64_t>& known, Nanoseconds now) {
     if (news.alive)
-      up();
+      up(now);
     else
       down("no client has sent a request within its timeout");
     for (std::string& note : news.notes)
@@ -271,6 +278,8 @@ class Link::Io {
   std::atomic<bool> open_{false};
   bool has_been_open_ = false;
   Nanoseconds next_try_ = 0, pause_;
+  Nanoseconds first_try_ = -1, opened_ = 0;
+  bool unreached_reported_ = false;
   Nanoseconds refusing_since_ = 0;
   std::uint64_t refusals_reported_ = 0, omitted_refusals_ = 0;
   // Both threads; protected by the mutex.

@@ -322,6 +322,14 @@ double GuardBodies::reach(std::uint32_t body, std::span<const double> size) cons
   return sum(bodies_[body].lever, size);
 }
 
+void GuardBodies::reaches(int robot, std::span<const double> size, std::span<const std::vector<double>> others,
+                          std::span<double> out) const noexcept {
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const int by = robot_of(bodies_[i], parts_);
+    out[i] = by < 0 ? 0 : sum(bodies_[i].lever, by == robot ? size : std::span<const double>(others[at(by)]));
+  }
+}
+
 void GuardBodies::levers(int robot, std::span<double> out) const noexcept {
   std::fill(out.begin(), out.end(), 0.0);
   for (const Body& body : bodies_)
@@ -338,9 +346,7 @@ double GuardBodies::fastest(int robot, std::span<const double> size) const noexc
 }
 
 double GuardBodies::change(const GuardPair& pair, int robot, std::span<const double> size) const noexcept {
-  if (pair.own) return pair.robot_a == robot ? sum(pair.lever, size) : 0;
-  if (pair.robot_a == robot) return reach(pair.a, size);
-  return pair.robot_b == robot ? reach(pair.b, size) : 0;
+  return sum(lever_of(pair, robot), size);
 }
 
 GuardGap GuardBodies::from_plane(const GuardPair& pair, int moved) const noexcept {
@@ -399,8 +405,10 @@ double GuardBodies::measure(std::size_t index, double enough) noexcept {
   return pairs_[index].slack = gap_of(pairs_[index], enough).distance;
 }
 
-std::size_t GuardBodies::points_of(const GuardPair& pair, int robot, double range,
-                                   std::span<GuardGap> out) noexcept {
+std::size_t GuardBodies::measure_points(std::size_t index, int robot, double range,
+                                        std::span<GuardGap> out) noexcept {
+  GuardPair& pair = pairs_[index];
+  pair.slack = std::numeric_limits<double>::infinity();
   const bool of_a = pair.robot_a == robot;
   const Body &a = bodies_[pair.a], &b = bodies_[pair.b];
   const Pose pose_a = pose_of(pair.a, -1), pose_b = pose_of(pair.b, -1);
@@ -416,6 +424,7 @@ std::size_t GuardBodies::points_of(const GuardPair& pair, int robot, double rang
         out.begin(), out.end(), [](const GuardGap& x, const GuardGap& y) { return x.distance < y.distance; });
     if (farthest != out.end() && gap.distance < farthest->distance) *farthest = gap;
   };
+  const bool on_plane = b.kind == Kind::floor;
   const auto spread = [&](const ConvexBody& piece, const Pose& pose, const GuardGap& gap) {
     const Vec3 in = of_a ? gap.normal : -gap.normal;  // from the obstacle towards the body
     const double plane = of_a ? dot(in, gap.on_b) : dot(in, gap.on_a);
@@ -423,11 +432,12 @@ std::size_t GuardBodies::points_of(const GuardPair& pair, int robot, double rang
       const Vec3 point = lowest(piece, pose, corner, in) - piece.radius * in;
       GuardGap one = gap;
       one.distance = dot(in, point) - plane;
+      if (on_plane) pair.slack = std::min(pair.slack, one.distance);
       (of_a ? one.on_a : one.on_b) = point;
       add(one);
     }
   };
-  if (b.kind == Kind::floor) {
+  if (on_plane) {
     const Plane& plane = planes_[pair.b];
     for (const ConvexBody& piece : a.pieces) {
       GuardGap gap{1, {}, plane.offset * plane.normal, plane.normal};
@@ -438,8 +448,14 @@ std::size_t GuardBodies::points_of(const GuardPair& pair, int robot, double rang
   for (std::size_t i = 0; i < a.pieces.size(); ++i) {
     const Vec3 center = pose_a * a.balls[i].center;
     for (std::size_t k = 0; k < b.pieces.size(); ++k) {
-      if (norm(center - pose_b * b.balls[k].center) - a.balls[i].radius - b.balls[k].radius > range) continue;
+      const double rough =
+          norm(center - pose_b * b.balls[k].center) - a.balls[i].radius - b.balls[k].radius;
+      if (rough > range) {
+        pair.slack = std::min(pair.slack, rough);
+        continue;
+      }
       const GuardGap gap = between(a.pieces[i], pose_a, b.pieces[k], pose_b);
+      pair.slack = std::min(pair.slack, gap.distance);
       if (gap.distance > range) continue;
       if (of_a)
         spread(a.pieces[i], pose_a, gap);

@@ -3,6 +3,7 @@
 /// robot in another joint state, and how a distance changes with the joints. Metres, radians; poses in the
 /// world. One thread. After construction only look() allocates, and only when a part is taken, released,
 /// brought or removed.
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -78,15 +79,35 @@ class GuardBodies : private SweepBodies {
 
   /// A bound on how far a body goes when the joints of the robot that moves it change by at most `size`.
   double reach(std::uint32_t body, std::span<const double> size) const noexcept;
+  /// How far each body goes, at most: those that `robot` moves when its joints change by at most `size`, those
+  /// of another robot by the `others` of that robot. `out`: by body.
+  void reaches(int robot, std::span<const double> size, std::span<const std::vector<double>> others,
+               std::span<double> out) const noexcept;
   /// How far any body that a robot moves goes per rad or m of each joint, at most. `out`: by variable.
   void levers(int robot, std::span<double> out) const noexcept;
   /// The same of the farthest body that a robot moves.
   double fastest(int robot, std::span<const double> size) const noexcept;
+  /// A bound on how much the distance of a pair changes per rad or m of each joint of `robot`, by variable;
+  /// joints beyond its end change nothing.
+  std::span<const double> lever_of(const GuardPair& pair, int robot) const noexcept {
+    if (pair.own) return pair.robot_a == robot ? std::span<const double>(pair.lever) : std::span<const double>();
+    if (pair.robot_a == robot) return bodies_[pair.a].lever;
+    return pair.robot_b == robot ? std::span<const double>(bodies_[pair.b].lever) : std::span<const double>();
+  }
   /// A bound on how much the distance of a pair changes when the joints of `robot` change by at most `size`.
   double change(const GuardPair& pair, int robot, std::span<const double> size) const noexcept;
 
   /// Puts a robot into another joint state for gap_of() with `moved`.
   void try_joints(std::size_t robot, std::span<const double> joints) noexcept;
+  /// The frames of a robot in another joint state, for try_frames(). `out`: frames() of them.
+  std::size_t frames(std::size_t robot) const noexcept { return models_[robot]->frames().size(); }
+  void frames_at(std::size_t robot, std::span<const double> joints, std::vector<Pose>& out) const noexcept {
+    place(robot, joints, out);
+  }
+  /// As try_joints(), with frames that are known already.
+  void try_frames(const std::vector<Pose>& frames) noexcept {
+    std::copy(frames.begin(), frames.end(), trial_.begin());
+  }
   /// Where a robot would be while it brakes: at most kAhead places in order, and how far its joints go from
   /// each to the next. Without them the bounds of the caller count.
   static constexpr std::size_t kAhead = 8;
@@ -106,8 +127,8 @@ class GuardBodies : private SweepBodies {
 
   /// Points of the pieces of a pair nearer than `range`, now: each is a plane between the two pieces and a
   /// point of the body of `robot` in front of it. While every point stays in front of its plane, the pieces
-  /// do not touch. Returns their number.
-  std::size_t points_of(const GuardPair& pair, int robot, double range, std::span<GuardGap> out) noexcept;
+  /// do not touch. Returns their number. Measures the pair and keeps the result as its slack, as measure() does.
+  std::size_t measure_points(std::size_t pair, int robot, double range, std::span<GuardGap> out) noexcept;
   /// How the distance of a gap changes with the joints of `robot`: per rad or m. `out`: by variable.
   void gradient(const GuardPair& pair, int robot, const GuardGap& gap, std::span<double> out) const noexcept;
 

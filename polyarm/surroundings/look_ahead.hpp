@@ -26,7 +26,8 @@ struct LookAheadOptions {
   /// Where start, goal or an end of a move is nearer than the clearance, this share of the distance there is
   /// kept.
   double share = 0.7;
-  std::uint64_t most_measured = 600;  ///< exact distances in one look, after the first one along a way
+  std::uint64_t most_measured = 600;  ///< exact distances in one look
+  std::uint64_t at_first = 5;         ///< times as many in the first look along a way
 };
 
 /// From when to when on a way the tool, or a part that the robot holds, is meant to touch something.
@@ -45,7 +46,8 @@ class LookAhead {
 
   LookAhead(GuardBodies& bodies, int robot, const LookAheadOptions& options);
 
-  /// A new way; `ends`: times at which moves end on it. Measures what is near there.
+  /// A new way; `ends`: times at which moves end on it. What may move is measured there; what no robot moves
+  /// when it first comes near.
   /// `touches`: in order; of more than kMostEnds the later ones do not count.
   void begin(PlannedWay& way, std::span<const double> ends, std::span<const TouchTime> touches = {}) noexcept;
 
@@ -65,14 +67,19 @@ class LookAhead {
  private:
   struct Of {
     double required = 0;
+    bool is_required = false;  // `required` is known
     double clear_until = -1;
     double moved = 0;
     std::uint32_t version = 0;
   };
-  void require(std::size_t pair, PlannedWay& way, std::span<const double> ends) noexcept;
-  double drift(const GuardPair& pair, std::span<const std::vector<double>> stopping) const noexcept;
-  bool scan(std::size_t pair, PlannedWay& way, double now, double until, double drift, Answer& out) noexcept;
-  void renew(std::size_t pair, PlannedWay& way) noexcept;
+  bool may_change(const GuardPair& pair) const noexcept;
+  void find_reaches(PlannedWay& way, double now, double until,
+                    std::span<const std::vector<double>> stopping) noexcept;
+  void require(std::size_t pair) noexcept;
+  void require_at(std::size_t end, const GuardPair& pair, Of& of) noexcept;
+  double drift(const GuardPair& pair) const noexcept;
+  bool scan(std::size_t pair, PlannedWay& way, double now, double until, Answer& out) noexcept;
+  void follow_further(PlannedWay& way, double now, double until) noexcept;
   bool is_known(std::size_t pair, double until) const noexcept;
   bool is_still(std::size_t pair) const noexcept;
   bool is_held(const GuardPair& pair) const noexcept;
@@ -90,7 +97,9 @@ class LookAhead {
   std::vector<Of> of_;              // of each of them
   std::vector<std::size_t> mine_;   // those near the way, as places in pairs_
   std::vector<double> q_, v_, from_, way_, step_;
+  std::vector<double> reaches_;  // of this look, by body
   std::vector<double> ends_;
+  std::vector<std::vector<Pose>> end_frames_;  // of the robot, at each of them
   std::vector<TouchTime> touches_;
   std::uint64_t budget_ = 0;
   bool is_first_ = true;  // the next look is the first one along the way

@@ -363,12 +363,14 @@ struct Sweep::Work : SweepBodies {
       pair.approach.at_start = first_ && here.value <= 0;
       pair.open = true;
     }
+    const bool touches = here.value <= 0, touched = pair.approach.distance < 0;
     pair.approach.distance = here.value;
     pair.approach.point = here.point;
     pair.approach.time = time;
     if (mark_of) pair.approach.mark = mark_of(pair.approach.robot);
+    if (touches && !touched) pair.approach.first_mark = pair.approach.mark;
+    if (pair.approach.mark == pair.approach.first_mark) pair.approach.first_distance = here.value;
   }
-
 
   void close(Pair& pair, bool taken) {
     if (!std::exchange(pair.open, false)) return;

@@ -25,6 +25,8 @@ struct Approach {
   Vec3 point;             ///< between them
   double time = 0;
   std::uint64_t mark = 0;  ///< what the caller said of that time
+  std::uint64_t first_mark = 0;  ///< the same of the moment when they began to touch
+  double first_distance = 0;     ///< the least under the first mark
   bool at_start = false;   ///< they touched in the first moment
 };
 

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 
+#include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/data/rows.hpp"
 
 namespace polyarm::cell {
 
@@ -106,6 +108,35 @@ std::array<double, 6> ProgramHost::wrench(const std::string& robot) {
 
 void ProgramHost::zero_force(const std::string& robot) {
   c_.force ? c_.force->zero(moves().name_of(robot)) : Host::zero_force(robot);
+}
+
+bool ProgramHost::next_part(const std::string& belt, const std::string& robot) {
+  return c_.belts ? moves().next_part(belt, robot) : Host::next_part(belt, robot);
+}
+
+double ProgramHost::waiting_parts(const std::string& belt) {
+  return c_.belts ? static_cast<double>(c_.belts->waiting(belt)) : Host::waiting_parts(belt);
+}
+
+double ProgramHost::missed_parts(const std::string& belt) {
+  return c_.belts ? static_cast<double>(c_.belts->missed(belt)) : Host::missed_parts(belt);
+}
+
+void ProgramHost::add_part(const std::string& belt, const Pose& at) {
+  c_.belts ? c_.belts->add(belt, at) : Host::add_part(belt, at);
+}
+
+Stream& ProgramHost::used(const std::string& stream) {
+  if (!c_.streams) throw Error("unknown-stream", "the cell has no stream '" + stream + "'");
+  return c_.streams->used(stream, now());
+}
+
+data::List ProgramHost::rows_of(const std::string& file) {
+  return rows_in(c_.folder, file);
+}
+
+data::List rows_in(const std::filesystem::path& folder, const std::string& file) {
+  return data::read_rows(read_file(folder / file, data::kMostRowBytes), file);
 }
 
 void ProgramHost::hold(const std::string& reason, const Location& where) {

@@ -1,6 +1,7 @@
 #pragma once
 /// The environment of a task: connects the interpreter to the cell's data, motion, files and people.
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "polyarm/io/data_files.hpp"
+#include "polyarm/io/streams.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/setup/observer.hpp"
 #include "polyarm/tasks/force_readings.hpp"
@@ -71,6 +73,9 @@ class ProgramHost : public program::Host {
     const Nanoseconds* now = nullptr;
     std::uint64_t seed = 0;  ///< of random()
     ForceReadings* force = nullptr;
+    Belts* belts = nullptr;
+    Streams* streams = nullptr;
+    std::filesystem::path folder;  ///< of the cell
   };
   explicit ProgramHost(Context context) : c_(std::move(context)) {}
 
@@ -86,6 +91,9 @@ class ProgramHost : public program::Host {
   program::Handle start_move(const program::Move& move, const Location& where) override;
   program::Progress poll_move(program::Handle handle) override;
   bool room_for_move(const std::string& robot) override { return !c_.moves || c_.moves->has_room(robot); }
+  bool ready_for(const program::Move& move, const Location& where) override {
+    return !c_.moves || c_.moves->ready_for(move, where);
+  }
   bool under_way(program::Handle handle) const override { return c_.moves && c_.moves->under_way(handle); }
   bool given_up(program::Handle handle) const override { return c_.moves && c_.moves->given_up(handle); }
   program::Handle start_arrival(const std::string& robot) override;
@@ -103,6 +111,15 @@ class ProgramHost : public program::Host {
                       const std::string& frame) const override;
   std::array<double, 6> wrench(const std::string& robot) override;
   void zero_force(const std::string& robot) override;
+  bool next_part(const std::string& belt, const std::string& robot) override;
+  double waiting_parts(const std::string& belt) override;
+  double missed_parts(const std::string& belt) override;
+  void add_part(const std::string& belt, const Pose& at) override;
+  data::List rows_of(const std::string& file) override;
+  bool is_connected(const std::string& stream) override { return used(stream).connected(); }
+  bool has_line(const std::string& stream) override { return used(stream).has_line(); }
+  std::string next_line(const std::string& stream) override { return used(stream).next_line(); }
+  void send_text(const std::string& stream, const std::string& text) override { used(stream).send(text); }
   std::uint64_t seed() const override { return c_.seed; }
   program::Handle start_load(const std::string& name, program::LoadForm form, const Location& where) override;
   program::Progress poll_load(program::Handle handle) override;
@@ -126,11 +143,15 @@ class ProgramHost : public program::Host {
 
  private:
   ProgramMoves& moves() const;
+  Stream& used(const std::string& stream);
 
   Context c_;
   mutable std::map<std::string, data::Value, std::less<>> in_world_;  ///< points that are given in a frame
   std::string answer_;
 };
+
+/// The rows of a table in the folder of the cell, or where the cell may read. Throws Error.
+data::List rows_in(const std::filesystem::path& folder, const std::string& file);
 
 /// The joint values for the robot, in its order; `joints` may have any order. Throws Error that names an
 /// unknown or a missing joint.

@@ -13,6 +13,11 @@
 
 namespace polyarm::cell {
 
+namespace {
+/// The share of speed and acceleration of moves on a belt.
+constexpr double kShareOnBelts = 0.7;
+}  // namespace
+
 ProgramMoves::ProgramMoves(std::string task, std::vector<Robot> robots, const MotionEntry& pace,
                            const data::DataStore& store)
     : task_(std::move(task)), pace_(pace), store_(store) {
@@ -73,6 +78,7 @@ Pose ProgramMoves::frame_named(const std::string& name, const Arm& arm, const Lo
                                int depth) const {
   constexpr int kDeepest = 16;
   if (name.empty() || name == "world") return {};
+  if (belts_ && belts_->has(name)) return belt_frame(name, arm, where);
   if (depth > kDeepest)
     throw Error(Problem{"unknown-frame", where, "the frame '" + name + "' hangs on itself",
                         "one frame of the chain must be in the world or on a robot"});
@@ -88,7 +94,7 @@ Pose ProgramMoves::frame_named(const std::string& name, const Arm& arm, const Lo
 
 data::Point ProgramMoves::in_world(const data::Point& point) const {
   data::Point out = point;
-  if (point.frame().empty() || arms_.empty()) return out;
+  if (point.frame().empty() || arms_.empty() || !belt_of_frame(point.frame()).empty()) return out;
   out.pose = frame_named(point.frame(), arms_.front(), {}) * point.pose;
   data::Taught taught = *point.taught;
   taught.frame = "world";
@@ -228,6 +234,8 @@ ProgramMoves::Prepared ProgramMoves::prepare(const program::Move& move, const Lo
   Arm& arm = arms_[index];
   auto facts = tool_of(move.tool, arm, where);
   std::vector<moves::Move> moves = moves_of(move, frame_of(move, arm, where), arm, where);
+  if (!belt_of(move, where).empty())  // the rest of the limits is for the motion of the belt
+    for (moves::Move& one : moves) one.speed *= kShareOnBelts, one.acceleration *= kShareOnBelts, one.around = false;
   check_payload(move, arm, where);
   const moves::RobotFacts& own = arm.robot.motion ? arm.robot.motion->robot() : *arm.robot.robot->facts;
   if (move.near)
@@ -280,13 +288,14 @@ program::Handle ProgramMoves::start(const program::Move& asked, const Location& 
   if (asked.of_base()) return start_base(asked, where);
   const std::size_t index = arm_of(asked.robot, where);
   Arm& arm = arms_[index];
+  if (const auto bad = bad_end(arm, arm.robot.motion->last_id())) throw Error(*bad->problem);
+  begin_ride(asked, arm, where);
   program::Move move = asked;
   if (is_relative(move)) {
     data::Point place = *here(move.robot, move.tool, move.frame_pose ? std::string{} : move.frame).as_point();
     if (move.frame_pose) place.pose = inverse(*move.frame_pose) * place.pose;
     move = from_here(std::move(move), place, *arm.robot.robot, arm.robot.motion->planned());
   }
-  if (const auto bad = bad_end(arm, arm.robot.motion->last_id())) throw Error(*bad->problem);
   auto [of, moves, facts] = prepare(move, where);
   if (move.step.group != 0 && move.step.members > 1 && moves.size() > 1 &&
       std::any_of(moves.begin(), moves.end(), [](const moves::Move& one) { return moves::bends(one); }))
@@ -512,7 +521,8 @@ data::Value ProgramMoves::here_at(const std::string& robot, const std::string& t
   const std::size_t index = arm_of(robot, {});
   const Arm& arm = arms_[index];
   const Pose tcp = arm.robot.motion->robot().chain.forward(joints_of(index));
-  const Pose tool0 = tcp * inverse(arm.robot.robot->tool.tcp);
+  Pose tool0 = tcp * inverse(arm.robot.robot->tool.tcp);
+  if (belt_of_frame(frame).empty()) tool0 = arm.robot.motion->ride_moved() * tool0;
   return data::Point{inverse(frame_named(frame, arm, {})) * tool0 * tcp_of_tool(tool, arm, {}), true};
 }
 

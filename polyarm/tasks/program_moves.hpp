@@ -14,6 +14,7 @@
 #include "polyarm/moves/robot_motion.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/setup/robots.hpp"
+#include "polyarm/tasks/belts.hpp"
 #include "polyarm/vm/host.hpp"
 
 namespace polyarm::cell {
@@ -40,6 +41,9 @@ class ProgramMoves {
   program::Handle start(const program::Move& move, const Location& where);
   program::Progress poll(program::Handle handle);
   bool has_room(const std::string& robot);
+  /// False while a robot ends a ride on a belt, or waits for its part.
+  bool ready_for(const program::Move& move, const Location& where);
+  bool next_part(const std::string& belt, const std::string& robot);
   program::Handle start_arrival(const std::string& robot);
   program::Handle suspend(const std::vector<std::string>& robots);
   program::Handle resume(const std::vector<std::string>& robots);
@@ -52,6 +56,16 @@ class ProgramMoves {
                              const std::string& tool, const std::string& frame);
   data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
                       const std::string& frame) const;
+
+  /// Null: the cell has no belts. They must outlive this object.
+  void set_belts(Belts* belts) { belts_ = belts; }
+  Belts* belts() const { return belts_; }
+  /// Call it in each tick, before the moves: the rides on belts, which end with the window of the belt.
+  void tick_rides();
+  /// Robots that follow a belt come to rest.
+  void end_rides();
+  /// In a rehearsal, as next_part().
+  void suppose_part(const std::string& belt, const std::string& robot);
 
   /// The name of a robot of the program; empty: its only one.
   const std::string& name_of(const std::string& robot) const;
@@ -112,6 +126,14 @@ class ProgramMoves {
       Location where;
     };
     std::deque<Touch> touches;
+    /// The part that the robot follows, and the travel of its belt where the ride began.
+    struct Ride {
+      std::string belt;
+      BeltPart part;
+      double travel = 0;
+      bool ended = false;  ///< it has failed
+    };
+    std::optional<Ride> ride;
   };
   struct Moves {
     std::size_t arm = 0;
@@ -124,6 +146,11 @@ class ProgramMoves {
   std::size_t arm_of(const std::string& robot, const Location& where) const;
   program::Handle start_base(const program::Move& move, const Location& where);
   Pose frame_of(const program::Move& move, const Arm& arm, const Location& where) const;
+  std::string belt_of_frame(const std::string& name, int depth = 0) const;
+  std::string belt_of(const program::Move& move, const Location& where) const;
+  Pose belt_frame(const std::string& belt, const Arm& arm, const Location& where) const;
+  bool follows(const Arm& arm, const std::string& belt) const;
+  void begin_ride(const program::Move& move, Arm& arm, const Location& where);
   Pose frame_named(const std::string& name, const Arm& arm, const Location& where, int depth = 0) const;
   std::optional<Pose> frame_on_robot(const std::string& name) const;
   std::shared_ptr<const moves::RobotFacts> tool_of(const std::string& name, Arm& arm, const Location& where);
@@ -155,6 +182,7 @@ class ProgramMoves {
   std::function<bool(std::size_t)> busy_;
   MotionEntry pace_;
   const data::DataStore& store_;
+  Belts* belts_ = nullptr;
   std::map<program::Handle, Asked> asked_;
   program::Handle last_handle_ = 0;
   struct Step {

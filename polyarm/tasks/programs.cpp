@@ -35,6 +35,9 @@ ProgramHost::Context Programs::context(const std::string& task) const {
   out.observer = &observer_;
   out.now = &machine_.clock();
   out.seed = setup_.file.seed;
+  out.belts = belts_.get();
+  out.streams = streams_.get();
+  out.folder = setup_.file.folder;
   return out;
 }
 
@@ -42,6 +45,11 @@ void Programs::load(Problems& problems) {
   std::vector<std::string> names;
   for (const auto& robot : setup_.robots) names.push_back(robot->entry.name);
   held_parts_ = std::make_unique<HeldParts>(std::move(names), setup_.scene, machine_.table());
+  if (!setup_.file.streams.empty())
+    streams_ = std::make_unique<Streams>(
+        setup_.file.streams, Streams::May{!setup_.options.lock_step || setup_.options.links, setup_.options.real});
+  if (!setup_.file.belts.empty())
+    collect(problems, [&] { belts_ = std::make_unique<Belts>(setup_.file.belts, machine_, data_.store); });
   for (const FileBreakpoints& each : setup_.options.breakpoints) keep_breakpoints(each);
   loaded_ = load_programs(
       setup_.file, data_.signals(), data_.files(), data_.store, problems,
@@ -71,6 +79,7 @@ void Programs::start(program::Program program) {
     robots.push_back({setup_.robots[i].get(), motions_.motion(i), motions_.wheels(i)});
   program_.reset();
   moves_ = std::make_unique<ProgramMoves>("program", std::move(robots), setup_.file.motion, data_.store);
+  moves_->set_belts(belts_.get());
   ProgramHost::Context context = this->context("program");
   context.moves = moves_.get();
   force_ = std::make_unique<ForceReadings>(setup_, machine_, observer_);
@@ -265,6 +274,15 @@ void Programs::keep_safe_point() {
 void Programs::end_pulses() {
   for (Task* task : {program_.get(), plc_.get()})
     if (task) task->interpreter().end_pulses();
+}
+
+void Programs::tick_belts_and_streams() {
+  if (streams_) streams_->tick(machine_.now());
+  if (!belts_) return;
+  belts_->tick();
+  if (!moves_) return;
+  if (!under_way()) moves_->end_rides();
+  moves_->tick_rides();
 }
 
 void Programs::tick_program() {

@@ -85,6 +85,8 @@ class Programs {
   /// The program line of a move; empty if it is not from the program.
   Location place_of(const moves::RobotMotion& motion, std::uint64_t move) const;
 
+  /// Call it in each tick before the motions: belts move, and robots that follow them; streams send and receive.
+  void tick_belts_and_streams();
   void tick_program();
   /// Call each tick in which the program is not ticked: its pulses end in time.
   void end_pulses();
@@ -128,6 +130,8 @@ class Programs {
   Observer& observer_;
   std::unique_ptr<ProgramMoves> moves_;  // of the program
   std::unique_ptr<ForceReadings> force_;
+  std::unique_ptr<Belts> belts_;
+  std::unique_ptr<Streams> streams_;
   Answers answers_;
   std::unique_ptr<Task> program_, plc_;
   bool begun_ = true, waits_;

@@ -41,6 +41,54 @@ void Host::zero_force(const std::string&) {
   refuse_at({}, "this cell has no force sensor");
 }
 
+namespace {
+[[noreturn]] void refuse_belt() {
+  refuse_at({}, "this cell has no belts");
+}
+}  // namespace
+
+bool Host::next_part(const std::string&, const std::string&) {
+  refuse_belt();
+}
+
+double Host::waiting_parts(const std::string&) {
+  refuse_belt();
+}
+
+double Host::missed_parts(const std::string&) {
+  refuse_belt();
+}
+
+void Host::add_part(const std::string&, const Pose&) {
+  refuse_belt();
+}
+
+data::List Host::rows_of(const std::string& file) {
+  refuse_at({}, "this cell has no folder with '" + file + "'");
+}
+
+namespace {
+[[noreturn]] void refuse_stream() {
+  refuse_at({}, "this cell has no streams");
+}
+}  // namespace
+
+bool Host::is_connected(const std::string&) {
+  refuse_stream();
+}
+
+bool Host::has_line(const std::string&) {
+  refuse_stream();
+}
+
+std::string Host::next_line(const std::string&) {
+  refuse_stream();
+}
+
+void Host::send_text(const std::string&, const std::string&) {
+  refuse_stream();
+}
+
 void Host::run_program(const std::string&, const Location& where) {
   refuse_at(where, "this is not a test of a cell: no program can be run here");
 }

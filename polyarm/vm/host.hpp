@@ -112,6 +112,9 @@ class Host {
   /// True if `robot` (empty: the task's own) accepts another move now; if not, it is called again in the next
   /// tick. True if an earlier move has failed: the next call reports that.
   virtual bool room_for_move(const std::string& robot) = 0;
+  /// False while the robot cannot begin this move yet, such as on a part of a belt that is still to come; it is
+  /// called again in the next tick. Called after room_for_move().
+  virtual bool ready_for(const Move&, const Location&) { return true; }
   /// Ends the blending of what `robot` has queued; done when all of it has arrived. A failure names the
   /// faulty move, with the location given to start_move().
   virtual Handle start_arrival(const std::string& robot) = 0;
@@ -144,6 +147,18 @@ class Host {
   /// what zero_force() took as zero. Throws Error if it has no sensor.
   virtual std::array<double, 6> wrench(const std::string& robot);
   virtual void zero_force(const std::string& robot);
+  /// The functions of belts. Throw Error if there is no such belt, or its encoder gives no numbers.
+  virtual bool next_part(const std::string& belt, const std::string& robot);
+  virtual double waiting_parts(const std::string& belt);
+  virtual double missed_parts(const std::string& belt);
+  virtual void add_part(const std::string& belt, const Pose& at);
+  /// The rows of a table in the folder of the cell. Throws Error.
+  virtual data::List rows_of(const std::string& file);
+  /// The functions of streams. Throw Error if there is no such stream, or it cannot open.
+  virtual bool is_connected(const std::string& stream);
+  virtual bool has_line(const std::string& stream);
+  virtual std::string next_line(const std::string& stream);
+  virtual void send_text(const std::string& stream, const std::string& text);
   /// Selects the series of random().
   virtual std::uint64_t seed() const { return 0; }
   /// Starts to reload the data set from the file called `name`.

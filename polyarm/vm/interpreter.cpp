@@ -275,7 +275,7 @@ namespace {
 /// The kinds of errors that programs can distinguish.
 const char* kind_of(const std::string& code) {
   if (code == "expect") return "user";
-  for (const char* kind : {"timeout", "unreachable", "limit", "signal", "user"})
+  for (const char* kind : {"timeout", "unreachable", "limit", "signal", "missed", "user"})
     if (code == kind) return kind;
   if (code == "singular" || code == "jump" || code == "refused") return "unreachable";
   if (code == "link" || code == "stale") return "signal";

@@ -50,6 +50,26 @@ Value Interpreter::live_call(const Task& task, const Function& function) {
       return task.until_met;
     case Live::travelled:
       return data::Number{task.travelled, Dimension::length};
+    case Live::next_part:
+      return host_.next_part(*arguments_[0].as_text(), use.robot);
+    case Live::waiting_parts:
+      return host_.waiting_parts(*arguments_[0].as_text());
+    case Live::missed_parts:
+      return host_.missed_parts(*arguments_[0].as_text());
+    case Live::add_part:
+      host_.add_part(*arguments_[0].as_text(), arguments_[1].as_point()->pose);
+      return true;
+    case Live::rows_of:
+      return host_.rows_of(*arguments_[0].as_text());
+    case Live::is_connected:
+      return host_.is_connected(*arguments_[0].as_text());
+    case Live::has_line:
+      return host_.has_line(*arguments_[0].as_text());
+    case Live::next_line:
+      return host_.next_line(*arguments_[0].as_text());
+    case Live::send_text:
+      host_.send_text(*arguments_[0].as_text(), *arguments_[1].as_text());
+      return true;
     default:
       return pose_at(use);
   }

@@ -265,6 +265,11 @@ void Interpreter::move(Task& task, const Step& step) {
   }
   if (!host_.room_for_move(move.robot)) return wait_for(task, WaitKind::room, move.robot);
   move.called = called_from(task);
+  if (!host_.ready_for(move, program_.at(source(step).line))) {
+    wait_for(task, WaitKind::room, move.robot);
+    task.waiting.until = host_.now() + 1;
+    return;
+  }
   const Handle handle = host_.start_move(move, program_.at(source(step).line));
   forget_arrived(task);
   task.moves.push_back({handle, source(step).line, task.passes});

@@ -313,6 +313,17 @@ class CellClient(Requests):
         finally:
             await self.ask("jog.end", jog=number)
 
+    async def hold_clutch(self, seconds: float, pair: str | None = None) -> None:
+        """Holds the clutch of a leader and its follower for `seconds`, and releases it. The follower stops by itself when
+        this program ends or hangs. Needs control (session_take()) at the pendant's port."""
+        end = asyncio.get_running_loop().time() + seconds
+        try:
+            while (left := end - asyncio.get_running_loop().time()) > 0:
+                await self.ask("teleop", pair=pair, hold=0.3)
+                await asyncio.sleep(min(_BEAT_S, left))
+        finally:
+            await self.ask("teleop", pair=pair, hold=0)
+
     def _need_link(self, what: str) -> None:
         if not self._channel.frames:
             raise ValueError(f"{what} needs the pendant's link: run the cell with --pendant and connect to what it prints")

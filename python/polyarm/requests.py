@@ -606,6 +606,34 @@ class PointFacts(TypedDict):
     group: str
 
 
+class PointsCameraAnswer(TypedDict):
+    kind: NotRequired[Literal["boolean", "number", "text", "list", "joints", "pose", "record"]]
+    file: NotRequired[str]
+    text: NotRequired[str]
+    literal: NotRequired[str]
+    value: NotRequired[Any]
+    unit: NotRequired[str]
+    pose: NotRequired[PoseFacts | None]
+    world: NotRequired[PoseFacts | None]
+    joints: NotRequired[dict[str, float] | None]
+    taught: NotRequired[TaughtFacts | None]
+    group: NotRequired[str]
+    undo: NotRequired[str]
+    name: str
+    frame: str
+    camera: PoseFacts
+    marker: PoseFacts
+    position_residuals: list[float]
+    rotation_residuals: list[float]
+    position_rms: float
+    rotation_rms: float
+    position_sigma: float
+    rotation_sigma: float
+    outlier: NotRequired[float]
+    next: PoseFacts
+    next_sigma: float
+
+
 class PointsDeleteAnswer(TypedDict):
     name: str
     undo: str
@@ -662,6 +690,12 @@ class PointsRenameAnswer(TypedDict):
     uses: list[FileLine]
 
 
+class PointsSightingAnswer(TypedDict):
+    flange: PoseFacts
+    marker: PoseFacts
+    age: float
+
+
 class PointsToolAnswer(TypedDict):
     kind: NotRequired[Literal["boolean", "number", "text", "list", "joints", "pose", "record"]]
     file: NotRequired[str]
@@ -681,6 +715,10 @@ class PointsToolAnswer(TypedDict):
     residuals: list[float]
     rms: float
     largest: float
+    sigma: float
+    outlier: NotRequired[float]
+    next: PoseFacts
+    next_sigma: float
 
 
 class PointsUndoAnswer(TypedDict):
@@ -1019,6 +1057,22 @@ class TaughtFacts(TypedDict):
     robot: str
 
 
+class TeleopAnswer(TypedDict):
+    pairs: list[TeleopPair]
+
+
+class TeleopPair(TypedDict):
+    name: str
+    leader: str
+    follower: str
+    mapping: str
+    clutch: str
+    state: str
+    reason: str
+    furthest: str
+    distance: float
+
+
 class Times(TypedDict):
     p50_ns: float
     p99_ns: float
@@ -1188,6 +1242,9 @@ class Requests:
     async def target(self, *, robot: str | None = None, joints: dict[str, Any] | None = None, pose: dict[str, Any] | None = None, frame: str | None = None, speed: float | None = None, hold: float | None = None, session: float | None = None) -> JogAnswer:
         return await self._ask("target", {"robot": robot, "joints": joints, "pose": pose, "frame": frame, "speed": speed, "hold": hold, "session": session})
 
+    async def teleop(self, *, pair: str | None = None, hold: float | None = None) -> TeleopAnswer:
+        return await self._ask("teleop", {"pair": pair, "hold": hold})
+
     async def profile(self, *, name: str | None = None) -> LimitsProfileAnswer:
         return await self._ask("profile", {"name": name})
 
@@ -1274,6 +1331,12 @@ class Requests:
 
     async def points_tool(self, *, name: str, poses: Any = None, from_: str | list[str] | None = None, robot: str | None = None, file: str | None = None, dry: bool | None = None) -> PointsToolAnswer:
         return await self._ask("points.tool", {"name": name, "poses": poses, "from": from_, "robot": robot, "file": file, "dry": dry})
+
+    async def points_sighting(self, *, marker: str, robot: str | None = None) -> PointsSightingAnswer:
+        return await self._ask("points.sighting", {"marker": marker, "robot": robot})
+
+    async def points_camera(self, *, name: str, sightings: Any = None, place: Literal["hand", "beside"] | None = None, robot: str | None = None, file: str | None = None, dry: bool | None = None) -> PointsCameraAnswer:
+        return await self._ask("points.camera", {"name": name, "sightings": sightings, "place": place, "robot": robot, "file": file, "dry": dry})
 
     async def plan_preview(self, *, to: str | None = None, joints: dict[str, Any] | None = None, pose: dict[str, Any] | None = None, kind: Literal["joint", "line"] | None = None, robot: str | None = None, speed: float | None = None) -> PlanPreviewAnswer:
         return await self._ask("plan.preview", {"to": to, "joints": joints, "pose": pose, "kind": kind, "robot": robot, "speed": speed})

@@ -37,11 +37,17 @@ foreach(nothing ament_export_dependencies ament_export_libraries ament_export_ta
   cmake_language(EVAL CODE "function(${nothing})\nendfunction()")
 endforeach()
 
-# A package's own include folder counts for those that depend on it, whatever it exports.
+# A package's own include folder counts for those that depend on it, whatever it exports; so do its exported ones for
+# those that link one of its libraries.
 macro(ament_package)
   if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/include)
     set_property(GLOBAL APPEND PROPERTY POLYARM_ROS_INCLUDES_${PROJECT_NAME} ${CMAKE_CURRENT_SOURCE_DIR}/include)
   endif()
+  get_property(polyarm_ros_includes_ GLOBAL PROPERTY POLYARM_ROS_INCLUDES_${PROJECT_NAME})
+  get_property(polyarm_ros_made_ GLOBAL PROPERTY POLYARM_ROS_LIBRARIES_${PROJECT_NAME})
+  foreach(polyarm_ros_each_ ${polyarm_ros_made_})
+    set_property(TARGET ${polyarm_ros_each_} APPEND PROPERTY INTERFACE_INCLUDE_DIRECTORIES ${polyarm_ros_includes_})
+  endforeach()
 endmacro()
 
 macro(ament_auto_find_build_dependencies)
@@ -59,7 +65,12 @@ function(ament_auto_add_library target)
     file(GLOB found ${ARG_DIRECTORY}/*.c ${ARG_DIRECTORY}/*.cc ${ARG_DIRECTORY}/*.cpp ${ARG_DIRECTORY}/*.cxx)
     list(APPEND sources ${found})
   endif()
+  get_property(earlier GLOBAL PROPERTY POLYARM_ROS_LIBRARIES_${PROJECT_NAME})
   add_library(${target} ${sources})
+  if(NOT ARG_NO_TARGET_LINK_LIBRARIES)
+    set_property(TARGET ${target} APPEND PROPERTY LINK_LIBRARIES ${earlier})
+    set_property(TARGET ${target} APPEND PROPERTY INTERFACE_LINK_LIBRARIES ${earlier})
+  endif()
   if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/include)
     set_property(TARGET ${target} APPEND PROPERTY INCLUDE_DIRECTORIES ${CMAKE_CURRENT_SOURCE_DIR}/include)
     set_property(TARGET ${target} APPEND PROPERTY INTERFACE_INCLUDE_DIRECTORIES ${CMAKE_CURRENT_SOURCE_DIR}/include)

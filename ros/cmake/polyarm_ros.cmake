@@ -16,6 +16,12 @@ find_package(Threads REQUIRED)
 
 add_library(polyarm_ros INTERFACE)
 target_include_directories(polyarm_ros SYSTEM INTERFACE ${POLYARM_ROS_KIT}/include ${POLYARM_ROS_GENERATED})
+# Packages of ROS get Eigen's folder by way of others, and name it nowhere.
+find_package(Eigen3 QUIET NO_MODULE)
+if(TARGET Eigen3::Eigen)
+  get_target_property(polyarm_ros_eigen_ Eigen3::Eigen INTERFACE_INCLUDE_DIRECTORIES)
+  target_include_directories(polyarm_ros SYSTEM INTERFACE ${polyarm_ros_eigen_})
+endif()
 target_compile_features(polyarm_ros INTERFACE cxx_std_17)
 target_link_libraries(polyarm_ros INTERFACE Threads::Threads)
 
@@ -23,11 +29,35 @@ include(${CMAKE_CURRENT_LIST_DIR}/packages.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/targets.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/ament.cmake)
 
+# In ROS a package also finds those that others need, so build files use versions of packages that they do not name.
+file(STRINGS ${POLYARM_ROS_KIT}/packages.list polyarm_ros_rows_ REGEX "^[a-z0-9_]+ headers")
+foreach(polyarm_ros_row_ ${polyarm_ros_rows_})
+  string(REGEX REPLACE " .*" "" polyarm_ros_row_ "${polyarm_ros_row_}")
+  polyarm_ros_versions(${polyarm_ros_row_})
+endforeach()
+
 # polyarm_ros_package(NAME FOLDER): builds a package of the workspace.
 function(polyarm_ros_package name folder)
   set(CMAKE_CXX_STANDARD 17)
   add_subdirectory(${folder} ${CMAKE_BINARY_DIR}/${name} EXCLUDE_FROM_ALL)
   set_property(GLOBAL PROPERTY POLYARM_ROS_FOLDER_${name} ${folder})
+endfunction()
+
+# With all of their classes, also those that nothing names.
+function(polyarm_ros_link_whole)
+  foreach(library ${ARGN})
+    get_target_property(type ${library} TYPE)
+    if(type STREQUAL "STATIC_LIBRARY")
+      target_link_libraries(polyarm_ros_plugin PRIVATE -Wl,--whole-archive $<TARGET_FILE:${library}> -Wl,--no-whole-archive)
+      add_dependencies(polyarm_ros_plugin ${library})
+    endif()
+    target_link_libraries(polyarm_ros_plugin PRIVATE ${library})
+  endforeach()
+endfunction()
+# polyarm_ros_whole(PACKAGE): its filters or kinematics, which the module's classes load by name.
+function(polyarm_ros_whole package)
+  get_property(all GLOBAL PROPERTY POLYARM_ROS_LIBRARIES_${package})
+  polyarm_ros_link_whole(${all})
 endfunction()
 
 # polyarm_ros_module(PACKAGE OUT MAIN LIBRARIES…): links what the package's plugin descriptions name into one module.
@@ -46,14 +76,7 @@ function(polyarm_ros_module package out main)
   set_target_properties(polyarm_ros_plugin PROPERTIES PREFIX "" OUTPUT_NAME ${out} CXX_STANDARD 20 CXX_STANDARD_REQUIRED ON)
   target_include_directories(polyarm_ros_plugin SYSTEM PRIVATE ${POLYARM_ROS_HEADERS})
   target_link_libraries(polyarm_ros_plugin PRIVATE polyarm_ros)
-  foreach(library ${libraries})
-    get_target_property(type ${library} TYPE)
-    if(type STREQUAL "STATIC_LIBRARY")
-      target_link_libraries(polyarm_ros_plugin PRIVATE -Wl,--whole-archive $<TARGET_FILE:${library}> -Wl,--no-whole-archive)
-      add_dependencies(polyarm_ros_plugin ${library})
-    endif()
-    target_link_libraries(polyarm_ros_plugin PRIVATE ${library})
-  endforeach()
+  polyarm_ros_link_whole(${libraries})
   # Plugin libraries of one package may be made of the same source files: the first definition counts.
   target_link_options(polyarm_ros_plugin PRIVATE -Wl,-z,muldefs)
   target_link_options(polyarm_ros_plugin PRIVATE -Wl,--version-script=${POLYARM_ROS_KIT}/cmake/module.map)

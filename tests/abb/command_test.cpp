@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "polyarm/base/file.hpp"
+#include "tests/support/wire_rig.hpp"
 
 namespace polyarm {
 namespace {
@@ -39,17 +40,9 @@ TEST(AbbExample, AFaultOfTheControllerEndsTheRunWithItsCause) {
   EXPECT_NE(ran.output.find("close it"), std::string::npos) << "says what to do";
 }
 
-/// The number behind a word, in a line of the far side.
-std::string port_behind(const std::string& line, const std::string& word) {
-  const std::size_t at = line.find(word + " ");
-  if (at == std::string::npos) return {};
-  const std::size_t begin = at + word.size() + 1;
-  return line.substr(begin, line.find_first_not_of("0123456789", begin) - begin);
-}
-
 TEST(AbbSetup, FindsTheControllerAndInstallsTheModule) {
   Command far({"far-side", "abb", "--port", "0", "--order", "no_module"});
-  const std::string port = port_behind(far.line_with("Robot Web Services "), "at port");
+  const std::string port = test::number_behind(far.line_with("Robot Web Services "), "at port");
   ASSERT_FALSE(port.empty());
   const std::vector<std::string> line{"setup", "abb", "--host",     "127.0.0.1",
                                       "--rws", "2",   "--rws-port", port};

@@ -11,29 +11,6 @@ namespace {
 using test::AbbRig;
 using namespace test;
 
-struct FaultRow {
-  const char* order;
-  Cause cause;
-  const char* words;  ///< a part of the sentence
-};
-std::ostream& operator<<(std::ostream& out, const FaultRow& row) {
-  return out << row.order;
-}
-std::string test_name(const testing::TestParamInfo<FaultRow>& info) {
-  std::string out = info.param.order;
-  std::replace(out.begin(), out.end(), '=', '_');
-  return out;
-}
-
-/// The robot comes to a standstill, and stays there whatever happens next.
-void expect_standing(AbbRig& rig) {
-  for (int i = 0; i < 300; ++i) rig.far().step();
-  const Six at = rig.q();
-  for (int i = 0; i < 100; ++i) rig.far().step();
-  const Six later = rig.q();
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(later[j], at[j], 1e-6) << "joint " << j;
-}
-
 /// What a person does at the controller. The motors stay off.
 void mend(FarSide& far) {
   for (const char* order : {"release", "guard_closed", "restart", "auto", "healthy"}) far.order(order);
@@ -62,7 +39,7 @@ INSTANTIATE_TEST_SUITE_P(
                     FaultRow{"power_off", Cause::rws_silent, "check cable and power"},
                     FaultRow{"nonsense", Cause::rws_bad_data, "no proxy"},
                     FaultRow{"busy", Cause::busy, "too many sessions"}),
-    test_name);
+    fault_name<Cause>);
 
 TEST_P(WhileMoving, IsNamedStandsAndDoesNotJumpWhenItIsRecovered) {
   AbbRig rig(Parameters{{"connect_timeout", "20"}});
@@ -114,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(
                     FaultRow{"guard_open", Cause::guard_stop, "guard"},
                     FaultRow{"manual", Cause::manual_mode, "MANR"},
                     FaultRow{"system_failure", Cause::system_failure, "system failure"}),
-    test_name);
+    fault_name<Cause>);
 
 TEST_P(BeforeItMoves, StartingIsRefusedInWordsAndWorksOnceItIsMended) {
   AbbRig rig(Parameters{{"connect_timeout", "20"}});
@@ -138,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(Faults, InSilence,
                          testing::Values(FaultRow{"silent", Cause::no_packets, "UDPUC Device"},
                                          FaultRow{"stranger", Cause::other_sender, "another sender"},
                                          FaultRow{"mute", Cause::rws_silent, "does not answer"}),
-                         test_name);
+                         fault_name<Cause>);
 
 TEST_P(InSilence, StartingIsRefusedInWords) {
   AbbRig rig(Parameters{{"connect_timeout", "0.3"}, {"start_timeout", "0.3"}});
@@ -332,11 +309,7 @@ TEST(AbbFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
       "system_failure", "garbage",    "again",      "power_off",   "nonsense",  "busy",
       "login",          "forbidden",  "mastership", "close_rws",   "no_module", "refuse_start",
       "old_egm",        "seven",      "slow",       "duplicate=3", "reorder=2", "late=3"};
-  std::uint32_t seed = 27;
-  const auto draw = [&](std::uint32_t n) {
-    seed = seed * 1664525u + 1013904223u;
-    return (seed >> 8) % n;
-  };
+  Draw draw(27);
   AbbRig rig(Parameters{{"connect_timeout", "20"}, {"start_timeout", "20"}, {"rws", "1"}});
   int named = 0;
   for (int round = 0; round < rounds; ++round) {

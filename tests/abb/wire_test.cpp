@@ -303,6 +303,69 @@ TEST(AbbHttp, APasswordIsNotSentReadableWithoutTls) {
   for (const wire::HttpMessage& one : asked) EXPECT_FALSE(one.header("Authorization"));
 }
 
+/// True when the other end has closed the connection, or closes it within a minute.
+bool is_closed_by_peer(const Descriptor& socket) {
+  std::array<std::uint8_t, 64> bytes;
+  while (wire::wait_readable(socket.number(), 60'000'000'000)) {
+    const wire::Got got = wire::receive(socket.number(), bytes).got;
+    if (got == wire::Got::closed || got == wire::Got::failed) return true;
+  }
+  return false;
+}
+
+TEST(AbbRws, ConnectionsThatFinishNoRequestDoNotLockOthersOut) {
+  for (const int version : {1, 2}) {
+    FarSideOptions options = test::far_options(version);
+    options.request_time = 50'000'000;
+    FarSide far(std::move(options));
+    std::string why;
+    std::vector<Descriptor> silent;
+    for (std::uint32_t i = 0; i < bounds::kFarSideClients; ++i) {
+      silent.push_back(wire::connect_tcp("127.0.0.1", far.rws_port(), 60'000'000'000, why));
+      ASSERT_TRUE(silent.back()) << why;
+      // None, some bytes of a request, and some bytes of a TLS handshake.
+      if (i % 3 == 1) wire::send_frame(silent.back().number(), std::string("GET /rw/sys"));
+      if (i % 3 == 2) wire::send_frame(silent.back().number(), std::string("\x16\x03\x01\x01"));
+    }
+    for (const Descriptor& each : silent) EXPECT_TRUE(is_closed_by_peer(each)) << "version " << version;
+    wire::HttpSettings settings;
+    settings.host = "127.0.0.1";
+    settings.port = far.rws_port();
+    settings.tls = version == 2;
+    settings.user = "Default User";
+    settings.password = "robotics";
+    settings.timeout = 60'000'000'000;
+    wire::HttpClient client(settings);
+    wire::HttpMessage request;
+    request.method = "GET";
+    request.target = "/rw/system";
+    request.headers.emplace_back("Accept", "application/xhtml+xml;v=2.0");
+    const auto answer = client.ask(request);
+    ASSERT_TRUE(answer) << client.why();
+    EXPECT_EQ(answer->status, 200);
+  }
+}
+
+TEST(AbbRws, AConnectionThatIsIdleBetweenRequestsStays) {
+  FarSideOptions options = test::far_options(1);
+  options.request_time = 50'000'000;
+  FarSide far(std::move(options));
+  std::string why;
+  const Descriptor idle = wire::connect_tcp("127.0.0.1", far.rws_port(), 60'000'000'000, why);
+  ASSERT_TRUE(idle) << why;
+  const auto ask = [&] {
+    wire::send_frame(idle.number(), std::string("GET /rw/system HTTP/1.1\r\nHost: x\r\n\r\n"));
+    std::array<std::uint8_t, 4096> bytes;
+    return wire::wait_readable(idle.number(), 60'000'000'000) &&
+           wire::receive(idle.number(), bytes).got == wire::Got::bytes;
+  };
+  ASSERT_TRUE(ask());
+  const Descriptor silent = wire::connect_tcp("127.0.0.1", far.rws_port(), 60'000'000'000, why);
+  ASSERT_TRUE(silent) << why;
+  EXPECT_TRUE(is_closed_by_peer(silent)) << "it came later, and its time is over";
+  EXPECT_TRUE(ask());
+}
+
 TEST(AbbRws, AnswersAreReadAndDamagedOnesPassedOver) {
   const std::string page =
       "<ul><li class=\"elog-message-li\" title=\"/rw/elog/0/18\"><span class=\"msgtype\">3</span>"

@@ -138,6 +138,18 @@ TEST_F(BaseMotionTest, DiscardedItsProgramEnds) {
   EXPECT_EQ(place().x, held);
 }
 
+TEST_F(BaseMotionTest, ABaseWhoseControllerIsNotActiveFailsItsLineInsteadOfWaitingForEver) {
+  start("wait 100ms\ndrive 600mm\nlog \"there\"\n");
+  cell->run(0.05);
+  cell->result({{"request", "control.switch"}, {"deactivate", Json::array({"base"})}});
+  while (!ended() && now() < 60) cell->tick();
+  ASSERT_TRUE(cell->cell().program()->failed());
+  const Problem why = *cell->cell().program()->status().problem;
+  EXPECT_EQ(why.code, "base-silent");
+  EXPECT_EQ(why.where.line, 2);
+  EXPECT_LT(now(), 10);
+}
+
 TEST_F(BaseMotionTest, WhatDoesNotFitIsRefusedWithItsLine) {
   const auto told = [&](const std::string& program) {
     try {

@@ -41,7 +41,8 @@ class GuardsTest : public ::testing::Test {
   GuardsTest() { folder.write("gantry.urdf", gantry()); }
 
   /// `waits`: a person starts the program and resumes.
-  void build(const std::string& program, const std::string& more = "", bool waits = false, bool two = false) {
+  void build(const std::string& program, const std::string& more = "", bool waits = false, bool two = false,
+             bool lists = false) {
     folder.write("go.script", program);
     folder.write("scene.yaml", "polyarm: scene/1\nfloor: {height: -5}\nfixtures:\n" + fixtures);
     folder.write(
@@ -53,9 +54,23 @@ class GuardsTest : public ::testing::Test {
         "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
     CellOptions options;
     options.waits = waits;
+    options.allow_contact = options.contact_errors = lists;
     cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()), options);
     cell->run(0.05);
     if (waits && !program.empty()) ASSERT_TRUE(cell->ask({{"request", "program.start"}})["ok"].get<bool>());
+  }
+  /// A trajectory of points for the robot, as other programs send them.
+  Json send(const std::vector<std::vector<double>>& points, double each) {
+    Json list = Json::array();
+    for (std::size_t i = 0; i < points.size(); ++i)
+      list.push_back({{"positions", points[i]}, {"time_from_start", each * static_cast<double>(i + 1)}});
+    const Json joints = {"slide_x", "slide_y", "slide_z"};
+    std::string to;
+    for (const std::string& name : cell->cell().loop().controllers().active_names())
+      if (name.find("trajectory") != std::string::npos) to = name;
+    return cell->ask({{"request", "send"},
+                      {"to", to},
+                      {"message", {{"joint_names", joints}, {"points", list}}}});
   }
   double x(std::size_t robot = 0) { return cell->cell().tcp(robot).position.x; }
   double z(std::size_t robot = 0) { return cell->cell().tcp(robot).position.z; }
@@ -162,6 +177,52 @@ TEST_F(GuardsTest, AStreamedTargetBehindTheWallIsFollowedUpToIt) {
     cell->run(0.05);
   }
   EXPECT_NEAR(x(), kFace - kBall - 0.001, 0.0011);
+}
+
+TEST_F(GuardsTest, ATrajectoryOfPointsStopsBeforeTheWall) {
+  build("", "guards: {others: true}\n", true);
+  const Json answer = send({{0.9, 0, 0}}, 2);
+  ASSERT_TRUE(answer["ok"].get<bool>()) << answer;
+  double most = 0;
+  for (int i = 0; i < 1500; ++i) {
+    cell->tick();
+    most = std::max(most, x());
+  }
+  EXPECT_EQ(state(), "held");
+  EXPECT_EQ(cell->cell().stop_cause().code, "guard");
+  EXPECT_NE(cell->cell().stop_cause().what.find("fixture wall"), std::string::npos) << cell->cell().stop_cause().what;
+  EXPECT_LT(most, kFace - kBall) << "it does not touch";
+  EXPECT_GT(most, kFace - kBall - 0.1) << "not long before it";
+  EXPECT_TRUE(cell->ask({{"request", "control.resume"}})["ok"].get<bool>());
+  for (int i = 0; i < 500; ++i) {
+    cell->tick();
+    most = std::max(most, x());
+  }
+  EXPECT_EQ(state(), "held") << "the way is still not free";
+  EXPECT_LT(most, kFace - kBall);
+}
+
+TEST_F(GuardsTest, ATrajectoryOfPointsThatStaysClearGoesToItsEnd) {
+  for (const bool others : {false, true}) {
+    const double there = others ? 0.3 : 0.9;  // without others it is not guarded
+    build("", others ? "guards: {others: true}\n" : "", true);
+    ASSERT_TRUE(send({{there, 0, 0}, {there, 0.8, 0.1}}, 1)["ok"].get<bool>());
+    cell->run(3);
+    EXPECT_NEAR(x(), there, 1e-6);
+    EXPECT_EQ(state(), "running");
+  }
+}
+
+TEST_F(GuardsTest, WhereContactsAreListedItSaysWhereItWouldStopAndStopsNothing) {
+  build("movej joints(0.427rad, 0.3rad, 0rad)\nmovej joints(0.9rad, 0rad, 0rad)\n", "", false, false, true);
+  for (int i = 0; i < 5000 && !cell->cell().finished(); ++i) cell->tick();
+  EXPECT_NEAR(x(), 0.9, 1e-6);
+  const std::vector<Problem>& found = cell->cell().in().guards->would_stop();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].severity, Severity::warning);
+  EXPECT_EQ(found[0].where.line, 2);
+  EXPECT_NE(found[0].what.find("left would be stopped before a contact: left/ball would"), std::string::npos)
+      << found[0].what;
 }
 
 TEST_F(GuardsTest, AZoneOfBodiesHoldsForTheBallAndNotOnlyForItsMiddle) {

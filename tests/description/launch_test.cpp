@@ -26,6 +26,16 @@ TEST(LaunchFile, InPythonNamesDescriptionAndControllers) {
   EXPECT_EQ(hints.controllers, (Names{"arm_controllers.yaml"}));
 }
 
+TEST(LaunchFile, TheEndOfAComputedNameIsNoName) {
+  const LaunchHints hints = find_in_launch_file(R"(
+    description = Command(["xacro ", share, "/urdf/", LaunchConfiguration("type"), ".urdf.xacro"])
+    controllers = [name, '.yaml']
+    other = './config/ctl.yaml'
+  )");
+  EXPECT_TRUE(hints.descriptions.empty());
+  EXPECT_EQ(hints.controllers, (Names{"./config/ctl.yaml"}));
+}
+
 TEST(LaunchFile, InXmlNamesDescriptionAndControllers) {
   const LaunchHints hints = find_in_launch_file(
       "<launch><param name=\"robot_description\" textfile=\"$(find arm_pkg)/urdf/arm.urdf\"/>\n"

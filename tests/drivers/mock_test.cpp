@@ -315,13 +315,77 @@ TEST(Mock, APartIsHeldByTheRobotThatHoldsItAmongOthersWithoutAGripper) {
   hardware::RobotInstance bare = context.robots.front();
   bare.name = "bare";
   bare.tool = nullptr;
-  // A robot with two hardware blocks has two instances of one name.
+  // A robot with two hardware blocks has two instances of one name, and hardware of others has robots, too.
   context.robots.insert(context.robots.begin(), 2, bare);
+  context.robots.back().number = 4;
   Rig rig(std::make_unique<drivers::MockComponent>(), context);
   rig.move({{"arm/z/position", -0.36}}, 0.2);
   rig.command("arm/tool/vacuum") = 1;
   rig.run(0.15);
-  EXPECT_EQ(rig.part(0).held_by, 1) << "the second robot of the cell";
+  EXPECT_EQ(rig.part(0).held_by, 4) << "the robot's number in the cell, not in the component";
+}
+
+TEST(Mock, ACupTakesAPartOverFromTheCupThatLetsGo) {
+  Stage stage;
+  stage.model = gantry();
+  stage.tool = description::find_tool("suction_cup", "");
+  stage.scene = table();
+  stage.scene.parts = {cube("plate", {0, 0, 0.01})};
+  stage.scene.parts[0].shape.size = {0.2, 0.06, 0.02};
+  hardware::ComponentContext context = stage.context();
+  hardware::RobotInstance other = context.robots.front();
+  other.name = "other";
+  other.base.position.x = 0.5;
+  other.number = 1;
+  context.robots.push_back(other);
+  Rig rig(std::make_unique<drivers::MockComponent>(), context);
+  constexpr double kOnPlate = -0.38;
+  rig.move({{"arm/z/position", kOnPlate}}, 0.5);
+  rig.command("arm/tool/vacuum") = 1;
+  rig.run(0.3);
+  ASSERT_EQ(rig.part(0).held_by, 0);
+  rig.move({{"arm/z/position", kOnPlate + 0.1}}, 0.5);
+  rig.move({{"other/x/position", -0.44}, {"other/z/position", kOnPlate + 0.101}}, 0.5);
+  EXPECT_EQ(rig.state("other/tool/part_present"), 0) << "its vacuum is off";
+  rig.move({{"other/z/position", kOnPlate + 0.1}}, 0.1);
+  rig.command("other/tool/vacuum") = 1;
+  rig.run(0.3);
+  EXPECT_EQ(rig.state("other/tool/part_present"), 1);
+  EXPECT_EQ(rig.part(0).held_by, 0);
+  const double height = rig.part(0).pose.position.z;
+  rig.command("arm/tool/vacuum") = 0;
+  rig.run(0.3);
+  EXPECT_EQ(rig.part(0).held_by, 1);
+  EXPECT_EQ(rig.state("arm/tool/part_present"), 0);
+  EXPECT_NEAR(rig.part(0).pose.position.z, height, 5e-4) << "it does not fall between them";
+  rig.move({{"arm/z/position", kOnPlate + 0.2}}, 0.5);
+  rig.move({{"other/z/position", kOnPlate + 0.15}}, 0.5);
+  EXPECT_NEAR(rig.part(0).pose.position.z, height + 0.05, 1e-3);
+  rig.command("other/tool/vacuum") = 0;
+  rig.run(0.5);
+  EXPECT_EQ(rig.part(0).held_by, -1);
+  EXPECT_LT(rig.part(0).pose.position.z, 0.05);
+}
+
+TEST(Mock, AFeederWaitsUntilThePlaceOfTheNextPartIsFree) {
+  Stage stage;
+  stage.model = gantry();
+  stage.tool = description::find_tool("suction_cup", "");
+  stage.scene = table();
+  stage.scene.feeders = {{"magazine", {{0, 0, 0.02}, {}}}};
+  stage.scene.parts = {cube("one", {}), cube("two", {})};
+  for (description::Part& part : stage.scene.parts) part.feeder = "magazine";
+  Rig rig = mock(stage);
+  rig.command("scene/magazine/feed") = 2;
+  rig.run(0.1);
+  EXPECT_EQ(rig.state("scene/magazine/presented"), 1);
+  rig.move({{"arm/z/position", -0.36}}, 0.2);
+  rig.command("arm/tool/vacuum") = 1;
+  rig.run(0.2);
+  rig.move({{"arm/z/position", -0.325}}, 0.2);
+  EXPECT_EQ(rig.state("scene/magazine/presented"), 1) << "the first one is 35 mm above, and 40 mm high";
+  rig.move({{"arm/z/position", -0.31}}, 0.2);
+  EXPECT_EQ(rig.state("scene/magazine/presented"), 2);
 }
 
 TEST(Mock, AReleasedPartLiesOnWhatIsBelowItAndRidesOnIt) {

@@ -284,7 +284,8 @@ TEST(Mujoco, APartAsleepOnAnotherFallsWhenThatIsTaken) {
 // ----------------------------------------------------------------------------------------
 
 TEST(Mujoco, CupHoldsOnlyWhatItTouches) {
-  const Stage stage = cell();
+  Stage stage = cell();
+  stage.number = 3;
   Rig rig = simulate(stage);
   rig.move({{"arm/z/position", kOnCube + 0.005}}, 0.5);
   rig.command("arm/tool/vacuum") = 1;
@@ -294,7 +295,46 @@ TEST(Mujoco, CupHoldsOnlyWhatItTouches) {
   rig.move({{"arm/z/position", kOnCube + 0.0005}}, 0.2);
   rig.run(0.1);
   EXPECT_EQ(rig.state("arm/tool/part_present"), 1);
+  EXPECT_EQ(rig.part(0).held_by, 3) << "the robot's number in the cell, not in physics";
+}
+
+TEST(Mujoco, ACupTakesAPartOverFromTheCupThatLetsGo) {
+  Stage stage = cell();
+  stage.scene.parts = {cube("plate", {0, 0, 0.01})};
+  stage.scene.parts[0].shape.size = {0.2, 0.06, 0.02};
+  hardware::ComponentContext context = stage.context();
+  hardware::RobotInstance other = context.robots.front();
+  other.name = "other";
+  other.base.position.x = 0.5;
+  other.number = 1;
+  context.robots.push_back(other);
+  Rig rig(std::make_unique<drivers::MujocoComponent>(), context);
+  constexpr double kOnPlate = kOnCube - 0.02;
+  rig.move({{"arm/x/position", -0.06}, {"arm/z/position", kOnPlate + 0.0005}}, 0.5);
+  rig.command("arm/tool/vacuum") = 1;
+  rig.run(0.3);
+  ASSERT_EQ(rig.part(0).held_by, 0);
+  rig.move({{"arm/z/position", kOnPlate + 0.1}}, 0.5);
+  rig.move({{"other/x/position", -0.44}, {"other/z/position", kOnPlate + 0.101}}, 0.5);
+  EXPECT_EQ(rig.state("other/tool/part_present"), 0) << "its vacuum is off";
+  rig.move({{"other/z/position", kOnPlate + 0.1}}, 0.1);
+  rig.command("other/tool/vacuum") = 1;
+  rig.run(0.3);
+  EXPECT_EQ(rig.state("other/tool/part_present"), 1);
   EXPECT_EQ(rig.part(0).held_by, 0);
+  const double height = rig.part(0).pose.position.z;
+  rig.command("arm/tool/vacuum") = 0;
+  rig.run(0.3);
+  EXPECT_EQ(rig.part(0).held_by, 1);
+  EXPECT_EQ(rig.state("arm/tool/part_present"), 0);
+  EXPECT_NEAR(rig.part(0).pose.position.z, height, 5e-4) << "it does not fall between them";
+  rig.move({{"arm/z/position", kOnPlate + 0.2}}, 0.5);
+  rig.move({{"other/z/position", kOnPlate + 0.15}}, 0.5);
+  EXPECT_NEAR(rig.part(0).pose.position.z, height + 0.05, 1e-3);
+  rig.command("other/tool/vacuum") = 0;
+  rig.run(0.5);
+  EXPECT_EQ(rig.part(0).held_by, -1);
+  EXPECT_LT(rig.part(0).pose.position.z, 0.05);
 }
 
 TEST(Mujoco, WithoutVacuumNothingIsHeld) {

@@ -209,6 +209,7 @@ struct Stage {
   std::vector<double> start;
   Pose base;
   bool robot = true;
+  int number = 0;  ///< of the robot in its cell
 
   hardware::ComponentContext context(Nanoseconds period = 1'000'000) const {
     hardware::ComponentContext out;
@@ -221,6 +222,7 @@ struct Stage {
       arm.model = &model;
       arm.tool = tool.name == "none" ? nullptr : &tool;
       arm.base = base;
+      arm.number = number;
       arm.initial_positions = start.empty() ? std::vector<double>(model.actuated.size(), 0.0) : start;
       out.robots = {arm};
     }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "polyarm/base/file.hpp"
+#include "tests/support/wire_rig.hpp"
 
 namespace polyarm {
 namespace {
@@ -39,25 +40,17 @@ TEST(FanucExample, AFaultOfTheControllerEndsTheRunWithItsCause) {
   EXPECT_NE(ran.output.find("close it"), std::string::npos) << "says what to do";
 }
 
-/// The number behind a word, in a line of the far side.
-std::string port_behind(const std::string& line, const std::string& word) {
-  const std::size_t at = line.find(word + " ");
-  if (at == std::string::npos) return {};
-  const std::size_t begin = at + word.size() + 1;
-  return line.substr(begin, line.find_first_not_of("0123456789", begin) - begin);
-}
-
 TEST(FanucExample, ACellInAnotherProcessIsArmedAndPlaces) {
   Command far(
       {"far-side", "fanuc", "--port", "0", "--rmi-port", "0", "--session-port", "0", "--wire", "1=1"});
   const std::string line = far.line_with("Stream Motion ");
-  ASSERT_FALSE(port_behind(line, "Stream Motion").empty()) << line;
+  ASSERT_FALSE(test::number_behind(line, "Stream Motion").empty()) << line;
   const ExampleCopy copy("fanuc_far_side");
   std::string text = read_file(copy.file("cell.yaml"));
   replace(text, "hardware: fanuc_fake", "hardware: fanuc\n    accept_unverified: true");
   replace(text, "      wires: 1=1 ",
-          "      stream_port: " + port_behind(line, "Stream Motion") +
-              "\n      rmi_port: " + port_behind(line, "Remote Motion") +
+          "      stream_port: " + test::number_behind(line, "Stream Motion") +
+              "\n      rmi_port: " + test::number_behind(line, "Remote Motion") +
               "\n      silence_ms: 10000\n      loop_silence_ms: 10000\n      settle: 0.1\n      max_behind: "
               "0.2\n      # ");
   write_file_atomically(copy.file("cell.yaml"), text);
@@ -74,7 +67,7 @@ TEST(FanucExample, ACellInAnotherProcessIsArmedAndPlaces) {
 }
 
 TEST(FanucFarSide, WrongOptionsAreRefused) {
-  EXPECT_EQ(run_command({"far-side", "kuka"}).exit_code, 2);
+  EXPECT_EQ(run_command({"far-side", "nachi"}).exit_code, 2);
   EXPECT_EQ(run_command({"far-side", "fanuc", "--protocol", "2"}).exit_code, 2);
   EXPECT_EQ(run_command({"far-side", "fanuc", "--start", "1 2 3", "--port", "0"}).exit_code, 2);
   EXPECT_EQ(run_command({"far-side", "fanuc", "--wire", "0=1", "--port", "0", "--rmi-port", "0"}).exit_code,

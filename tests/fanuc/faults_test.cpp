@@ -10,29 +10,6 @@ namespace {
 using test::FanucRig;
 using namespace test;
 
-struct FaultRow {
-  const char* order;
-  Cause cause;
-  const char* words;  ///< a part of the sentence
-};
-std::ostream& operator<<(std::ostream& out, const FaultRow& row) {
-  return out << row.order;
-}
-std::string test_name(const testing::TestParamInfo<FaultRow>& info) {
-  std::string out = info.param.order;
-  std::replace(out.begin(), out.end(), '=', '_');
-  return out;
-}
-
-/// The robot comes to a standstill, and stays there whatever happens next.
-void expect_standing(FanucRig& rig) {
-  for (int i = 0; i < 200; ++i) rig.far().step();
-  const Six at = rig.q();
-  for (int i = 0; i < 100; ++i) rig.far().step();
-  const Six later = rig.q();
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(later[j], at[j], 1e-6) << "joint " << j;
-}
-
 /// What a person does at the robot.
 void mend(FarSide& far) {
   for (const char* order : {"release", "fence_closed", "auto", "reset", "healthy"}) far.order(order);
@@ -53,7 +30,7 @@ INSTANTIATE_TEST_SUITE_P(
         FaultRow{"close_rmi", Cause::rmi_closed, "closed the Remote Motion Interface"},
         FaultRow{"power_off", Cause::rmi_closed, "switched off"},
         FaultRow{"garbage", Cause::bad_data, "no packet of its protocols"}),
-    test_name);
+    fault_name<Cause>);
 
 TEST_P(WhileMoving, IsNamedStandsAndDoesNotJumpWhenItIsRecovered) {
   FanucRig rig;
@@ -95,7 +72,7 @@ INSTANTIATE_TEST_SUITE_P(Faults, BeforeItMoves,
                                          FaultRow{"e_stop", Cause::emergency_stop, "emergency stop"},
                                          FaultRow{"fence_open", Cause::fence, "fence"},
                                          FaultRow{"t1", Cause::teach_mode, "T1 or T2"}),
-                         test_name);
+                         fault_name<Cause>);
 
 TEST_P(BeforeItMoves, StartingIsRefusedInWordsAndWorksOnceItIsMended) {
   FanucRig rig(Parameters{{"start_timeout", "0.4"}, {"connect_timeout", "0.5"}});
@@ -231,11 +208,7 @@ TEST(FanucFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
                                      "motn=603",  "motn=610",   "alarm=65",  "abort",   "hold",
                                      "terminate", "close_rmi",  "power_off", "garbage", "duplicate=3",
                                      "reorder=2", "late=3"};
-  std::uint32_t seed = 27;
-  const auto draw = [&](std::uint32_t n) {
-    seed = seed * 1664525u + 1013904223u;
-    return (seed >> 8) % n;
-  };
+  Draw draw(27);
   FanucRig rig(Parameters{{"connect_timeout", "1"}});
   int named = 0;
   for (int round = 0; round < 40; ++round) {

@@ -10,6 +10,7 @@
 
 #include "tests/collision/judge.hpp"
 #include "tests/jog/jog_rig.hpp"
+#include "tests/surroundings/gantry.hpp"
 #include "tests/support/realtime_guard.hpp"
 
 namespace polyarm::jog {
@@ -24,11 +25,19 @@ using test::tcp_setpoint;
 
 constexpr double kClearance = 0.005;
 
+/// "gantry", three slides with a ball, or a robot of the catalogue.
+description::RobotModel model_of(const std::string& arm) {
+  if (arm != "gantry") return description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load(arm);
+  description::RobotModel out = surroundings::gantry();
+  for (description::Joint& joint : out.joints) joint.limits.lower = -0.4, joint.limits.upper = 0.4;
+  return out;
+}
+
 /// An arm among random obstacles, with a guard that looks every 2 ms.
 struct Among {
-  Among(const std::string& arm, std::uint64_t seed, int obstacles) : rig(arm), random(seed) {
+  Among(const std::string& arm, std::uint64_t seed, int obstacles) : rig(model_of(arm)), random(seed) {
     scene.floor = false;
-    const double reach = rig.chain.reach();
+    const double reach = std::isfinite(rig.chain.reach()) ? rig.chain.reach() : 1;
     while (static_cast<int>(world.size()) < obstacles) {
       collision::NamedShape one = collision::random_world(random, 0.8 * reach, 1).front();
       one.name = "obstacle " + std::to_string(world.size());
@@ -138,9 +147,12 @@ long jogs() {
 }
 
 TEST(BodyGuard, RandomJogsAmongObstaclesTouchNothing) {
-  for (const std::string arm : {"universal_robots/ur5e", "fanuc/lr_mate_200id", "universal_robots/ur3"}) {
+  for (const std::string arm : {"universal_robots/ur5e", "fanuc/lr_mate_200id", "universal_robots/ur3",
+                                "franka/fer_panda", "mitsubishi_electric/rh_6frh5520", "gantry"}) {
     std::mt19937_64 engine(21);
     std::uniform_real_distribution<double> even(0, 1);
+    // The ball of the gantry is its hand: it may come nearer.
+    const double kept = arm == "gantry" ? 0.0015 : kClearance, least = arm == "gantry" ? 2e-4 : 0.001;
     double nearest = 1e9, moved = 0;
     long held = 0, cycles = 0;
     std::uint64_t measured = 0, most = 0;
@@ -155,12 +167,12 @@ TEST(BodyGuard, RandomJogsAmongObstaclesTouchNothing) {
         most = std::max(most, among.bodies->measured() - had);
         moved += norm(among.rig.tcp().position - before);
       }
-      ASSERT_GT(among.nearest, 0.001) << arm << " jog " << i;
+      ASSERT_GT(among.nearest, least) << arm << " jog " << i;
       nearest = std::min(nearest, among.nearest);
       held += among.held, cycles += static_cast<long>(among.rig.cycles);
       measured += among.bodies->measured();
     }
-    EXPECT_GT(nearest, kClearance - 0.001) << arm;
+    EXPECT_GT(nearest, kept - 0.001) << arm;
     EXPECT_GT(held, 10) << arm;
     EXPECT_GT(moved, 0.01 * static_cast<double>(jogs())) << arm;
     std::printf(
@@ -234,6 +246,62 @@ TEST(BodyGuard, AnArmThatIsTooNearMayOnlyLeave) {
   EXPECT_TRUE(arm.barriers.touching);
   ASSERT_TRUE(arm.run(tcp_setpoint({0, 0, 0.1}), 1)) << arm.rig.broken;
   EXPECT_GT(arm.distance(), kClearance);
+}
+
+/// As far as Barriers::room() says, nothing comes nearer than it may: what has barriers and what has none.
+TEST(BodyGuard, WhatHasRoomInTheBarriersKeepsItsDistance) {
+  std::uniform_real_distribution<double> even(-1, 1);
+  std::mt19937_64 engine(17);
+  long bounded = 0, of_barriers = 0, of_rest = 0;
+  for (const std::string arm : {"universal_robots/ur5e", "fanuc/lr_mate_200id"})
+    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+      Among among(arm, seed, seed % 2 ? 40 : 8);
+      if (!among.start()) continue;
+      // Few exact distances: more is left to what has no barrier.
+      BodyGuard guard(*among.bodies, 0, test::axis_limits(among.rig.model),
+                      BodyGuardOptions{kClearance, 0.001, seed % 3 ? 400u : 20u});
+      const std::vector<double> q = among.rig.joints();
+      std::vector<double> v(q.size(), 0.0);
+      for (double& rate : v) rate = even(engine);
+      Barriers& barriers = among.barriers;
+      for (int tick = 0; tick < 2; ++tick) {  // the first one measures what is unknown
+        among.bodies->look(Among::at(q));
+        guard.fill(v, among.nobody, barriers);
+      }
+      for (int k = 0; k < 40; ++k) {
+        std::vector<double> way(q.size());
+        double farthest = 0;
+        for (std::size_t j = 0; j < way.size(); ++j) {
+          way[j] = std::pow(even(engine), 3);
+          farthest += barriers.lever[j] * std::abs(way[j]);
+        }
+        for (double& by : way) by *= 0.06 / farthest;  // m: some ticks
+        const auto least = [&](double share, std::vector<double>& to) {
+          for (std::size_t j = 0; j < q.size(); ++j) to[j] = q[j] + share * way[j];
+          double out = 1e9;
+          for (std::size_t i = 0; i <= barriers.count; ++i) out = std::min(out, barriers.room(i, to));
+          return out;
+        };
+        std::vector<double> to(q.size());
+        double low = 0, high = 1;
+        if (least(0, to) < 0) continue;
+        for (int i = 0; i < 30; ++i) (least((low + high) / 2, to) >= 0 ? low : high) = (low + high) / 2;
+        bounded += high < 1;
+        ASSERT_GE(least(low, to), 0);
+        (barriers.room(barriers.count, to) < 1e-6 ? of_rest : of_barriers) += 1;
+        among.exact->look(Among::at(to));
+        for (const GuardPair& pair : among.exact->pairs()) {
+          if (!pair.active) continue;
+          const double keep = pair.own || among.exact->is_hand(pair.a) || among.exact->is_hand(pair.b) ? 0.001 : kClearance;
+          ASSERT_GE(among.exact->gap_of(pair, 0.1).distance, keep - 1e-3)
+              << arm << " " << seed << " " << k << ": " << among.exact->name(pair.a) << ", "
+              << among.exact->name(pair.b);
+        }
+      }
+    }
+  std::printf("%ld ways were bounded: %ld by barriers, %ld by what has none\n", bounded, of_barriers, of_rest);
+  EXPECT_GT(bounded, 10);
+  EXPECT_GT(of_rest, 0);
 }
 
 TEST(BodyGuard, ATickAndACycleAllocateNothing) {

@@ -65,6 +65,27 @@ JogSetpoint random_setpoint(const JogRig& rig, std::mt19937_64& engine) {
   return wish;
 }
 
+/// Joints that go straight to a target are nearly in proportion towards another one beside it.
+TEST(JogGenerator, ATargetThatShiftsALittleKeepsTheJerk) {
+  for (const std::string& arm : kArms) {
+    std::mt19937_64 engine(3);
+    std::uniform_real_distribution<double> even(-1, 1);
+    JogRig rig(arm);
+    for (int i = 0; i < 40; ++i) {
+      rig.start(rig.middle());
+      JogSetpoint wish;
+      wish.kind = Kind::joint_target;
+      for (std::size_t j = 0; j < rig.chain.joints(); ++j) wish.joints[j] = rig.joints()[j] + 0.5 * even(engine);
+      ASSERT_TRUE(rig.run(wish, 0.1 + 0.2 * std::abs(even(engine)))) << arm << " " << rig.broken;
+      for (int k = 0; k < 5; ++k) {
+        for (std::size_t j = 0; j < rig.chain.joints(); ++j)
+          wish.joints[j] += std::pow(10.0, -3 + 1.5 * even(engine)) * even(engine);
+        ASSERT_TRUE(rig.run(wish, 0.02)) << arm << " " << i << ": " << rig.broken;
+      }
+    }
+  }
+}
+
 /// The law that matters most: whatever is wished, at whatever moment, no limit is exceeded.
 TEST(JogGenerator, KeepsEveryLimitWhateverIsWished) {
   for (const std::string& arm : kArms) {

@@ -1,8 +1,13 @@
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <random>
+#include <thread>
 
 #include "links/mqtt/payload.hpp"
 #include "links/mqtt/port.hpp"
@@ -38,6 +43,65 @@ data::Value taken(const LinkTag& tag, const std::string& payload) {
   const auto value = mqtt::value_of_payload(tag, payload, why);
   EXPECT_TRUE(value) << payload << ": " << why;
   return value.value_or("nothing");
+}
+
+/// A broker that takes the connection and answers the first subscription with this code.
+class OneSubscription {
+ public:
+  explicit OneSubscription(char code) : listening_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in at{};
+    at.sin_family = AF_INET;
+    at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof at;
+    EXPECT_EQ(::bind(listening_, reinterpret_cast<sockaddr*>(&at), size), 0);
+    EXPECT_EQ(::listen(listening_, 1), 0);
+    ::getsockname(listening_, reinterpret_cast<sockaddr*>(&at), &size);
+    port = ntohs(at.sin_port);
+    thread_ = std::thread([this, code] { serve(code); });
+  }
+  ~OneSubscription() {
+    ::shutdown(listening_, SHUT_RDWR);
+    thread_.join();
+    ::close(listening_);
+  }
+  int port = 0;
+
+ private:
+  void serve(char code) const {
+    const int client = ::accept(listening_, nullptr, nullptr);
+    if (client < 0) return;
+    std::array<char, 512> bytes{};
+    if (::recv(client, bytes.data(), bytes.size(), 0) > 0) {
+      ::send(client, "\x20\x02\x00\x00", 4, MSG_NOSIGNAL);
+      if (::recv(client, bytes.data(), bytes.size(), 0) > 3) {  // 82 LENGTH, then the number of the message
+        const char reply[] = {'\x90', 3, bytes[2], bytes[3], code};
+        ::send(client, reply, sizeof reply, MSG_NOSIGNAL);
+      }
+      while (::recv(client, bytes.data(), bytes.size(), 0) > 0) {}
+    }
+    ::close(client);
+  }
+  int listening_;
+  std::thread thread_;
+};
+
+TEST(MqttClient, ARefusedSubscriptionIsAnErrorWithItsTopic) {
+  const char* const text =
+      "mes: {mqtt: client, host: 127.0.0.1, port: PORT, timeout: 60s, "
+      "tags: {Order: {topic: mes/order, type: text, direction: in}}}";
+  {
+    const OneSubscription granted(0);
+    EXPECT_NO_THROW(mqtt::make_client(link_entry(text, granted.port))->open());
+  }
+  const OneSubscription refused('\x80');
+  const auto client = mqtt::make_client(link_entry(text, refused.port));
+  try {
+    client->open();
+    FAIL() << "it takes a refused subscription for a connection";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.problems().front().code, "link-lost");
+    EXPECT_NE(std::string(e.what()).find("refuses the subscription to 'mes/order'"), std::string::npos) << e.what();
+  }
 }
 
 TEST(MqttPayload, PlainTextIsABooleanANumberOrAText) {

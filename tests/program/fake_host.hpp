@@ -137,6 +137,17 @@ class FakeHost : public Host {
   }
   std::array<double, 6> wrench(const std::string&) override { return {0, 0, 30 - zero_force_}; }
   void zero_force(const std::string&) override { zero_force_ = 30; }
+  bool next_part(const std::string&, const std::string&) override { return true; }
+  double waiting_parts(const std::string&) override { return 1; }
+  double missed_parts(const std::string&) override { return 0; }
+  void add_part(const std::string&, const Pose&) override {}
+  data::List rows_of(const std::string&) override {
+    return {data::Record{{"name", "x"}, {std::string("lid"), data::Number{0.0125, Dimension::length}}}};
+  }
+  bool is_connected(const std::string&) override { return true; }
+  bool has_line(const std::string&) override { return true; }
+  std::string next_line(const std::string&) override { return "12;ok"; }
+  void send_text(const std::string&, const std::string&) override {}
   std::uint64_t seed() const override { return 7; }
   bool standing() const override {
     return std::all_of(queued.begin(), queued.end(), [&](const Queued& q) { return q.end <= time; });

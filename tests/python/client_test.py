@@ -8,12 +8,11 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 from polyarm.client import Closed, connect, running_cells
 from polyarm.errors import Error
-from support import COMMAND, EXAMPLES, SOURCE
+from support import COMMAND, EXAMPLES, SOURCE, wait_for_cell
 
 
 class Alone(unittest.TestCase):
@@ -48,9 +47,7 @@ class Running(unittest.IsolatedAsyncioTestCase):
             said += line
             if found := re.search(r"http://\S+token=\S+", line):
                 self.link = found.group()
-                while not running_cells():  # the socket opens after that
-                    self.assertIsNone(self.cell.poll(), said)
-                    time.sleep(0.01)
+                wait_for_cell(self, self.cell, "pick")  # the socket opens after that
                 return
         self.fail("the cell printed no link:\n" + said)
 

@@ -1,4 +1,4 @@
-"""The examples of docs/python.md run as they stand; the types of requests are current."""
+"""The examples of the pages about Python run as they stand; the types of requests are current."""
 import contextlib
 import io
 import os
@@ -15,10 +15,15 @@ from support import EXAMPLES, SOURCE
 
 class Page(unittest.TestCase):
     def test_the_examples_run_in_order(self):
-        page = (SOURCE / "docs/python.md").read_text()
+        for name, least in (("python", 6), ("episodes", 2), ("teleoperation", 1)):
+            with self.subTest(page=name):
+                self.run_page(f"docs/{name}.md", least)
+
+    def run_page(self, path, least):
+        page = (SOURCE / path).read_text()
         blocks = [(page[:found.start()].count("\n") + 1, found.group(1))
                   for found in re.finditer(r"^```python\n(.*?)^```", page, re.M | re.S)]
-        self.assertGreaterEqual(len(blocks), 6)
+        self.assertGreaterEqual(len(blocks), least)
         here = os.getcwd()
         folder = pathlib.Path(tempfile.mkdtemp())
         self.addCleanup(shutil.rmtree, folder)
@@ -28,7 +33,7 @@ class Page(unittest.TestCase):
         names = {}
         for line, code in blocks:
             with contextlib.redirect_stdout(io.StringIO()):
-                exec(compile("\n" * line + code, "docs/python.md", "exec"), names)
+                exec(compile("\n" * line + code, path, "exec"), names)
 
     def test_the_requests_are_those_of_the_protocol(self):
         done = subprocess.run([sys.executable, SOURCE / "python/make_requests", "--check"], capture_output=True, text=True)

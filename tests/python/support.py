@@ -1,7 +1,9 @@
 """What the tests of the Python module share. POLYARM_COMMAND and POLYARM_SOURCE come from CMake."""
 import os
 import pathlib
+import socket
 import tempfile
+import time
 
 COMMAND = os.environ["POLYARM_COMMAND"]
 SOURCE = pathlib.Path(os.environ["POLYARM_SOURCE"])
@@ -21,3 +23,15 @@ def forward_cell(test, driver="mock"):
         f"polyarm: cell/1\nrobots: {{arm: {{model: {EXAMPLES}/r6bot/r6bot.urdf, hardware: {driver}}}}}\n"
         "controllers: controllers.yaml\n")
     return folder / "cell.yaml"
+
+
+def wait_for_cell(test, process, name):
+    """Waits until the local socket of a cell takes connections; its file is there a little earlier."""
+    path = os.path.join(os.environ["XDG_RUNTIME_DIR"], "polyarm", name + ".sock")
+    while True:
+        test.assertIsNone(process.poll(), "the cell has ended")
+        with socket.socket(socket.AF_UNIX) as probe:
+            try:
+                return probe.connect(path)
+            except (FileNotFoundError, ConnectionRefusedError):
+                time.sleep(0.01)

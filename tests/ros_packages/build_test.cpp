@@ -81,6 +81,33 @@ TEST_F(Workshop, BuildsAPackageAndRunsItsHardwareInACell) {
   EXPECT_NE(changed.output.find("has changed since it was built"), std::string::npos) << changed.output;
 }
 
+/// A workspace whose packages are not as tidy as those above: see tests/ros_packages/one_joint_ws.
+TEST_F(Workshop, BuildsWhatPackagesLeaveToTheirNeighbours) {
+  const std::string workspace = (place.path() / "one").string();
+  fs::copy(fs::path(POLYARM_SOURCE_DIR) / "tests/ros_packages/one_joint_ws", workspace, fs::copy_options::recursive);
+  const auto checked = test::run_command({"plugin", "check", workspace});
+  EXPECT_EQ(checked.exit_code, 0) << checked.output;
+  const auto built = test::run_command({"plugin", "build", workspace, "--simulated"});
+  ASSERT_EQ(built.exit_code, 0) << built.output;
+  EXPECT_NE(built.output.find("one_joint.so"), std::string::npos) << built.output;
+  EXPECT_NE(built.output.find("it exports no class one_joint::Gone"), std::string::npos) << built.output;
+  EXPECT_EQ(built.output.find("<plugin>one_joint/Gone"), std::string::npos) << built.output;
+  const auto list = test::run_command({"plugin", "list"});
+  EXPECT_NE(list.output.find("one_joint/OneJoint"), std::string::npos) << list.output;
+  EXPECT_EQ(list.output.find("one_joint/Gone"), std::string::npos) << list.output;
+
+  std::string robot = read_file(package + "/robot.urdf");
+  robot.replace(robot.find("two_joints/TwoJoints"), 20, "one_joint/OneJoint");
+  const auto second = robot.rfind("<joint name=\"joint_2\">");
+  robot.erase(second, robot.find("</joint>", second) + 8 - second);
+  place.write("cell/cell.yaml", "polyarm: cell/1\nrate: 100\nrobots: {arm: {model: robot.urdf, hardware: declared}}\n");
+  place.write("cell/robot.urdf", robot);
+  const auto done =
+      test::run_command({"run", (place.path() / "cell").string(), "--fast", "--json", "--seconds", "1"});
+  EXPECT_EQ(done.exit_code, 0) << done.output;
+  EXPECT_NE(done.output.find("the note says 1.500000 at tick 12"), std::string::npos) << done.output;
+}
+
 /// True while the process exists and is no zombie.
 bool lives(int pid) {
   std::error_code error;

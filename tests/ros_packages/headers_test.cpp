@@ -10,6 +10,8 @@
 #include "rclcpp/rclcpp.hpp"
 #include "realtime_tools/realtime_buffer.hpp"
 #include "realtime_tools/realtime_thread_safe_box.hpp"
+#include "tf2_geometry_msgs/tf2_geometry_msgs.hpp"
+#include "urdf/model.hpp"
 
 namespace {
 
@@ -21,6 +23,42 @@ TEST(Angles, GoTheShortestWayWithinLimitsOfMoreThanATurn) {
   EXPECT_NEAR(way, 0.2 - 6, 1e-12);
   EXPECT_FALSE(angles::shortest_angular_distance_with_large_limits(8, 0.2, -7, 7, way));
   EXPECT_NEAR(angles::normalize_angle(3 * M_PI / 2), -M_PI / 2, 1e-12);
+}
+
+TEST(Transforms, OfMessagesTurnThenMoveAndGoBack) {
+  tf2::Quaternion turn;
+  turn.setRPY(0.3, -0.2, 1.1);
+  const tf2::Transform there(turn, tf2::Vector3(1, 2, 3));
+  const tf2::Vector3 v(0.5, -0.4, 2), back = there.inverse() * (there * v);
+  EXPECT_NEAR((back - v).length(), 0, 1e-12);
+  EXPECT_NEAR(there.getRotation().angleShortestPath(turn), 0, 1e-7);
+  geometry_msgs::msg::TransformStamped stamped;
+  stamped.header.frame_id = "base";
+  stamped.transform = tf2::toMsg(there);
+  geometry_msgs::msg::PoseStamped pose;
+  pose.pose.position.z = 2;
+  geometry_msgs::msg::PoseStamped moved;
+  tf2::doTransform(pose, moved, stamped);
+  EXPECT_EQ(moved.header.frame_id, "base");
+  EXPECT_NEAR(moved.pose.position.z, (there * tf2::Vector3(0, 0, 2)).z(), 1e-12);
+  for (const double sign : {1.0, -1.0}) {  // a half turn, where the trace is negative
+    tf2::Quaternion half(tf2::Vector3(sign, 0, 0), 3.1), out;
+    tf2::Matrix3x3(half).getRotation(out);
+    EXPECT_NEAR(out.angleShortestPath(half), 0, 1e-7);
+  }
+}
+
+TEST(RobotDescription, HasTheMassesOfItsLinks) {
+  urdf::Model model;
+  ASSERT_TRUE(model.initString(
+      "<robot name='r'><link name='a'/><link name='b'><visual><origin xyz='9 9 9'/></visual><inertial>"
+      "<origin xyz='0 0 0.1'/><mass value='2'/><inertia ixx='1' iyy='2' izz='3' ixy='0' ixz='0' iyz='0.5'/>"
+      "</inertial></link><joint name='j' type='fixed'><parent link='a'/><child link='b'/></joint></robot>"));
+  EXPECT_EQ(model.getLink("a")->inertial, nullptr);
+  ASSERT_NE(model.getLink("b")->inertial, nullptr);
+  EXPECT_EQ(model.getLink("b")->inertial->mass, 2);
+  EXPECT_EQ(model.getLink("b")->inertial->iyz, 0.5);
+  EXPECT_EQ(model.getLink("b")->inertial->origin.position.z, 0.1);
 }
 
 TEST(LexicalCasts, ReadNumbersListsAndBooleansAndRefuseTheRest) {

@@ -57,11 +57,49 @@ TEST(Packages, AreBuiltAfterWhatTheyNeed) {
   EXPECT_EQ(names, (std::vector<std::string>{"c", "b", "a"}));
 }
 
+TEST(Packages, ThatOnlyTheBuildFileNamesAreBuiltToo) {
+  const test::Folder place;
+  place.write("a/package.xml", manifest("a", "<exec_depend>d</exec_depend>"));
+  place.write("a/CMakeLists.txt", "find_package(b REQUIRED)  # and e\nif(BUILD_TESTING)\n  if(X)\n  endif()\n  find_package(e)\nendif()\n"
+              "set(NEEDED\n  c\n)\nmessage(\"e\")\n");
+  for (const std::string name : {"b", "c", "d", "e"}) place.write(name + "/package.xml", manifest(name));
+  Problems problems;
+  const auto all = find_packages(place.path(), problems);
+  std::vector<std::string> names;
+  for (const Package* each : in_build_order(all[0], all)) names.push_back(each->name);
+  EXPECT_EQ(names, (std::vector<std::string>{"b", "c", "a"}));
+}
+
+TEST(Packages, WithFiltersOrKinematicsForAnotherAreItsHelpers) {
+  const test::Folder place;
+  const auto describe = [&](const std::string& name, const std::string& base) {
+    place.write(name + "/package.xml", manifest(name));
+    place.write(name + "/x.xml", "<library path=\"" + name + "\"><class name=\"" + name + "/X\" type=\"" + name +
+                                     "::X\" base_class_type=\"" + base + "\"/></library>");
+  };
+  place.write("arm/package.xml", manifest("arm", "<depend>kin</depend>"));
+  place.write("kin/package.xml", manifest("kin"));
+  describe("kin_kdl", "kin::Kinematics");
+  describe("sieve", "filters::FilterBase&lt;double&gt;");
+  describe("panel", "rviz_common::Panel");
+  Problems problems;
+  const auto all = find_packages(place.path(), problems);
+  auto order = in_build_order(all[0], all);
+  const auto helpers = helpers_of(order, all);
+  ASSERT_EQ(helpers.size(), 1u);  // no filters: arm does not use them
+  EXPECT_EQ(helpers[0]->name, "kin_kdl");
+  order.insert(order.begin(), helpers[0]);
+  const std::string code = module_code(all[0], {}, order, {}), build = module_cmake(all[0], {}, order, Kit(), {});
+  EXPECT_NE(code.find("described_types()[\"kin_kdl/X\"] = \"kin_kdl::X\""), std::string::npos) << code;
+  EXPECT_NE(build.find("polyarm_ros_whole(kin_kdl)"), std::string::npos) << build;
+}
+
 TEST(PluginDescription, NamesClassesTheirLibraryAndTheirBase) {
   const test::Folder place;
   place.write("package.xml", manifest("acme"));
   place.write("acme.xml", kPlugin);
   place.write("other.xml", "<robot><joint/></robot>");
+  place.write("test/of_tests.xml", kPlugin);
   const auto classes = plugin_classes(read_package(place.path() / "package.xml"));
   ASSERT_EQ(classes.size(), 1u);
   EXPECT_EQ(classes[0].name, "acme/Drive");
@@ -90,6 +128,25 @@ TEST(Interfaces, BecomeStructsWithConstantsDefaultsAndArrays) {
         "static constexpr std::uint8_t WORN = 1;", "static constexpr const char* WHO = \"a # b\";",
         "double w{1.0};", "acme::msg::Other other{};"})
     EXPECT_NE(code.find(part), std::string::npos) << part << "\n" << code;
+}
+
+TEST(Interfaces, MayHaveFieldsWithAnyName) {
+  const std::string code = header_code({"acme", "msg", "Note", "string value\nfloat64 o\n", {}});
+  EXPECT_NE(code.find("value = given_"), std::string::npos) << code;
+  EXPECT_NE(code.find("o == other_.o"), std::string::npos) << code;
+  EXPECT_NE(code.find("using Note_ = Note;"), std::string::npos) << code;
+}
+
+TEST(Interfaces, OfTheListForPluginsReplaceThoseThatPolyarmSpeaks) {
+  const Kit kit;
+  int found = 0;
+  for (const Interface& each : kit.interfaces())
+    if (each.name == "FollowJointTrajectory") {
+      ++found;
+      EXPECT_NE(each.text.find("int32 index"), std::string::npos) << each.text;
+    }
+  EXPECT_EQ(found, 1);
+  EXPECT_TRUE(kit.has_header("std_msgs/msg/detail/float64__struct.hpp"));
 }
 
 TEST(Interfaces, OfServicesAndActionsHaveTheirParts) {
@@ -142,6 +199,28 @@ TEST(Check, NamesMissingHeadersAndNamesOnceWithTheirPlaceAndAdvice) {
   EXPECT_TRUE(has("wjwwood/serial"));
   EXPECT_TRUE(has("src/drive.cpp:6: error: Polyarm has no rclcpp::Telepathy"));
   EXPECT_TRUE(has("drive.hpp:2: error: no header 'nowhere/far.hpp'"));
+}
+
+TEST(Check, LeavesOtherSystemsAndReadsVariablesAndFoldersBeside) {
+  const test::Folder place;
+  place.write("acme/package.xml", manifest("acme"));
+  place.write("acme/acme.xml", kPlugin);
+  place.write("shared/bus.hpp", "#pragma once\n");
+  place.write("acme/CMakeLists.txt",
+              "set(SOURCES src/drive.cpp)\nadd_library(drive SHARED ${SOURCES})\n"
+              "target_include_directories(drive PRIVATE ../shared)\n");
+  place.write("acme/src/drive.cpp",
+              "#include <bus.hpp>\n#include <std_msgs/msg/detail/bool__builder.hpp>\n#ifdef _WIN32\n"
+              "#include <windows.h>\n#endif\n#include <nowhere.h>\n");
+  place.write("acme/src/demo.cpp", "#include <ros/ros.h>\n");
+  Problems problems, found;
+  const auto all = find_packages(place.path(), problems);
+  check_package(all[0], all, Kit(), found);
+  std::vector<std::string> texts;
+  for (const Problem& p : found.list())
+    if (p.severity == Severity::error) texts.push_back(p.text());
+  ASSERT_EQ(texts.size(), 1u) << (texts.empty() ? "" : texts.back());
+  EXPECT_NE(texts[0].find("drive.cpp:6: error: no header 'nowhere.h'"), std::string::npos) << texts[0];
 }
 
 TEST(PackageBounds, AreOnTheirPage) {

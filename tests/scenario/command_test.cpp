@@ -27,6 +27,9 @@ TEST(Command, AnUnknownOptionOrPartIsAnErrorWithTheNearestOne) {
     EXPECT_EQ(wrong.exit_code, 2) << wrong.output;
     return wrong.output;
   };
+  EXPECT_NE(said({"control", "hodl", "--cell", "x"}).find("no 'polyarm control hodl'; did you mean 'hold'?"),
+            std::string::npos)
+      << "the word that is wrong comes before its options";
   EXPECT_NE(said({"run", "cell", "--fst"}).find("no option '--fst'; did you mean '--fast'?"),
             std::string::npos);
   EXPECT_NE(said({"check", ".", "--roobt", "x"}).find("did you mean '--robot'?"), std::string::npos);

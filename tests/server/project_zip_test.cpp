@@ -119,6 +119,21 @@ TEST_F(ProjectZipTest, ANameThatIsAFileAndAFolderIsNamed) {
   EXPECT_FALSE(fs::exists(folder.path() / "out"));
 }
 
+TEST_F(ProjectZipTest, AFileWithTheNameOfAFolderBeforeItIsNamedWithoutAPathOfThisMachine) {
+  write_file_atomically(project() / "zzz", "a file");
+  std::string zip = zip_of(project());
+  for (std::size_t at = zip.find("zzz"); at != std::string::npos; at = zip.find("zzz", at)) zip.replace(at, 3, "sub");
+  try {
+    unzip_into(zip, folder.path() / "out");
+    FAIL() << "sub is both";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.problems().front().code, "bad-zip");
+    EXPECT_NE(std::string(e.what()).find("'sub'"), std::string::npos) << e.what();
+    EXPECT_EQ(std::string(e.what()).find(folder.path().string()), std::string::npos) << e.what();
+  }
+  EXPECT_FALSE(fs::exists(folder.path() / "out"));
+}
+
 TEST_F(ProjectZipTest, OnlyWhatZlibUnpacksIsUnpacked) {
   std::string zip = zip_of(project());
   // The central directory and the file itself say bzip2, which another library would unpack.

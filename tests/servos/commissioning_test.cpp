@@ -3,7 +3,11 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <stdexcept>
+#include <vector>
 
+#include "drivers/servo_bus/setup.hpp"
 #include "polyarm/base/file.hpp"
 #include "tests/servos/rig.hpp"
 
@@ -49,12 +53,13 @@ class SettingUp : public testing::TestWithParam<Wire> {
     folder = ::mkdtemp(pattern.data());
   }
   ~SettingUp() override { fs::remove_all(folder); }
-  Commissioning setup(const FakeBus& fake) {
+  Commissioning setup(const FakeBus& fake) { return setup(fake.path()); }
+  Commissioning setup(const fs::path& port) {
     CommissioningOptions options;
     options.joints = {"a", "b", "c"};
     options.calibration = folder / "calibration.yaml";
     options.backup = folder / "backup.yaml";
-    options.port = fake.path();
+    options.port = port.string();
     options.baud = family.default_baud;
     options.highest_id = 6;
     options.answer_timeout = 60'000'000;
@@ -191,6 +196,139 @@ TEST_P(SettingUp, RangesByHandThenZeroAndTheDriverReadsThem) {
   ASSERT_TRUE(rig.start());
   ASSERT_EQ(rig.step(), ReturnType::ok);
   EXPECT_NEAR(rig.state(0, 0), 0, 1e-9);
+}
+
+TEST_P(SettingUp, AnInterruptedMeasurementContinuesWithTheOtherJoints) {
+  FakeBus fake(GetParam(), {1, 2, 3});
+  person.expect("type yes", "yes");
+  person.expect("every joint", "", [&](const std::function<void()>& meanwhile) {
+    by_hand(fake, 1, 1000, 3000)(meanwhile);
+    by_hand(fake, 2, 1200, 2500)(meanwhile);
+  });
+  EXPECT_THROW(setup(fake).calibrate(), Error) << "the person goes home before c";
+  EXPECT_FALSE(fs::exists(folder / "calibration.yaml"));
+
+  fake.move_by_hand(1, 1500);  // overnight
+  person.expect("type yes", "yes");
+  person.expect("the other joints", "", by_hand(fake, 3, 1900, 2900));
+  person.expect("zero pose", "", [&](const std::function<void()>& meanwhile) {
+    by_hand(fake, 1, 1500, 1800)(meanwhile);
+  });
+  setup(fake).calibrate();
+  EXPECT_TRUE(person.done());
+  EXPECT_NE(person.heard.find("an earlier run has measured a, b"), std::string::npos) << person.heard;
+  const std::string text = read_file(folder / "calibration.yaml");
+  EXPECT_NE(text.find("a: {id: 1, zero: 1800, min: 1000, max: 3000}"), std::string::npos) << text;
+  EXPECT_NE(text.find("b: {id: 2, zero: 2500, min: 1200, max: 2500}"), std::string::npos) << text;
+  EXPECT_NE(text.find("c: {id: 3, zero: 2900, min: 1900, max: 2900}"), std::string::npos) << text;
+  EXPECT_FALSE(fs::exists(servo_bus::progress_file(folder / "calibration.yaml")));
+}
+
+TEST_P(SettingUp, WhatWasMeasuredIsSavedWhileAPersonStillMoves) {
+  FakeBus fake(GetParam(), {1, 2, 3});
+  person.expect("type yes", "yes");
+  person.expect("every joint", "", [&](const std::function<void()>& meanwhile) {
+    by_hand(fake, 1, 1000, 3000)(meanwhile);
+    for (int k = 0; k < 30; ++k) meanwhile();
+    throw std::runtime_error("the machine loses its power");
+  });
+  EXPECT_THROW(setup(fake).calibrate(), std::runtime_error);
+  const auto progress = servo_bus::read_progress(folder / "calibration.yaml", family);
+  ASSERT_TRUE(progress);
+  ASSERT_EQ(progress->joints.size(), 1u);
+  EXPECT_EQ(progress->joints.at("a").min, 1000);
+  EXPECT_EQ(progress->joints.at("a").max, 3000);
+}
+
+TEST_P(SettingUp, ARangeThroughTheEndOfTheCountSurvivesAnInterruption) {
+  if (GetParam() == Wire::dynamixel) GTEST_SKIP() << "its homing does not reach that far";
+  FakeBus fake(GetParam(), {1, 2, 3});
+  person.expect("type yes", "yes");
+  person.expect("every joint", "", [&](const std::function<void()>& meanwhile) {
+    by_hand(fake, 1, 2048, 4140)(meanwhile);  // ends at 44 of the next turn
+    by_hand(fake, 2, 1200, 2500)(meanwhile);
+  });
+  EXPECT_THROW(setup(fake).calibrate(), Error);
+  person.expect("type yes", "yes");
+  person.expect("the other joints", "", by_hand(fake, 3, 1900, 2900));
+  person.expect("zero pose", "", [&](const std::function<void()>& meanwhile) {
+    by_hand(fake, 1, 4140, 3000)(meanwhile);
+  });
+  setup(fake).calibrate();
+  const int shift = 2048 - (2048 + 4140) / 2;
+  EXPECT_EQ(fake.get(1, family.min_limit), 2048 + shift);
+  EXPECT_EQ(fake.get(1, family.max_limit), 4140 + shift);
+  const std::string text = read_file(folder / "calibration.yaml");
+  EXPECT_NE(text.find("a: {id: 1, zero: " + std::to_string(3000 + shift)), std::string::npos) << text;
+}
+
+TEST_P(SettingUp, AnInterruptedWritingIsFinishedByTheNextRunAndNotDrivenBefore) {
+  FakeBus fake(GetParam(), {1, 2, 3});
+  person.expect("type yes", "yes");
+  person.expect("every joint", "", [&](const std::function<void()>& meanwhile) {
+    for (const int id : {1, 2, 3}) by_hand(fake, id, 1000, 2900)(meanwhile);
+  });
+  person.expect("zero pose", "m", [&](const std::function<void()>& meanwhile) {
+    meanwhile();
+    fake.unplug(3);
+  });
+  EXPECT_THROW(setup(fake).calibrate(), Error) << "servo 3 has lost its cable";
+  EXPECT_EQ(fake.get(1, family.min_limit), 1000);
+  EXPECT_FALSE(fs::exists(folder / "calibration.yaml"));
+
+  ServoRig rig(GetParam());
+  for (auto& part : rig.context.robots[0].hardware[0].components) part.parameters.clear();
+  write_file_atomically(folder / "calibration.yaml",
+                        std::string("polyarm: servo_calibration/1\nfamily: ") + family.name +
+                            "\njoints: {a: {id: 1}, b: {id: 2}, c: {id: 3}}\n");  // an old one
+  rig.context.parameters["calibration"] = (folder / "calibration.yaml").string();
+  try {
+    servo_bus::read_setup(rig.context, family);
+    FAIL() << "half of a calibration is in the servos";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.problems().front().code, "unfinished-calibration") << e.what();
+  }
+
+  fake.plug_in(3);
+  person.expect("type yes", "yes");
+  setup(fake).calibrate();
+  EXPECT_TRUE(person.done()) << "nothing is measured again";
+  EXPECT_EQ(fake.get(3, family.max_limit), 2900);
+  EXPECT_EQ(servo_bus::read_setup(rig.context, family).joints[2].zero, 1950);
+  EXPECT_FALSE(fs::exists(servo_bus::progress_file(folder / "calibration.yaml")));
+}
+
+TEST_P(SettingUp, AnAdapterThatIsPulledIsWaitedFor) {
+  auto fake = std::make_unique<FakeBus>(GetParam(), std::vector<int>{1, 2, 3});
+  const fs::path port = folder / "port";
+  fs::create_symlink(fake->path(), port);
+  person.expect("type yes", "yes");
+  person.expect("every joint", "", [&](const std::function<void()>& meanwhile) {
+    by_hand(*fake, 1, 1000, 2900)(meanwhile);
+    fake.reset();
+    for (int k = 0; k < 60; ++k) meanwhile();
+    fake = std::make_unique<FakeBus>(GetParam(), std::vector<int>{1, 2, 3});
+    fs::remove(port);
+    fs::create_symlink(fake->path(), port);
+    fake->move_by_hand(1, 2000);
+    for (int k = 0; k < 60; ++k) meanwhile();
+    for (const int id : {2, 3}) by_hand(*fake, id, 1000, 2900)(meanwhile);
+  });
+  person.expect("zero pose", "m");
+  setup(port).calibrate();
+  EXPECT_NE(person.heard.find("is gone"), std::string::npos) << person.heard;
+  EXPECT_NE(person.heard.find("is back"), std::string::npos) << person.heard;
+  EXPECT_EQ(fake->get(1, family.min_limit), 1000);
+  EXPECT_EQ(fake->get(3, family.max_limit), 2900);
+}
+
+TEST_P(SettingUp, AProgressFileOfOthersIsRefused) {
+  FakeBus fake(GetParam(), {1, 2, 3});
+  for (const char* text : {"", "[", "polyarm: servo_progress/1\nfamily: other\nstage: moving\n",
+                           "polyarm: servo_progress/1\nfamily: feetech\nstage: flying\n"}) {
+    write_file_atomically(servo_bus::progress_file(folder / "calibration.yaml"), text);
+    EXPECT_THROW(setup(fake).calibrate(), Error) << text;
+  }
 }
 
 TEST_P(SettingUp, ARangeThatCannotBeMovedFromTheEndOfTheCountIsToldWithWhatToDo) {

@@ -26,6 +26,26 @@ TEST_P(BothWires, OffersWhatIsDeclaredAndSaysThatItIsReal) {
   EXPECT_EQ(rig.component->command_interfaces()[2].name, "arm/c/position");
 }
 
+TEST_P(BothWires, JointsLedByHandAreLetGoAndOnlyMeasured) {
+  ServoRig rig(GetParam());
+  rig.set("by_hand", "true");
+  rig.set("release_time", "0.1");
+  EXPECT_TRUE(rig.component->command_interfaces().empty());
+  for (const int id : {1, 2, 3}) rig.fake.set(id, rig.family.torque, id == 2);  // b still holds
+  ASSERT_TRUE(rig.start());
+  EXPECT_EQ(rig.fake.get(2, rig.family.torque), 0);
+  EXPECT_TRUE(rig.fake.written(1, rig.family.goal_position).empty());
+  rig.fake.move_by_hand(1, 1500);
+  ASSERT_EQ(rig.step(), ReturnType::ok) << rig.component->reason();
+  EXPECT_NEAR(rig.state(0, kPosition), (1500 - 2048) * kStep, 1e-12);
+  ASSERT_EQ(rig.component->on_deactivate(), CallbackReturn::success);
+  ASSERT_EQ(rig.component->on_shutdown(), CallbackReturn::success);
+  for (const int id : {1, 2, 3}) {
+    EXPECT_EQ(rig.fake.get(id, rig.family.torque), 0);
+    EXPECT_TRUE(rig.fake.written(id, rig.family.goal_position).empty());
+  }
+}
+
 TEST_P(BothWires, ConfiguringWritesNothing) {
   ServoRig rig(GetParam());
   rig.fake.set(1, rig.family.goal_position, 100);

@@ -118,10 +118,12 @@ TEST(GuardBodies, PointsBeforeAPlaneKeepTheirPiecesApart) {
     GuardBodies bodies({cell.robot}, cell.scene);
     bodies.look(cell.at(collision::random_state(cell.model, random)));
     std::array<GuardGap, 32> points;
-    for (const GuardPair& pair : bodies.pairs()) {
+    for (std::size_t index = 0; index < bodies.pairs().size(); ++index) {
+      const GuardPair& pair = bodies.pairs()[index];
       const GuardGap gap = bodies.gap_of(pair, 1e9);
       if (gap.distance < 1e-3 || gap.distance > 0.2) continue;
-      const std::size_t count = bodies.points_of(pair, 0, gap.distance + 0.05, points);
+      const std::size_t count = bodies.measure_points(index, 0, gap.distance + 0.05, points);
+      EXPECT_NEAR(pair.slack, gap.distance, 1e-5);
       ASSERT_GT(count, 0u);
       double least = 1e9;
       for (std::size_t i = 0; i < count; ++i) least = std::min(least, points[i].distance);

@@ -197,6 +197,72 @@ TEST(LookAhead, AnObstacleThatComesIsSeenAndOneThatLeavesIsForgotten) {
   EXPECT_TRUE(std::isinf(free_until(-0.5)));
 }
 
+/// A cube of 40 mm that hangs below the ball, over a shelf that moves up and down.
+struct PutDown {
+  PutDown() : model(gantry()) {
+    tool.body = {box(0.004, 0.004, 0.004)};
+    scene.floor = false;
+    description::Part cube;
+    cube.name = "cube";
+    cube.shape = box(0.04, 0.04, 0.04);
+    scene.parts = {cube};
+    description::Mover lift;
+    lift.name = "lift";
+    lift.axis = {0, 0, 1};
+    scene.movers = {lift};
+    scene.fixtures = {fixture("shelf", {1, 1, 0.1}, {0, 0, -0.05})};  // its top is at z = 0
+    scene.fixtures[0].mover = "lift";
+    moment = at(0, 0, kHigh);
+    moment.movers = {0};
+    moment.parts = {{{{0, 0, kHigh - 0.05}, {}}, true, 0}};
+    bodies = std::make_unique<GuardBodies>(std::vector<Robot>{{"arm", &model, &tool, -1, false, {}}}, scene);
+    ahead = std::make_unique<LookAhead>(*bodies, 0, LookAheadOptions{});
+  }
+  /// How near the cube comes to the shelf, as planned, on a way that ends `gap` above it and at which the shelf is
+  /// `lift` higher than when it began; the gap at which it would stop, or at the end.
+  double nearest(double gap, double lift) {
+    const double end = gap + 0.07;
+    Straight way({0, 0, kHigh}, {0, 0, end}, 1);
+    moment.movers = {0};
+    bodies->look(moment);
+    ahead->begin(way, {});
+    moment.movers = {lift};
+    bodies->look(moment);
+    const double until = std::min(1.0, ahead->look(way, 0, 1, nobody).free_until);
+    return kHigh + until * (end - kHigh) - 0.07 - lift;
+  }
+  static constexpr double kHigh = 0.5;
+  description::RobotModel model;
+  description::Tool tool;
+  description::Scene scene;
+  Moment moment;
+  std::unique_ptr<GuardBodies> bodies;
+  std::unique_ptr<LookAhead> ahead;
+  const std::vector<std::vector<double>> nobody = std::vector(1, std::vector<double>(3, 0.0));
+};
+
+/// A part that a move puts down may touch what it is put on, and no move goes deeper than pressing.
+TEST(LookAhead, APartIsPutDownWhereAMoveEndsAndNotDeeper) {
+  PutDown cell;
+  EXPECT_NEAR(cell.nearest(0, 0), 0, 1e-6) << "down to the shelf";
+  EXPECT_NEAR(cell.nearest(0.0075, 0), 0.0075, 1e-6) << "a little above it";
+  Random random(5);
+  for (int i = 0; i < 200; ++i) {
+    const double gap = random.between(-0.02, 0.0079);  // nearer than clearance and inexactness
+    ASSERT_NEAR(cell.nearest(gap, 0), std::max(gap, -LookAhead::kPressing), 1e-3) << gap;
+  }
+}
+
+/// Grips and movers are not exact: a place that is nearer than planned by less than this is still reached.
+TEST(LookAhead, APlaceThatIsNotQuiteWhereItWasIsReached) {
+  Random random(6);
+  for (int i = 0; i < 200; ++i) {
+    PutDown cell;
+    const double gap = random.between(0, 0.0079), lift = random.between(0, 0.003);
+    ASSERT_NEAR(cell.nearest(gap, lift), std::max(gap - lift, -LookAhead::kPressing), 1e-3) << gap << " " << lift;
+  }
+}
+
 TEST(LookAhead, TwoRobotsCountHowFarTheOtherStillGoes) {
   const description::RobotModel model = gantry();
   description::Scene scene;

@@ -85,6 +85,23 @@ TEST_F(SweepTest, AStartInsideSomethingIsSaidAsThat) {
             std::string::npos);
 }
 
+TEST_F(SweepTest, AContactKeepsTheMarkUnderWhichItBegan) {
+  scene_.fixtures = {fixture("table", {1, 1, 0.1}, {0, 0, -0.07})};  // its face is where the ball ends
+  Sweep work(sweep());
+  const auto mark = [](std::uint64_t number) { return [number](std::size_t) { return number; }; };
+  work.add(at(0, 0, 0.1), 0, mark(1));
+  work.add(at(0, 0, 0.005), 1, mark(1));
+  work.add(at(0, 0, -0.001), 2, mark(2));  // begins to touch
+  work.add(at(0, 0, -0.0015), 3, mark(3));
+  work.add(at(0, 0, 0.1), 4, mark(3));
+  work.finish();
+  ASSERT_EQ(work.approaches().size(), 1u);
+  EXPECT_EQ(work.approaches()[0].first_mark, 2u);
+  EXPECT_NEAR(work.approaches()[0].first_distance, -0.001, 2e-4);
+  EXPECT_EQ(work.approaches()[0].mark, 3u);
+  EXPECT_NEAR(work.approaches()[0].distance, -0.0015, 2e-4);
+}
+
 TEST_F(SweepTest, TheFloorAndAMoverCount) {
   scene_.floor = true;
   scene_.floor_height = -0.5;

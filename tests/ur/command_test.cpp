@@ -73,7 +73,7 @@ TEST(UrExample, ACellInAnotherProcessIsArmedAndPlaces) {
 }
 
 TEST(UrFarSide, WrongOptionsAreRefused) {
-  EXPECT_EQ(run_command({"far-side", "kuka"}).exit_code, 2);
+  EXPECT_EQ(run_command({"far-side", "nachi"}).exit_code, 2);
   EXPECT_EQ(run_command({"far-side", "ur", "--software", "new"}).exit_code, 2);
   const Finished base = run_command({"far-side", "ur", "--robot", "agilex/ranger", "--port", "0"});
   EXPECT_NE(base.exit_code, 0) << base.output;

@@ -636,6 +636,34 @@ export interface PointFacts {
   group: string;
 }
 
+export interface PointsCameraAnswer {
+  kind?: 'boolean' | 'number' | 'text' | 'list' | 'joints' | 'pose' | 'record';
+  file?: string;
+  text?: string;
+  literal?: string;
+  value?: unknown;
+  unit?: string;
+  pose?: PoseFacts | null;
+  world?: PoseFacts | null;
+  joints?: Record<string, number> | null;
+  taught?: TaughtFacts | null;
+  group?: string;
+  undo?: string;
+  name: string;
+  frame: string;
+  camera: PoseFacts;
+  marker: PoseFacts;
+  position_residuals: number[];
+  rotation_residuals: number[];
+  position_rms: number;
+  rotation_rms: number;
+  position_sigma: number;
+  rotation_sigma: number;
+  outlier?: number;
+  next: PoseFacts;
+  next_sigma: number;
+}
+
 export interface PointsDeleteAnswer {
   name: string;
   undo: string;
@@ -692,6 +720,12 @@ export interface PointsRenameAnswer {
   uses: FileLine[];
 }
 
+export interface PointsSightingAnswer {
+  flange: PoseFacts;
+  marker: PoseFacts;
+  age: number;
+}
+
 export interface PointsToolAnswer {
   kind?: 'boolean' | 'number' | 'text' | 'list' | 'joints' | 'pose' | 'record';
   file?: string;
@@ -711,6 +745,10 @@ export interface PointsToolAnswer {
   residuals: number[];
   rms: number;
   largest: number;
+  sigma: number;
+  outlier?: number;
+  next: PoseFacts;
+  next_sigma: number;
 }
 
 export interface PointsUndoAnswer {
@@ -1049,6 +1087,22 @@ export interface TaughtFacts {
   robot: string;
 }
 
+export interface TeleopAnswer {
+  pairs: TeleopPair[];
+}
+
+export interface TeleopPair {
+  name: string;
+  leader: string;
+  follower: string;
+  mapping: string;
+  clutch: string;
+  state: string;
+  reason: string;
+  furthest: string;
+  distance: number;
+}
+
 export interface Times {
   p50_ns: number;
   p99_ns: number;
@@ -1131,6 +1185,7 @@ export interface Requests {
   'jog': { args: { robot?: string; joints?: Record<string, unknown>; tcp?: Record<string, unknown>; frame?: string; by?: boolean; speed?: number; hold?: number; session?: number; end?: boolean }; answer: JogAnswer };
   'jog.state': { args: { robot?: string }; answer: JogAnswer };
   'target': { args: { robot?: string; joints?: Record<string, unknown>; pose?: Record<string, unknown>; frame?: string; speed?: number; hold?: number; session?: number }; answer: JogAnswer };
+  'teleop': { args: { pair?: string; hold?: number }; answer: TeleopAnswer };
   'profile': { args: { name?: string }; answer: LimitsProfileAnswer };
   'move': { args: { points: unknown; robot?: string; kind?: 'joint' | 'line'; pace?: number; speed?: number; rests?: boolean }; answer: MoveToAnswer };
   'events': { args: { since?: number }; answer: Event[] };
@@ -1160,6 +1215,8 @@ export interface Requests {
   'points.undo': { args: { file?: string; steps?: number }; answer: PointsUndoAnswer };
   'points.frame': { args: { name: string; origin?: unknown; on_x?: unknown; in_plane?: unknown; from?: string | string[]; file?: string; dry?: boolean }; answer: PointsFrameAnswer };
   'points.tool': { args: { name: string; poses?: unknown; from?: string | string[]; robot?: string; file?: string; dry?: boolean }; answer: PointsToolAnswer };
+  'points.sighting': { args: { marker: string; robot?: string }; answer: PointsSightingAnswer };
+  'points.camera': { args: { name: string; sightings?: unknown; place?: 'hand' | 'beside'; robot?: string; file?: string; dry?: boolean }; answer: PointsCameraAnswer };
   'plan.preview': { args: { to?: string; joints?: Record<string, unknown>; pose?: Record<string, unknown>; kind?: 'joint' | 'line'; robot?: string; speed?: number }; answer: PlanPreviewAnswer };
   'files': { args: {}; answer: FilesListAnswer };
   'files.read': { args: { name: string }; answer: FilesReadAnswer };

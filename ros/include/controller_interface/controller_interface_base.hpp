@@ -18,6 +18,7 @@
 #include "rclcpp/rclcpp.hpp"
 #include "rclcpp/version.h"
 #include "rclcpp_lifecycle/lifecycle_node.hpp"
+#include "realtime_tools/realtime_helpers.hpp"
 
 namespace controller_interface {
 
@@ -60,6 +61,12 @@ class ControllerInterfaceBase : public rclcpp_lifecycle::node_interfaces::Lifecy
     options.automatically_declare_parameters_from_overrides(
         custom.automatically_declare_parameters_from_overrides());
     node_ = std::make_shared<Node>(params.controller_name, params.node_namespace, options, false);
+    node_->register_on_configure([this](const auto& state) { return on_configure(state); });
+    node_->register_on_cleanup([this](const auto& state) { return on_cleanup(state); });
+    node_->register_on_activate([this](const auto& state) { return on_activate(state); });
+    node_->register_on_deactivate([this](const auto& state) { return on_deactivate(state); });
+    node_->register_on_shutdown([this](const auto& state) { return on_shutdown(state); });
+    node_->register_on_error([this](const auto& state) { return on_error(state); });
     return on_init() == CallbackReturn::SUCCESS ? return_type::OK : return_type::ERROR;
   }
   return_type init(const std::string& name, const std::string& description, unsigned int rate,
@@ -81,7 +88,7 @@ class ControllerInterfaceBase : public rclcpp_lifecycle::node_interfaces::Lifecy
     if (!node_) throw std::runtime_error("the controller has no node before init()");
     return node_;
   }
-  const rclcpp_lifecycle::State& configure() { return node_->get_current_state(); }
+  const rclcpp_lifecycle::State& configure() { return get_node()->configure(); }
   const rclcpp_lifecycle::State& get_lifecycle_state() const { return node_->get_current_state(); }
   const rclcpp_lifecycle::State& get_state() const { return node_->get_current_state(); }
   std::uint8_t get_lifecycle_id() const { return node_->get_current_state().id(); }

@@ -14,6 +14,8 @@ class LoanedCommandInterface {
   using Deleter = std::function<void()>;
   explicit LoanedCommandInterface(CommandInterface& interface, Deleter&& release = nullptr)
       : interface_(&interface), release_(std::move(release)) {}
+  explicit LoanedCommandInterface(const std::shared_ptr<CommandInterface>& interface, Deleter&& release = nullptr)
+      : LoanedCommandInterface(*interface, std::move(release)) {}
   LoanedCommandInterface(const LoanedCommandInterface&) = delete;
   LoanedCommandInterface(LoanedCommandInterface&& other) noexcept
       : interface_(other.interface_), release_(std::exchange(other.release_, nullptr)) {}

@@ -14,6 +14,8 @@ class LoanedStateInterface {
   using Deleter = std::function<void()>;
   explicit LoanedStateInterface(StateInterface& interface, Deleter&& release = nullptr)
       : interface_(&interface), release_(std::move(release)) {}
+  explicit LoanedStateInterface(const std::shared_ptr<const StateInterface>& interface, Deleter&& release = nullptr)
+      : LoanedStateInterface(const_cast<StateInterface&>(*interface), std::move(release)) {}
   LoanedStateInterface(const LoanedStateInterface&) = delete;
   LoanedStateInterface(LoanedStateInterface&& other) noexcept
       : interface_(other.interface_), release_(std::exchange(other.release_, nullptr)) {}

@@ -94,7 +94,7 @@ class RosController : public pc::Controller, public pc::RobotUser {
     return false;
   }
   std::optional<pc::GoalEvent> next_goal_event() override {
-    if (node_) node_->get_node_base_interface()->run_timers();
+    if (node_) node_->get_node_base_interface()->run_due();
     const std::lock_guard lock(events_mutex_);
     if (events_.empty()) return std::nullopt;
     const pc::GoalEvent out = events_.front();
@@ -454,7 +454,7 @@ inline std::vector<pc::InputPort> RosController::inputs() const {
 inline std::uint64_t RosController::receive(const std::string& port, const pc::Input& message, bool) {
   if (!node_) throw polyarm::Error("wrong-state", "the controller '" + name_ + "' is not configured");
   try {
-    node_->get_node_base_interface()->run_timers();
+    node_->get_node_base_interface()->run_due();
     const std::uint64_t goal = hand_over(port, message);
     moves_ = true;
     return goal;

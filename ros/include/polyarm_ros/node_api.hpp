@@ -52,19 +52,23 @@ class NodeApi {
   }
   template <typename Message, typename Callback, typename... Rest>
   typename rclcpp::Subscription<Message>::SharedPtr create_subscription(const std::string& topic,
-                                                                        const rclcpp::QoS&, Callback callback,
+                                                                        const rclcpp::QoS& qos, Callback callback,
                                                                         Rest&&...) {
+    const std::shared_ptr<Topic> on = find_topic(full(topic));
     auto listener = std::make_shared<Listener>(
-        Listener{topic, &typeid(Message), [callback](const void* message) mutable {
-                   rclcpp::call_with_message(callback, *static_cast<const Message*>(message));
-                 }});
+        topic, &typeid(Message),
+        [callback](const void* message) mutable {
+          rclcpp::call_with_message(callback, *static_cast<const Message*>(message));
+        },
+        on, qos.depth());
+    on->add(listener);
     note("topic", topic);
     core_->wires.add(listener);
     return std::make_shared<rclcpp::Subscription<Message>>(std::move(listener));
   }
   template <typename Publisher>
   std::shared_ptr<Publisher> make_publisher(const std::string& topic) {
-    auto speaker = std::make_shared<Speaker>(Speaker{topic, &typeid(typename Publisher::MessageType), {}});
+    auto speaker = std::make_shared<Speaker>(topic, &typeid(typename Publisher::MessageType), find_topic(full(topic)));
     note("topic", topic);
     core_->wires.add(speaker);
     return std::make_shared<Publisher>(std::move(speaker));
@@ -167,10 +171,17 @@ class NodeApi {
   std::vector<std::string> get_node_names() const { return {core_->get_fully_qualified_name()}; }
   std::map<std::string, std::vector<std::string>> get_topic_names_and_types() const { return {}; }
   std::map<std::string, std::vector<std::string>> get_service_names_and_types() const { return {}; }
-  std::size_t count_publishers(const std::string&) const { return 0; }
-  std::size_t count_subscribers(const std::string&) const { return 0; }
+  std::size_t count_publishers(const std::string& topic) const {
+    return static_cast<std::size_t>(find_topic(full(topic))->speakers.load());
+  }
+  std::size_t count_subscribers(const std::string& topic) const {
+    return static_cast<std::size_t>(find_topic(full(topic))->listeners.load());
+  }
 
  private:
+  std::string full(const std::string& topic) const {
+    return full_topic(get_namespace(), get_fully_qualified_name(), topic);
+  }
   void note(const char* what, const std::string& name) const {
     if (!core_->wires.open) report_unavailable(get_name(), what, name);
   }

@@ -1,6 +1,6 @@
 #pragma once
-/// What Polyarm knows of a robot as a robot description: links, joints with origins, axes and limits. Bodies and
-/// meshes are left out. And limits of joints as structs.
+/// What Polyarm knows of a robot as a robot description: links with masses, joints with origins, axes and limits.
+/// Shapes and meshes are left out. And limits of joints as structs.
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -26,6 +26,19 @@ inline void write_origin(std::ostream& out, const polyarm::Pose& pose) {
   out << "<origin xyz=\"" << pose.position.x << " " << pose.position.y << " " << pose.position.z << "\" rpy=\""
       << std::atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y)) << " " << std::asin(sine)
       << " " << std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z)) << "\"/>";
+}
+
+inline void write_link(std::ostream& out, const polyarm::description::Link& link) {
+  out << "<link name=\"" << xml_text(link.name) << "\">";
+  if (link.inertial) {
+    const auto& body = *link.inertial;
+    static const char* const names[] = {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"};
+    out << "<inertial><origin xyz=\"" << body.center.x << " " << body.center.y << " " << body.center.z
+        << "\" rpy=\"0 0 0\"/><mass value=\"" << body.mass << "\"/><inertia";
+    for (std::size_t i = 0; i < 6; ++i) out << " " << names[i] << "=\"" << body.inertia[i] << "\"";
+    out << "/></inertial>";
+  }
+  out << "</link>";
 }
 
 inline void write_joint(std::ostream& out, const polyarm::description::RobotModel& model,
@@ -57,7 +70,7 @@ inline std::string robot_text(const polyarm::description::RobotModel& model, con
   std::ostringstream out;
   out.precision(17);
   out << "<?xml version=\"1.0\"?><robot name=\"" << xml_text(model.name) << "\">";
-  for (const auto& link : model.links) out << "<link name=\"" << xml_text(link.name) << "\"/>";
+  for (const auto& link : model.links) write_link(out, link);
   for (const auto& joint : model.joints) write_joint(out, model, joint);
   out << inside << "</robot>";
   return out.str();

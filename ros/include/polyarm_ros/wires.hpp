@@ -1,7 +1,7 @@
 #pragma once
 /// Where the topics and actions of a controller's node end: the wrapper of the controller delivers messages to
-/// its subscriptions, takes what it publishes, and hands goals to its action servers. Without a wrapper they
-/// end nowhere.
+/// its subscriptions, takes what it publishes, and hands goals to its action servers. Without a wrapper topics
+/// end in their module (topics.hpp), and actions nowhere.
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -10,20 +10,10 @@
 #include <typeinfo>
 #include <vector>
 
+#include "polyarm_ros/topics.hpp"
+
 namespace polyarm_ros {
 
-/// A subscription. `deliver` gets a message of type `type`; it copies it.
-struct Listener {
-  std::string topic;
-  const std::type_info* type;
-  std::function<void(const void*)> deliver;
-};
-/// A publisher. `take` is called with each message by the thread that publishes it.
-struct Speaker {
-  std::string topic;
-  const std::type_info* type;
-  std::function<void(const void*)> take;
-};
 enum class GoalEnd : std::uint8_t { succeeded, aborted, canceled };
 /// An action server. `goal` gets a goal message of type `type`, the number that its client knows it by, and
 /// what to call when it ends, with the result; false if the server rejects it. `cancel` is false if the goal

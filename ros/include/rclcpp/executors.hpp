@@ -1,5 +1,6 @@
 #pragma once
-/// Executors run the timers of their nodes. Nothing else calls back: topics and services lead nowhere.
+/// Executors run the timers of their nodes, and the subscriptions to what nodes of the same module publish.
+/// Nothing else calls back: services lead nowhere.
 #include <atomic>
 #include <chrono>
 #include <future>
@@ -86,7 +87,7 @@ class Executor {
       nodes = nodes_;
     }
     bool any = false;
-    for (const auto& node : nodes) any = node->run_timers() || any;
+    for (const auto& node : nodes) any = node->run_due() || any;
     return any;
   }
   std::mutex mutex_;

@@ -23,13 +23,17 @@ class PublisherBase {
   explicit PublisherBase(std::shared_ptr<polyarm_ros::Speaker> speaker) : speaker_(std::move(speaker)) {}
   virtual ~PublisherBase() = default;
   const char* get_topic_name() const { return speaker_->topic.c_str(); }
-  std::size_t get_subscription_count() const { return speaker_->take ? 1 : 0; }
+  std::size_t get_subscription_count() const {
+    return (speaker_->take ? 1u : 0u) + static_cast<std::size_t>(speaker_->on->listeners.load());
+  }
   std::size_t get_intra_process_subscription_count() const { return 0; }
   bool assert_liveliness() const { return true; }
 
  protected:
-  void hand_on(const void* message) const {
-    if (speaker_->take) speaker_->take(message);
+  template <typename Message>
+  void hand_on(const Message& message) const {
+    if (speaker_->take) speaker_->take(&message);
+    speaker_->on->send(message);
   }
 
  private:
@@ -46,16 +50,17 @@ class LoanedMessage {
   Message message_;
 };
 
-/// Publishes to the wrapper of a controller, else to nobody. Allocates nothing and waits for nothing.
+/// Publishes to the wrapper of a controller and to subscriptions of the same module. Without these it allocates
+/// nothing and waits for nothing.
 template <typename Message, typename Allocator = std::allocator<void>>
 class Publisher : public PublisherBase {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(Publisher<Message, Allocator>)
   using PublisherBase::PublisherBase;
   using MessageType = Message;
-  virtual void publish(const Message& message) { hand_on(&message); }
-  virtual void publish(std::unique_ptr<Message> message) { hand_on(message.get()); }
-  virtual void publish(LoanedMessage<Message>&& message) { hand_on(&message.get()); }
+  virtual void publish(const Message& message) { hand_on(message); }
+  virtual void publish(std::unique_ptr<Message> message) { hand_on(*message); }
+  virtual void publish(LoanedMessage<Message>&& message) { hand_on(message.get()); }
   LoanedMessage<Message> borrow_loaned_message() { return {}; }
   bool can_loan_messages() const { return false; }
   virtual void on_activate() {}

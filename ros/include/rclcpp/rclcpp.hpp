@@ -15,3 +15,4 @@
 #include "rclcpp/time.hpp"
 #include "rclcpp/utilities.hpp"
 #include "rclcpp/version.h"
+#include "rcutils/logging_macros.h"

@@ -25,19 +25,23 @@ class SubscriptionBase {
       : listener_(std::move(listener)) {}
   virtual ~SubscriptionBase() = default;
   const char* get_topic_name() const { return listener_->topic.c_str(); }
-  std::size_t get_publisher_count() const { return 0; }
+  std::size_t get_publisher_count() const { return static_cast<std::size_t>(listener_->publishers()); }
 
- private:
+ protected:
   std::shared_ptr<polyarm_ros::Listener> listener_;
 };
 
-/// Called by the wrapper of a controller; else never.
+/// Called by the wrapper of a controller, and with what nodes of the same module publish.
 template <typename Message, typename Allocator = std::allocator<void>>
 class Subscription : public SubscriptionBase {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(Subscription<Message, Allocator>)
   using SubscriptionBase::SubscriptionBase;
-  bool take(Message&, MessageInfo&) { return false; }
+  bool take(Message& out, MessageInfo&) {
+    const auto message = this->listener_->next();
+    if (message) out = *static_cast<const Message*>(message.get());
+    return message != nullptr;
+  }
 };
 
 /// Calls a subscription's callback in any of its forms with a copy of the message.

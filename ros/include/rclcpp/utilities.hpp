@@ -55,6 +55,9 @@ inline void uninstall_signal_handlers() {}
 inline std::vector<std::string> remove_ros_arguments(int argc, char const* const* argv) {
   return std::vector<std::string>(argv, argv + argc);
 }
+inline std::vector<std::string> init_and_remove_ros_arguments(int argc, char const* const* argv, const InitOptions& = {}) {
+  return remove_ros_arguments(argc, argv);
+}
 inline bool sleep_for(const std::chrono::nanoseconds& span, Context::SharedPtr = nullptr) {
   const auto end = std::chrono::steady_clock::now() + span;
   while (ok() && std::chrono::steady_clock::now() < end) {

@@ -49,6 +49,16 @@ inline std::pair<bool, std::string> set_current_thread_affinity(int core) {
 inline std::pair<bool, std::string> set_current_thread_affinity(const std::vector<int>& cores) {
   return set_thread_affinity(pthread_self(), cores);
 }
+inline std::pair<bool, std::string> set_thread_affinity(std::thread& thread, int core) {
+  return set_thread_affinity(thread.native_handle(), core);
+}
+inline std::pair<bool, std::string> set_thread_affinity(std::thread& thread, const std::vector<int>& cores) {
+  return set_thread_affinity(thread.native_handle(), cores);
+}
+inline std::pair<bool, std::string> set_current_thread_name(const std::string& name) {
+  const int failed = pthread_setname_np(pthread_self(), name.substr(0, 15).c_str());
+  return {failed == 0, failed ? std::strerror(failed) : "the name is set"};
+}
 inline long get_number_of_available_processors() {
   return ::sysconf(_SC_NPROCESSORS_ONLN);
 }

@@ -24,7 +24,6 @@ class SemanticComponentInterface {
     interface_names_.reserve(size);
     state_interfaces_.reserve(size);
   }
-  SemanticComponentInterface(const SemanticComponentInterface&) = delete;
   virtual ~SemanticComponentInterface() = default;
 
   bool assign_loaned_state_interfaces(std::vector<hardware_interface::LoanedStateInterface>& all) {

@@ -1,58 +1,119 @@
 #pragma once
 /// Between tf2's types and messages, and transforms of messages.
 #include "geometry_msgs/msg/point.hpp"
+#include "geometry_msgs/msg/point_stamped.hpp"
 #include "geometry_msgs/msg/pose.hpp"
+#include "geometry_msgs/msg/pose_stamped.hpp"
 #include "geometry_msgs/msg/quaternion.hpp"
+#include "geometry_msgs/msg/quaternion_stamped.hpp"
+#include "geometry_msgs/msg/transform.hpp"
 #include "geometry_msgs/msg/transform_stamped.hpp"
 #include "geometry_msgs/msg/vector3.hpp"
+#include "geometry_msgs/msg/vector3_stamped.hpp"
 #include "geometry_msgs/msg/wrench.hpp"
 #include "geometry_msgs/msg/wrench_stamped.hpp"
-#include "tf2/LinearMath/Matrix3x3.hpp"
 #include "tf2/transform_datatypes.hpp"
 
 namespace tf2 {
-inline geometry_msgs::msg::Quaternion toMsg(const Quaternion& q) {
-  geometry_msgs::msg::Quaternion out;
+namespace gm = geometry_msgs::msg;
+
+inline gm::Quaternion toMsg(const Quaternion& q) {
+  gm::Quaternion out;
   out.x = q.x(), out.y = q.y(), out.z = q.z(), out.w = q.w();
   return out;
 }
-inline geometry_msgs::msg::Vector3 toMsg(const Vector3& v) {
-  geometry_msgs::msg::Vector3 out;
+inline gm::Vector3 toMsg(const Vector3& v) {
+  gm::Vector3 out;
   out.x = v.x(), out.y = v.y(), out.z = v.z();
   return out;
 }
-inline void fromMsg(const geometry_msgs::msg::Quaternion& from, Quaternion& to) {
+/// Into a Point or a Vector3.
+template <typename Message>
+Message& toMsg(const Vector3& v, Message& out) {
+  out.x = v.x(), out.y = v.y(), out.z = v.z();
+  return out;
+}
+inline gm::Transform toMsg(const Transform& t) {
+  gm::Transform out;
+  out.translation = toMsg(t.getOrigin()), out.rotation = toMsg(t.getRotation());
+  return out;
+}
+inline gm::Pose& toMsg(const Transform& t, gm::Pose& out) {
+  toMsg(t.getOrigin(), out.position), out.orientation = toMsg(t.getRotation());
+  return out;
+}
+inline void fromMsg(const gm::Quaternion& from, Quaternion& to) {
   to.setValue(from.x, from.y, from.z, from.w);
 }
 template <typename Message>
 void fromMsg(const Message& from, Vector3& to) {
   to.setValue(from.x, from.y, from.z);
 }
-template <typename Message>
-void convert(const Message& from, Quaternion& to) {
+inline void fromMsg(const gm::Transform& from, Transform& to) {
+  to = Transform(Quaternion(from.rotation.x, from.rotation.y, from.rotation.z, from.rotation.w),
+                 Vector3(from.translation.x, from.translation.y, from.translation.z));
+}
+inline void fromMsg(const gm::Pose& from, Transform& to) {
+  to = Transform(Quaternion(from.orientation.x, from.orientation.y, from.orientation.z, from.orientation.w),
+                 Vector3(from.position.x, from.position.y, from.position.z));
+}
+template <typename Message, typename To>
+auto convert(const Message& from, To& to) -> decltype(fromMsg(from, to)) {
   fromMsg(from, to);
 }
-inline void convert(const Quaternion& from, geometry_msgs::msg::Quaternion& to) {
+inline void convert(const Quaternion& from, gm::Quaternion& to) {
   to = toMsg(from);
 }
-inline Vector3 rotated(const geometry_msgs::msg::Vector3& v, const geometry_msgs::msg::TransformStamped& t) {
-  Quaternion q;
-  fromMsg(t.transform.rotation, q);
-  return quatRotate(q, {v.x, v.y, v.z});
+inline void convert(const Vector3& from, gm::Vector3& to) {
+  to = toMsg(from);
 }
-inline void doTransform(const geometry_msgs::msg::Vector3& in, geometry_msgs::msg::Vector3& out,
-                        const geometry_msgs::msg::TransformStamped& t) {
-  out = toMsg(rotated(in, t));
+inline void convert(const Transform& from, gm::Transform& to) {
+  to = toMsg(from);
+}
+
+inline Transform transform_of(const gm::TransformStamped& t) {
+  Transform out;
+  fromMsg(t.transform, out);
+  return out;
+}
+/// A Vector3 is a direction: it is rotated only.
+inline void doTransform(const gm::Vector3& in, gm::Vector3& out, const gm::TransformStamped& t) {
+  out = toMsg(transform_of(t).getBasis() * Vector3(in.x, in.y, in.z));
+}
+inline void doTransform(const gm::Point& in, gm::Point& out, const gm::TransformStamped& t) {
+  toMsg(transform_of(t)(Vector3(in.x, in.y, in.z)), out);
+}
+inline void doTransform(const gm::Quaternion& in, gm::Quaternion& out, const gm::TransformStamped& t) {
+  out = toMsg(transform_of(t).getRotation() * Quaternion(in.x, in.y, in.z, in.w));
+}
+inline void doTransform(const gm::Pose& in, gm::Pose& out, const gm::TransformStamped& t) {
+  Transform pose;
+  fromMsg(in, pose);
+  toMsg(transform_of(t) * pose, out);
+}
+inline void doTransform(const gm::Transform& in, gm::Transform& out, const gm::TransformStamped& t) {
+  Transform inner;
+  fromMsg(in, inner);
+  out = toMsg(transform_of(t) * inner);
 }
 /// A wrench as forces of a free vector: rotated, not moved.
-inline void doTransform(const geometry_msgs::msg::Wrench& in, geometry_msgs::msg::Wrench& out,
-                        const geometry_msgs::msg::TransformStamped& t) {
-  out.force = toMsg(rotated(in.force, t));
-  out.torque = toMsg(rotated(in.torque, t));
+inline void doTransform(const gm::Wrench& in, gm::Wrench& out, const gm::TransformStamped& t) {
+  doTransform(in.force, out.force, t);
+  doTransform(in.torque, out.torque, t);
 }
-inline void doTransform(const geometry_msgs::msg::WrenchStamped& in, geometry_msgs::msg::WrenchStamped& out,
-                        const geometry_msgs::msg::TransformStamped& t) {
-  doTransform(in.wrench, out.wrench, t);
+#define POLYARM_ROS_STAMPED(TYPE, FIELD)                                                    \
+  inline void doTransform(const gm::TYPE& in, gm::TYPE& out, const gm::TransformStamped& t) { \
+    doTransform(in.FIELD, out.FIELD, t);                                                    \
+    out.header = t.header;                                                                  \
+  }
+POLYARM_ROS_STAMPED(Vector3Stamped, vector)
+POLYARM_ROS_STAMPED(PointStamped, point)
+POLYARM_ROS_STAMPED(QuaternionStamped, quaternion)
+POLYARM_ROS_STAMPED(PoseStamped, pose)
+POLYARM_ROS_STAMPED(WrenchStamped, wrench)
+#undef POLYARM_ROS_STAMPED
+inline void doTransform(const gm::TransformStamped& in, gm::TransformStamped& out, const gm::TransformStamped& t) {
+  doTransform(in.transform, out.transform, t);
   out.header = t.header;
 }
 }  // namespace tf2

@@ -1,6 +1,6 @@
 #pragma once
-/// A robot description as controllers read it: links, joints, their types, limits, axes and origins. Bodies
-/// are not read.
+/// A robot description as controllers read it: links with masses, joints, their types, limits, axes and
+/// origins. Shapes are not read.
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -58,8 +58,13 @@ struct Joint {
   std::shared_ptr<JointDynamics> dynamics;
   std::shared_ptr<JointMimic> mimic;
 };
+struct Inertial {
+  Pose origin;
+  double mass = 0, ixx = 0, ixy = 0, ixz = 0, iyy = 0, iyz = 0, izz = 0;
+};
 struct Link {
   std::string name;
+  std::shared_ptr<Inertial> inertial;
   std::shared_ptr<Joint> parent_joint;
   std::vector<std::shared_ptr<Joint>> child_joints;
   std::vector<std::shared_ptr<Link>> child_links;
@@ -162,26 +167,29 @@ class ModelInterface {
     std::size_t at = 0;
     std::vector<std::string> path;
     JointSharedPtr joint;
+    LinkSharedPtr link;
     while (const auto tag = detail::next_tag(xml, at)) {
       if (tag->ends) {
         if (path.empty() || path.back() != tag->name) return false;
         path.pop_back();
-        if (path.size() == 1) joint = nullptr;
+        if (path.size() == 1) joint = nullptr, link = nullptr;
         continue;
       }
       if (path.empty() && tag->name == "robot") name_ = tag->text("name");
-      if (path.size() == 1 && path[0] == "robot") begin(*tag, joint);
+      if (path.size() == 1 && path[0] == "robot") begin(*tag, joint, link);
       if (path.size() == 2 && joint) take(*tag, *joint);
+      if (path.size() == 2 && link && tag->name == "inertial") link->inertial = std::make_shared<Inertial>();
+      if (path.size() == 3 && link && link->inertial && path[2] == "inertial") take(*tag, *link->inertial);
       if (!tag->empty) path.push_back(tag->name);
-      if (path.size() == 1) joint = nullptr;
+      if (path.size() == 1) joint = nullptr, link = nullptr;
     }
     return path.empty() && connect();
   }
 
  private:
-  void begin(const detail::Tag& tag, JointSharedPtr& joint) {
+  void begin(const detail::Tag& tag, JointSharedPtr& joint, LinkSharedPtr& link) {
     if (tag.name == "link") {
-      auto link = std::make_shared<Link>();
+      link = std::make_shared<Link>();
       link->name = tag.text("name");
       links_[link->name] = link;
     } else if (tag.name == "joint") {
@@ -195,16 +203,25 @@ class ModelInterface {
       joints_[joint->name] = joint;
     }
   }
+  static Pose pose(const detail::Tag& tag) {
+    Pose out;
+    out.position = tag.vector("xyz", {});
+    const Vector3 angles = tag.vector("rpy", {});
+    out.rotation.setFromRPY(angles.x, angles.y, angles.z);
+    return out;
+  }
+  static void take(const detail::Tag& tag, Inertial& body) {
+    if (tag.name == "origin") body.origin = pose(tag);
+    if (tag.name == "mass") body.mass = tag.number("value", 0);
+    if (tag.name != "inertia") return;
+    body.ixx = tag.number("ixx", 0), body.ixy = tag.number("ixy", 0), body.ixz = tag.number("ixz", 0);
+    body.iyy = tag.number("iyy", 0), body.iyz = tag.number("iyz", 0), body.izz = tag.number("izz", 0);
+  }
   static void take(const detail::Tag& tag, Joint& joint) {
     if (tag.name == "parent") joint.parent_link_name = tag.text("link");
     if (tag.name == "child") joint.child_link_name = tag.text("link");
     if (tag.name == "axis") joint.axis = tag.vector("xyz", joint.axis);
-    if (tag.name == "origin") {
-      Pose& origin = joint.parent_to_joint_origin_transform;
-      origin.position = tag.vector("xyz", {});
-      const Vector3 angles = tag.vector("rpy", {});
-      origin.rotation.setFromRPY(angles.x, angles.y, angles.z);
-    }
+    if (tag.name == "origin") joint.parent_to_joint_origin_transform = pose(tag);
     if (tag.name == "limit")
       joint.limits = std::make_shared<JointLimits>(
           JointLimits{tag.number("lower", 0), tag.number("upper", 0), tag.number("effort", 0),

@@ -3,27 +3,20 @@
  * error.
  */
 import { useEffect, useState } from 'preact/hooks';
-import { t } from '../../i18n';
+import { number, t } from '../../i18n';
 import { problemLine, problemOf } from '../../i18n/told';
 import { complain, mayMove, request, robot } from '../../state/cell';
 import { changePoints, goodName, values } from '../../state/points';
 import { toast } from '../../state/toasts';
 import { Button, Field } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
-import { mm } from '../../ui/format';
+import { kDeg, mm } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
-import type { Vec3 } from '../../wire/types';
+import type { PointsToolAnswer } from '../../wire/requests';
 import { freeName } from '../program/edits';
 import { at } from './FrameWizard';
 import { MoveButton, toolPoses, waiting } from './teaching';
 
-interface Answer {
-  tcp: Vec3;
-  tip: Vec3;
-  residuals: number[];
-  rms: number;
-  largest: number;
-}
 const kLeast = 4;
 /** m; above this error the poses did not touch the same place. */
 const kGood = 0.001;
@@ -31,7 +24,7 @@ const kGood = 0.001;
 export function ToolWizard({ onClose }: { onClose: () => void }) {
   const poses = toolPoses.value;
   const [name, setName] = useState(() => freeName('Tool', values.value.map((each) => each.name)));
-  const [answer, setAnswer] = useState<Answer | null>(null);
+  const [answer, setAnswer] = useState<PointsToolAnswer | null>(null);
   const [problem, setProblem] = useState('');
   useEffect(() => {
     setAnswer(null);
@@ -91,6 +84,9 @@ export function ToolWizard({ onClose }: { onClose: () => void }) {
             {t('points.tResidual', { rms: mm(answer.rms, 2), largest: mm(answer.largest, 2) })}
             {answer.largest > kGood && ` ${t('points.tTooMuch')}`}
           </p>
+          <p class="note">{t('points.tSigma', { mm: mm(answer.sigma, 2) })}</p>
+          {answer.outlier !== undefined && <p class="points-bad">{t('points.outlier', { number: answer.outlier + 1 })}</p>}
+          <p class="note">{t('points.next', { at: at(answer.next.p), rpy: answer.next.rpy.map((each) => number(each * kDeg, 0)).join('  '), now: mm(answer.sigma, 2), then: mm(answer.next_sigma, 2) })}</p>
         </section>
       )}
       <Field label={t('points.tName')} value={name} problem={nameProblem} onInput={setName} />

@@ -9,6 +9,7 @@ import { open } from '../../ui/ask';
 import { Button, Search, Segmented, Select } from '../../ui/controls';
 import { RobotView } from '../../view3d/RobotView';
 import { chosen, query, showGroup, shownGroup, shownKind } from './choice';
+import { CameraWizard } from './CameraWizard';
 import { Detail } from './Detail';
 import { FrameWizard } from './FrameWizard';
 import { List } from './List';
@@ -82,6 +83,7 @@ function Bar() {
       <div class="points-wizards">
         <Button label={t('points.frame')} icon="cube" disabled={!mayMove.value} onClick={() => open((close) => <FrameWizard onClose={close} />)} />
         <Button label={t('points.tool')} icon="target" disabled={!mayMove.value} onClick={() => open((close) => <ToolWizard onClose={close} />)} />
+        <Button label={t('points.camera')} icon="eye" disabled={!mayMove.value} onClick={() => open((close) => <CameraWizard onClose={close} />)} />
         <Button label={t('points.undo')} icon="undo" bare disabled={!mayMove.value} onClick={() => void undo()} />
       </div>
     </div>

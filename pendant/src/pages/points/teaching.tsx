@@ -13,11 +13,24 @@ import type { Pose, Vec3 } from '../../wire/types';
 export const kNoTouches: (Vec3 | null)[] = [null, null, null];
 export const touches = signal(kNoTouches);
 export const toolPoses = signal<Pose[]>([]);
+export interface Sighting {
+  flange: Pose;
+  marker: Pose;
+}
+export const sightings = signal<Sighting[]>([]);
 /** The wizard that waits while the user moves the robot. */
-export const waiting = signal<'frame' | 'tool' | null>(null);
+type Kind = 'frame' | 'tool' | 'camera';
+export const waiting = signal<Kind | null>(null);
+
+/** What each wizard is called, and how many places it needs. */
+const kWizards = {
+  frame: { title: 'points.frame', icon: 'cube', least: 3 },
+  tool: { title: 'points.tool', icon: 'target', least: 4 },
+  camera: { title: 'points.camera', icon: 'eye', least: 3 },
+} as const;
 
 /** A button that leads to the Move page and keeps the wizard waiting. */
-export function MoveButton({ kind }: { kind: 'frame' | 'tool' }) {
+export function MoveButton({ kind }: { kind: Kind }) {
   const move = () => {
     waiting.value = kind;
     close();
@@ -26,10 +39,13 @@ export function MoveButton({ kind }: { kind: 'frame' | 'tool' }) {
   return <Button label={t('points.moveThere')} icon="move" onClick={move} />;
 }
 
-async function goOn(kind: 'frame' | 'tool'): Promise<void> {
+async function goOn(kind: Kind): Promise<void> {
   if (kind === 'frame') {
     const { FrameWizard } = await import('./FrameWizard');
     open((done) => <FrameWizard onClose={done} />);
+  } else if (kind === 'camera') {
+    const { CameraWizard } = await import('./CameraWizard');
+    open((done) => <CameraWizard onClose={done} />);
   } else {
     const { ToolWizard } = await import('./ToolWizard');
     open((done) => <ToolWizard onClose={done} />);
@@ -40,14 +56,15 @@ async function goOn(kind: 'frame' | 'tool'): Promise<void> {
 export function WaitingWizard() {
   const kind = waiting.value;
   if (!kind) return null;
-  const count = kind === 'frame' ? touches.value.filter(Boolean).length : toolPoses.value.length;
+  const { title, icon, least } = kWizards[kind];
+  const count = kind === 'frame' ? touches.value.filter(Boolean).length : kind === 'tool' ? toolPoses.value.length : sightings.value.length;
   return (
     <div class="banner" role="status">
-      <Icon name={kind === 'frame' ? 'cube' : 'target'} />
+      <Icon name={icon} />
       <div>
-        <strong>{t(kind === 'frame' ? 'points.frame' : 'points.tool')}</strong> · {t('points.countTouched', { count, of: kind === 'frame' ? 3 : 4 })}
+        <strong>{t(title)}</strong> · {t(kind === 'camera' ? 'points.countSeen' : 'points.countTouched', { count, of: least })}
       </div>
-      <Button label={t('points.touchNow')} tone="primary" onClick={() => void goOn(kind)} />
+      <Button label={t(kind === 'camera' ? 'points.seeNow' : 'points.touchNow')} tone="primary" onClick={() => void goOn(kind)} />
       <Button label={t('dialog.close')} icon="close" bare tone="quiet" onClick={() => (waiting.value = null)} />
     </div>
   );

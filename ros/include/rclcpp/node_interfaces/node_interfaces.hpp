@@ -74,9 +74,10 @@ class NodeCore {
     if (values_.count(name))
       throw exceptions::ParameterAlreadyDeclaredException("parameter '" + name +
                                                           "' has already been declared");
-    for (const Parameter& p : options_.parameter_overrides())
-      if (p.get_name() == name)
-        return (values_[name] = Parameter(name, p.get_parameter_value().as_type(value.get_type(), name)))
+    const std::vector<Parameter>& given = options_.parameter_overrides();
+    for (auto p = given.rbegin(); p != given.rend(); ++p)  // the last counts
+      if (p->get_name() == name)
+        return (values_[name] = Parameter(name, p->get_parameter_value().as_type(value.get_type(), name)))
             .get_parameter_value();
     return (values_[name] = Parameter(name, value)).get_parameter_value();
   }
@@ -185,6 +186,12 @@ class NodeCore {
   void add_timer(const TimerBase::SharedPtr& timer, const CallbackGroup::SharedPtr& = nullptr) {
     const std::lock_guard lock(mutex_);
     timers_.push_back(timer);
+  }
+  /// Runs what is due: timers, and messages that wait for subscriptions. False if nothing was.
+  bool run_due() {
+    bool any = run_timers();
+    for (const auto& listener : wires.listeners()) any = listener->run() || any;
+    return any;
   }
   /// Runs the timers that are due; false if there was none.
   bool run_timers() {

@@ -41,7 +41,35 @@ class Quaternion {
     return {w_ * o.x_ + x_ * o.w_ + y_ * o.z_ - z_ * o.y_, w_ * o.y_ - x_ * o.z_ + y_ * o.w_ + z_ * o.x_,
             w_ * o.z_ + x_ * o.y_ - y_ * o.x_ + z_ * o.w_, w_ * o.w_ - x_ * o.x_ - y_ * o.y_ - z_ * o.z_};
   }
-  double getAngle() const { return 2 * std::acos(w_); }
+  Quaternion& operator*=(const Quaternion& o) { return *this = *this * o; }
+  Quaternion operator+(const Quaternion& o) const { return {x_ + o.x_, y_ + o.y_, z_ + o.z_, w_ + o.w_}; }
+  Quaternion operator-(const Quaternion& o) const { return {x_ - o.x_, y_ - o.y_, z_ - o.z_, w_ - o.w_}; }
+  Quaternion operator-() const { return {-x_, -y_, -z_, -w_}; }
+  Quaternion operator*(double s) const { return {x_ * s, y_ * s, z_ * s, w_ * s}; }
+  Quaternion operator/(double s) const { return *this * (1 / s); }
+  bool operator==(const Quaternion& o) const { return x_ == o.x_ && y_ == o.y_ && z_ == o.z_ && w_ == o.w_; }
+  bool operator!=(const Quaternion& o) const { return !(*this == o); }
+  void setX(double value) { x_ = value; }
+  void setY(double value) { y_ = value; }
+  void setZ(double value) { z_ = value; }
+  void setW(double value) { w_ = value; }
+  double dot(const Quaternion& o) const { return x_ * o.x_ + y_ * o.y_ + z_ * o.z_ + w_ * o.w_; }
+  double getAngle() const { return 2 * std::acos(std::fmax(-1, std::fmin(1, w_))); }
+  double getAngleShortestPath() const { return 2 * std::acos(std::fmin(1, std::fabs(w_))); }
+  double angle(const Quaternion& o) const { return std::acos(dot(o) / std::sqrt(length2() * o.length2())); }
+  double angleShortestPath(const Quaternion& o) const {
+    return 2 * std::acos(std::fmin(1, std::fabs(dot(o)) / std::sqrt(length2() * o.length2())));
+  }
+  Vector3 getAxis() const {
+    const double s = std::sqrt(std::fmax(0, 1 - w_ * w_));
+    return s < 1e-12 ? Vector3(1, 0, 0) : Vector3(x_ / s, y_ / s, z_ / s);
+  }
+  Quaternion slerp(const Quaternion& o, double t) const {
+    const double d = dot(o), half = std::acos(std::fmin(1, std::fabs(d)));
+    if (half < 1e-9) return *this;
+    const Quaternion to = d < 0 ? -o : o;
+    return (*this * std::sin((1 - t) * half) + to * std::sin(t * half)) / std::sin(half);
+  }
 
  private:
   double x_ = 0, y_ = 0, z_ = 0, w_ = 1;

@@ -33,10 +33,33 @@ class Vector3 {
   Vector3 operator*(double s) const { return {x() * s, y() * s, z() * s}; }
   Vector3 operator/(double s) const { return *this * (1 / s); }
   Vector3& operator+=(const Vector3& o) { return *this = *this + o; }
+  Vector3& operator-=(const Vector3& o) { return *this = *this - o; }
+  Vector3& operator*=(double s) { return *this = *this * s; }
+  Vector3& operator/=(double s) { return *this = *this / s; }
+  bool operator==(const Vector3& o) const { return x() == o.x() && y() == o.y() && z() == o.z(); }
+  bool operator!=(const Vector3& o) const { return !(*this == o); }
+  void setZero() { setValue(0, 0, 0); }
+  double distance2(const Vector3& o) const { return (o - *this).length2(); }
+  double distance(const Vector3& o) const { return (o - *this).length(); }
+  double angle(const Vector3& o) const { return std::acos(dot(o) / std::sqrt(length2() * o.length2())); }
+  Vector3 lerp(const Vector3& o, double t) const { return *this + (o - *this) * t; }
+  Vector3 rotate(const Vector3& axis, double angle) const {
+    const Vector3 along = axis * axis.dot(*this), across = *this - along;
+    return along + across * std::cos(angle) + axis.cross(*this) * std::sin(angle);
+  }
 
  private:
   double v_[3] = {0, 0, 0};
 };
+inline double tf2Dot(const Vector3& a, const Vector3& b) {
+  return a.dot(b);
+}
+inline Vector3 tf2Cross(const Vector3& a, const Vector3& b) {
+  return a.cross(b);
+}
+inline double tf2Distance(const Vector3& a, const Vector3& b) {
+  return a.distance(b);
+}
 inline Vector3 operator*(double s, const Vector3& v) {
   return v * s;
 }

@@ -1,0 +1,19 @@
+#pragma once
+/// Takes samples for `polyarm calibrate` from a running cell, one at each Enter.
+#include <string>
+#include <vector>
+
+#include "polyarm/calibration/samples.hpp"
+
+namespace polyarm::apps {
+
+struct RecordOptions {
+  std::string kind, cell, robot;
+  std::string
+      marker;  ///< a pose of the cell's data: what the camera sees, or what a measuring device measures
+};
+
+/// Reads Enter until the end of the input or an empty answer to a question. Nothing moves.
+std::vector<calibration::Sample> record_samples(const RecordOptions& options);
+
+}  // namespace polyarm::apps

@@ -1,0 +1,105 @@
+#include "drivers/kuka/fake.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::kuka {
+
+using hardware::CallbackReturn;
+
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr Nanoseconds kAnswer = 500'000'000;
+constexpr std::uint64_t kServices = 12;  // cycles between two exchanges of states: about 20 a second
+
+std::pair<int, int> wire_of(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const auto output = parse_number(text.substr(0, equals));
+  const auto input = parse_number(equals == std::string::npos ? "" : text.substr(equals + 1));
+  const auto fits = [](const std::optional<double>& n) {
+    return n && *n >= 1 && *n <= static_cast<double>(kMostSignals);
+  };
+  if (!fits(output) || !fits(input))
+    throw Error("bad-value", "'" + text + "' in `wires` is not OUTPUT=INPUT",
+                "numbers from 1 to 32, for example 1=1");
+  return {static_cast<int>(*output), static_cast<int>(*input)};
+}
+
+MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds period) {
+  MachineOptions out;
+  if (robot.model) out.facts = facts_of(*robot.model);
+  out.start = wire::start_position(robot, out.start, kDegrees);
+  const double ms = seconds(period) * 1000;
+  out.identity.cycle_ms = static_cast<int>(std::lround(ms));
+  if ((out.identity.cycle_ms != 4 && out.identity.cycle_ms != 12) ||
+      std::abs(out.identity.cycle_ms - ms) > 1e-3)
+    throw Error("bad-value", "RSI has a cycle of 4 or of 12 ms",
+                "write `rate: 250` or `rate: 83.3333` into the cell");
+  return out;
+}
+
+}  // namespace
+
+CallbackReturn FakeKuka::on_init(const hardware::ComponentContext& context) {
+  if (context.robots.size() != 1) return KukaComponent::on_init(context);
+  const auto given = [&](const char* name) {
+    const auto found = context.parameters.find(name);
+    return found == context.parameters.end() ? std::string() : found->second;
+  };
+  FarSideOptions options;
+  options.machine = machine_of(context.robots.front(), context.period);
+  options.machine.identity.relative = given("relative") == "true";
+  if (const auto limit = parse_number(given("max_correction")))
+    options.machine.identity.correction_limit = *limit;
+  options.eki = options.rsi = 0;
+  // A driver that falls behind would answer many packets at once.
+  options.patience = kAnswer;
+  far_ = std::make_unique<FarSide>(options);
+  for (const std::string& text : split_words(given("wires"), " ,;")) {
+    const auto [output, input] = wire_of(text);
+    far_->with([&](Machine& machine) { machine.wire_output(output, input); });
+  }
+  faults_ = wire::DueOrders(wire::parse_timed_orders(given("faults"), "e_stop@3"));
+  hardware::ComponentContext own = context;
+  own.parameters["host"] = "127.0.0.1";
+  own.parameters["eki"] = "true";
+  own.parameters["eki_port"] = std::to_string(far_->eki_port());
+  own.parameters["rsi_port"] = "0";
+  own.parameters["pace"] = "false";
+  own.parameters.erase("rsi_host");
+  own.parameters.erase("rsi_address");
+  // The clocks of this machine say nothing about a controller.
+  for (const char* name : {"silence_ms", "loop_silence_ms"}) own.parameters.try_emplace(name, "10000");
+  for (const char* name : {"start_timeout", "connect_timeout"}) own.parameters.try_emplace(name, "60");
+  own.parameters.erase("wires");
+  own.parameters.erase("faults");
+  return KukaComponent::on_init(own);
+}
+
+CallbackReturn FakeKuka::on_configure() {
+  const CallbackReturn done = KukaComponent::on_configure();
+  if (done == CallbackReturn::success) far_->send_rsi_to("127.0.0.1", link()->rsi_port());
+  return done;
+}
+
+CallbackReturn FakeKuka::on_activate() {
+  const CallbackReturn done = SimulatedComponent::on_activate();
+  if (done == CallbackReturn::success) cycles_ = 0;
+  return done;
+}
+
+hardware::ReturnType FakeKuka::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  step(seconds(cycle.period));
+  if (cycles_++ % kServices == 0) link()->serve_services();
+  return KukaComponent::read(cycle, states);
+}
+
+std::string FakeKuka::summary() const {
+  return "simulated controller, port " + std::to_string(far_->eki_port()) + ": " + KukaComponent::summary();
+}
+
+}  // namespace polyarm::kuka

@@ -1,0 +1,3 @@
+#include "drivers/kuka/fake.hpp"
+
+POLYARM_DRIVER(polyarm::kuka::FakeKuka)

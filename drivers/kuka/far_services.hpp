@@ -1,0 +1,90 @@
+#pragma once
+/// The services of a simulated KUKA controller: RSI and EthernetKRL. One thread; nothing here waits.
+#include <string>
+#include <vector>
+
+#include "drivers/kuka/machine.hpp"
+#include "drivers/wire/service.hpp"
+#include "drivers/wire/udp.hpp"
+
+namespace polyarm::kuka {
+
+/// What goes wrong on purpose.
+struct FarFaults {
+  bool silent = false;         ///< RSI sends nothing
+  bool deaf = false;           ///< RSI takes no answers
+  bool garbage = false;        ///< the next packet of RSI is broken
+  bool stranger = false;       ///< packets come from another address
+  bool mute = false;           ///< EthernetKRL gives no answers
+  bool nonsense = false;       ///< what it sends is no XML
+  bool busy = false;           ///< it has another client
+  bool other_program = false;  ///< it is another version
+  bool power_off = false;      ///< nothing answers
+  int duplicate = 0;           ///< packets that are sent twice
+  int reorder = 0;             ///< packets that are sent after the next one
+  int late = 0;                ///< packets that are kept back, then sent together
+};
+
+/// RSI: the controller sends to a computer, which answers.
+class FarRsi {
+ public:
+  FarRsi(Machine& machine, FarFaults& faults, std::string sen_type)
+      : machine_(machine), faults_(faults), sen_type_(std::move(sen_type)) {}
+  /// Throws Error("no-port") if a socket cannot be opened, Error("bad-value") for an address.
+  void open(const std::string& address);
+  void send_to(const std::string& address, int port);
+  int descriptor() const { return socket_.number(); }
+  void serve();
+  /// One cycle: the machine moves, and a packet goes out.
+  void cycle();
+  /// The last packet has no answer yet, and there is somebody who answers.
+  bool waits() const { return answers_ && unanswered_ > 0 && !renewed_; }
+  /// Packets that the driver may take for the controller's.
+  std::uint64_t packets() const { return packets_; }
+  std::uint64_t sent_clock() const { return sent_clock_; }
+  std::uint64_t answers() const { return taken_; }
+
+ private:
+  void send();
+  void send_text(const std::string& text);
+
+  Machine& machine_;
+  FarFaults& faults_;
+  std::string sen_type_;
+  Descriptor socket_, stranger_;
+  wire::UdpAddress target_;
+  std::uint64_t packets_ = 0, taken_ = 0, sent_clock_ = 0, session_ = 0;
+  bool answers_ = false;
+  bool renewed_ = false;           ///< the clock began anew: no driver answers any more
+  int unanswered_ = 0;             ///< packets of this session
+  std::vector<std::string> kept_;  ///< packets that a fault keeps back
+};
+
+/// Our KRL program behind EthernetKRL. It takes one client.
+class FarEki {
+ public:
+  FarEki(Machine& machine, FarFaults& faults) : machine_(machine), faults_(faults) {}
+  void listen(const std::string& address, int port) { door_.listen(address, port); }
+  int port() const { return door_.port(); }
+  void serve();
+  void descriptors(std::vector<int>& out);
+  void drop() { door_.drop_all(); }
+  std::uint64_t requests() const { return requests_; }
+
+ private:
+  struct Client {
+    Descriptor socket;
+    bool gone = false;
+    EkiReader reader;
+  };
+  bool is_first(const Client& client);
+  bool take(Client& client, const std::string& text);
+  EkiResult carry_out(const EkiRequest& request);
+
+  Machine& machine_;
+  FarFaults& faults_;
+  wire::Service<Client> door_;
+  std::uint64_t requests_ = 0;
+};
+
+}  // namespace polyarm::kuka

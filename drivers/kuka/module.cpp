@@ -1,0 +1,3 @@
+#include "drivers/kuka/component.hpp"
+
+POLYARM_DRIVER(polyarm::kuka::KukaComponent)

@@ -1,0 +1,69 @@
+#pragma once
+/// A driver on a simulated controller of its own, whose clock waits for the loop.
+#include <atomic>
+#include <memory>
+#include <utility>
+
+#include "drivers/wire/simulated.hpp"
+#include "polyarm/hardware/component.hpp"
+
+namespace polyarm::wire {
+
+/// While the component is active, the controller's clock stands still between two cycles of the loop, so that
+/// a run repeats itself, as fast as the machine can. `Driver` is a wire::StreamComponent; the derived class
+/// makes the far side in on_init(), and calls step() in each read().
+template <class Driver, class FarSide>
+class SimulatedComponent : public Driver {
+ public:
+  ~SimulatedComponent() override { SimulatedComponent::on_cleanup(); }
+  hardware::CallbackReturn on_activate() override {
+    const hardware::CallbackReturn done = Driver::on_activate();
+    if (done != hardware::CallbackReturn::success) return done;
+    far_->hold_clock(true);
+    stepped_ = true;
+    return done;
+  }
+  hardware::CallbackReturn on_deactivate() override {
+    if (!stepped_.exchange(false)) return Driver::on_deactivate();
+    const Stepper<FarSide> stepper(*far_, kDisturbed);
+    return Driver::on_deactivate();
+  }
+  hardware::CallbackReturn on_cleanup() override {
+    if (!this->link()) return hardware::CallbackReturn::success;
+    if (!stepped_.exchange(false)) return Driver::on_cleanup();
+    const Stepper<FarSide> stepper(*far_, kDisturbed);
+    return Driver::on_cleanup();
+  }
+  bool real() const noexcept override { return false; }
+  FarSide& far_side() { return *far_; }
+
+ protected:
+  /// One cycle of the controller, until its packet is there.
+  void step(double period) noexcept {
+    if (!stepped_) return;
+    faults_.step(*far_, period);
+    const auto before = far_->packets();
+    far_->step(kTimeout);
+    await_packet(before);
+  }
+  std::unique_ptr<FarSide> far_;
+  DueOrders faults_;
+
+ private:
+  static constexpr Nanoseconds kTimeout = 5'000'000'000, kDisturbed = 20'000'000;
+  /// Until the newest packet is there: older ones may still be on their way.
+  void await_packet(std::uint64_t before) noexcept {
+    const auto [packets, sequence] = far_->sent();
+    if (packets == before) {  // a fault keeps the packet back, or the stream ended
+      this->link()->await(kDisturbed);
+      return;
+    }
+    do {
+      this->link()->fetch();
+      if (this->link()->sample().sequence >= sequence) return;
+    } while (this->link()->await(kTimeout) && this->link()->cause() == decltype(this->cause()){});
+  }
+  std::atomic<bool> stepped_{false};
+};
+
+}  // namespace polyarm::wire

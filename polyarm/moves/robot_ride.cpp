@@ -1,0 +1,38 @@
+/// Moves of a robot that follows a moving frame.
+#include "polyarm/moves/robot_motion.hpp"
+
+namespace polyarm::moves {
+
+void RobotMotion::begin_ride(const MovingFrame& frame, double travel, double lead) {
+  riding_ = true, ride_ends_ = false;
+  ride_->begin(frame, travel, lead);
+}
+
+void RobotMotion::fail_ride(const Problem& why) {
+  if (!riding_) return;
+  const std::uint64_t first = settled_ + 1;
+  const bool moves = !at_end();
+  ride_ends_ = true;
+  give_up_apart();
+  waiting_.clear(), ready_.clear();
+  job_ = nullptr;
+  if (goal_ != 0) active_.ends->store(true, std::memory_order_relaxed);
+  if (!moves) return;
+  end_badly(first, MoveState::discarded);
+  ended_badly_[first] = MoveState::failed;
+  problems_[first] = why;
+}
+
+/// Lets the robot come to rest when it has arrived, and takes up where it stands.
+void RobotMotion::look_at_ride() {
+  if (!riding_) return;
+  if (ride_ends_ && at_end()) ride_->release();
+  if (!ride_->over()) return;
+  riding_ = ride_ends_ = false;
+  planned_.assign(ride_->joints().begin(), ride_->joints().end());
+  if (!apart_) return;  // the place to which a trap would return has gone on with the frame
+  apart_->held = planned_;
+  give_up_apart();
+}
+
+}  // namespace polyarm::moves

@@ -1,0 +1,104 @@
+#pragma once
+/// Parts of guards: a planned path in time, how long a path takes to brake, and how fast joints move whose plan
+/// is not known. Private to this room. Metres, radians, seconds.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "polyarm/base/time.hpp"
+#include "polyarm/jog/jog_axis.hpp"
+#include "polyarm/moves/move_plan.hpp"
+#include "polyarm/moves/robot_facts.hpp"
+#include "polyarm/surroundings/look_ahead.hpp"
+
+namespace polyarm::cell {
+
+/// A planned motion of one robot, with the most that its joints may accelerate.
+class PathOfMove : public surroundings::PlannedWay {
+ public:
+  void set(const moves::PlannedMotion& motion, const moves::RobotFacts& robot) {
+    motion_ = &motion;
+    hint_ = 0;
+    acceleration_.clear();
+    for (const trajectory::JointMotionLimits& limits : robot.limits)
+      acceleration_.push_back(limits.acceleration);
+  }
+  double duration() const noexcept override { return motion_->path.duration(); }
+  void at(double time, std::span<double> position, std::span<double> velocity) noexcept override {
+    motion_->path.sample(time, position, velocity, {}, {}, hint_);
+  }
+  std::span<const double> acceleration() const noexcept override { return acceleration_; }
+
+ private:
+  const moves::PlannedMotion* motion_ = nullptr;
+  std::size_t hint_ = 0;
+  std::vector<double> acceleration_;
+};
+
+/// How the braking of a path grows with its speed: at pace p it takes less than `square` p² + `plain` p
+/// seconds of the plan, twice what the joints need when the plan asks nothing else of them.
+struct Braking {
+  double square = 0, plain = 0;
+  double at(double pace) const { return (square * pace + plain) * pace; }
+  /// The pace that leaves `room` s of the plan; `longer`: s in which it slows down in addition.
+  double pace_for(double room, double longer) const {
+    const double a = square + longer;
+    if (a < 1e-9) return room >= plain ? 1 : room / plain;
+    return std::min(1.0, (std::sqrt(plain * plain + 4 * a * std::max(0.0, room)) - plain) / (2 * a));
+  }
+};
+
+/// The velocities of joints over the last ticks: commands may come less often than ticks. Allocates in the
+/// constructor alone.
+class JointRates {
+ public:
+  explicit JointRates(std::size_t joints) : rates_(joints, 0.0) { past_.fill({-1, std::vector<double>(joints)}); }
+
+  /// Call it in each tick; a gap begins anew.
+  void add(Nanoseconds now, std::span<const double> joints) noexcept {
+    constexpr Nanoseconds kGap = 50'000'000;
+    const Past& newest = past_[(next_ + kTicks - 1) % kTicks];
+    if (newest.time < 0 || now <= newest.time || now - newest.time > kGap)
+      for (Past& past : past_) past.time = -1;
+    const Past* oldest = nullptr;
+    for (std::size_t k = 0; k < kTicks && !oldest; ++k)
+      if (past_[(next_ + k) % kTicks].time >= 0) oldest = &past_[(next_ + k) % kTicks];
+    for (std::size_t j = 0; j < rates_.size(); ++j)
+      rates_[j] = oldest ? (joints[j] - oldest->joints[j]) / seconds(now - oldest->time) : 0;
+    past_[next_].time = now;
+    std::copy_n(joints.begin(), rates_.size(), past_[next_].joints.begin());
+    next_ = (next_ + 1) % kTicks;
+  }
+  /// False for a robot that hardly moves: measured joints are never quite still.
+  bool move() const noexcept {
+    return std::any_of(rates_.begin(), rates_.end(), [](double rate) { return std::abs(rate) > kStands; });
+  }
+  /// How far the joints go until they stand if they begin to brake now, `latency` s after it.
+  void stopping(std::span<const jog::AxisLimits> axes, double latency, std::span<double> way) const noexcept {
+    double time = 0, rise = kHalfRamp;  // s for which they go on at their present speed
+    for (std::size_t j = 0; j < rates_.size(); ++j) {
+      way[j] = std::clamp(rates_[j], -axes[j].velocity, axes[j].velocity);
+      time = std::max(time, std::abs(way[j]) / (2 * axes[j].acceleration));
+      rise = std::max(rise, axes[j].acceleration / (2 * axes[j].jerk));
+    }
+    for (double& by : way) by *= time + rise + latency + kLag;
+  }
+
+ private:
+  static constexpr std::size_t kTicks = 10;
+  static constexpr double kStands = 2e-3;     // rad/s or m/s
+  static constexpr double kHalfRamp = 0.025;  // half of the shortest time in which a trajectory comes to rest, s
+  static constexpr double kLag = 0.01;        // of a mean over that many ticks, s
+  struct Past {
+    Nanoseconds time;  // -1: none
+    std::vector<double> joints;
+  };
+  std::array<Past, kTicks> past_;
+  std::size_t next_ = 0;
+  std::vector<double> rates_;
+};
+
+}  // namespace polyarm::cell

@@ -1,0 +1,81 @@
+/// The example, `polyarm far-side kuka` and `polyarm setup kuka`, as users start them.
+#include "tests/support/command.hpp"
+
+#include <gtest/gtest.h>
+
+#include "polyarm/base/file.hpp"
+#include "tests/support/wire_rig.hpp"
+
+namespace polyarm {
+namespace {
+
+using test::Command;
+using test::ExampleCopy;
+using test::Finished;
+using test::number_behind;
+using test::run_command;
+
+void replace(std::string& text, const std::string& from, const std::string& to) {
+  ASSERT_NE(text.find(from), std::string::npos) << from;
+  text.replace(text.find(from), from.size(), to);
+}
+
+TEST(KukaExample, PlacesOverTheControllersWiresAndRepeatsItself) {
+  const ExampleCopy copy("kuka_far_side");
+  const std::vector<std::string> line{"run", copy.path(), "--fast", "--json", "--no-socket"};
+  const Finished first = run_command(line);
+  ASSERT_EQ(first.exit_code, 0) << first.output;
+  EXPECT_EQ(first.result()["result"], "completed");
+  EXPECT_NE(first.output.find("RSI 5 at 250 Hz"), std::string::npos) << first.output;
+  EXPECT_EQ(run_command(line).result()["trace_hash"], first.result()["trace_hash"]);
+}
+
+TEST(KukaExample, AFaultOfTheControllerEndsTheRunWithItsCause) {
+  const ExampleCopy copy("kuka_far_side");
+  std::string text = read_file(copy.file("cell.yaml"));
+  replace(text, "wires: 1=1", "faults: guard_open@2\n      wires: 1=1");
+  write_file_atomically(copy.file("cell.yaml"), text);
+  const Finished ran = run_command({"run", copy.path(), "--fast", "--json", "--no-socket"});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_NE(ran.output.find("a guard of the controller"), std::string::npos) << ran.output;
+  EXPECT_NE(ran.output.find("close it"), std::string::npos) << "says what to do";
+}
+
+TEST(KukaSetup, FindsTheControllerAndWritesItsFiles) {
+  Command far({"far-side", "kuka", "--port", "0"});
+  const std::string port = number_behind(far.line_with("EthernetKRL "), "at port");
+  ASSERT_FALSE(port.empty());
+  const ExampleCopy copy("kuka_far_side");
+  const std::string folder = copy.file("files").string();
+  const Finished done =
+      run_command({"setup", "kuka", "--host", "127.0.0.1", "--port", port, "--write", folder, "--rsi", "4"});
+  EXPECT_EQ(done.exit_code, 0) << done.output;
+  EXPECT_NE(done.output.find("mode EXT"), std::string::npos) << done.output;
+  EXPECT_NE(read_file(folder + "/Config/User/Common/SensorInterface/PolyarmRsi.xml").find("127.0.0.1"),
+            std::string::npos);
+  EXPECT_NE(read_file(folder + "/KRC/R1/Program/PolyarmRsi.src").find("RSI_MOVECORR"), std::string::npos);
+  far.signal(SIGTERM);
+  EXPECT_EQ(far.wait().exit_code, 0);
+}
+
+TEST(KukaSetup, WritesItsFilesThoughTheControllerIsNotReady) {
+  Command far({"far-side", "kuka", "--port", "0", "--order", "t1"});
+  const std::string port = number_behind(far.line_with("EthernetKRL "), "at port");
+  const Finished wrong = run_command({"setup", "kuka", "--host", "127.0.0.1", "--port", port});
+  EXPECT_EQ(wrong.exit_code, 1) << wrong.output;
+  EXPECT_NE(wrong.output.find("choose EXT"), std::string::npos) << wrong.output;
+  far.signal(SIGTERM);
+  far.wait();
+}
+
+TEST(KukaFarSide, WrongOptionsAreRefused) {
+  EXPECT_EQ(run_command({"far-side", "kuka", "--cycle", "8", "--port", "0"}).exit_code, 2);
+  EXPECT_EQ(run_command({"far-side", "kuka", "--rsi", "nowhere", "--port", "0"}).exit_code, 2);
+  EXPECT_EQ(run_command({"far-side", "kuka", "--start", "1 2 3", "--port", "0"}).exit_code, 2);
+  EXPECT_EQ(run_command({"far-side", "kuka", "--wire", "0=1", "--port", "0"}).exit_code, 2);
+  const Finished base = run_command({"far-side", "kuka", "--robot", "agilex/ranger", "--port", "0"});
+  EXPECT_NE(base.exit_code, 0) << base.output;
+}
+
+}  // namespace
+}  // namespace polyarm

@@ -1,0 +1,231 @@
+/// The driver against the simulated controller: states, commands, life cycle.
+#include <algorithm>
+
+#include "tests/kuka/rig.hpp"
+#include "tests/support/realtime_guard.hpp"
+
+namespace polyarm {
+namespace {
+
+using test::KukaRig;
+using namespace test;
+
+TEST(KukaComponent, ReadsWhatTheControllerMeasures) {
+  KukaRig rig;
+  ASSERT_TRUE(rig.configure()) << rig.component.reason();
+  rig.read();
+  EXPECT_NEAR(rig.state("joint_3/position"), 1.1, 1e-7) << "before RSI runs";
+  EXPECT_EQ(rig.state("controller/rsi"), 0);
+  EXPECT_EQ(rig.state("controller/drives_on"), 1);
+  rig.far().with([](kuka::Machine& machine) { return machine.set_input(3, true), 0; });
+  ASSERT_TRUE(rig.activate()) << rig.component.reason();
+  ASSERT_TRUE(rig.runs(30, [](int) {}));
+  EXPECT_NEAR(rig.state("joint_3/position"), 1.1, 1e-7);
+  EXPECT_EQ(rig.state("controller/rsi"), 1);
+  EXPECT_EQ(rig.state("controller/automatic"), 1);
+  EXPECT_EQ(rig.state("controller/running"), 1);
+  EXPECT_EQ(rig.state("controller/late_answers"), 0);
+  EXPECT_EQ(rig.state("controller/lost_packets"), 0);
+  EXPECT_EQ(rig.state("controller/speed_override"), 1);
+  EXPECT_EQ(rig.state("io/digital_in_3"), 1);
+  EXPECT_EQ(rig.state("io/digital_in_2"), 0);
+}
+
+TEST(KukaComponent, TheFlangeIsWhereTheCataloguesKinematicsHaveIt) {
+  KukaRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.runs(2, [](int) {}));
+  int tip = -1;
+  for (std::size_t i = 0; i < kuka_model().links.size(); ++i)
+    if (kuka_model().links[i].name == "flange") tip = static_cast<int>(i);
+  const Pose flange = kinematics::Chain(kuka_model(), tip).forward(rig.q());
+  EXPECT_NEAR(rig.state("flange_pose/position.x"), flange.position.x, 1e-8);
+  EXPECT_NEAR(rig.state("flange_pose/position.z"), flange.position.z, 1e-8);
+  const Quaternion q{rig.state("flange_pose/orientation.x"), rig.state("flange_pose/orientation.y"),
+                     rig.state("flange_pose/orientation.z"), rig.state("flange_pose/orientation.w")};
+  EXPECT_LT(angle_between(q, flange.rotation), 1e-6);
+}
+
+TEST(KukaComponent, TheFirstCommandIsTheMeasuredPosition) {
+  KukaRig rig;
+  const Six before = rig.q();
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.runs(200, [](int) {}));
+  EXPECT_LE(rig.largest_jump(), 1e-6);
+  EXPECT_GT(rig.far().answers(), 190u);
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(rig.q()[i], before[i], 1e-6);
+}
+
+class BothCycles : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Rsi, BothCycles, testing::Values(4, 12));
+
+TEST_P(BothCycles, TheRobotFollowsPositionsInEachCycleOnce) {
+  KukaRig rig(Parameters{}, GetParam() * 1'000'000);
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.runs(50, [](int) {}));
+  const double from = rig.command("joint_3/position");
+  const std::uint64_t before = rig.far().answers();
+  ASSERT_TRUE(
+      rig.runs(800, [&](int i) { rig.command("joint_3/position") = from + 0.6 * smooth((i + 1) / 800.0); }));
+  EXPECT_NEAR(static_cast<double>(rig.far().answers() - before), 800, 2) << "one answer for each packet";
+  EXPECT_EQ(rig.state("controller/shaped"), 0) << "the motion is within the limits";
+  ASSERT_TRUE(rig.runs(50, [](int) {}));
+  EXPECT_NEAR(rig.state("joint_3/position"), from + 0.6, 1e-6);
+}
+
+TEST(KukaComponent, NoJointIsFasterThanItsLimit) {
+  KukaRig rig(Parameters{{"max_speed", "20"}});
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  const double from = rig.command("joint_1/position");
+  // 50 degrees/s: the driver holds back, and gives up in words.
+  ASSERT_TRUE(rig.fails(400, [&](int i) { rig.command("joint_1/position") = from + travel(i, 0.0035); }));
+  EXPECT_EQ(rig.component.cause(), Cause::too_fast) << rig.component.reason();
+  EXPECT_NE(rig.component.reason().find("max_speed"), std::string::npos) << rig.component.reason();
+  EXPECT_LE(rig.far().with([](kuka::Machine& m) { return m.take_fastest(); }), 20 + 1e-3);
+}
+
+TEST(KukaComponent, WithoutACommandTheArmHoldsAndGoesOnFromThere) {
+  KukaRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  const double from = rig.command("joint_2/position");
+  ASSERT_TRUE(rig.runs(200, [&](int i) { rig.command("joint_2/position") = from + travel(i, 0.001); }));
+  rig.command("joint_4/position") = std::nan("");
+  ASSERT_TRUE(rig.runs(800, [](int) {}));
+  EXPECT_NEAR(rig.state("joint_2/velocity"), 0, 1e-4) << "it stands";
+  rig.hold();
+  ASSERT_TRUE(rig.runs(50, [](int) {})) << rig.component.reason();
+}
+
+TEST(KukaComponent, SignalsAndTheOverrideAreExchangedEveryFewCycles) {
+  KukaRig rig(Parameters{{"wires", "1=4"}});
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  for (int round = 0; round < 6; ++round) {
+    rig.command("io/digital_out_1") = round % 2;
+    ASSERT_TRUE(rig.runs(30, [](int) {}));
+    EXPECT_EQ(rig.state("io/digital_out_1"), round % 2) << round;
+    EXPECT_EQ(rig.state("io/digital_in_4"), round % 2) << "wired to output 1";
+    EXPECT_EQ(rig.state("io/digital_out_2"), 0) << "what nobody commands stays";
+  }
+  rig.command("controller/speed_override") = 0.4;
+  ASSERT_TRUE(rig.runs(60, [](int) {}));
+  EXPECT_EQ(rig.state("controller/speed_override"), 0.4);
+}
+
+TEST(KukaComponent, DeactivatingWhileItMovesBrakesAndEndsRsi) {
+  KukaRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  const double from = rig.command("joint_1/position");
+  ASSERT_TRUE(rig.runs(200, [&](int i) { rig.command("joint_1/position") = from + travel(i, 0.002); }));
+  EXPECT_EQ(rig.component.on_deactivate(), CallbackReturn::success);
+  EXPECT_EQ(rig.component.cause(), Cause::none);
+  EXPECT_FALSE(rig.far().with([](kuka::Machine& m) { return m.rsi(); }));
+  const Six at = rig.q();
+  ASSERT_EQ(rig.read(), hardware::ReturnType::ok);
+  EXPECT_NEAR(rig.state("joint_1/position"), at[0], 1e-2) << "not where it was before the motion";
+  for (int i = 0; i < 100; ++i) rig.far().step();
+  EXPECT_NEAR(rig.q()[0], at[0], 1e-3);
+  ASSERT_TRUE(rig.activate()) << rig.component.reason();
+  EXPECT_TRUE(rig.runs(10, [](int) {}));
+}
+
+TEST(KukaComponent, RepeatedReorderedAndMissingPacketsMoveNothing) {
+  KukaRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  const Six before = rig.q();
+  for (const char* fault : {"duplicate=5", "reorder=2", "late=2", "skip=40"}) {
+    rig.far().order(fault);
+    ASSERT_TRUE(rig.runs(20, [](int) {})) << fault;
+  }
+  EXPECT_EQ(rig.state("controller/lost_packets"), 11) << "40 ms of the clock, and one out of order";
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(rig.q()[i], before[i], 1e-6);
+}
+
+TEST(KukaComponent, WrongParametersAreNamed) {
+  EXPECT_THROW(kuka::KukaComponent().on_init(kuka_context()), Error) << "a host must be given";
+  for (const auto& [name, value] :
+       std::initializer_list<std::pair<std::string, std::string>>{{"cycle_ms", "8"},
+                                                                  {"digital_in", "0-4"},
+                                                                  {"digital_in", "5-4"},
+                                                                  {"digital_out", "40"},
+                                                                  {"eki", "7"}})
+    EXPECT_THROW(kuka::KukaComponent().on_init(kuka_context({{"host", "x"}, {name, value}})), Error) << name;
+  EXPECT_THROW(
+      kuka::KukaComponent().on_init(kuka_context({{"host", "x"}, {"eki", "false"}, {"digital_out", "1"}})),
+      Error);
+  EXPECT_THROW(kuka::FakeKuka().on_init(kuka_context({{"wires", "1"}})), Error);
+  EXPECT_THROW(kuka::FakeKuka().on_init(kuka_context({{"faults", "e_stop"}})), Error);
+  EXPECT_THROW(kuka::FakeKuka().on_init(kuka_context({}, 2'000'000)), Error);
+}
+
+TEST(KukaComponent, ReadAndWriteNeitherAllocateNorLock) {
+  if (!RealtimeGuard::watches()) GTEST_SKIP();
+  FarSideOptions options = far_options();
+  options.machine.identity.late_limit = 100'000;
+  Alone alone(options, {{"digital_out", "1-4"}, {"digital_in", "1-4"}});
+  auto& component = alone.component;
+  ASSERT_TRUE(component.paces());
+  ASSERT_TRUE(alone.start()) << component.reason();
+  std::vector<double> states(component.state_interfaces().size()),
+      commands(component.command_interfaces().size(), std::nan(""));
+  hardware::Cycle cycle{0, 4'000'000, 0};
+  component.await_cycle(60'000'000'000);
+  component.read(cycle, states);
+  for (std::size_t j = 0; j < 6; ++j) commands[j] = states[2 * j];
+  std::string violations;
+  bool fine = true;
+  for (int i = 0; i < 100; ++i) {
+    component.await_cycle(60'000'000'000);
+    const RealtimeGuard guard;
+    commands[0] += 1e-6 * std::min(i, 20);
+    commands[7] = i % 2;
+    fine = component.read(cycle, states) == ReturnType::ok &&
+           component.write(cycle, commands) == ReturnType::ok && fine;
+    if (violations.empty()) violations = guard.violations();
+  }
+  EXPECT_TRUE(fine) << component.reason();
+  EXPECT_EQ(violations, "");
+}
+
+TEST(KukaComponent, ACellAtAnotherRateGetsTheControllersInWords) {
+  FarSideOptions options = far_options();
+  options.machine.identity.cycle_ms = 12;
+  Alone alone(options);
+  EXPECT_EQ(alone.component.on_configure(), CallbackReturn::failure);
+  EXPECT_EQ(alone.component.cause(), Cause::wrong_rate);
+  EXPECT_NE(alone.component.reason().find("rate: 83"), std::string::npos) << alone.component.reason();
+}
+
+/// A person starts the program; nothing but the packets of RSI says what the controller does.
+TEST(KukaComponent, WithoutEthernetKrlItFollowsAProgramThatAPersonStarted) {
+  FarSideOptions options = far_options();
+  options.machine.identity.late_limit = 100'000;
+  Alone alone(options, {{"eki", "false"}, {"connect_timeout", "1"}});
+  ASSERT_TRUE(alone.configure()) << alone.component.reason();
+  std::vector<double> states(alone.component.state_interfaces().size());
+  hardware::Cycle cycle{0, 4'000'000, 0};
+  ASSERT_EQ(alone.component.read(cycle, states), ReturnType::ok);
+  EXPECT_TRUE(std::isnan(states[0])) << "nobody knows where the robot is";
+  alone.far.with([](kuka::Machine& m) { return m.start(); });
+  while (std::isnan(states[0])) alone.component.read(cycle, states);  // its packets are answered already
+  EXPECT_EQ(states[1], 0) << "it stands";
+  ASSERT_EQ(alone.component.on_activate(), CallbackReturn::success) << alone.component.reason();
+  ASSERT_EQ(alone.component.read(cycle, states), ReturnType::ok);
+  EXPECT_NEAR(states[0], 10 * kDegree, 1e-6);
+  EXPECT_EQ(alone.far.requests(), 0u);
+  EXPECT_EQ(alone.component.on_deactivate(), CallbackReturn::success);
+  EXPECT_FALSE(alone.far.with([](kuka::Machine& m) { return m.rsi(); })) << "its Stop ended RSI";
+}
+
+TEST(KukaComponent, OnlyTheInterfaceThatReachesTheControllerListens) {
+  Alone alone;
+  ASSERT_TRUE(alone.configure()) << alone.component.reason();
+  EXPECT_NE(alone.component.summary().find("RSI 5 at 250 Hz"), std::string::npos)
+      << alone.component.summary();
+  std::string why;
+  const int port = alone.component.rsi_port();
+  EXPECT_FALSE(wire::bind_udp("127.0.0.1", port, why)) << "taken there";
+  EXPECT_TRUE(wire::bind_udp("127.0.0.2", port, why)) << "not listening elsewhere: " << why;
+}
+
+}  // namespace
+}  // namespace polyarm

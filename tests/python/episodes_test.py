@@ -1,0 +1,449 @@
+"""Episodes: what is written is read back, survives interruptions, and moves a robot again."""
+import asyncio
+import contextlib
+import io
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import unittest.mock
+import zlib
+
+import numpy as np
+import polyarm
+from polyarm import episodes as episodes_module
+from polyarm.client import connect
+from polyarm.episodes import DataSet, png
+from polyarm.parquet import Column, encode_table, read_table, write_table
+from polyarm.policy import ActionQueue, PolicyFailed, replay, run_policy, run_policy_on
+from polyarm.record import features_of, joints_of, record, record_running, running_joints
+from support import COMMAND, EXAMPLES, forward_cell, wait_for_cell
+
+FEATURES = {"observation.state": ["a", "b"], "action": ["a", "b"]}
+
+
+class InAFolder(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp()) / "set"
+        self.addCleanup(shutil.rmtree, self.folder.parent)
+
+    def filled(self, count=3, **options):
+        out = DataSet.create(self.folder, FEATURES, fps=20, **options)
+        for episode in range(count):
+            self.add(out, episode)
+        return out
+
+    @staticmethod
+    def add(out, episode):
+        out.begin(f"task {episode % 2}")
+        for frame in range(10 + episode):
+            out.add(observation__state=[frame, episode], action=[frame + 0.5, -episode])
+        return out.save()
+
+
+class Parquet(InAFolder):
+    def test_every_kind_of_column_comes_back(self):
+        random = np.random.default_rng(3)
+        for rows in (1, 2, 9, 1000):
+            columns = {
+                "time": Column("float32", random.normal(size=rows)), "number": Column("int64", np.arange(rows) - 5),
+                "wide": Column("float64", random.normal(size=(rows, 7)), lists=True),
+                "ragged": Column("float32", [random.normal(size=k % 4) for k in range(rows)], lists=True),
+                "text": Column("string", [f"{k} µm" for k in range(rows)]),
+                "texts": Column("string", [["x", "yy"][:k % 3] for k in range(rows)], lists=True),
+                "picture": Column("image", [bytes([k % 256]) * k for k in range(rows)])}
+            self.folder.mkdir(exist_ok=True)
+            path = self.folder / "a.parquet"
+            write_table(path, columns, {"key": "value"})
+            table, metadata = read_table(path)
+            self.assertEqual(metadata, {"key": "value"})
+            np.testing.assert_array_equal(table["time"], columns["time"].values.astype("f4"))
+            np.testing.assert_array_equal(table["number"], columns["number"].values)
+            np.testing.assert_array_equal(np.stack(table["wide"]), columns["wide"].values)
+            for got, given in zip(table["ragged"], columns["ragged"].values):
+                np.testing.assert_array_equal(got, given.astype("f4"))
+            self.assertEqual(table["text"], columns["text"].values)
+            self.assertEqual(table["texts"], columns["texts"].values)
+            self.assertEqual(table["picture"], columns["picture"].values)
+
+    def test_a_damaged_file_is_an_error(self):
+        content = encode_table({"a": Column("int64", np.arange(100)), "b": Column("float32", np.ones((100, 3)), lists=True),
+                                "c": Column("string", ["text"] * 100)}, {"key": "value"})
+        self.folder.mkdir()
+        path = self.folder / "a.parquet"
+        random = np.random.default_rng(5)
+        for round_ in range(3000):
+            damaged = bytearray(content)
+            for _ in range(random.integers(1, 4)):
+                damaged[random.integers(len(damaged))] = random.integers(256)
+            if round_ % 3 == 0:
+                damaged = damaged[:random.integers(len(damaged))]
+            path.write_bytes(damaged)
+            with contextlib.suppress(ValueError):
+                read_table(path)
+
+    def test_bounds(self):
+        with self.assertRaises(ValueError):
+            Column("int8", [])
+        with self.assertRaises(ValueError):
+            encode_table({"a": Column("int64", [1]), "b": Column("int64", [1, 2])})
+
+
+class DataSets(InAFolder):
+    def test_what_is_recorded_is_read_back(self):
+        self.filled()
+        out = DataSet.open(self.folder)
+        self.assertEqual(len(out), 3)
+        self.assertEqual(out.check(), [])
+        self.assertEqual(out.tasks(), ["task 0", "task 1"])
+        table = out.read(2)
+        np.testing.assert_array_equal(table["action"][:, 0], np.arange(12) + 0.5)
+        np.testing.assert_array_equal(table["index"], 21 + np.arange(12))
+        np.testing.assert_allclose(table["timestamp"], np.arange(12) / 20, atol=1e-6)
+        self.assertEqual([row["tasks"] for row in out.episodes()], [["task 0"], ["task 1"], ["task 0"]])
+
+    def test_info_and_statistics_are_lerobots(self):
+        self.filled()
+        info = json.loads((self.folder / "meta/info.json").read_text())
+        self.assertEqual((info["codebase_version"], info["total_frames"], info["splits"]), ("v3.0", 33, {"train": "0:3"}))
+        self.assertEqual(info["features"]["action"], {"dtype": "float32", "shape": [2], "names": ["a", "b"]})
+        stats = json.loads((self.folder / "meta/stats.json").read_text())
+        every = np.concatenate([DataSet.open(self.folder).read(k)["action"] for k in range(3)])
+        for name, value in (("mean", every.mean(0)), ("std", every.std(0)), ("min", every.min(0)), ("max", every.max(0))):
+            np.testing.assert_allclose(stats["action"][name], value, atol=1e-6)
+        self.assertEqual(stats["action"]["count"], [33])
+
+    def test_bad_frames_are_refused_and_change_nothing(self):
+        out = self.filled(1)
+        out.begin("task")
+        out.add(observation__state=[1, 2], action=[1, 2])
+        for bad in ({"action": [1, 2]}, {"observation.state": [1, 2], "action": [1, np.nan]},
+                    {"observation.state": [1, 2, 3], "action": [1, 2]}, {"observation.state": [1, 2], "action": [1, np.inf]}):
+            with self.assertRaises(ValueError):
+                out.add_frame(bad)
+        self.assertEqual(out.frames, 1)
+        out.discard()
+        with self.assertRaises(RuntimeError):
+            out.save()
+        with self.assertRaises(ValueError):
+            out.begin(" ")
+        with self.assertRaises(FileExistsError):
+            DataSet.create(self.folder, FEATURES, fps=20)
+        for fps in (0, 2.5, 5000):
+            with self.assertRaises(ValueError):
+                DataSet.create(self.folder.parent / "other", FEATURES, fps=fps)
+
+    def test_an_interruption_anywhere_loses_the_running_episode_alone(self):
+        """The process ends at each write in turn."""
+        write, name = episodes_module.write_file, "polyarm.parquet.write_file"
+        for ends_at in range(1, 8):
+            shutil.rmtree(self.folder, ignore_errors=True)
+            out = self.filled(2)
+            calls = 0
+
+            class Ends(BaseException):
+                pass
+
+            def write_until(path, content):
+                nonlocal calls
+                calls += 1
+                if calls == ends_at:
+                    pathlib.Path(f"{path}.writing").write_bytes(b"half")
+                    raise Ends
+                write(path, content)
+
+            ended = False
+            try:
+                with unittest.mock.patch(name, write_until), \
+                        unittest.mock.patch.object(episodes_module, "write_file", write_until):
+                    self.add(out, 2)
+            except Ends:
+                ended = True
+            again = DataSet.open(self.folder)
+            self.assertIn(len(again), (2, 3) if ended else (3,))
+            self.assertEqual(again.check(), [], f"write {ends_at}")
+            self.assertEqual(self.add(again, len(again)), len(again) - 1)
+            self.assertEqual(DataSet.open(self.folder).check(), [])
+
+    def test_a_dropped_episode_leaves_no_gap(self):
+        for gone in range(3):
+            shutil.rmtree(self.folder, ignore_errors=True)
+            out = self.filled()
+            kept = [out.read(k)["action"] for k in range(3) if k != gone]
+            out.drop(gone)
+            again = DataSet.open(self.folder)
+            self.assertEqual(again.check(), [])
+            for number, action in enumerate(kept):
+                np.testing.assert_array_equal(again.read(number)["action"], action)
+            stats = json.loads((self.folder / "meta/stats.json").read_text())
+            np.testing.assert_allclose(stats["action"]["mean"], np.concatenate(kept).mean(0), atol=1e-6)
+            with self.assertRaises(IndexError):
+                again.drop(2)
+        self.assertEqual([path.name for path in self.folder.parent.iterdir()], ["set"])
+
+    def test_an_interrupted_drop_leaves_the_old_or_the_new_set(self):
+        self.filled()
+        old = self.folder.with_name("set.old")
+        os.rename(self.folder, old)
+        self.assertEqual(len(DataSet.open(self.folder)), 3)
+        self.assertFalse(old.exists())
+        self.assertEqual(DataSet.open(self.folder).check(), [])
+
+    def test_check_names_what_is_wrong(self):
+        self.filled()
+        path = self.folder / "data/chunk-000/file-001.parquet"
+        content = bytearray(path.read_bytes())
+        content[len(content) // 3] ^= 0x55
+        path.write_bytes(content)
+        (self.folder / "meta/info.json").write_text(
+            (self.folder / "meta/info.json").read_text().replace('"total_frames": 33', '"total_frames": 34'))
+        findings = DataSet.open(self.folder).check()
+        self.assertTrue(any("episode 1" in finding for finding in findings), findings)
+
+    def test_pictures_are_kept(self):
+        out = DataSet.create(self.folder, FEATURES | {"observation.images.front": (4, 6)}, fps=10, video=False)
+        image = np.arange(72, dtype=np.uint8).reshape(4, 6, 3)
+        out.begin("look")
+        for _ in range(3):
+            out.add(observation__state=[0, 0], action=[0, 0], observation__images__front=image)
+        with self.assertRaises(ValueError):
+            out.add(observation__state=[0, 0], action=[0, 0], observation__images__front=image.astype(float))
+        out.save()
+        self.assertEqual(out.check(), [])
+        picture = out.read(0)["observation.images.front"][1]
+        self.assertEqual(picture, png(image))
+        lines = zlib.decompress(picture[picture.index(b"IDAT") + 4:-16])
+        np.testing.assert_array_equal(np.frombuffer(lines, np.uint8).reshape(4, 19)[:, 1:].reshape(4, 6, 3), image)
+        stats = json.loads((self.folder / "meta/stats.json").read_text())["observation.images.front"]
+        self.assertEqual(np.shape(stats["mean"]), (3, 1, 1))
+        out.begin("look again")
+        out.add(observation__state=[0, 0], action=[0, 0], observation__images__front=image)
+        out.save()
+        out.drop(0)
+        self.assertEqual(DataSet.open(self.folder).check(), [])
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "needs ffmpeg")
+    def test_videos_are_made(self):
+        out = DataSet.create(self.folder, FEATURES | {"observation.images.front": (48, 64)}, fps=10, video=True)
+        for _ in range(2):
+            out.begin("look")
+            for frame in range(12):
+                out.add(observation__state=[0, 0], action=[0, 0],
+                        observation__images__front=np.full((48, 64, 3), 20 * frame, np.uint8))
+            out.save()
+        self.assertEqual(out.check(), [])
+        out.drop(0)
+        self.assertEqual(DataSet.open(self.folder).check(), [])
+        self.assertTrue((self.folder / "videos/observation.images.front/chunk-000/file-000.mp4").exists())
+
+    def test_the_command_lists_checks_and_drops(self):
+        self.filled()
+
+        def said(*words):
+            out = io.StringIO()
+            with contextlib.redirect_stdout(out):
+                code = episodes_module.main([*words])
+            return code, out.getvalue()
+
+        folder = str(self.folder)
+        self.assertIn("3 episodes, 33 frames at 20 Hz", said("list", folder)[1])
+        self.assertEqual(said("check", folder), (0, "no faults\n"))
+        self.assertEqual(said("drop", folder, "1")[0], 0)
+        self.assertEqual(said("drop", folder, "7")[0], 1)
+        self.assertEqual(said("list", str(self.folder.parent / "none"))[0], 1)
+        command = subprocess.run([sys.executable, "-m", "polyarm.episodes", "check", folder], capture_output=True, check=False)
+        self.assertEqual(command.returncode, 0, command.stderr)
+
+
+class Policies(InAFolder):
+    def cell(self):
+        cell = polyarm.Cell(forward_cell(self))
+        self.addCleanup(cell.close)
+        cell.step(10)
+        return cell
+
+    def test_a_policy_moves_the_robot_and_an_episode_repeats_it(self):
+        cell = self.cell()
+        names = joints_of(cell)
+        goal = np.array([0.3, -0.2, 0.4, 0.1, 0.2, -0.3])
+        columns = [cell.state_names.index(name) for name in names]
+
+        def towards(observation):
+            here = observation["observation.state"]
+            return here + np.clip(goal - here, -0.03, 0.03)
+
+        out = DataSet.create(self.folder, features_of(names), fps=20)
+        self.assertGreater(run_policy(cell, towards, rate=20, seconds=3), 50)
+        self.assertLess(np.abs(cell.states()[columns] - goal).max(), 0.02)
+        begin = cell.states()[columns]
+        commands = [cell.command_names.index(name) for name in names]
+        way = [begin + 0.2 * np.sin(np.arange(40) / 40 * np.pi)[k] for k in range(40)]
+        out.begin("wave")
+        for action in way:
+            out.add_frame({"observation.state": begin, "action": action})
+        out.save()
+        run_policy(cell, replay(out), rate=20, seconds=1.05)
+        self.assertLess(np.abs(cell.commands()[commands] - (begin + 0.2)).max(), 0.02)
+        run_policy(cell, replay(out), rate=20, seconds=2.5)
+        self.assertLess(np.abs(cell.states()[columns] - way[-1]).max(), 0.02)
+
+    def test_the_way_is_smooth_at_a_low_rate(self):
+        cell = self.cell()
+        commands = [cell.command_names.index(name) for name in joints_of(cell)]
+        start, speeds = cell.time, []
+        before = cell.commands()[commands]
+
+        def watch():
+            nonlocal before
+            now = cell.commands()[commands]
+            speeds.append((cell.time - start, float(np.abs(now - before).max())))
+            before = now
+            return False
+
+        run_policy(cell, lambda o: np.full(6, 0.3 * (cell.time - start + 0.1)), rate=10, seconds=3, until=watch)
+        steady = [speed for time, speed in speeds if 1.5 < time < 2.9]
+        self.assertLess(max(steady), 2 * np.median(steady))
+        self.assertGreater(min(steady), 0.3 * np.median(steady))
+
+    def test_a_policy_that_fails_moves_nothing_more(self):
+        for bad in (lambda o: 1 / 0, lambda o: np.full(6, np.nan), lambda o: [1, 2], lambda o: "go",
+                    lambda o: [[0.1] * 6, [np.inf] * 6]):
+            cell = self.cell()
+            columns = [cell.state_names.index(name) for name in joints_of(cell)]
+            before = cell.states()[columns]
+            with self.assertRaises(PolicyFailed):
+                run_policy(cell, bad, rate=20, seconds=1)
+            cell.run(0.5)
+            np.testing.assert_allclose(cell.states()[columns], before, atol=1e-9)
+
+    def test_a_policy_that_falls_silent_stops_the_robot(self):
+        cell = self.cell()
+        columns = [cell.state_names.index(name) for name in joints_of(cell)]
+        calls = iter(range(1000))
+        run_policy(cell, lambda o: o["observation.state"] + 0.05 if next(calls) < 10 else None, rate=20, seconds=1.5)
+        cell.run(0.1)
+        here = cell.states()[columns]
+        cell.run(0.5)
+        np.testing.assert_allclose(cell.states()[columns], here, atol=1e-6)
+
+    def test_targets_beyond_the_limits_are_refused(self):
+        cell = self.cell()
+        with self.assertRaises(polyarm.Error) as refused:
+            run_policy(cell, lambda o: np.full(6, 50.0), rate=20, seconds=1)
+        self.assertEqual(refused.exception.code, "beyond-limits")
+
+    def test_a_chunk_replaces_what_is_later(self):
+        queue = ActionQueue([0.0], 0.0, 1)
+        queue.add([[1.0], [2.0], [3.0]], 1.0, 1.0)
+        self.assertAlmostEqual(queue.at(0.5)[0], 0.5)
+        self.assertAlmostEqual(queue.at(1.5)[0], 1.5)
+        queue.add([[0.0]], 2.0, 1.0)
+        self.assertAlmostEqual(queue.at(1.75)[0], 0.25)
+        self.assertAlmostEqual(queue.at(2.0)[0], 0.0)
+        self.assertAlmostEqual(queue.at(2.2)[0], 0.0)
+        self.assertIsNone(queue.at(2.3))
+
+    def test_a_cell_is_recorded(self):
+        cell = self.cell()
+        out = DataSet.create(self.folder, features_of(joints_of(cell), tcp=True), fps=25, robot_type="r6bot")
+        cell.send("forward", [0.2] * 6)
+        self.assertEqual(record(cell, out, "Reach forward", seconds=1), 0)
+        self.assertEqual(out.check(), [])
+        table = out.read(0)
+        self.assertEqual(table["action"].shape, (25, 6))
+        np.testing.assert_allclose(table["observation.state"][-1], 0.2, atol=1e-3)
+        pose = polyarm.Robot(EXAMPLES / "r6bot/r6bot.urdf").fk([0.2] * 6)
+        np.testing.assert_allclose(table["observation.tcp"][-1][:3], pose[:3, 3], atol=1e-3)
+        with self.assertRaises(polyarm.Error):
+            record(cell, out, "Reach forward", robot="nobody")
+        with self.assertRaises(ZeroDivisionError):
+            record(cell, out, "Reach forward", until=lambda: 1 / 0)
+        self.assertEqual((len(out), out.frames), (1, 0))
+
+
+class Running(unittest.IsolatedAsyncioTestCase):
+    """With a cell on the clock of this machine; no test depends on how fast that is."""
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.folder)
+        (self.folder / "run").mkdir(mode=0o700)
+        environment = unittest.mock.patch.dict(os.environ, XDG_RUNTIME_DIR=str(self.folder / "run"), HOME=str(self.folder))
+        environment.start()
+        self.addCleanup(environment.stop)
+        shutil.copytree(forward_cell(self).parent, self.folder / "six")
+        shutil.copy(EXAMPLES / "r6bot/r6bot.urdf", self.folder / "six")
+        (self.folder / "six/cell.yaml").write_text((self.folder / "six/cell.yaml").read_text().replace(
+            f"{EXAMPLES}/r6bot/", ""))
+        self.cell = subprocess.Popen([COMMAND, "run", str(self.folder / "six")], cwd=self.folder, text=True,
+                                     stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(self.cell.wait)
+        self.addCleanup(self.cell.kill)
+        wait_for_cell(self, self.cell, "six")
+
+    async def positions(self, client):
+        states = {state["name"]: state["value"] for state in (await client.ask("interfaces"))["states"]}
+        return np.array([states[name] for name in await running_joints(client)])
+
+    async def at_rest(self, client):
+        """Waits until nothing moves; the positions."""
+        before = await self.positions(client)
+        while True:
+            await asyncio.sleep(0.1)
+            now = await self.positions(client)
+            if np.abs(now - before).max() < 1e-9:
+                return now
+            before = now
+
+    async def test_a_policy_moves_a_running_cell_and_its_failure_stops_it(self):
+        async with await connect("six") as client:
+            goal = np.full(6, 0.2)
+
+            def towards(observation):
+                here = observation["observation.state"]
+                return [here + np.clip(goal - here, -0.02, 0.02), goal * 0.5 + here * 0.5]
+
+            calls = await run_policy_on(client, towards, rate=20, seconds=60, until=lambda: self.near)
+            self.assertGreater(calls, 1)
+            there = await self.at_rest(client)
+            self.assertGreater(there.min(), 0.15)
+
+            def fails(observation):
+                raise RuntimeError("out of memory")
+
+            for bad in (fails, lambda observation: np.full(6, np.nan)):
+                with self.assertRaises(PolicyFailed):
+                    await run_policy_on(client, bad, rate=20, seconds=60)
+                np.testing.assert_allclose(await self.at_rest(client), there, atol=1e-9)
+
+    near = False
+
+    async def asyncSetUp(self):
+        async def watch():
+            async with await connect("six") as client:
+                while not self.near:
+                    self.near = (await self.positions(client)).min() > 0.19
+                    await asyncio.sleep(0.05)
+
+        self.watching = asyncio.create_task(watch())
+        self.addCleanup(self.watching.cancel)
+
+    async def test_a_running_cell_is_recorded(self):
+        async with await connect("six") as client:
+            out = DataSet.create(self.folder / "set", features_of(await running_joints(client)), fps=5)
+            self.assertEqual(await record_running(client, out, "Stand still", seconds=1), 0)
+            self.assertEqual(out.check(), [])
+            self.assertEqual(out.read(0)["action"].shape, (5, 6))
+        done = await asyncio.to_thread(episodes_module.main, ["record", str(self.folder / "set"), "--cell", "six", "--task",
+                                                             "Stand", "--seconds", "0.6"])
+        self.assertEqual(done, 0)
+        again = DataSet.open(self.folder / "set")
+        self.assertEqual((len(again), again.check()), (2, []))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,4 @@
+#pragma once
+namespace one_joint_clock {
+int ticks();
+}
