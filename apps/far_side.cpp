@@ -92,9 +92,10 @@ int run_far_side(int argc, char** argv) {
       "Simulates the controller of a robot byte for byte, for drivers and programs without a robot",
       "polyarm far-side");
   std::string name;
-  app.add_option("maker", name,
-                 "ur: Universal Robots; fanuc: FANUC; abb: ABB; kuka: KUKA; `polyarm far-side MAKER --help` has the "
-                 "rest")
+  app.add_option(
+         "maker", name,
+         "ur: Universal Robots; fanuc: FANUC; abb: ABB; kuka: KUKA; `polyarm far-side MAKER --help` has the "
+         "rest")
       ->required()
       ->one_of({"ur", "fanuc", "abb", "kuka"});
   app.footer(examples({"polyarm far-side ur", "polyarm far-side abb --help"}));

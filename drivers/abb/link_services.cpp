@@ -149,9 +149,9 @@ void Link::run_services() {
     const Nanoseconds left = settings_.stepped ? 1'000'000'000 : due - realtime::monotonic_now();
     if (left > 0 && wire::wait_readable(services_wake_.number(), left)) calm(services_wake_.number());
     say_why();
-    if (quit_ || settings_.stepped || fault_ || realtime::monotonic_now() < due) continue;
+    if (quit_ || settings_.stepped || realtime::monotonic_now() < due) continue;
     due = realtime::monotonic_now() + kRound;
-    serve_services();
+    if (!fault_) serve_services();
   }
 }
 

@@ -161,6 +161,7 @@ DEFFCT INT PolyarmDo(what:IN, number:IN, amount:IN)
 ENDFCT
 
 DEFFCT INT PolyarmStart()
+  INT i
   IF $T1 OR $T2 THEN
     RETURN 2
   ENDIF
@@ -171,21 +172,28 @@ DEFFCT INT PolyarmStart()
     RETURN 4
   ENDIF
   POLYARM_RETURN = 0
-  IF $EXT THEN
-    IF $PRO_STATE1 <> #P_FREE THEN
-      CWRITE($CMD, state, mode, "STOP 1")
-      CWRITE($CMD, state, mode, "CANCEL 1")
-      WAIT SEC 0.2
-    ENDIF
-    POLYARM_ON = FALSE
+  IF $PRO_STATE1 == #P_ACTIVE THEN
+    ; PolyarmRsi takes this; a program of somebody else does not, and is left alone.
     POLYARM_GO = TRUE
-    CWRITE($CMD, state, mode, "RUN/PolyarmRsi")
-    RETURN 0
+    FOR i = 1 TO 80
+      IF NOT POLYARM_GO THEN
+        RETURN 0
+      ENDIF
+      WAIT SEC 0.012
+    ENDFOR
+    POLYARM_GO = FALSE
+    RETURN 4
   ENDIF
-  IF $PRO_STATE1 <> #P_ACTIVE THEN
+  IF NOT $EXT THEN
     RETURN 2
   ENDIF
+  IF $PRO_STATE1 <> #P_FREE THEN
+    CWRITE($CMD, state, mode, "CANCEL 1")
+    WAIT SEC 0.2
+  ENDIF
+  POLYARM_ON = FALSE
   POLYARM_GO = TRUE
+  CWRITE($CMD, state, mode, "RUN/PolyarmRsi")
   RETURN 0
 ENDFCT
 

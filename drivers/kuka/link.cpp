@@ -19,6 +19,7 @@ constexpr double kRadians = std::numbers::pi / 180;
 constexpr Nanoseconds kLook = 20'000'000;        // between two judgements without an event
 constexpr Nanoseconds kEnd = 2'000'000'000;      // for a motion to end
 constexpr Nanoseconds kQuiet = 300'000'000;      // without a packet, while it ends
+constexpr Nanoseconds kOver = 2'000'000'000;     // the same: RSI has ended though nobody asked it to
 constexpr Nanoseconds kExplain = 1'000'000'000;  // for the controller to say why, beside its timeouts
 constexpr double kAnswerShare = 0.6;   // of the cycle, for the loop's command; then the driver brakes
 constexpr int kMostBehind = 8;         // old packets in a row; more are a new start
@@ -83,7 +84,7 @@ void Link::begin_session(Nanoseconds now) {
   samples_.write(current_);
   shaper_ = wire::Shaper(settings_.cycle_ms / 1000.0);
   fresh_ = true;
-  commanded_ = late_ = ended_ = false;
+  commanded_ = late_ = ended_ = streamed_ = false;
   answered_ = 0;
   steady_ = behind_ = slow_ = 0;
   heard_ = commanded_at_ = now;
@@ -116,6 +117,7 @@ void Link::take_packets(Nanoseconds now) {
   wire::UdpAddress from;
   const wire::Received got = wire::receive_datagram(rsi_.number(), bytes, &from);
   if (got.got != wire::Got::bytes || phase_ == Phase::idle) return;  // what is not ours gets no answer
+  if (displaced_ && !streamed_) return void(heard_ = now);
   if (!is_controller(from)) return;
   const auto robot = decode_robot({reinterpret_cast<const char*>(bytes.data()), got.count});
   if (!robot) return note(Cause::bad_data);
@@ -188,17 +190,22 @@ void Link::take_packet(const RsiRobot& robot, Nanoseconds now) {
 /// While RSI begins, corrections are zero: the robot stands where RSI began. Later the loop's answer goes out
 /// when it comes.
 void Link::answer(Nanoseconds now) {
-  if (phase_ == Phase::starting) {
+  const Phase phase = phase_;  // another thread may change it
+  if (displaced_ && phase == Phase::starting) return;
+  // Also the first packet of a start that was given up: its answer holds the robot where it stands.
+  if (phase == Phase::starting || current_.count == 1) {
     for (std::size_t i = 0; i < 6; ++i) base_[i] = sent_[i] = current_.q[i] / kRadians;
     shaper_.begin(base_);
+  }
+  if (phase == Phase::starting) {
     send(base_);
-    if (++steady_ < kSteady || !go_ || slow_ > 0 || unusable_ != Cause::none) return;
+    if (++steady_ < kSteady || !go_ || renew_ || slow_ > 0 || unusable_ != Cause::none) return;
     commands_.fetch();  // what was commanded before counts no more
     commanded_at_ = now;
     commanded_ = false;
     return set_phase(Phase::streaming);
   }
-  if (brakes()) return brake();
+  if (phase == Phase::ending || fault_) return brake();
   if (!commanded_) return send(shaper_.at());  // until the loop commands
   if (!settings_.follows) go_on();
 }
@@ -305,6 +312,12 @@ void Link::judge(Nanoseconds now) {
 
 void Link::end(Nanoseconds now) {
   const std::lock_guard lock(mutex_);
+  if (phase_ == Phase::streaming) {
+    streamed_ = true;
+    displaced_ = !settings_.eki && !settings_.relative;
+  } else if (now - heard_ > (ended_ ? kQuiet : kOver)) {
+    displaced_ = false;
+  }
   if (phase_ == Phase::streaming && fault_) phase_ = Phase::ending;
   if (phase_ != Phase::ending) {
     ending_since_ = now;

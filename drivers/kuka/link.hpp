@@ -188,7 +188,10 @@ class Link : public wire::LinkBase<Cause> {
   std::atomic<bool> stands_{false};        // what is ending stands, or does not answer
   std::atomic<bool> quiet_{false};         // its packets have ended
   std::atomic<bool> rsi_off_{false};       // EthernetKRL says so
-  std::atomic<int> late_answers_{0};       // of the newest packet
+  // Without EthernetKRL: RSI may still run, with corrections of an earlier session. Zero ones would move the
+  // robot back to where RSI began, so that nothing is answered until its packets have ended.
+  std::atomic<bool> displaced_{false};
+  std::atomic<int> late_answers_{0};  // of the newest packet
   std::atomic<double> most_correction_{0};
   std::atomic<int> most_axis_{0};
   std::string stranger_;  // address of the first other sender; with mutex_
@@ -200,6 +203,7 @@ class Link : public wire::LinkBase<Cause> {
   Six base_{}, sent_{};  // degrees: where RSI began; what was sent last
   bool commanded_ = false, fresh_ = true, late_ = false;
   bool ended_ = false;                      // RSI was asked to end
+  bool streamed_ = false;                   // the loop has commanded in this session
   std::uint64_t answered_ = 0;              // count of the last packet with an answer
   int steady_ = 0, behind_ = 0, slow_ = 0;  // packets in a row
   Nanoseconds heard_ = 0, commanded_at_ = 0, ending_since_ = 0;

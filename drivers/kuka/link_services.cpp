@@ -99,9 +99,9 @@ void Link::run_services() {
   while (!quit_) {
     const Nanoseconds left = settings_.stepped ? 1'000'000'000 : due - realtime::monotonic_now();
     if (left > 0 && wire::wait_readable(services_wake_.number(), left)) calm(services_wake_.number());
-    if (quit_ || fault_ || (!silent_ && (settings_.stepped || realtime::monotonic_now() < due))) continue;
+    if (quit_ || (!silent_ && (settings_.stepped || realtime::monotonic_now() < due))) continue;
     due = realtime::monotonic_now() + kRound;
-    serve_services();
+    serve_services();  // does nothing after a fault
   }
 }
 

@@ -173,13 +173,17 @@ bool Link::await_running() {
   const Nanoseconds deadline = realtime::monotonic_now() + settings_.start_timeout;
   const auto begun = [this] { return phase_ == Phase::streaming || fault_ || unusable_ != Cause::none; };
   for (;;) {
+    Cause unusable = Cause::none;
+    int unusable_detail = 0;
     {
       std::unique_lock lock(mutex_);
       changed_.wait_for(lock, std::chrono::nanoseconds(kPause), begun);
       if (phase_ == Phase::streaming) return true;
+      unusable = unusable_;
+      unusable_detail = unusable_detail_;
     }
     if (fault_) return false;
-    if (unusable_ != Cause::none) return refuse(unusable_, unusable_detail_);
+    if (unusable != Cause::none) return refuse(unusable, unusable_detail);
     const bool over = realtime::monotonic_now() > deadline;
     if (settings_.eki) {
       const auto reply = eki_.ask(EkiDo::state);
@@ -192,6 +196,7 @@ bool Link::await_running() {
       if (cause != Cause::none && (over || !may_come)) return refuse(cause, detail);
     }
     if (!over) continue;
+    if (displaced_) return refuse(Cause::start_refused, static_cast<int>(EkiResult::busy));
     if (const std::string from = stranger(); !from.empty()) return refuse(Cause::other_sender, 0, from);
     return refuse(Cause::no_packets, 0, own_address_ + ":" + std::to_string(rsi_port()));
   }

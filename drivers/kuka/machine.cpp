@@ -156,7 +156,7 @@ void Machine::take(const RsiSensor& answer) {
   for (std::size_t i = 0; i < 6; ++i)
     correction_[i] =
         options_.identity.relative ? correction_[i] + answer.correction[i] : answer.correction[i];
-  if (answer.stop) end_rsi();
+  if (answer.stop && !no_stop) end_rsi();
 }
 
 /// What the controller ends RSI for.

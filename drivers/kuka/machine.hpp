@@ -86,6 +86,7 @@ class Machine {
   std::uint64_t skip = 0;    ///< ms that the clock jumps ahead once
   bool slow = false;         ///< the clock makes steps of the other cycle
   bool renew_clock = false;  ///< the clock begins anew
+  bool no_stop = false;      ///< the context of RSI does not end at the Stop of an answer
 
  private:
   enum class Rsi : std::uint8_t { off, beginning, running, braking };

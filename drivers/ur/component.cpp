@@ -312,7 +312,8 @@ std::string UrComponent::summary() const {
   if (const auto k = link_->kinematics(); k && described_.size() == 6) {
     const double off = flange_difference(*k, described_);
     out += off > 0.02
-               ? fmt::format("; its arm is not the described one: the flange differs by up to {:.0f} mm", 1000 * off)
+               ? fmt::format("; its arm is not the described one: the flange differs by up to {:.0f} mm",
+                             1000 * off)
                : fmt::format("; its flange differs from the description by at most {:.2f} mm", 1000 * off);
   }
   return out;

@@ -99,7 +99,8 @@ std::vector<std::uint8_t> FarPrimary::state() const {
   six(pose, flange_pose(facts.arm, q));
   six(pose, zero);
   for (std::uint64_t i = 1; i <= 6; ++i) kinematics.u32(0x9E3779B9u * i);
-  for (const Six* one : {&facts.arm.theta, &facts.arm.a, &facts.arm.d, &facts.arm.alpha}) six(kinematics, *one);
+  for (const Six* one : {&facts.arm.theta, &facts.arm.a, &facts.arm.d, &facts.arm.alpha})
+    six(kinematics, *one);
   kinematics.u32(0);
   for (std::size_t i = 0; i < 6; ++i) setup.f64(facts.lower[i]).f64(facts.upper[i]);
   for (std::size_t i = 0; i < 6; ++i) setup.f64(facts.velocity[i]).f64(40);

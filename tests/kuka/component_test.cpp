@@ -1,5 +1,6 @@
 /// The driver against the simulated controller: states, commands, life cycle.
 #include <algorithm>
+#include <thread>
 
 #include "tests/kuka/rig.hpp"
 #include "tests/support/realtime_guard.hpp"
@@ -214,6 +215,43 @@ TEST(KukaComponent, WithoutEthernetKrlItFollowsAProgramThatAPersonStarted) {
   EXPECT_EQ(alone.far.requests(), 0u);
   EXPECT_EQ(alone.component.on_deactivate(), CallbackReturn::success);
   EXPECT_FALSE(alone.far.with([](kuka::Machine& m) { return m.rsi(); })) << "its Stop ended RSI";
+}
+
+/// Where a context of another person has no STOP, RSI goes on with the last corrections.
+TEST(KukaComponent, WithoutEthernetKrlASessionThatDoesNotEndIsNotAnsweredWithZeroCorrections) {
+  FarSideOptions options = far_options();
+  options.machine.identity.late_limit = 100'000;
+  Alone alone(options, {{"eki", "false"}, {"connect_timeout", "1"}});
+  ASSERT_TRUE(alone.configure()) << alone.component.reason();
+  alone.far.with([](kuka::Machine& m) {
+    m.no_stop = true;
+    return m.start();
+  });
+  ASSERT_EQ(alone.component.on_activate(), CallbackReturn::success) << alone.component.reason();
+  std::vector<double> states(alone.component.state_interfaces().size()),
+      commands(alone.component.command_interfaces().size(), std::nan(""));
+  hardware::Cycle cycle{0, 4'000'000, 0};
+  alone.component.await_cycle(60'000'000'000);
+  ASSERT_EQ(alone.component.read(cycle, states), ReturnType::ok);
+  for (std::size_t j = 0; j < 6; ++j) commands[j] = states[2 * j];
+  const double from = commands[0];
+  for (int i = 0; i < 300; ++i) {
+    alone.component.await_cycle(60'000'000'000);
+    commands[0] = from + travel(i, 1e-4);
+    ASSERT_EQ(alone.component.read(cycle, states), ReturnType::ok) << alone.component.reason();
+    ASSERT_EQ(alone.component.write(cycle, commands), ReturnType::ok) << alone.component.reason();
+  }
+  EXPECT_EQ(alone.component.on_deactivate(), CallbackReturn::success);
+  const Six at = alone.far.with([](kuka::Machine& m) {
+    m.forget_jumps();
+    return m.q();
+  });
+  EXPECT_GT(at[0] * kDegree, from + 0.01);
+  const std::uint64_t sent = alone.far.packets();
+  while (alone.far.packets() < sent + 50) std::this_thread::yield();
+  EXPECT_LE(alone.far.with([](kuka::Machine& m) { return m.largest_jump(); }), 1e-6);
+  EXPECT_FALSE(alone.far.with([](kuka::Machine& m) { return m.reply().state.message; }));
+  EXPECT_NEAR(alone.far.with([](kuka::Machine& m) { return m.q()[0]; }), at[0], 1e-6);
 }
 
 TEST(KukaComponent, OnlyTheInterfaceThatReachesTheControllerListens) {

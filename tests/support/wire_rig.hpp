@@ -1,6 +1,6 @@
 #pragma once
-/// What tests of drivers share whose robots stand behind a network wire: a driver on its simulated controller,
-/// called as a cell calls it, and what every fault must end in.
+/// What tests of drivers share whose robots stand behind a network wire: a driver on its simulated
+/// controller, called as a cell calls it, and what every fault must end in.
 #include <gtest/gtest.h>
 
 #include <algorithm>
