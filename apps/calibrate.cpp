@@ -158,7 +158,7 @@ int read(const Arguments& a) {
   return kOk;
 }
 
-std::vector<calibration::Sample> samples_for(const Arguments& a) {
+std::vector<calibration::Sample> samples_for(Arguments& a) {
   if (a.record.cell.empty() && a.record.marker.empty() && a.samples.empty())
     throw WrongUse("bad-usage", "a calibration needs samples", "a file, or --from CELL");
   if (!a.samples.empty()) return samples_of(a.samples);
@@ -179,7 +179,7 @@ void add_options(CommandLine& app, Arguments& a) {
   app.add_option("--marker", a.record.marker,
                  "with --from: the pose of the cell's data that a camera or a device writes");
   app.add_option("--arm", a.record.robot,
-                 "with --from and --cell: which robot; default: arm, or the only one");
+                 "which robot the samples are of, or gets the result; default: arm, or the only one");
   app.add_option("--keep", a.keep, "with --from: the file that gets the samples; default: KIND_samples.yaml");
   app.add_option("--into", a.into,
                  "the file that gets the result: a data file; for joints the file of the arm");
@@ -232,6 +232,8 @@ int run_calibrate(int argc, char** argv) {
   if (a.how.kind == "read") return read(a);
   if (!a.flat.empty()) a.how.flat = samples_of(a.flat);
   const std::vector<calibration::Sample> samples = samples_for(a);
+  if (a.how.kind == "hand-eye" && a.how.in.empty() && !a.record.robot.empty())
+    a.how.in = a.record.robot + "/flange";
   if (!samples.empty() && samples.front().vectors.contains("point") && a.how.kind == "joints")
     a.how.positions = true;
   if (a.verify) return verify(samples, a);

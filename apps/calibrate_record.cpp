@@ -56,11 +56,12 @@ Json sighting(Client& cell, const RecordOptions& options) {
   return out;
 }
 
-std::optional<calibration::Sample> sample_now(Client& cell, const RecordOptions& options) {
+std::optional<calibration::Sample> sample_now(Client& cell, RecordOptions& options) {
   calibration::Sample out;
   const Json state = cell.ask(asking(options, "jog.state"));
   if (flag_of(part(state, {"moving"}))) throw Error("moving", "the robot moves", "wait until it is at rest");
   const Json here = cell.ask(asking(options, "points.here"));
+  options.robot = text_of(part(here, {"robot"}));
   if (options.kind == "tool") {
     out.poses["flange"] = pose_of(part(here, {"flange"}));
   } else if (options.kind == "frame" || options.kind == "robots") {
@@ -85,7 +86,7 @@ std::optional<calibration::Sample> sample_now(Client& cell, const RecordOptions&
 
 }  // namespace
 
-std::vector<calibration::Sample> record_samples(const RecordOptions& options) {
+std::vector<calibration::Sample> record_samples(RecordOptions& options) {
   Client cell(options.cell);
   std::vector<calibration::Sample> out;
   fmt::print(stderr, "Move the robot, wait until it is at rest, and press Enter; Ctrl-D ends.\n");

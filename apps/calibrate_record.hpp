@@ -13,7 +13,8 @@ struct RecordOptions {
       marker;  ///< a pose of the cell's data: what the camera sees, or what a measuring device measures
 };
 
-/// Reads Enter until the end of the input or an empty answer to a question. Nothing moves.
-std::vector<calibration::Sample> record_samples(const RecordOptions& options);
+/// Reads Enter until the end of the input or an empty answer to a question. Nothing moves. Sets
+/// `options.robot` to the name of the robot that the samples are of.
+std::vector<calibration::Sample> record_samples(RecordOptions& options);
 
 }  // namespace polyarm::apps

@@ -35,15 +35,18 @@ Pairs pairs_of(std::span<const Sighting> sightings, CameraPlace place) {
   return out;
 }
 
-/// Rotations between all pairs of poses: of the carrier and of the marker.
+/// Rotations between pairs of poses, of the carrier and of the marker: all pairs of up to 300 poses. Of more,
+/// each pose with 300 others at most, because memory would grow with the square of their number.
 struct Turns {
   std::vector<Eigen::Vector3d> carrier, marker;
 };
 Turns turns_of(const Pairs& pairs) {
   constexpr double kLargest = 3.0;  // rad: beyond it, noise may flip the rotation vector
+  constexpr std::size_t kMost = 300;
+  const std::size_t stride = (pairs.size() + kMost - 1) / kMost;
   Turns out;
   for (std::size_t i = 0; i < pairs.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j) {
+    for (std::size_t j = (i / stride) % stride; j < i; j += stride) {
       const Eigen::Vector3d a =
           rotation_vector(pairs[i].carrier.rotation * inverse(pairs[j].carrier.rotation));
       const Eigen::Vector3d b = rotation_vector(pairs[i].marker.rotation * inverse(pairs[j].marker.rotation));

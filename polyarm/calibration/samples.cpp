@@ -110,14 +110,16 @@ std::optional<Fill> fill_of(const std::string& column,
   return std::nullopt;
 }
 
-/// The parts that a name needs, as bits of x y z qx qy qz qw and, from bit 7 on, roll pitch yaw.
+/// A pose needs x y z, and either all angles or all of a quaternion, with no part of the other.
 bool complete(const std::vector<std::string>& columns, const std::string& name) {
   const auto has = [&](const char* part) { return among(columns, name + "." + part); };
   const bool place = has("x") && has("y") && has("z");
   if (!among(kPoses, name)) return place;
   const bool angles = has("roll") && has("pitch") && has("yaw");
   const bool quaternion = has("qx") && has("qy") && has("qz") && has("qw");
-  return place && angles != quaternion;
+  const bool some_angle = has("roll") || has("pitch") || has("yaw");
+  const bool some_part = has("qx") || has("qy") || has("qz") || has("qw");
+  return place && ((angles && !some_part) || (quaternion && !some_angle));
 }
 
 void put_poses(Sample& sample, const std::map<std::string, std::array<double, 7>>& numbers) {

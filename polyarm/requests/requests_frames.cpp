@@ -141,8 +141,9 @@ PointsSighting::Answer points_sighting(const PointOwners& cell, const PointsSigh
   PointsSighting::Answer out;
   out.flange = pose_facts(cell.motions.tcp(i) * inverse(robot.tool.tcp));
   out.marker = pose_facts(marker.as_point()->pose);
-  if (facts && facts->changed_at >= 0)
-    out.age = 1e-9 * static_cast<double>(cell.machine.now() - facts->changed_at);
+  // A value that has not changed since the cell began is as old as the cell.
+  const Nanoseconds changed = facts ? std::max<Nanoseconds>(0, facts->changed_at) : 0;
+  out.age = 1e-9 * static_cast<double>(cell.machine.now() - changed);
   return out;
 }
 

@@ -39,8 +39,15 @@ export function CameraWizard({ onClose }: { onClose: () => void }) {
     setAnswer(null);
     setProblem('');
     if (taken.length < kLeast) return;
-    request('points.camera', { ...args, dry: true }).then(setAnswer, (error: Error) => setProblem(problemLine(problemOf(error))));
-  }, [taken, place]);
+    let current = true; // an answer for earlier sightings must not replace the newest one
+    request('points.camera', { ...args, dry: true }).then(
+      (found) => current && setAnswer(found),
+      (error: Error) => current && setProblem(problemLine(problemOf(error))),
+    );
+    return () => {
+      current = false;
+    };
+  }, [taken, place, args.robot]);
   const take = () =>
     request('points.sighting', { marker, robot: args.robot }).then((seen) => {
       setOld(seen.age > kOld ? seen.age : 0);
