@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "polyarm/move_group/goals.hpp"
@@ -91,6 +92,10 @@ class CartesianPath {
     for (std::size_t i = 1; i <= steps; ++i) {
       if (settings_.cancelled && settings_.cancelled())
         throw Refusal(Code::PREEMPTED, "the request was cancelled");
+      if (Clock::now() > end_)
+        throw Refusal(Code::TIMED_OUT,
+                      fmt::format("the path takes longer than {} s: ask for a shorter one or larger steps",
+                                  kLongestPlanning));
       const double s = static_cast<double>(i) / static_cast<double>(steps);
       if (!step_to(between(from, to, s), q)) return static_cast<double>(i - 1) / static_cast<double>(steps);
     }
@@ -142,6 +147,10 @@ class CartesianPath {
     return moves::plan_moves(arm_.facts(), around_.joints(), moves, settings_.limits);
   }
 
+  using Clock = std::chrono::steady_clock;
+
+  const Clock::time_point end_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                                    std::chrono::duration<double>(kLongestPlanning));
   Around around_;
   const srv::GetCartesianPath::Request& request_;
   const PlanSettings& settings_;

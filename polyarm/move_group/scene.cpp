@@ -401,7 +401,8 @@ std::unique_ptr<surroundings::Surroundings> compiled(const Around& around, std::
   for (auto& part : now.moment.parts)
     if (part.in_world && part.held_by == static_cast<int>(around.arm->index()))
       part.pose = T_new_old * part.pose;
-  for (description::Fixture& fixture : fixtures_of(*around.scene)) scene.fixtures.push_back(std::move(fixture));
+  for (description::Fixture& fixture : fixtures_of(*around.scene))
+    scene.fixtures.push_back(std::move(fixture));
   for (const auto& [id, attached] : around.scene->attached) {
     if (around.scene->allowed.contains(id)) continue;
     const Pose pose = attached_in_world(now, attached);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "polyarm/move_group/plans.hpp"
 #include "polyarm/planning/planner.hpp"
@@ -12,11 +13,28 @@ namespace {
 
 constexpr double kStep = 0.02;            // s between points
 constexpr std::size_t kMostSteps = 1000;  // of one trajectory: longer ones have longer steps
+/// Between states on a line that is near something all along, rad or m, and their greatest number.
+constexpr double kCloseStep = 0.002, kMostClose = 10'000;
 
 messages::builtin_interfaces::msg::Duration duration_of(double seconds) {
   const double whole = std::floor(seconds);
   return {static_cast<std::int32_t>(whole),
           static_cast<std::uint32_t>(std::min((seconds - whole) * 1e9, 999'999'999.0))};
+}
+
+/// The first contact of the states along a line; none if there is none.
+std::optional<collision::Contact> contact_along(collision::Probe& probe, const std::vector<double>& from,
+                                                const std::vector<double>& to) {
+  double most = 0;
+  for (std::size_t j = 0; j < from.size(); ++j) most = std::max(most, std::abs(to[j] - from[j]));
+  const int steps = static_cast<int>(std::min(std::ceil(most / kCloseStep), kMostClose)) + 1;
+  std::vector<double> q(from.size());
+  for (int k = 0; k <= steps; ++k) {
+    for (std::size_t j = 0; j < q.size(); ++j) q[j] = from[j] + (to[j] - from[j]) * k / steps;
+    if (!probe.touches_exactly(q)) continue;
+    if (const collision::Contact contact = probe.nearest(q); contact.distance <= 0) return contact;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -80,9 +98,13 @@ void check_free(surroundings::Surroundings& around, const std::vector<std::vecto
     if (answer.verdict == collision::EdgeVerdict::free) continue;
     std::vector<double> q = states[i - 1];
     for (std::size_t j = 0; j < q.size(); ++j) q[j] += answer.at * (states[i][j] - q[j]);
-    const collision::Contact contact = around.probe().nearest(q);
-    if (answer.verdict == collision::EdgeVerdict::close && contact.distance > 0)
-      continue;  // near, and not in contact
+    collision::Contact contact = around.probe().nearest(q);
+    if (answer.verdict == collision::EdgeVerdict::close && contact.distance > 0) {
+      // Near, and not in contact there. The proof ended at that place: the rest is looked at state by state.
+      const auto touching = contact_along(around.probe(), states[i - 1], states[i]);
+      if (!touching) continue;
+      contact = *touching;
+    }
     throw Refusal(code, what + ": " + planning::text_of(contact));
   }
 }

@@ -96,7 +96,8 @@ class Server : public std::enable_shared_from_this<Server> {
   }
 
   void cancel(const Goal& goal) {
-    bridge_.ask(protocol::GoalCancel{target(), static_cast<double>(goal.number)}, [](const protocol::Reply&) {});
+    bridge_.ask(protocol::GoalCancel{target(), static_cast<double>(goal.number)},
+                [](const protocol::Reply&) {});
   }
 
   void answered(const GoalPointer& goal, const protocol::Reply& replied, const Reply& reply) {
@@ -116,7 +117,8 @@ class Server : public std::enable_shared_from_this<Server> {
     if (goal->status == GoalStatus::STATUS_UNKNOWN) goals_->accept(goal, reply);
     if (status == "succeeded") goals_->end(goal, GoalStatus::STATUS_SUCCEEDED, result_of(port_.type, answer));
     if (status == "aborted")
-      goals_->end(goal, GoalStatus::STATUS_ABORTED, result_of(port_.type, answer, why_aborted(*goal, answer)));
+      goals_->end(goal, GoalStatus::STATUS_ABORTED,
+                  result_of(port_.type, answer, why_aborted(*goal, answer)));
     if (status == "canceled") goals_->end(goal, GoalStatus::STATUS_CANCELED, result_of(port_.type, answer));
   }
 
@@ -126,7 +128,8 @@ class Server : public std::enable_shared_from_this<Server> {
     for (const control::ListedController& c : bridge_.cell().controllers().list())
       if (c.name == port_.controller && c.state != hardware::LifecycleState::active)
         return "the controller is not active any more";
-    return asking_ > 0 || !goals_->is_newest(goal) ? "another goal took its place" : "the motion was ended at the cell";
+    return asking_ > 0 || !goals_->is_newest(goal) ? "another goal took its place"
+                                                   : "the motion was ended at the cell";
   }
 
   /// The ROS reply has no field for the reason, so it is logged in the cell. The same reason is not logged

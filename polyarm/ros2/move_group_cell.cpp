@@ -23,12 +23,20 @@ bool LongWork::post(cell::Worker& worker, std::atomic<std::size_t>& waiting, Wor
 }
 
 void LongWork::finish() {
-  std::deque<Then> thens;
+  std::size_t left = 0;
   {
     const std::lock_guard lock(ended_->mutex);
-    thens.swap(ended_->thens);
+    left = ended_->thens.size();
   }
-  for (const Then& then : thens) then();
+  for (; left > 0; --left) {  // one by one: if one throws, the others wait for the next tick
+    Then then;
+    {
+      const std::lock_guard lock(ended_->mutex);
+      then = std::move(ended_->thens.front());
+      ended_->thens.pop_front();
+    }
+    then();
+  }
 }
 
 MoveGroupCell::Look MoveGroupCell::look(std::shared_ptr<const move_group::Arm> arm) const {

@@ -2,6 +2,7 @@
 /// goes to controllers as any goal of ROS 2 does.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "polyarm/move_group/groups.hpp"
 #include "polyarm/protocol/messages.hpp"
@@ -21,6 +22,10 @@ using ExecuteGoal = messages::moveit_msgs::action::ExecuteTrajectory::Goal;
 using ExecuteResult = messages::moveit_msgs::action::ExecuteTrajectory::Result;
 
 constexpr int kMostReplans = 10;
+/// After a cancelled motion the next plan begins when no joint moves faster than kStill / kBetweenLooks, or
+/// after kLongestStop.
+constexpr double kStill = 2e-4;  // rad or m
+constexpr Nanoseconds kBetweenLooks = 20'000'000, kLongestStop = 3'000'000'000;
 
 template <class Message>
 bool from_json(const Json& fields, Message& out) {
@@ -99,9 +104,12 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
     std::shared_ptr<std::atomic<bool>> cancelled = std::make_shared<std::atomic<bool>>(false);
     bool preempted = false;  ///< by a newer goal
     int replans = 0;
+    std::uint64_t turn = 0;   ///< of the cell, when the goal came
     std::uint64_t scene = 0;  ///< version that the trajectory was checked with
     bool checking = false;
-    std::string invalidated;  ///< why the trajectory became invalid while it was carried out
+    bool plans_again = false;               ///< once the robot stands
+    std::map<std::string, double> reached;  ///< s along the trajectory, as its controllers report
+    std::string invalidated;                ///< why the trajectory became invalid while it was carried out
     std::size_t sent = 0, ended = 0;
     std::string failure;
     std::vector<std::pair<std::string, std::uint64_t>> numbers;  ///< goals of the cell under way
@@ -134,15 +142,17 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
     run->goal = goal;
     run->server = &server;
     run->plans = &server == move.get();
+    run->turn = turn;
     ExecuteGoal asked;
     const bool good = run->plans ? from_json(message, run->request) : from_json(message, asked);
     if (!good) return server.refuse(goal, reply);
     run->result.planned_trajectory = std::move(asked.trajectory);
     run->wanted = std::move(asked.controller_names);
     server.accept(goal, reply);
-    if (!current) return start(run);
+    if (!current && settling_since < 0) return start(run);
     if (next) finish(next, Code::PREEMPTED, "a newer goal took its place");
     next = run;
+    if (!current) return;
     current->preempted = true;
     stop(*current);
   }
@@ -155,7 +165,7 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
     if (current && current->goal == goal) stop(*current);
   }
 
-  /// Ends planning and stops on the path.
+  /// Ends planning and the goals of controllers.
   void stop(Run& run) {
     run.cancelled->store(true);
     for (const auto& [target, number] : run.numbers)
@@ -222,8 +232,11 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
   /// Looks whether what is left of a trajectory is free. `whole`: before it is sent.
   void check(const RunPointer& run, bool whole) {
     run->checking = true;
-    const double done = whole ? 0 : seconds(shared.bridge.cell().now() - run->began);
-    const bool posted = shared.work.plan(
+    // A cell that is slowed down or held is behind the clock.
+    double done = whole || run->reached.empty() ? 0 : seconds(shared.bridge.cell().now() - run->began);
+    for (const auto& [to, time] : run->reached) done = std::min(done, time);
+    // Not behind the plans of others: an object may be in the way of a robot that moves.
+    const bool posted = shared.work.query(
         [self = shared_from_this(), run, whole, done, look = shared.look(arm)]() -> LongWork::Then {
           Code code = move_group::success();
           std::uint64_t scene = 0;
@@ -243,7 +256,9 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
           }
           return [self, run, whole, scene, code] { self->checked(run, whole, scene, code); };
         });
-    if (!posted && whole) finish(run, Code::FAILURE, "too many requests wait");
+    if (posted) return;
+    run->checking = false;  // asked again in the next tick
+    if (whole) finish(run, Code::FAILURE, "too many requests wait");
   }
 
   void checked(const RunPointer& run, bool whole, std::uint64_t scene, const Code& code) {
@@ -263,12 +278,18 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
   /// Hands the trajectory to controllers, as goals of clients are.
   void send(const RunPointer& run) {
     try {
+      if (run->turn != turn)
+        throw Refusal(Code::CONTROL_FAILED,
+                      "the cell was stopped or started since the goal came: send it again");
       const std::vector<ControllerGoal> goals = goals_of(*run);
       if (run->result.planned_trajectory.joint_trajectory.points.size() == 1)  // it is there already
         return finish(run, Code::SUCCESS, "");
       run->began = shared.bridge.cell().now();
       run->sent = goals.size();
       run->ended = 0;
+      run->reached.clear();
+      for (const ControllerGoal& goal : goals)
+        if (!goal.actor.gripper()) run->reached[goal.actor.name + "/" + goal.actor.action] = 0;
       for (const ControllerGoal& goal : goals) send(run, goal);
     } catch (const Refusal& refusal) {
       finish(run, refusal.code, refusal.what());
@@ -318,7 +339,7 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
     if (closed) return;
     if (reply.refusal) return ended(run, to + ": " + refusal_of(reply));
     const protocol::SendMessage::Answer& answer = reply.answer->as<protocol::SendMessage>();
-    if (answer.feedback) return;
+    if (answer.feedback) return take_feedback(*run, to, answer.feedback->json());
     const std::string status = answer.status.value_or("");
     if (status == "accepted") {
       run->numbers.emplace_back(to, answer.goal.value_or(0));
@@ -333,7 +354,15 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
     }
   }
 
-  /// One of the controllers is done. If it failed, the others stop on the path.
+  static void take_feedback(Run& run, const std::string& to, const Json& state) {
+    const auto reached = run.reached.find(to);
+    const auto reference = state.find("reference");
+    if (reached == run.reached.end() || reference == state.end()) return;
+    const auto time = reference->find("time_from_start");
+    if (time != reference->end() && time->is_number()) reached->second = time->get<double>();
+  }
+
+  /// One of the controllers is done. If it failed, the others are stopped.
   void ended(const RunPointer& run, const std::string& failure) {
     ++run->ended;
     if (run->failure.empty() && !failure.empty()) {
@@ -342,12 +371,14 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
     }
     if (run->ended < run->sent) return;
     run->numbers.clear();
-    if (!run->invalidated.empty()) return replan_or_end(run);
     if (run->failure.empty()) {
       run->result.executed_trajectory = run->result.planned_trajectory;
       return finish(run, Code::SUCCESS, "");
     }
-    const bool stopped = run->cancelled->load();
+    settling_since = looked_at = shared.bridge.cell().now();
+    last_joints.clear();
+    if (!run->invalidated.empty()) return replan_or_end(run);
+    const bool stopped = run->preempted || run->goal->status == GoalStatus::STATUS_CANCELING;
     finish(run, stopped ? Code::PREEMPTED : Code::CONTROL_FAILED, stopped ? why_stopped(*run) : run->failure);
   }
 
@@ -361,8 +392,9 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
     shared.tell("it plans again: " + run->invalidated);
     run->invalidated.clear();
     run->failure.clear();
+    run->sent = run->ended = 0;
     run->cancelled = std::make_shared<std::atomic<bool>>(false);
-    plan(run);
+    run->plans_again = true;
   }
 
   static std::string why_stopped(const Run& run) {
@@ -388,14 +420,35 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
                      std::move(result));
     if (run != current) return;
     current.reset();
-    if (!next) return;
-    const RunPointer waiting = std::exchange(next, nullptr);
-    start(waiting);
+    if (next && settling_since < 0) start(std::exchange(next, nullptr));
+  }
+
+  /// Goes on once the robot stands after a motion that was cut short.
+  void settle() {
+    if (settling_since < 0) return;
+    const Nanoseconds now = shared.bridge.cell().now();
+    if (now - looked_at < kBetweenLooks) return;
+    looked_at = now;
+    const std::vector<double> q = shared.bridge.cell().moment().robots[arm->index()].joints;
+    const bool stands = q.size() == last_joints.size() &&
+                        std::equal(q.begin(), q.end(), last_joints.begin(),
+                                   [](double a, double b) { return std::abs(a - b) < kStill; });
+    last_joints = q;
+    if (!stands && now - settling_since < kLongestStop) return;
+    settling_since = -1;
+    if (const RunPointer run = current; run && std::exchange(run->plans_again, false)) {
+      if (run->cancelled->load()) return finish(run, Code::PREEMPTED, why_stopped(*run));
+      return plan(run);
+    }
+    if (!current && next) start(std::exchange(next, nullptr));
   }
 
   void serve() {
     move->serve();
     execute->serve();
+    const bool runs = shared.bridge.cell().snapshot().state == control::RunState::running;
+    if (std::exchange(running, runs) != runs) ++turn;
+    settle();
     if (current && current->ended < current->sent && !current->checking && !current->cancelled->load() &&
         shared.scene->now()->version != current->scene)
       check(current, false);
@@ -407,6 +460,11 @@ struct MoveGroupMotion::Work : std::enable_shared_from_this<Work> {
   Wire::Id shown = 0;
   RunPointer current, next;
   bool closed = false;
+  bool running = true;     ///< the cell, at the last tick
+  std::uint64_t turn = 0;  ///< counts how often the cell was stopped and started
+  /// Since when the robot may still move after a motion that was cut short; -1: it stands.
+  Nanoseconds settling_since = -1, looked_at = 0;
+  std::vector<double> last_joints;
 };
 
 MoveGroupMotion::MoveGroupMotion(MoveGroupCell& shared, std::shared_ptr<const move_group::Arm> arm,

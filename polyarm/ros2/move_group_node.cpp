@@ -22,8 +22,8 @@ namespace srv = move_group::srv;
 
 constexpr Nanoseconds kStates = 100'000'000;  // between states of the robot on monitored_planning_scene
 constexpr Nanoseconds kBetweenReports = 1'000'000'000;
-constexpr int kPairSamples = 2000;            // joint states that are compared for the SRDF
-constexpr double kMoved = 1e-4;               // rad or m: less is not told
+constexpr int kPairSamples = 2000;  // joint states that are compared for the SRDF
+constexpr double kMoved = 1e-4;     // rad or m: less is not told
 const char* const kPipeline = "polyarm";
 const char* const kPlanner = "RRTConnect";
 
@@ -34,12 +34,12 @@ bool is_at_origin(const Pose& pose) {
 /// One robot's node.
 class MoveGroupNode {
  public:
-  MoveGroupNode(MoveGroupCell& shared, std::size_t robot)
+  MoveGroupNode(MoveGroupCell& shared, std::size_t robot, std::shared_ptr<const Arm> arm)
       : shared_{shared},
         bridge_{shared.bridge},
         robot_{*shared.bridge.cell().robots()[robot]},
         space_{bridge_.name(bridge_.cell().robots().size() == 1 ? "" : robot_.entry.name)},
-        arm_{make_arm(robot)} {
+        arm_{std::move(arm)} {
     while (space_.ends_with('/')) space_.pop_back();
     node_ = space_ + "/move_group";
     motion_.emplace(shared_, arm_, node_, space_);
@@ -68,18 +68,17 @@ class MoveGroupNode {
       };
     });
   }
-  const Arm& arm() const { return *arm_; }
+  static std::shared_ptr<const Arm> make_arm(Bridge& bridge, std::size_t robot) {
+    const cell::CellRobot& of = *bridge.cell().robots()[robot];
+    description::RobotModel model = of.model;
+    move_group::add_groups(model, of.entry.name,
+                           move_group::actors_of(bridge.cell().controllers(), of.entry.name));
+    return std::make_shared<const Arm>(*of.facts, std::move(model), robot);
+  }
   /// Called after each change of the scene.
   std::function<void()> on_change;
 
  private:
-  std::shared_ptr<const Arm> make_arm(std::size_t robot) const {
-    description::RobotModel model = robot_.model;
-    move_group::add_groups(model, robot_.entry.name,
-                           move_group::actors_of(bridge_.cell().controllers(), robot_.entry.name));
-    return std::make_shared<const Arm>(*robot_.facts, std::move(model), robot);
-  }
-
   template <class Request, class Response>
   using Answer =
       std::function<Response(const move_group::Around&, const Request&, const move_group::PlanSettings&)>;
@@ -105,7 +104,7 @@ class MoveGroupNode {
               failure = error.what();
             }
             return [this, response, reply, failure] {
-              if (!failure.empty()) shared_.tell(failure);
+              if (!failure.empty()) report(Code{Code::FAILURE, failure, "polyarm"});
               report(*response);
               (*reply)(encode(bridge_, *response));
             };
@@ -373,8 +372,10 @@ class MoveGroups : public Part {
  public:
   explicit MoveGroups(Bridge& bridge) : shared_{bridge} {
     for (std::size_t i = 0; i < bridge.cell().robots().size(); ++i) {
-      auto node = std::make_unique<MoveGroupNode>(shared_, i);
-      if (node->arm().groups().empty()) continue;
+      // A node stays once it is made: its services and its work refer to it.
+      std::shared_ptr<const Arm> arm = MoveGroupNode::make_arm(bridge, i);
+      if (arm->groups().empty()) continue;
+      auto node = std::make_unique<MoveGroupNode>(shared_, i, std::move(arm));
       node->on_change = [this] {
         for (const auto& each : nodes_) each->tell_scene();
       };

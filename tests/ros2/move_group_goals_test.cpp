@@ -207,6 +207,16 @@ TEST_F(MoveGroupGoals, ANewerGoalTakesThePlaceOfTheOneUnderWay) {
   EXPECT_EQ(result(1)["result"]["error_code"]["val"], -7);
 }
 
+TEST_F(MoveGroupGoals, ANewerGoalBeginsWhereAFastRobotHasStopped) {
+  const json far{{"request", request_to(joint_goal({2.5, -1.4, 1.3, -1.2, -1.4, 0.3}))}};
+  const std::vector<double> before = joints();
+  ASSERT_EQ(send(1, far)["accepted"], true);
+  ASSERT_TRUE(wait([&] { return std::abs(joints()[0] - before[0]) > 0.3; }));
+  const json second = move(2, {{"request", request_to(joint_goal(kThere))}});
+  EXPECT_EQ(second["result"]["error_code"]["val"], 1) << second["result"]["error_code"];
+  EXPECT_EQ(result(1)["result"]["error_code"]["val"], -7);
+}
+
 TEST_F(MoveGroupGoals, AnObjectInTheWayStopsTheMotion) {
   json goal{{"request", request_to(joint_goal({2.5, -1.4, 1.3, -1.2, -1.4, 0.3}))}};
   goal["request"]["max_velocity_scaling_factor"] = 0.1;
