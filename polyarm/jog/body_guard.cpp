@@ -129,7 +129,7 @@ bool BodyGuard::follow(std::size_t index, std::span<const double> way, double le
                        InTheWay& out) noexcept {
   const GuardPair& pair = bodies_.pairs()[index];
   const std::span<const double> q = bodies_.joints(static_cast<std::size_t>(robot_));
-  for (double share = 0; share < 1;) {
+  for (double share = 0;;) {
     for (std::size_t j = 0; j < trial_.size(); ++j) trial_[j] = q[j] + share * way[j];
     bodies_.try_joints(static_cast<std::size_t>(robot_), trial_);
     const surroundings::GuardGap gap = bodies_.gap_of(pair, least + reach, robot_);
@@ -138,9 +138,9 @@ bool BodyGuard::follow(std::size_t index, std::span<const double> way, double le
       out = {static_cast<std::int32_t>(index), gap, least};
       return true;
     }
-    share += std::max(gap.distance - least, kStep) / reach;
+    if (share >= 1) return false;
+    share = std::min(1.0, share + std::max(gap.distance - least, kStep) / reach);
   }
-  return false;
 }
 
 BodyGuard::InTheWay BodyGuard::in_the_way(std::span<const double> way,

@@ -1,7 +1,7 @@
 #pragma once
-/// Makes the barriers of a robot that is jogged from the bodies around it, in each tick, and says what a robot
-/// whose plan is not known would touch while it brakes. Cell thread; allocates in the constructor alone.
-/// Metres, radians, seconds.
+/// Makes the barriers of a robot that is jogged from the bodies around it, in each tick, and says what a
+/// robot whose plan is not known would touch while it brakes. Cell thread; allocates in the constructor
+/// alone. Metres, radians, seconds.
 #include <array>
 #include <span>
 #include <vector>
@@ -49,7 +49,8 @@ class BodyGuard {
   void add(const Barrier& barrier, Barriers& out) noexcept;
   void add_points(std::size_t pair, double keep, std::size_t count, Barriers& out) noexcept;
   double room_in_levers(double room, const surroundings::GuardPair& pair, const Barriers& out) noexcept;
-  bool follow(std::size_t pair, std::span<const double> way, double least, double reach, InTheWay& out) noexcept;
+  bool follow(std::size_t pair, std::span<const double> way, double least, double reach,
+              InTheWay& out) noexcept;
   void keep_rest(double room, std::size_t pair, Barriers& out) noexcept;
 
   surroundings::GuardBodies& bodies_;
@@ -57,7 +58,7 @@ class BodyGuard {
   std::vector<AxisLimits> limits_;
   BodyGuardOptions options_;
   std::vector<double> reach_, trial_;  // by joint
-  std::vector<double> reaches_;  // by body
+  std::vector<double> reaches_;        // by body
   std::array<surroundings::GuardGap, 6> points_;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Parts of guards: a planned path in time, how long a path takes to brake, and how fast joints move whose plan
-/// is not known. Private to this room. Metres, radians, seconds.
+/// Parts of guards: a planned path in time, how long a path takes to brake, and how fast joints move whose
+/// plan is not known. Private to this room. Metres, radians, seconds.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -55,7 +55,9 @@ struct Braking {
 /// constructor alone.
 class JointRates {
  public:
-  explicit JointRates(std::size_t joints) : rates_(joints, 0.0) { past_.fill({-1, std::vector<double>(joints)}); }
+  explicit JointRates(std::size_t joints) : rates_(joints, 0.0) {
+    past_.fill({-1, std::vector<double>(joints)});
+  }
 
   /// Call it in each tick; a gap begins anew.
   void add(Nanoseconds now, std::span<const double> joints) noexcept {
@@ -66,11 +68,24 @@ class JointRates {
     const Past* oldest = nullptr;
     for (std::size_t k = 0; k < kTicks && !oldest; ++k)
       if (past_[(next_ + k) % kTicks].time >= 0) oldest = &past_[(next_ + k) % kTicks];
-    for (std::size_t j = 0; j < rates_.size(); ++j)
+    const Past& middle = past_[(next_ + kTicks / 2) % kTicks];
+    for (std::size_t j = 0; j < rates_.size(); ++j) {
       rates_[j] = oldest ? (joints[j] - oldest->joints[j]) / seconds(now - oldest->time) : 0;
+      if (!oldest || oldest == &middle || middle.time <= oldest->time) continue;
+      // A joint that becomes faster is judged by what it will have when it begins to brake.
+      const double half = seconds(now - middle.time), whole = seconds(now - oldest->time);
+      const double recent = (joints[j] - middle.joints[j]) / half;
+      const double earlier = (middle.joints[j] - oldest->joints[j]) / (whole - half);
+      const double coming = recent + (recent - earlier) / (whole / 2) * (half / 2 + kAhead);
+      if (std::abs(coming) > std::abs(rates_[j]) && coming * rates_[j] > 0) rates_[j] = coming;
+    }
     past_[next_].time = now;
     std::copy_n(joints.begin(), rates_.size(), past_[next_].joints.begin());
     next_ = (next_ + 1) % kTicks;
+  }
+  /// Earlier ticks do not count.
+  void forget() noexcept {
+    for (Past& past : past_) past.time = -1;
   }
   /// False for a robot that hardly moves: measured joints are never quite still.
   bool move() const noexcept {
@@ -89,9 +104,11 @@ class JointRates {
 
  private:
   static constexpr std::size_t kTicks = 10;
-  static constexpr double kStands = 2e-3;     // rad/s or m/s
-  static constexpr double kHalfRamp = 0.025;  // half of the shortest time in which a trajectory comes to rest, s
-  static constexpr double kLag = 0.01;        // of a mean over that many ticks, s
+  static constexpr double kStands = 2e-3;  // rad/s or m/s
+  static constexpr double kHalfRamp =
+      0.025;                              // half of the shortest time in which a trajectory comes to rest, s
+  static constexpr double kAhead = 0.01;  // s between the newest joints and the begin of braking
+  static constexpr double kLag = 0.01;    // of a mean over that many ticks, s
   struct Past {
     Nanoseconds time;  // -1: none
     std::vector<double> joints;

@@ -77,6 +77,7 @@ struct Guards::Of {
   bool slowed = false;  // during this motion
   LookAhead::Answer ahead_of;
   std::vector<double> velocity, before, q, v, last, step_size, braking_way;
+  double stopped_way = 0;  ///< largest joint way of the braking that a guard began; 0: the way is free
   Nanoseconds stands_since = -1;
   bool reported = false;
   std::optional<JointRates> rates;
@@ -139,17 +140,22 @@ bool Guards::listens() const {
   return cell_.setup.options.allow_contact;
 }
 
-/// True if something other than a program or a person who jogs moves the robot, and that is guarded.
-bool Guards::is_unplanned(std::size_t r) const {
+/// True if a planned path that stands in the world, or a person who jogs, moves the robot.
+bool Guards::is_planned(std::size_t r) const {
   const moves::RobotMotion* motion = cell_.motions.motion(r);
-  if (!cell_.setup.file.guards.others || (motion && !motion->idle()) || cell_.jogging.engaged(r)) return false;
-  return work_->robots[r].rates->move();
+  return (motion && !motion->idle() && !motion->riding()) || cell_.jogging.engaged(r);
+}
+
+/// True if something else moves the robot, and that is guarded: another program, or a belt.
+bool Guards::is_unplanned(std::size_t r) const {
+  return cell_.setup.file.guards.others && !is_planned(r) && work_->robots[r].rates->move();
 }
 
 bool Guards::needed() const {
   for (std::size_t r = 0; r < work_->robots.size(); ++r) {
     const moves::RobotMotion* motion = cell_.motions.motion(r);
-    if ((motion && !motion->idle() && cell_.setup.file.guards.moves) || cell_.jogging.engaged(r) || is_unplanned(r))
+    if ((motion && !motion->idle() && cell_.setup.file.guards.moves) || cell_.jogging.engaged(r) ||
+        is_unplanned(r))
       return true;
   }
   return false;
@@ -247,6 +253,7 @@ void Guards::see_moment() {
       of.velocity[j] = follows ? (q[j] - of.before[j]) / dt : 0;
       of.before[j] = q[j];
     }
+    if (is_planned(r)) of.rates->forget();  // its end is known, and no reason to stop afterwards
     of.rates->add(now, q);
   }
 }
@@ -258,17 +265,20 @@ void Guards::see_base(std::size_t r) {
   const Pose& base = work_->moment.robots[r].base;
   if (!of.base) of.base = base;
   if (of.drove || !cell_.setup.robots[r]->entry.on.empty()) return;
-  if (norm(base.position - of.base->position) < kMoved && angle_between(base.rotation, of.base->rotation) < kMoved)
+  if (norm(base.position - of.base->position) < kMoved &&
+      angle_between(base.rotation, of.base->rotation) < kMoved)
     return;
   of.drove = true;
-  cell_.observer.on_note(cell_.setup.robots[r]->entry.name + " drives: guards do not watch a base that moves by itself");
+  cell_.observer.on_note(cell_.setup.robots[r]->entry.name +
+                         " drives: guards do not watch a base that moves by itself");
 }
 
 /// The motion of a robot.
 void Guards::see(std::size_t r) {
   Of& of = work_->robots[r];
   const moves::RobotMotion* motion = cell_.motions.motion(r);
-  // A path that is moved with a belt is not where it was planned: its robot is judged by its velocity.
+  // A path that is moved with a belt is not where it was planned: its robot is judged by its velocity
+  // (is_unplanned).
   const bool planned = motion && !motion->riding() && cell_.setup.file.guards.moves;
   const auto now = planned ? motion->under_way() : std::nullopt;
   if (!now) {
@@ -433,12 +443,13 @@ bool Guards::deadlocked(std::size_t robot) const {
 Problem Guards::problem_of(std::size_t r, const char* code, const std::string& text) const {
   const moves::RobotMotion* const motion = cell_.motions.motion(r);
   const Of& of = work_->robots[r];
-  Problem problem{code,
-                  motion && of.goal != 0 ? cell_.programs.place_of(*motion, motion->move_under_way()) : Location{},
-                  text,
-                  "clear the way and resume, or move the points or the obstacle",
-                  Severity::error,
-                  {{"robot", cell_.setup.robots[r]->entry.name}}};
+  Problem problem{
+      code,
+      motion && of.goal != 0 ? cell_.programs.place_of(*motion, motion->move_under_way()) : Location{},
+      text,
+      "clear the way and resume, or move the points or the obstacle",
+      Severity::error,
+      {{"robot", cell_.setup.robots[r]->entry.name}}};
   if (of.ahead_of.pair >= 0) {
     const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(of.ahead_of.pair)];
     problem.facts.push_back({"a", work_->bodies->name(pair.a)});
@@ -466,7 +477,13 @@ void Guards::look_at_braking(std::size_t r) {
   Of& of = work_->robots[r];
   if (!of.jogged || of.goal != 0 || !is_unplanned(r) || !runs()) return;
   of.rates->stopping(of.axes, kLatency, of.braking_way);
+  double most = 0;
+  for (const double by : of.braking_way) most = std::max(most, std::abs(by));
+  // After a stop the robot may go the same way again: it is judged as fast as it was.
+  if (most > 0 && most < of.stopped_way)
+    for (double& by : of.braking_way) by *= of.stopped_way / most;
   const jog::BodyGuard::InTheWay found = of.jogged->in_the_way(of.braking_way, work_->stopping);
+  of.stopped_way = found.pair < 0 ? 0 : std::max(of.stopped_way, most);
   if (found.pair < 0) return;
   of.ahead_of = {0, found.pair, found.gap, found.required};
   stop_before(r, "guard", cell_.setup.robots[r]->entry.name + " stopped before a contact: " + text_of(r));

@@ -16,10 +16,11 @@ namespace polyarm::cell {
 class LifeCycle;
 class Programs;
 
-/// Each robot is guarded along the path on which it would brake; one whose plan is not known (trajectories and
-/// commands of other programs) along the straight line on which it would. Of other robots it counts where they are and
-/// how far they still go until they stand: so two never meet, and one waits for the other. A move that
-/// something blocks is held (a run that nobody watches has failed); a robot in the way is waited for.
+/// Each robot is guarded along the path on which it would brake; one whose plan is not known (trajectories
+/// and commands of other programs) along the straight line on which it would. Of other robots it counts where
+/// they are and how far they still go until they stand: so two never meet, and one waits for the other. A
+/// move that something blocks is held (a run that nobody watches has failed); a robot in the way is waited
+/// for.
 class Guards {
  public:
   struct Owners {
@@ -41,9 +42,9 @@ class Guards {
   void tick();
   /// The pace at which the guard lets a robot's move go on, 0 to 1.
   double pace(std::size_t robot) const;
-  /// In a cell whose contacts are listed instead of stopping it (CellOptions::contact_errors): where the guards
-  /// would have stopped a robot, once for each pair in a line; warnings "guard" {robot, a, b, distance_m,
-  /// clearance_m, at_s}.
+  /// In a cell whose contacts are listed instead of stopping it (CellOptions::contact_errors): where the
+  /// guards would have stopped a robot, once for each pair in a line; warnings "guard" {robot, a, b,
+  /// distance_m, clearance_m, at_s}.
   const std::vector<Problem>& would_stop() const;
   /// Exact distances of convex pieces that were computed so far.
   std::uint64_t measured() const;
@@ -55,6 +56,7 @@ class Guards {
   bool listens() const;
   void see_moment();
   void see_base(std::size_t robot);
+  bool is_planned(std::size_t robot) const;
   bool is_unplanned(std::size_t robot) const;
   void begin_bodies();
   bool take_bodies();

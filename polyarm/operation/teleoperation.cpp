@@ -204,17 +204,25 @@ void Teleoperation::see_leader(Pair& pair) const {
     pair.reason = who + "jumped";
 }
 
-bool Teleoperation::clutch_held(Pair& pair) const {
+/// A clutch that is not seen counts as held, and nothing moves: it must be seen released before it can be
+/// held.
+bool Teleoperation::clutch_held(Pair& pair, TeleopSeen& seen) const {
   const teleop::PairSettings& settings = pair.settings;
   switch (settings.clutch) {
     case Clutch::key:
       return cell_.machine.now() <= pair.key_until;
     case Clutch::tag:
+      if (const auto source = cell_.data.links().source_of(settings.tag);
+          source && source->direction != "out" && source->quality != "good") {
+        pair.reason = "the link '" + source->link + "' has no news of the clutch " + settings.tag;
+        seen.allowed = false;
+        return true;
+      }
       return is_true(cell_.data.store.find(settings.tag));
     case Clutch::gripper:
-      if (pair.good)
-        pair.hand_closed = teleop::closed_with_play(
-            pair.hand_closed, settings.hand.opening(pair.q[pair.clutch_joint]), kClutchOn, kClutchOff);
+      pair.hand_closed = !pair.good || teleop::closed_with_play(
+                                           pair.hand_closed, settings.hand.opening(pair.q[pair.clutch_joint]),
+                                           kClutchOn, kClutchOff);
       return pair.hand_closed;
   }
   return false;
@@ -300,8 +308,8 @@ void Teleoperation::tick(Pair& pair) const {
   see_leader(pair);
   TeleopSeen seen;
   seen.leader = pair.good;
-  seen.held = clutch_held(pair);
-  if (seen.held && pair.good && pair.phase == TeleopPhase::engaging) take_over(pair, seen);
+  seen.held = clutch_held(pair, seen);
+  if (seen.held && seen.allowed && pair.good && pair.phase == TeleopPhase::engaging) take_over(pair, seen);
   judge_follower(pair, seen);
   const TeleopPhase now = next(pair.phase, seen);
   if (now != pair.phase) change(pair, now);

@@ -57,7 +57,7 @@ class Teleoperation {
   struct Pair;
   State state_of(const Pair& pair) const;
   void see_leader(Pair& pair) const;
-  bool clutch_held(Pair& pair) const;
+  bool clutch_held(Pair& pair, teleop::TeleopSeen& seen) const;
   void take_over(Pair& pair, teleop::TeleopSeen& seen) const;
   void judge_follower(Pair& pair, teleop::TeleopSeen& seen) const;
   void change(Pair& pair, teleop::TeleopPhase to) const;

@@ -8,9 +8,9 @@
 
 namespace polyarm::surroundings {
 
-/// A warning of code part-in-contact (part, other, depth_m) for each part that starts more than 2 mm inside the
-/// floor, a fixture or a part before it, and for each feeder whose first part would. Physics pushes such a part
-/// out. Meshes without pieces are left out.
+/// A warning of code part-in-contact (part, other, depth_m) for each part that starts more than 2 mm inside
+/// the floor, a fixture or a part before it, and for each feeder whose first part would. Physics pushes such
+/// a part out. Meshes without pieces are left out.
 std::vector<Problem> parts_inside(const description::Scene& scene);
 
 }  // namespace polyarm::surroundings

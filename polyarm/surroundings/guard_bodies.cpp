@@ -322,8 +322,8 @@ double GuardBodies::reach(std::uint32_t body, std::span<const double> size) cons
   return sum(bodies_[body].lever, size);
 }
 
-void GuardBodies::reaches(int robot, std::span<const double> size, std::span<const std::vector<double>> others,
-                          std::span<double> out) const noexcept {
+void GuardBodies::reaches(int robot, std::span<const double> size,
+                          std::span<const std::vector<double>> others, std::span<double> out) const noexcept {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const int by = robot_of(bodies_[i], parts_);
     out[i] = by < 0 ? 0 : sum(bodies_[i].lever, by == robot ? size : std::span<const double>(others[at(by)]));
@@ -448,8 +448,7 @@ std::size_t GuardBodies::measure_points(std::size_t index, int robot, double ran
   for (std::size_t i = 0; i < a.pieces.size(); ++i) {
     const Vec3 center = pose_a * a.balls[i].center;
     for (std::size_t k = 0; k < b.pieces.size(); ++k) {
-      const double rough =
-          norm(center - pose_b * b.balls[k].center) - a.balls[i].radius - b.balls[k].radius;
+      const double rough = norm(center - pose_b * b.balls[k].center) - a.balls[i].radius - b.balls[k].radius;
       if (rough > range) {
         pair.slack = std::min(pair.slack, rough);
         continue;

@@ -79,8 +79,8 @@ class GuardBodies : private SweepBodies {
 
   /// A bound on how far a body goes when the joints of the robot that moves it change by at most `size`.
   double reach(std::uint32_t body, std::span<const double> size) const noexcept;
-  /// How far each body goes, at most: those that `robot` moves when its joints change by at most `size`, those
-  /// of another robot by the `others` of that robot. `out`: by body.
+  /// How far each body goes, at most: those that `robot` moves when its joints change by at most `size`,
+  /// those of another robot by the `others` of that robot. `out`: by body.
   void reaches(int robot, std::span<const double> size, std::span<const std::vector<double>> others,
                std::span<double> out) const noexcept;
   /// How far any body that a robot moves goes per rad or m of each joint, at most. `out`: by variable.
@@ -90,7 +90,8 @@ class GuardBodies : private SweepBodies {
   /// A bound on how much the distance of a pair changes per rad or m of each joint of `robot`, by variable;
   /// joints beyond its end change nothing.
   std::span<const double> lever_of(const GuardPair& pair, int robot) const noexcept {
-    if (pair.own) return pair.robot_a == robot ? std::span<const double>(pair.lever) : std::span<const double>();
+    if (pair.own)
+      return pair.robot_a == robot ? std::span<const double>(pair.lever) : std::span<const double>();
     if (pair.robot_a == robot) return bodies_[pair.a].lever;
     return pair.robot_b == robot ? std::span<const double>(bodies_[pair.b].lever) : std::span<const double>();
   }
@@ -127,7 +128,8 @@ class GuardBodies : private SweepBodies {
 
   /// Points of the pieces of a pair nearer than `range`, now: each is a plane between the two pieces and a
   /// point of the body of `robot` in front of it. While every point stays in front of its plane, the pieces
-  /// do not touch. Returns their number. Measures the pair and keeps the result as its slack, as measure() does.
+  /// do not touch. Returns their number. Measures the pair and keeps the result as its slack, as measure()
+  /// does.
   std::size_t measure_points(std::size_t pair, int robot, double range, std::span<GuardGap> out) noexcept;
   /// How the distance of a gap changes with the joints of `robot`: per rad or m. `out`: by variable.
   void gradient(const GuardPair& pair, int robot, const GuardGap& gap, std::span<double> out) const noexcept;

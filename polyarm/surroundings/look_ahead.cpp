@@ -18,7 +18,7 @@ constexpr double kStill = 1e-4;      // m that an obstacle may move before its w
 constexpr double kFurther = 0.25;
 constexpr std::size_t kSpread = 16;
 constexpr std::uint64_t kFurtherMeasured = 16;  // exact distances in one look for that
-constexpr double kEager = 0.02;  // m
+constexpr double kEager = 0.02;                 // m
 /// A part may lie this much nearer to something than planned, m: grips and movers are not exact.
 constexpr double kInexact = 0.003;
 }  // namespace

@@ -41,7 +41,7 @@ TeleopMap::TeleopMap(const PairSettings& settings, const kinematics::Chain& lead
     match_as_set();
   } else {
     match_by_name();
-    if (links_.empty()) match_in_order();
+    if (!moves_all()) match_in_order();
   }
 }
 
@@ -65,7 +65,17 @@ void TeleopMap::match_by_name() {
   }
 }
 
-/// The joints that move the TCP, in order. Only arms with equally many, of the same kinds, are alike.
+/// True if each joint that moves the follower's TCP has one of the leader.
+bool TeleopMap::moves_all() const {
+  for (std::size_t to = 0; to < follower_.joints(); ++to)
+    if (follower_.moves_tcp(to) &&
+        std::none_of(links_.begin(), links_.end(), [&](const Link& link) { return link.to == to; }))
+      return false;
+  return true;
+}
+
+/// The joints that move the TCP, in order; others, such as a gripper, stay matched by name. Only arms with
+/// equally many, of the same kinds, are alike.
 void TeleopMap::match_in_order() {
   const auto on_path = [](const kinematics::Chain& chain) {
     std::vector<std::size_t> out;
@@ -74,6 +84,7 @@ void TeleopMap::match_in_order() {
     return out;
   };
   const std::vector<std::size_t> from = on_path(leader_), to = on_path(follower_);
+  std::erase_if(links_, [&](const Link& link) { return follower_.moves_tcp(link.to); });
   bool alike = from.size() == to.size();
   for (std::size_t i = 0; alike && i < from.size(); ++i)
     alike = leader_.slides(from[i]) == follower_.slides(to[i]);

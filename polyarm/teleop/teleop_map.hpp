@@ -37,6 +37,7 @@ class TeleopMap {
     double scale, offset;
   };
   void match_by_name();
+  bool moves_all() const;
   void match_in_order();
   void match_as_set();
   double wanted(const Link& link, std::span<const double> leader) const noexcept;

@@ -57,7 +57,9 @@ class GuardsTest : public ::testing::Test {
     options.allow_contact = options.contact_errors = lists;
     cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()), options);
     cell->run(0.05);
-    if (waits && !program.empty()) ASSERT_TRUE(cell->ask({{"request", "program.start"}})["ok"].get<bool>());
+    if (waits && !program.empty()) {
+      ASSERT_TRUE(cell->ask({{"request", "program.start"}})["ok"].get<bool>());
+    }
   }
   /// A trajectory of points for the robot, as other programs send them.
   Json send(const std::vector<std::vector<double>>& points, double each) {
@@ -68,9 +70,8 @@ class GuardsTest : public ::testing::Test {
     std::string to;
     for (const std::string& name : cell->cell().loop().controllers().active_names())
       if (name.find("trajectory") != std::string::npos) to = name;
-    return cell->ask({{"request", "send"},
-                      {"to", to},
-                      {"message", {{"joint_names", joints}, {"points", list}}}});
+    return cell->ask(
+        {{"request", "send"}, {"to", to}, {"message", {{"joint_names", joints}, {"points", list}}}});
   }
   double x(std::size_t robot = 0) { return cell->cell().tcp(robot).position.x; }
   double z(std::size_t robot = 0) { return cell->cell().tcp(robot).position.z; }
@@ -190,7 +191,8 @@ TEST_F(GuardsTest, ATrajectoryOfPointsStopsBeforeTheWall) {
   }
   EXPECT_EQ(state(), "held");
   EXPECT_EQ(cell->cell().stop_cause().code, "guard");
-  EXPECT_NE(cell->cell().stop_cause().what.find("fixture wall"), std::string::npos) << cell->cell().stop_cause().what;
+  EXPECT_NE(cell->cell().stop_cause().what.find("fixture wall"), std::string::npos)
+      << cell->cell().stop_cause().what;
   EXPECT_LT(most, kFace - kBall) << "it does not touch";
   EXPECT_GT(most, kFace - kBall - 0.1) << "not long before it";
   EXPECT_TRUE(cell->ask({{"request", "control.resume"}})["ok"].get<bool>());

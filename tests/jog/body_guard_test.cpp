@@ -10,8 +10,8 @@
 
 #include "tests/collision/judge.hpp"
 #include "tests/jog/jog_rig.hpp"
-#include "tests/surroundings/gantry.hpp"
 #include "tests/support/realtime_guard.hpp"
+#include "tests/surroundings/gantry.hpp"
 
 namespace polyarm::jog {
 namespace {
@@ -292,14 +292,16 @@ TEST(BodyGuard, WhatHasRoomInTheBarriersKeepsItsDistance) {
         among.exact->look(Among::at(to));
         for (const GuardPair& pair : among.exact->pairs()) {
           if (!pair.active) continue;
-          const double keep = pair.own || among.exact->is_hand(pair.a) || among.exact->is_hand(pair.b) ? 0.001 : kClearance;
+          const double keep =
+              pair.own || among.exact->is_hand(pair.a) || among.exact->is_hand(pair.b) ? 0.001 : kClearance;
           ASSERT_GE(among.exact->gap_of(pair, 0.1).distance, keep - 1e-3)
               << arm << " " << seed << " " << k << ": " << among.exact->name(pair.a) << ", "
               << among.exact->name(pair.b);
         }
       }
     }
-  std::printf("%ld ways were bounded: %ld by barriers, %ld by what has none\n", bounded, of_barriers, of_rest);
+  std::printf("%ld ways were bounded: %ld by barriers, %ld by what has none\n", bounded, of_barriers,
+              of_rest);
   EXPECT_GT(bounded, 10);
   EXPECT_GT(of_rest, 0);
 }

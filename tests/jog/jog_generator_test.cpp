@@ -75,7 +75,8 @@ TEST(JogGenerator, ATargetThatShiftsALittleKeepsTheJerk) {
       rig.start(rig.middle());
       JogSetpoint wish;
       wish.kind = Kind::joint_target;
-      for (std::size_t j = 0; j < rig.chain.joints(); ++j) wish.joints[j] = rig.joints()[j] + 0.5 * even(engine);
+      for (std::size_t j = 0; j < rig.chain.joints(); ++j)
+        wish.joints[j] = rig.joints()[j] + 0.5 * even(engine);
       ASSERT_TRUE(rig.run(wish, 0.1 + 0.2 * std::abs(even(engine)))) << arm << " " << rig.broken;
       for (int k = 0; k < 5; ++k) {
         for (std::size_t j = 0; j < rig.chain.joints(); ++j)

@@ -35,7 +35,8 @@ inline std::vector<jog::AxisLimits> axis_limits(const description::RobotModel& m
 class JogRig {
  public:
   explicit JogRig(const std::string& robot, moves::Workspace workspace = {}, double cycle = 0.001)
-      : JogRig(description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load(robot), std::move(workspace), cycle) {}
+      : JogRig(description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load(robot), std::move(workspace),
+               cycle) {}
   explicit JogRig(description::RobotModel robot, moves::Workspace workspace = {}, double cycle = 0.001)
       : dt(cycle),
         model(std::move(robot)),

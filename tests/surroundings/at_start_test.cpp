@@ -26,10 +26,12 @@ TEST(PartsInside, AreReportedWithTheirDepthAndWhatTheyAreIn) {
   ASSERT_EQ(found.size(), 4u);
   EXPECT_EQ(found[0].code, "part-in-contact");
   EXPECT_EQ(found[0].severity, Severity::warning);
-  EXPECT_NE(found[0].what.find("part sunk is 10.0 mm inside fixture table where it starts"), std::string::npos)
+  EXPECT_NE(found[0].what.find("part sunk is 10.0 mm inside fixture table where it starts"),
+            std::string::npos)
       << found[0].what;
   EXPECT_NE(found[1].what.find("part through is 10.0 mm inside fixture table"), std::string::npos);
-  EXPECT_NE(found[2].what.find("part through is 20.0 mm inside part sunk"), std::string::npos) << found[2].what;
+  EXPECT_NE(found[2].what.find("part through is 20.0 mm inside part sunk"), std::string::npos)
+      << found[2].what;
   EXPECT_NE(found[3].what.find("part deep is 30.0 mm inside floor"), std::string::npos) << found[3].what;
 }
 

@@ -54,7 +54,9 @@ TEST(GuardBodies, TheSmallestDistanceIsThatOfASlowJudge) {
       for (std::size_t p = 0; p < bodies.pairs().size(); ++p) least = std::min(least, bodies.measure(p, 1e9));
       const collision::Bracket truth = judge.distance(q);
       EXPECT_LE(least, truth.upper + 1e-5) << w << " " << i;
-      if (truth.lower > 0) EXPECT_GE(least, truth.lower - 1e-5) << w << " " << i;
+      if (truth.lower > 0) {
+        EXPECT_GE(least, truth.lower - 1e-5) << w << " " << i;
+      }
       near += truth.lower > 0 && truth.upper < 0.1;
     }
   }

@@ -218,8 +218,8 @@ struct PutDown {
     bodies = std::make_unique<GuardBodies>(std::vector<Robot>{{"arm", &model, &tool, -1, false, {}}}, scene);
     ahead = std::make_unique<LookAhead>(*bodies, 0, LookAheadOptions{});
   }
-  /// How near the cube comes to the shelf, as planned, on a way that ends `gap` above it and at which the shelf is
-  /// `lift` higher than when it began; the gap at which it would stop, or at the end.
+  /// How near the cube comes to the shelf, as planned, on a way that ends `gap` above it and at which the
+  /// shelf is `lift` higher than when it began; the gap at which it would stop, or at the end.
   double nearest(double gap, double lift) {
     const double end = gap + 0.07;
     Straight way({0, 0, kHigh}, {0, 0, end}, 1);
@@ -259,7 +259,8 @@ TEST(LookAhead, APlaceThatIsNotQuiteWhereItWasIsReached) {
   for (int i = 0; i < 200; ++i) {
     PutDown cell;
     const double gap = random.between(0, 0.0079), lift = random.between(0, 0.003);
-    ASSERT_NEAR(cell.nearest(gap, lift), std::max(gap - lift, -LookAhead::kPressing), 1e-3) << gap << " " << lift;
+    ASSERT_NEAR(cell.nearest(gap, lift), std::max(gap - lift, -LookAhead::kPressing), 1e-3)
+        << gap << " " << lift;
   }
 }
 
