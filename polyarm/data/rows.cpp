@@ -80,7 +80,8 @@ class RowReader {
     }
     if (quoted) {
       line_ = first;
-      refuse("a quoted text that begins in this line has no end", "write \" at its end, and \"\" for a quote in it");
+      refuse("a quoted text that begins in this line has no end",
+             "write \" at its end, and \"\" for a quote in it");
     }
     text_.remove_prefix(std::min(i + 1, text_.size()));
     for (std::string& field : out) field = std::string(trim(field));

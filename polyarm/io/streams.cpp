@@ -32,15 +32,24 @@ sockaddr_in address_of(const StreamEntry& entry) {
 
 speed_t speed_of(int baud) {
   switch (baud) {
-    case 1200: return B1200;
-    case 2400: return B2400;
-    case 4800: return B4800;
-    case 9600: return B9600;
-    case 19200: return B19200;
-    case 38400: return B38400;
-    case 57600: return B57600;
-    case 115200: return B115200;
-    default: return B0;
+    case 1200:
+      return B1200;
+    case 2400:
+      return B2400;
+    case 4800:
+      return B4800;
+    case 9600:
+      return B9600;
+    case 19200:
+      return B19200;
+    case 38400:
+      return B38400;
+    case 57600:
+      return B57600;
+    case 115200:
+      return B115200;
+    default:
+      return B0;
   }
 }
 
@@ -106,13 +115,14 @@ void Stream::listen_there() {
   const int on = 1;
   const sockaddr_in address = address_of(entry_);
   if (listener_ >= 0 && setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) == 0 &&
-      bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 && listen(listener_, 1) == 0)
+      bind(listener_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+      listen(listener_, 1) == 0)
     return;
   const std::string why = std::strerror(errno);
   close_all();
   throw Error("signal",
-              "the stream '" + entry_.name + "' cannot listen at " + entry_.host + ":" + std::to_string(entry_.port) +
-                  ": " + why,
+              "the stream '" + entry_.name + "' cannot listen at " + entry_.host + ":" +
+                  std::to_string(entry_.port) + ": " + why,
               "choose another port, or end the program that has it");
 }
 
@@ -126,7 +136,8 @@ void Stream::accept_client() {
 int Stream::port() const {
   sockaddr_in address{};
   socklen_t size = sizeof address;
-  return getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) == 0 ? ntohs(address.sin_port) : 0;
+  return getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) == 0 ? ntohs(address.sin_port)
+                                                                                   : 0;
 }
 
 void Stream::tick(long long now) {
@@ -148,7 +159,7 @@ void Stream::tick(long long now) {
 void Stream::receive() {
   std::array<char, kChunk> bytes;
   const ssize_t count = read(file_, bytes.data(), bytes.size());
-  if (count == 0 && entry_.kind != StreamEntry::Kind::device) return lose();
+  if (count == 0) return lose();  // of a raw serial line: it was unplugged
   if (count < 0 && !only_later(errno)) return lose();
   if (count <= 0) return;
   in_.append(bytes.data(), static_cast<std::size_t>(count));
@@ -156,9 +167,10 @@ void Stream::receive() {
 }
 
 void Stream::take_lines() {
-  for (std::size_t end; (end = in_.find(entry_.ends_with)) != std::string::npos;) {
-    std::string line = in_.substr(0, end);
-    in_.erase(0, end + entry_.ends_with.size());
+  std::size_t begin = 0;
+  for (std::size_t end; (end = in_.find(entry_.ends_with, begin)) != std::string::npos;) {
+    std::string line = in_.substr(begin, end - begin);
+    begin = end + entry_.ends_with.size();
     if (std::exchange(discards_, false) || line.size() > kLongestLine) {
       ++dropped_;
       continue;
@@ -167,6 +179,7 @@ void Stream::take_lines() {
     lines_.push_back(std::move(line));
     if (lines_.size() > kMostLines) lines_.pop_front(), ++dropped_;
   }
+  in_.erase(0, begin);
   if (in_.size() > kLongestLine + entry_.ends_with.size()) {
     in_.erase(0, in_.size() - entry_.ends_with.size() + 1);
     discards_ = true;
@@ -176,7 +189,8 @@ void Stream::take_lines() {
 void Stream::send_now() {
   if (out_.empty()) return;
   const bool serial = entry_.kind == StreamEntry::Kind::device;
-  const ssize_t count = serial ? write(file_, out_.data(), out_.size()) : ::send(file_, out_.data(), out_.size(), MSG_NOSIGNAL);
+  const ssize_t count =
+      serial ? write(file_, out_.data(), out_.size()) : ::send(file_, out_.data(), out_.size(), MSG_NOSIGNAL);
   if (count < 0 && !only_later(errno)) return lose();
   if (count > 0) out_.erase(0, static_cast<std::size_t>(count));
 }
@@ -191,7 +205,7 @@ std::string Stream::next_line() {
 void Stream::send(const std::string& text) {
   if (!connected())
     throw Error("signal", "the stream '" + entry_.name + "' is not connected",
-                "wait until it is: wait connected(\"" + entry_.name + "\") timeout 5s");
+                "wait until it is: wait is_connected(\"" + entry_.name + "\") timeout 5s");
   if (out_.size() + text.size() > kMostToSend)
     throw Error("signal", "the stream '" + entry_.name + "' has more than 64 KiB to send",
                 "the other side reads too slowly: send less, or wait");
@@ -225,7 +239,10 @@ Stream& Streams::used(const std::string& name, long long now) {
 
 void Streams::tick(long long now) {
   for (auto& [name, entry] : entries_)
-    if (entry.stream) entry.stream->tick(now);
+    if (entry.stream) try {
+        entry.stream->tick(now);
+      } catch (const Error&) {  // such as an unplugged device: not connected, and tried again
+      }
 }
 
 }  // namespace polyarm::cell

@@ -12,8 +12,8 @@
 
 namespace polyarm::cell {
 
-/// One stream. It opens when a program first uses it, and opens again after it was lost. A server has one client; a
-/// new one replaces it.
+/// One stream. It opens when a program first uses it, and opens again after it was lost. A server has one
+/// client; a new one replaces it.
 class Stream {
  public:
   /// Longer lines are cut off and dropped; more waiting lines drop the oldest.
@@ -26,8 +26,8 @@ class Stream {
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
-  /// Sends and receives what is possible now. `now`: ns of any clock. Throws Error if it can never open: the port is
-  /// taken, the device is missing.
+  /// Sends and receives what is possible now. `now`: ns of any clock. Throws Error if it can never open: the
+  /// port is taken, the device is missing.
   void tick(long long now);
   bool connected() const { return file_ >= 0 && !connecting_; }
   bool has_line() const { return !lines_.empty(); }

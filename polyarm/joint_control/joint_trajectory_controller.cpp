@@ -82,7 +82,7 @@ CallbackReturn JointTrajectoryController::on_activate(const Cycle& cycle) noexce
 void JointTrajectoryController::on_deactivate(const Cycle&) noexcept {
   end_action(GoalOutcome::aborted, -1);
   drop_all();
-  if (std::exchange(shifted_, false)) shift_.load(std::memory_order_acquire)->drop();
+  drop_shift();
   for (TrajectoryGoal*& goal : waiting_)
     if (goal) inbox_.put_back(std::exchange(goal, nullptr));
   while (TrajectoryGoal* goal = inbox_.take()) refuse(goal, GoalRefusal::busy);
@@ -270,7 +270,7 @@ void JointTrajectoryController::end_action(GoalOutcome outcome, int code, int jo
 /// time.
 void JointTrajectoryController::hold(bool may_brake) noexcept {
   drop_all();
-  if (std::exchange(shifted_, false)) shift_.load(std::memory_order_acquire)->drop();
+  drop_shift();
   measure();
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     position_[j] = measured_position_[j];
@@ -596,7 +596,10 @@ ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& 
       error_velocity_[j] = velocity_[j] - measured_velocity_[j];
   }
   const bool was_shifted = shifted_;
-  if (shifted_) take_path_up(verdict);
+  if (shifted_)
+    take_path_up(verdict);
+  else if (verdict.cut || verdict.discard)
+    drop_shift();
   take_requests(cycle);
   if (verdict.discard && standing()) {
     end_action(GoalOutcome::aborted, -1);
@@ -622,8 +625,8 @@ ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& 
   return ReturnType::ok;
 }
 
-/// Between cycles the desired state is the shifted one; a cycle begins with that of the path. A motion that is given
-/// up stays where it was shifted to.
+/// Between cycles the desired state is the shifted one; a cycle begins with that of the path. A motion that
+/// is given up stays where it was shifted to.
 void JointTrajectoryController::take_path_up(const Verdict& verdict) noexcept {
   MotionShift& shift = *shift_.load(std::memory_order_acquire);
   if (verdict.cut || (verdict.discard && standing()) || !shift.active()) {
@@ -643,7 +646,17 @@ void JointTrajectoryController::shift(const Cycle& cycle, const Verdict& verdict
   std::copy(velocity_.begin(), velocity_.end(), path_velocity_.begin());
   std::copy(acceleration_.begin(), acceleration_.end(), path_acceleration_.begin());
   const MotionShift::Request request{cycle.time, period_s_, verdict.speed, verdict.immediate};
-  shifted_ = shift->apply(request, {position_, velocity_, acceleration_}) == MotionShift::Outcome::shifted;
+  const MotionShift::Outcome outcome = shift->apply(request, {position_, velocity_, acceleration_});
+  shifted_ = outcome == MotionShift::Outcome::shifted;
+  if (outcome != MotionShift::Outcome::ended || tracks_used_ == 0) return;
+  end_action(GoalOutcome::aborted, -1);  // a path that goes on would jump to where it is without the shift
+  drop_all();
+}
+
+/// Gives up the shift, also one that has not begun.
+void JointTrajectoryController::drop_shift() noexcept {
+  MotionShift* const shift = shift_.load(std::memory_order_acquire);
+  if (std::exchange(shifted_, false) || (shift && shift->active())) shift->drop();
 }
 
 void JointTrajectoryController::publish(const Cycle& cycle) noexcept {

@@ -58,8 +58,8 @@ class JointTrajectoryController : public Controller {
   /// Cell thread. False when the inbox is full; the goal stays with the caller.
   bool follow(std::unique_ptr<TrajectoryGoal>& goal) { return inbox_.give(goal); }
   const GoalStatus& status() const noexcept { return status_; }
-  /// Cell thread, at most once: a motion that is added to that of the paths while it is active. It must shift all
-  /// joints of the controller, in their order.
+  /// Cell thread, at most once: a motion that is added to that of the paths while it is active. It must shift
+  /// all joints of the controller, in their order.
   void set_shift(std::shared_ptr<MotionShift> shift) {
     owned_shift_ = std::move(shift);
     shift_.store(owned_shift_.get(), std::memory_order_release);
@@ -133,6 +133,7 @@ class JointTrajectoryController : public Controller {
   void command_all(double dt) noexcept;
   void take_path_up(const Verdict& verdict) noexcept;
   void shift(const Cycle& cycle, const Verdict& verdict) noexcept;
+  void drop_shift() noexcept;
   void publish(const Cycle& cycle) noexcept;
   void answer_sample(const Cycle& cycle) noexcept;
   bool sample_track(const Track& track, double ahead) noexcept;
@@ -174,7 +175,7 @@ class JointTrajectoryController : public Controller {
   std::span<double> measured_position_, measured_velocity_;
   std::span<double> error_, error_velocity_, output_;
   std::span<double> path_position_, path_velocity_, path_acceleration_;  // of the path, while it is shifted
-  bool shifted_ = false;     // in the cycle before
+  bool shifted_ = false;                                                 // in the cycle before
   std::vector<int> leader_;  // track of each joint; -1: held
   std::vector<Braking> braking_;
   std::vector<Track> tracks_;

@@ -15,7 +15,8 @@ class MotionShift {
   struct Joints {
     std::span<double> position, velocity, acceleration;
   };
-  /// What the loop allows in this cycle: a share of the speed, 0: come to rest; immediate: harder than the limits.
+  /// What the loop allows in this cycle: a share of the speed, 0: come to rest; immediate: harder than the
+  /// limits.
   struct Request {
     Nanoseconds now = 0;
     double period = 0;  ///< s
@@ -26,7 +27,8 @@ class MotionShift {
 
   /// True if the next apply() shifts.
   virtual bool active() const noexcept = 0;
-  /// ended: the joints are at rest, and from now on the controller holds them where it put them in this cycle.
+  /// ended: the joints are at rest, and from now on the controller holds them where it put them in this
+  /// cycle.
   virtual Outcome apply(const Request& request, const Joints& joints) noexcept = 0;
   /// True if the shifted joints are at rest.
   virtual bool standing() const noexcept = 0;

@@ -412,7 +412,8 @@ std::vector<Function> all_functions() {
     function.waits = which == Live::next_part;
   };
   on_belt("next_part", "next_part(belt)",
-          "true if a part comes that the robot can still reach: the frame with the name of the belt then moves with this part; "
+          "true if a part comes that the robot can still reach: the frame with the name of the belt then "
+          "moves with this part; "
           "waits until the robot has arrived",
           {{"belt", W::text, {}}}, Kind::boolean, Live::next_part);
   on_belt("waiting_parts", "waiting_parts(belt)", "how many parts come that a robot can still reach",
@@ -423,7 +424,8 @@ std::vector<Function> all_functions() {
           "a part that a camera sees now, at this pose in the frame that stands where the belt reads zero",
           {{"belt", W::text, {}}, {"pose", W::pose, {}}}, Kind::boolean, Live::add_part);
   live("rows_of", "rows_of(file)",
-       "the rows of a table in the folder of the cell, such as a CSV: records if its first line names the columns, else lists",
+       "the rows of a table in the folder of the cell, such as a CSV: records if its first line names the "
+       "columns, else lists",
        {{"file", W::text, {}}}, Kind::list, {}, Live::rows_of)
       .open = true;
   const auto on_stream = [&](std::string_view name, std::string_view signature, std::string_view meaning,
@@ -436,9 +438,11 @@ std::vector<Function> all_functions() {
             {{"stream", W::text, {}}}, Kind::boolean, Live::is_connected);
   on_stream("has_line", "has_line(stream)", "true if a line has come over the stream that is not taken yet",
             {{"stream", W::text, {}}}, Kind::boolean, Live::has_line);
-  on_stream("next_line", "next_line(stream)", "takes the oldest line that has come over the stream; an empty text if there is none",
+  on_stream("next_line", "next_line(stream)",
+            "takes the oldest line that has come over the stream; an empty text if there is none",
             {{"stream", W::text, {}}}, Kind::text, Live::next_line);
-  on_stream("send_text", "send_text(stream, text)", "sends the text over the stream; waits until the robot has arrived",
+  on_stream("send_text", "send_text(stream, text)",
+            "sends the text over the stream; waits until the robot has arrived",
             {{"stream", W::text, {}}, {"text", W::text, {}}}, Kind::boolean, Live::send_text);
   add_text_functions(out);
   const auto of_tests = [&](std::string_view name, std::string_view signature, std::string_view meaning,

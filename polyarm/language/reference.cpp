@@ -41,33 +41,39 @@ const std::map<std::string_view, std::string_view>& function_examples() {
        "# answer 4\n# answer\nlet count = ask(\"How many?\", 1)\nlet name = ask(\"Who are you?\")\n"
        "log(count + 1)                           # expect: 5"},
       {"with",
-       "# given P: point 0.4 0 0.3\nlet above = P with z = 400mm\nlog(above.x, above.z)                    # expect: "
+       "# given P: point 0.4 0 0.3\nlet above = P with z = 400mm\nlog(above.x, above.z)                    # "
+       "expect: "
        "0.4m 0.4m"},
-      {"here_joints", "let before = here_joints()\nmovej before                             # expect move: joint before exact"},
+      {"here_joints",
+       "let before = here_joints()\nmovej before                             # expect move: joint before "
+       "exact"},
       {"ik",
-       "# given P: point 0.4 0 0.3\nlet there = ik(P)\nmovej there, speed 20%                   # expect move: joint "
+       "# given P: point 0.4 0 0.3\nlet there = ik(P)\nmovej there, speed 20%                   # expect "
+       "move: joint "
        "there speed 0.2 exact"},
       {"fk", "# given Home: joints\nlog(fk(Home).z)                          # expect: 0m"},
-      {"random",
-       "let weight = random(1kg, 2kg)\nlog(weight >= 1kg and weight < 2kg)      # expect: True"},
-      {"clock",
-       "let begin = clock()\nwait 200ms\nlog(round((clock() - begin) / 100ms))    # expect: 2"},
+      {"random", "let weight = random(1kg, 2kg)\nlog(weight >= 1kg and weight < 2kg)      # expect: True"},
+      {"clock", "let begin = clock()\nwait 200ms\nlog(round((clock() - begin) / 100ms))    # expect: 2"},
       {"force",
-       "# given P: point 0.4 0 0.1\nmovel P, touch, until force() > 20N\nlog(force() > 20N)                       # expect: "
+       "# given P: point 0.4 0 0.1\nmovel P, touch, until force() > 20N\nlog(force() > 20N)                  "
+       "     # expect: "
        "True"},
       {"wrench", "log(wrench().z)                          # expect: 30N"},
       {"zero_force", "zero_force()\nlog(force())                             # expect: 0N"},
       {"met",
-       "# given P: point 0.4 0 0.1\nmovel P, until false\nlog(met())                               # expect: False"},
+       "# given P: point 0.4 0 0.1\nmovel P, until false\nlog(met())                               # expect: "
+       "False"},
       {"travelled",
-       "# given P: point 0.4 0 0.1\nmovel P, until false\nlog(travelled())                         # expect: 1m"},
+       "# given P: point 0.4 0 0.1\nmovel P, until false\nlog(travelled())                         # expect: "
+       "1m"},
       {"next_part",
-       "wait next_part(\"line\")\nmovel pose(0, 0, 5mm), frame \"line\"      # expect move: line pose(0, 0, 5mm) frame line "
+       "wait next_part(\"line\")\nmovel pose(0, 0, 5mm), frame \"line\"      # expect move: line pose(0, …) frame line "
        "exact"},
       {"waiting_parts", "log(waiting_parts(\"line\"))               # expect: 1"},
       {"missed_parts", "log(missed_parts(\"line\"))                # expect: 0"},
       {"add_part", "log(add_part(\"line\", pose(0, 20mm, 0)))   # expect: True"},
-      {"rows_of", "let rows = rows_of(\"parts.csv\")\nlog(rows[1].name, length(rows))           # expect: lid 1"},
+      {"rows_of",
+       "let rows = rows_of(\"parts.csv\")\nlog(rows[1].name, length(rows))           # expect: lid 1"},
       {"is_connected", "wait is_connected(\"scanner\") timeout 5s"},
       {"has_line", "wait has_line(\"scanner\") timeout 5s"},
       {"next_line", "log(split(next_line(\"scanner\"), \";\"))    # expect: [12, ok]"},

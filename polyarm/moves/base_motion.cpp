@@ -119,10 +119,11 @@ void BaseMotion::tick(Nanoseconds now, bool running, double share) {
     return;
   }
   if (is_silent(dt)) {
-    problem_ = Problem{"base-silent",
-                       {},
-                       fmt::format("the controller of the base has published no odometry for {:g} s", kTimeout),
-                       "polyarm control list says whether it is active; the start of the run says why it is not"};
+    problem_ =
+        Problem{"base-silent",
+                {},
+                fmt::format("the controller of the base has published no odometry for {:g} s", kTimeout),
+                "polyarm control list says whether it is active; the start of the run says why it is not"};
     active_ = false;
     outcome_ = State::failed;
     return;

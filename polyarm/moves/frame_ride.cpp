@@ -13,22 +13,30 @@ namespace {
 constexpr double kCatchUp = 0.6;
 /// A joint has at least this share of its limits to catch up.
 constexpr double kLeastShare = 0.05;
-/// The travel of the frame is smoothed by three equal poles, 1/s: slower than its noise, faster than its changes.
+/// The travel of the frame is smoothed by three equal poles, 1/s: slower than its noise, faster than its
+/// changes.
 constexpr double kSmoothing = 60;
 /// The poles are at most this far apart from one cycle to the next.
 constexpr double kPolePerCycle = 0.2;
 /// Without news of the frame for this long nobody knows where it is.
 constexpr Nanoseconds kStale = 100'000'000;
-/// A ride is synchronised within these errors of each joint: rad or m, per s.
-constexpr double kNear = 2e-5, kSlow = 2e-3;
-/// Below these errors the joints are on the path; per s, per s².
-constexpr double kOnPath = 1e-9, kOnPathVelocity = 1e-6, kOnPathAcceleration = 1e-3;
+/// A ride is synchronised within these errors of each joint: rad or m, per s, per s².
+constexpr double kNear = 2e-5, kSlow = 2e-3, kSteady = 0.2;
+/// Near the path three equal poles of the sampled error, at 1 - kPull, hold a joint on it.
+constexpr double kPull = 0.3;
+constexpr double kPullPosition = kPull * kPull * kPull, kPullVelocity = 3 * kPull * kPull - kPullPosition,
+                 kPullAcceleration = 3 * kPull - 1.5 * kPull * kPull + kPullPosition / 3;
+/// They do so while they need at most this share of the jerk.
+constexpr double kNearShare = 0.3;
+/// A path that is this much faster than a joint can move is out of reach: it passes a singularity.
+constexpr double kTooFast = 2;
 constexpr double kRest = 1e-9;
 constexpr int kMostSteps = 20;
 constexpr double kSolved = 1e-11, kNearEnough = 1e-6;  // m and rad
 constexpr double kDamping = 1e-10;
 /// Joints that would move farther in one cycle, rad or m, change the configuration of the arm.
 constexpr double kJump = 0.2;
+constexpr int kBisections = 40;
 constexpr double kHarder = 3;  // an immediate stop
 }  // namespace
 
@@ -43,12 +51,14 @@ FrameRide::FrameRide(const kinematics::Chain& chain, std::span<const trajectory:
     limits_.push_back(MotionLimits::symmetric(l.velocity, l.acceleration, l.jerk));
   const std::size_t n = chain.joints();
   for (States* states : {&now_, &aim_, &before_}) states->assign(n, {});
-  for (auto* values : {&last_, &path_, &solved_, &guess_, &step_}) values->assign(n, 0.0);
+  for (auto* values : {&last_, &path_, &solved_, &guess_, &step_, &earlier_}) values->assign(n, 0.0);
   jacobian_.assign(6 * n, 0.0);
 }
 
-void FrameRide::begin(const MovingFrame& frame, double travel, double lead) {
+void FrameRide::begin(const MovingFrame& frame, double travel, std::span<const double> at, double lead) {
   frame_ = frame, from_ = travel, lead_ = lead;
+  std::copy_n(at.begin(), std::min(at.size(), last_.size()),
+              last_.begin());  // it may end before its first cycle
   moved_.store(0, std::memory_order_relaxed);
   synchronised_.store(false, std::memory_order_relaxed);
   wanted_.store(true, std::memory_order_release);
@@ -60,7 +70,8 @@ void FrameRide::drop() noexcept {
 }
 
 void FrameRide::end() noexcept {
-  for (std::size_t j = 0; j < now_.size(); ++j) last_[j] = now_[j].position;
+  if (state_.load(std::memory_order_relaxed) != State::off)
+    for (std::size_t j = 0; j < now_.size(); ++j) last_[j] = now_[j].position;
   synchronised_.store(false, std::memory_order_relaxed);
   standing_ = true;
   state_.store(State::off, std::memory_order_release);
@@ -71,14 +82,16 @@ void FrameRide::start(const Request& request, const Joints& joints) noexcept {
     now_[j] = {joints.position[j], joints.velocity[j], joints.acceleration[j]};
   travel_.fetch();
   const FrameTravel known = travel_.value();
-  smooth_ = known.time < 0 ? std::array<double, 3>{from_, 0, 0}
-                           : std::array<double, 3>{known.after(seconds(request.now - known.time) + lead_).travel,
-                                                   known.velocity, 0};
-  aimed_ = false;
+  smooth_ = known.time < 0
+                ? std::array<double, 3>{from_, 0, 0}
+                : std::array<double, 3>{known.after(seconds(request.now - known.time) + lead_).travel,
+                                        known.velocity, 0};
+  aimed_ = 0;
   state_.store(State::riding, std::memory_order_release);
 }
 
-/// The travel that the joints follow: the known one at the end of this cycle, without steps of its acceleration.
+/// The travel that the joints follow: the known one at the end of this cycle, without steps of its
+/// acceleration.
 bool FrameRide::follow_frame(const Request& request) noexcept {
   travel_.fetch();
   const FrameTravel& known = travel_.value();
@@ -169,30 +182,42 @@ bool FrameRide::aim(const Request& request, const Joints& path) noexcept {
   const bool known = follow_frame(request);
   const std::size_t n = aim_.size();
   for (std::size_t j = 0; j < n; ++j) {
-    solved_[j] = aimed_ ? aim_[j].position + path.position[j] - path_[j] : now_[j].position;
+    solved_[j] = aimed_ > 0 ? aim_[j].position + path.position[j] - path_[j] : now_[j].position;
     path_[j] = path.position[j];
   }
   guess_ = solved_;
   const Pose moved = frame_.motion(smooth_[0] - from_);
   const Pose target = moved * chain_.forward(path.position);
-  if (!known || !solve(target)) return aimed_ = false;
+  if (!known || !solve(target)) return false;
   for (std::size_t j = 0; j < n; ++j)
-    if (aimed_ && std::abs(solved_[j] - guess_[j]) > kJump) return aimed_ = false;
+    if (aimed_ > 0 && std::abs(solved_[j] - guess_[j]) > kJump) return false;
+  for (std::size_t j = 0; j < n; ++j) earlier_[j] = before_[j].velocity;
   before_ = aim_;
   for (std::size_t j = 0; j < n; ++j) aim_[j].position = solved_[j];
   solve_velocity(path, moved, target);
-  for (std::size_t j = 0; j < n; ++j) {
-    MotionState& aim = aim_[j];
-    aim.acceleration = aimed_ ? (aim.velocity - before_[j].velocity) / request.period : 0;
-    if (!aimed_) before_[j] = {aim.position - aim.velocity * request.period, aim.velocity, 0};
+  derive_acceleration(request.period);
+  for (std::size_t j = 0; j < n; ++j)
+    if (std::abs(aim_[j].velocity) > kTooFast * limits_[j].max_velocity) return false;
+  return true;
+}
+
+/// From as many of the last three velocities as there are.
+void FrameRide::derive_acceleration(double period) noexcept {
+  for (std::size_t j = 0; j < aim_.size(); ++j) {
+    MotionState &to = aim_[j], &from = before_[j];
+    if (aimed_ == 0) from = {to.position - to.velocity * period, to.velocity, 0};
+    to.acceleration = aimed_ < 2 ? (to.velocity - from.velocity) / period
+                                 : (3 * to.velocity - 4 * from.velocity + earlier_[j]) / (2 * period);
+    if (aimed_ == 1) from.acceleration = to.acceleration;
   }
-  return aimed_ = true;
+  aimed_ = std::min(aimed_ + 1, 2);
 }
 
 MotionState FrameRide::towards_velocity(std::size_t j, double velocity, double period,
                                         const MotionLimits& limits) noexcept {
   const MotionState target{0, velocity, 0};
-  const trajectory::MotionOptions options{trajectory::Synchronization::none, trajectory::TargetKind::velocity, 0};
+  const trajectory::MotionOptions options{trajectory::Synchronization::none, trajectory::TargetKind::velocity,
+                                          0};
   if (planner_.plan({&now_[j], 1}, {&target, 1}, {&limits, 1}, options) != trajectory::MotionStatus::ok)
     return {now_[j].position, 0, 0};
   return planner_.axis(0).at(period);
@@ -206,41 +231,72 @@ MotionState FrameRide::brake(std::size_t j, const Request& request) noexcept {
   return towards_velocity(j, 0, request.period, limits);
 }
 
-/// True if the joint may be there in one cycle, and can keep its limits afterwards.
-bool FrameRide::is_allowed(std::size_t j, const MotionState& next, double period) const noexcept {
-  constexpr double kRound = 1 + 1e-9;
+/// The jerk of this cycle that is nearest to `jerk` and lets the joint keep its limits in this cycle and
+/// afterwards.
+double FrameRide::allowed_jerk(std::size_t j, double jerk, double period) const noexcept {
   const MotionLimits& l = limits_[j];
-  const double jerk = (next.acceleration - now_[j].acceleration) / period;
-  const double least = next.velocity + next.acceleration * std::abs(next.acceleration) / (2 * l.max_jerk);
-  return std::abs(jerk) <= kRound * l.max_jerk && std::abs(next.acceleration) <= kRound * l.max_acceleration &&
-         std::abs(next.velocity) <= kRound * l.max_velocity && std::abs(least) <= kRound * l.max_velocity;
+  const MotionState& now = now_[j];
+  const double most = l.max_velocity - 0.25 * l.max_jerk * period * period;  // a cycle does not end at a peak
+  // The velocity at which the acceleration could be zero again: it rises with the jerk.
+  const auto coming = [&](double u) {
+    const double a = now.acceleration + u * period;
+    return now.velocity + (now.acceleration + 0.5 * u * period) * period + a * std::abs(a) / (2 * l.max_jerk);
+  };
+  const auto limit = [&](double u) {
+    const double low = (-l.max_acceleration - now.acceleration) / period;
+    const double high = (l.max_acceleration - now.acceleration) / period;
+    return std::clamp(std::clamp(u, low, high), -l.max_jerk, l.max_jerk);
+  };
+  const double asked = limit(jerk);
+  const double at = coming(asked);
+  if (std::abs(at) <= most) return asked;
+  // Between the asked jerk and the one that brakes hardest.
+  double over = asked, within = limit(at > 0 ? -l.max_jerk : l.max_jerk);
+  const double bound = std::copysign(most, at);
+  if ((coming(within) - bound) * at > 0) return within;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = 0.5 * (over + within);
+    ((coming(middle) - bound) * at > 0 ? over : within) = middle;
+  }
+  return within;
 }
 
-/// Towards aim_, within what it leaves of the limits. At a lower speed it catches up more slowly.
+/// What is left for the error beside the motion of the path. At a lower speed it decays more slowly. The jerk
+/// does not change with the path: an error that brakes would overshoot if it became less.
+MotionLimits FrameRide::left_limits(std::size_t j, double speed) const noexcept {
+  const MotionLimits& l = limits_[j];
+  const MotionState& to = aim_[j];
+  const double share = kCatchUp * std::min(speed, 1.0);
+  const auto left = [&](double most, double used) {
+    return std::max(share * (most - used), kLeastShare * most);
+  };
+  return {left(l.max_velocity, to.velocity), left(l.max_acceleration, to.acceleration),
+          std::max(share, kLeastShare) * l.max_jerk, -left(l.max_velocity, -to.velocity),
+          -left(l.max_acceleration, -to.acceleration)};
+}
+
+/// Towards aim_ at one jerk in the cycle. So the limits hold whatever aim_ does.
 MotionState FrameRide::approach(std::size_t j, const Request& request) noexcept {
-  const double period = request.period, share = kCatchUp * std::min(request.speed, 1.0);
-  const MotionState &from = before_[j], &to = aim_[j];
-  const MotionState error{now_[j].position - from.position, now_[j].velocity - from.velocity,
-                          now_[j].acceleration - from.acceleration};
-  MotionState next = to;
-  if (std::abs(error.position) > kOnPath || std::abs(error.velocity) > kOnPathVelocity ||
-      std::abs(error.acceleration) > kOnPathAcceleration) {
-    const MotionLimits& l = limits_[j];
-    const auto left = [&](double most, double used) { return std::max(share * (most - used), kLeastShare * most); };
-    const double jerk = std::abs(to.acceleration - from.acceleration) / period;
-    const MotionLimits rest{left(l.max_velocity, to.velocity), left(l.max_acceleration, to.acceleration),
-                            left(l.max_jerk, jerk), -left(l.max_velocity, -to.velocity),
-                            -left(l.max_acceleration, -to.acceleration)};
+  const double dt = request.period;
+  const MotionState &from = before_[j], &to = aim_[j], &now = now_[j];
+  const MotionState error{now.position - from.position, now.velocity - from.velocity,
+                          now.acceleration - from.acceleration};
+  const double feed = (to.acceleration - from.acceleration) / dt;
+  const double p = kPullPosition * error.position / (dt * dt * dt),
+               v = kPullVelocity * error.velocity / (dt * dt),
+               a = kPullAcceleration * error.acceleration / dt;
+  double jerk = -(p + v + a);
+  if (std::max({std::abs(p), std::abs(v), std::abs(a)}) > kNearShare * limits_[j].max_jerk) {
+    const MotionLimits left = left_limits(j, request.speed);
     const MotionState zero;
-    const trajectory::MotionOptions options{trajectory::Synchronization::none, trajectory::TargetKind::position, 0};
-    if (planner_.plan({&error, 1}, {&zero, 1}, {&rest, 1}, options) == trajectory::MotionStatus::ok) {
-      const MotionState e = planner_.axis(0).at(period);
-      next = {to.position + e.position, to.velocity + e.velocity, to.acceleration + e.acceleration};
-    }
+    const trajectory::MotionOptions options{trajectory::Synchronization::none,
+                                            trajectory::TargetKind::position, 0};
+    if (planner_.plan({&error, 1}, {&zero, 1}, {&left, 1}, options) == trajectory::MotionStatus::ok)
+      jerk = (planner_.axis(0).at(dt).acceleration - error.acceleration) / dt;
   }
-  if (is_allowed(j, next, period)) return next;
-  const double most = limits_[j].max_velocity;
-  return towards_velocity(j, std::clamp(to.velocity, -most, most), period, limits_[j]);
+  jerk = allowed_jerk(j, feed + jerk, dt);
+  return {now.position + dt * (now.velocity + dt * (now.acceleration / 2 + dt * jerk / 6)),
+          now.velocity + dt * (now.acceleration + dt * jerk / 2), now.acceleration + dt * jerk};
 }
 
 /// True if the joint could not come to rest before the end of its range.
@@ -255,17 +311,15 @@ bool FrameRide::is_at_end_of_range(std::size_t j) const noexcept {
 controllers::MotionShift::Outcome FrameRide::apply(const Request& request, const Joints& joints) noexcept {
   if (state_.load(std::memory_order_relaxed) == State::off) start(request, joints);
   const bool wanted = wanted_.load(std::memory_order_acquire);
-  const bool aims = wanted && aim(request, joints);
-  bool rides = wanted && request.speed > 0 && state_.load(std::memory_order_relaxed) == State::riding;
-  if (rides && !aims) {
-    state_.store(State::lost, std::memory_order_release);
-    rides = false;
-  }
+  const bool aims = wanted && state_.load(std::memory_order_relaxed) == State::riding && aim(request, joints);
+  if (wanted && !aims) state_.store(State::lost, std::memory_order_release);
+  const bool rides = wanted && request.speed > 0 && state_.load(std::memory_order_relaxed) == State::riding;
   bool near = rides, rests = true;
   for (std::size_t j = 0; j < now_.size(); ++j) {
     now_[j] = rides ? approach(j, request) : brake(j, request);
     near = near && std::abs(now_[j].position - aim_[j].position) < kNear &&
-           std::abs(now_[j].velocity - aim_[j].velocity) < kSlow;
+           std::abs(now_[j].velocity - aim_[j].velocity) < kSlow &&
+           std::abs(now_[j].acceleration - aim_[j].acceleration) < kSteady;
     if (std::abs(now_[j].velocity) < kRest && std::abs(now_[j].acceleration) < kRest && !rides)
       now_[j].velocity = now_[j].acceleration = 0;
     rests = rests && now_[j].velocity == 0 && now_[j].acceleration == 0;

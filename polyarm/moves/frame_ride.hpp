@@ -37,10 +37,11 @@ struct FrameTravel {
   }
 };
 
-/// Adds the motion of a frame to the paths of one robot. A path is planned as if the frame stood where it was at
-/// the begin of the ride. In each cycle the pose of the path is moved by what the frame has moved since then, and
-/// converted to joints; the joints approach them by a motion between any two states, so that no limit of velocity,
-/// acceleration or jerk is exceeded. The error decays to zero and stays zero while the frame moves smoothly.
+/// Adds the motion of a frame to the paths of one robot. A path is planned as if the frame stood where it was
+/// at the begin of the ride. In each cycle the pose of the path is moved by what the frame has moved since
+/// then, and converted to joints; the joints approach them by a motion between any two states, so that no
+/// limit of velocity, acceleration or jerk is exceeded. The error decays to zero and stays zero while the
+/// frame moves smoothly.
 ///
 /// A ride ends at rest. While the loop stops, the robot comes to rest, too, and catches up afterwards.
 class FrameRide : public controllers::MotionShift {
@@ -49,21 +50,23 @@ class FrameRide : public controllers::MotionShift {
   FrameRide(const kinematics::Chain& chain, std::span<const trajectory::JointMotionLimits> limits);
 
   // Cell thread.
-  /// Only when over(). `lead`: the robot is where it was commanded this time later, s, in addition to the period.
-  void begin(const MovingFrame& frame, double travel, double lead);
+  /// Only when over(). `at`: where the joints are. `lead`: the robot is where it was commanded this time
+  /// later, s, in addition to the period.
+  void begin(const MovingFrame& frame, double travel, std::span<const double> at, double lead);
   /// Call it in each tick of a ride with the newest travel.
   void feed(const FrameTravel& travel) { travel_.write(travel); }
   /// Comes to rest and ends.
   void release() noexcept { wanted_.store(false, std::memory_order_release); }
   bool over() const noexcept { return !active(); }
-  /// True if the robot can no longer follow: out of reach, at a joint limit, or without news of the frame. It comes
-  /// to rest and waits for release().
+  /// True if the robot can no longer follow: out of reach, at a joint limit, or without news of the frame. It
+  /// comes to rest and waits for release().
   bool lost() const noexcept { return state_.load(std::memory_order_acquire) == State::lost; }
   /// True if the robot is on its path in the moving frame.
   bool synchronised() const noexcept { return synchronised_.load(std::memory_order_acquire); }
   /// Where the joints came to rest. Valid when over().
   std::span<const double> joints() const noexcept { return last_; }
-  /// The motion of the frame since the begin of the ride, as the robot follows it; valid while the ride lasts.
+  /// The motion of the frame since the begin of the ride, as the robot follows it; valid while the ride
+  /// lasts.
   Pose moved() const noexcept { return frame_.motion(moved_.load(std::memory_order_relaxed)); }
 
   // Control thread.
@@ -88,7 +91,9 @@ class FrameRide : public controllers::MotionShift {
   trajectory::MotionState approach(std::size_t joint, const Request& request) noexcept;
   trajectory::MotionState towards_velocity(std::size_t joint, double velocity, double period,
                                            const trajectory::MotionLimits& limits) noexcept;
-  bool is_allowed(std::size_t joint, const trajectory::MotionState& next, double period) const noexcept;
+  void derive_acceleration(double period) noexcept;
+  double allowed_jerk(std::size_t joint, double jerk, double period) const noexcept;
+  trajectory::MotionLimits left_limits(std::size_t joint, double speed) const noexcept;
   bool is_at_end_of_range(std::size_t joint) const noexcept;
   void end() noexcept;
 
@@ -105,10 +110,12 @@ class FrameRide : public controllers::MotionShift {
   std::vector<double> last_;
 
   // Control thread.
-  States now_, aim_, before_;          ///< commanded; of the path in the moving frame, in this cycle and the last
+  States now_, aim_, before_;  ///< commanded; of the path in the moving frame, in this cycle and the last
   std::vector<double> path_, jacobian_, solved_, guess_, step_;
-  std::array<double, 3> smooth_{};     ///< travel of the frame, its velocity and acceleration, without steps
-  bool aimed_ = false, standing_ = true;  // aimed_: aim_ is of the cycle before
+  std::vector<double> earlier_;     ///< velocities of aim_ two cycles ago
+  std::array<double, 3> smooth_{};  ///< travel of the frame, its velocity and acceleration, without steps
+  int aimed_ = 0;                   ///< cycles in a row with an aim, at most 2
+  bool standing_ = true;
   trajectory::StateToState planner_;
 };
 

@@ -40,7 +40,8 @@ Move paced_like(const Move& move) {
 }
 }  // namespace
 
-RobotMotion::RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryController& controller, Post post)
+RobotMotion::RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryController& controller,
+                         Post post)
     : robot_(robot),
       controller_(controller),
       post_(std::move(post)),
@@ -234,7 +235,8 @@ void RobotMotion::watch() {
     if (refused) ended_badly_[active_.last_id] = MoveState::refused;
   } else if (status.finished.load(std::memory_order_acquire) >= goal_) {
     const bool ends = active_.ends->load(std::memory_order_relaxed);
-    if (riding_ && !ends && !ride_->synchronised() && !ride_->over()) return;  // not yet in its place in the frame
+    if (riding_ && !ends && !ride_->synchronised() && !ride_->over())
+      return;  // not yet in its place in the frame
     goal_ = 0;
     if (apart_ && apart_->phase == Apart::Phase::stopping) {
       apart_->time = controller_.status().time.load(std::memory_order_relaxed);

@@ -98,18 +98,20 @@ class RobotMotion {
   /// The newest move that is not set apart; 0 if there is none.
   std::uint64_t newest_present() const { return apart_ && apart_->last == last_id_ ? 0 : last_id_; }
 
-  /// From now on the robot follows the frame, which has this travel, at rest or on the paths of moves that are
-  /// queued from now on. These are planned as if the frame stood still, and arrive when the robot is synchronised.
-  /// Only at_end(). `lead`: of FrameRide.
+  /// From now on the robot follows the frame, which has this travel, at rest or on the paths of moves that
+  /// are queued from now on. These are planned as if the frame stood still, and arrive when the robot is
+  /// synchronised. Only at_end(). `lead`: of FrameRide.
   void begin_ride(const MovingFrame& frame, double travel, double lead = 0);
   /// In each tick of a ride, before tick().
   void feed_ride(const FrameTravel& travel) { ride_->feed(travel); }
-  /// After the moves that are queued, the robot comes to rest beside the frame. riding() becomes false then, and
-  /// planned() is where the robot stands.
+  /// After the moves that are queued, the robot comes to rest beside the frame. riding() becomes false then,
+  /// and planned() is where the robot stands.
   void end_ride() { ride_ends_ = true; }
   /// Ends the ride at once: the moves that are left fail with this problem.
   void fail_ride(const Problem& why);
   bool riding() const { return riding_; }
+  /// True from end_ride() or fail_ride() on, until riding() becomes false: queue no moves meanwhile.
+  bool ride_ends() const { return riding_ && ride_ends_; }
   /// True if the robot cannot follow any more; call fail_ride().
   bool ride_lost() const { return riding_ && ride_->lost(); }
   /// What has moved the planned paths in the world so far; identity without a ride.

@@ -5,7 +5,7 @@ namespace polyarm::moves {
 
 void RobotMotion::begin_ride(const MovingFrame& frame, double travel, double lead) {
   riding_ = true, ride_ends_ = false;
-  ride_->begin(frame, travel, lead);
+  ride_->begin(frame, travel, planned_, lead);
 }
 
 void RobotMotion::fail_ride(const Problem& why) {

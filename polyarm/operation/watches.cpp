@@ -226,7 +226,7 @@ bool Watches::is_quiet() const {
          is_stuck(program) && is_stuck(cell_.programs.plc()) && snapshot.standing && snapshot.world.at_rest &&
          !cell_.parts.anything_moving() && snapshot.state == control::RunState::running &&
          !cell_.data.files().has_outside_writers() && !cell_.data.links().any() &&
-         cell_.data.store.version() == quiet_version_;
+         !cell_.programs.hears_devices() && cell_.data.store.version() == quiet_version_;
 }
 
 std::string Watches::hint_of_wait() const {

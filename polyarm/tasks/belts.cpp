@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "polyarm/base/text.hpp"
 
@@ -19,8 +20,10 @@ void TravelFilter::add(double travel, Nanoseconds time) {
   }
   const double dt = seconds(time - value_.time);
   // At first the memory is as long as there are samples: a line, then a parabola, through all of them.
-  const double n = ++samples_;
-  const double fade = std::exp(-kMemory * dt), keep = std::min(fade, samples_ < 1000 ? (n - 1) / (n + 1) : 1.0);
+  samples_ = std::min(samples_ + 1, 1000);
+  const double n = samples_;
+  const double fade = std::exp(-kMemory * dt),
+               keep = std::min(fade, samples_ < 1000 ? (n - 1) / (n + 1) : 1.0);
   const double g = 1 - keep * keep * keep, h = 1.5 * (1 - keep * keep) * (1 - keep),
                k = 0.5 * (1 - keep) * (1 - keep) * (1 - keep);
   value_ = value_.after(dt);
@@ -40,7 +43,8 @@ Belts::Belts(const std::vector<BeltEntry>& entries, const Machine& machine, cons
     if (!entry.sensor.empty()) belt.sensor = signal_of(entry.sensor, "sensor", entry);
     if (!entry.latch.empty()) belt.latch = signal_of(entry.latch, "latch", entry);
     if (store.find(entry.name))
-      throw Error(Problem{"bad-name", entry.where, "the belt '" + entry.name + "' is called like a name of the data",
+      throw Error(Problem{"bad-name", entry.where,
+                          "the belt '" + entry.name + "' is called like a name of the data",
                           "choose another name for one of them"});
     belts_[entry.name] = std::move(belt);
   }
@@ -51,10 +55,11 @@ Belts::Signal Belts::signal_of(const std::string& name, const char* what, const 
   if (store_.find(name)) return {{}, name};
   std::vector<std::string> known = machine_.table().state_names();
   for (const std::string& tag : store_.names()) known.push_back(tag);
-  throw Error(Problem{"unknown-signal", entry.where,
-                      fmt::format("the {} of the belt '{}' is '{}', which is no state of the hardware and no tag{}",
-                                  what, entry.name, name, did_you_mean(name, known)),
-                      "write such as scene/belt/position, or a tag of signals.yaml"});
+  throw Error(
+      Problem{"unknown-signal", entry.where,
+              fmt::format("the {} of the belt '{}' is '{}', which is no state of the hardware and no tag{}",
+                          what, entry.name, name, did_you_mean(name, known)),
+              "write such as scene/belt/position, or a tag of signals.yaml"});
 }
 
 std::optional<double> Belts::read(const Signal& signal) const {
@@ -97,12 +102,15 @@ void Belts::look_at_sensor(Belt& belt) {
   const double before = belt.seen.value_or(*seen);
   belt.seen = *seen;
   if (*seen <= before) return;
+  // Of parts that were counted in one tick only the newest has a known place.
+  belt.missed +=
+      static_cast<std::size_t>(std::clamp(*seen - before - 1, 0.0, static_cast<double>(kMostWaiting)));
   const std::optional<double> latched = belt.entry.latch.empty() ? std::nullopt : read(belt.latch);
   const BeltEntry& entry = belt.entry;
-  const double travel =
-      latched ? entry.scale * unwrapped(belt, *latched) : belt.filter.value().travel;
+  const double travel = latched ? entry.scale * unwrapped(belt, *latched) : belt.filter.value().travel;
   queue(belt,
-        entry.frame.turns ? Pose{{}, from_axis_angle({0, 0, 1}, entry.sensor_at)} : Pose{{entry.sensor_at, 0, 0}, {}},
+        entry.frame.turns ? Pose{{}, from_axis_angle({0, 0, 1}, entry.sensor_at)}
+                          : Pose{{entry.sensor_at, 0, 0}, {}},
         travel);
 }
 
@@ -156,9 +164,9 @@ bool Belts::next_part(const std::string& name, const std::string& robot) {
 
 std::size_t Belts::waiting(const std::string& name) {
   const Belt& belt = known(name);
-  return static_cast<std::size_t>(std::count_if(belt.parts.begin(), belt.parts.end(), [&](const BeltPart& part) {
-    return place(name, part) <= belt.entry.start_by;
-  }));
+  return static_cast<std::size_t>(
+      std::count_if(belt.parts.begin(), belt.parts.end(),
+                    [&](const BeltPart& part) { return place(name, part) <= belt.entry.start_by; }));
 }
 
 std::size_t Belts::missed(const std::string& name) {
@@ -169,6 +177,13 @@ std::size_t Belts::missed(const std::string& name) {
 void Belts::add(const std::string& name, const Pose& at) {
   Belt& belt = known(name);
   queue(belt, at, belt.filter.value().travel);
+}
+
+void Belts::note_missed(const std::string& name, std::uint64_t part) {
+  Belt& belt = belts_.at(name);
+  for (auto& [robot, taken] : belt.taken)
+    if (taken.number == part && std::exchange(taken.missed, true)) return;
+  ++belt.missed;
 }
 
 const BeltPart& Belts::part(const std::string& name, const std::string& robot) const {
@@ -183,12 +198,14 @@ const BeltPart& Belts::part(const std::string& name, const std::string& robot) c
 void Belts::suppose_part(const std::string& name, const std::string& robot) {
   Belt& belt = known(name);
   const double from = belt.entry.from;
-  belt.taken[robot] = {0, belt.entry.frame.turns ? Pose{{}, from_axis_angle({0, 0, 1}, from)} : Pose{{from, 0, 0}, {}},
-                       belt.filter.value().travel};
+  belt.taken[robot] = {
+      0, belt.entry.frame.turns ? Pose{{}, from_axis_angle({0, 0, 1}, from)} : Pose{{from, 0, 0}, {}},
+      belt.filter.value().travel};
 }
 
 void Belts::forget_supposed() {
-  for (auto& [name, belt] : belts_) std::erase_if(belt.taken, [](const auto& part) { return part.second.number == 0; });
+  for (auto& [name, belt] : belts_)
+    std::erase_if(belt.taken, [](const auto& part) { return part.second.number == 0; });
 }
 
 }  // namespace polyarm::cell

@@ -31,6 +31,7 @@ struct BeltPart {
   std::uint64_t number = 0;  ///< counts from 1
   Pose at;
   double travel = 0;
+  bool missed = false;  ///< it is counted as missed
 };
 
 class Belts {
@@ -38,8 +39,8 @@ class Belts {
   /// The most parts that wait on one belt; older ones count as missed.
   static constexpr std::size_t kMostWaiting = 1000;
 
-  /// The references must outlive this object. Throws Error that names encoders, sensors and latches that do not
-  /// exist.
+  /// The references must outlive this object. Throws Error that names encoders, sensors and latches that do
+  /// not exist.
   Belts(const std::vector<BeltEntry>& entries, const Machine& machine, const data::DataStore& store);
 
   /// Call it in each tick: reads encoders and sensors.
@@ -49,8 +50,10 @@ class Belts {
   const BeltEntry& entry(const std::string& belt) const { return belts_.at(belt).entry; }
   const moves::FrameTravel& travel(const std::string& belt) const { return belts_.at(belt).filter.value(); }
 
-  // The functions of the language. Throw Error("unknown-belt"), or Error("signal") if the encoder gives no numbers.
-  /// The robot's next part, which becomes its frame; false if none comes. Parts that are too late count as missed.
+  // The functions of the language. Throw Error("unknown-belt"), or Error("signal") if the encoder gives no
+  // numbers.
+  /// The robot's next part, which becomes its frame; false if none comes. Parts that are too late count as
+  /// missed.
   bool next_part(const std::string& belt, const std::string& robot);
   std::size_t waiting(const std::string& belt);
   std::size_t missed(const std::string& belt);
@@ -62,8 +65,8 @@ class Belts {
   /// Its pose in the world at a travel of the belt, and its place along the belt.
   Pose pose(const std::string& belt, const BeltPart& part, double travel) const;
   double place(const std::string& belt, const BeltPart& part) const;
-  /// A ride on this part has ended before it was done.
-  void note_missed(const std::string& belt) { ++belts_.at(belt).missed; }
+  /// A robot was too late for this part of it, or has not finished with it in time. A part counts once.
+  void note_missed(const std::string& belt, std::uint64_t part);
 
   /// In a rehearsal a part is where robots begin to follow, whenever a program asks for one.
   void suppose_part(const std::string& belt, const std::string& robot);

@@ -235,7 +235,8 @@ ProgramMoves::Prepared ProgramMoves::prepare(const program::Move& move, const Lo
   auto facts = tool_of(move.tool, arm, where);
   std::vector<moves::Move> moves = moves_of(move, frame_of(move, arm, where), arm, where);
   if (!belt_of(move, where).empty())  // the rest of the limits is for the motion of the belt
-    for (moves::Move& one : moves) one.speed *= kShareOnBelts, one.acceleration *= kShareOnBelts, one.around = false;
+    for (moves::Move& one : moves)
+      one.speed *= kShareOnBelts, one.acceleration *= kShareOnBelts, one.around = false;
   check_payload(move, arm, where);
   const moves::RobotFacts& own = arm.robot.motion ? arm.robot.motion->robot() : *arm.robot.robot->facts;
   if (move.near)

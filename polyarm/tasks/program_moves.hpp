@@ -57,8 +57,12 @@ class ProgramMoves {
   data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
                       const std::string& frame) const;
 
-  /// Null: the cell has no belts. They must outlive this object.
-  void set_belts(Belts* belts) { belts_ = belts; }
+  /// Null: the cell has no belts. They must outlive this object. `first_pass`: true while the speed of TCPs
+  /// is reduced; null: never.
+  void set_belts(Belts* belts, std::function<bool()> first_pass = {}) {
+    belts_ = belts;
+    first_pass_ = std::move(first_pass);
+  }
   Belts* belts() const { return belts_; }
   /// Call it in each tick, before the moves: the rides on belts, which end with the window of the belt.
   void tick_rides();
@@ -150,6 +154,7 @@ class ProgramMoves {
   std::string belt_of(const program::Move& move, const Location& where) const;
   Pose belt_frame(const std::string& belt, const Arm& arm, const Location& where) const;
   bool follows(const Arm& arm, const std::string& belt) const;
+  bool is_too_fast(const std::string& belt, const BeltPart& part, const Arm& arm) const;
   void begin_ride(const program::Move& move, Arm& arm, const Location& where);
   Pose frame_named(const std::string& name, const Arm& arm, const Location& where, int depth = 0) const;
   std::optional<Pose> frame_on_robot(const std::string& name) const;
@@ -183,6 +188,7 @@ class ProgramMoves {
   MotionEntry pace_;
   const data::DataStore& store_;
   Belts* belts_ = nullptr;
+  std::function<bool()> first_pass_;
   std::map<program::Handle, Asked> asked_;
   program::Handle last_handle_ = 0;
   struct Step {

@@ -47,7 +47,8 @@ void Programs::load(Problems& problems) {
   held_parts_ = std::make_unique<HeldParts>(std::move(names), setup_.scene, machine_.table());
   if (!setup_.file.streams.empty())
     streams_ = std::make_unique<Streams>(
-        setup_.file.streams, Streams::May{!setup_.options.lock_step || setup_.options.links, setup_.options.real});
+        setup_.file.streams,
+        Streams::May{!setup_.options.lock_step || setup_.options.links, setup_.options.real});
   if (!setup_.file.belts.empty())
     collect(problems, [&] { belts_ = std::make_unique<Belts>(setup_.file.belts, machine_, data_.store); });
   for (const FileBreakpoints& each : setup_.options.breakpoints) keep_breakpoints(each);
@@ -79,7 +80,7 @@ void Programs::start(program::Program program) {
     robots.push_back({setup_.robots[i].get(), motions_.motion(i), motions_.wheels(i)});
   program_.reset();
   moves_ = std::make_unique<ProgramMoves>("program", std::move(robots), setup_.file.motion, data_.store);
-  moves_->set_belts(belts_.get());
+  moves_->set_belts(belts_.get(), [this] { return motions_.first_pass(); });
   ProgramHost::Context context = this->context("program");
   context.moves = moves_.get();
   force_ = std::make_unique<ForceReadings>(setup_, machine_, observer_);
@@ -283,6 +284,11 @@ void Programs::tick_belts_and_streams() {
   if (!moves_) return;
   if (!under_way()) moves_->end_rides();
   moves_->tick_rides();
+}
+
+bool Programs::hears_devices() const {
+  const bool open = !setup_.options.lock_step || setup_.options.links;
+  return (streams_ && open) || (belts_ && setup_.options.real);
 }
 
 void Programs::tick_program() {

@@ -8,7 +8,7 @@
 #include "polyarm/io/parts.hpp"
 #include "polyarm/machine/cell_data.hpp"
 #include "polyarm/machine/motions.hpp"
-#include "polyarm/setup/breakpoints.hpp"
+#include "polyarm/io/breakpoints.hpp"
 #include "polyarm/setup/build.hpp"
 #include "polyarm/tasks/program_moves.hpp"
 #include "polyarm/tasks/safe_points.hpp"
@@ -85,8 +85,11 @@ class Programs {
   /// The program line of a move; empty if it is not from the program.
   Location place_of(const moves::RobotMotion& motion, std::uint64_t move) const;
 
-  /// Call it in each tick before the motions: belts move, and robots that follow them; streams send and receive.
+  /// Call it in each tick before the motions: belts move, and robots that follow them; streams send and
+  /// receive.
   void tick_belts_and_streams();
+  /// True if a stream or the sensor of a real belt may end a wait.
+  bool hears_devices() const;
   void tick_program();
   /// Call each tick in which the program is not ticked: its pulses end in time.
   void end_pulses();

@@ -41,7 +41,8 @@ std::string hint_of(const WaitOwners& cell, const std::string& feeder, bool at_f
     return *presented <= 0
                ? "the feeder '" + feeder + "' is empty: no part of the scene has 'feeder: " + feeder + "'"
                : "the feeder '" + feeder + "' is empty: it has brought all of its " + parts(*presented);
-  if (!at_feeder || asked > *presented) return {};
+  if (!at_feeder) return {};
+  if (asked > *presented) return "the feeder '" + feeder + "' brings its next part when its place is free";
   const std::string asks = tag ? "set '" + tag->name + "' to one more"
                                : "no tag of signals.yaml has 'command: scene/" + feeder + "/feed'";
   return fmt::format("the feeder '{}' was to bring {} and has brought {}: {}", feeder, parts(asked),

@@ -112,8 +112,8 @@ class Host {
   /// True if `robot` (empty: the task's own) accepts another move now; if not, it is called again in the next
   /// tick. True if an earlier move has failed: the next call reports that.
   virtual bool room_for_move(const std::string& robot) = 0;
-  /// False while the robot cannot begin this move yet, such as on a part of a belt that is still to come; it is
-  /// called again in the next tick. Called after room_for_move().
+  /// False while the robot cannot begin this move yet, such as on a part of a belt that is still to come; it
+  /// is called again in the next tick. Called after room_for_move().
   virtual bool ready_for(const Move&, const Location&) { return true; }
   /// Ends the blending of what `robot` has queued; done when all of it has arrived. A failure names the
   /// faulty move, with the location given to start_move().

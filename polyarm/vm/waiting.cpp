@@ -51,7 +51,8 @@ bool Interpreter::poll(Task& task) {
       return poll_until(task);
     case WaitKind::room: {
       const std::string robot = task.waiting.text;
-      if (task.waiting.until && host_.now() < *task.waiting.until) return false;  // looked at once in each tick
+      if (task.waiting.until && host_.now() < *task.waiting.until)
+        return false;  // looked at once in each tick
       if (!host_.room_for_move(robot)) return false;
       go_on(task);
       return true;

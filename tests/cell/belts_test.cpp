@@ -16,27 +16,33 @@ class OnABelt : public ::testing::Test {
  protected:
   OnABelt() {
     folder.write("scene.yaml",
-                 "polyarm: scene/1\nfloor: false\nbelts:\n  line: {size: [1.7, 0.2, 0.04], at: [0.5, 0, 0.1], rpy: [0, 0, 90deg]}\n");
+                 "polyarm: scene/1\nfloor: false\nbelts:\n  line: {size: [1.7, 0.2, 0.04], at: [0.5, 0, "
+                 "0.1], rpy: [0, 0, 90deg]}\n");
     folder.write("signals.yaml",
                  "polyarm: signals/1\ntags:\n  LineSpeed: {command: scene/line/speed, type: number}\n"
-                 "  Travel: {state: scene/line/position, type: number}\n  Counts: {state: scene/line/position, type: number}\n"
+                 "  Travel: {state: scene/line/position, type: number}\n  Counts: {state: "
+                 "scene/line/position, type: number}\n"
                  "  Seen: {initial: false}\n  TcpX: {state: arm/tcp/x, type: number}\n"
                  "  TcpY: {state: arm/tcp/y, type: number}\n");
     write_cell("");
   }
   void write_cell(const std::string& more) {
-    folder.write("cell.yaml",
-                 "polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur5e, hardware: mock}\nscene: scene.yaml\n"
-                 "signals: signals.yaml\nprogram: job.script\nbelts:\n  line: {at: [0.5, 0, 0.1], rpy: [0, 0, 90deg], "
-                 "encoder: Travel, sensor: Seen, sensor_at: -350mm, from: -300mm, start_by: 200mm, to: 300mm" + more + "}\n");
+    folder.write(
+        "cell.yaml",
+        "polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur5e, hardware: mock}\nscene: scene.yaml\n"
+        "signals: signals.yaml\nprogram: job.script\nbelts:\n  line: {at: [0.5, 0, 0.1], rpy: [0, 0, 90deg], "
+        "encoder: Travel, sensor: Seen, sensor_at: -350mm, from: -300mm, start_by: 200mm, to: 300mm" +
+            more + "}\n");
   }
   /// What the run fails with; empty: nothing.
   std::string failure(const std::string& program, double seconds = 12) {
     folder.write("job.script",
-                 "let ready = pose(500mm, -300mm, 300mm, 180deg, 0, 0)\nlet over = pose(0, 0, 100mm, 180deg, 0, -90deg)\n"
-                 "func check_place(began)\n  let x = TcpX\n  let off = TcpY - (Travel - began - 0.35)\n"
+                 "let ready = pose(500mm, -300mm, 300mm, 180deg, 0, 0)\nlet over = pose(0, 0, 100mm, 180deg, "
+                 "0, -90deg)\n"
+                 "func check_place(start)\n  let x = TcpX\n  let off = TcpY - (Travel - start - 0.35)\n"
                  "  if abs(off) > 0.001 or abs(x - 0.5) > 0.001\n    raise \"off by {off} {x}\"\n  end\nend\n"
-                 "moveto ready\nset LineSpeed = 0.3\nwait 500ms\n" + program);
+                 "moveto ready\nset LineSpeed = 0.3\nwait 500ms\n" +
+                     program);
     test::LockStepCell cell(read_cell_file(folder.path()), {std::string(POLYARM_SOURCE_DIR) + "/robots"});
     cell.run(seconds);
     return cell.cell().failure() ? cell.cell().failure()->problem.what : std::string{};
@@ -45,26 +51,30 @@ class OnABelt : public ::testing::Test {
 };
 
 TEST_F(OnABelt, TheToolStaysBesideThePart) {
-  EXPECT_EQ(failure("let began = Travel\nadd_part(\"line\", pose(-350mm, 0, 0))\nwait next_part(\"line\") timeout 5s\n"
-                    "movel over, frame \"line\"\ncheck_place(began)\nwait 300ms\ncheck_place(began)\n"
-                    "movel offset(over, z = -50mm), frame \"line\"\nwait 1ms\ncheck_place(began)\n"
-                    "set LineSpeed = 0.1\nwait 400ms\ncheck_place(began)\n"
-                    "moveto ready\nif abs(TcpY + 0.3) > 1e-5\n  raise \"not back\"\nend\n"),
-            "");
+  EXPECT_EQ(
+      failure(
+          "let began = Travel\nadd_part(\"line\", pose(-350mm, 0, 0))\nwait next_part(\"line\") timeout 5s\n"
+          "movel over, frame \"line\"\ncheck_place(began)\nwait 300ms\ncheck_place(began)\n"
+          "movel offset(over, z = -50mm), frame \"line\"\nwait 1ms\ncheck_place(began)\n"
+          "set LineSpeed = 0.1\nwait 400ms\ncheck_place(began)\n"
+          "moveto ready\nif abs(TcpY + 0.3) > 1e-5\n  raise \"not back\"\nend\n"),
+      "");
 }
 
 TEST_F(OnABelt, ASensorQueuesPartsOnce) {
   EXPECT_EQ(failure("if waiting_parts(\"line\") > 0\n  raise \"none has come\"\nend\n"
                     "set Seen = true\nwait 100ms\nset Seen = false\nwait 100ms\n"
                     "if waiting_parts(\"line\") != 1\n  raise \"one has come\"\nend\n"
-                    "wait 2s\nif waiting_parts(\"line\") != 0 or missed_parts(\"line\") != 1\n  raise \"it has gone\"\nend\n"
+                    "wait 2s\nif waiting_parts(\"line\") != 0 or missed_parts(\"line\") != 1\n  raise \"it "
+                    "has gone\"\nend\n"
                     "if next_part(\"line\")\n  raise \"too late\"\nend\n"),
             "");
 }
 
 TEST_F(OnABelt, APartThatLeavesTheWindowIsMissed) {
   EXPECT_EQ(failure("add_part(\"line\", pose(-350mm, 0, 0))\nwait next_part(\"line\") timeout 5s\n"
-                    "try\n  movel over, frame \"line\"\n  wait 3s\n  movel over, frame \"line\"\n  raise \"not missed\"\n"
+                    "try\n  movel over, frame \"line\"\n  wait 3s\n  movel over, frame \"line\"\n  raise "
+                    "\"not missed\"\n"
                     "on error e\n  if e.kind != \"missed\"\n    raise\n  end\nend\n"
                     "moveto ready\nif missed_parts(\"line\") != 1\n  raise \"not counted\"\nend\n"),
             "");

@@ -130,6 +130,17 @@ TEST(Streams, LongLinesAndManyLinesAreDropped) {
   EXPECT_EQ(stream.next_line(), "5");
 }
 
+TEST(Streams, AStreamThatCannotOpenFailsItsProgramButNotTheCell) {
+  Server taken;
+  StreamEntry entry = client_of(taken.port);
+  entry.kind = StreamEntry::Kind::listen;
+  Streams streams({entry}, {true, false});
+  constexpr long long kSecond = 1'000'000'000;
+  EXPECT_THROW(streams.used("scanner", kSecond), Error);
+  EXPECT_NO_THROW(streams.tick(2 * kSecond));
+  EXPECT_FALSE(streams.used("scanner", 2 * kSecond).connected());
+}
+
 TEST(Streams, EntriesAreChecked) {
   const auto refusal = [](const std::string& text) {
     Problems problems;

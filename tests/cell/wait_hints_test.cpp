@@ -11,18 +11,22 @@
 namespace polyarm::cell {
 namespace {
 
-/// A feeder with two parts.
+/// A feeder with one part.
 class Waits : public ::testing::Test {
  protected:
   Waits() {
-    folder.write(
-        "scene.yaml",
-        "polyarm: scene/1\nfeeders:\n  chute: {at: [0.4, 0, 0.02]}\n  spare: {at: [0.4, 0.3, 0.02]}\n"
-        "parts:\n  cube: {kind: cube, box: [40mm, 40mm, 40mm], mass: 0.1, feeder: chute, count: 2}\n");
+    write_scene(1);
     folder.write("signals.yaml",
                  "polyarm: signals/1\ntags:\n  Feed: {command: scene/chute/feed, type: number}\n"
                  "  Lying: {state: scene/chute/count, type: number}\n  Spare: {state: scene/spare/present}\n"
                  "  Go: {initial: false}\n");
+  }
+  void write_scene(int count) {
+    folder.write(
+        "scene.yaml",
+        "polyarm: scene/1\nfeeders:\n  chute: {at: [0.4, 0, 0.02]}\n  spare: {at: [0.4, 0.3, 0.02]}\n"
+        "parts:\n  cube: {kind: cube, box: [40mm, 40mm, 40mm], mass: 0.1, feeder: chute, count: " +
+            std::to_string(count) + "}\n");
   }
   /// What the run fails with.
   Problem failure(const std::string& program, const std::string& plc = "", double seconds = 6) {
@@ -42,7 +46,7 @@ class Waits : public ::testing::Test {
 };
 
 TEST_F(Waits, ATimeOutNamesTheFeederThatIsEmpty) {
-  const std::string empty = "the feeder 'chute' is empty: it has brought all of its 2 parts";
+  const std::string empty = "the feeder 'chute' is empty: it has brought all of its 1 part";
   const std::string what = failure("set Feed = 3\nwait Lying > 2 timeout 1s\n").what;
   EXPECT_EQ(what, "the time-out passed and the condition is still false; it reads Lying; " + empty);
   EXPECT_EQ(failure("wait Go timeout 1s\n", "set Feed = 3\nwait Lying > 2\nset Go = true\n").what,
@@ -52,6 +56,14 @@ TEST_F(Waits, ATimeOutNamesTheFeederThatIsEmpty) {
                 .what.find("'spare' is empty: no part of the scene has 'feeder: spare'"),
             std::string::npos);
   EXPECT_EQ(failure("wait Go timeout 1s\n").what.find("feeder"), std::string::npos);
+}
+
+TEST_F(Waits, ATimeOutSaysThatThePlaceOfTheFeederIsOccupied) {
+  write_scene(2);
+  EXPECT_EQ(
+      failure("set Feed = 2\nwait Lying > 1 timeout 1s\n").what,
+      "the time-out passed and the condition is still false; it reads Lying; the feeder 'chute' brings its "
+      "next part when its place is free");
 }
 
 TEST_F(Waits, ATimeOutSaysThatNobodyAskedTheFeeder) {
@@ -64,7 +76,7 @@ TEST_F(Waits, ATimeOutSaysThatNobodyAskedTheFeeder) {
 TEST_F(Waits, ADeadlockNamesTheEmptyFeederToo) {
   const Problem told = failure("set Feed = 3\nwait Lying > 2\n");
   EXPECT_EQ(told.code, "deadlock") << told.text();
-  EXPECT_EQ(told.advice, "the feeder 'chute' is empty: it has brought all of its 2 parts");
+  EXPECT_EQ(told.advice, "the feeder 'chute' is empty: it has brought all of its 1 part");
 }
 
 TEST_F(Waits, ATimeOutForAGripperSaysWhyItHoldsNothing) {

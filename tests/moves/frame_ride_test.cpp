@@ -30,7 +30,8 @@ struct Rig {
   ControllerRig controller;
   std::unique_ptr<RobotMotion> motion;
   MovingFrame frame;
-  double start_travel = 0, speed = 0, change = 0, phase = 0;  ///< m or rad; its speed goes up and down by `change`
+  double start_travel = 0, speed = 0, change = 0,
+         phase = 0;  ///< m or rad; its speed goes up and down by `change`
   std::vector<Values> trace;
   double worst_velocity = 0, worst_acceleration = 0, worst_jerk = 0;  ///< shares of the limits
   bool fed = true;
@@ -65,8 +66,8 @@ struct Rig {
   /// Smooth changes of speed: a sine of half a second's wave.
   FrameTravel travel_at(Nanoseconds time) const {
     const double t = seconds(time), w = 4;
-    return {start_travel + speed * t + change / w * std::sin(w * t + phase), speed + change * std::cos(w * t + phase),
-            -change * w * std::sin(w * t + phase), time};
+    return {start_travel + speed * t + change / w * std::sin(w * t + phase),
+            speed + change * std::cos(w * t + phase), -change * w * std::sin(w * t + phase), time};
   }
   FrameTravel now() { return travel_at(controller.time()); }
   void begin_ride() {
@@ -94,9 +95,7 @@ struct Rig {
     EXPECT_LE(worst_jerk, 1.01);
   }
   /// The TCP in the place of the frame that the last command aims at, as if the frame stood at its begin.
-  Pose in_frame() {
-    return inverse(frame.motion(now().travel - began)) * tcp();
-  }
+  Pose in_frame() { return inverse(frame.motion(now().travel - began)) * tcp(); }
   double began = 0;
 };
 
@@ -107,7 +106,8 @@ TEST(FrameRide, TheToolFollowsABeltWithinAMillimetreAndNoLimitIsExceeded) {
     SCOPED_TRACE(round);
     Rig rig;
     rig.frame.at_zero.rotation = from_rpy(0, 0, turn(engine));
-    rig.speed = round == 0 ? 0.3 : speed(engine), rig.change = round == 0 ? 0 : change(engine), rig.phase = turn(engine);
+    rig.speed = round == 0 ? 0.3 : speed(engine), rig.change = round == 0 ? 0 : change(engine),
+    rig.phase = turn(engine);
     for (int i = 0; i < round * 37; ++i) rig.step();
     rig.began = rig.now().travel;
     rig.begin_ride();
@@ -151,7 +151,7 @@ TEST(FrameRide, TheToolTurnsWithATurntable) {
 
 TEST(FrameRide, AHeldRobotStandsAndCatchesUpAfterwards) {
   Rig rig;
-  rig.speed = 0.2;
+  rig.speed = -0.2;
   rig.began = rig.now().travel;
   rig.begin_ride();
   for (int i = 0; i < 400; ++i) rig.step();
@@ -223,6 +223,35 @@ TEST(FrameRide, TheMovesThatAreLeftFailWithTheRide) {
   EXPECT_TRUE(rig.motion->idle());
   EXPECT_EQ(rig.motion->planned(), rig.commanded());
   rig.expect_limits_kept();
+}
+
+TEST(FrameRide, AMoveThatIsUnderWayAtTheEndOfARideIsGivenUpWithoutAJump) {
+  Rig rig;
+  rig.speed = 0.2;
+  rig.begin_ride();
+  for (int i = 0; i < 500; ++i) rig.step();
+  rig.motion->end_ride();
+  rig.step();
+  ASSERT_TRUE(rig.motion->ride_ends());
+  Move down = line(shifted(rig.start(), {0, 0, -0.1}), "down");
+  down.speed = 0.2;
+  const auto late = rig.motion->queue(down);
+  rig.motion->close();
+  for (int i = 0; i < 2000; ++i) rig.step();
+  EXPECT_EQ(rig.motion->state_of(late), MoveState::discarded);
+  EXPECT_TRUE(rig.motion->idle());
+  EXPECT_EQ(rig.motion->planned(), rig.commanded());
+  rig.expect_limits_kept();
+}
+
+TEST(FrameRide, ARideThatEndsBeforeItsFirstCycleLeavesTheRobotWhereItIs) {
+  Rig rig;
+  rig.speed = 0.2;
+  rig.begin_ride();
+  rig.motion->end_ride();
+  rig.motion->tick(rig.controller.time());
+  EXPECT_TRUE(rig.motion->idle());
+  EXPECT_EQ(rig.motion->planned(), rig.from);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
-/// Random programs of traps, timers, pulses, `until`, `with`, formatted texts, lists by formula, includes and belts,
-/// some of them damaged. Whatever they say, they are parsed, formatted and checked without a crash, and end within
-/// their time. POLYARM_LATER_SYNTAX says how many (600).
+/// Random programs of traps, timers, pulses, `until`, `with`, formatted texts, lists by formula, includes and
+/// belts, some of them damaged. Whatever they say, they are parsed, formatted and checked without a crash,
+/// and end within their time. POLYARM_LATER_SYNTAX says how many (600).
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -55,25 +55,29 @@ class Author {
   void put(const std::string& line) { text_ += std::string(2 * depth_, ' ') + line + "\n"; }
 
   std::string number() {
-    return one_of({"n", "0", "2", "-1", "1e300", "length(l)", "number(t)", "number(\"1.5\")", "find(t, \";\")", "l[n]",
-                   "waiting_parts(\"line\")", "missed_parts(n)", "random()", "random(3, 1)"});
+    return one_of({"n", "0", "2", "-1", "1e300", "length(l)", "number(t)", "number(\"1.5\")",
+                   "find(t, \";\")", "l[n]", "waiting_parts(\"line\")", "missed_parts(n)", "random()",
+                   "random(3, 1)"});
   }
   std::string condition() {
     return one_of({"A", "B", "not A", "n > 2", "force() > 20N", "met()", "travelled() > 2mm", "is_number(t)",
-                   "next_part(\"line\")", "next_part(t)", "add_part(\"line\", p)", "true", "false", "n", "clock() > 1s"});
+                   "next_part(\"line\")", "next_part(t)", "add_part(\"line\", p)", "true", "false", "n",
+                   "clock() > 1s"});
   }
   std::string place() {
     return one_of({"p", "p with z = " + one_of({"w", "3", "10mm"}), "p with x = w with rz = 10deg", "here()",
-                   "offset(p, x = w)", "p with q = 1", "r with x = 2", "pose(0, 0, w)", "[" + series() + "]"});
+                   "offset(p, x = w)", "p with q = 1", "r with x = 2", "pose(0, 0, w)",
+                   "[" + series() + "]"});
   }
   std::string series() {
-    return one_of({"i * w", "offset(p, x = i * w)", "i", "text(i)", "1 / i", "p with x = i * 1mm"}) + " for i in " +
-           one_of({"1 .. n", "l", "0 .. -1", "1 .. 1000000000", "split(t, \";\")", "t"});
+    return one_of({"i * w", "offset(p, x = i * w)", "i", "text(i)", "1 / i", "p with x = i * 1mm"}) +
+           " for i in " + one_of({"1 .. n", "l", "0 .. -1", "1 .. 1000000000", "split(t, \";\")", "t"});
   }
   std::string text() {
-    return one_of({"\"{n:.1f} {t:>8}\"", "\"{w:.1mm}\"", "\"{w:.1kg}\"", "\"{n:.999f}\"", "\"{n:}\"", "\"{n\"", "\"}\"",
-                   "format(\"{:06.2f} {}\", n, t)", "format(\"{:^9}\", t)", "format(\"{}\")", "format(t, n)",
-                   "join(split(t, \";\"), n)", "slice(t, -2)", "upper(t) + \"{l}\"", "replace(t, \"\", \"x\")"});
+    return one_of({"\"{n:.1f} {t:>8}\"", "\"{w:.1mm}\"", "\"{w:.1kg}\"", "\"{n:.999f}\"", "\"{n:}\"",
+                   "\"{n\"", "\"}\"", "format(\"{:06.2f} {}\", n, t)", "format(\"{:^9}\", t)",
+                   "format(\"{}\")", "format(t, n)", "join(split(t, \";\"), n)", "slice(t, -2)",
+                   "upper(t) + \"{l}\"", "replace(t, \"\", \"x\")"});
   }
 
   void block(const std::string& head, std::size_t lines) {
@@ -90,19 +94,33 @@ class Author {
   }
   void statement() {
     switch (draw(depth_ > 3 ? 9 : 14)) {
-      case 0: return put("log(" + text() + ")");
-      case 1: return put("let v" + std::to_string(++count_) + " = [" + series() + "]");
-      case 2: return put("set n = " + number());
-      case 3: return put("pulse " + one_of({"B", "n", "nobody"}) + " for " + one_of({"10ms", "0s", "n", "1000000s"}));
-      case 4: return put("movel " + place() + one_of({"", ", until " + condition(), ", touch", ", frame \"line\"",
-                                                     ", at end - 5mm set B = true", ", blend w"}));
-      case 5: return put("wait " + condition() + " timeout 20ms else\nend");
-      case 6: return put("set r.x = " + number());
-      case 7: return put("let v" + std::to_string(++count_) + " = " + place());
-      case 8: return put("wait 5ms");
-      case 9: return handler();
-      case 10: return block("if " + condition(), 1 + draw(2));
-      case 11: return block("for i" + std::to_string(++count_) + " in [" + series() + "]", 1);
+      case 0:
+        return put("log(" + text() + ")");
+      case 1:
+        return put("let v" + std::to_string(++count_) + " = [" + series() + "]");
+      case 2:
+        return put("set n = " + number());
+      case 3:
+        return put("pulse " + one_of({"B", "n", "nobody"}) + " for " +
+                   one_of({"10ms", "0s", "n", "1000000s"}));
+      case 4:
+        return put("movel " + place() +
+                   one_of({"", ", until " + condition(), ", touch", ", frame \"line\"",
+                           ", at end - 5mm set B = true", ", blend w"}));
+      case 5:
+        return put("wait " + condition() + " timeout 20ms else\nend");
+      case 6:
+        return put("set r.x = " + number());
+      case 7:
+        return put("let v" + std::to_string(++count_) + " = " + place());
+      case 8:
+        return put("wait 5ms");
+      case 9:
+        return handler();
+      case 10:
+        return block("if " + condition(), 1 + draw(2));
+      case 11:
+        return block("for i" + std::to_string(++count_) + " in [" + series() + "]", 1);
       case 12:
         put("movel " + place() + ", until " + condition() + " else");
         ++depth_, statement(), --depth_;
