@@ -254,16 +254,15 @@ void Commissioning::take_torque_off(const std::vector<int>& ids, const std::stri
   }
 }
 
-/// Tracks each joint through the end of the count, where 0 follows 4095. A joint that is known from an earlier
-/// run continues at the turn nearest to its range.
+/// Tracks each joint through the end of the count, where 0 follows 4095. A joint that is known from an
+/// earlier run, or from before the adapter was gone, continues at the turn nearest to its range.
 void Commissioning::follow(Ranges& ranges) {
   if (reopen_if_gone()) return;
   const int turn = family_.steps_per_turn;
   for (auto& [joint, range] : ranges) {
     std::int32_t at = 0;
-    const Outcome outcome =
-        bus_->read(static_cast<std::uint8_t>(id_of(joint)), family_.present_position, at);
-    if (outcome == Outcome::gone) return lose_adapter();
+    const Outcome outcome = bus_->read(static_cast<std::uint8_t>(id_of(joint)), family_.present_position, at);
+    if (outcome == Outcome::gone) return lose_adapter(ranges);
     if (outcome != Outcome::ok) continue;
     if (!std::exchange(range.known, true)) {
       range.last = at;
@@ -280,9 +279,12 @@ void Commissioning::follow(Ranges& ranges) {
   if (++looks_ % kLooksToSave == 0) save(ranges);
 }
 
-void Commissioning::lose_adapter() {
+/// Joints may be turned far until the adapter is back: they then continue at the turn nearest to their range.
+void Commissioning::lose_adapter(Ranges& ranges) {
   bus_.reset();
   looks_ = 0;
+  for (auto& [joint, range] : ranges)
+    if (std::exchange(range.known, false)) range.moved = true;
   dialogue_.say("  " + options_.port + " is gone: plug the adapter in again. What was measured is kept");
 }
 
@@ -359,8 +361,7 @@ Commissioning::Ranges Commissioning::measure_ranges(const std::optional<Progress
     const std::vector<std::string> left = unmoved();
     if (left.empty()) break;
     if (attempt == kTries)
-      throw Error("not-moved", join(left, ", ") + " did not move",
-                  "run this again: it continues with them");
+      throw Error("not-moved", join(left, ", ") + " did not move", "run this again: it continues with them");
     dialogue_.say("not moved yet: " + join(left, ", "));
   }
   return ranges;
@@ -386,7 +387,8 @@ Progress Commissioning::choose(Ranges ranges) {
       dialogue_.ask("Hold the arm in its zero pose and press Enter, or type m for the middle of each range",
                     [&] { follow(ranges); });
   follow(ranges);
-  if (!bus_) throw Error("no-port", options_.port + " is gone", "plug it in and run this again: it continues");
+  if (!bus_)
+    throw Error("no-port", options_.port + " is gone", "plug it in and run this again: it continues");
   Progress out;
   out.stage = Progress::Stage::writing;
   for (const std::string& joint : options_.joints) {
@@ -420,8 +422,9 @@ void Commissioning::write_registers(const Progress& progress) {
   for (const std::string& joint : options_.joints) {
     const auto found = progress.joints.find(joint);
     if (found == progress.joints.end())
-      throw Error("not-moved", "the unfinished calibration has no " + joint,
-                  "remove " + progress_file(options_.calibration).string() + " and calibrate from the beginning");
+      throw Error(
+          "not-moved", "the unfinished calibration has no " + joint,
+          "remove " + progress_file(options_.calibration).string() + " and calibrate from the beginning");
     const Progress::Joint& from = found->second;
     const int id = id_of(joint);
     JointCalibration& out = calibration_[joint];

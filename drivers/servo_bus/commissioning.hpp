@@ -71,8 +71,8 @@ class Commissioning {
  private:
   struct Range {
     int last = 0, turns = 0, min = 0, max = 0;
-    bool known = false;  ///< the joint has been seen in this run
-    bool moved = false;  ///< the range comes from an earlier run
+    bool known = false;  ///< the joint is being followed
+    bool moved = false;  ///< there is a range: of an earlier run, or from before the adapter was gone
     int now() const noexcept { return last + turns; }
   };
   void open(const std::string& port, int baud);
@@ -86,7 +86,7 @@ class Commissioning {
   std::vector<int> ids() const;
   using Ranges = std::map<std::string, Range>;
   void follow(Ranges& ranges);
-  void lose_adapter();
+  void lose_adapter(Ranges& ranges);
   bool reopen_if_gone();
   void save(const Ranges& ranges) const;
   int homing_without_wrap(const std::string& joint, Range& range);

@@ -141,8 +141,8 @@ std::map<std::string, Values> read_calibration(const hardware::ComponentContext&
       throw Error(Problem{"unfinished-calibration",
                           {progress_file(path).string()},
                           "a new calibration has been measured, and is only partly in the servos",
-                          std::string("run `polyarm setup ") + family.name + " --calibration " + path.string() +
-                              "` again: it continues"});
+                          std::string("run `polyarm setup ") + family.name + " --calibration " +
+                              path.string() + "` again: it continues"});
     const Yaml yaml = Yaml::load(path.string());
     if (yaml["polyarm"].text("") != "servo_calibration/1")
       problems.error("wrong-kind", yaml.where(), "this is not a servo_calibration/1 file",

@@ -129,15 +129,18 @@ class DataSet:
         return out
 
     @classmethod
-    def open(cls, folder):
-        """Continues a data set that create() made. What an interruption left half-written is removed."""
+    def open(cls, folder, recover=True):
+        """Continues a data set that create() made. What an interruption left half-written is removed; not with
+        recover=False, which changes nothing: another process may be recording."""
         folder = pathlib.Path(folder)
-        _finish_drop(folder)
+        if recover:
+            _finish_drop(folder)
         info = json.loads((folder / "meta" / "info.json").read_text())
         if info.get("codebase_version") != VERSION or info.get("data_path") != _DATA:
             raise ValueError(f"{folder} is not of this writer, or of another version than {VERSION}")
         out = cls(folder, info)
-        out._recover()
+        if recover:
+            out._recover()
         return out
 
     def __enter__(self):
@@ -285,7 +288,7 @@ class DataSet:
         """Removes one episode; those after it get the next lower numbers. An interruption leaves the old or the new set."""
         if not 0 <= episode < len(self):
             raise IndexError(f"there is no episode {episode}; there are {len(self)}")
-        new = self.folder.with_name(self.folder.name + ".new")
+        new, old_set = _drop_folders(self.folder)
         shutil.rmtree(new, ignore_errors=True)
         kept = DataSet(new, {**self.info, "total_episodes": 0, "total_frames": 0, "splits": {}})
         shutil.copytree(self.folder / "meta", new / "meta", ignore=shutil.ignore_patterns("episodes", "*.writing"))
@@ -294,10 +297,10 @@ class DataSet:
             if old != episode:
                 all_stats.append(kept._take_over(self, old))
         kept._write_meta(self.tasks(), all_stats)
-        old = self.folder.with_name(self.folder.name + ".old")
-        os.rename(self.folder, old)
+        os.sync()  # copies of videos are on the disk before the old set goes
+        os.rename(self.folder, old_set)
         os.rename(new, self.folder)
-        shutil.rmtree(old)
+        shutil.rmtree(old_set)
         self.info = kept.info
 
     # Inside.
@@ -359,6 +362,8 @@ class DataSet:
                 input=b"".join(image.tobytes() for image in images), capture_output=True, check=False)
             if done.returncode:
                 raise OSError(f"ffmpeg has made no video of '{name}': {done.stderr.decode(errors='replace')[-500:]}")
+            with open(made, "rb") as file:
+                os.fsync(file.fileno())
             os.replace(made, path)
 
     def _recover(self):
@@ -467,9 +472,14 @@ def _hugging_face(features):
     return {"huggingface": json.dumps({"info": {"features": described}})}
 
 
+def _drop_folders(folder):
+    """The new and the old data set while drop() exchanges them. Names that nobody gives to a folder of their own."""
+    return folder.with_name(f".{folder.name}.drop-new"), folder.with_name(f".{folder.name}.drop-old")
+
+
 def _finish_drop(folder):
     """What drop() has not finished: the whole new or the whole old data set is kept."""
-    new, old = folder.with_name(folder.name + ".new"), folder.with_name(folder.name + ".old")
+    new, old = _drop_folders(folder)
     if not folder.exists() and old.exists():
         os.rename(new if (new / "meta" / "info.json").exists() else old, folder)
     shutil.rmtree(new, ignore_errors=True)
@@ -477,7 +487,7 @@ def _finish_drop(folder):
 
 
 def _print_list(arguments):
-    episodes = DataSet.open(arguments.folder)
+    episodes = DataSet.open(arguments.folder, recover=False)
     print(f"{len(episodes)} episodes, {episodes.info['total_frames']} frames at {episodes.fps} Hz")
     for row in episodes.episodes():
         print(f"{row['episode_index']:5d}  {row['length'] / episodes.fps:7.1f} s  {', '.join(row['tasks'])}")
@@ -485,7 +495,7 @@ def _print_list(arguments):
 
 
 def _print_check(arguments):
-    findings = DataSet.open(arguments.folder).check()
+    findings = DataSet.open(arguments.folder, recover=False).check()
     for finding in findings:
         print(finding)
     print("no faults" if not findings else f"{len(findings)} faults")

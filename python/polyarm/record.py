@@ -91,8 +91,8 @@ async def running_joints(client, robot="arm"):
 async def record_running(client, episodes, task, robot="arm", seconds=10.0, observed=(), images=None, until=None):
     """Records one episode of a running cell (polyarm.client); its number. Arguments as of record().
 
-    Each frame asks the cell for its values. A frame that comes more than half a frame late repeats nothing: the episode
-    is discarded, because its times would be wrong.
+    Each frame asks the cell for its values. If a frame comes later than 1.5 frames and 0.1 s, the episode is discarded,
+    because its times would be wrong.
     """
     names = await running_joints(client, robot)
     loop = asyncio.get_running_loop()

@@ -187,11 +187,14 @@ class DataSets(InAFolder):
 
     def test_an_interrupted_drop_leaves_the_old_or_the_new_set(self):
         self.filled()
-        old = self.folder.with_name("set.old")
+        own = self.folder.with_name("set.old")  # a folder of the user
+        shutil.copytree(self.folder, own)
+        old = self.folder.with_name(".set.drop-old")
         os.rename(self.folder, old)
         self.assertEqual(len(DataSet.open(self.folder)), 3)
         self.assertFalse(old.exists())
         self.assertEqual(DataSet.open(self.folder).check(), [])
+        self.assertTrue(own.exists())
 
     def test_check_names_what_is_wrong(self):
         self.filled()

@@ -211,9 +211,8 @@ TEST_P(SettingUp, AnInterruptedMeasurementContinuesWithTheOtherJoints) {
   fake.move_by_hand(1, 1500);  // overnight
   person.expect("type yes", "yes");
   person.expect("the other joints", "", by_hand(fake, 3, 1900, 2900));
-  person.expect("zero pose", "", [&](const std::function<void()>& meanwhile) {
-    by_hand(fake, 1, 1500, 1800)(meanwhile);
-  });
+  person.expect("zero pose", "",
+                [&](const std::function<void()>& meanwhile) { by_hand(fake, 1, 1500, 1800)(meanwhile); });
   setup(fake).calibrate();
   EXPECT_TRUE(person.done());
   EXPECT_NE(person.heard.find("an earlier run has measured a, b"), std::string::npos) << person.heard;
@@ -251,9 +250,8 @@ TEST_P(SettingUp, ARangeThroughTheEndOfTheCountSurvivesAnInterruption) {
   EXPECT_THROW(setup(fake).calibrate(), Error);
   person.expect("type yes", "yes");
   person.expect("the other joints", "", by_hand(fake, 3, 1900, 2900));
-  person.expect("zero pose", "", [&](const std::function<void()>& meanwhile) {
-    by_hand(fake, 1, 4140, 3000)(meanwhile);
-  });
+  person.expect("zero pose", "",
+                [&](const std::function<void()>& meanwhile) { by_hand(fake, 1, 4140, 3000)(meanwhile); });
   setup(fake).calibrate();
   const int shift = 2048 - (2048 + 4140) / 2;
   EXPECT_EQ(fake.get(1, family.min_limit), 2048 + shift);
@@ -304,13 +302,13 @@ TEST_P(SettingUp, AnAdapterThatIsPulledIsWaitedFor) {
   fs::create_symlink(fake->path(), port);
   person.expect("type yes", "yes");
   person.expect("every joint", "", [&](const std::function<void()>& meanwhile) {
-    by_hand(*fake, 1, 1000, 2900)(meanwhile);
+    by_hand(*fake, 1, 300, 3700)(meanwhile);
     fake.reset();
     for (int k = 0; k < 60; ++k) meanwhile();
     fake = std::make_unique<FakeBus>(GetParam(), std::vector<int>{1, 2, 3});
     fs::remove(port);
     fs::create_symlink(fake->path(), port);
-    fake->move_by_hand(1, 2000);
+    fake->move_by_hand(1, 400);  // more than half a turn from where it was, inside its range
     for (int k = 0; k < 60; ++k) meanwhile();
     for (const int id : {2, 3}) by_hand(*fake, id, 1000, 2900)(meanwhile);
   });
@@ -318,7 +316,8 @@ TEST_P(SettingUp, AnAdapterThatIsPulledIsWaitedFor) {
   setup(port).calibrate();
   EXPECT_NE(person.heard.find("is gone"), std::string::npos) << person.heard;
   EXPECT_NE(person.heard.find("is back"), std::string::npos) << person.heard;
-  EXPECT_EQ(fake->get(1, family.min_limit), 1000);
+  EXPECT_EQ(fake->get(1, family.min_limit), 300);
+  EXPECT_EQ(fake->get(1, family.max_limit), 3700);
   EXPECT_EQ(fake->get(3, family.max_limit), 2900);
 }
 
