@@ -129,10 +129,10 @@ void PlanAround::measure(PlannedMotion& motion) {
     if (least.distance > 0) continue;
     Problem problem;
     problem.code = "contact";
-    problem.what = fmt::format("{}{} is {:.1f} mm inside {} at {:.3f} s, at ({:.3f}, {:.3f}, {:.3f})",
-                               section.name.empty() ? "" : section.name + ": ", least.first,
-                               -1000 * least.distance, least.second, least.time, least.point.x, least.point.y,
-                               least.point.z);
+    problem.what =
+        fmt::format("{}{} is {:.1f} mm inside {} at {:.3f} s, at ({:.3f}, {:.3f}, {:.3f})",
+                    section.name.empty() ? "" : section.name + ": ", least.first, -1000 * least.distance,
+                    least.second, least.time, least.point.x, least.point.y, least.point.z);
     problem.advice = "plan movej with --around, or move the target";
     motion.problems.push_back(std::move(problem));
   }

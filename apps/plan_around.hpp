@@ -31,8 +31,8 @@ class PlanAround {
   };
   std::vector<Way> around(const std::vector<double>& start, const std::vector<moves::Move>& moves,
                           std::uint64_t seed, double seconds);
-  /// Measures the smallest clearance of each section, every few ms. Each section with a contact is an error in
-  /// the motion's problems.
+  /// Measures the smallest clearance of each section, every few ms. Each section with a contact is an error
+  /// in the motion's problems.
   void measure(PlannedMotion& motion);
 
  private:

@@ -54,8 +54,8 @@ std::string shares(const PlannedMotion& motion, const PlanSection& section) {
 }
 
 std::string text_of(const PlanClearance& c) {
-  const std::string where = fmt::format("{} and {} at {:.3f} s, at ({:.3f}, {:.3f}, {:.3f})", c.first, c.second,
-                                        c.time, c.point.x, c.point.y, c.point.z);
+  const std::string where = fmt::format("{} and {} at {:.3f} s, at ({:.3f}, {:.3f}, {:.3f})", c.first,
+                                        c.second, c.time, c.point.x, c.point.y, c.point.z);
   return c.distance > 0 ? fmt::format("clearance: at least {:.1f} mm, between {}", 1000 * c.distance, where)
                         : fmt::format("contact: {:.1f} mm deep, between {}", -1000 * c.distance, where);
 }
@@ -101,8 +101,7 @@ std::string report_of(const PlannedMotion& motion) {
   out += fmt::format("TCP: up to {:.4g} m/s", tcp);
   if (std::isfinite(motion.tcp_speed_limit)) out += fmt::format(" of {:.4g}", motion.tcp_speed_limit);
   out += "\n";
-  if (const auto& c = motion.clearance; c && c->distance > 0)
-    out += text_of(*c) + "\n";
+  if (const auto& c = motion.clearance; c && c->distance > 0) out += text_of(*c) + "\n";
   return out;
 }
 

@@ -140,7 +140,8 @@ std::vector<std::string> errors_in(const fs::path& log, std::size_t most) {
   throw Error(problems.list());
 }
 
-/// Makes each class once: those that are really in the module. The others are problems, unless no class is left.
+/// Makes each class once: those that are really in the module. The others are problems, unless no class is
+/// left.
 std::vector<plugins::BuiltClass> classes_of(const hardware::PluginTable& table, const fs::path& module,
                                             Problems& problems) {
   std::vector<plugins::BuiltClass> out;
@@ -163,8 +164,8 @@ std::vector<plugins::BuiltClass> classes_of(const hardware::PluginTable& table, 
   return out;
 }
 
-/// The packages that the module is made of. A package with filters or kinematics for it that misses something is
-/// left out, and named.
+/// The packages that the module is made of. A package with filters or kinematics for it that misses something
+/// is left out, and named.
 std::vector<const Package*> order_with_helpers(const Package& package, const Workspace& workspace,
                                                const ros_packages::Kit& kit, Problems& problems) {
   std::vector<const Package*> out = ros_packages::in_build_order(package, workspace.all);

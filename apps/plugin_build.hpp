@@ -22,9 +22,10 @@ struct Workspace {
 Workspace open_workspace(const std::string& path, Problems& problems);
 
 /// Builds one package's hardware classes into a module, records and approves it. Returns the module. Throws
-/// Error("build-failed") with what is missing, by file and line, or with the compiler's first errors. Classes that
-/// are described and not in the module, and plugins that were left out, become problems.
+/// Error("build-failed") with what is missing, by file and line, or with the compiler's first errors. Classes
+/// that are described and not in the module, and plugins that were left out, become problems.
 std::filesystem::path build_plugin(const ros_packages::Package& package, const Workspace& workspace,
-                                   const ros_packages::Kit& kit, const PluginBuild& build, Problems& problems);
+                                   const ros_packages::Kit& kit, const PluginBuild& build,
+                                   Problems& problems);
 
 }  // namespace polyarm::apps

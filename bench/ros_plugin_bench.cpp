@@ -1,5 +1,5 @@
-/// A cycle of a ros2_control plugin with six joints: its own read and write called directly, and through the component
-/// that wraps it. The difference is what Polyarm adds.
+/// A cycle of a ros2_control plugin with six joints: its own read and write called directly, and through the
+/// component that wraps it. The difference is what Polyarm adds.
 #include <benchmark/benchmark.h>
 
 #include <array>

@@ -48,8 +48,8 @@ bool is_near(const description::Shape& shape, const Pose& pose, const Vec3& poin
   const double r = std::hypot(p.x, p.y);
   switch (shape.kind) {
     case description::ShapeKind::box:
-      return std::abs(p.x) <= shape.size.x / 2 + kGripReach && std::abs(p.y) <= shape.size.y / 2 + kGripReach &&
-             std::abs(p.z) <= shape.size.z / 2 + kGripReach;
+      return std::abs(p.x) <= shape.size.x / 2 + kGripReach &&
+             std::abs(p.y) <= shape.size.y / 2 + kGripReach && std::abs(p.z) <= shape.size.z / 2 + kGripReach;
     case description::ShapeKind::cylinder:
       return r <= shape.radius + kGripReach && std::abs(p.z) <= shape.length / 2 + kGripReach;
     case description::ShapeKind::capsule:
@@ -140,7 +140,8 @@ MockWorld::MockWorld(const hardware::ComponentContext& context,
                        m.speed, m.lower, m.upper, m.axis});
   for (const description::Belt& b : scene_->belts) {  // their encoders count, and no part rides on them
     const std::string name = "scene/" + b.name + "/";
-    belts_.push_back({command(name + "speed"), state(name + "position", 0), state(name + "speed", 0), b.speed});
+    belts_.push_back(
+        {command(name + "speed"), state(name + "position", 0), state(name + "speed", 0), b.speed});
     state(name + "parts", 0), state(name + "latch", 0);
   }
   carried_by_.assign(state_.parts.size(), -1);

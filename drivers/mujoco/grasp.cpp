@@ -59,7 +59,8 @@ double cup_distance(const Shape& shape, const Pose& pose, const Vec3& lip_world,
   return best;
 }
 
-/// A part that another robot holds is only touched. This cup takes it over in the step after that robot lets go.
+/// A part that another robot holds is only touched. This cup takes it over in the step after that robot lets
+/// go.
 void Gripper::take_hold(const Pose& tool, Parts& parts, ContactReader& contacts) noexcept {
   const Pose tcp = tool * tool_->tcp;
   const Vec3 axis = tcp.rotation * Vec3{0, 0, 1};

@@ -58,8 +58,8 @@ Machines::Machines(const description::Scene* scene, std::vector<hardware::Interf
   for (const description::PresenceSensor& s : scene->sensors)
     regions_.push_back({-1, state(s.name + "/present"), -1, {s.lower, s.upper}});
   for (const description::Belt& b : scene->belts) {
-    Belt belt{command(b.name + "/speed"), state(b.name + "/position"), state(b.name + "/speed"), state(b.name + "/parts"),
-              state(b.name + "/latch"), &b};
+    Belt belt{command(b.name + "/speed"), state(b.name + "/position"), state(b.name + "/speed"),
+              state(b.name + "/parts"),   state(b.name + "/latch"),    &b};
     for (const description::Fixture& f : scene->fixtures)
       if (f.belt == b.name) belt.surface = bounds_of(f.shapes.front(), f.pose);
     belt.before.assign(scene->parts.size(), NAN);
@@ -109,7 +109,8 @@ void Machines::advance(Belt& belt, Parts& parts, double dt) noexcept {
       ++belt.seen;
       belt.latch = belt.at - (place - from);
     }
-    if (belt.velocity != 0 && there && parts[i].mode == Parts::Mode::asleep && belt.surface.near(parts.bounds(i), 1e-3))
+    if (belt.velocity != 0 && there && parts[i].mode == Parts::Mode::asleep &&
+        belt.surface.near(parts.bounds(i), 1e-3))
       parts.wake(i);
   }
 }

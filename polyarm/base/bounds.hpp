@@ -116,27 +116,31 @@
   X(kLinkRefusals, 10, "values", "refused values of one link that are reported in a second",                  \
     "counted")
 
-#define POLYARM_BOUNDS_CONTROLLERS(X)                                                                           \
-  X(kRtdeFrameBytes, 1 << 16, "bytes", "one package of RTDE (Universal Robots)",                                \
-    "its length has no more bits; what does not decode ends the connection")                                    \
-  X(kRtdeNames, 512, "names", "values that one RTDE recipe names", "refused")                                   \
-  X(kPrimaryBytes, 1 << 20, "bytes", "one package of the primary interface (Universal Robots)",                 \
-    "the connection is closed")                                                                                 \
-  X(kRmiLineBytes, 1 << 16, "bytes", "one line of the Remote Motion Interface (FANUC)",                         \
-    "the connection is closed")                                                                                 \
-  X(kRmiNesting, 8, "levels", "brackets in such a line", "answered as unknown; the driver ignores it")      \
-  X(kRmiInstructions, 8, "instructions", "instructions that a simulated FANUC controller keeps",                \
-    "refused: 2556956")                                                                                         \
-  X(kStreamPacketBytes, 1024, "bytes", "one packet of Stream Motion (FANUC)", "the link ends; dropped by a simulated controller")\
-  X(kFarSideScriptBytes, 1 << 20, "bytes", "a program that a simulated UR controller takes",                    \
-    "the connection is closed")                                                                                 \
-  X(kEgmDatagramBytes, 2048, "bytes", "one datagram of EGM (ABB)", "the link ends; dropped by a simulated controller")\
-  X(kRsiDatagramBytes, 2048, "bytes", "one datagram of RSI (KUKA)", "the link ends; dropped by a simulated controller")\
-  X(kEkiMessageBytes, 4096, "bytes", "one XML message of EthernetKRL (KUKA)", "the connection is closed")          \
-  X(kHttpHeadBytes, 1 << 14, "bytes", "the head of an HTTP message of a controller", "the connection is closed")\
-  X(kHttpBodyBytes, 1 << 20, "bytes", "the body of such a message", "the connection is closed")                 \
-  X(kEventLogEntries, 50, "entries", "entries of a controller's event log that are read at once (ABB)",         \
-    "the older ones are left out")                                                                              \
+#define POLYARM_BOUNDS_CONTROLLERS(X)                                                                     \
+  X(kRtdeFrameBytes, 1 << 16, "bytes", "one package of RTDE (Universal Robots)",                          \
+    "its length has no more bits; what does not decode ends the connection")                              \
+  X(kRtdeNames, 512, "names", "values that one RTDE recipe names", "refused")                             \
+  X(kPrimaryBytes, 1 << 20, "bytes", "one package of the primary interface (Universal Robots)",           \
+    "the connection is closed")                                                                           \
+  X(kRmiLineBytes, 1 << 16, "bytes", "one line of the Remote Motion Interface (FANUC)",                   \
+    "the connection is closed")                                                                           \
+  X(kRmiNesting, 8, "levels", "brackets in such a line", "answered as unknown; the driver ignores it")    \
+  X(kRmiInstructions, 8, "instructions", "instructions that a simulated FANUC controller keeps",          \
+    "refused: 2556956")                                                                                   \
+  X(kStreamPacketBytes, 1024, "bytes", "one packet of Stream Motion (FANUC)",                             \
+    "the link ends; dropped by a simulated controller")                                                   \
+  X(kFarSideScriptBytes, 1 << 20, "bytes", "a program that a simulated UR controller takes",              \
+    "the connection is closed")                                                                           \
+  X(kEgmDatagramBytes, 2048, "bytes", "one datagram of EGM (ABB)",                                        \
+    "the link ends; dropped by a simulated controller")                                                   \
+  X(kRsiDatagramBytes, 2048, "bytes", "one datagram of RSI (KUKA)",                                       \
+    "the link ends; dropped by a simulated controller")                                                   \
+  X(kEkiMessageBytes, 4096, "bytes", "one XML message of EthernetKRL (KUKA)", "the connection is closed") \
+  X(kHttpHeadBytes, 1 << 14, "bytes", "the head of an HTTP message of a controller",                      \
+    "the connection is closed")                                                                           \
+  X(kHttpBodyBytes, 1 << 20, "bytes", "the body of such a message", "the connection is closed")           \
+  X(kEventLogEntries, 50, "entries", "entries of a controller's event log that are read at once (ABB)",   \
+    "the older ones are left out")                                                                        \
   X(kFarSideClients, 16, "connections", "connections to one service of a simulated controller", "closed")
 
 #define POLYARM_BOUNDS_FILES(X)                                                                               \

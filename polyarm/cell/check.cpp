@@ -497,8 +497,8 @@ class Checker {
            (named(a, "a") == named(b, "b") && named(a, "b") == named(b, "a"));
   }
 
-  /// Where guards would stop a robot: said with what the swept check, or physics, found of the same two bodies in
-  /// the line; added to `found` if they found nothing there.
+  /// Where guards would stop a robot: said with what the swept check, or physics, found of the same two
+  /// bodies in the line; added to `found` if they found nothing there.
   static void add_stops(const std::vector<Problem>& stops, std::vector<Problem>& found,
                         std::vector<Problem>& of_physics) {
     const std::size_t swept = found.size();

@@ -177,7 +177,8 @@ void add_contacts(const CellFile& file, const description::Catalogue& catalogue,
   out.contacts.seconds = seconds(loop.cycle().time);
   out.contacts.whole = inside.life->finished();
   for (Finding& finding : findings_in(contacts.found, folder)) out.problems.push_back(std::move(finding));
-  for (Finding& finding : findings_in(inside.guards->would_stop(), folder)) out.problems.push_back(std::move(finding));
+  for (Finding& finding : findings_in(inside.guards->would_stop(), folder))
+    out.problems.push_back(std::move(finding));
 }
 
 ProgramDry::Answer dry_run(CellFile file, const description::Catalogue& catalogue, const fs::path& original,

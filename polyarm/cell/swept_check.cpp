@@ -71,8 +71,8 @@ std::uint64_t SweptCheck::mark_of(std::size_t robot) {
   return marks_.size() - 1;
 }
 
-/// The tool, or a part that it may hold, in a move that is meant to touch; never with another link of a robot.
-/// The contact may last into the next move, such as the one that goes back, but not get deeper there.
+/// The tool, or a part that it may hold, in a move that is meant to touch; never with another link of a
+/// robot. The contact may last into the next move, such as the one that goes back, but not get deeper there.
 bool SweptCheck::is_meant(const Approach& a) const {
   const bool lasts = meant_.contains({a.robot, a.first_mark}) && a.distance <= 0 &&
                      a.distance >= a.first_distance - surroundings::Sweep::kPressing;

@@ -72,17 +72,18 @@ struct Mover {
   double speed = 0.1, acceleration = 0.5;
 };
 
-/// A conveyor belt, whose surface moves along its x axis, or a turntable, whose surface turns about its z axis; its
-/// body is a fixture. Parts ride on it by friction. Command `scene/<name>/speed` (m/s or rad/s). States
-/// `scene/<name>/position` (its encoder, m or rad), `scene/<name>/speed`, `scene/<name>/parts` (number of parts whose
-/// middle has passed `sensor_at`), `scene/<name>/latch` (its encoder where the last of them passed).
+/// A conveyor belt, whose surface moves along its x axis, or a turntable, whose surface turns about its z
+/// axis; its body is a fixture. Parts ride on it by friction. Command `scene/<name>/speed` (m/s or rad/s).
+/// States `scene/<name>/position` (its encoder, m or rad), `scene/<name>/speed`, `scene/<name>/parts` (number
+/// of parts whose middle has passed `sensor_at`), `scene/<name>/latch` (its encoder where the last of them
+/// passed).
 struct Belt {
   std::string name;
-  Pose pose;           ///< of its frame: the middle of its surface
+  Pose pose;  ///< of its frame: the middle of its surface
   bool turns = false;
   double speed = 1, acceleration = 1;  ///< the most, per s and per s²
   double sensor_at = 0;                ///< place of the light barrier along x, or about z, m or rad
-  double half_width = 0.1;             ///< of the region across x that the barrier sees; of a turntable its radius
+  double half_width = 0.1;  ///< of the region across x that the barrier sees; of a turntable its radius
 };
 
 /// Brings the parts that name it to `pose`, one for each increment of its command `scene/<name>/feed` (a
@@ -92,8 +93,8 @@ struct Belt {
 struct Feeder {
   std::string name;
   Pose pose;
-  /// Each part is beside `pose` by at most these lengths along its axes, and turned about its z axis by at most
-  /// `turn`, by chance; a feeder makes the same places in every run.
+  /// Each part is beside `pose` by at most these lengths along its axes, and turned about its z axis by at
+  /// most `turn`, by chance; a feeder makes the same places in every run.
   Vec3 spread;
   double turn = 0;
   Pose place(std::size_t part) const;

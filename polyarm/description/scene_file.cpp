@@ -127,8 +127,8 @@ class SceneReader {
       problems_.error("wrong-kind", yaml_.where(),
                       kind.empty() ? "this is not a scene file: the line 'polyarm: scene/1' is missing"
                                    : "this is a '" + kind + "' file, a scene/1 was expected");
-    yaml_.check_keys({"polyarm", "floor", "gravity", "fixtures", "bins", "movers", "belts", "feeders", "outfeeds",
-                      "sensors", "cameras", "parts"},
+    yaml_.check_keys({"polyarm", "floor", "gravity", "fixtures", "bins", "movers", "belts", "feeders",
+                      "outfeeds", "sensors", "cameras", "parts"},
                      problems_);
     const Yaml floor = yaml_["floor"];
     if (floor.is_map()) {
@@ -168,7 +168,8 @@ class SceneReader {
 
   /// Its frame is in the middle of its surface, on top.
   void belt(const std::string& name, const Yaml& y) {
-    y.check_keys({"size", "radius", "at", "xyz", "rpy", "quaternion", "speed", "acceleration", "sensor_at", "friction"},
+    y.check_keys({"size", "radius", "at", "xyz", "rpy", "quaternion", "speed", "acceleration", "sensor_at",
+                  "friction"},
                  problems_);
     Belt out;
     out.name = name;
@@ -176,8 +177,9 @@ class SceneReader {
     out.turns = y.has("radius");
     const Dimension way = out.turns ? Dimension::angular_speed : Dimension::speed;
     out.speed = amount(y["speed"], way, out.speed, kFastest, out.turns ? "rad/s" : "m/s");
-    out.acceleration = amount(y["acceleration"], out.turns ? Dimension::angular_acceleration : Dimension::acceleration,
-                              out.acceleration, kHardest, out.turns ? "rad/s2" : "m/s2");
+    out.acceleration =
+        amount(y["acceleration"], out.turns ? Dimension::angular_acceleration : Dimension::acceleration,
+               out.acceleration, kHardest, out.turns ? "rad/s2" : "m/s2");
     out.sensor_at = y["sensor_at"].number(out.turns ? Dimension::angle : Dimension::length, 0);
     Shape shape;
     if (out.turns) {
@@ -191,7 +193,8 @@ class SceneReader {
       shape.pose.position.z = -shape.size.z / 2;
       out.half_width = shape.size.y / 2;
     }
-    const bool solid = out.turns ? shape.radius > 0 : shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0;
+    const bool solid =
+        out.turns ? shape.radius > 0 : shape.size.x > 0 && shape.size.y > 0 && shape.size.z > 0;
     if (!(solid && out.speed > 0 && out.acceleration > 0))
       throw Error(Problem{"bad-value", y.where(), "a belt needs sizes, speed and acceleration above zero",
                           "write size: [LENGTH, WIDTH, THICKNESS], or radius: R for a turntable"});

@@ -39,7 +39,8 @@ Ball ball_around(const Body& body) {
 
 Ball ball_around(const std::vector<Body>& bodies) {
   Ball out;
-  for (const Body& body : bodies) out.center = out.center + (1.0 / static_cast<double>(bodies.size())) * body.around.center;
+  for (const Body& body : bodies)
+    out.center = out.center + (1.0 / static_cast<double>(bodies.size())) * body.around.center;
   for (const Body& body : bodies)
     out.radius = std::max(out.radius, norm(body.around.center - out.center) + body.around.radius);
   return out;
@@ -227,7 +228,8 @@ class Bodies {
     for (const Body& a : of_link_[at(first)]) {
       if (are_apart(a.around, pose_a, around_[at(second)], pose_b)) continue;
       for (const Body& b : of_link_[at(second)])
-        if (!are_apart(a.around, pose_a, b.around, pose_b) && description::touch(a, pose_a, b, pose_b)) return true;
+        if (!are_apart(a.around, pose_a, b.around, pose_b) && description::touch(a, pose_a, b, pose_b))
+          return true;
     }
     return false;
   }

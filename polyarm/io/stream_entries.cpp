@@ -22,8 +22,9 @@ void read_address(const Yaml& y, const char* key, StreamEntry& out) {
   out.port = static_cast<int>(*port);
   in_addr address{};
   if (inet_pton(AF_INET, out.host.c_str(), &address) != 1)
-    throw Error(Problem{"bad-value", y[key].where(), "'" + out.host + "' is no IPv4 address",
-                        "write the address in numbers, such as 192.168.1.5: a name could take seconds to look up"});
+    throw Error(
+        Problem{"bad-value", y[key].where(), "'" + out.host + "' is no IPv4 address",
+                "write the address in numbers, such as 192.168.1.5: a name could take seconds to look up"});
 }
 
 StreamEntry read_stream(const std::string& name, const Yaml& y, Problems& problems) {
@@ -32,7 +33,8 @@ StreamEntry read_stream(const std::string& name, const Yaml& y, Problems& proble
   out.name = name;
   out.where = y.where();
   if (y.has("connect") + y.has("listen") + y.has("device") != 1)
-    throw Error(Problem{"bad-value", y.where(), "the stream '" + name + "' needs one of connect, listen and device",
+    throw Error(Problem{"bad-value", y.where(),
+                        "the stream '" + name + "' needs one of connect, listen and device",
                         "write such as connect: \"192.168.1.5:2000\", listen: 2000 or device: /dev/ttyUSB0"});
   if (y.has("connect")) read_address(y, "connect", out);
   if (y.has("listen")) out.kind = StreamEntry::Kind::listen, read_address(y, "listen", out);
@@ -56,7 +58,8 @@ std::vector<StreamEntry> read_streams(const Yaml& yaml, Problems& problems) {
     return out;
   }
   if (yaml.keys().size() > kMostStreams) {
-    problems.error("too-many", yaml.where(), "the cell has more than " + std::to_string(kMostStreams) + " streams",
+    problems.error("too-many", yaml.where(),
+                   "the cell has more than " + std::to_string(kMostStreams) + " streams",
                    "divide it into several cells");
     return out;
   }

@@ -61,8 +61,8 @@ void cut_out(std::string& text, std::string_view begin, std::string_view end) {
   text = std::move(out);
 }
 
-/// True for a part of robots: a file that defines macros, but has no link of its own and calls no macro; or one
-/// that has neither, such as a list of materials.
+/// True for a part of robots: a file that defines macros, but has no link of its own and calls no macro; or
+/// one that has neither, such as a list of materials.
 bool is_part(std::string text) {
   if (text.find("<xacro:macro") == std::string::npos)
     return text.find("<link") == std::string::npos && text.find("<ros2_control") == std::string::npos &&

@@ -84,6 +84,8 @@ class Motions {
   moves::MovePlanOptions plan_options() const;
   /// True if there is at least one planned move and all were planned with the present limits.
   bool planned_as_now() const;
+  /// True while the program runs through for the first time on real hardware, at reduced speed.
+  bool first_pass() const { return arming_.first_pass(); }
 
   /// Cycle in which the first motion was commanded, if any.
   std::optional<std::uint64_t> first_motion_cycle() const;

@@ -69,8 +69,9 @@ class CellNamesCheck {
       one_of("tool", name, e.place, tools(),
              "a tool is a point of the data (the pose of its TCP in tool0), or the tool of a robot");
     if (clause.kind == Kinds::frame && !is_point(name))
-      one_of("frame", name, e.place, frames(),
-             "a frame is a point of the data, a belt, 'world', 'base', or ROBOT/base, ROBOT/flange, ROBOT/tcp");
+      one_of(
+          "frame", name, e.place, frames(),
+          "a frame is a point of the data, a belt, 'world', 'base', or ROBOT/base, ROBOT/flange, ROBOT/tcp");
   }
   void one_of(const std::string& what, const std::string& name, Place place,
               const std::vector<std::string>& all, const std::string& advice) {

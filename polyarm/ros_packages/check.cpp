@@ -100,8 +100,8 @@ struct Check {
     }
     return out;
   }
-  /// What the build file lists for the libraries of the plugins, also by way of a variable; all sources if it is
-  /// not that plain.
+  /// What the build file lists for the libraries of the plugins, also by way of a variable; all sources if it
+  /// is not that plain.
   std::vector<fs::path> plugin_sources() const {
     std::vector<fs::path> out;
     std::error_code error;
@@ -115,10 +115,12 @@ struct Check {
       const auto found = variables.find(word);
       return found == variables.end() ? std::vector<std::string>{word} : found->second;
     };
-    std::vector<std::vector<std::string>> libraries = calls(text, "add_library");  // also ament_auto_add_library
+    std::vector<std::vector<std::string>> libraries =
+        calls(text, "add_library");  // also ament_auto_add_library
     for (const PluginClass& c : plugin_classes(package))
       for (const std::vector<std::string>& words : libraries) {
-        if (c.library.empty() || words.empty() || of(words[0]) != std::vector<std::string>{c.library}) continue;
+        if (c.library.empty() || words.empty() || of(words[0]) != std::vector<std::string>{c.library})
+          continue;
         for (const std::string& word : words)
           for (const std::string& each : of(word))
             if (fs::is_regular_file(package.folder / each, error)) out.push_back(package.folder / each);

@@ -168,15 +168,16 @@ struct Writer {
     for (const Member& m : made.members)
       if (!m.constant) {
         out += "  " + m.type + " " + m.name + "{" + m.initial + "};\n";
-        setters += "  " + made.name + "& set__" + m.name + "(const " + m.type + "& given_) { return " + m.name +
-                   " = given_, *this; }\n";
+        setters += "  " + made.name + "& set__" + m.name + "(const " + m.type + "& given_) { return " +
+                   m.name + " = given_, *this; }\n";
         equal += (equal.empty() ? "" : " && ") + m.name + " == other_." + m.name;
       }
     out += setters;
-    out += "  bool operator==(const " + made.name + "& " + (equal.empty() ? "" : "other_") + ") const { return " +
-           (equal.empty() ? "true" : equal) + "; }\n";
+    out += "  bool operator==(const " + made.name + "& " + (equal.empty() ? "" : "other_") +
+           ") const { return " + (equal.empty() ? "true" : equal) + "; }\n";
     out += "  bool operator!=(const " + made.name + "& other_) const { return !(*this == other_); }\n};\n";
-    out += "template <typename> using " + made.name + "_ = " + made.name + ";  // ROS has one for each allocator\n";
+    out += "template <typename> using " + made.name + "_ = " + made.name +
+           ";  // ROS has one for each allocator\n";
     return out;
   }
 
@@ -256,9 +257,10 @@ std::string header_code(const Interface& interface) {
 }
 
 std::vector<std::string> header_names(const Interface& interface) {
-  const std::string begin = interface.package + "/" + interface.kind + "/", name = header_name(interface.name);
-  return {begin + name + ".hpp", begin + "detail/" + name + "__struct.hpp", begin + "detail/" + name + "__builder.hpp",
-          begin + "detail/" + name + "__traits.hpp"};
+  const std::string begin = interface.package + "/" + interface.kind + "/",
+                    name = header_name(interface.name);
+  return {begin + name + ".hpp", begin + "detail/" + name + "__struct.hpp",
+          begin + "detail/" + name + "__builder.hpp", begin + "detail/" + name + "__traits.hpp"};
 }
 
 void write_headers(const std::vector<Interface>& all, const fs::path& folder) {

@@ -15,8 +15,8 @@ struct ModuleOptions {
   std::filesystem::path command, generated, out;  ///< this program; structs of messages; folder of the module
 };
 
-/// The table with the hardware and the controllers of `package`. `order`: the packages that are built into it,
-/// with those whose filters and kinematics it may load.
+/// The table with the hardware and the controllers of `package`. `order`: the packages that are built into
+/// it, with those whose filters and kinematics it may load.
 std::string module_code(const Package& package, const std::vector<PluginClass>& classes,
                         const std::vector<const Package*>& order, const ModuleOptions& options);
 std::string module_cmake(const Package& package, const std::vector<PluginClass>& classes,

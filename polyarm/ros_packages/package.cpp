@@ -58,8 +58,8 @@ struct Search {
   }
 };
 
-/// What the build file names in find_package or in a list: a package of the workspace with such a name is needed,
-/// whatever package.xml says.
+/// What the build file names in find_package or in a list: a package of the workspace with such a name is
+/// needed, whatever package.xml says.
 std::set<std::string> cmake_names(const fs::path& file) {
   std::set<std::string> out;
   std::error_code error;
@@ -262,14 +262,16 @@ std::vector<PluginClass> helper_classes(const Package& package, const std::vecto
   return out;
 }
 
-std::vector<const Package*> helpers_of(const std::vector<const Package*>& order, const std::vector<Package>& all) {
+std::vector<const Package*> helpers_of(const std::vector<const Package*>& order,
+                                       const std::vector<Package>& all) {
   const bool filters = std::any_of(order.begin(), order.end(), [](const Package* p) {
     return std::any_of(p->dependencies.begin(), p->dependencies.end(),
                        [](const Dependency& d) { return d.name == "filters"; });
   });
   std::vector<const Package*> out;
   for (const Package& each : all) {
-    if (std::any_of(order.begin(), order.end(), [&](const Package* p) { return p->name == each.name; })) continue;
+    if (std::any_of(order.begin(), order.end(), [&](const Package* p) { return p->name == each.name; }))
+      continue;
     const auto classes = helper_classes(each, order);
     if (std::any_of(classes.begin(), classes.end(),
                     [&](const PluginClass& c) { return filters || !c.base.starts_with("filters::"); }))

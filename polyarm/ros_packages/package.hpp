@@ -49,10 +49,11 @@ struct PluginClass {
 };
 /// The hardware and the controllers of the package's plugin description files, in order of files and lines.
 std::vector<PluginClass> plugin_classes(const Package& package);
-/// Its classes that plugins load while they run, filters and kinematics: those whose base class belongs to one
-/// of `bases`, names of packages.
+/// Its classes that plugins load while they run, filters and kinematics: those whose base class belongs to
+/// one of `bases`, names of packages.
 std::vector<PluginClass> helper_classes(const Package& package, const std::vector<const Package*>& bases);
 /// The packages of `all` that are not in `order`, but have helper classes for it.
-std::vector<const Package*> helpers_of(const std::vector<const Package*>& order, const std::vector<Package>& all);
+std::vector<const Package*> helpers_of(const std::vector<const Package*>& order,
+                                       const std::vector<Package>& all);
 
 }  // namespace polyarm::ros_packages

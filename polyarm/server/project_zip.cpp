@@ -181,7 +181,8 @@ void write(const fs::path& file, const std::string& text, const std::string& nam
   try {
     write_file_atomically(file, text);
   } catch (const Error& e) {
-    throw Error("bad-zip", "'" + shortened(name) + "' of the zip cannot be written: " + e.problems().front().what,
+    throw Error("bad-zip",
+                "'" + shortened(name) + "' of the zip cannot be written: " + e.problems().front().what,
                 "use short names");
   }
 }
@@ -255,8 +256,10 @@ void unzip_into(std::string_view bytes, const fs::path& folder) {
       if (error)
         throw Error("bad-zip", "the zip has '" + name + "', which cannot be created: " + error.message(),
                     "use short names, and no name for a file and a folder");
-      if (fs::exists(fs::symlink_status(file, error)))  // also where a file system ignores upper and lower case
-        throw Error("bad-zip", "the zip has '" + shortened(name) + "' twice, in another spelling or as a folder",
+      if (fs::exists(
+              fs::symlink_status(file, error)))  // also where a file system ignores upper and lower case
+        throw Error("bad-zip",
+                    "the zip has '" + shortened(name) + "' twice, in another spelling or as a folder",
                     "use names that differ in more than upper and lower case");
       write(file, text, name);
     }

@@ -10,8 +10,8 @@ namespace {
 constexpr std::size_t kMostBelts = 64;
 
 BeltEntry read_belt(const std::string& name, const Yaml& y, Problems& problems) {
-  y.check_keys({"at", "xyz", "rpy", "quaternion", "turns", "encoder", "scale", "wraps", "sensor", "latch", "sensor_at",
-                "from", "start_by", "to", "lead"},
+  y.check_keys({"at", "xyz", "rpy", "quaternion", "turns", "encoder", "scale", "wraps", "sensor", "latch",
+                "sensor_at", "from", "start_by", "to", "lead"},
                problems);
   BeltEntry out;
   out.name = name;
@@ -37,8 +37,9 @@ BeltEntry read_belt(const std::string& name, const Yaml& y, Problems& problems) 
                    "write such as wraps: 65536, or leave it out");
   if (!(out.from < out.start_by && out.start_by <= out.to))
     problems.error("bad-value", y.where(),
-                   "the belt '" + name + "' needs from < start_by <= to: where robots begin to follow, until where "
-                   "they may begin, and where they must have ended",
+                   "the belt '" + name +
+                       "' needs from < start_by <= to: where robots begin to follow, until where "
+                       "they may begin, and where they must have ended",
                    "parts travel from smaller to larger places, along x");
   constexpr double kMostLead = 0.2;  // s
   if (!(out.lead >= 0 && out.lead <= kMostLead))
@@ -54,19 +55,21 @@ std::vector<BeltEntry> read_belts(const Yaml& yaml, Problems& problems) {
   std::vector<BeltEntry> out;
   if (!yaml.defined()) return out;
   if (!yaml.is_map()) {
-    problems.error("bad-type", yaml.where(), "'belts' has no names of belts",
-                   "write 'belts: {line: {at: [0.5, 0, 0], encoder: scene/belt/position, from: 0.1, to: 0.6}}'");
+    problems.error(
+        "bad-type", yaml.where(), "'belts' has no names of belts",
+        "write 'belts: {line: {at: [0.5, 0, 0], encoder: scene/belt/position, from: 0.1, to: 0.6}}'");
     return out;
   }
   if (yaml.keys().size() > kMostBelts) {
-    problems.error("too-many", yaml.where(), "the cell has more than " + std::to_string(kMostBelts) + " belts",
+    problems.error("too-many", yaml.where(),
+                   "the cell has more than " + std::to_string(kMostBelts) + " belts",
                    "divide it into several cells");
     return out;
   }
   for (const std::string& name : yaml.keys()) {
     if (name == "world" || name == "base" || name.find('/') != std::string::npos) {
-      problems.error("bad-name", yaml[name].where(), "a belt cannot be called '" + name + "': it names a frame",
-                     "choose another name");
+      problems.error("bad-name", yaml[name].where(),
+                     "a belt cannot be called '" + name + "': it names a frame", "choose another name");
       continue;
     }
     collect(problems, [&] { out.push_back(read_belt(name, yaml[name], problems)); });

@@ -20,7 +20,7 @@ struct BeltEntry {
   std::string latch;         ///< the encoder at the newest part; empty: the encoder in the cell's cycle
   double sensor_at = 0;      ///< place of the sensor
   double from = 0, start_by = 0, to = 0;  ///< the places in which robots may follow
-  double lead = 0;  ///< s from a command to its effect
+  double lead = 0;                        ///< s from a command to its effect
   Location where;
 };
 

@@ -347,7 +347,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   std::vector<std::string> keys{"polyarm",  "rate",    "robots",  "scene",    "controllers", "activate",
                                 "send",     "plugins", "budget",  "signals",  "program",     "plc",
                                 "motion",   "loop",    "profile", "profiles", "workspace",   "record",
-                                "contacts", "guards",  "seed",    "belts",   "streams",     "teleop"};
+                                "contacts", "guards",  "seed",    "belts",    "streams",     "teleop"};
   for (const DoorKind& kind : door_kinds()) keys.push_back(kind.name);
   yaml.check_keys(keys, problems);
   cell.profiles = read_profiles(yaml, problems);
@@ -393,9 +393,7 @@ CellFile read_cell_file(const std::filesystem::path& given, const Overrides& ove
   cell.contact_stop = read_contact_stop(yaml["contacts"], problems);
   cell.clearance = read_clearance(yaml["contacts"], problems);
   cell.guards = read_guards(yaml["guards"], cell.clearance, problems);
-  collect(problems, [&] {
-    cell.teleop = read_teleop(yaml["teleop"], yaml["robots"].keys(), problems);
-  });
+  collect(problems, [&] { cell.teleop = read_teleop(yaml["teleop"], yaml["robots"].keys(), problems); });
   for (const DoorKind& kind : door_kinds())
     collect(problems, [&] { read_door(kind, yaml[kind.name], cell, problems); });
   collect(problems, [&] { cell.record = read_record(yaml["record"], cell.folder, problems); });

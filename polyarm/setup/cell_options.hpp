@@ -11,7 +11,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/time.hpp"
 #include "polyarm/language/parser.hpp"
-#include "polyarm/setup/breakpoints.hpp"
+#include "polyarm/io/breakpoints.hpp"
 
 namespace polyarm::cell {
 

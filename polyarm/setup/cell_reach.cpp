@@ -50,7 +50,8 @@ class List {
     for (const auto& [name, options] : file_.doors)
       for (const std::string& host : graph_hosts(options)) add("host", host, "the door " + name, {});
     for (const StreamEntry& stream : file_.streams) {
-      const bool device = stream.kind == StreamEntry::Kind::device, listens = stream.kind == StreamEntry::Kind::listen;
+      const bool device = stream.kind == StreamEntry::Kind::device,
+                 listens = stream.kind == StreamEntry::Kind::listen;
       add(device ? "device" : "host", device ? stream.device : stream.host,
           "the stream '" + stream.name + "'" + (listens ? ", which listens there" : ""), stream.where);
     }

@@ -112,9 +112,11 @@ class Components {
   }
 
   hardware::RobotInstance instance(const CellRobot& robot) const {
-    const auto at = std::find_if(robots_.begin(), robots_.end(), [&](const auto& each) { return each.get() == &robot; });
+    const auto at =
+        std::find_if(robots_.begin(), robots_.end(), [&](const auto& each) { return each.get() == &robot; });
     const int number = static_cast<int>(at - robots_.begin());
-    return {robot.entry.name, &robot.model, nullptr, robot.entry.base, robot.start, {}, robot.entry.on, number};
+    return {robot.entry.name, &robot.model, nullptr,        robot.entry.base,
+            robot.start,      {},           robot.entry.on, number};
   }
 
   /// Physics measures the wrench between the tool and the robot if the cell asks for it.

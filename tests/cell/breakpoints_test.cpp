@@ -1,5 +1,5 @@
 /// Breakpoints go with their lines while a text is changed.
-#include "polyarm/setup/breakpoints.hpp"
+#include "polyarm/io/breakpoints.hpp"
 
 #include <gtest/gtest.h>
 

@@ -77,7 +77,8 @@ class OneSubscription {
         const char reply[] = {'\x90', 3, bytes[2], bytes[3], code};
         ::send(client, reply, sizeof reply, MSG_NOSIGNAL);
       }
-      while (::recv(client, bytes.data(), bytes.size(), 0) > 0) {}
+      while (::recv(client, bytes.data(), bytes.size(), 0) > 0) {
+      }
     }
     ::close(client);
   }
@@ -100,7 +101,8 @@ TEST(MqttClient, ARefusedSubscriptionIsAnErrorWithItsTopic) {
     FAIL() << "it takes a refused subscription for a connection";
   } catch (const Error& e) {
     EXPECT_EQ(e.problems().front().code, "link-lost");
-    EXPECT_NE(std::string(e.what()).find("refuses the subscription to 'mes/order'"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("refuses the subscription to 'mes/order'"), std::string::npos)
+        << e.what();
   }
 }
 

@@ -439,7 +439,8 @@ TEST(PythonLaunch, FilesThatAreNoRobotAreNotOffered) {
                "<robot><xacro:include filename=\"x.xacro\"/><xacro:property name=\"r\" value=\"1\"/>"
                "<xacro:macro name=\"wheel\" params=\"p\"><link name=\"${p}\"/><xacro:macro name=\"inner\">"
                "</xacro:macro><xacro:rim/></xacro:macro> <!-- <link/> <xacro:wheel/> --></robot>");
-  folder.write("ws/arm/urdf/arm.materials.xacro", "<robot><material name=\"red\"><color/></material></robot>");
+  folder.write("ws/arm/urdf/arm.materials.xacro",
+               "<robot><material name=\"red\"><color/></material></robot>");
   EXPECT_TRUE(lines_of_package(launch, "run").empty());
   folder.write("ws/arm/urdf/called.urdf.xacro",
                "<robot><xacro:macro name=\"arm\"><link name=\"a\"/></xacro:macro><xacro:arm/></robot>");

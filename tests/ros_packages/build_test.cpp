@@ -84,7 +84,8 @@ TEST_F(Workshop, BuildsAPackageAndRunsItsHardwareInACell) {
 /// A workspace whose packages are not as tidy as those above: see tests/ros_packages/one_joint_ws.
 TEST_F(Workshop, BuildsWhatPackagesLeaveToTheirNeighbours) {
   const std::string workspace = (place.path() / "one").string();
-  fs::copy(fs::path(POLYARM_SOURCE_DIR) / "tests/ros_packages/one_joint_ws", workspace, fs::copy_options::recursive);
+  fs::copy(fs::path(POLYARM_SOURCE_DIR) / "tests/ros_packages/one_joint_ws", workspace,
+           fs::copy_options::recursive);
   const auto checked = test::run_command({"plugin", "check", workspace});
   EXPECT_EQ(checked.exit_code, 0) << checked.output;
   const auto built = test::run_command({"plugin", "build", workspace, "--simulated"});
@@ -100,7 +101,8 @@ TEST_F(Workshop, BuildsWhatPackagesLeaveToTheirNeighbours) {
   robot.replace(robot.find("two_joints/TwoJoints"), 20, "one_joint/OneJoint");
   const auto second = robot.rfind("<joint name=\"joint_2\">");
   robot.erase(second, robot.find("</joint>", second) + 8 - second);
-  place.write("cell/cell.yaml", "polyarm: cell/1\nrate: 100\nrobots: {arm: {model: robot.urdf, hardware: declared}}\n");
+  place.write("cell/cell.yaml",
+              "polyarm: cell/1\nrate: 100\nrobots: {arm: {model: robot.urdf, hardware: declared}}\n");
   place.write("cell/robot.urdf", robot);
   const auto done =
       test::run_command({"run", (place.path() / "cell").string(), "--fast", "--json", "--seconds", "1"});

@@ -60,8 +60,10 @@ TEST(Packages, AreBuiltAfterWhatTheyNeed) {
 TEST(Packages, ThatOnlyTheBuildFileNamesAreBuiltToo) {
   const test::Folder place;
   place.write("a/package.xml", manifest("a", "<exec_depend>d</exec_depend>"));
-  place.write("a/CMakeLists.txt", "find_package(b REQUIRED)  # and e\nif(BUILD_TESTING)\n  if(X)\n  endif()\n  find_package(e)\nendif()\n"
-              "set(NEEDED\n  c\n)\nmessage(\"e\")\n");
+  place.write(
+      "a/CMakeLists.txt",
+      "find_package(b REQUIRED)  # and e\nif(BUILD_TESTING)\n  if(X)\n  endif()\n  find_package(e)\nendif()\n"
+      "set(NEEDED\n  c\n)\nmessage(\"e\")\n");
   for (const std::string name : {"b", "c", "d", "e"}) place.write(name + "/package.xml", manifest(name));
   Problems problems;
   const auto all = find_packages(place.path(), problems);
@@ -74,8 +76,8 @@ TEST(Packages, WithFiltersOrKinematicsForAnotherAreItsHelpers) {
   const test::Folder place;
   const auto describe = [&](const std::string& name, const std::string& base) {
     place.write(name + "/package.xml", manifest(name));
-    place.write(name + "/x.xml", "<library path=\"" + name + "\"><class name=\"" + name + "/X\" type=\"" + name +
-                                     "::X\" base_class_type=\"" + base + "\"/></library>");
+    place.write(name + "/x.xml", "<library path=\"" + name + "\"><class name=\"" + name + "/X\" type=\"" +
+                                     name + "::X\" base_class_type=\"" + base + "\"/></library>");
   };
   place.write("arm/package.xml", manifest("arm", "<depend>kin</depend>"));
   place.write("kin/package.xml", manifest("kin"));
@@ -89,7 +91,8 @@ TEST(Packages, WithFiltersOrKinematicsForAnotherAreItsHelpers) {
   ASSERT_EQ(helpers.size(), 1u);  // no filters: arm does not use them
   EXPECT_EQ(helpers[0]->name, "kin_kdl");
   order.insert(order.begin(), helpers[0]);
-  const std::string code = module_code(all[0], {}, order, {}), build = module_cmake(all[0], {}, order, Kit(), {});
+  const std::string code = module_code(all[0], {}, order, {}),
+                    build = module_cmake(all[0], {}, order, Kit(), {});
   EXPECT_NE(code.find("described_types()[\"kin_kdl/X\"] = \"kin_kdl::X\""), std::string::npos) << code;
   EXPECT_NE(build.find("polyarm_ros_whole(kin_kdl)"), std::string::npos) << build;
 }

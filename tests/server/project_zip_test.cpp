@@ -122,7 +122,8 @@ TEST_F(ProjectZipTest, ANameThatIsAFileAndAFolderIsNamed) {
 TEST_F(ProjectZipTest, AFileWithTheNameOfAFolderBeforeItIsNamedWithoutAPathOfThisMachine) {
   write_file_atomically(project() / "zzz", "a file");
   std::string zip = zip_of(project());
-  for (std::size_t at = zip.find("zzz"); at != std::string::npos; at = zip.find("zzz", at)) zip.replace(at, 3, "sub");
+  for (std::size_t at = zip.find("zzz"); at != std::string::npos; at = zip.find("zzz", at))
+    zip.replace(at, 3, "sub");
   try {
     unzip_into(zip, folder.path() / "out");
     FAIL() << "sub is both";

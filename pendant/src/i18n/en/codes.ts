@@ -61,7 +61,6 @@ export const codes = {
   'told.out-of-time': 'The search for a path took too long',
   'told.clearance': 'Nearer than the clearance',
   'told.no-body': 'Something has no known body',
-  'told.part-in-contact': 'A part starts inside something',
   'told.in-contact': 'Something still touches',
   'told.endless-loop': 'The program loops forever, and nothing changes the values that it reads',
   'told.busy-loop': 'The program loops without waiting',

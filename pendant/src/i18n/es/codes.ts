@@ -59,7 +59,6 @@ export const codes: Record<keyof typeof en, string> = {
   'told.out-of-time': 'La búsqueda de un camino duró demasiado',
   'told.clearance': 'Más cerca que la distancia de seguridad',
   'told.no-body': 'Algo no tiene cuerpo conocido',
-  'told.part-in-contact': 'Una pieza empieza dentro de algo',
   'told.in-contact': 'Todavía hay contacto',
   'told.endless-loop': 'El programa da vueltas sin fin, y nada cambia lo que lee',
   'told.busy-loop': 'El programa da vueltas sin esperar',

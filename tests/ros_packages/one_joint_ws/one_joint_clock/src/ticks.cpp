@@ -1,3 +1,5 @@
 #include "one_joint_clock/ticks.hpp"
 
-int one_joint_clock::ticks() { return 12; }
+int one_joint_clock::ticks() {
+  return 12;
+}

@@ -1,4 +1,4 @@
-#include "polyarm/setup/breakpoints.hpp"
+#include "polyarm/io/breakpoints.hpp"
 
 #include <algorithm>
 #include <cstddef>
