@@ -1,13 +1,7 @@
 #include "drivers/abb/far_side.hpp"
 
-#include <poll.h>
-#include <sys/eventfd.h>
-
-#include <algorithm>
-
 #include "drivers/wire/orders.hpp"
 #include "polyarm/base/error.hpp"
-#include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::abb {
 
@@ -68,23 +62,22 @@ FarSide::FarSide(FarSideOptions options)
       machine_(options_.machine),
       egm_(machine_, faults_),
       rws_(machine_, faults_, options_.rws_version),
-      wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+      clock_(options_.patience) {
   rws_.set_user(options_.user, options_.password);
   if (options_.request_time > 0) rws_.set_request_time(options_.request_time);
   rws_.listen(options_.address, options_.rws);
   egm_.open(options_.address);
   if (options_.egm > 0) egm_.send_to(options_.egm_host, options_.egm);
-  thread_ = std::thread([this] { run(); });
-}
-
-FarSide::~FarSide() {
-  quit_ = true;
-  ::eventfd_write(wake_.number(), 1);
-  thread_.join();
+  clock_.start(nanoseconds(period()),
+               {[this](std::vector<int>& open) {
+                  open.push_back(egm_.descriptor());
+                  rws_.descriptors(open);
+                },
+                [this] { serve(); }, [this] { return egm_.waits(); }, [this] { egm_.cycle(); }});
 }
 
 void FarSide::send_egm_to(const std::string& host, int port) {
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   egm_.send_to(host, port);
 }
 
@@ -98,7 +91,7 @@ void FarSide::report(const std::string& text) const {
 
 void FarSide::order(const std::string& fault) {
   const auto [kind, given] = wire::parse_order(fault, kKinds);
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   order_by_hand(kind, given >= 0 ? given : 50063);
   order_on_wires(kind, given >= 0 ? given : 10);
   report("ordered: " + fault);
@@ -166,67 +159,36 @@ void FarSide::order_on_wires(const std::string& kind, int number) {
 }
 
 void FarSide::hold_clock(bool on) {
-  const std::lock_guard lock(mutex_);
-  held_ = on;
+  clock_.hold(on);
 }
 
 bool FarSide::step(Nanoseconds patience) {
-  std::unique_lock lock(mutex_);
-  bool came = true;
-  if (patience > 0)
-    came = served_.wait_for(lock, std::chrono::nanoseconds(patience), [&] {
-      return faults_.silent || faults_.power_off || faults_.stranger || !egm_.waits();
-    });
-  egm_.cycle();
-  return came;
+  return clock_.step(
+      patience, [this] { return faults_.silent || faults_.power_off || faults_.stranger || !egm_.waits(); });
 }
 
 std::pair<std::uint64_t, std::uint32_t> FarSide::sent() {
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   return {egm_.packets(), egm_.sent_sequence()};
 }
 
 std::uint64_t FarSide::messages() {
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   return egm_.messages();
 }
 
 std::uint64_t FarSide::requests() {
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   return rws_.requests();
 }
 
-void FarSide::run() {
-  const auto period = nanoseconds(this->period());
-  Nanoseconds due = realtime::monotonic_now() + period;
-  std::vector<pollfd> polled;
-  std::vector<int> open;
-  while (!quit_) {
-    {
-      const std::lock_guard lock(mutex_);
-      open = {wake_.number(), egm_.descriptor()};
-      rws_.descriptors(open);
-    }
-    polled.clear();
-    for (const int descriptor : open) polled.push_back({descriptor, POLLIN, 0});
-    const Nanoseconds left = std::clamp<Nanoseconds>(due - realtime::monotonic_now(),
-                                                     options_.patience > 0 ? 1'000'000 : 0, period);
-    const timespec time{0, static_cast<long>(left)};
-    ::ppoll(polled.data(), polled.size(), &time, nullptr);
-    const std::lock_guard lock(mutex_);
-    egm_.serve();
-    rws_.serve();
-    if (const bool runs = machine_.program_runs(); runs != ran_) {
-      ran_ = runs;
-      report(runs ? "the program runs" : "the program ended");
-    }
-    served_.notify_all();
-    const Nanoseconds now = realtime::monotonic_now();
-    if (now < due) continue;
-    if (!held_ && egm_.waits() && now < due + options_.patience) continue;
-    due = std::max(due + period, options_.patience > 0 ? now : now - 10 * period);
-    if (!held_) egm_.cycle();
-  }
+void FarSide::serve() {
+  egm_.serve();
+  rws_.serve();
+  const bool runs = machine_.program_runs();
+  if (runs == ran_) return;
+  ran_ = runs;
+  report(runs ? "the program runs" : "the program ended");
 }
 
 }  // namespace polyarm::abb

@@ -1,12 +1,6 @@
 #include "drivers/fanuc/far_side.hpp"
 
-#include <poll.h>
-#include <sys/eventfd.h>
-
-#include <algorithm>
-
 #include "drivers/wire/orders.hpp"
-#include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::fanuc {
 
@@ -52,17 +46,16 @@ FarSide::FarSide(FarSideOptions options)
       machine_(options_.machine),
       stream_(machine_, faults_, options_.sampling_ms / 1000.0),
       rmi_(machine_, faults_, stream_),
-      wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+      clock_(options_.patience) {
   stream_.set_version(options_.version);
   stream_.listen(options_.address, options_.stream);
   rmi_.listen(options_.address, options_.rmi, options_.session);
-  thread_ = std::thread([this] { run(); });
-}
-
-FarSide::~FarSide() {
-  quit_ = true;
-  ::eventfd_write(wake_.number(), 1);
-  thread_.join();
+  clock_.start(nanoseconds(period()),
+               {[this](std::vector<int>& open) {
+                  open.push_back(stream_.descriptor());
+                  rmi_.descriptors(open);
+                },
+                [this] { serve(); }, [this] { return stream_.unanswered(); }, [this] { cycle(); }});
 }
 
 std::string FarSide::kinds() {
@@ -76,7 +69,7 @@ void FarSide::report(const std::string& text) const {
 void FarSide::order(const std::string& fault) {
   const auto [kind, given] = wire::parse_order(fault, kKinds);
   const int number = given >= 0 ? given : kind == "motn" ? 603 : kind == "alarm" ? 65 : 10;
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   order_by_hand(kind);
   order_on_wires(kind, number);
   std::string digits = std::to_string(number);
@@ -121,37 +114,30 @@ void FarSide::order_on_wires(const std::string& kind, int number) {
 }
 
 void FarSide::hold_clock(bool on) {
-  const std::lock_guard lock(mutex_);
-  held_ = on;
+  clock_.hold(on);
 }
 
 bool FarSide::step(Nanoseconds patience) {
-  std::unique_lock lock(mutex_);
-  bool came = true;
-  if (patience > 0)
-    came = served_.wait_for(lock, std::chrono::nanoseconds(patience),
-                            [&] { return faults_.deaf || faults_.silent || !stream_.waits(); });
-  cycle();
-  return came;
+  return clock_.step(patience, [this] { return faults_.deaf || faults_.silent || !stream_.waits(); });
 }
 
 std::uint32_t FarSide::sent_sequence() {
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   return stream_.sent_sequence();
 }
 
 std::uint64_t FarSide::commands() {
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   return stream_.commands();
 }
 
 bool FarSide::program_runs() {
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   return stream_.program_runs();
 }
 
 std::uint64_t FarSide::instructions_done() {
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   return rmi_.done();
 }
 
@@ -160,37 +146,13 @@ void FarSide::cycle() {
   stream_.cycle();
 }
 
-void FarSide::run() {
-  const auto period = nanoseconds(this->period());
-  Nanoseconds due = realtime::monotonic_now() + period;
-  std::vector<pollfd> polled;
-  std::vector<int> open;
-  while (!quit_) {
-    {
-      const std::lock_guard lock(mutex_);
-      open = {wake_.number(), stream_.descriptor()};
-      rmi_.descriptors(open);
-    }
-    polled.clear();
-    for (const int descriptor : open) polled.push_back({descriptor, POLLIN, 0});
-    const Nanoseconds left = std::clamp<Nanoseconds>(due - realtime::monotonic_now(),
-                                                     options_.patience > 0 ? 1'000'000 : 0, period);
-    const timespec time{0, static_cast<long>(left)};
-    ::ppoll(polled.data(), polled.size(), &time, nullptr);
-    const std::lock_guard lock(mutex_);
-    stream_.serve();
-    rmi_.serve();
-    if (const bool runs = stream_.program_runs(); runs != ran_) {
-      ran_ = runs;
-      report(runs ? "STREAM_MOTN runs" : "STREAM_MOTN ended");
-    }
-    served_.notify_all();
-    const Nanoseconds now = realtime::monotonic_now();
-    if (now < due) continue;
-    if (!held_ && stream_.unanswered() && now < due + options_.patience) continue;
-    due = std::max(due + period, options_.patience > 0 ? now : now - 10 * period);
-    if (!held_) cycle();
-  }
+void FarSide::serve() {
+  stream_.serve();
+  rmi_.serve();
+  const bool runs = stream_.program_runs();
+  if (runs == ran_) return;
+  ran_ = runs;
+  report(runs ? "STREAM_MOTN runs" : "STREAM_MOTN ended");
 }
 
 }  // namespace polyarm::fanuc

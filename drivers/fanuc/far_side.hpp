@@ -1,13 +1,10 @@
 #pragma once
 /// A controller of FANUC, simulated down to its bytes: for tests, and for users without a robot.
-#include <atomic>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <string>
-#include <thread>
 
 #include "drivers/fanuc/far_services.hpp"
+#include "drivers/wire/far_clock.hpp"
 
 namespace polyarm::fanuc {
 
@@ -26,7 +23,6 @@ class FarSide {
  public:
   /// Throws Error("no-port").
   explicit FarSide(FarSideOptions options);
-  ~FarSide();
   FarSide(const FarSide&) = delete;
   FarSide& operator=(const FarSide&) = delete;
 
@@ -49,7 +45,7 @@ class FarSide {
   /// Looks at the machine, or changes it, between two cycles.
   template <typename Use>
   auto with(Use use) {
-    const std::lock_guard lock(mutex_);
+    const auto lock = clock_.lock();
     return use(machine_);
   }
   std::uint64_t commands();
@@ -58,23 +54,19 @@ class FarSide {
   std::uint64_t instructions_done();
 
  private:
-  void run();
+  void serve();
   void cycle();
   void report(const std::string& text) const;
   void order_by_hand(const std::string& kind);
   void order_on_wires(const std::string& kind, int number);
 
   FarSideOptions options_;
-  std::mutex mutex_;
-  std::condition_variable served_;
   Machine machine_;
   FarFaults faults_;
   FarStream stream_;
   FarRmi rmi_;
-  bool held_ = false, ran_ = false;
-  Descriptor wake_;
-  std::atomic<bool> quit_{false};
-  std::thread thread_;
+  bool ran_ = false;
+  wire::FarClock clock_;
 };
 
 }  // namespace polyarm::fanuc

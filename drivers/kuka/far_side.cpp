@@ -1,13 +1,7 @@
 #include "drivers/kuka/far_side.hpp"
 
-#include <poll.h>
-#include <sys/eventfd.h>
-
-#include <algorithm>
-
 #include "drivers/wire/orders.hpp"
 #include "polyarm/base/error.hpp"
-#include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::kuka {
 
@@ -61,23 +55,22 @@ FarSide::FarSide(FarSideOptions options)
       machine_(options_.machine),
       rsi_(machine_, faults_, options_.sen_type),
       eki_(machine_, faults_),
-      wake_(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+      clock_(options_.patience) {
   options_.machine = machine_.options();
   eki_.listen(options_.address, options_.eki);
   rsi_.open(options_.address);
   if (options_.rsi > 0) rsi_.send_to(options_.rsi_host, options_.rsi);
   if (options_.running) machine_.start();
-  thread_ = std::thread([this] { run(); });
-}
-
-FarSide::~FarSide() {
-  quit_ = true;
-  ::eventfd_write(wake_.number(), 1);
-  thread_.join();
+  clock_.start(nanoseconds(machine_.period()),
+               {[this](std::vector<int>& open) {
+                  open.push_back(rsi_.descriptor());
+                  eki_.descriptors(open);
+                },
+                [this] { serve(); }, [this] { return rsi_.waits(); }, [this] { rsi_.cycle(); }});
 }
 
 void FarSide::send_rsi_to(const std::string& host, int port) {
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   rsi_.send_to(host, port);
 }
 
@@ -91,7 +84,7 @@ void FarSide::report(const std::string& text) const {
 
 void FarSide::order(const std::string& fault) {
   const auto [kind, given] = wire::parse_order(fault, kKinds);
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   order_by_hand(kind);
   order_on_wires(kind, given);
   report("ordered: " + fault);
@@ -158,67 +151,36 @@ void FarSide::make_healthy() {
 }
 
 void FarSide::hold_clock(bool on) {
-  const std::lock_guard lock(mutex_);
-  held_ = on;
+  clock_.hold(on);
 }
 
 bool FarSide::step(Nanoseconds patience) {
-  std::unique_lock lock(mutex_);
-  bool came = true;
-  if (patience > 0)
-    came = served_.wait_for(lock, std::chrono::nanoseconds(patience), [&] {
-      return faults_.silent || faults_.power_off || faults_.stranger || !rsi_.waits();
-    });
-  rsi_.cycle();
-  return came;
+  return clock_.step(
+      patience, [this] { return faults_.silent || faults_.power_off || faults_.stranger || !rsi_.waits(); });
 }
 
 std::pair<std::uint64_t, std::uint64_t> FarSide::sent() {
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   return {rsi_.packets(), rsi_.sent_clock()};
 }
 
 std::uint64_t FarSide::answers() {
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   return rsi_.answers();
 }
 
 std::uint64_t FarSide::requests() {
-  const std::lock_guard lock(mutex_);
+  const auto lock = clock_.lock();
   return eki_.requests();
 }
 
-void FarSide::run() {
-  const auto period = nanoseconds(machine_.period());
-  Nanoseconds due = realtime::monotonic_now() + period;
-  std::vector<pollfd> polled;
-  std::vector<int> open;
-  while (!quit_) {
-    {
-      const std::lock_guard lock(mutex_);
-      open = {wake_.number(), rsi_.descriptor()};
-      eki_.descriptors(open);
-    }
-    polled.clear();
-    for (const int descriptor : open) polled.push_back({descriptor, POLLIN, 0});
-    const Nanoseconds left = std::clamp<Nanoseconds>(due - realtime::monotonic_now(),
-                                                     options_.patience > 0 ? 1'000'000 : 0, period);
-    const timespec time{0, static_cast<long>(left)};
-    ::ppoll(polled.data(), polled.size(), &time, nullptr);
-    const std::lock_guard lock(mutex_);
-    rsi_.serve();
-    eki_.serve();
-    if (const bool runs = machine_.rsi(); runs != ran_) {
-      ran_ = runs;
-      report(runs ? "RSI runs" : "RSI ended");
-    }
-    served_.notify_all();
-    const Nanoseconds now = realtime::monotonic_now();
-    if (now < due) continue;
-    if (!held_ && rsi_.waits() && now < due + options_.patience) continue;
-    due = std::max(due + period, options_.patience > 0 ? now : now - 10 * period);
-    if (!held_) rsi_.cycle();
-  }
+void FarSide::serve() {
+  rsi_.serve();
+  eki_.serve();
+  const bool runs = machine_.rsi();
+  if (runs == ran_) return;
+  ran_ = runs;
+  report(runs ? "RSI runs" : "RSI ended");
 }
 
 }  // namespace polyarm::kuka

@@ -1,13 +1,10 @@
 #pragma once
 /// A controller of KUKA, simulated down to its bytes: for tests, and for users without a robot.
-#include <atomic>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <string>
-#include <thread>
 
 #include "drivers/kuka/far_services.hpp"
+#include "drivers/wire/far_clock.hpp"
 
 namespace polyarm::kuka {
 
@@ -28,7 +25,6 @@ class FarSide {
  public:
   /// Throws Error("no-port"), Error("bad-value").
   explicit FarSide(FarSideOptions options);
-  ~FarSide();
   FarSide(const FarSide&) = delete;
   FarSide& operator=(const FarSide&) = delete;
 
@@ -53,28 +49,24 @@ class FarSide {
   /// Looks at the machine, or changes it, between two cycles.
   template <typename Use>
   auto with(Use use) {
-    const std::lock_guard lock(mutex_);
+    const auto lock = clock_.lock();
     return use(machine_);
   }
 
  private:
-  void run();
+  void serve();
   void report(const std::string& text) const;
   void order_by_hand(const std::string& kind);
   void order_on_wires(const std::string& kind, int number);
   void make_healthy();
 
   FarSideOptions options_;
-  std::mutex mutex_;
-  std::condition_variable served_;
   Machine machine_;
   FarFaults faults_;
   FarRsi rsi_;
   FarEki eki_;
-  bool held_ = false, ran_ = false;
-  Descriptor wake_;
-  std::atomic<bool> quit_{false};
-  std::thread thread_;
+  bool ran_ = false;
+  wire::FarClock clock_;
 };
 
 }  // namespace polyarm::kuka
