@@ -218,7 +218,7 @@ ReturnType KukaComponent::read(const hardware::Cycle& cycle, std::span<double> s
   const bool seen = link_->panel().count > 0;
   const bool guided = (guided_ || !settings_.eki) && sample.count > 0;
   const wire::Six& shown = shown_position(guided, seconds(cycle.period));
-  const bool known = settings_.eki || guided;  // without a source for the position there is none
+  const bool known = settings_.eki || guided;  // else nothing reports the position
   std::size_t at = 0;
   for (std::size_t j = 0; j < 6; ++j) {
     states[at++] = known ? shown[j] : kNaN;

@@ -34,7 +34,7 @@ struct Sample {
   const Pose& pose(const std::string& name) const;
   const Vec3& vector(const std::string& name) const;
   Vec3 vector_or_zero(const std::string& name) const;
-  /// The values of these joints, in this order; also throws for a name that is none of them.
+  /// The values of these joints, in this order; also throws if a name is unknown.
   std::vector<double> values(const std::string& name, const std::vector<std::string>& joints) const;
 };
 

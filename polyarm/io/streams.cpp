@@ -94,7 +94,7 @@ void Stream::open_device() {
   termios settings{};
   if (tcgetattr(file_, &settings) != 0) refuse("it is no serial line");
   const speed_t speed = speed_of(entry_.baud);
-  if (speed == B0) refuse(std::to_string(entry_.baud) + " baud is none of 1200, 2400, … 115200");
+  if (speed == B0) refuse(std::to_string(entry_.baud) + " baud is not possible: 1200, 2400, … 115200 are");
   cfmakeraw(&settings);
   settings.c_cflag |= CREAD | CLOCAL;
   cfsetispeed(&settings, speed), cfsetospeed(&settings, speed);

@@ -439,7 +439,7 @@ std::vector<Function> all_functions() {
   on_stream("has_line", "has_line(stream)", "true if a line has come over the stream that is not taken yet",
             {{"stream", W::text, {}}}, Kind::boolean, Live::has_line);
   on_stream("next_line", "next_line(stream)",
-            "takes the oldest line that has come over the stream; an empty text if there is none",
+            "takes the oldest line that the stream has received; an empty text if no line waits",
             {{"stream", W::text, {}}}, Kind::text, Live::next_line);
   on_stream("send_text", "send_text(stream, text)",
             "sends the text over the stream; waits until the robot has arrived",
