@@ -272,7 +272,8 @@ void Link::take_point_answer(const MotoReply& reply) {
 void Link::take_queue_answer(int count) {
   queue_ = count;
   since_check_ = 0;
-  retry_ = count != 0 && (stream_.out().empty() || stream_.out().front().sequence == 0);
+  const bool begins = !stream_.out().empty() && stream_.out().front().sequence == 0;
+  retry_ = count != 0 && (begins || phase_ == Phase::ending);
   if (count < 0) return;
   current_.buffered_ms = count * settings_.interpolation_ms;
   const int off = current_.buffered_ms - (settings_.lead_ms - 3 * settings_.point_ms / 2);
