@@ -24,7 +24,7 @@ constexpr int kRest = 500;                   // ms of such a rest
 constexpr int kMostTime = 14'000'000;        // ms of a trajectory; MotoROS takes 4 h
 constexpr std::size_t kMostPoints = 64;      // that wait for the controller
 constexpr int kPointsPerCheck = 10;          // between two looks at the controller's buffer
-constexpr int kMostBrakePoints = 400;
+constexpr int kMostBrakeCycles = 4000;
 constexpr int kHalfMillisecond = 500;  // µs: the controller cuts the time to ms
 
 Ten floats(const Six& degrees) {
@@ -77,10 +77,10 @@ void Link::run() {
 /// What is left of an earlier session counts no more.
 void Link::begin_streaming() {
   for (Wanted dropped; commands_.pop(dropped);) ++taken_;
-  stream_ = PointStream(settings_.point_ms, settings_.lead_ms);
+  stream_ = PointStream(settings_.point_ms, settings_.lead_ms, settings_.cycles);
   asked_ = Asked::nothing;
   begun_ = check_ = braked_ = stopped_ = retry_ = false;
-  cycle_ = since_check_ = 0;
+  since_check_ = 0;
   queue_ = -1;
   busy_since_ = 0;
   commanded_at_ = realtime::monotonic_now();
@@ -149,7 +149,7 @@ void Link::publish(const MotoStatus& status, Nanoseconds now) {
 
 // --- commands ---------------------------------------------------------------------------------------------
 
-/// Each command counts: a point is due after so many cycles of the loop.
+/// Each command counts: a point is due after so many of them.
 void Link::take_commands(Nanoseconds now) {
   for (Wanted wanted; commands_.pop(wanted);) {
     ++taken_;
@@ -159,7 +159,7 @@ void Link::take_commands(Nanoseconds now) {
       stream_.begin(degrees(current_.q));
       begun_ = true;
     }
-    if (cycle_++ % settings_.cycles == 0) feed(wanted);
+    feed(wanted);
   }
 }
 
@@ -276,6 +276,7 @@ void Link::take_queue_answer(int count) {
   retry_ = count != 0 && (begins || phase_ == Phase::ending);
   if (count < 0) return;
   current_.buffered_ms = count * settings_.interpolation_ms;
+  if (begins || phase_ != Phase::streaming) return;
   const int off = current_.buffered_ms - (settings_.lead_ms - 3 * settings_.point_ms / 2);
   if (std::abs(off) < settings_.lead_ms / 6) stream_.trim(0);
   if (off > settings_.lead_ms / 3) stream_.trim(-1);
@@ -319,7 +320,7 @@ void Link::end(Nanoseconds now) {
   }
   if (stands_) return;
   if (begun_ && !braked_ && !stopped_ && !lost_)
-    for (int i = 0; i < kMostBrakePoints && !stream_.stands(); ++i) stream_.brake(settings_.limits);
+    for (int i = 0; i < kMostBrakeCycles && !stream_.stands(); ++i) stream_.brake(settings_.limits);
   braked_ = true;
   const bool out_of_reach = stopped_ || lost_;
   const bool empty = out_of_reach || (stream_.out().empty() && asked_ == Asked::nothing && queue_ == 0);

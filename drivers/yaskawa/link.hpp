@@ -202,7 +202,7 @@ class Link : public wire::LinkBase<Cause> {
   bool retry_ = false;  ///< busy: the point goes out again with the next state
   bool begun_ = false, check_ = false, braked_ = false;
   bool stopped_ = false;  ///< the controller takes no points: it stopped by itself
-  int cycle_ = 0, since_check_ = 0, without_feedback_ = 0;
+  int since_check_ = 0, without_feedback_ = 0;
   std::uint64_t taken_ = 0;
   int queue_ = -1;  ///< steps in the controller's buffer; -1: unknown
   std::int32_t control_sequence_ = 0;

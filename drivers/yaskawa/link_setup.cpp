@@ -27,7 +27,7 @@ Link::Link(LinkSettings settings)
       motion_(settings_.host, settings_.motion_port),
       io_(settings_.host, settings_.io_port),
       hses_(settings_.host, settings_.hses_port, settings_.timeout),
-      stream_(settings_.point_ms, settings_.lead_ms) {}
+      stream_(settings_.point_ms, settings_.lead_ms, settings_.cycles) {}
 
 bool Link::refuse_port(const MotoPort& port) {
   return refuse(port.failure().cause, 0, port.failure().text);

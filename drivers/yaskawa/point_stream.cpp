@@ -14,17 +14,19 @@ void PointStream::rest() {
   still_ = 0;
 }
 
+/// The robot stands at the position of the shaper.
+void PointStream::open_at_rest() {
+  if (open_) return;
+  open_ = true;
+  last_ = before_ = shaper_.at();
+  out_.push_back({0, 0, last_, {}});
+  out_.push_back({1, lead_, last_, {}});
+  sequence_ = 2;
+  time_ = before_time_ = lead_;
+  since_ = 0;
+}
+
 void PointStream::push(const Six& position) {
-  if (!open_) {
-    open_ = true;
-    last_ = before_ = position;  // at rest: the first step of the shaper is behind this point
-    out_.push_back({0, 0, last_, {}});
-    out_.push_back({1, lead_, last_, {}});
-    sequence_ = 2;
-    time_ = before_time_ = lead_;
-    still_ = 0;
-    return;
-  }
   const int next_time = time_ + period_ + trim_;
   if (pending_) {
     TimedPoint point{sequence_++, time_, last_, {}};
@@ -40,14 +42,20 @@ void PointStream::push(const Six& position) {
   pending_ = true;
 }
 
+void PointStream::take(const Six& position) {
+  if (++since_ < cycles_) return;
+  since_ = 0;
+  push(position);
+}
+
 void PointStream::go(const Six& target, const wire::AxisLimits& limits) {
-  if (!open_) push(shaper_.at());
-  push(shaper_.next(target, limits));
+  open_at_rest();
+  take(shaper_.next(target, limits));
 }
 
 void PointStream::brake(const wire::AxisLimits& limits) {
-  if (!open_) push(shaper_.at());
-  push(shaper_.brake(limits));
+  open_at_rest();
+  take(shaper_.brake(limits));
 }
 
 }  // namespace polyarm::yaskawa

@@ -22,13 +22,15 @@ struct TimedPoint {
 /// then holds ahead.
 class PointStream {
  public:
-  PointStream(int period_ms, int lead_ms) : period_(period_ms), lead_(lead_ms), shaper_(period_ms / 1000.0) {}
+  /// `cycles`: of the loop, for one point.
+  PointStream(int period_ms, int lead_ms, int cycles)
+      : period_(period_ms), lead_(lead_ms), cycles_(cycles), shaper_(period_ms / 1000.0 / cycles) {}
 
   /// The robot stands at `at`; no trajectory is open.
   void begin(const Six& at);
-  /// The next target, every period.
+  /// The target of the next cycle of the loop.
   void go(const Six& target, const wire::AxisLimits& limits);
-  /// A step of the fastest stop.
+  /// A cycle of the fastest stop.
   void brake(const wire::AxisLimits& limits);
   /// The next target opens a new trajectory. Only at rest.
   void rest();
@@ -48,11 +50,14 @@ class PointStream {
 
  private:
   static constexpr int kStandsAfter = 3;  // points at the same place
+  void open_at_rest();
+  void take(const Six& position);
   void push(const Six& position);
-  int period_, lead_, trim_ = 0;
+  int period_, lead_, cycles_, trim_ = 0;
   wire::Shaper shaper_;
   bool open_ = false, pending_ = false;
   int time_ = 0, sequence_ = 0, still_ = 0;
+  int since_ = 0;  ///< cycles since the last point
   int before_time_ = 0;
   Six before_{}, last_{};  ///< the point before the pending one; the pending one
   std::deque<TimedPoint> out_;

@@ -100,7 +100,7 @@ TEST(SimpleMessages, AreThoseOfMotoRos) {
             "07000000"                  // time, position, velocity
             "0000803e"                  // 0.25 s
             "0000003f000080bf"          // 0.5, -1
-            "0000000000000000");
+            "00000000");
   EXPECT_EQ(encode(MotoStatus{}, ByteOrder::big).size(), 4u + 12 + 28);
   EXPECT_EQ(encode(MotoFeedback{}, ByteOrder::big).size(), 4u + 12 + 132);
   EXPECT_EQ(encode(MotoControl{}, ByteOrder::big).size(), 4u + 12 + 52);
@@ -235,7 +235,7 @@ TEST(PointStream, BeginsAtRestAndEndsAtRestWithVelocitiesOfItsNeighbours) {
   limits.of[0].fill(100);
   limits.of[1].fill(1000);
   limits.of[2].fill(100'000);
-  PointStream stream(20, 120);
+  PointStream stream(20, 120, 1);
   const Six at{1, 2, 3, 4, 5, 6};
   stream.begin(at);
   EXPECT_TRUE(stream.stands());
@@ -271,7 +271,7 @@ TEST(PointStream, BrakingFromAMotionEndsAtRest) {
   limits.of[0].fill(100);
   limits.of[1].fill(1000);
   limits.of[2].fill(100'000);
-  PointStream stream(20, 120);
+  PointStream stream(20, 120, 1);
   stream.begin({});
   Six target{};
   for (int i = 0; i < 50; ++i) {
