@@ -157,9 +157,27 @@ CallbackReturn YaskawaComponent::on_init(const hardware::ComponentContext& conte
   find_limits(context.robots.front(), p.number("max_speed"));
   settings_.inputs = signal_range("digital_in", p.text("digital_in"));
   settings_.outputs = signal_range("digital_out", p.text("digital_out"));
-  outputs_ = Outputs();
+  const double behind_ms = settings_.lead_ms + 1.5 * settings_.point_ms;
+  const auto cycles =
+      static_cast<std::size_t>(std::lround(behind_ms * settings_.cycles / settings_.point_ms));
+  outputs_.assign(cycles + 1, Outputs());
   link_ = std::make_unique<Link>(settings_);
   return CallbackReturn::success;
+}
+
+CallbackReturn YaskawaComponent::on_activate() {
+  outputs_.assign(outputs_.size(), Outputs());
+  return StreamComponent::on_activate();
+}
+
+/// Outputs that waited for the robot are switched when it stands.
+CallbackReturn YaskawaComponent::on_deactivate() {
+  const bool well = active_ && link_->cause() == Cause::none;
+  const CallbackReturn done = StreamComponent::on_deactivate();
+  if (!well || link_->cause() != Cause::none) return done;
+  link_->outputs(outputs_[newest_]);
+  link_->serve_services();
+  return done;
 }
 
 std::vector<hardware::InterfaceDescription> YaskawaComponent::state_interfaces() const {
@@ -215,8 +233,9 @@ ReturnType YaskawaComponent::read(const hardware::Cycle&, std::span<double> stat
 ReturnType YaskawaComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
   if (link_->cause() != Cause::none) return ReturnType::error;
   if (!active_) return ReturnType::ok;
-  std::copy_n(commands.begin() + 6, settings_.outputs.count, outputs_.digital.begin());
-  link_->outputs(outputs_);
+  newest_ = (newest_ + 1) % outputs_.size();
+  std::copy_n(commands.begin() + 6, settings_.outputs.count, outputs_[newest_].digital.begin());
+  link_->outputs(outputs_[(newest_ + 1) % outputs_.size()]);
   return write_joints(commands);
 }
 

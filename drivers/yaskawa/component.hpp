@@ -24,6 +24,8 @@ namespace polyarm::yaskawa {
 class YaskawaComponent : public wire::StreamComponent<Link, Cause> {
  public:
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
+  hardware::CallbackReturn on_activate() override;
+  hardware::CallbackReturn on_deactivate() override;
   std::vector<hardware::InterfaceDescription> state_interfaces() const override;
   std::vector<hardware::InterfaceDescription> command_interfaces() const override;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
@@ -41,7 +43,10 @@ class YaskawaComponent : public wire::StreamComponent<Link, Cause> {
   LinkSettings settings_;
   std::string robot_;
   std::vector<std::string> joints_;
-  Outputs outputs_;  // the control thread's
+  // The robot is behind the loop: an output waits until the robot is where the loop was. The control
+  // thread's.
+  std::vector<Outputs> outputs_;  ///< of the last cycles
+  std::size_t newest_ = 0;
 };
 
 /// "1-16", "3", "": a range of numbers from 1 that ends at kMostSignals. Throws Error("bad-value").

@@ -130,11 +130,37 @@ TEST(YaskawaComponent, SignalsAreExchangedEveryFewCycles) {
   ASSERT_TRUE(rig.start()) << rig.component.reason();
   for (int round = 0; round < 6; ++round) {
     rig.command("io/digital_out_1") = round % 2;
-    ASSERT_TRUE(rig.runs(30, [](int) {}));
+    ASSERT_TRUE(rig.runs(80, [](int) {}));
     EXPECT_EQ(rig.state("io/digital_out_1"), round % 2) << round;
     EXPECT_EQ(rig.state("io/digital_in_4"), round % 2) << "wired to output 1";
     EXPECT_EQ(rig.state("io/digital_out_2"), 0) << "what nobody commands stays";
   }
+}
+
+/// A gripper must not close where the robot will be in a moment.
+TEST(YaskawaComponent, AnOutputIsSwitchedWhereTheLoopWantedIt) {
+  YaskawaRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  const double from = rig.command("joint_1/position");
+  double at = 0, wanted = 0;
+  ASSERT_TRUE(rig.runs(600, [&](int i) {
+    rig.command("joint_1/position") = from + 0.4 * smooth(i / 400.0);
+    if (i == 200) rig.command("io/digital_out_1") = 1;
+    if (i == 200) wanted = rig.command("joint_1/position");
+    if (at == 0 && rig.far().with([](Machine& m) { return m.output(1); })) at = rig.q()[0];
+  }));
+  EXPECT_GT(at, wanted - 0.005) << "not before";
+  EXPECT_LT(at, wanted + 0.04) << "signals are exchanged every 12 cycles";
+}
+
+TEST(YaskawaComponent, OutputsThatWaitAreSwitchedByDeactivating) {
+  YaskawaRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  rig.command("io/digital_out_1") = 1;
+  ASSERT_TRUE(rig.runs(3, [](int) {}));
+  EXPECT_FALSE(rig.far().with([](Machine& m) { return m.output(1); }));
+  EXPECT_EQ(rig.component.on_deactivate(), CallbackReturn::success);
+  EXPECT_TRUE(rig.far().with([](Machine& m) { return m.output(1); }));
 }
 
 TEST(YaskawaComponent, DeactivatingWhileItMovesBrakesAndEndsTheJob) {
