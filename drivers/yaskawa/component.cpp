@@ -175,7 +175,13 @@ CallbackReturn YaskawaComponent::on_deactivate() {
   const bool well = active_ && link_->cause() == Cause::none;
   const CallbackReturn done = StreamComponent::on_deactivate();
   if (!well || link_->cause() != Cause::none) return done;
-  link_->outputs(outputs_[newest_]);
+  Outputs last;
+  for (std::size_t k = 1; k <= outputs_.size(); ++k) {
+    const Outputs& next = outputs_[(newest_ + k) % outputs_.size()];  // the oldest first
+    for (std::size_t i = 0; i < last.digital.size(); ++i)
+      if (std::isfinite(next.digital[i])) last.digital[i] = next.digital[i];
+  }
+  link_->outputs(last);
   link_->serve_services();
   return done;
 }
