@@ -24,7 +24,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // and for commands that jump.
 constexpr double kAcceleration = 2, kJerk = 8;
 constexpr double kAccelerationElse = 400, kJerkElse = 20000;  // degrees, seconds; without limits there
-constexpr int kMostCycles = 200;                              // of the loop, for one point
+constexpr double kServoLag = 10;  // ms, of the robot behind its controller, until an output is switched
+constexpr int kMostCycles = 200;  // of the loop, for one point
 
 using hardware::DriverParameter;
 using enum hardware::ParameterKind;
@@ -157,7 +158,7 @@ CallbackReturn YaskawaComponent::on_init(const hardware::ComponentContext& conte
   find_limits(context.robots.front(), p.number("max_speed"));
   settings_.inputs = signal_range("digital_in", p.text("digital_in"));
   settings_.outputs = signal_range("digital_out", p.text("digital_out"));
-  const double behind_ms = settings_.lead_ms + 1.5 * settings_.point_ms;
+  const double behind_ms = settings_.lead_ms + kServoLag;
   const auto cycles =
       static_cast<std::size_t>(std::lround(behind_ms * settings_.cycles / settings_.point_ms));
   outputs_.assign(cycles + 1, Outputs());
