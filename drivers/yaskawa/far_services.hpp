@@ -47,7 +47,6 @@ class FarMoto {
   void drop_states() { state_.drop_all(); }
   void drop_io() { io_.drop_all(); }
   void drop_all();
-  bool connected() { return !motion_.clients().empty(); }
 
   /// States that went out, and the number of the newest one for its client.
   std::uint64_t states() const { return states_; }

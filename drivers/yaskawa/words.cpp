@@ -52,7 +52,6 @@ const char* name(Cause cause) {
 }
 
 Why why_not(int result, int subcode) {
-  using enum NotReady;
   switch (static_cast<NotReady>(subcode)) {
     case NotReady::alarm:
       return {Cause::alarm, 0};
