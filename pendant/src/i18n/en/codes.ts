@@ -66,6 +66,7 @@ export const codes = {
   'told.busy-loop': 'The program loops without waiting',
   'told.deadlock': 'Every task waits, and nothing can change what they wait for',
   'told.moved-while-held': 'A joint was moved during the hold',
+  'told.forward-mode': 'This robot interpolates itself and takes only moves',
   'told.motion-held': 'A motion is paused halfway',
   'told.moving': 'The robot is moving',
   'told.stopped': 'It was stopped before it was done',

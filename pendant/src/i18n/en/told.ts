@@ -68,6 +68,7 @@ export const told = {
   'do.program-hold': 'Press Resume to continue',
   'do.program-runs': 'Press Pause first',
   'do.still-running': 'Press Pause first',
+  'do.forward-mode': 'Move it to points, or set motion: stream in the cell',
   'do.motion-held': 'Press Resume, or Cancel motion',
   'do.moving': 'Wait until it has arrived, or press Pause',
   'do.moved-while-held': 'Cancel the motion, or let the joint go back',

@@ -64,6 +64,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.busy-loop': 'El programa da vueltas sin esperar',
   'told.deadlock': 'Todas las tareas esperan, y nada puede cambiar lo que esperan',
   'told.moved-while-held': 'Un eje se movió mientras estaba retenido',
+  'told.forward-mode': 'Este robot interpola por sí mismo y solo admite movimientos',
   'told.motion-held': 'Hay un movimiento en pausa a medio camino',
   'told.moving': 'El robot se está moviendo',
   'told.stopped': 'Se paró antes de terminar',

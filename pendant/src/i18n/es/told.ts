@@ -63,6 +63,7 @@ export const told: Record<keyof typeof en, string> = {
   'do.program-hold': 'Pulse Reanudar para seguir',
   'do.program-runs': 'Pulse antes Pausa',
   'do.still-running': 'Pulse antes Pausa',
+  'do.forward-mode': 'Muévalo a puntos, o ponga motion: stream en la celda',
   'do.motion-held': 'Pulse Reanudar o Cancelar movimiento',
   'do.moving': 'Espere a que llegue o pulse Pausa',
   'do.moved-while-held': 'Cancele el movimiento o deje que el eje vuelva',
