@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "drivers/mujoco/box_contacts.hpp"
 #include "drivers/mujoco/mjcf.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/description/bodies.hpp"
@@ -79,6 +80,7 @@ void copy_rows(T* to, int to_row, const T* from, int from_row, int width) {
 
 ModelSet::ModelSet(const hardware::ComponentContext& context, double timestep) {
   mju_user_warning = keep_quiet;
+  keep_true_box_contacts();
   const std::size_t parts = context.scene ? context.scene->parts.size() : 0;
   compile(context, timestep, 0);
   find_overlaps(context);
