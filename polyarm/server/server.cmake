@@ -3,7 +3,7 @@ find_path(POLYARM_BEAST boost/beast/websocket.hpp)
 if(NOT POLYARM_BEAST)
   message(FATAL_ERROR "Boost.Beast is missing: install libboost-dev, or run tools/setup")
 endif()
-polyarm_room(server USES base realtime meshes shapes kinematics protocol io setup machine operation inside cell recording)
+polyarm_room(server USES base realtime meshes shapes kinematics protocol users io setup machine operation inside cell recording)
 find_package(OpenSSL REQUIRED)  # libssl-dev
 find_package(ZLIB REQUIRED)  # zlib1g-dev
 target_link_libraries(polyarm_server PRIVATE OpenSSL::SSL OpenSSL::Crypto ZLIB::ZLIB)

@@ -20,6 +20,15 @@ export const shell: Record<keyof typeof en, string> = {
   'link.refusedWhy': 'Abra el enlace actual de la celda: lo muestra el terminal en que se ejecuta.',
   'link.lostWhy':
       'No se muestran valores y Parar no llega a la celda. Use la parada de emergencia del robot.',
+  'login.title': 'Iniciar sesión',
+  'login.name': 'Nombre',
+  'login.password': 'Contraseña',
+  'login.enter': 'Entrar',
+  'login.wrong': 'El nombre o la contraseña no son correctos.',
+  'login.wait': 'Demasiadas contraseñas incorrectas. Inténtelo de nuevo en {seconds} s.',
+  'login.failed': 'La celda no responde. Inténtelo de nuevo.',
+  'login.as': 'Sesión de {name}',
+  'login.leave': 'Cerrar sesión',
   'link.back': 'Conectado de nuevo',
 
   'state.label': 'Estado',
