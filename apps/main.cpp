@@ -59,6 +59,7 @@ const std::vector<Verb>& verbs() {
       {"lead", "lead an arm of a running cell by another while a key is held", run_lead},
       {"teleop", "drive a base of a running cell from the keyboard", run_teleop},
       {"param", "parameters of the controllers of a running cell", run_param},
+      {"fleet", "the cells of a site: their states, one page of all, programs for several", run_fleet},
       {"users", "users who log in at the pendant: add, list, remove, role, password", run_users},
       {"audit", "who changed what, and when", run_audit},
       {"setup", "set up the servos of an arm, or inspect the controller of a robot", run_setup},

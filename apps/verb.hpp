@@ -32,6 +32,7 @@ int run_run(int argc, char** argv);
 int run_check(int argc, char** argv);
 int run_calibrate(int argc, char** argv);
 int run_fmt(int argc, char** argv);
+int run_fleet(int argc, char** argv);
 int run_users(int argc, char** argv);
 int run_audit(int argc, char** argv);
 int run_test(int argc, char** argv);
