@@ -482,7 +482,8 @@ void GuardBodies::gradient(const GuardPair& pair, int robot, const GuardGap& gap
                            std::span<double> out) const noexcept {
   std::fill(out.begin(), out.end(), 0.0);
   if (pair.robot_a == robot) slide(pair.a, robot, gap.on_a, gap.normal, 1, out);
-  if (pair.robot_b == robot) slide(pair.b, robot, gap.on_b, gap.normal, -1, out);
+  // Of a pair of one robot the plane moves with the second body.
+  if (pair.robot_b == robot) slide(pair.b, robot, pair.own ? gap.on_a : gap.on_b, gap.normal, -1, out);
 }
 
 }  // namespace polyarm::surroundings
