@@ -7,6 +7,7 @@
 #include <iterator>
 #include <set>
 
+#include "polyarm/description/bodies.hpp"
 #include "polyarm/description/model_builder.hpp"
 #include "polyarm/description/tools.hpp"
 #include "polyarm/hardware/force_sensor.hpp"
@@ -315,7 +316,8 @@ class Writer {
 
   void fixture(std::size_t f, const description::Fixture& fixture, const Pose& at) {
     for (std::size_t s = 0; s < fixture.shapes.size(); ++s)
-      geom(fixture_name(f, s), fixture.shapes[s], at * fixture.shapes[s].pose, fixture.friction);
+      if (description::cloud_of(fixture.shapes[s]).empty())
+        geom(fixture_name(f, s), fixture.shapes[s], at * fixture.shapes[s].pose, fixture.friction);
   }
 
   void slot(std::size_t i, const description::Part& part) {

@@ -241,6 +241,7 @@ void ModelSet::find_owners(const hardware::ComponentContext& context, ModelView&
   const description::Scene& scene = *context.scene;
   for (std::size_t f = 0; f < scene.fixtures.size(); ++f)
     for (std::size_t s = 0; s < scene.fixtures[f].shapes.size(); ++s) {
+      if (!description::cloud_of(scene.fixtures[f].shapes[s]).empty()) continue;
       const auto mover =
           std::find_if(scene.movers.begin(), scene.movers.end(),
                        [&](const description::Mover& k) { return k.name == scene.fixtures[f].mover; });

@@ -208,10 +208,13 @@ class SceneReader {
   }
 
   void fixture(const std::string& name, const Yaml& y) {
-    y.check_keys(with_shapes({"mesh", "at", "xyz", "rpy", "quaternion", "mover", "friction"}), problems_);
+    y.check_keys(with_shapes({"mesh", "cloud", "at", "xyz", "rpy", "quaternion", "mover", "friction"}), problems_);
     Fixture out;
     out.name = name;
-    out.shapes = {read_shape_or_mesh(y)};
+    if (y.has("cloud"))
+      out.shapes = read_cloud(y);
+    else
+      out.shapes = {read_shape_or_mesh(y)};
     out.pose = y.pose();
     out.mover = y["mover"].text("");
     out.friction = friction(y["friction"], out.friction);

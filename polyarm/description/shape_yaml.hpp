@@ -1,5 +1,6 @@
 #pragma once
 /// Shapes in YAML files. Metres.
+#include <string>
 #include <vector>
 
 #include "polyarm/description/robot_model.hpp"
@@ -15,5 +16,9 @@ Shape read_shape(const Yaml& yaml);
 /// The same, or `mesh: {file, unit, scale}`: a file (STL, OBJ, Collada, GLB, glTF, PLY) beside the file of
 /// `yaml`. Its numbers are in `unit` (m by default; mm, cm or in). Throws Error if there is no such file.
 Shape read_shape_or_mesh(const Yaml& yaml);
+
+/// `cloud: {file, unit, radius, cell}`: boxes around the points of a PLY or PCD file beside the file of `yaml`.
+/// Throws Error as clouds::read_cloud() does.
+std::vector<Shape> read_cloud(const Yaml& yaml);
 
 }  // namespace polyarm::description

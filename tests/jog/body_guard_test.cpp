@@ -52,11 +52,15 @@ struct Among {
     }
     robot = {"arm", &rig.model, nullptr, -1, false, {}};
     robot.body = surroundings::robot_body(robot);
+    renew();
+    nobody.assign(1, std::vector<double>(rig.chain.joints(), 0.0));
+  }
+  /// Takes over the robot and the scene.
+  void renew() {
     bodies = std::make_unique<GuardBodies>(std::vector{robot}, scene);
     exact = std::make_unique<GuardBodies>(std::vector{robot}, scene);
     guard =
         std::make_unique<BodyGuard>(*bodies, 0, test::axis_limits(rig.model), BodyGuardOptions{kClearance});
-    nobody.assign(1, std::vector<double>(rig.chain.joints(), 0.0));
   }
   static Moment at(const std::vector<double>& q) {
     Moment out;
@@ -200,6 +204,34 @@ INSTANTIATE_TEST_SUITE_P(OfArms, RandomJogs,
                            return info.param.substr(info.param.find('/') + 1);
                          });
 
+/// An arm beside a wall and a ball of hundreds of boxes, as a point cloud is.
+TEST(BodyGuard, AnArmIsKeptOffAPointCloud) {
+  std::mt19937_64 engine(4);
+  std::uniform_real_distribution<double> even(-1, 1);
+  long held = 0;
+  for (int k = 0; k < 3; ++k) {
+    Among arm("universal_robots/ur5e", engine(), 0);
+    description::Fixture cloud;
+    cloud.name = "cloud";
+    for (int i = 0; i < 500; ++i) {
+      description::Shape box;
+      const Vec3 way{even(engine), even(engine), even(engine)};
+      box.pose.position = i % 2 ? Vec3{0.5, 1.5 * way.x, 0.5 + way.y} : Vec3{-0.5, 0, 0.6} + (0.15 / norm(way)) * way;
+      box.size = {0.02, 0.08, 0.08};
+      cloud.shapes.push_back(box);
+    }
+    arm.scene.fixtures = {cloud};
+    arm.renew();
+    if (!arm.start()) continue;
+    for (int i = 0; i < 25; ++i) {
+      ASSERT_TRUE(arm.run(random_setpoint(arm, engine), 0.3)) << arm.rig.broken;
+      ASSERT_GT(arm.excess, -kSlip) << arm.worst << " " << i;
+    }
+    held += arm.held;
+  }
+  EXPECT_GT(held, 100);
+}
+
 /// A UR5e above a table.
 struct AboveATable : Among {
   AboveATable() : Among("universal_robots/ur5e", 1, 0) {
@@ -210,10 +242,7 @@ struct AboveATable : Among {
     table.shapes = {top};
     table.pose.position = {0, 0, -0.05};
     scene.fixtures = {table};
-    bodies = std::make_unique<GuardBodies>(std::vector{robot}, scene);
-    exact = std::make_unique<GuardBodies>(std::vector{robot}, scene);
-    guard =
-        std::make_unique<BodyGuard>(*bodies, 0, test::axis_limits(rig.model), BodyGuardOptions{kClearance});
+    renew();
     rig.start({0.3, -1.2, 1.6, -1.9, -1.4, 0.5});
     before = rig.joints();
   }
@@ -251,10 +280,7 @@ TEST(BodyGuard, AnArmThatIsTooNearMayOnlyLeave) {
   AboveATable arm;
   ASSERT_TRUE(arm.run(tcp_setpoint({0, 0, -0.2}), 4));
   arm.scene.fixtures[0].pose.position.z += 0.008;  // it comes up: 3 mm inside
-  arm.bodies = std::make_unique<GuardBodies>(std::vector{arm.robot}, arm.scene);
-  arm.exact = std::make_unique<GuardBodies>(std::vector{arm.robot}, arm.scene);
-  arm.guard = std::make_unique<BodyGuard>(*arm.bodies, 0, test::axis_limits(arm.rig.model),
-                                          BodyGuardOptions{kClearance});
+  arm.renew();
   arm.rig.start(arm.rig.joints());
   const double start = arm.distance();
   ASSERT_LT(start, 0);
@@ -263,6 +289,30 @@ TEST(BodyGuard, AnArmThatIsTooNearMayOnlyLeave) {
   EXPECT_TRUE(arm.barriers.touching);
   ASSERT_TRUE(arm.run(tcp_setpoint({0, 0, 0.1}), 1)) << arm.rig.broken;
   EXPECT_GT(arm.distance(), kClearance);
+}
+
+/// A flat tool is parallel to a table: whichever way it tilts, its rim comes first.
+TEST(BodyGuard, AFlatToolTiltsNowhereIntoATable) {
+  description::Tool tool;
+  description::Shape disc;
+  disc.kind = description::ShapeKind::cylinder;
+  disc.radius = 0.06, disc.length = 0.04, disc.pose.position.z = 0.02;
+  tool.body = {disc};
+  for (int k = 0; k < 4; ++k) {
+    AboveATable arm;
+    arm.robot.tool = &tool;
+    arm.robot.body = nullptr;
+    arm.robot.body = surroundings::robot_body(arm.robot);
+    arm.renew();
+    arm.rig.start({0.3, -1.2, 1.6, -1.9708, -1.5708, 0.5});  // the tool looks down
+    arm.before = arm.rig.joints();
+    arm.excess = 1e9;
+    ASSERT_TRUE(arm.run(tcp_setpoint({0, 0, -0.2}), 3)) << arm.rig.broken;
+    EXPECT_LT(arm.distance(), 0.004) << "it comes near";
+    const double angle = 0.3 + k * 1.57;
+    ASSERT_TRUE(arm.run(tcp_setpoint({0, 0, 0, 2 * std::cos(angle), 2 * std::sin(angle), 0}), 0.5));
+    EXPECT_GT(arm.excess, -kSlip) << arm.worst << " " << k;
+  }
 }
 
 /// As far as Barriers::room() says, nothing comes nearer than it may: what has barriers and what has none.
