@@ -20,7 +20,7 @@ namespace polyarm::server {
 using Text = std::shared_ptr<const std::string>;
 
 /// An event of any kind but `answer` and `log` replaces an unsent event of the same kind.
-enum class Kind : std::uint8_t { answer, status, tags, parts, program, plan, points, layout, log };
+enum class Kind : std::uint8_t { answer, status, tags, parts, program, plan, near, points, layout, log };
 
 /// Totals over all clients.
 struct Waiting {

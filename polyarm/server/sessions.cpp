@@ -23,7 +23,7 @@ namespace polyarm::server {
 namespace {
 
 constexpr double kStatusEvery = 0.1, kTagsEvery = 0.1, kLookEvery = 1, kPartsEvery = 1.0 / 30,
-                 kPlansEvery = 0.05, kLogEvery = 0.1, kPointsEvery = 0.2;
+                 kPlansEvery = 0.05, kNearEvery = 0.1, kLogEvery = 0.1, kPointsEvery = 0.2;
 
 /// A connected client, as the cell thread sees it.
 struct Seat {
@@ -61,6 +61,7 @@ class Sessions::Work {
     tags_.emplace(cell);
     parts_.emplace(cell);
     plans_.emplace(cell);
+    near_.emplace(cell);
     status_.clear();
     program_.emplace(cell);
     for (auto& [number, seat] : seats_) seat.greeted = false;
@@ -76,6 +77,7 @@ class Sessions::Work {
     tags_.reset();
     parts_.reset();
     plans_.reset();
+    near_.reset();
     program_.reset();
     status_.clear();
   }
@@ -564,6 +566,7 @@ class Sessions::Work {
     if (due(sent_parts_, kPartsEvery))
       broadcast(Kind::parts, parts_->changes(), [this] { return parts_->full(); });
     if (due(sent_plans_, kPlansEvery)) broadcast(Kind::plan, plans_->changes());
+    if (!seats_.empty() && due(sent_near_, kNearEvery)) broadcast(Kind::near, near_->changes());
     broadcast(Kind::program, program_->changes(now_));
   }
 
@@ -617,12 +620,13 @@ class Sessions::Work {
   std::optional<TagEvents> tags_;
   std::optional<PartEvents> parts_;
   std::optional<PlanEvents> plans_;
+  std::optional<NearEvents> near_;
   std::optional<ProgramEvents> program_;
   std::uint16_t layout_ = 0;
   std::string status_;
   std::uint64_t status_key_ = 0, lines_reported_ = 0, alarms_sent_ = 0;
   double sent_status_ = 0, sent_tags_ = 0, looked_ = 0, sent_parts_ = 0, sent_log_ = 0, sent_points_ = 0,
-         sent_plans_ = 0;
+         sent_plans_ = 0, sent_near_ = 0;
   std::uint64_t frames_sent_ = 0, omitted_frames_ = 0, omitted_events_ = 0;
 };
 

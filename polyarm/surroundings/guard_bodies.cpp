@@ -15,7 +15,7 @@ using Kind = BodyKind;
 
 namespace {
 
-constexpr double kLessOfMany = 0.04;  // m
+constexpr double kLessOfMany = 0.02;  // m
 constexpr std::uint64_t kDepth = 20;  // distances that take as long as the depth of an overlap
 constexpr double kUnknown = -std::numeric_limits<double>::infinity();
 

@@ -88,6 +88,7 @@ export const codes = {
   'told.links-without-body': 'Contacts of some links are not detected',
   'told.tool-without-body': 'Contacts of the tool are not detected',
   'told.fixture-without-body': 'Contacts of a fixture are not detected',
+  'told.cloud-without-physics': 'Physics leaves a point cloud out',
   // program
   'told.program-runs': 'The program is running',
   'told.still-running': 'The program is running',

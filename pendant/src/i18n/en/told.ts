@@ -42,6 +42,7 @@ export const told = {
   'with.links-without-body': '{robot}: {count} of {all} links ({links})',
   'with.tool-without-body': '{robot}: its tool {tool}',
   'with.fixture-without-body': '{fixture}',
+  'with.cloud-without-physics': '{fixture}: guards, check and plans take it',
   'with.state': '{state}',
   'with.state.cause': '{state}: {cause}',
   'with.stop': 'Stopped in {time}: {cause}',

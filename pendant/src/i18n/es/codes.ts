@@ -86,6 +86,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.links-without-body': 'No se detectan los contactos de algunos eslabones',
   'told.tool-without-body': 'No se detectan los contactos de la herramienta',
   'told.fixture-without-body': 'No se detectan los contactos de un objeto fijo',
+  'told.cloud-without-physics': 'La física no incluye una nube de puntos',
   // program
   'told.program-runs': 'El programa está en marcha',
   'told.still-running': 'El programa está en marcha',

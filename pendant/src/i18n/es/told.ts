@@ -39,6 +39,7 @@ export const told: Record<keyof typeof en, string> = {
   'with.links-without-body': '{robot}: {count} de {all} eslabones ({links})',
   'with.tool-without-body': '{robot}: su herramienta {tool}',
   'with.fixture-without-body': '{fixture}',
+  'with.cloud-without-physics': '{fixture}: las protecciones, la comprobación y los planes sí la incluyen',
   'with.state': '{state}',
   'with.state.cause': '{state}: {cause}',
   'with.stop': 'Parado en {time}: {cause}',
