@@ -10,13 +10,14 @@ import { empty, label } from './overlay';
 /** Distances from which on something is far, and up to which it is very near, m. */
 const kFar = 0.1;
 const kClose = 0.005;
-const kStops = [0xe5484d, 0xffb020, 0x3d8bff].map((color) => new THREE.Color(color));
+const kStops = [0xe5484d, 0xffb020, 0x2ea56a, 0x3d8bff].map((color) => new THREE.Color(color));
 
-/** Red: very near, through amber to blue: far. An unknown distance is blue. */
+/** Red: very near, through amber and green to blue: far. An unknown distance is blue. */
 export function clearanceColor(distance: number | undefined): THREE.Color {
   const far = distance === undefined || !Number.isFinite(distance) ? 1 : THREE.MathUtils.clamp((distance - kClose) / (kFar - kClose), 0, 1);
-  const [near, middle, free] = kStops as [THREE.Color, THREE.Color, THREE.Color];
-  return far < 0.5 ? near.clone().lerp(middle, 2 * far) : middle.clone().lerp(free, 2 * far - 1);
+  const at = far * (kStops.length - 1);
+  const i = Math.min(Math.floor(at), kStops.length - 2);
+  return kStops[i]!.clone().lerp(kStops[i + 1]!, at - i);
 }
 
 /** Where a robot is nearest to something, with both names and the distance. */
