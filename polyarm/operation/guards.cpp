@@ -16,7 +16,6 @@ namespace polyarm::cell {
 
 using surroundings::GuardBodies;
 using surroundings::GuardPair;
-using surroundings::GuardZone;
 using surroundings::LookAhead;
 
 namespace {
@@ -32,34 +31,6 @@ constexpr double kCatchUp = 4;
 constexpr std::size_t kSamples = 8;  // of the velocities ahead
 /// More robots have no guards: their bodies alone would take long to make.
 constexpr std::size_t kMostRobots = 100;
-
-std::vector<jog::AxisLimits> axes_of(const CellRobot& robot) {
-  std::vector<jog::AxisLimits> out;
-  for (const controllers::JointFacts& joint : robot.joints)
-    out.push_back({joint.lower, joint.upper, joint.velocity, std::min(joint.acceleration, joint.deceleration),
-                   joint.jerk});
-  return out;
-}
-
-std::vector<GuardZone> zones_of(const CellSetup& setup) {
-  std::vector<GuardZone> out;
-  for (std::size_t r = 0; r < setup.robots.size(); ++r)
-    for (const moves::WorkspaceZone& zone : setup.robots[r]->facts->workspace.zones()) {
-      if (!zone.bodies) continue;
-      const int robot = static_cast<int>(r);
-      if (zone.kind == moves::ZoneKind::plane)
-        out.push_back({zone.name, robot, false, zone.point, zone.normal, {}, {}});
-      if (zone.kind == moves::ZoneKind::outside)
-        out.push_back({zone.name, robot, true, {}, {}, zone.low, zone.high});
-      if (zone.kind != moves::ZoneKind::inside) continue;
-      for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
-        out.push_back({zone.name, robot, false, zone.low, axis, {}, {}});
-        out.push_back({zone.name, robot, false, zone.high, -axis, {}, {}});
-      }
-    }
-  return out;
-}
-
 }  // namespace
 
 /// One robot.
