@@ -243,6 +243,7 @@ HttpReply PageSite::meshes(const Documents& shown, const std::string& path) {
     if (!made.warnings.empty()) shown.patched[path] = glb;
     const std::lock_guard lock(mutex_);
     problems_.insert(problems_.end(), made.warnings.begin(), made.warnings.end());
+    problems_.insert(problems_.end(), made.notes.begin(), made.notes.end());
   }
   HttpReply out = document(std::move(glb), "model/gltf-binary");
   out.headers = {{"Cache-Control", "private, max-age=31536000, immutable"}};
