@@ -71,7 +71,7 @@ void expect_wood(const Mesh& mesh, const std::string& bytes) {
     const float expected = mesh[0].positions[i][1] > 0.5 ? 0.25f : 1;
     EXPECT_NEAR(mesh[0].texcoords[i][1], expected, 1e-6) << "from the upper edge";
   }
-  EXPECT_EQ(mesh[0].color, (std::array<float, 4>{1, 1, 1, 1}));
+  for (const float each : mesh[0].color) EXPECT_NEAR(each, 1, 1e-6) << "the image alone gives the colour";
 }
 
 TEST(Images, OfObjAndColladaCoverTheirTriangles) {
