@@ -81,7 +81,7 @@ std::string archive(const std::string& model) {
   return zip({{"_rels/.rels", kRelationships}, {"3D/part.model", model}, {"../../evil", "x"}});
 }
 
-std::array<float, 3> extent(const Mesh& mesh) {
+std::array<float, 3> upper_corner(const Mesh& mesh) {
   std::array<float, 3> out{};
   for (const MeshPart& part : mesh)
     for (const auto& p : part.positions)
@@ -89,7 +89,7 @@ std::array<float, 3> extent(const Mesh& mesh) {
   return out;
 }
 
-std::string why(const std::string& bytes) {
+std::string refusal(const std::string& bytes) {
   try {
     read_3mf(bytes, "a.3mf");
   } catch (const Error& e) {
@@ -102,7 +102,7 @@ TEST(ThreeMf, ComesInMetresOfItsUnitWithItsColours) {
   Folder folder;
   for (const auto& [unit, metres] : {std::pair{"millimeter", 1e-3}, {"inch", 0.0254}, {"meter", 1.0}, {"micron", 1e-6}}) {
     const Mesh mesh = read_mesh(folder.write("a.3MF", archive(model(unit))));
-    const auto size = extent(mesh);
+    const auto size = upper_corner(mesh);
     for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(size[k], (1.0 + static_cast<double>(k)) * metres, 1e-6 * metres) << unit;
     ASSERT_EQ(mesh.size(), 2u) << "one part for each colour";
     EXPECT_EQ(mesh[0].color, (std::array<float, 4>{1, 0, 0, 1}));
@@ -120,7 +120,7 @@ TEST(ThreeMf, ComponentsStandWhereTheirTransformsSay) {
   std::size_t triangles = 0;
   for (const MeshPart& part : mesh) triangles += part.triangles.size() / 3;
   EXPECT_EQ(triangles, 8u) << "what supports others is left out";
-  const auto size = extent(mesh);
+  const auto size = upper_corner(mesh);
   EXPECT_NEAR(size[1], 11e-3, 1e-6) << "turned by a quarter about z after it was moved";
   EXPECT_NEAR(size[2], 33e-3, 1e-6);
 }
@@ -147,24 +147,24 @@ TEST(ThreeMf, ComponentsMayBeInOtherFilesOfTheArchive) {
   const std::string root =
       R"(<model unit="meter"><resources/><build><item objectid="1" p:path="/3D/Objects/b.model"/></build></model>)";
   const std::string bytes = zip({{"_rels/.rels", kRelationships}, {"3D/part.model", root}, {"3D/Objects/b.model", model("inch")}});
-  EXPECT_NEAR(extent(read_3mf(bytes, "a"))[2], 3, 1e-6) << "the unit of the first model holds";
+  EXPECT_NEAR(upper_corner(read_3mf(bytes, "a"))[2], 3, 1e-6) << "the unit of the first model holds";
 }
 
 TEST(ThreeMf, WhatIsDamagedOrHostileIsRefusedWithASentence) {
-  EXPECT_NE(why("nothing").find("a.3mf"), std::string::npos);
-  EXPECT_NE(why("nothing").find("export it again"), std::string::npos);
-  EXPECT_NE(why(zip({{"a", "b"}})).find("3D/3dmodel.model"), std::string::npos);
-  EXPECT_NE(why(archive("<html/>")).find("<model>"), std::string::npos);
-  EXPECT_NE(why(archive("")), "");
-  EXPECT_NE(why(archive(model("parsec"))).find("unit"), std::string::npos);
-  EXPECT_NE(why(archive(model("meter", "", R"(<item objectid="9"/>)"))).find("'9'"), std::string::npos);
-  EXPECT_NE(why(archive(model("meter", "", R"(<item objectid="1" transform="1 2 3"/>)"))).find("twelve"), std::string::npos);
-  EXPECT_NE(why(archive(model("meter", "", ""))).find("builds nothing"), std::string::npos);
-  EXPECT_NE(why(archive(R"(<model><resources><object id="1"><mesh><vertices/><triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh></object></resources></model>)"))
+  EXPECT_NE(refusal("nothing").find("a.3mf"), std::string::npos);
+  EXPECT_NE(refusal("nothing").find("export it again"), std::string::npos);
+  EXPECT_NE(refusal(zip({{"a", "b"}})).find("3D/3dmodel.model"), std::string::npos);
+  EXPECT_NE(refusal(archive("<html/>")).find("<model>"), std::string::npos);
+  EXPECT_NE(refusal(archive("")), "");
+  EXPECT_NE(refusal(archive(model("parsec"))).find("unit"), std::string::npos);
+  EXPECT_NE(refusal(archive(model("meter", "", R"(<item objectid="9"/>)"))).find("'9'"), std::string::npos);
+  EXPECT_NE(refusal(archive(model("meter", "", R"(<item objectid="1" transform="1 2 3"/>)"))).find("twelve"), std::string::npos);
+  EXPECT_NE(refusal(archive(model("meter", "", ""))).find("builds nothing"), std::string::npos);
+  EXPECT_NE(refusal(archive(R"(<model><resources><object id="1"><mesh><vertices/><triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh></object></resources></model>)"))
                 .find("corner"), std::string::npos);
   const std::string entities =
       R"(<?xml version="1.0"?><!DOCTYPE lolz [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]><model>&b;</model>)";
-  EXPECT_NE(why(archive(entities)).find("document type"), std::string::npos);
+  EXPECT_NE(refusal(archive(entities)).find("document type"), std::string::npos);
 }
 
 TEST(ThreeMf, ObjectsThatUnfoldAreRefused) {
@@ -174,19 +174,19 @@ TEST(ThreeMf, ObjectsThatUnfoldAreRefused) {
     for (int k = 0; k < 10; ++k) more += "<component objectid=\"" + std::to_string(i - 1) + "\"/>";
     more += "</components></object>";
   }
-  EXPECT_NE(why(archive(model("meter", more, R"(<item objectid="11"/>)"))).find("20,000"), std::string::npos);
+  EXPECT_NE(refusal(archive(model("meter", more, R"(<item objectid="11"/>)"))).find("20,000"), std::string::npos);
   const std::string circle =
       R"(<object id="2"><components><component objectid="3"/></components></object><object id="3"><components><component objectid="2"/></components></object>)";
-  EXPECT_NE(why(archive(model("meter", circle, R"(<item objectid="2"/>)"))).find("too deep"), std::string::npos);
+  EXPECT_NE(refusal(archive(model("meter", circle, R"(<item objectid="2"/>)"))).find("too deep"), std::string::npos);
 }
 
 TEST(ThreeMf, AnArchiveThatUnpacksToMoreThanAMeshMayHaveIsRefused) {
   const std::string zeros(200 << 20, '0');
   const std::string bomb = zip({{"_rels/.rels", kRelationships}, {"x", ""}, {"3D/part.model", zeros}});
   ASSERT_LT(bomb.size(), 1u << 20);
-  EXPECT_NE(why(bomb).find("too large"), std::string::npos);
+  EXPECT_NE(refusal(bomb).find("too large"), std::string::npos);
   const std::string liar = zip({{"_rels/.rels", kRelationships}, {"x", ""}, {"3D/part.model", zeros, 1000}});
-  EXPECT_NE(why(liar).find("damaged"), std::string::npos) << "it has more bytes than it says";
+  EXPECT_NE(refusal(liar).find("damaged"), std::string::npos) << "it has more bytes than it says";
 }
 
 TEST(ThreeMf, NoFileBreaksTheReader) {
