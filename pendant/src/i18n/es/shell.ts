@@ -147,7 +147,7 @@ export const shell: Record<keyof typeof en, string> = {
       'Se enciende el equipo y se inician sus controladores. El robot no se mueve por ello.',
   'control.asking': 'Control pedido a {name}: {seconds} s',
   'control.askingShort': 'Pedido',
-  'stop.offline': 'sin conexión: use la parada de emergencia',
+  'stop.offline': 'sin conexión: use la de emergencia',
   'stop.noCell': 'ninguna celda en marcha: nada que parar',
   'alarms.strip': 'Alarma',
   'alarms.more': '+{count} más',
