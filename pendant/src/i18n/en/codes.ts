@@ -144,6 +144,7 @@ export const codes = {
   'told.no-trajectory': 'There is no trajectory',
   'told.no-trajectories': 'Nothing here accepts trajectories',
   'told.no-points': 'There are no points',
+  'told.no-points-file': 'The cell has no file for points. Put a file points.points into its folder, and write “load points” into its program.',
   'told.no-positions': 'There are no positions',
   'told.no-waypoints': 'There are no waypoints',
   'told.waypoint-repeated': 'A waypoint occurs twice in a row',

@@ -142,6 +142,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.no-trajectory': 'No hay ninguna trayectoria',
   'told.no-trajectories': 'Nada aquí acepta trayectorias',
   'told.no-points': 'No hay puntos',
+  'told.no-points-file': 'La celda no tiene ningún archivo de puntos. Ponga un archivo points.points en su carpeta y escriba «load points» en su programa.',
   'told.no-positions': 'No hay posiciones',
   'told.no-waypoints': 'No hay puntos de paso',
   'told.waypoint-repeated': 'Un punto de paso se repite',
