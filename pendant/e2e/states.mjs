@@ -279,6 +279,10 @@ test('a contact is told with its pair and depth, and leads back step by step', a
 });
 
 test('without a connection Stop is dead, and nothing that is old is shown', async () => {
+  await open(page, 'Health');
+  await main().getByText('1000 Hz').first().waitFor();
+  await open(page, 'Signals');
+  await main().locator('tbody td').first().waitFor();
   await open(page, 'Move');
   const shown = main().getByRole('region', { name: /^(TCP position|Joints)$/ });
   await until(async () => /\d/.test((await shown.innerText()).replace(/[^\d]/g, '')), 30, 'values');
@@ -293,6 +297,7 @@ test('without a connection Stop is dead, and nothing that is old is shown', asyn
   await picture(page, 'offline');
   await open(page, 'Signals');
   const values = await main().locator('tbody td:nth-child(2)').allInnerTexts();
+  assert.ok(values.length > 0);
   assert.deepEqual(values.filter((each) => each.trim() !== '–'), [], 'values of tags');
   await open(page, 'Health');
   await main().getByText('Not connected').waitFor();

@@ -3,7 +3,7 @@ import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
 import { WatchOnly } from '../../shell/Control';
-import { connected, mayMove } from '../../state/cell';
+import { connected, mayMove, robot } from '../../state/cell';
 import { cellTime } from '../../state/live';
 import { kept } from '../../state/settings';
 import { followTags, forcedHere, links, setTag, tagInfos, tagNow, tagsKnown } from '../../state/tags';
@@ -75,7 +75,7 @@ export function shownTags(all: TagState[], show: Which, words: string): TagState
 }
 
 function Table() {
-  if (!tagsKnown.value) return <Loading />;
+  if (!tagsKnown.value) return robot.value && !connected.value ? <Empty icon="link" text={t('why.offline')} /> : <Loading />;
   const list = shownTags(tagInfos.value.map(tagNow), which.value, query.value);
   if (list.length === 0) return <Empty icon="signals" text={tagInfos.value.length ? t('signals.notFound') : t('signals.none')} />;
   return (
