@@ -27,6 +27,10 @@ std::vector<double> joints_for(const RobotFacts& robot, const Pose& tcp, std::sp
     return std::vector<double>(solution.q.begin(),
                                solution.q.begin() + static_cast<std::ptrdiff_t>(robot.chain.joints()));
   };
+  const std::optional<Pose> straight = straightened(robot, tcp);
+  if (straight && arm.solve_move(*straight, current, robot.home, found) == ik::IkOutcome::solved &&
+      found.exact)
+    return taken(found);
   if (arm.solve_move(tcp, current, robot.home, found) == ik::IkOutcome::solved) return taken(found);
   const ik::IkExplanation why = arm.explain(tcp, current);
   const std::optional<Pose> near = nearest_reached(robot, arm, tcp, why);

@@ -19,6 +19,16 @@ bool has_fewer_axes(const kinematics::Chain& chain) {
 
 }  // namespace
 
+std::optional<Pose> straightened(const RobotFacts& robot, const Pose& tcp) {
+  if (!has_fewer_axes(robot.chain)) return std::nullopt;
+  const std::vector<kinematics::Chain::Axis> axes = robot.chain.axes();
+  if (axes.empty()) return std::nullopt;
+  const Vec3 z = tcp.rotation * Vec3{0, 0, 1};
+  const Vec3 along = dot(z, axes.front().direction) < 0 ? -axes.front().direction : axes.front().direction;
+  if (!(norm(cross(z, along)) <= kRoundedOrientation)) return std::nullopt;
+  return Pose{tcp.position, rotation_between(z, along) * tcp.rotation};
+}
+
 std::optional<Pose> nearest_reached(const RobotFacts& robot, const ik::InverseKinematics& arm,
                                     const Pose& tcp, const ik::IkExplanation& why) {
   if (!has_fewer_axes(robot.chain) || why.outcome != ik::IkOutcome::unreachable) return std::nullopt;
@@ -37,6 +47,10 @@ Pose reached_pose(const RobotFacts& robot, const Pose& tcp, std::span<const doub
   std::optional<ik::InverseKinematics> own;
   const ik::InverseKinematics& arm = robot.solver ? *robot.solver : own.emplace(robot.chain);
   ik::IkSolution found;
+  const std::optional<Pose> straight = straightened(robot, tcp);
+  if (straight && arm.solve_move(*straight, current, robot.home, found) == ik::IkOutcome::solved &&
+      found.exact)
+    return *straight;
   if (arm.solve_move(tcp, current, robot.home, found) == ik::IkOutcome::solved)
     return found.exact ? tcp : robot.chain.forward(joints_of(robot, found));
   return nearest_reached(robot, arm, tcp, arm.explain(tcp, current)).value_or(tcp);

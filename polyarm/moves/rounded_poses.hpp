@@ -12,13 +12,18 @@ namespace polyarm::moves {
 /// Radians with three decimals and degrees with one are within these bounds.
 inline constexpr double kRoundedPosition = 1e-5, kRoundedOrientation = 1e-3;
 
+/// `tcp` with its z axis along the first axis of the arm, if the robot has fewer than six axes and not more
+/// than kRoundedOrientation lies between. Such an arm reaches these poses over a whole area, so it can follow
+/// lines from one to another.
+std::optional<Pose> straightened(const RobotFacts& robot, const Pose& tcp);
+
 /// The pose that the robot reaches near `tcp`, if it has fewer than six axes and they lie within the bounds
 /// above. The position is kept if the arm can. `why`: explain() for `tcp`.
 std::optional<Pose> nearest_reached(const RobotFacts& robot, const ik::InverseKinematics& arm,
                                     const Pose& tcp, const ik::IkExplanation& why);
 
-/// nearest_reached(), or `tcp` if the robot reaches it exactly, if nothing is near, or with six axes and
-/// more.
+/// straightened() or nearest_reached(), or `tcp` if the robot reaches it exactly, if nothing is near, or with
+/// six axes and more.
 Pose reached_pose(const RobotFacts& robot, const Pose& tcp, std::span<const double> current);
 
 }  // namespace polyarm::moves

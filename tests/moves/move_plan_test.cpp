@@ -430,8 +430,8 @@ TEST(MovePlan, ArmsWithFewerThanSixAxesTakeRoundedPoses) {
     Vec3 from, to;
   };
   for (const Case& c : {Case{"denso/hsr065a1_n32", {0.358, 0.196, 0.008}, {0.358, 0.196, -0.074}},
-                        Case{"fanuc/lr_mate_200ic_5f", {0.4, 0.1, 0.2}, {0.4, 0.1, 0.1}},
-                        Case{"trossen_robotics/rx200", {0.25, 0.05, 0.15}, {0.25, 0.05, 0.1}}})
+                        Case{"fanuc/lr_mate_200ic_5f", {0.4, 0.1, 0.2}, {0.45, -0.05, 0.1}},
+                        Case{"trossen_robotics/rx200", {0.25, 0.05, 0.15}, {0.27, -0.02, 0.1}}})
     for (const double roll : {3.14159265, 3.141593, 3.1416, 3.142}) {
       const Arm arm(c.robot);
       const Pose from{c.from, from_rpy(roll, 0, 0)}, to{c.to, from_rpy(roll, 0, 0)};
