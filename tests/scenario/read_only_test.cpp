@@ -63,7 +63,8 @@ TEST(ReadOnly, ARunNeverBeginsWithTheDataOfTheRunBefore) {
   ASSERT_EQ(test::run_command({"run", folder.path().string(), "--fast", "--quiet"}).exit_code, 0);
   const fs::path state = folder.path() / ".state" / "data";
   ASSERT_TRUE(fs::exists(state / "work.data"));
-  ::chmod((folder.path() / ".state").c_str(), 0555), ::chmod(state.c_str(), 0555);
+  ::chmod(folder.path().c_str(), 0755), ::chmod((folder.path() / ".state").c_str(), 0555),
+      ::chmod(state.c_str(), 0555);
   test::Finished run;
   {
     const Unprivileged nobody;
