@@ -452,7 +452,8 @@ TEST(PythonLaunch, FilesThatAreNoRobotAreNotOffered) {
 
 TEST(PythonLaunch, RobotsOfOtherPackagesOfAWorkspaceAreNotOffered) {
   const test::Folder folder;
-  folder.write("ws/arm_bringup/package.xml", "<package><name>arm_bringup</name><exec_depend>cell_parts</exec_depend></package>");
+  folder.write("ws/arm_bringup/package.xml",
+               "<package><name>arm_bringup</name><exec_depend>cell_parts</exec_depend></package>");
   const auto launch = folder.write("ws/arm_bringup/launch/joy.launch.py", "");
   const std::string robot = "<robot name=\"r\"><link name=\"a\"/></robot>";
   for (const char* name : {"arm_description", "cell_parts", "a_rover"}) {

@@ -43,8 +43,8 @@ TEST(Packages, OfTheSameRepositoryAreFoundFromOneOfThem) {
   const auto names = [&] {
     Problems problems;
     std::vector<std::string> out;
-    for (const Package& each : packages_beside(read_package(place.path() / "robot/control/arm/package.xml"), problems))
-      out.push_back(each.name);
+    const Package arm = read_package(place.path() / "robot/control/arm/package.xml");
+    for (const Package& each : packages_beside(arm, problems)) out.push_back(each.name);
     return out;
   };
   EXPECT_EQ(names(), (std::vector<std::string>{"base"}));

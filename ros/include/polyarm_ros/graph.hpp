@@ -31,7 +31,9 @@ Port open_port(PortKind kind, const std::string& node, const std::string& name, 
     facts.transient_local = qos.polyarm_transient_local();
     facts.depth = qos.depth();
     Port port = polyarm_node_graph_1()->open(std::move(facts));
-    if (!port) log_format(Severity::warn, node.c_str(), "too many topics and services: '%s' is not on the ROS 2 graph", full.c_str());
+    if (!port)
+      log_format(Severity::warn, node.c_str(), "too many topics and services: '%s' is not on the ROS 2 graph",
+                 full.c_str());
     return port;
   } else {
     return nullptr;
