@@ -62,6 +62,63 @@ const CLI::App& innermost(const CLI::App& app) {
   return inner.empty() ? app : innermost(*inner.front());
 }
 
+/// The verb and its subcommands, as a person types them.
+std::string full_name(const CLI::App& app) {
+  std::string out = app.get_display_name();
+  for (const auto* part : app.get_subcommands()) out += " " + full_name(*part);
+  return out;
+}
+
+/// The words that an argument takes, from one_of(): "{a,b}" within the name of its type.
+std::string choices(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const auto begin = type.find('{'), end = type.find('}');
+  if (begin == std::string::npos || end == std::string::npos) return {};
+  return " (" + join(split_words(type.substr(begin + 1, end - begin - 1), ","), ", ") + ")";
+}
+
+std::string shown_name(const CLI::Option& option) {
+  return option.get_positional() ? option.get_name(true) : option.get_name();
+}
+
+/// What a command line lacks: arguments, options or a subcommand, each with the words that fit there.
+std::string missing(const CLI::App& app) {
+  const CLI::App& at = innermost(app);
+  std::string out;
+  for (const CLI::Option* option : at.get_options())
+    if (option->get_required() && option->count() == 0)
+      out += shown_name(*option) + " is missing" +
+             (option->get_description().empty() ? "" : ": " + option->get_description()) + choices(*option) +
+             "\n";
+  if (!out.empty() || at.get_require_subcommand_min() == 0) return out;
+  std::vector<std::string> parts;
+  for (const CLI::App* part : at.get_subcommands([](const CLI::App*) { return true; }))
+    parts.push_back(part->get_name());
+  return "'" + full_name(app) + "' needs one of these words: " + join(parts, ", ") + "\n";
+}
+
+std::string values(int count) {
+  return std::to_string(count) + (count == 1 ? " value" : " values");
+}
+
+/// An option or argument with too few or too many values; `what`: CLI11's "NAME: … [received N]".
+std::string wrong_count(const CLI::App& app, const std::string& what) {
+  const std::string name = what.substr(0, what.find(':'));
+  const auto number = what.rfind("received ");
+  const double given = number == std::string::npos ? 0 : parse_number(what.substr(number + 9)).value_or(0);
+  for (const CLI::Option* option : innermost(app).get_options()) {
+    if (shown_name(*option) != name) continue;
+    const int least = option->get_items_expected_min(), most = option->get_items_expected_max();
+    const std::string takes = least == most                                   ? values(least)
+                              : most >= CLI::detail::expected_max_vector_size ? "at least " + values(least)
+                              : least == 0                                    ? "at most " + values(most)
+                                           : std::to_string(least) + " to " + values(most);
+    return name + " takes " + takes + ", " + (given == 0 ? "none" : format_number(given)) +
+           (given <= 1 ? " was given\n" : " were given\n");
+  }
+  return {};
+}
+
 /// Words that belong to no option or argument, each with the nearest known one.
 std::string not_understood(const CLI::App& app) {
   const std::vector<std::string> rest = app.remaining(true);
@@ -82,6 +139,14 @@ std::string not_understood(const CLI::App& app) {
   if (!out.empty() || rest.empty()) return out;
   return "'" + join(rest, "' '") + "': nothing takes " + (rest.size() == 1 ? "this word" : "these words") +
          ", or it is given twice\n";
+}
+
+/// What is wrong, in our words; CLI11's where there are no better ones.
+std::string wrong_in(const CLI::App& app, const CLI::ParseError& error) {
+  std::string out = not_understood(app);
+  if (out.empty() && dynamic_cast<const CLI::RequiredError*>(&error)) out = missing(app);
+  if (out.empty() && dynamic_cast<const CLI::ArgumentMismatch*>(&error)) out = wrong_count(app, error.what());
+  return out.empty() ? error.what() + std::string("\n") : out;
 }
 
 }  // namespace
@@ -153,16 +218,32 @@ Option* Option::one_of(std::initializer_list<const char*> words) {
   return this;
 }
 Option* Option::existing_file() {
-  option_->check(CLI::ExistingFile);
-  return this;
+  return check(
+      [](const std::string& path) -> std::string {
+        std::error_code error;
+        if (std::filesystem::is_directory(path, error))
+          return "'" + path + "' is a folder, a file was expected";
+        return std::filesystem::exists(path, error) ? "" : "there is no file '" + path + "'";
+      },
+      "FILE");
 }
 Option* Option::existing_folder() {
-  option_->check(CLI::ExistingDirectory);
-  return this;
+  return check(
+      [](const std::string& path) -> std::string {
+        std::error_code error;
+        if (std::filesystem::is_directory(path, error)) return "";
+        return std::filesystem::exists(path, error) ? "'" + path + "' is a file, a folder was expected"
+                                                    : "there is no folder '" + path + "'";
+      },
+      "DIR");
 }
 Option* Option::existing_path() {
-  option_->check(CLI::ExistingPath);
-  return this;
+  return check(
+      [](const std::string& path) -> std::string {
+        std::error_code error;
+        return std::filesystem::exists(path, error) ? "" : "there is no file or folder '" + path + "'";
+      },
+      "PATH(existing)");
 }
 Option* Option::check(std::function<std::string(const std::string&)> wrong, const std::string& name) {
   option_->check(
@@ -252,15 +333,13 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
     state_->app->parse(std::move(words));
     return std::nullopt;
   } catch (const CLI::ParseError& e) {
-    const bool asks = e.get_exit_code() == 0;  // true for --help
-    const std::string wrong = asks ? std::string{} : not_understood(*state_->app);
-    if (!wrong.empty()) {
-      fmt::print(stderr, "{}{} --help lists what is possible.\n", wrong,
-                 innermost(*state_->app).get_display_name());
-      return kUsage;
+    if (e.get_exit_code() == 0) {  // --help
+      state_->app->exit(e);
+      return kOk;
     }
-    const int code = state_->app->exit(e);
-    return code == 0 ? kOk : kUsage;
+    fmt::print(stderr, "{}{} --help lists what is possible.\n", wrong_in(*state_->app, e),
+               full_name(*state_->app));
+    return kUsage;
   }
 }
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 
+#include "apps/asked_cell.hpp"
 #include "apps/export_moveit.hpp"
 #include "apps/options.hpp"
 #include "apps/verb.hpp"
@@ -36,21 +37,29 @@ int run_export(int argc, char** argv) {
   app.require_subcommand();
   CommandLine& moveit =
       *app.add_subcommand("moveit", "SRDF, kinematics, limits, controllers and a launch file for MoveIt 2");
-  std::string path, folder;
-  cell::Overrides overrides;
+  CellOption asked;
+  std::string folder;
   int samples = 10'000;
-  moveit.add_option("cell", path, "folder with a cell.yaml, or a cell file")->required();
+  moveit
+      .add_option("cell", asked.cell,
+                  "folder with a cell.yaml, a cell file, or a robot: a URDF, xacro or catalogue name")
+      ->required();
   moveit.add_option("folder", folder, "output folder; with several robots, one subfolder for each")
       ->required();
-  moveit.add_option("--robot", overrides.robot, "another robot: MODEL, or NAME=MODEL in a cell of several");
+  moveit.add_option("arguments", asked.arguments, "NAME:=VALUE of a description in xacro");
+  moveit.add_option("--controllers", asked.controllers,
+                    "controllers YAML for a robot; may be repeated");
+  moveit.add_option("--robot", asked.overrides.robot, "another robot: MODEL, or NAME=MODEL in a cell of several");
   moveit
       .add_option("--samples", samples,
                   "number of joint states that are tried to find links that never touch")
       ->range(100, 1'000'000);
   app.footer(examples({"polyarm export moveit examples/pick_and_place moveit",
-                       "polyarm export moveit my_cell moveit --samples 100000"}));
+                       "polyarm export moveit my_cell moveit --samples 100000",
+                       "polyarm export moveit robot.urdf.xacro moveit --controllers controllers.yaml"}));
   if (const auto code = app.parse(argc, argv)) return *code;
-  cell::CellFile file = cell::read_cell_file(path, overrides);
+  if (const auto code = asked.settle("export moveit")) return *code;
+  cell::CellFile file = asked.open();
   for (cell::RobotEntry& robot : file.robots) robot.hardware = "mock";
   file.doors.clear();
   cell::CellOptions options;

@@ -21,5 +21,6 @@ int run_far_side_ur(int argc, char** argv);
 int run_far_side_fanuc(int argc, char** argv);
 int run_far_side_abb(int argc, char** argv);
 int run_far_side_kuka(int argc, char** argv);
+int run_far_side_yaskawa(int argc, char** argv);
 
 }  // namespace polyarm::apps

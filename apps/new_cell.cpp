@@ -35,6 +35,8 @@ struct Layout {
   double yaw = 0;         ///< of the tool, rad
   double angle = 0.5;     ///< feeder to the left, tray to the right, rad from x
   double lift = 0.1;      ///< height above a position before and after it
+  /// The tool's yaw counts from the direction in which the point lies. For arms whose tool does not turn.
+  bool facing = false;
 
   double x() const { return round(distance * std::cos(angle)); }
   double y() const { return round(distance * std::sin(angle)); }
@@ -59,8 +61,8 @@ Sizes sizes_of(const description::RobotModel& model, double reach) {
   return out;
 }
 
-Pose down(double x, double y, double z, double yaw) {
-  return {{x, y, z}, from_rpy(std::numbers::pi, 0, yaw)};
+Pose down(const Layout& l, double x, double y, double z) {
+  return {{x, y, z}, from_rpy(std::numbers::pi, 0, l.yaw + (l.facing ? std::atan2(y, x) : 0))};
 }
 
 /// A pose of the program; the list is in program order.
@@ -71,24 +73,24 @@ struct Point {
 std::vector<Point> points_of(const Layout& l, const Sizes& s) {
   const double x = l.x(), y = l.y(), top = l.table + s.part, above = Layout::round(top + l.lift);
   const double gap = 0.005;  // height above the tray at which a part is released
-  return {{"Above", down(Layout::round(l.distance), 0, above, l.yaw)},
-          {"PrePick", down(x, y, above, l.yaw)},
-          {"Pick", down(x, y, top, l.yaw)},
-          {"PrePlace", down(x, -y, above, l.yaw)},
-          {"Place", down(x, -y, Layout::round(top + gap), l.yaw)}};
+  return {{"Above", down(l, Layout::round(l.distance), 0, above)},
+          {"PrePick", down(l, x, y, above)},
+          {"Pick", down(l, x, y, top)},
+          {"PrePlace", down(l, x, -y, above)},
+          {"Place", down(l, x, -y, Layout::round(top + gap))}};
 }
 
 /// The program's moves, one pass for each part.
-std::vector<moves::Move> moves_of(const std::vector<Point>& points, const Sizes& sizes) {
+std::vector<moves::Move> moves_of(const Layout& layout, const std::vector<Point>& points,
+                                  const Sizes& sizes) {
   using moves::MoveKind;
   std::vector<moves::Move> out;
   const auto go = [&](MoveKind kind, std::size_t point, double y) {
     moves::Move move;
     move.kind = kind;
     move.speed = 0.5;
-    Pose at = points[point].pose;
-    at.position.y += y;
-    move.targets.push_back({at, points[point].name});
+    const Vec3 at = points[point].pose.position;
+    move.targets.push_back({down(layout, at.x, at.y + y, at.z), points[point].name});
     out.push_back(std::move(move));
   };
   go(MoveKind::joint, 0, 0);
@@ -185,12 +187,26 @@ constexpr const char* kSignals =
     "  PartsLeft: {state: scene/feeder/remaining, type: number}    # the number of parts left\n"
     "  PartsFed: {state: scene/feeder/presented, type: number}     # the number of parts brought\n";
 
-std::string script(const Sizes& s) {
+/// A function of the program; see Layout::facing.
+std::string facing(const Layout& l) {
+  const std::string turned = l.yaw == 0 ? "" : fmt::format(" + {:.0f}deg", l.yaw * 180 / std::numbers::pi);
+  return "# The tool of this robot does not turn by itself: it faces the way in which the point lies.\n"
+         "func facing(p)\n"
+         "  return p with rz = atan2(p.y, p.x)" +
+         turned + "\nend\n";
+}
+
+std::string script(const Layout& l, const Sizes& s) {
+  const auto shifted = [&](const std::string& point) {
+    return l.facing ? "facing(offset(" + point + ", y = y))" : "offset(" + point + ", y = y)";
+  };
+  const std::string before = shifted("PrePlace"), place = shifted("Place");
   return fmt::format(
       "# Takes each part from the feeder and puts it into the tray, one beside the other.\n"
       "load points\n"
       "let parts = {}\n"
       "let pitch = {}\n"
+      "{}"
       "use speed 50%\n"
       "movej Above\n"
       "for n in 1 .. parts\n"
@@ -202,15 +218,15 @@ std::string script(const Sizes& s) {
       "  wait PartHeld timeout 3s\n"
       "  movel PrePick\n"
       "  let y = (n - 1) * pitch\n"
-      "  movej offset(PrePlace, y = y)\n"
-      "  movel offset(Place, y = y)\n"
+      "  movej {}\n"
+      "  movel {}\n"
       "  set Vacuum = false\n"
       "  wait not PartHeld timeout 3s\n"
-      "  movel offset(PrePlace, y = y)\n"
+      "  movel {}\n"
       "end\n"
       "movej Above\n"
       "log(\"{{parts}} parts are in the tray\")\n",
-      kParts, millimetres(s.pitch));
+      kParts, millimetres(s.pitch), l.facing ? facing(l) : "", before, place, before);
 }
 
 constexpr const char* kTests =
@@ -269,9 +285,26 @@ void write_files(const fs::path& folder, const NewCell& asked, const Layout& lay
   write_file_atomically(folder / "tool.yaml", tool_yaml(sizes));
   write_file_atomically(folder / "signals.yaml", kSignals);
   write_file_atomically(folder / "points.points", points_file(points_of(layout, sizes)));
-  write_file_atomically(folder / "main.script", script(sizes));
+  write_file_atomically(folder / "main.script", script(layout, sizes));
   write_file_atomically(folder / "tests.script", kTests);
   write_file_atomically(folder / "README.md", readme(asked));
+}
+
+/// Leaves nothing behind if a file cannot be written, so that another attempt finds no half of a cell.
+void write_new_files(const fs::path& folder, const NewCell& asked, const Layout& layout, const Sizes& sizes) {
+  std::error_code error;
+  const bool was_there = fs::exists(folder, error);
+  fs::create_directories(folder, error);
+  if (error)
+    throw Error("unwritable", "the folder " + folder.string() + " cannot be created: " + error.message(),
+                "choose a place where you may write with --folder DIR");
+  try {
+    write_files(folder, asked, layout, sizes);
+  } catch (const Error&) {
+    for (const auto& entry : fs::directory_iterator(folder, error)) fs::remove_all(entry.path(), error);
+    if (!was_there) fs::remove(folder, error);
+    throw;
+  }
 }
 
 // --- finding a layout
@@ -293,18 +326,20 @@ cell::CellRobots robot_with_tool(const NewCell& asked, const fs::path& folder, c
 /// Layouts to try, the most usual ones first.
 std::vector<Layout> layouts(double reach) {
   std::vector<Layout> out;
-  for (const double angle : {0.5, 0.35})
-    for (const double table : {0.0, 0.15, -0.15, 0.3, -0.3})
-      for (const double distance : {0.6, 0.5, 0.7, 0.4, 0.8})
-        for (const int quarter : {0, 2, 1, 3}) {
-          Layout l;
-          l.distance = Layout::round(distance * reach);
-          l.table = Layout::round(table * reach);
-          l.yaw = quarter * std::numbers::pi / 2;
-          l.angle = angle;
-          l.lift = std::clamp(Layout::round(0.12 * reach), 0.03, 0.2);
-          out.push_back(l);
-        }
+  for (const bool facing : {false, true})
+    for (const double angle : {0.5, 0.35})
+      for (const double table : {0.0, 0.15, -0.15, 0.3, -0.3})
+        for (const double distance : {0.6, 0.5, 0.7, 0.4, 0.8})
+          for (const int quarter : {0, 2, 1, 3}) {
+            Layout l;
+            l.distance = Layout::round(distance * reach);
+            l.table = Layout::round(table * reach);
+            l.yaw = quarter * std::numbers::pi / 2;
+            l.angle = angle;
+            l.facing = facing;
+            l.lift = std::clamp(Layout::round(0.12 * reach), 0.03, 0.2);
+            out.push_back(l);
+          }
   return out;
 }
 
@@ -313,7 +348,7 @@ bool can_move(const moves::RobotFacts& robot, const std::vector<double>& from, c
   try {
     const std::vector<Point> points = points_of(layout, sizes);
     for (const Point& point : points) moves::joints_for(robot, point.pose, from, point.name);
-    moves::plan_moves(robot, from, moves_of(points, sizes));
+    moves::plan_moves(robot, from, moves_of(layout, points, sizes));
     return true;
   } catch (const Error&) {
     return false;
@@ -377,11 +412,7 @@ int write_new_cell(const NewCell& asked) {
     if (!best || found.size() < why.size() || found.empty()) best = layout, why = found;
     if (found.empty() || ++tried >= kMostTried) break;
   }
-  fs::create_directories(folder, error);
-  if (error)
-    throw Error("unwritable", "the folder " + folder.string() + " cannot be created: " + error.message(),
-                "choose a place where you may write with --folder DIR");
-  write_files(folder, asked, best.value_or(layouts(sizes.reach).front()), sizes);
+  write_new_files(folder, asked, best.value_or(layouts(sizes.reach).front()), sizes);
   if (!best) why = found_in(folder);
   fmt::print("The cell '{}' is in {}: {}, table, suction cup, feeder, tray and {} parts.\n", asked.name,
              folder.string(), asked.robot, kParts);

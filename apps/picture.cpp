@@ -24,31 +24,46 @@ using shapes::LinkShape;
 constexpr int kSize = 260;   // px, longer side
 constexpr int kColorsOfPicture = 48;  // keeps a picture below 15 kB
 
-bool drawable(const std::vector<Shape>& list) {
-  return std::any_of(list.begin(), list.end(),
-                     [](const Shape& shape) { return shape.kind != ShapeKind::mesh; });
-}
+constexpr std::size_t kTriangles = 100'000;  // of all meshes; more are simplified
 
-/// The plain shapes of a link in its frame: visuals, or collision shapes without them.
-meshes::Mesh mesh_of(const Link& link) {
+/// A mesh file in the frame of its link; nothing if it cannot be read. Without images.
+meshes::Mesh read(const Shape& shape) {
   meshes::Mesh out;
-  for (const Shape& shape : drawable(link.visuals) ? link.visuals : link.collisions)
-    for (meshes::MeshPart& part : meshes::mesh_of_shape(shape)) {
-      for (std::size_t i = 0; i < part.positions.size(); ++i) {
-        auto& p = part.positions[i];
-        auto& n = part.normals[i];
-        const Vec3 at = shape.pose * Vec3{p[0], p[1], p[2]},
-                   to = shape.pose.rotation * Vec3{n[0], n[1], n[2]};
-        p = {static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z)};
-        n = {static_cast<float>(to.x), static_cast<float>(to.y), static_cast<float>(to.z)};
-      }
-      part.color = {0.86f, 0.87f, 0.88f, 1};
-      out.push_back(std::move(part));
-    }
+  Problems ignored;
+  if (!shape.mesh_path.empty()) collect(ignored, [&] { out = meshes::read_mesh(shape.mesh_path); });
+  meshes::place(out, shape);
   return out;
 }
 
-/// The description's own look if it consists of plain shapes; otherwise generated shapes.
+/// Shapes in the frame of their link.
+meshes::Mesh mesh_of(const std::vector<Shape>& shapes) {
+  meshes::Mesh out;
+  for (const Shape& shape : shapes) {
+    meshes::Mesh mesh = shape.kind == ShapeKind::mesh ? read(shape) : meshes::mesh_of_shape(shape);
+    if (shape.kind != ShapeKind::mesh) meshes::place(mesh, shape);
+    for (meshes::MeshPart& part : mesh) {
+      if (!part.colored) part.color = {0.86f, 0.87f, 0.88f, 1};
+      out.push_back(std::move(part));
+    }
+  }
+  return out;
+}
+
+/// The look that the description gives a link, or its collision shapes without one.
+meshes::Mesh mesh_of(const Link& link) {
+  meshes::Mesh out = mesh_of(link.visuals);
+  return out.empty() ? mesh_of(link.collisions) : out;
+}
+
+void simplify(std::vector<LinkShape>& shapes) {
+  std::size_t all = 0;
+  for (const LinkShape& each : shapes) all += meshes::triangles_of(each.mesh);
+  if (all <= kTriangles) return;
+  for (LinkShape& each : shapes)
+    meshes::simplify(each.mesh, kTriangles * meshes::triangles_of(each.mesh) / all + 12);
+}
+
+/// The description's own look; generated shapes without one.
 std::vector<LinkShape> look_of(const RobotModel& model) {
   Problems ignored;
   std::vector<LinkShape> out;
@@ -56,6 +71,7 @@ std::vector<LinkShape> look_of(const RobotModel& model) {
     for (std::size_t i = 0; i < model.links.size(); ++i)
       if (meshes::Mesh mesh = mesh_of(model.links[i]); !mesh.empty())
         out.push_back({static_cast<int>(i), std::move(mesh)});
+  simplify(out);
   return out.empty() ? shapes::robot_shapes(model, ignored) : out;
 }
 

@@ -25,15 +25,18 @@ std::vector<std::string>& kept() {
 }
 
 void allow(const std::string& what) {
-  const bool named = what.starts_with("host:") || what.starts_with(kSecretPrefix);
-  kept().push_back(named ? what : fs::absolute(what).string());
-  if (what.starts_with("host:") && what.size() > 5) return reach().allow_host(what.substr(5));
-  if (what.starts_with(kSecretPrefix) && what.size() > kSecretPrefix.size())
-    return reach().allow_secret(what.substr(kSecretPrefix.size()));
+  constexpr const char* kForms = "--allow PATH, --allow host:NAME or --allow secret:NAME";
+  const bool host = what.starts_with("host:"), secret = what.starts_with(kSecretPrefix);
+  if (what.empty() || what == "host:" || what == kSecretPrefix)
+    throw Error("bad-value", "--allow " + what + ": a name is missing", kForms);
+  kept().push_back(host || secret ? what : fs::absolute(what).string());
+  if (host) return reach().allow_host(what.substr(5));
+  if (secret) return reach().allow_secret(what.substr(kSecretPrefix.size()));
   std::error_code error;
-  if (!fs::exists(what, error) && !fs::exists(fs::absolute(what, error).parent_path(), error))
-    throw Error("bad-value", "--allow " + what + ": there is no such file or folder",
-                "--allow PATH, --allow host:NAME or --allow secret:NAME");
+  const auto colon = what.find(':');
+  const bool other = colon != std::string::npos && what.find('/') > colon && !fs::exists(what, error);
+  if (other || (!fs::exists(what, error) && !fs::exists(fs::absolute(what, error).parent_path(), error)))
+    throw Error("bad-value", "--allow " + what + ": there is no such file or folder", kForms);
   reach().allow(what);
 }
 

@@ -68,7 +68,7 @@ struct Wanted {
 int list_robots(int argc, char** argv) {
   CommandLine app(
       "Finds robots of the catalogue; `add` adds one, `remove` removes one that was added, `picture` draws "
-      "one, `page` writes pages of all",
+      "one, `page` writes pages of all, `fit` measures a look",
       "polyarm robots");
   bool json = false, names = false;
   Wanted wanted;
@@ -105,6 +105,7 @@ int run_robots(int argc, char** argv) {
   if (verb == "add") return run_robots_add(argc - 1, argv + 1);
   if (verb == "remove") return run_robots_remove(argc - 1, argv + 1);
   if (verb == "picture") return run_robots_picture(argc - 1, argv + 1);
+  if (verb == "fit") return run_robots_fit(argc - 1, argv + 1);
   if (verb == "page") return run_robots_page(argc - 1, argv + 1);
   return list_robots(argc, argv);
 }

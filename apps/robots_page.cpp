@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <vector>
 
 #include "apps/options.hpp"
 #include "apps/picture.hpp"
@@ -9,6 +10,8 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/ik/inverse_kinematics.hpp"
+#include "polyarm/server/assets.hpp"
+#include "polyarm/shapes/robot_shapes.hpp"
 
 namespace polyarm::apps {
 
@@ -63,7 +66,7 @@ std::string index_page(
     std::size_t robots) {
   std::string out = fmt::format(
       "# The catalogue\n\n{} robots of {} makers at their home. Written by `polyarm robots page`; find by "
-      "figures with `polyarm robots --axes 6 --reach '>=1.2'`.\n\n",
+      "figures with `polyarm robots --axes 6 --reach '>=1.2'`; [looks](looks.md).\n\n",
       robots, makers.size());
   for (const auto& [folder, list] : makers)
     out += fmt::format("[{}](#{}) ({}) ", list.front().first.maker, folder, list.size());
@@ -80,6 +83,54 @@ std::string index_page(
           cell_number(entry.mass_kg, "kg"), entry.mass_estimated ? " (est.)" : "");
   }
   return out;
+}
+
+/// Measured distances between looks and meshes, by robot: lines of `polyarm robots fit --csv`. Empty without the file.
+std::map<std::string, std::vector<std::string>> fits_in(const fs::path& file) {
+  std::map<std::string, std::vector<std::string>> out;
+  std::error_code error;
+  if (!fs::exists(file, error)) return out;
+  for (const std::string& line : split_fields(read_file(file), '\n')) {
+    std::vector<std::string> fields = split_fields(line, ',');
+    if (fields.size() == 6) out[fields.front()] = std::move(fields);
+  }
+  return out;
+}
+
+/// "12 mm, 1.4 %"
+std::string fit_text(const std::vector<std::string>& fields) {
+  const double reach = parse_number(fields[3]).value_or(0), p95 = parse_number(fields[4]).value_or(0);
+  return fmt::format("{:.0f} mm{}", 1000 * p95, reach > 0 ? fmt::format(", {:.1f} %", 100 * p95 / reach) : "");
+}
+
+/// What each robot's look is made of, how large it is, and how far it is from the meshes of its maker.
+std::string shapes_page(const std::map<std::string, std::vector<std::pair<CatalogueEntry, RobotModel>>>& makers,
+                        const std::map<std::string, std::vector<std::string>>& fits) {
+  std::string rows;
+  std::size_t robots = 0, measured = 0;
+  for (const auto& [folder, list] : makers)
+    for (const auto& [entry, model] : list) {
+      std::size_t outlines = 0, triangles = 0;
+      for (const description::Link& link : model.links) outlines += link.outline.has_value();
+      Problems ignored;
+      const auto bodies = shapes::robot_shapes(model, ignored);
+      for (const shapes::LinkShape& body : bodies) triangles += meshes::triangles_of(body.mesh);
+      const auto fit = fits.find(entry.name);
+      rows += fmt::format("| `{}` | {} | {} | {} | {:.0f} | {} |\n", entry.name, bodies.size(),
+                          outlines ? fmt::format("measured, {} links", outlines) : "kinematics", triangles,
+                          static_cast<double>(server::zipped(shapes::robot_glb(model)).size()) / 1000,
+                          fit == fits.end() ? "–" : fit_text(fit->second));
+      ++robots;
+      measured += outlines > 0;
+    }
+  return fmt::format(
+             "# Looks of the catalogue\n\nWritten by `polyarm robots page`. Each robot's look is made from its "
+             "kinematics, its maker's style, and, for {} of {} robots, from a box around each link that was measured on "
+             "meshes of a public description (decision 25). *Fit*: 95 % of the surface of look and meshes are nearer "
+             "to each other than this, at home; in % of the reach (`polyarm robots fit`); – where no mesh was compared.\n\n"
+             "| robot | bodies | outline | triangles | kB, compressed | fit |\n|---|---|---|---|---|---|\n",
+             measured, robots) +
+         rows;
 }
 
 void write(const fs::path& file, const std::string& text) {
@@ -124,7 +175,10 @@ int run_robots_page(int argc, char** argv) {
       catalogue_folder.empty() ? open_catalogue() : description::Catalogue({catalogue_folder});
   std::map<std::string, std::vector<std::pair<CatalogueEntry, RobotModel>>> makers;
   std::size_t count = 0;
+  fs::path fits;  // beside the folders of the makers
   for (const CatalogueEntry& entry : catalogue.entries()) {
+    if (const auto file = catalogue.find(entry.name); file && fits.empty())
+      fits = file->parent_path().parent_path() / "look_fit.csv";
     RobotModel model = catalogue.load(entry.name);
     write(fs::path(folder) / (entry.name + ".svg"), picture_of(model, model.start()));
     makers[entry.name.substr(0, entry.name.find('/'))].emplace_back(entry, std::move(model));
@@ -133,6 +187,7 @@ int run_robots_page(int argc, char** argv) {
   for (const auto& [maker, list] : makers)
     write(fs::path(folder) / (maker + ".md"), maker_page(list.front().first.maker, list));
   write(fs::path(folder) / "README.md", index_page(makers, count));
+  write(fs::path(folder) / "looks.md", shapes_page(makers, fits_in(fits)));
   fmt::print("{} robots of {} makers written to {}\n", count, makers.size(), folder);
   return kOk;
 }

@@ -20,6 +20,7 @@
 #include "apps/options.hpp"
 #include "apps/reach.hpp"
 #include "apps/run_output.hpp"
+#include "apps/run_audit.hpp"
 #include "apps/run_pendant.hpp"
 #include "polyarm/base/printer.hpp"
 #include "polyarm/base/text.hpp"
@@ -45,6 +46,7 @@ struct RunArguments : CellOption {
   std::vector<std::string> faults;
   bool json = false, quiet = false, ros2 = false, keeps_going = false, yes = false;
   bool connects = false;  ///< the user has just chosen the real hardware: the cell starts held
+  bool audits = true;
   bool asks = true;       ///< ask at the terminal; false if the cell was chosen at the pendant
   int line = 0;
 };
@@ -98,6 +100,7 @@ void add_options(CommandLine& app, RunArguments& a) {
   app.add_flag("--links", a.cell_options.links, "links to the outside are connected in lock-step, too");
   app.add_flag_callback(
       "--no-socket", [socket] { *socket = false; }, "no other program may reach this cell while it runs");
+  app.add_flag_callback("--no-audit", [&a] { a.audits = false; }, "write no audit log (polyarm audit)");
   app.add_option_function(
          "--budget", [&a](double ms) { a.overrides.budget = nanoseconds(ms * 1e-3); },
          "ms that a callback in the control loop may take; longer ones are reported")
@@ -297,13 +300,14 @@ struct Ended {
 class OneRun {
  public:
   OneRun(RunArguments& a, const std::string& command, const description::Catalogue& catalogue, Output& shown,
-         server::Pendant* pendant)
+         server::Pendant* pendant, users::AuditLog* audit_log)
       : a_(a),
         command_(command),
         catalogue_(catalogue),
         shown_(shown),
         observer_(pendant ? pendant->observer() : shown),
-        pendant_(pendant) {
+        pendant_(pendant),
+        audit_(audit_log) {
     if (pendant_) waits_ = std::exchange(a_.cell_options.waits, true);  // a fault does not end the run
   }
   ~OneRun() {
@@ -333,6 +337,7 @@ class OneRun {
       return out;
     }
     cell::CellInside& inside = cell::inside_of(*cell);
+    if (audit_) audit(cell->view(), *audit_, pendant_);
     if (pendant_ && !waits_) inside.programs->let_begin();
     if (pendant_) {
       pendant_->attach(cell->view());
@@ -381,6 +386,7 @@ class OneRun {
   Output& shown_;
   cell::Observer& observer_;  ///< the pendant's observer, which forwards to the output
   server::Pendant* pendant_;
+  users::AuditLog* audit_;  ///< null: none
   bool waits_ = false;  ///< the program waits until somebody starts it
 };
 
@@ -410,9 +416,9 @@ void take_over(const cell::RestartRequest& wish, RunArguments& a) {
 }
 
 int run_until_done(RunArguments& a, const std::string& command, const description::Catalogue& catalogue,
-                   Output& shown, server::Pendant* pendant) {
+                   Output& shown, server::Pendant* pendant, users::AuditLog* audit_log) {
   for (;;) {
-    Ended ended = OneRun(a, command, catalogue, shown, pendant).run();
+    Ended ended = OneRun(a, command, catalogue, shown, pendant, audit_log).run();
     if (std::exchange(a.connects, false) && !ended.wish && !ended.by_person && !ended.armed) {
       pendant->observer().on_note("the real hardware was not connected: the cell is simulated again");
       ended.wish.emplace();
@@ -437,10 +443,12 @@ int execute(RunArguments& a, const std::string& command) {
   const description::Catalogue catalogue = open_catalogue();
   stop_on_signals(!a.run.fast);
   a.cell_options.start_given_up = [] { return cell::stops_requested() > 0; };
+  std::unique_ptr<users::AuditLog> audit_log;
+  if (a.audits && (a.pendant.on || (a.run.fast ? a.run.fast_socket : a.run.socket))) audit_log = open_audit(*shown);
   std::unique_ptr<server::Pendant> pendant;
   if (a.pendant.on) {
     try {
-      pendant = open_pendant(a.pendant, catalogue, *shown);
+      pendant = open_pendant(a.pendant, catalogue, *shown, audit_log.get());
     } catch (const Error& e) {
       fmt::print(stderr, "polyarm run: {}\n", e.what());
       return kFailed;
@@ -451,7 +459,7 @@ int execute(RunArguments& a, const std::string& command) {
       shown->on_note("this runs as root and other machines may reach it: run it as an ordinary user");
     announce(*pendant, a.pendant, *shown);
   }
-  return run_until_done(a, command, catalogue, *shown, pendant.get());
+  return run_until_done(a, command, catalogue, *shown, pendant.get(), audit_log.get());
 }
 
 }  // namespace

@@ -16,9 +16,11 @@
 #include "apps/picture.hpp"
 #include "apps/terminal.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/text.hpp"
 #include "polyarm/cell/socket_door.hpp"
 #include "polyarm/server/tls.hpp"
 #include "polyarm/server/token.hpp"
+#include "polyarm/users/user_list.hpp"
 #include "polyarm/base/reach.hpp"
 
 namespace polyarm::apps {
@@ -101,6 +103,15 @@ void add_pendant_options(CommandLine& app, PendantArguments& a) {
       "--in-clear", a.in_clear,
       "serve other machines without TLS: anyone on the network can read the token and move the robot");
   app.add_flag("--role-links", a.links, "print a link for each role: watch, operate, program, administer");
+  app.add_option_function(
+         "--metrics",
+         [&a](const std::string& where) {
+           a.on = true;
+           a.metrics = where.empty() ? "9464" : where;
+         },
+         "serve GET /metrics for Prometheus on this port of the loopback interface (9464), or on ADDR:PORT")
+      ->expected(0, 1)
+      ->type_name("[[ADDR:]PORT]");
   app.add_flag("--open", a.open, "open the pendant in the browser");
 }
 
@@ -108,9 +119,20 @@ namespace {
 
 /// A folder for user data that survives a restart of the machine.
 fs::path data_of_user() {
-  if (const char* data = std::getenv("XDG_DATA_HOME"); data && *data) return fs::path(data) / "polyarm";
-  if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".local/share/polyarm";
-  return cell::SocketDoor::folder_of_user();
+  const fs::path folder = users::folder_of_user();
+  return folder.empty() ? cell::SocketDoor::folder_of_user() : folder;
+}
+
+server::PendantOptions::Metrics metrics_of(const std::string& where) {
+  server::PendantOptions::Metrics out;
+  const auto colon = where.rfind(':');
+  if (colon != std::string::npos) out.address = where.substr(0, colon);
+  const std::string port = colon == std::string::npos ? where : where.substr(colon + 1);
+  const auto number = parse_number(port);
+  if (out.address.empty() || !number || *number < 0 || *number > 65535 || *number != static_cast<int>(*number))
+    throw Error("bad-option", "--metrics " + where + " is no port", "for example --metrics 9464, or --metrics 0.0.0.0:9464");
+  out.port = static_cast<std::uint16_t>(*number);
+  return out;
 }
 
 std::optional<server::Certificate> certificate_of(const PendantArguments& a) {
@@ -128,7 +150,8 @@ std::optional<server::Certificate> certificate_of(const PendantArguments& a) {
 }  // namespace
 
 std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& a,
-                                              const description::Catalogue& catalogue, cell::Observer& next) {
+                                              const description::Catalogue& catalogue, cell::Observer& next,
+                                              users::AuditLog* audit) {
   server::PendantOptions options;
   options.port = static_cast<std::uint16_t>(a.port < 0 ? kPort : a.port);
   if (a.listens) options.listen = a.listen;
@@ -138,6 +161,9 @@ std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& a,
     options.fingerprint = certificate->fingerprint;
   }
   options.token = token_of_user();
+  options.users = users::users_file(data_of_user());
+  options.audit = audit;
+  if (!a.metrics.empty()) options.metrics = metrics_of(a.metrics);
   if (const char* page = std::getenv("POLYARM_PENDANT_PAGE")) options.page_folder = page;
   options.version = POLYARM_VERSION;
   options.catalogue = &catalogue;
@@ -145,7 +171,7 @@ std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& a,
   try {
     return std::make_unique<server::Pendant>(options, next);
   } catch (const Error&) {
-    if (a.port >= 0) throw;
+    if (a.port >= 0 || options.metrics) throw;
   }
   options.port = 0;  // another cell uses the port
   return std::make_unique<server::Pendant>(std::move(options), next);
@@ -167,6 +193,8 @@ void announce(const server::Pendant& pendant, const PendantArguments& a, cell::O
     for (const protocol::Role role : {protocol::Role::watch, protocol::Role::operate, protocol::Role::program,
                                   protocol::Role::administer})
       observer.on_note(std::string("link to ") + protocol::name(role) + ": " + pendant.link_for(role));
+  if (pendant.metrics_port() != 0)
+    observer.on_note("metrics for Prometheus: port " + std::to_string(pendant.metrics_port()) + ", path /metrics");
   if (a.open) open_in_browser(pendant.link());
 }
 

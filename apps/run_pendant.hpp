@@ -11,13 +11,14 @@ namespace polyarm::apps {
 struct PendantArguments {
   bool on = false, open = false, listens = false, in_clear = false, links = false;
   int port = -1;  ///< default: 8765, or any free port if it is in use
-  std::string listen, page, certificate, key;
+  std::string listen, page, certificate, key, metrics;
 };
 void add_pendant_options(CommandLine& app, PendantArguments& arguments);
 
-/// The catalogue must outlive the pendant. Throws Error.
+/// The catalogue and the audit log (or null) must outlive the pendant. Throws Error.
 std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& arguments,
-                                              const description::Catalogue& catalogue, cell::Observer& next);
+                                              const description::Catalogue& catalogue, cell::Observer& next,
+                                              users::AuditLog* audit);
 /// If other machines are served, prints the link and a QR code; opens the page if requested.
 void announce(const server::Pendant& pendant, const PendantArguments& arguments, cell::Observer& observer);
 

@@ -5,5 +5,6 @@ namespace polyarm::apps {
 
 int run_setup_abb(int argc, char** argv);
 int run_setup_kuka(int argc, char** argv);
+int run_setup_yaskawa(int argc, char** argv);
 
 }  // namespace polyarm::apps

@@ -169,7 +169,9 @@ int run_all(const std::vector<cell::ProgramTest>& tests, const TestArguments& a)
         tell_progress(ended, failed, tests.size(), a);
       });
   if (!a.junit.empty()) write_file_atomically(a.junit, junit(tests, verdicts));
-  if (!a.json) fmt::print("{} tests, {} passed, {} failed\n", tests.size(), tests.size() - failed, failed);
+  if (!a.json)
+    fmt::print("{} {}, {} passed, {} failed\n", tests.size(), tests.size() == 1 ? "test" : "tests",
+               tests.size() - failed, failed);
   return failed > 0 ? kFailed : kOk;
 }
 

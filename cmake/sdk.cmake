@@ -14,7 +14,7 @@ set(POLYARM_SDK_HEADERS
     realtime/latest.hpp
     description/robot_model.hpp description/scene.hpp
     trajectory/splines.hpp trajectory/trajectory.hpp
-    hardware/component.hpp hardware/component_rig.hpp hardware/device_lock.hpp hardware/driver_facts.hpp hardware/plugin.hpp
+    hardware/component.hpp hardware/component_rig.hpp hardware/device_lock.hpp hardware/driver_facts.hpp hardware/node_graph.hpp hardware/plugin.hpp
     hardware/world_state.hpp
     controllers/command_watch.hpp controllers/controller.hpp controllers/controller_rig.hpp controllers/filters.hpp controllers/messages.hpp
     controllers/parameters.hpp controllers/pid.hpp controllers/shared_list.hpp controllers/speed_limiter.hpp

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "polyarm/base/error.hpp"
@@ -24,6 +25,10 @@ constexpr DriverParameter kParameters[] = {
     {"host", text, nullptr, "address of the controller, as its network settings show it"},
     {"stream_port", number, "60015", "of Stream Motion, UDP", 1, 65535},
     {"rmi_port", number, "16001", "of the Remote Motion Interface, TCP", 1, 65535},
+    {"motion", text, "stream",
+     "stream: this computer interpolates and streams joint positions; forward: the controller interpolates, "
+     "over the Remote Motion Interface alone",
+     -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), "stream forward"},
     {"pace", boolean, "true",
      "the control loop follows the controller's clock; one robot of a cell can do that"},
     {"digital_in", text, "1-16", "range of digital inputs that are read, at most 64; empty: none"},
@@ -39,6 +44,11 @@ constexpr DriverParameter kParameters[] = {
     {"loop_silence_ms", number, "100", "ms without a command of the loop until the robot is braked", 10,
      10000},
     {"settle", number, "2", "s that the controller must stay ready before the robot counts as active", 0, 20},
+    {"poll_ms", number, "20", "forward: ms between two readings of the joints", 4, 1000},
+    {"answer_ms", number, "1000", "forward: ms without an answer until the link counts as lost", 50, 20000},
+    {"window", number, "8", "forward: most instructions that the controller has at a time", 2, 8},
+    {"ramp", number, "0.2", "forward: s in which the robot speeds up, for CNT", 0.02, 2},
+    {"tool_number", number, "9", "forward: the controller's tool frame that the driver writes", 1, 29},
     {"connect_timeout", number, "2", "s for each connection and answer", 0.05, 60},
     {"start_timeout", number, "5", "s for the streaming program to become ready", 0.05, 60},
 };
@@ -113,8 +123,53 @@ CallbackReturn FanucComponent::on_init(const hardware::ComponentContext& context
   settings_.inputs = io_range("digital_in", p.text("digital_in"));
   settings_.outputs = io_range("digital_out", p.text("digital_out"));
   outputs_ = Outputs();
-  link_ = std::make_unique<Link>(settings_);
+  forward_.reset(), link_.reset();
+  if (p.text("motion") == "forward")
+    make_forward(context, p);
+  else
+    link_ = std::make_unique<Link>(settings_);
   return CallbackReturn::success;
+}
+
+CallbackReturn FanucComponent::on_configure() {
+  if (!forward_) return StreamComponent::on_configure();
+  active_ = false;
+  return forward_->open() ? CallbackReturn::success : CallbackReturn::failure;
+}
+
+CallbackReturn FanucComponent::on_activate() {
+  if (!forward_) return StreamComponent::on_activate();
+  commanded_.fill(std::numeric_limits<double>::quiet_NaN());
+  if (!forward_->start()) return CallbackReturn::failure;
+  active_ = true;
+  return CallbackReturn::success;
+}
+
+CallbackReturn FanucComponent::on_deactivate() {
+  if (!forward_) return StreamComponent::on_deactivate();
+  active_ = false;
+  forward_->stop();
+  return CallbackReturn::success;
+}
+
+CallbackReturn FanucComponent::on_cleanup() {
+  if (!forward_) return StreamComponent::on_cleanup();
+  active_ = false;
+  forward_->close();
+  return CallbackReturn::success;
+}
+
+bool FanucComponent::await_cycle(Nanoseconds timeout) noexcept {
+  return forward_ ? forward_->await(timeout) : StreamComponent::await_cycle(timeout);
+}
+
+std::string FanucComponent::reason() const {
+  return forward_ ? forward_->reason() : StreamComponent::reason();
+}
+
+Cause FanucComponent::cause() const noexcept {
+  if (!forward_) return StreamComponent::cause();
+  return forward_->cause() != Cause::none ? forward_->cause() : forward_->refused();
 }
 
 std::vector<hardware::InterfaceDescription> FanucComponent::state_interfaces() const {
@@ -140,7 +195,8 @@ std::vector<hardware::InterfaceDescription> FanucComponent::command_interfaces()
   return out;
 }
 
-ReturnType FanucComponent::read(const hardware::Cycle&, std::span<double> states) noexcept {
+ReturnType FanucComponent::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  if (forward_) return read_forward(cycle, states);
   link_->fetch();
   const Sample& sample = link_->sample();
   const Status& status = sample.status;
@@ -167,6 +223,7 @@ ReturnType FanucComponent::read(const hardware::Cycle&, std::span<double> states
 }
 
 ReturnType FanucComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
+  if (forward_) return write_forward(commands);
   if (link_->cause() != Cause::none) return ReturnType::error;
   if (!active_) return ReturnType::ok;
   if (settings_.outputs.count > 0) {
@@ -181,6 +238,9 @@ const hardware::DriverFacts* FanucComponent::facts() const noexcept {
 }
 
 std::string FanucComponent::summary() const {
+  if (forward_)
+    return fmt::format("FANUC controller at {}, its own motion over Remote Motion {}", settings_.host,
+                       forward_->rmi_version());
   if (!link_) return {};
   std::string out = fmt::format("FANUC controller at {}, Stream Motion {} at {:g} Hz, Remote Motion {}",
                                 settings_.host, link_->version(), link_->rate(), link_->rmi_version());

@@ -1,11 +1,13 @@
 #pragma once
-/// A robot of FANUC (R-30iB Plus and newer, software V9.40P and newer) over Stream Motion.
+/// A robot of FANUC (R-30iB Plus and newer, software V9.40P and newer) over Stream Motion, or with
+/// `motion: forward` over the Remote Motion Interface alone.
 #include <array>
 #include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "drivers/fanuc/forward_link.hpp"
 #include "drivers/fanuc/link.hpp"
 #include "drivers/wire/stream_component.hpp"
 
@@ -21,20 +23,49 @@ namespace polyarm::fanuc {
 /// Configuring connects, reads and moves nothing. Activating starts the controller's streaming program; the
 /// robot stands still, and the first command must be at the measured position. Deactivating brakes the robot
 /// within the controller's limits and ends the program.
-class FanucComponent : public wire::StreamComponent<Link, Cause> {
+///
+/// In forward mode the commands of joints are not sent: moves come over ForwardMoves. States that only Stream
+/// Motion has are NaN.
+class FanucComponent : public wire::StreamComponent<Link, Cause>, public hardware::TakesMoves {
  public:
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   std::vector<hardware::InterfaceDescription> state_interfaces() const override;
   std::vector<hardware::InterfaceDescription> command_interfaces() const override;
+  hardware::CallbackReturn on_configure() override;
+  hardware::CallbackReturn on_activate() override;
+  hardware::CallbackReturn on_deactivate() override;
+  hardware::CallbackReturn on_cleanup() override;
+  bool await_cycle(Nanoseconds timeout) noexcept override;
+  std::string reason() const override;
+  hardware::ForwardMoves* forward_moves(std::uint32_t layout) noexcept override;
+  Cause cause() const noexcept;
   hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
   hardware::ReturnType write(const hardware::Cycle& cycle,
                              std::span<const double> commands) noexcept override;
   const hardware::DriverFacts* facts() const noexcept override;
   std::string summary() const override;
 
+ protected:
+  ForwardLink* forward() noexcept { return forward_.get(); }
+  const std::vector<std::string>& joints() const { return joints_; }
+  bool stepped_forward_ = false;  ///< the simulated controller's clock waits for the loop
+
  private:
   void find_limits(const description::RobotModel& model);
+  void make_forward(const hardware::ComponentContext& context, hardware::DriverParameters& p);
+  hardware::ReturnType read_forward(const hardware::Cycle& cycle, std::span<double> states) noexcept;
+  const Six& between_readings(const hardware::Cycle& cycle) noexcept;
+  hardware::ReturnType write_forward(std::span<const double> commands) noexcept;
 
+  std::unique_ptr<ForwardLink> forward_;  ///< instead of link_, in forward mode
+  Six commanded_{};                       ///< the last commands of the joints; NaN: none
+  struct Reading {  ///< the control thread's
+    std::uint64_t count = 0;
+    Nanoseconds at = 0, span = 0;
+    Six from{}, q{};
+  } reading_;
+  std::shared_ptr<const kinematics::Chain> flange_;
+  double world_height_ = 0;
   LinkSettings settings_;
   std::string name_, robot_;
   std::vector<std::string> joints_;

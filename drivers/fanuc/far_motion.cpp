@@ -133,10 +133,11 @@ int FarMotion::add(const RmiMessage& message) {
   return 0;
 }
 
-void FarMotion::clear() {
+void FarMotion::clear(bool at_once) {
   queue_.clear();
-  active_.clear();
   held_ = false;
+  ending_ = !at_once && !active_.empty();
+  if (!ending_) active_.clear();
 }
 
 void FarMotion::finish(const std::string& name, int sequence, int error) {
@@ -288,21 +289,31 @@ bool FarMotion::begin(Instruction& one) {
   return true;
 }
 
-void FarMotion::cycle(double dt) {
-  if (held_ || idle()) return;
+/// Pauses and ends slow down on the path. False: nothing moves.
+bool FarMotion::set_pace(double dt) {
   if (!machine_.may_move()) {
-    held_ = true;
-    return;
+    held_ = !ending_;
+    pace_ = 0;
+  } else if (active_.empty()) {
+    pace_ = held_ ? 0 : 1;
+  } else {
+    pace_ = std::clamp(pace_ + (held_ || ending_ ? -dt : dt) / kRamp, 0.0, 1.0);
   }
+  if (ending_ && pace_ <= 0) clear(true);
+  return pace_ > 0;
+}
+
+void FarMotion::cycle(double dt) {
+  if (idle() || !set_pace(dt)) return;
   if (!queue_.empty() && active_.empty()) queue_.front().left -= dt;
   const bool room =
       active_.empty() || (active_.size() == 1 && active_[0].blend >= 0 &&
                           active_[0].total - active_[0].time <= active_[0].ramp * active_[0].blend);
-  if (room && !queue_.empty() && begin(queue_.front())) queue_.pop_front();
-  if (active_.empty() || held_) return;
+  if (room && !held_ && !queue_.empty() && begin(queue_.front())) queue_.pop_front();
+  if (active_.empty()) return;
   Six next = base_;
   for (Motion& motion : active_) {
-    motion.time += dt * machine_.override_percent / 100;
+    motion.time += dt * pace_ * machine_.override_percent / 100;
     next = fanuc::add(next, fanuc::add(motion.at(motion.time), motion.path.front(), -1));
   }
   machine_.drive(next);
@@ -314,7 +325,7 @@ void FarMotion::cycle(double dt) {
   base_ = fanuc::add(base_, fanuc::add(first.path.back(), first.path.front(), -1));
   const Motion done = std::move(first);
   active_.pop_front();
-  finish(done.name, done.sequence, 0);
+  if (!ending_) finish(done.name, done.sequence, 0);
 }
 
 }  // namespace polyarm::fanuc

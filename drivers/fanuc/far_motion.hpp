@@ -14,7 +14,7 @@ namespace polyarm::fanuc {
 
 /// Runs instructions in their order. With CNT the next motion begins while this one slows down, and both are
 /// added: with CNT 100 at the beginning of the slowing down, with CNT 0 at its end. FINE waits until the
-/// robot stands. Poses are reached near the present joints: the turns and the arm's configuration of an
+/// robot stands. A pause and an end slow down on the path. Poses are reached near the present joints: the turns and the arm's configuration of an
 /// instruction are not looked at.
 class FarMotion {
  public:
@@ -25,7 +25,8 @@ class FarMotion {
   /// 0, or the error number that refuses the instruction.
   int add(const RmiMessage& message);
   void cycle(double dt);
-  void clear();
+  /// The robot slows down on its path, and the instructions are forgotten.
+  void clear(bool at_once = false);
   void hold(bool on) { held_ = on; }
   bool held() const { return held_; }
   bool idle() const { return queue_.empty() && active_.empty(); }
@@ -51,6 +52,7 @@ class FarMotion {
     Six at(double t) const;
   };
 
+  bool set_pace(double dt);
   int check_motion(const RmiMessage& message) const;
   bool begin(Instruction& instruction);
   int plan(const RmiMessage& message, Motion& out) const;
@@ -70,7 +72,8 @@ class FarMotion {
   std::deque<Instruction> queue_;
   std::deque<Motion> active_;
   Six base_{};
-  bool held_ = false;
+  bool held_ = false, ending_ = false;
+  double pace_ = 1;  ///< share of the speed while the robot slows down or speeds up after a pause
   int next_ = 1;
   std::uint64_t done_ = 0;
 };

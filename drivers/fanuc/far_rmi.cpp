@@ -141,6 +141,7 @@ void FarRmi::drop() {
   session_.reset();
   listener_ = Descriptor();
   abort();
+  motion_.clear(true);
   motion_.begin_again();
 }
 

@@ -10,10 +10,9 @@
 #include <thread>
 
 #include "drivers/fanuc/limit_tables.hpp"
-#include "drivers/fanuc/rmi.hpp"
+#include "drivers/fanuc/rmi_link.hpp"
 #include "drivers/fanuc/stream.hpp"
 #include "drivers/fanuc/words.hpp"
-#include "drivers/wire/link_base.hpp"
 #include "drivers/wire/pacer.hpp"
 #include "drivers/wire/udp.hpp"
 #include "polyarm/realtime/latest.hpp"
@@ -58,7 +57,7 @@ struct LinkSettings {
 
 /// open(), close(), start() and stop() come from one thread at a time and may wait; the calls marked control
 /// thread do not.
-class Link : public wire::LinkBase<Cause> {
+class Link : public RmiLink {
  public:
   explicit Link(LinkSettings settings);
   ~Link() { close(); }
@@ -84,7 +83,6 @@ class Link : public wire::LinkBase<Cause> {
   /// Valid after open().
   double rate() const { return 1000.0 / sampling_ms_; }
   std::uint32_t version() const { return version_; }
-  const std::string& rmi_version() const { return rmi_.version(); }
   const LimitTables& limits() const { return limits_; }
 
  private:
@@ -98,21 +96,14 @@ class Link : public wire::LinkBase<Cause> {
   // before the thread runs, and while it is halted
   bool connect_stream();
   bool read_limits();
-  bool connect_rmi();
   bool begin_stream(bool with_outputs);
   bool set_up_io(bool with_outputs);
   bool check_state();
-  bool clear_alarms();
-  bool initialize();
   bool call_program();
   bool await_ready();
   bool hold_ready();
   bool answer_one(Nanoseconds timeout);
   void abort_program();
-  std::optional<RmiMessage> command_of(const char* name, RmiLine line);
-  std::optional<RmiMessage> command_of(const char* name) { return command_of(name, {"Command", name}); }
-  std::string read_alarm();
-  bool refuse_alarm(Cause otherwise);
   template <typename Decode>
   auto ask_stream(const std::vector<std::uint8_t>& request, Decode decode) -> decltype(decode(Bytes{}));
   void send_stop();
@@ -142,7 +133,6 @@ class Link : public wire::LinkBase<Cause> {
 
   LinkSettings settings_;
   Descriptor stream_;
-  RmiSession rmi_;
   std::uint32_t version_ = kOldestVersion, sampling_ms_ = 8;
   LimitTables limits_;
   IoSetup io_;

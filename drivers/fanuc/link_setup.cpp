@@ -11,7 +11,6 @@ namespace polyarm::fanuc {
 namespace {
 
 constexpr Nanoseconds kAgain = 300'000'000;  // between two requests that got no answer
-constexpr Nanoseconds kServoPower = 2'000'000'000;
 constexpr Nanoseconds kPause = 50'000'000;
 constexpr int kFresh = 3;  // packets
 constexpr int kCalls = 3;  // of the streaming program: ending the previous one can drop the first call
@@ -28,7 +27,9 @@ Outputs::Outputs() noexcept {
 }
 
 Link::Link(LinkSettings settings)
-    : LinkBase("the controller at " + settings.host), settings_(std::move(settings)), pacer_(0) {}
+    : RmiLink("the controller at " + settings.host, settings.connect_timeout),
+      settings_(std::move(settings)),
+      pacer_(0) {}
 
 /// Sends a request of Stream Motion until its answer comes. Other packets in between are dropped.
 template <typename Decode>
@@ -87,19 +88,6 @@ bool Link::read_limits() {
   return true;
 }
 
-bool Link::connect_rmi() {
-  std::string why;
-  int error = 0;
-  for (const char* greeting : {"FRC_Connect_STMO", "FRC_Connect"}) {
-    if (rmi_.open(settings_.host, settings_.rmi_port, greeting, settings_.connect_timeout, why, error))
-      return true;
-    if (error != kRmiBadCommand && error != kRmiFailed) break;
-  }
-  if (error == kRmiConnected) return refuse(Cause::rmi_busy);
-  if (error != 0) return refuse(Cause::rmi_refused, error, "a remote session");
-  return refuse(Cause::unreachable, 0, why);
-}
-
 bool Link::set_up_io(bool with_outputs) {
   io_ = {};
   if (settings_.inputs.count > 0) io_[0] = row_of(IoDirection::state, IoKind::digital_in, settings_.inputs);
@@ -132,7 +120,8 @@ bool Link::open() {
   fault_.clear();
   refused_.clear();
   current_ = {};
-  const bool fine = connect_stream() && read_limits() && connect_rmi() && begin_stream(false);
+  const bool fine = connect_stream() && read_limits() &&
+                    connect_rmi(settings_.host, settings_.rmi_port, true) && begin_stream(false);
   if (!fine) {
     close();
     return false;
@@ -163,23 +152,6 @@ void Link::halt_thread() {
   thread_.join();
 }
 
-std::optional<RmiMessage> Link::command_of(const char* name, RmiLine line) {
-  auto answer = rmi_.ask("Command", name, line, settings_.connect_timeout);
-  if (!answer) refuse(Cause::rmi_silent, 0, name);
-  return answer;
-}
-
-std::string Link::read_alarm() {
-  const auto answer = command_of("FRC_ReadError", RmiLine("Command", "FRC_ReadError").number("Count", 1));
-  return answer ? answer->text("ErrorData") : std::string();
-}
-
-bool Link::refuse_alarm(Cause otherwise) {
-  const std::string alarm = read_alarm();
-  const Cause cause = cause_of_alarm(alarm);
-  return refuse(cause == Cause::none ? otherwise : cause, 0, alarm.starts_with("No Error") ? "" : alarm);
-}
-
 /// What a person has to change at the robot first.
 bool Link::check_state() {
   const Status& status = current_.status;
@@ -190,26 +162,6 @@ bool Link::check_state() {
   const auto answer = command_of("FRC_GetStatus");
   if (!answer) return false;
   return answer->number("TPMode") != 0 ? refuse(Cause::teach_mode) : true;
-}
-
-/// A person activated the component: alarms whose cause is gone are cleared. Nothing moves.
-bool Link::clear_alarms() {
-  if (!command_of("FRC_Abort") || !command_of("FRC_Reset")) return false;
-  const Nanoseconds deadline = realtime::monotonic_now() + std::min(kServoPower, settings_.start_timeout);
-  for (;;) {
-    const auto answer = command_of("FRC_GetStatus");
-    if (!answer) return false;
-    if (answer->number("ServoReady") != 0) return true;
-    if (realtime::monotonic_now() > deadline) return refuse_alarm(Cause::servo_off);
-    wire::wait_readable(wake_.number(), kPause);
-  }
-}
-
-bool Link::initialize() {
-  const auto answer =
-      command_of("FRC_Initialize", RmiLine("Command", "FRC_Initialize").number("GroupMask", 1));
-  if (!answer) return false;
-  return answer->error() == 0 ? true : refuse(Cause::rmi_refused, answer->error(), "to begin remote motion");
 }
 
 bool Link::call_program() {
@@ -271,7 +223,7 @@ bool Link::start() {
   refused_.clear();
   halt_thread();
   for (int i = 0; i < kFresh; ++i) answer_one(kPause);  // what a person has just changed counts
-  bool fine = check_state() && clear_alarms() && initialize();
+  bool fine = check_state() && clear_alarms(settings_.start_timeout) && initialize();
   for (int call = 0; fine; ++call) {
     fine = call_program() && begin_stream(true) && await_ready();
     if (fine && hold_ready()) break;

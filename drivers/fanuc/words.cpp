@@ -33,7 +33,10 @@ const char* name(Cause cause) {
                                     "limit",
                                     "too-fast",
                                     "loop-silent",
-                                    "jump"};
+                                    "jump",
+                                    "move-refused",
+                                    "off-target",
+                                    "joint-commands"};
   return kNames[static_cast<std::size_t>(cause)];
 }
 
@@ -55,6 +58,11 @@ std::string refused(int error, const std::string& where, const std::string& text
            "; check that the options J519 (Stream Motion) and R912 (Remote Motion) are installed, both are "
            "in S636";
   return out + "; abort all programs at its teach pendant, then activate again";
+}
+
+std::string move_refused(int error, const std::string& where, const std::string& text) {
+  return where + " refuses a move (" + text + "): " + rmi_error(error) + " (error " + std::to_string(error) +
+         "); check the point, the tool and the limits of the joints at the controller, then recover here";
 }
 
 std::string too_fast(int detail, const std::string& where) {
@@ -145,7 +153,7 @@ std::string sentence(Cause cause, int detail, const std::string& where, const st
              "$RMI_CFG.$ASBN_ENB is "
              "FALSE";
     case Cause::program_stopped:
-      return "streamed motion on " + where +
+      return "remote motion on " + where +
              " was ended there without an alarm: its program was aborted or held by hand, or it dropped "
              "commands; recover here to start it again";
     case Cause::commands_late:
@@ -166,6 +174,15 @@ std::string sentence(Cause cause, int detail, const std::string& where, const st
              " is too far away for one cycle; it was not sent, and the robot was stopped: check controllers "
              "and "
              "limits";
+    case Cause::move_refused:
+      return move_refused(detail, where, text);
+    case Cause::off_target:
+      return where + " reports the end of a move, but joint " + std::to_string(detail + 1) +
+             " is elsewhere: compare the angles here and at its teach pendant (joint 3 too), then recover here";
+    case Cause::joint_commands:
+      return "a controller of this cell commands joint " + std::to_string(detail + 1) + " of " + where +
+             ", which takes only moves (`motion: forward`); the robot was stopped: stop that controller, or set "
+             "`motion: stream`";
   }
   return {};
 }

@@ -35,6 +35,9 @@ enum class Cause : std::uint8_t {
   too_fast,         ///< the loop asks for more than the limit tables; detail: axis * 3 + LimitKind
   loop_silent,      ///< the control loop gave no command in time
   jump,             ///< detail: joint
+  move_refused,     ///< detail: error number of the Remote Motion Interface; text: the instruction
+  off_target,       ///< a move ended elsewhere; detail: joint
+  joint_commands,   ///< in forward mode a controller here commanded a joint; detail: joint
 };
 const char* name(Cause cause);
 

@@ -160,18 +160,26 @@ std::string MockComponent::summary() const {
   if (part_names_.empty())
     return "its inputs, outputs and sensors hold what they are commanded or began with";
   std::string out = "mock hardware: states follow commands at once, no physics";
-  if (const std::string joints = commanded_by_effort(); !joints.empty())
+  const bool moves = dynamics_ || velocity_leads_;
+  if (const std::string joints = names_of([&](const Part& part) {
+        return !moves && part.velocity_command >= 0 && part.position_command < 0;
+      });
+      !joints.empty())
+    out += "; velocities move nothing here, they are only given back as states: " + joints +
+           " (<param name=\"calculate_dynamics\">true</param> in <hardware>, or physics, moves them)";
+  if (const std::string joints = names_of([](const Part& part) { return part.effort_command >= 0; });
+      !joints.empty())
     out += "; efforts move nothing here, they are only given back as states: " + joints +
            " (physics moves them: --hardware mujoco)";
   return out;
 }
 
-/// The joints with an effort command; names only the first few.
-std::string MockComponent::commanded_by_effort() const {
+template <class Which>
+std::string MockComponent::names_of(Which which) const {
   constexpr std::size_t kNamed = 6;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < parts_.size(); ++i)
-    if (parts_[i].effort_command >= 0) names.push_back(part_names_[i]);
+    if (which(parts_[i])) names.push_back(part_names_[i]);
   const std::size_t more = names.size() > kNamed ? names.size() - kNamed : 0;
   names.resize(names.size() - more);
   return join(names, ", ") + (more > 0 ? " and " + std::to_string(more) + " more" : "");

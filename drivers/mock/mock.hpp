@@ -72,7 +72,9 @@ class MockComponent : public hardware::Component {
   void move_parts(double dt, std::span<double> states) noexcept;
   void part_followers();
   int command_named(const std::string& name) const noexcept;
-  std::string commanded_by_effort() const;
+  /// Names of the parts for which `which` is true; only the first few.
+  template <class Which>
+  std::string names_of(Which which) const;
 
   std::vector<hardware::InterfaceDescription> states_, commands_;
   std::vector<Part> parts_;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "polyarm/description/bodies.hpp"
 #include "polyarm/description/shape_bounds.hpp"
 
 namespace polyarm::drivers {
@@ -152,6 +153,7 @@ MockWorld::MockWorld(const hardware::ComponentContext& context,
 
 void MockWorld::add_supports() {
   for (const description::Fixture& fixture : scene_->fixtures) {
+    if (!fixture.shapes.empty() && !description::cloud_of(fixture.shapes.front()).empty()) continue;
     int mover = -1;
     for (std::size_t m = 0; m < scene_->movers.size(); ++m)
       if (scene_->movers[m].name == fixture.mover) mover = static_cast<int>(m);

@@ -16,14 +16,13 @@ using hardware::CallbackReturn;
 using hardware::ReturnType;
 
 namespace {
-/// Every part needs a shape that can be simulated, because all its properties follow from it.
+/// Every part needs a body, because all its properties follow from it.
 void check_parts(const description::Scene& scene) {
   Problems problems;
   for (const description::Part& part : scene.parts)
-    if (part.shape.kind == description::ShapeKind::mesh)
-      problems.error("mesh-part", {},
-                     "the part '" + part.name + "' has a mesh as its shape, which physics does not simulate",
-                     "give it a box, cylinder, capsule or sphere of its size");
+    if (part.shape.kind == description::ShapeKind::mesh && part.shape.pieces.empty())
+      problems.error("mesh-part", {}, "the part '" + part.name + "' has no body, as its mesh could not be read",
+                     "mend the mesh, or give the part a box, cylinder, capsule or sphere of its size");
   problems.throw_if_errors();
 }
 

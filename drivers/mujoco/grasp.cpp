@@ -32,7 +32,8 @@ double cup_distance(const Shape& shape, const Pose& pose, const Vec3& lip_world,
   const auto better = [&](double d) {
     if (std::abs(d) < std::abs(best)) best = d;
   };
-  if (shape.kind == ShapeKind::box || shape.kind == ShapeKind::mesh) {
+  if (shape.kind == ShapeKind::mesh) return kInfinity;
+  if (shape.kind == ShapeKind::box) {
     const double half[3] = {shape.size.x / 2, shape.size.y / 2, shape.size.z / 2};
     for (int k = 0; k < 3; ++k)
       for (const double sign : {1.0, -1.0}) {
@@ -59,14 +60,53 @@ double cup_distance(const Shape& shape, const Pose& pose, const Vec3& lip_world,
   return best;
 }
 
+namespace {
+/// Where the line from `from` along `way` meets the triangle from outside, within 20 degrees of its normal; infinity if
+/// it does not. Source: Möller and Trumbore 1997.
+double meets(const Vec3& from, const Vec3& way, const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
+  const Vec3 ab = b - a, ac = c - a, normal = cross(ab, ac), to = from - a;
+  const double facing = -dot(way, normal);
+  if (!(facing >= kFacing * norm(normal)) || !(facing > 0)) return kInfinity;
+  const Vec3 turn = cross(way, to);
+  const double u = -dot(ac, turn) / facing, v = dot(ab, turn) / facing;
+  if (u < -1e-9 || v < -1e-9 || u + v > 1 + 1e-9) return kInfinity;
+  return dot(to, normal) / facing;
+}
+}  // namespace
+
+double cup_distance(const ModelView& view, std::size_t i, const Pose& pose, const Vec3& lip_world,
+                    const Vec3& axis_world) noexcept {
+  const mjModel* m = view.m();
+  double best = kInfinity;
+  for (int k = 0; k < view.twin_pieces[i]; ++k) {
+    const int geom = view.twin_geom[i] + k, mesh = m->geom_dataid[geom];
+    if (mesh < 0) continue;
+    const Pose at = inverse(pose * Pose{vec3(m->geom_pos + 3 * geom), quaternion(m->geom_quat + 4 * geom)});
+    const Vec3 lip = at * lip_world, axis = at.rotation * axis_world;
+    if (norm(lip) > m->geom_rbound[geom] + 0.05) continue;
+    const float* corners = m->mesh_vert + 3 * m->mesh_vertadr[mesh];
+    const auto corner = [&](int index) {
+      return Vec3{corners[3 * index], corners[3 * index + 1], corners[3 * index + 2]};
+    };
+    const int* faces = m->mesh_face + 3 * m->mesh_faceadr[mesh];
+    for (int f = 0; f < m->mesh_facenum[mesh]; ++f) {
+      const double d = meets(lip, axis, corner(faces[3 * f]), corner(faces[3 * f + 1]), corner(faces[3 * f + 2]));
+      if (std::abs(d) < std::abs(best)) best = d;
+    }
+  }
+  return best;
+}
+
 /// A part that another robot holds is only touched. This cup takes it over in the step after that robot lets
 /// go.
-void Gripper::take_hold(const Pose& tool, Parts& parts, ContactReader& contacts) noexcept {
+void Gripper::take_hold(const ModelView& view, const Pose& tool, Parts& parts, ContactReader& contacts) noexcept {
   const Pose tcp = tool * tool_->tcp;
   const Vec3 axis = tcp.rotation * Vec3{0, 0, 1};
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (!parts.in_world(i)) continue;
-    const double distance = cup_distance(parts.fact(i).shape, parts[i].pose, tcp.position, axis);
+    const bool is_mesh = parts.fact(i).shape.kind == ShapeKind::mesh;
+    const double distance = is_mesh ? cup_distance(view, i, parts[i].pose, tcp.position, axis)
+                                    : cup_distance(parts.fact(i).shape, parts[i].pose, tcp.position, axis);
     if (!(distance <= tool_->reach && distance >= -2e-3)) continue;
     if (parts[i].robot >= 0) {
       touches_ = true;
@@ -139,7 +179,7 @@ void Gripper::update(ModelView& view, Parts& parts, ContactReader& contacts, con
     held_ = -1;
     return;
   }
-  if (held_ < 0 && level_ >= 0.5 && !pulled_off_) take_hold(tool, parts, contacts);
+  if (held_ < 0 && level_ >= 0.5 && !pulled_off_) take_hold(view, tool, parts, contacts);
   if (held_ >= 0) carry(tool, parts, gravity, contacts.force_on_held(robot_), timestep);
 }
 

@@ -7,9 +7,11 @@ namespace polyarm::drivers {
 
 /// Distance along the cup's axis from the lip's centre to the surface of the shape, m (negative inside), if
 /// the cup fits on that surface: within the face, and its axis within 20 degrees of the face's normal. `axis`
-/// points out of the cup. Infinity if it does not fit.
+/// points out of the cup. Infinity if it does not fit. Not for meshes.
 double cup_distance(const description::Shape& shape, const Pose& pose, const Vec3& lip,
                     const Vec3& axis) noexcept;
+/// The same for the convex pieces of part `i`: along the axis, to the face that the lip's centre meets first.
+double cup_distance(const ModelView& view, std::size_t i, const Pose& pose, const Vec3& lip, const Vec3& axis) noexcept;
 
 /// The gripper of one robot: a cup that holds the part it touches while the vacuum is on, or two fingers that
 /// hold by friction.
@@ -35,7 +37,7 @@ class Gripper {
 
  private:
   static constexpr double kLag = 0.05;  // s, of the vacuum
-  void take_hold(const Pose& tool, Parts& parts, ContactReader& contacts) noexcept;
+  void take_hold(const ModelView& view, const Pose& tool, Parts& parts, ContactReader& contacts) noexcept;
   void carry(const Pose& tool, Parts& parts, const Vec3& gravity, const Vec3& contact_force,
              double timestep) noexcept;
 

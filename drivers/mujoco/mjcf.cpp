@@ -7,6 +7,7 @@
 #include <iterator>
 #include <set>
 
+#include "polyarm/description/bodies.hpp"
 #include "polyarm/description/model_builder.hpp"
 #include "polyarm/description/tools.hpp"
 #include "polyarm/hardware/force_sensor.hpp"
@@ -62,7 +63,11 @@ class Writer {
  public:
   Writer(const hardware::ComponentContext& context, double timestep, std::size_t slots,
          const BodyPairs& excluded, Capacity capacity)
-      : context_(context), timestep_(timestep), slots_(slots), excluded_(excluded), capacity_(capacity) {}
+      : context_(context), timestep_(timestep), slots_(slots), excluded_(excluded), capacity_(capacity),
+        geoms_(most_pieces(context.scene)) {
+    if (context.scene)
+      for (const description::Part& part : context.scene->parts) has_mesh_parts_ |= !part.shape.pieces.empty();
+  }
 
   std::string write() {
     const description::Scene empty;
@@ -135,6 +140,8 @@ class Writer {
       for (std::size_t f = 0; f < context_.scene->fixtures.size(); ++f)
         for (std::size_t s = 0; s < context_.scene->fixtures[f].shapes.size(); ++s)
           pieces(fixture_name(f, s), context_.scene->fixtures[f].shapes[s]);
+    for (std::size_t i = 0; context_.scene && i < context_.scene->parts.size(); ++i)
+      if (mesh_owner(i) == i) pieces(part_mesh(i), context_.scene->parts[i].shape);
     out_ += "</asset>\n";
   }
 
@@ -251,8 +258,10 @@ class Writer {
       // The held part becomes part of the arm: shape and mass are set when it is gripped.
       line(
           "<body name=\"{}\"><inertial pos=\"0 0 0\" mass=\"1e-5\" diaginertia=\"1e-8 1e-8 1e-8\"/>"
-          "<geom name=\"{}\" type=\"box\" size=\"0.01 0.01 0.01\" contype=\"0\" conaffinity=\"0\"/></body>",
+          "<geom name=\"{}\" type=\"box\" size=\"0.01 0.01 0.01\" contype=\"0\" conaffinity=\"0\"/>",
           held_name(r), held_name(r));
+      unused_geoms(held_name(r), 1, geoms_);
+      line("</body>");
     }
     if (tool->gripper == description::GripperKind::parallel)
       for (int side = 0; side < 2; ++side) finger(r, *tool, side);
@@ -315,7 +324,42 @@ class Writer {
 
   void fixture(std::size_t f, const description::Fixture& fixture, const Pose& at) {
     for (std::size_t s = 0; s < fixture.shapes.size(); ++s)
-      geom(fixture_name(f, s), fixture.shapes[s], at * fixture.shapes[s].pose, fixture.friction);
+      if (description::cloud_of(fixture.shapes[s]).empty())
+        geom(fixture_name(f, s), fixture.shapes[s], at * fixture.shapes[s].pose, fixture.friction);
+  }
+
+  /// The first part with the same pieces: parts of one kind share their meshes.
+  std::size_t mesh_owner(std::size_t part) const {
+    const std::vector<description::Part>& parts = context_.scene->parts;
+    std::size_t first = 0;
+    while (first < part && (parts[first].shape.mesh_path != parts[part].shape.mesh_path ||
+                            parts[first].shape.pieces != parts[part].shape.pieces))
+      ++first;
+    return first;
+  }
+  static std::string part_mesh(std::size_t owner) { return "part" + std::to_string(owner); }
+
+  /// `geoms`: how many in all; those beyond the part's pieces touch nothing.
+  void part_geoms(const std::string& name, std::size_t i, const description::Part& part, std::size_t geoms) {
+    if (part.shape.pieces.empty()) geom(name, part.shape, {}, part.friction);
+    const std::string mesh = part.shape.pieces.empty() ? std::string() : part_mesh(mesh_owner(i));
+    for (std::size_t p = 0; p < part.shape.pieces.size(); ++p)
+      line("<geom name=\"{}\" type=\"mesh\" mesh=\"{}_{}\" friction=\"{:.17g} 0.005 0.0001\"/>", piece_name(name, p), mesh, p,
+           part.friction);
+    unused_geoms(name, pieces_of(part), geoms);
+  }
+
+  void unused_geoms(const std::string& name, std::size_t from, std::size_t to) {
+    for (std::size_t p = from; p < to; ++p)
+      line("<geom name=\"{}\" type=\"sphere\" size=\"0.001\" contype=\"0\" conaffinity=\"0\"/>", piece_name(name, p));
+  }
+
+  /// With meshes among the parts, all slots have general inertias, so that they have one structure: MuJoCo treats
+  /// bodies with their centre of mass in the origin in another way.
+  void part_inertial(description::Inertial body) {
+    constexpr double kOffOrigin = 1e-9;  // m
+    if (body.center == Vec3{}) body.center.x = kOffOrigin;
+    inertial(body);
   }
 
   void slot(std::size_t i, const description::Part& part) {
@@ -323,18 +367,20 @@ class Writer {
     description::Inertial body = description::inertial_of({part.shape}, 1);
     const double scale = body.mass > 0 ? part.mass / body.mass : 0;
     body.mass = part.mass;
-    for (double& x : body.inertia) x = std::max(x * scale, 0.0);
-    // In the part's own axes instead of the principal axes, so that a slot can take the shape of any part.
-    line("<inertial pos=\"0 0 0\" mass=\"{:.17g}\" diaginertia=\"{:.17g} {:.17g} {:.17g}\"/>", body.mass,
-         body.inertia[0], body.inertia[3], body.inertia[5]);
-    geom(slot_name(i), part.shape, {}, part.friction);
+    for (double& x : body.inertia) x *= scale;
+    if (has_mesh_parts_)
+      part_inertial(body);
+    else  // in the part's own axes instead of the principal axes, so that a slot can take the shape of any part
+      line("<inertial pos=\"0 0 0\" mass=\"{:.17g}\" diaginertia=\"{:.17g} {:.17g} {:.17g}\"/>", body.mass,
+           std::max(body.inertia[0], 0.0), std::max(body.inertia[3], 0.0), std::max(body.inertia[5], 0.0));
+    part_geoms(slot_name(i), i, part, geoms_);
     line("</body>");
   }
 
   void twin(std::size_t i, const description::Part& part) {
     line("<body name=\"{}\" mocap=\"true\" pos=\"0 0 {:.17g}\">", twin_name(i),
          -50.0 - static_cast<double>(i));
-    geom(twin_name(i), part.shape, {}, part.friction);
+    part_geoms(twin_name(i), i, part, pieces_of(part));
     line("</body>");
   }
 
@@ -417,6 +463,8 @@ class Writer {
   std::size_t slots_;
   const BodyPairs& excluded_;
   Capacity capacity_;
+  std::size_t geoms_;            ///< of each slot
+  bool has_mesh_parts_ = false;
   std::string out_;
 };
 
@@ -486,6 +534,12 @@ std::vector<Follower> followers(const description::RobotModel& model) {
     }
     if (slides_or_turns(follower.source)) out.push_back(follower);
   }
+  return out;
+}
+
+std::size_t most_pieces(const description::Scene* scene) {
+  std::size_t out = 1;
+  for (std::size_t i = 0; scene && i < scene->parts.size(); ++i) out = std::max(out, pieces_of(scene->parts[i]));
   return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// Writes the world of a cell as MJCF text, the model language of MuJoCo. SI units. Allocates; not for the
 /// control thread.
+#include <algorithm>
 #include <span>
 #include <string>
 #include <utility>
@@ -29,6 +30,16 @@ inline std::string twin_name(std::size_t part) {
 inline std::string slot_name(std::size_t slot) {
   return "slot" + std::to_string(slot);
 }
+/// The geoms of a twin, a slot or a held part follow each other; the first has the name of its owner.
+inline std::string piece_name(const std::string& owner, std::size_t piece) {
+  return piece == 0 ? owner : owner + "_" + std::to_string(piece);
+}
+/// How many geoms the part takes: the convex pieces of its mesh, or one.
+inline std::size_t pieces_of(const description::Part& part) {
+  return std::max<std::size_t>(1, part.shape.pieces.size());
+}
+/// The most of any part. All slots have as many geoms, so that each can take the shape of any part.
+std::size_t most_pieces(const description::Scene* scene);
 inline std::string mover_name(std::size_t mover) {
   return "mover" + std::to_string(mover);
 }
@@ -79,7 +90,8 @@ inline Capacity capacity_of(std::size_t slots) {
 }
 
 /// The whole model with `slots` free bodies for moving parts. Parts at rest are mocap twins without degrees
-/// of freedom. In the model with one slot for each part, slot i has the shape and mass of part i. `excluded`:
+/// of freedom. In the model with one slot for each part, slot i has the shape and mass of part i; geoms beyond its
+/// pieces touch nothing. `excluded`:
 /// pairs of bodies of a robot that overlap at the start, because their enclosing shapes are loose.
 using BodyPairs = std::vector<std::pair<std::string, std::string>>;
 std::string write_mjcf(const hardware::ComponentContext& context, double timestep, std::size_t slots,

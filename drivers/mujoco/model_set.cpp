@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "drivers/mujoco/box_contacts.hpp"
 #include "drivers/mujoco/mjcf.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/description/bodies.hpp"
@@ -79,6 +80,7 @@ void copy_rows(T* to, int to_row, const T* from, int from_row, int width) {
 
 ModelSet::ModelSet(const hardware::ComponentContext& context, double timestep) {
   mju_user_warning = keep_quiet;
+  keep_true_box_contacts();
   const std::size_t parts = context.scene ? context.scene->parts.size() : 0;
   compile(context, timestep, 0);
   find_overlaps(context);
@@ -93,6 +95,31 @@ ModelSet::ModelSet(const hardware::ComponentContext& context, double timestep) {
   }
   for (std::size_t slots = 1; slots < parts; slots *= 2) compile(context, timestep, slots);
   if (parts > 0) compile(context, timestep, parts);
+  keep_bodies();
+}
+
+/// In the last model, slot i begins with the shape and mass of part i.
+void ModelSet::keep_bodies() {
+  const ModelView& from = views_.back();
+  const mjModel* m = from.m();
+  for (const ModelView::Slot& slot : from.slot) {
+    PartBody body;
+    body.sameframe = m->body_sameframe[slot.body];
+    copy_rows(&body.mass, 0, m->body_mass, slot.body, 1);
+    copy_rows(&body.subtreemass, 0, m->body_subtreemass, slot.body, 1);
+    copy_rows(body.inertia, 0, m->body_inertia, slot.body, 3);
+    copy_rows(body.ipos, 0, m->body_ipos, slot.body, 3);
+    copy_rows(body.iquat, 0, m->body_iquat, slot.body, 4);
+    copy_rows(body.invweight0, 0, m->body_invweight0, slot.body, 2);
+    copy_rows(body.dof_M0, 0, m->dof_M0 + slot.dof, 0, 6);
+    copy_rows(body.dof_invweight0, 0, m->dof_invweight0 + slot.dof, 0, 6);
+    bodies_.push_back(body);
+  }
+}
+
+void ModelView::let_touch(int first, int geoms, std::size_t part, bool on) noexcept {
+  for (int k = 0; k < geoms; ++k)
+    model->geom_contype[first + k] = model->geom_conaffinity[first + k] = on && k < twin_pieces[part] ? 1 : 0;
 }
 
 void ModelView::place(std::size_t r, const std::vector<double>& positions) noexcept {
@@ -196,8 +223,10 @@ void ModelSet::find_places(const hardware::ComponentContext& context, ModelView&
     view.slot.push_back(slot);
   }
   const std::size_t parts = context.scene ? context.scene->parts.size() : 0;
+  view.slot_geoms = static_cast<int>(most_pieces(context.scene));
   for (std::size_t i = 0; i < parts; ++i) {
     view.twin_geom.push_back(find(m, mjOBJ_GEOM, twin_name(i)));
+    view.twin_pieces.push_back(static_cast<int>(pieces_of(context.scene->parts[i])));
     view.twin_mocap.push_back(m->body_mocapid[find(m, mjOBJ_BODY, twin_name(i))]);
   }
   for (std::size_t k = 0; context.scene && k < context.scene->movers.size(); ++k)
@@ -233,7 +262,8 @@ void ModelSet::find_owners(const hardware::ComponentContext& context, ModelView&
     for (std::size_t s = 0; robot.tool && s < robot.tool->body.size(); ++s)
       own_shape(tool_name(r) + "_" + std::to_string(s), robot.tool->body[s], Owner::Kind::tool, index,
                 robot.name + "/tool");
-    own(view.robots[r].held_geom, Owner::Kind::held, index, "the part held by " + robot.name);
+    for (int k = 0; view.robots[r].held_geom >= 0 && k < view.slot_geoms; ++k)
+      own(view.robots[r].held_geom + k, Owner::Kind::held, index, "the part held by " + robot.name);
     for (int side = 0; side < 2; ++side)
       own(find(m, mjOBJ_GEOM, finger_name(r, side)), Owner::Kind::finger, index, robot.name + "/finger");
   }
@@ -241,6 +271,7 @@ void ModelSet::find_owners(const hardware::ComponentContext& context, ModelView&
   const description::Scene& scene = *context.scene;
   for (std::size_t f = 0; f < scene.fixtures.size(); ++f)
     for (std::size_t s = 0; s < scene.fixtures[f].shapes.size(); ++s) {
+      if (!description::cloud_of(scene.fixtures[f].shapes[s]).empty()) continue;
       const auto mover =
           std::find_if(scene.movers.begin(), scene.movers.end(),
                        [&](const description::Mover& k) { return k.name == scene.fixtures[f].mover; });
@@ -250,7 +281,8 @@ void ModelSet::find_owners(const hardware::ComponentContext& context, ModelView&
                 "fixture " + scene.fixtures[f].name);
     }
   for (std::size_t i = 0; i < scene.parts.size(); ++i)
-    own(view.twin_geom[i], Owner::Kind::part, static_cast<int>(i), "part " + scene.parts[i].name);
+    for (int k = 0; k < view.twin_pieces[i]; ++k)
+      own(view.twin_geom[i] + k, Owner::Kind::part, static_cast<int>(i), "part " + scene.parts[i].name);
 }
 
 std::size_t ModelSet::index_for(std::size_t slots) const noexcept {
@@ -259,54 +291,63 @@ std::size_t ModelSet::index_for(std::size_t slots) const noexcept {
   return views_.size() - 1;
 }
 
-void ModelSet::shape_slot(ModelView& view, std::size_t s, std::size_t part) const noexcept {
-  const ModelView& from = reference();
-  const ModelView::Slot& a = view.slot[s];
-  const ModelView::Slot& b = from.slot[part];
+namespace {
+/// Gives the geoms from `to` on the shapes of the part's twin, which never changes.
+void shape_geoms(ModelView& view, int to, std::size_t part) noexcept {
   mjModel* m = view.m();
-  const mjModel* n = from.m();
-  copy_rows(m->body_mass, a.body, n->body_mass, b.body, 1);
-  copy_rows(m->body_subtreemass, a.body, n->body_subtreemass, b.body, 1);
-  copy_rows(m->body_inertia, a.body, n->body_inertia, b.body, 3);
-  copy_rows(m->body_ipos, a.body, n->body_ipos, b.body, 3);
-  copy_rows(m->body_iquat, a.body, n->body_iquat, b.body, 4);
-  copy_rows(m->body_invweight0, a.body, n->body_invweight0, b.body, 2);
-  for (int k = 0; k < 6; ++k) {
-    copy_rows(m->dof_M0, a.dof + k, n->dof_M0, b.dof + k, 1);
-    copy_rows(m->dof_invweight0, a.dof + k, n->dof_invweight0, b.dof + k, 1);
-  }
-  copy_rows(m->geom_type, a.geom, n->geom_type, b.geom, 1);
-  copy_rows(m->geom_size, a.geom, n->geom_size, b.geom, 3);
-  copy_rows(m->geom_rbound, a.geom, n->geom_rbound, b.geom, 1);
+  for (int k = 0; k < view.twin_pieces[part]; ++k) {
+    const int a = to + k, b = view.twin_geom[part] + k;
+    copy_rows(m->geom_type, a, m->geom_type, b, 1);
+    copy_rows(m->geom_dataid, a, m->geom_dataid, b, 1);
+    copy_rows(m->geom_sameframe, a, m->geom_sameframe, b, 1);
+    copy_rows(m->geom_pos, a, m->geom_pos, b, 3);
+    copy_rows(m->geom_quat, a, m->geom_quat, b, 4);
+    copy_rows(m->geom_size, a, m->geom_size, b, 3);
+    copy_rows(m->geom_rbound, a, m->geom_rbound, b, 1);
 #if mjVERSION_HEADER >= 300
-  copy_rows(m->geom_aabb, a.geom, n->geom_aabb, b.geom, 6);
+    copy_rows(m->geom_aabb, a, m->geom_aabb, b, 6);
 #endif
-  copy_rows(m->geom_friction, a.geom, n->geom_friction, b.geom, 3);
-  view.owner[static_cast<std::size_t>(a.geom)] = view.owner[static_cast<std::size_t>(view.twin_geom[part])];
+    copy_rows(m->geom_friction, a, m->geom_friction, b, 3);
+  }
+}
+}  // namespace
+
+void ModelSet::shape_slot(ModelView& view, std::size_t s, std::size_t part) const noexcept {
+  const ModelView::Slot& slot = view.slot[s];
+  const PartBody& from = bodies_[part];
+  mjModel* m = view.m();
+  m->body_sameframe[slot.body] = from.sameframe;
+  copy_rows(m->body_mass, slot.body, &from.mass, 0, 1);
+  copy_rows(m->body_subtreemass, slot.body, &from.subtreemass, 0, 1);
+  copy_rows(m->body_inertia, slot.body, from.inertia, 0, 3);
+  copy_rows(m->body_ipos, slot.body, from.ipos, 0, 3);
+  copy_rows(m->body_iquat, slot.body, from.iquat, 0, 4);
+  copy_rows(m->body_invweight0, slot.body, from.invweight0, 0, 2);
+  copy_rows(m->dof_M0 + slot.dof, 0, from.dof_M0, 0, 6);
+  copy_rows(m->dof_invweight0 + slot.dof, 0, from.dof_invweight0, 0, 6);
+  shape_geoms(view, slot.geom, part);
+  for (int k = 0; k < view.slot_geoms; ++k)
+    view.owner[static_cast<std::size_t>(slot.geom + k)] = view.owner[static_cast<std::size_t>(view.twin_geom[part])];
 }
 
 void ModelSet::shape_held(ModelView& view, std::size_t r, int part, const Pose& pose) const noexcept {
   const ModelView::Robot& robot = view.robots[r];
   if (robot.held_body < 0) return;
   mjModel* m = view.m();
-  const bool solid = part >= 0;
-  m->geom_contype[robot.held_geom] = m->geom_conaffinity[robot.held_geom] = solid ? 1 : 0;
-  if (!solid) {
+  if (part < 0) {
+    view.let_touch(robot.held_geom, view.slot_geoms, 0, false);
     m->body_mass[robot.held_body] = 1e-5;
     for (int k = 0; k < 3; ++k) m->body_inertia[3 * robot.held_body + k] = 1e-8;
     return;
   }
-  const ModelView::Slot& b = reference().slot[static_cast<std::size_t>(part)];
-  const mjModel* n = reference().m();
-  copy_rows(m->body_mass, robot.held_body, n->body_mass, b.body, 1);
-  copy_rows(m->body_inertia, robot.held_body, n->body_inertia, b.body, 3);
-  copy_rows(m->geom_type, robot.held_geom, n->geom_type, b.geom, 1);
-  copy_rows(m->geom_size, robot.held_geom, n->geom_size, b.geom, 3);
-  copy_rows(m->geom_rbound, robot.held_geom, n->geom_rbound, b.geom, 1);
-#if mjVERSION_HEADER >= 300
-  copy_rows(m->geom_aabb, robot.held_geom, n->geom_aabb, b.geom, 6);
-#endif
-  copy_rows(m->geom_friction, robot.held_geom, n->geom_friction, b.geom, 3);
+  const PartBody& from = bodies_[static_cast<std::size_t>(part)];
+  view.let_touch(robot.held_geom, view.slot_geoms, static_cast<std::size_t>(part), true);
+  copy_rows(m->body_mass, robot.held_body, &from.mass, 0, 1);
+  copy_rows(m->body_inertia, robot.held_body, from.inertia, 0, 3);
+  copy_rows(m->body_ipos, robot.held_body, from.ipos, 0, 3);
+  copy_rows(m->body_iquat, robot.held_body, from.iquat, 0, 4);
+  m->body_sameframe[robot.held_body] = from.sameframe;
+  shape_geoms(view, robot.held_geom, static_cast<std::size_t>(part));
   put(m->body_pos + 3 * robot.held_body, pose.position);
   put(m->body_quat + 4 * robot.held_body, pose.rotation);
 }

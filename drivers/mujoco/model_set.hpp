@@ -40,12 +40,16 @@ struct ModelView {
   };
   std::vector<Robot> robots;
   struct Slot {
-    int body = -1, geom = -1, qpos = -1, dof = -1;
+    int body = -1, geom = -1, qpos = -1, dof = -1;  ///< geom: the first of slot_geoms
   };
   std::vector<Slot> slot;
+  int slot_geoms = 1;             ///< of each slot and held part
+  std::vector<int> twin_pieces;   ///< geoms of each part, from twin_geom on; a slot uses as many
   std::vector<int> twin_geom, twin_mocap, mover_mocap;
   std::vector<int> belt_qpos, belt_dof;
   std::vector<Owner> owner;  ///< by geom
+  /// Turns contacts of part `i` on or off, as a twin or in the geoms from `first` on.
+  void let_touch(int first, int geoms, std::size_t part, bool on) noexcept;
   /// Places robot `r` at rest at these positions of its actuated joints; missing ones are 0.
   void place(std::size_t r, const std::vector<double>& positions) noexcept;
   const mjModel* m() const noexcept { return model.get(); }
@@ -62,8 +66,6 @@ class ModelSet {
   /// The smallest model with at least `slots` slots.
   std::size_t index_for(std::size_t slots) const noexcept;
   ModelView& view(std::size_t i) noexcept { return views_[i]; }
-  /// The model with a slot for every part; slot i has the shape of part i.
-  const ModelView& reference() const noexcept { return views_.back(); }
   std::size_t size() const noexcept { return views_.size(); }
   const std::vector<std::string>& names() const { return names_; }
 
@@ -73,6 +75,12 @@ class ModelSet {
   void shape_held(ModelView& view, std::size_t r, int part, const Pose& pose) const noexcept;
 
  private:
+  /// What MuJoCo derives from the shape and mass of a part.
+  struct PartBody {
+    mjtByte sameframe = 0;
+    mjtNum mass = 0, subtreemass = 0, inertia[3], ipos[3], iquat[4], invweight0[2], dof_M0[6], dof_invweight0[6];
+  };
+  void keep_bodies();
   void compile(const hardware::ComponentContext& context, double timestep, std::size_t slots);
   void find_overlaps(const hardware::ComponentContext& context);
   void find_places(const hardware::ComponentContext& context, ModelView& view);
@@ -80,6 +88,7 @@ class ModelSet {
   int name(const std::string& text);
 
   std::vector<ModelView> views_;
+  std::vector<PartBody> bodies_;  ///< by part
   std::vector<std::string> names_;
   std::vector<std::pair<std::string, std::string>> overlaps_;
 };

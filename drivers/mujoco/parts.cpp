@@ -17,6 +17,12 @@ double radius_of(const Shape& s) {
       return std::hypot(s.radius, s.length / 2);
     case ShapeKind::capsule:
       return s.radius + s.length / 2;
+    case ShapeKind::mesh: {
+      double out = 0;
+      for (const auto& piece : s.pieces)
+        for (const Vec3& corner : piece) out = std::max(out, norm(corner));
+      return out;
+    }
     default:
       return s.radius;
   }
@@ -138,7 +144,7 @@ void Parts::lay_out(const ModelSet& models, ModelView& view) noexcept {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     Part& part = parts_[i];
     const bool asleep = part.mode == Mode::asleep;
-    m->geom_contype[view.twin_geom[i]] = m->geom_conaffinity[view.twin_geom[i]] = asleep ? 1 : 0;
+    view.let_touch(view.twin_geom[i], view.twin_pieces[i], i, asleep);
     place_twin(view, i);
     part.slot = -1;
     if (part.mode == Mode::held)
@@ -146,7 +152,7 @@ void Parts::lay_out(const ModelSet& models, ModelView& view) noexcept {
     if (part.mode != Mode::awake || next >= view.slots) continue;
     const ModelView::Slot& slot = view.slot[next];
     models.shape_slot(view, next, i);
-    m->geom_contype[slot.geom] = m->geom_conaffinity[slot.geom] = 1;
+    view.let_touch(slot.geom, view.slot_geoms, i, true);
     put(d->qpos + slot.qpos, part.pose.position);
     put(d->qpos + slot.qpos + 3, part.pose.rotation);
     std::copy(part.velocity.begin(), part.velocity.end(), d->qvel + slot.dof);
@@ -156,7 +162,7 @@ void Parts::lay_out(const ModelSet& models, ModelView& view) noexcept {
   }
   for (; next < view.slots; ++next) {  // empty slots are placed in the air and touch nothing
     const ModelView::Slot& slot = view.slot[next];
-    m->geom_contype[slot.geom] = m->geom_conaffinity[slot.geom] = 0;
+    view.let_touch(slot.geom, view.slot_geoms, 0, false);
     put(d->qpos + slot.qpos, Vec3{0, 0, 50.0 + static_cast<double>(next)});
     put(d->qpos + slot.qpos + 3, Quaternion{});
     std::fill_n(d->qvel + slot.dof, 6, 0.0);

@@ -3,6 +3,8 @@
 /// deeper than its caller.
 #include <bit>
 #include <cstdint>
+#include <string_view>
+#include <vector>
 
 #include "drivers/wire/bytes.hpp"
 
@@ -20,6 +22,12 @@ class ProtoWriter {
     key(field, 1);
     const auto bits = std::bit_cast<std::uint64_t>(value);
     for (int shift = 0; shift < 64; shift += 8) bytes_.push_back(static_cast<std::uint8_t>(bits >> shift));
+    return *this;
+  }
+  ProtoWriter& text(std::uint32_t field, std::string_view value) {
+    key(field, 2);
+    varint(value.size());
+    bytes_.insert(bytes_.end(), value.begin(), value.end());
     return *this;
   }
   ProtoWriter& message(std::uint32_t field, const ProtoWriter& inner) {
@@ -82,6 +90,7 @@ class ProtoReader {
   Type type() const noexcept { return type_; }
   std::uint64_t number() noexcept { return expect(Type::number) ? number_ : 0; }
   double f64() noexcept { return expect(Type::fixed64) ? std::bit_cast<double>(number_) : 0; }
+  float f32() noexcept { return expect(Type::fixed32) ? std::bit_cast<float>(static_cast<std::uint32_t>(number_)) : 0; }
   /// The bytes of an inner message.
   Bytes bytes() noexcept { return expect(Type::bytes) ? bytes_ : Bytes{}; }
 

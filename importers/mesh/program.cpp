@@ -2,48 +2,18 @@
 /// it.
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
-#include <signal.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <assimp/Importer.hpp>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
+#include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
-#include "polyarm/meshes/mesh_process.hpp"
-#include "polyarm/process/child.hpp"
-#include "polyarm/process/confinement.hpp"
+#include "importers/importer.hpp"
 
 namespace polyarm::meshes {
 namespace {
-
-constexpr std::size_t kMostMemory = std::size_t{2} << 30;  // bytes
-
-void limit_work(std::size_t bytes) {
-  const rlim_t seconds = import_seconds(bytes);
-  const rlimit file{kMostImportBytes, kMostImportBytes}, time{seconds, seconds};
-  ::setrlimit(RLIMIT_FSIZE, &file);
-  ::setrlimit(RLIMIT_CPU, &time);
-}
-
-std::string read_all(int descriptor) {
-  std::string out;
-  char bytes[65536];
-  for (ssize_t count = 0; (count = ::read(descriptor, bytes, sizeof bytes)) > 0;)
-    out.append(bytes, static_cast<std::size_t>(count));
-  return out;
-}
-
-bool write_all(int descriptor, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());
-    if (count <= 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-  }
-  return true;
-}
 
 /// Mean of the colours of the corners; some formats have no materials.
 std::array<float, 4> mean_color(const aiMesh& mesh) {
@@ -91,52 +61,69 @@ void to_srgb(MeshPart& part) {
   for (std::size_t k = 0; k < 3; ++k) part.color[k] = srgb(part.color[k]);
 }
 
-int run(const std::string& kind) {
-  const std::string bytes = read_all(kImportFile);
-  limit_work(bytes.size());
+/// The images that materials use, each made once.
+class Images {
+ public:
+  explicit Images(const aiScene& scene) : scene_(scene), made_(scene.mNumTextures) {}
+
+  /// Null if the material has none within the file.
+  Image of(const aiMaterial& material) {
+    aiString path;
+    if (material.GetTexture(aiTextureType_BASE_COLOR, 0, &path) != AI_SUCCESS &&
+        material.GetTexture(aiTextureType_DIFFUSE, 0, &path) != AI_SUCCESS)
+      return {};
+    for (unsigned i = 0; i < scene_.mNumTextures && i < kMostImages; ++i)
+      if (scene_.mTextures[i] == scene_.GetEmbeddedTexture(path.C_Str())) return made(i);
+    return {};
+  }
+
+ private:
+  Image made(unsigned i) {
+    const aiTexture& texture = *scene_.mTextures[i];
+    if (texture.mHeight != 0 || texture.mWidth > kMostImageBytes) return {};  // not a file in memory
+    if (!made_[i])
+      made_[i] = std::make_shared<const std::string>(reinterpret_cast<const char*>(texture.pcData), texture.mWidth);
+    return made_[i];
+  }
+
+  const aiScene& scene_;
+  std::vector<Image> made_;
+};
+
+/// Assimp counts v from the lower edge of the image.
+void take_image(const aiMesh& mesh, Image image, MeshPart& part) {
+  if (!image || !mesh.mTextureCoords[0]) return;
+  part.image = std::move(image);
+  if (!part.colored) part.color = {1, 1, 1, 1};
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i)
+    part.texcoords.push_back({mesh.mTextureCoords[0][i].x, 1 - mesh.mTextureCoords[0][i].y});
+}
+
+Mesh read(const std::string& bytes, const std::string& kind) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* scene = importer.ReadFileFromMemory(
       bytes.data(), bytes.size(),
       aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_PreTransformVertices, kind.c_str());
-  if (!scene) {
-    std::fprintf(stderr, "%s\n", importer.GetErrorString());
-    return kImportRefused;
-  }
+  if (!scene) throw Refused{importer.GetErrorString()};
+  Images images(*scene);
   Mesh mesh;
-  for (unsigned i = 0; i < scene->mNumMeshes; ++i) mesh.push_back(part_of(*scene->mMeshes[i], *scene));
+  for (unsigned i = 0; i < scene->mNumMeshes; ++i) {
+    const aiMesh& from = *scene->mMeshes[i];
+    mesh.push_back(part_of(from, *scene));
+    if (from.mMaterialIndex < scene->mNumMaterials)
+      take_image(from, images.of(*scene->mMaterials[from.mMaterialIndex]), mesh.back());
+  }
   if (kind != "ply")
     for (MeshPart& part : mesh)
       if (part.colored) to_srgb(part);
-  std::vector<std::byte> message;
-  pack_mesh(mesh, message);
-  return write_all(kImportAnswer, message) ? 0 : 1;
+  return mesh;
 }
 
 }  // namespace
 }  // namespace polyarm::meshes
 
 int main(int argc, char** argv) {
-  using namespace polyarm;
-  const int parent = argc == 3 ? std::atoi(argv[1]) : 0;
-  if (parent <= 0) {
-    std::fputs("polyarm starts this program to read a mesh file\n", stderr);
-    return 2;
-  }
-  process::ChildRules rules;
-  rules.handed = 2;
-  rules.parent = parent;
-  rules.most_memory = meshes::kMostMemory;
-  if (!process::become_child(rules)) return 1;
-  process::filter_calls();
-  process::confine(
-      {.readable = {}, .connects = std::vector<std::uint16_t>{}, .listens = std::vector<std::uint16_t>{}});
-  int code = 1;
-  try {
-    code = meshes::run(argv[2]);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "%s\n", e.what());
-  }
-  std::fflush(stderr);
-  ::_exit(code);  // without the destructors of a library that has read a hostile file
+  constexpr std::size_t kMostMemory = std::size_t{2} << 30;  // bytes
+  return polyarm::meshes::run_importer(argc, argv, kMostMemory, polyarm::meshes::read);
 }

@@ -7,5 +7,7 @@
 namespace polyarm::mqtt {
 
 std::unique_ptr<signals::LinkPort> make_client(const signals::LinkEntry& entry);
+/// The same as an edge node of Sparkplug B; make_client() calls it for a link `mqtt: sparkplug`.
+std::unique_ptr<signals::LinkPort> make_sparkplug(const signals::LinkEntry& entry);
 
 }  // namespace polyarm::mqtt

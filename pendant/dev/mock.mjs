@@ -12,6 +12,8 @@ const dist = fileURLToPath(new URL('../dist', import.meta.url));
 const identity = [0, 0, 0, 1];
 const origin = { p: [0, 0, 0], q: identity };
 
+const kWall = 0.45;  // y of what is scanned
+
 // The cell ------------------------------------------------------------------------------------------------
 const home = [0, -1.4, 1.6, 1.37, 0, 0];
 const cell = {
@@ -39,9 +41,16 @@ const model = {
   tool: { name: 'suction_cup', visuals: [rod([0, 0, -0.06], [0, 0, -0.005], 0.012, [0.2, 0.22, 0.25, 1])] },
 };
 const box = (name, size, p, color) => ({ name, pose: { p, q: identity }, visuals: [{ shape: 'box', size, origin, color }] });
+/** A scanned wall, as the boxes of a point cloud. */
+function scan() {
+  const boxes = [];
+  for (let x = -0.4; x < 0.7; x += 0.05)
+    for (let z = 0.05; z < 0.7; z += 0.05) boxes.push(x, kWall + 0.015 * Math.sin(9 * x + 7 * z), z, 0.05, 0.03, 0.05);
+  return { name: 'scan', pose: { p: [0, 0, 0], q: identity }, visuals: [{ shape: 'boxes', boxes, origin, color: [0.62, 0.65, 0.7, 1] }] };
+}
 const scene = {
   floor: -0.75,
-  fixtures: [box('table', [1.4, 1.4, 0.04], [0.2, 0, -0.02], [0.55, 0.58, 0.62, 1])],
+  fixtures: [box('table', [1.4, 1.4, 0.04], [0.2, 0, -0.02], [0.55, 0.58, 0.62, 1]), scan()],
   parts: [{ name: 'cube1', kind: 'cube', pose: origin, visuals: [cube] }],
   bins: [{ name: 'tray', lower: [0.21, -0.22, 0], upper: [0.39, -0.08, 0.08], color: [0.25, 0.55, 0.35, 0.25] }],
   movers: [],
@@ -229,6 +238,20 @@ new WebSocketServer({ server: http, path: '/ws' }).on('connection', (socket) => 
     }
   });
 });
+/** What is nearest to the tool, and the distances along the way to the next place. */
+setInterval(() => {
+  const { p } = forward(cell.q);
+  const distance = kWall - 0.03 - p[1];
+  const moves = cell.jog || (cell.running && !cell.paused);
+  const near = { a: 'arm/tool', b: 'fixture scan', distance, kept: 0.005, on_a: p, on_b: [p[0], kWall - 0.03, p[2]], pace: cell.jog ? 1 : Math.min(1, distance / 0.3) };
+  const path = Array.from({ length: 40 }, (_, k) => forward(cell.q.map((q, i) => q + ((keyframes[frame][i] - q) * k) / 39)).p);
+  const plan = { path, clear: path.map((at) => Math.min(0.15, kWall - 0.13 - at[1])), target: { joints: keyframes[frame] } };
+  for (const client of clients) {
+    client.event({ event: 'near', robots: moves && distance < 0.3 ? { arm: near } : {} });
+    client.event({ event: 'plan', plans: cell.running && !cell.paused ? { arm: plan } : {} });
+  }
+}, 200);
+
 let sequence = 0;
 setInterval(() => {
   const now = forward(cell.q);

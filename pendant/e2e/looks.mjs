@@ -49,15 +49,21 @@ const cut = (on) =>
       const around = each.parentElement.closest('.move-panel, .signals-body, main').getBoundingClientRect();
       if (box.width > 0 && (box.left < around.left - 1 || box.right > around.right + 1)) out.push(`${told(each)} stands out`);
     }
+    for (const each of document.querySelectorAll('main button')) {
+      const box = each.getBoundingClientRect();
+      for (let around = each.parentElement; around && box.width > 0; around = around.parentElement) {
+        if (/auto|scroll/.test(getComputedStyle(around).overflowX) && around.scrollWidth > around.clientWidth && !around.matches('main, .page, [class$=-page]')) break;
+        if (around.matches('main') && (box.right > innerWidth + 1 || box.left < -1)) out.push(`${told(each)} is beyond the screen`);
+      }
+    }
     for (const each of document.querySelectorAll('.page-link span')) {
       const box = each.getBoundingClientRect();
       const around = each.parentElement.getBoundingClientRect();
       if (box.width > 0 && (box.left < around.left || box.right > around.right)) out.push(`${told(each)} is wider than its key`);
     }
-    const [words, modes] = ['.state strong', '.modes'].map((each) => document.querySelector(each).getBoundingClientRect());
-    const first = document.querySelector('.modes .chip').getBoundingClientRect();
-    if (first.left < words.right - 1 && first.bottom > words.top && first.top < words.bottom) out.push('the state and the modes overlap');
-    if (first.left < modes.left - 1) out.push('the modes are wider than their place');
+    const [words, modes, first] = ['.state strong', '.modes', '.modes .chip'].map((each) => document.querySelector(each)?.getBoundingClientRect());
+    if (first && first.left < words.right - 1 && first.bottom > words.top && first.top < words.bottom) out.push('the state and the modes overlap');
+    if (first && first.left < modes.left - 1) out.push('the modes are wider than their place');
     const stop = document.querySelector('.stop-button');
     const within = stop.getBoundingClientRect();
     for (const each of stop.querySelectorAll('strong, small')) {
@@ -100,6 +106,26 @@ for (const [language, locale] of [['en', 'en-GB'], ['es', 'es-ES']])
       assert.deepEqual([...found, ...page.problems], []);
     });
 
+test('the menus of the view lie over the tools of the page', async () => {
+  const page = await screen(at.chrome.browser, at.cell.link, { locale: 'es-ES' });
+  await page.keyboard.press('Alt+2');
+  for (const menu of ['Qué se muestra', 'Vistas']) {
+    await page.getByRole('main').getByRole('button', { name: menu, exact: true }).click();
+    const keys = page.getByRole('group', { name: menu }).getByRole('button');
+    await keys.first().waitFor();
+    const hidden = await keys.evaluateAll((all) =>
+      all
+        .filter((each) => {
+          const box = each.getBoundingClientRect();
+          return [0.05, 0.5, 0.95].some((share) => !each.contains(document.elementFromPoint(box.left + share * box.width, box.top + box.height / 2)));
+        })
+        .map((each) => each.textContent),
+    );
+    assert.deepEqual(hidden, [], menu);
+  }
+  await page.context().close();
+});
+
 test('Stop is named for what it is', async () => {
   const page = await at.open();
   await stopKey(page).waitFor();
@@ -128,4 +154,20 @@ test('is in use after less than 400 kB, compressed', async (t) => {
   t.diagnostic(`fetched, compressed: ${first.toFixed(0)} kB until the robot is drawn, ${editor.toFixed(0)} kB with the editor of programs`);
   assert.ok(first > 100 && first < 400, `${first} kB`);
   await context.close();
+});
+
+test('without a connection the words on Stop have room, in both languages', async () => {
+  const pages = [];
+  for (const [size, [width, height]] of Object.entries(kScreens))
+    for (const locale of ['en-GB', 'es-ES']) pages.push([`${size}, ${locale}`, await screen(at.chrome.browser, at.cell.link, { locale, viewport: { width, height } })]);
+  at.watcher.end();
+  await at.cell.kill();
+  const found = [];
+  for (const [where, page] of pages) {
+    await page.getByRole('alert').getByText(/^(Reconnecting…|Reconectando…)$/).waitFor();
+    await page.getByRole('button', { name: /not connected|sin conexión/ }).first().waitFor();
+    found.push(...(await cut(page)).map((each) => `${where}: ${each}`));
+    await page.context().close();
+  }
+  assert.deepEqual(found, []);
 });

@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import { mkdirSync, truncateSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { deflateSync } from 'node:zlib';
 import { go, picture } from './browser.mjs';
 import { until } from './cell.mjs';
 import { suite } from './suite.mjs';
@@ -20,10 +21,36 @@ function stl(size, told) {
   list.forEach((corner, i) => corner.forEach((v, k) => out.writeFloatLE(v, 84 + 50 * Math.floor(i / 3) + 12 * (1 + (i % 3)) + 4 * k)));
   return out;
 }
+/** With an image on each triangle. */
 const obj = (size) => {
   const list = corners(size);
-  return [...list.map((c) => `v ${c.join(' ')}`), ...Array.from({ length: list.length / 3 }, (_, i) => `f ${3 * i + 1} ${3 * i + 2} ${3 * i + 3}`), ''].join('\n');
+  const face = (i) => `f ${[1, 2, 3].map((k) => `${3 * i + k}/${k}`).join(' ')}`;
+  const head = ['mtllib post.mtl', 'vt 0 0', 'vt 1 0', 'vt 1 1', 'usemtl checks'];
+  return [...head, ...list.map((c) => `v ${c.join(' ')}`), ...Array.from({ length: list.length / 3 }, (_, i) => face(i)), ''].join('\n');
 };
+/** Squares in two colours, as PNG. */
+function png(size) {
+  const crc = (bytes) => {
+    let sum = ~0;
+    for (const byte of bytes) {
+      sum ^= byte;
+      for (let k = 0; k < 8; ++k) sum = (sum >>> 1) ^ (sum & 1 ? 0xedb88320 : 0);
+    }
+    return ~sum >>> 0;
+  };
+  const chunk = (name, data) => {
+    const body = Buffer.concat([Buffer.from(name), data]);
+    const out = Buffer.alloc(body.length + 8);
+    out.writeUInt32BE(data.length, 0);
+    body.copy(out, 4);
+    out.writeUInt32BE(crc(body), body.length + 4);
+    return out;
+  };
+  const head = Buffer.from([0, 0, 0, size, 0, 0, 0, size, 8, 2, 0, 0, 0]);
+  const rows = Buffer.concat(Array.from({ length: size }, (_, y) =>
+    Buffer.from([0, ...Array.from({ length: size }, (_, x) => ((x >> 2) + (y >> 2)) % 2 ? [240, 180, 40] : [40, 60, 160]).flat()])));
+  return Buffer.concat([Buffer.from('\x89PNG\r\n\x1a\n', 'latin1'), chunk('IHDR', head), chunk('IDAT', deflateSync(rows)), chunk('IEND', Buffer.alloc(0))]);
+}
 /** In millimetres, and red. */
 const dae = (size) => {
   const list = corners(size).map((corner) => corner.map((v) => 1000 * v));
@@ -59,6 +86,8 @@ const { at, test, holdKey, atRest } = suite({
     write('cell.yaml', 'polyarm: cell/1\nrobots:\n  own: {model: own.urdf, hardware: mock}\n');
     write('meshes/base.stl', stl(kSize));
     write('meshes/post.obj', obj(kSize));
+    write('meshes/post.mtl', 'newmtl checks\nKd 0.8 0.8 0.8\nmap_Kd checks.png\n');
+    write('meshes/checks.png', png(32));
     write('meshes/arm.dae', dae(kSize));
     write('meshes/broken.stl', stl(kSize, 1000));
     write('meshes/huge.stl', '');
@@ -84,6 +113,10 @@ test('shows meshes that can be read, and the plain shape of those that cannot', 
   }));
   for (const name of ['base', 'post', 'arm']) assert.deepEqual(heights[name], [120, 120, 200], `${name}, mm`);
   for (const name of ['broken', 'missing', 'huge']) assert.deepEqual(heights[name], [100, 100, 200], `${name}: its cylinder, mm`);
+  assert.equal(glb.images?.length, 1, 'the image of post');
+  const image = glb.bufferViews[glb.images[0].bufferView];
+  const begin = 28 + bytes.readUInt32LE(12) + image.byteOffset;
+  assert.ok(bytes.subarray(begin, begin + image.byteLength).equals(png(32)), 'as its file has it');
   await until(async () => (await page.getByRole('button', { name: 'Views' }).isVisible()), 60, 'the view');
   await picture(page, 'meshes');
 });

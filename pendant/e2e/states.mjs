@@ -190,6 +190,8 @@ test('who is asked for control and who asks both see it', async () => {
   const other = await screen(at.chrome.browser, cell.link);
   try {
     await open(other, 'Move');
+    await main(other).getByRole('status').getByText('You only watch. Take control first.').waitFor();
+    assert.equal(await main(other).getByText('Free to move').count(), 0, 'who only watches is not free to move');
     await button('Take control', main(other)).click();
     await main(other).getByText(/^Asked .+ for control: \d+ s$/).waitFor();
     await page.getByRole('dialog', { name: /asks for control$/ }).waitFor();
@@ -277,6 +279,10 @@ test('a contact is told with its pair and depth, and leads back step by step', a
 });
 
 test('without a connection Stop is dead, and nothing that is old is shown', async () => {
+  await open(page, 'Health');
+  await main().getByText('1000 Hz').first().waitFor();
+  await open(page, 'Signals');
+  await main().locator('tbody td').first().waitFor();
   await open(page, 'Move');
   const shown = main().getByRole('region', { name: /^(TCP position|Joints)$/ });
   await until(async () => /\d/.test((await shown.innerText()).replace(/[^\d]/g, '')), 30, 'values');
@@ -289,6 +295,13 @@ test('without a connection Stop is dead, and nothing that is old is shown', asyn
   assert.match(await dead.evaluate((each) => getComputedStyle(each).backgroundImage), /repeating-linear-gradient/);
   await until(async () => !/\d/.test((await shown.innerText()).replace(/R?[XYZ]|wrist \d/g, '')), 30, 'blank values');
   await picture(page, 'offline');
+  await open(page, 'Signals');
+  const values = await main().locator('tbody td:nth-child(2)').allInnerTexts();
+  assert.ok(values.length > 0);
+  assert.deepEqual(values.filter((each) => each.trim() !== '–'), [], 'values of tags');
+  await open(page, 'Health');
+  await main().getByText('Not connected').waitFor();
+  assert.doesNotMatch(await main().getByRole('region', { name: 'Health' }).innerText(), /\d/);
   await open(page, 'Run');
   await picture(page, 'offline-run');
   await cell.start();

@@ -37,7 +37,7 @@ test('a frame is taught from three places, the robot moved between them', async 
   await go(page, 'Points');
   await button('Teach a frame').click();
   const wizard = page.getByRole('dialog', { name: 'Teach a frame' });
-  await button('Take Origin', wizard).click();
+  await button('Take origin', wizard).click();
   await button('Take again', wizard).waitFor();
   await picture(page, 'frame-1');
   const origin = ['x', 'y', 'z'].map(tcp);
@@ -49,11 +49,11 @@ test('a frame is taught from three places, the robot moved between them', async 
   await picture(page, 'frame-2');
   await step('x', 'X plus', 3);
   await button('Touch here').click();
-  await button('Take A place on the x axis', wizard).click();
+  await button('Take a place on the x axis', wizard).click();
   await button('Move the robot', wizard).click();
   await step('y', 'Y plus', 3);
   await button('Touch here').click();
-  await button('Take A place on the side of y', wizard).click();
+  await button('Take a place on the side of y', wizard).click();
   await wizard.getByRole('region', { name: 'Result' }).getByText(/30\.0 mm/).first().waitFor();
   await picture(page, 'frame-3');
   await wizard.getByRole('textbox', { name: 'Name of the frame' }).fill('Bench');

@@ -2,7 +2,7 @@ import { afterEach, describe, expect, it, vi } from 'vitest';
 vi.mock('../src/state/settings', () => ({ settings: { degrees: { value: true } } }));
 vi.mock('../src/i18n', () => ({ number: String }));
 import { settings } from '../src/state/settings';
-import { decimalsOf, shortened, shownIn } from '../src/ui/format';
+import { decimalsOf, nameParts, shortened, shownIn, withinSentence } from '../src/ui/format';
 
 describe('units of curves', () => {
   afterEach(() => (settings.degrees.value = true));
@@ -34,4 +34,17 @@ describe('values of a program', () => {
     expect(shortened('12')).toBe('12');
   });
   it('are texts as they are', () => expect(shortened('["1.23456789", x_1.23456789]')).toBe('["1.23456789", x_1.23456789]'));
+});
+
+describe('words', () => {
+  it('of a list fit into a sentence', () => {
+    expect(withinSentence('A place on the x axis')).toBe('a place on the x axis');
+    expect(withinSentence('Un lugar en el eje x')).toBe('un lugar en el eje x');
+  });
+  it('of a long name may stand on two lines', () => {
+    expect(nameParts('DeactivateGripper')).toEqual(['Deactivate', 'Gripper']);
+    expect(nameParts('part_held_2')).toEqual(['part_', 'held_', '2']);
+    expect(nameParts('PLC')).toEqual(['PLC']);
+    expect(nameParts('VálvulaÁgil')).toEqual(['Válvula', 'Ágil']);
+  });
 });

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { readAlarm, readCell, readJog, readPart, readScene, readStatus } from '../src/wire/read';
+import { readAlarm, readCell, readJog, readNear, readPart, readPlans, readScene, readStatus } from '../src/wire/read';
 
 const identity = [0, 0, 0, 1];
 
@@ -122,5 +122,20 @@ describe('contacts of a status', () => {
   });
   it('are none where a server tells none', () => {
     for (const contacts of [undefined, null, 3, []]) expect(readStatus({ contacts }, 1).contacts).toEqual({ checked: true, touching: false, unchecked: [], list: [] });
+  });
+});
+
+describe('readNear', () => {
+  const near = { a: 'arm/forearm', b: 'fixture wall', distance: 0.012, kept: null, on_a: [0, 0, 1], on_b: [0, 0.012, 1], pace: 0.4 };
+  it('reads what is nearest to each robot', () => {
+    const { arm } = readNear({ robots: { arm: near } });
+    expect(arm).toMatchObject({ a: 'arm/forearm', b: 'fixture wall', distance: 0.012, onB: [0, 0.012, 1], pace: 0.4 });
+    expect(arm!.kept).toBeNaN();
+    expect(readNear({})).toEqual({});
+  });
+  it('reads the distances along a path, which come later than the path', () => {
+    const path = [[0, 0, 0], [0, 0, 1]];
+    expect(readPlans({ plans: { arm: { path } } }).arm!.clear).toEqual([]);
+    expect(readPlans({ plans: { arm: { path, clear: [0.1, 0.02] } } }).arm!.clear).toEqual([0.1, 0.02]);
   });
 });

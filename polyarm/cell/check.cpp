@@ -309,7 +309,7 @@ class Checker {
     PointReport report{entry.name, entry.where, true, "", {}};
     try {
       if (!entry.value.as_joints()) frames.in_world(entry);  // throws if a frame does not exist
-      if (!reach) return;
+      if (!reach || robots_.size() < file_.robots.size()) return;  // nothing is said for an unknown robot
       std::vector<std::pair<std::string, Error>> why;
       for (const auto& robot : robots_) {
         try {

@@ -292,6 +292,64 @@ double distance_from_base(const Obstacle& o) {
   return separation({{{}}, 0, 0, {0, 0, 1}}, {}, o.body).lower;
 }
 
+/// So many boxes of one link get a tree.
+constexpr std::size_t kTreeFrom = 40;
+
+Bounds bounds_of_box(const CheckBox& box, bool turned) {
+  Vec3 half{box.h[0], box.h[1], box.h[2]};
+  if (turned) {
+    const float* a = box.axes;
+    const auto extent = [&](int k) {
+      return std::abs(a[k]) * half.x + std::abs(a[3 + k]) * half.y + std::abs(a[6 + k]) * half.z;
+    };
+    half = {extent(0), extent(1), extent(2)};
+  }
+  const Vec3 middle{box.c[0], box.c[1], box.c[2]};
+  return {middle - half, middle + half};
+}
+
+/// A tree over the boxes that are listed from `begin` to the end of `out.reachable`, which then leave the list.
+void plant(CheckLink& link, std::size_t kind, std::size_t begin, CheckData& out) {
+  const std::vector<CheckBox>& boxes = kind == 0 ? out.aligned : out.turned;
+  const std::vector<std::uint32_t> listed(out.reachable.begin() + static_cast<std::ptrdiff_t>(begin),
+                                          out.reachable.end());
+  out.reachable.resize(begin);
+  std::vector<Bounds> bounds;
+  float radius = 0;
+  for (const std::uint32_t i : listed) {
+    bounds.push_back(bounds_of_box(boxes[i], kind == 1));
+    radius = std::max(radius, boxes[i].r);
+  }
+  const BoxTree tree(bounds);
+  const auto first = static_cast<std::uint32_t>(out.nodes.size());
+  for (const BoxTree::Node& node : tree.nodes()) {
+    const Vec3 middle = 0.5 * (node.bounds.lower + node.bounds.upper);
+    CheckNode made{};
+    // A box in single precision is not smaller than that in double precision.
+    made.box = box_of({middle, {}}, 0.5 * (node.bounds.upper - node.bounds.lower), radius + 1e-6 * (1 + norm(middle)));
+    made.next = first + node.next;
+    made.leaf = node.leaf == BoxTree::kInner ? kNoLeaf : listed[node.leaf];
+    out.nodes.push_back(made);
+  }
+  link.tree[kind] = first;
+  link.tree_end[kind] = static_cast<std::uint32_t>(out.nodes.size());
+}
+
+CheckData::Nearby nearby(const std::vector<std::size_t>& listed, const std::vector<Obstacle>& obstacles) {
+  CheckData::Nearby out;
+  std::vector<Bounds> bounds;
+  for (const std::size_t i : listed) {
+    if (obstacles[i].is_half_space || listed.size() < kTreeFrom) {
+      out.always.push_back(i);
+      continue;
+    }
+    out.obstacle.push_back(i);
+    bounds.push_back(bounds_of(obstacles[i].body));
+  }
+  out.tree = BoxTree(bounds);
+  return out;
+}
+
 void add_reachable(const RobotBody& robot, const std::vector<Obstacle>& obstacles, double clearance,
                    const std::vector<char>& allowed, const std::vector<Compiled>& compiled, CheckData& out) {
   std::vector<double> distance;
@@ -311,8 +369,11 @@ void add_reachable(const RobotBody& robot, const std::vector<Obstacle>& obstacle
         out.reachable.push_back(compiled[i].index);
         out.obstacles_of_link[l].push_back(i);
       }
+      if (kind < 2 && out.reachable.size() - link.begin[kind] >= kTreeFrom) plant(link, kind, link.begin[kind], out);
     }
     link.begin[kObstacleKinds] = static_cast<std::uint32_t>(out.reachable.size());
+    out.reachable_near.push_back(nearby(out.obstacles_of_link[l], obstacles));
+    out.measured_near.push_back(nearby(out.measured_of_link[l], obstacles));
   }
 }
 
@@ -335,7 +396,7 @@ void make_check_data(const RobotBody& robot, const std::vector<Obstacle>& obstac
     out.pairs.push_back({place[pair.first], place[pair.second], rounded_up(rounding.error(0) * 2)});
   out.model = {out.steps.data(),     out.links.data(),   out.spheres.data(), out.pairs.data(),
                out.reachable.data(), out.aligned.data(), out.turned.data(),  out.cylinders.data(),
-               out.convex.data(),    out.faces.data(),   out.planes.data(),  robot.variables(),
+               out.convex.data(),    out.faces.data(),   out.planes.data(),  out.nodes.data(),  robot.variables(),
                out.steps.size(),     out.links.size(),   out.spheres.size(), out.pairs.size()};
 }
 

@@ -46,6 +46,13 @@ struct CheckPlane {
   float n[3], d;
 };
 
+/// A node of a tree over many boxes (BoxTree::Node).
+struct CheckNode {
+  CheckBox box;              ///< aligned, around all below it; r: the largest of theirs
+  std::uint32_t next, leaf;  ///< leaf: index of a box, or kNoLeaf
+};
+inline constexpr std::uint32_t kNoLeaf = UINT32_MAX;
+
 enum class ObstacleKind : std::uint8_t { aligned, turned, cylinder, convex, plane };
 inline constexpr std::size_t kObstacleKinds = 5;
 
@@ -57,6 +64,8 @@ struct CheckLink {
   /// The obstacles that it can reach: of each kind from begin[kind] to begin[kind + 1] in
   /// CheckModel::reachable.
   std::uint32_t begin[kObstacleKinds + 1] = {};
+  /// Of the boxes, aligned and turned, instead if there are many: nodes from tree[kind] to tree_end[kind].
+  std::uint32_t tree[2] = {}, tree_end[2] = {};
 };
 
 struct CheckPair {
@@ -76,6 +85,7 @@ struct CheckModel {
   const CheckConvex* convex = nullptr;
   const CheckPlane* face = nullptr;   ///< of the polyhedra
   const CheckPlane* plane = nullptr;  ///< half-spaces
+  const CheckNode* node = nullptr;
   std::size_t variables = 0, steps = 0, links = 0, spheres = 0, pairs = 0;
 };
 

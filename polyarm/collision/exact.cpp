@@ -49,6 +49,15 @@ double bound(const Ball& ball, const Pose& pose, const Obstacle& obstacle) {
   return apart({{ball.center}, ball.radius, 0, {0, 0, 1}}, pose, obstacle).lower;
 }
 
+/// Calls take(index) for each obstacle of a link whose bound may be at most range().
+template <typename Range, typename Take>
+void each_near(const CheckData::Nearby& near, const Ball& ball, const Pose& pose, const Range& range, const Take& take) {
+  for (const std::size_t i : near.always) take(i);
+  near.tree.each_near(
+      pose * ball.center, [&] { return range() + ball.radius + kBoundRounding; },
+      [&](std::uint32_t leaf) { take(near.obstacle[leaf]); });
+}
+
 double ball_bound(const Ball& a, const Pose& pose_a, const Ball& b, const Pose& pose_b) {
   return norm(pose_a * a.center - pose_b * b.center) - a.radius - b.radius;
 }
@@ -67,15 +76,19 @@ Probe::ExactVerdict Probe::exact(std::span<const double> q, std::span<const doub
     const LinkBody& link = robot.links()[data.body_of_link[l]];
     const Pose pose = pose_of(poses, link);
     const double touch = checker_.clearance(), wanted = touch + margin(l);
-    for (const std::size_t i : data.obstacles_of_link[l]) {
-      const Obstacle& obstacle = checker_.obstacles()[i];
-      if (bound(link.around, pose, obstacle) > wanted) continue;
-      for (const ConvexBody& body : link.bodies) {
-        const double lower = apart(body, pose, obstacle).lower;
-        if (!(lower > touch)) return ExactVerdict::touches;
-        if (!(lower > wanted)) out = ExactVerdict::near;
-      }
-    }
+    bool touches = false;
+    each_near(
+        data.reachable_near[l], link.around, pose, [&] { return touches ? -1e9 : wanted; },
+        [&](std::size_t i) {
+          const Obstacle& obstacle = checker_.obstacles()[i];
+          if (touches || bound(link.around, pose, obstacle) > wanted) return;
+          for (const ConvexBody& body : link.bodies) {
+            const double lower = apart(body, pose, obstacle).lower;
+            if (!(lower > touch)) touches = true;
+            if (!(lower > wanted)) out = ExactVerdict::near;
+          }
+        });
+    if (touches) return ExactVerdict::touches;
   }
   for (std::size_t p = 0; p < robot.pairs().size(); ++p) {
     const LinkPairBody& pair = robot.pairs()[p];
@@ -170,9 +183,12 @@ Contact Probe::nearest(std::span<const double> q) {
   for (std::size_t l = 0; l < data.links.size(); ++l) {
     const LinkBody& link = robot.links()[data.body_of_link[l]];
     const Pose pose = pose_of(poses, link);
-    for (const std::size_t i : data.measured_of_link[l])
-      if (bound(link.around, pose, checker_.obstacles()[i]) < best.distance)
-        compare(best, link, pose, checker_.obstacles()[i]);
+    each_near(
+        data.measured_near[l], link.around, pose, [&] { return best.distance; },
+        [&](std::size_t i) {
+          if (bound(link.around, pose, checker_.obstacles()[i]) < best.distance)
+            compare(best, link, pose, checker_.obstacles()[i]);
+        });
   }
   for (const LinkPairBody& pair : robot.pairs()) {
     const LinkBody &a = robot.links()[pair.first], &b = robot.links()[pair.second];

@@ -160,6 +160,7 @@ Separation separation(const ConvexBody& a, const Pose& T_b_a, const ConvexBody& 
     Simplex grown = simplex;
     grown.corner[Simplex::at(grown.size++)] = next;
     grown = reduced(grown);
+    if (grown.size == 4 && lower > kTouch) break;  // rounding: a plane is known that separates them
     const Vec3 u = grown.nearest();
     if (grown.size < 4 && !(dot(u, u) < distance * distance)) break;  // rounding: no progress
     simplex = grown;

@@ -27,20 +27,42 @@ class HardwareCheck {
     });
     for (ComponentInfo& component : hardware.components)
       if (component.kind == "joint") mimic(component);
-    std::set<std::pair<std::string, std::string>> names;
-    for (const ComponentInfo& component : hardware.components) {
-      if (!component.name.empty() && !names.emplace(component.kind, component.name).second)
-        problems_.error(
-            "duplicate-name", component.where,
-            "'" + hardware.name + "' has two of <" + component.kind + " name=\"" + component.name + "\">",
-            "put their interfaces into one");
-    }
+    join_twice(hardware);
     for (ComponentInfo& component : hardware.components) {
       once(component, component.state_interfaces, "state", states_);
       once(component, component.command_interfaces, "command", commands_);
     }
     shape(hardware);
     for (const TransmissionInfo& t : hardware.transmissions) transmission(hardware, t);
+  }
+
+  /// A component that is named twice is one with the interfaces and parameters of both, as in Humble, which
+  /// accepts it. What both have counts as the first says.
+  void join_twice(HardwareInfo& hardware) {
+    std::vector<ComponentInfo> out;
+    for (ComponentInfo& component : hardware.components) {
+      const auto first = std::find_if(out.begin(), out.end(), [&](const ComponentInfo& other) {
+        return !component.name.empty() && other.kind == component.kind && other.name == component.name;
+      });
+      if (first == out.end()) {
+        out.push_back(std::move(component));
+        continue;
+      }
+      warnings_.warning("duplicate-name", component.where,
+                        "'" + hardware.name + "' has two of <" + component.kind + " name=\"" + component.name +
+                            "\">; they are taken as one",
+                        "put their interfaces into one");
+      add_new(component.command_interfaces, first->command_interfaces);
+      add_new(component.state_interfaces, first->state_interfaces);
+      first->parameters.insert(component.parameters.begin(), component.parameters.end());
+    }
+    hardware.components = std::move(out);
+  }
+  static void add_new(const std::vector<InterfaceInfo>& from, std::vector<InterfaceInfo>& to) {
+    for (const InterfaceInfo& interface : from)
+      if (std::none_of(to.begin(), to.end(),
+                       [&](const InterfaceInfo& other) { return other.name == interface.name; }))
+        to.push_back(interface);
   }
 
   void transmission_of_robot(const TransmissionInfo& t) {

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/description/shape_bounds.hpp"
 
 namespace polyarm::description {
 
@@ -225,8 +226,29 @@ bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Locat
   return true;
 }
 
-Inertial inertial_of(const std::vector<Shape>& shapes, double density) {
+namespace {
+std::vector<Shape> boxes_for_meshes(const std::vector<Shape>& shapes) {
+  std::vector<Shape> out;
+  for (const Shape& shape : shapes) {
+    if (shape.kind != ShapeKind::mesh) out.push_back(shape);
+    for (const auto& piece : shape.pieces) {
+      Shape one;
+      one.kind = ShapeKind::mesh;
+      one.pieces = {piece};
+      const Bounds around = bounds_of(one, {});
+      Shape box;
+      box.size = around.upper - around.lower;
+      box.pose = shape.pose * Pose{0.5 * (around.lower + around.upper), {}};
+      out.push_back(box);
+    }
+  }
+  return out;
+}
+}  // namespace
+
+Inertial inertial_of(const std::vector<Shape>& all, double density) {
   Inertial out;
+  const std::vector<Shape> shapes = boxes_for_meshes(all);
   for (const Shape& s : shapes) {
     const double m = density * volume(s);
     out.mass += m;

@@ -32,7 +32,9 @@ struct Shape {
   Vec3 size;          ///< box: full edge lengths, m
   double radius = 0;  ///< cylinder, sphere, capsule, m
   double length = 0;  ///< cylinder: full height; capsule: between the centres of its ends, m
-  std::string mesh;   ///< mesh: the URI as written; `mesh_path` if the file was found, else empty
+  /// mesh: the URI as written; `mesh_path` if the file was found, else empty. Else: the point cloud that the
+  /// shape belongs to, if any (cloud_of() of bodies.hpp).
+  std::string mesh;
   std::string mesh_path;
   Vec3 scale{1, 1, 1};
   /// mesh: the corners of convex pieces that contain it, scaled, m, in the shape's frame; empty until

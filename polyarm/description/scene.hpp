@@ -39,7 +39,7 @@ struct Goal {
 struct Part {
   std::string name;
   std::string kind;
-  Shape shape;  ///< its pose is the identity; the part's origin is the shape's centre
+  Shape shape;  ///< its pose is the identity; the part's origin is the shape's centre, or a mesh's origin
   double mass = 0.05;
   double friction = 0.8;
   Pose start;  ///< in the world; unused while the part waits in a feeder

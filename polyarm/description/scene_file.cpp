@@ -208,10 +208,13 @@ class SceneReader {
   }
 
   void fixture(const std::string& name, const Yaml& y) {
-    y.check_keys(with_shapes({"mesh", "at", "xyz", "rpy", "quaternion", "mover", "friction"}), problems_);
+    y.check_keys(with_shapes({"mesh", "cloud", "at", "xyz", "rpy", "quaternion", "mover", "friction"}), problems_);
     Fixture out;
     out.name = name;
-    out.shapes = {read_shape_or_mesh(y)};
+    if (y.has("cloud"))
+      out.shapes = read_cloud(y);
+    else
+      out.shapes = {read_shape_or_mesh(y)};
     out.pose = y.pose();
     out.mover = y["mover"].text("");
     out.friction = friction(y["friction"], out.friction);
@@ -272,12 +275,15 @@ class SceneReader {
   }
 
   void parts(const std::string& name, const Yaml& y) {
-    y.check_keys(with_shapes({"count", "kind", "mass", "friction", "at", "xyz", "rpy", "quaternion", "goal",
+    y.check_keys(with_shapes({"mesh", "count", "kind", "mass", "friction", "at", "xyz", "rpy", "quaternion", "goal",
                               "feeder"}),
                  problems_);
     Part part;
     part.kind = y["kind"].text(name);
-    part.shape = read_shape(y);
+    part.shape = read_shape_or_mesh(y);
+    if (part.shape.kind == ShapeKind::mesh && !y.has("mass"))
+      throw Error(Problem{"missing-key", y.where(), "the part '" + name + "' is a mesh and has no 'mass'",
+                          "write its mass, as in mass: 120g"});
     part.mass = amount(y["mass"], Dimension::mass, inertial_of({part.shape}, kDensity).mass, kHeaviest, "kg");
     part.friction = friction(y["friction"], part.friction);
     part.start = y.pose();

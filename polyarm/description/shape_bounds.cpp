@@ -41,8 +41,22 @@ bool Bounds::contains(const Vec3& p) const noexcept {
          p.z <= upper.z;
 }
 
+namespace {
+Bounds bounds_of_pieces(const Shape& shape, const Pose& at) noexcept {
+  Bounds out{{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
+  for (const auto& piece : shape.pieces)
+    for (const Vec3& corner : piece) {
+      const Vec3 p = at * corner;
+      out.lower = {std::min(out.lower.x, p.x), std::min(out.lower.y, p.y), std::min(out.lower.z, p.z)};
+      out.upper = {std::max(out.upper.x, p.x), std::max(out.upper.y, p.y), std::max(out.upper.z, p.z)};
+    }
+  return out;
+}
+}  // namespace
+
 Bounds bounds_of(const Shape& shape, const Pose& pose) noexcept {
   const Pose at = pose * shape.pose;
+  if (shape.kind == ShapeKind::mesh && !shape.pieces.empty()) return bounds_of_pieces(shape, at);
   const Vec3 half = half_extents(shape, at.rotation);
   return {at.position - half, at.position + half};
 }

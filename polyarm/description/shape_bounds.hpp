@@ -11,7 +11,8 @@ struct Bounds {
   bool near(const Bounds& other, double margin) const noexcept;
   bool contains(const Vec3& p) const noexcept;
 };
-/// `pose`: of the frame in which the shape has its own pose. A mesh counts as a point.
+/// `pose`: of the frame in which the shape has its own pose. A mesh counts by its convex pieces, and as a
+/// point without them.
 Bounds bounds_of(const Shape& shape, const Pose& pose) noexcept;
 
 }  // namespace polyarm::description

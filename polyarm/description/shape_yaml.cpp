@@ -1,5 +1,6 @@
 #include "polyarm/description/shape_yaml.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -7,6 +8,7 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/clouds/cloud_file.hpp"
 
 namespace polyarm::description {
 
@@ -72,8 +74,11 @@ double metres_in(const Yaml& unit) {
   if (text == "mm") return 1e-3;
   if (text == "cm") return 1e-2;
   if (text == "in") return 0.0254;
-  throw Error(Problem{"bad-value", unit.where(), "'" + shortened(text) + "' is not a unit of a mesh file",
+  throw Error(Problem{"bad-value", unit.where(), "'" + shortened(text) + "' is not a unit of a file with a shape",
                       "write m, mm, cm or in"});
+}
+std::filesystem::path beside(const Yaml& yaml, const std::string& file) {
+  return std::filesystem::path(yaml.where().file).parent_path() / file;
 }
 }  // namespace
 
@@ -90,7 +95,7 @@ Shape read_shape_or_mesh(const Yaml& yaml) {
   Shape out;
   out.kind = ShapeKind::mesh;
   out.mesh = file.text();
-  const std::filesystem::path path = std::filesystem::path(yaml.where().file).parent_path() / out.mesh;
+  const std::filesystem::path path = beside(yaml, out.mesh);
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     throw Error(Problem{"no-mesh", file.where(), "there is no mesh file " + path.string(),
@@ -104,6 +109,43 @@ Shape read_shape_or_mesh(const Yaml& yaml) {
     if (!(each > 0 && each <= 1e6))
       throw Error(Problem{"bad-value", scale.where(), "the scale of a mesh must be above zero and at most 1e6", {}});
   out.scale = metres * out.scale;
+  return out;
+}
+
+std::vector<Shape> read_cloud(const Yaml& yaml) {
+  for (const char* key : {"mesh", "box", "cylinder", "sphere", "capsule"})
+    if (yaml.has(key))
+      throw Error(Problem{"bad-value", yaml.where(), std::string("'cloud' and '") + key + "' are given for one thing",
+                          "keep one of them"});
+  const Yaml cloud = yaml["cloud"];
+  Problems problems;
+  if (cloud.is_map()) cloud.check_keys({"file", "unit", "radius", "cell"}, problems);
+  problems.throw_if_errors();
+  const Yaml file = cloud.is_map() ? cloud.required("file") : cloud;
+  clouds::CloudOptions options;
+  options.scale = metres_in(cloud["unit"]);
+  if (cloud["radius"].defined()) options.radius = positive(cloud["radius"]);
+  if (cloud["cell"].defined()) options.cell = positive(cloud["cell"]);
+  clouds::Cloud read;
+  try {
+    read = clouds::read_cloud(beside(yaml, file.text()), options);
+  } catch (const Error& e) {
+    Problem problem = e.problems().front();
+    problem.where = file.where();
+    throw Error(std::move(problem));
+  }
+  const std::string note =
+      file.text() + ": " + std::to_string(read.points) + " points in " + std::to_string(read.boxes.size()) +
+      " boxes, cells of " + format_number(std::round(1e4 * read.cell) / 10) + " mm" +
+      (read.dropped > 0 ? ", " + std::to_string(read.dropped) + " points without a place left out" : "");
+  std::vector<Shape> out;
+  for (const clouds::CloudBox& box : read.boxes) {
+    Shape shape;
+    shape.size = box.upper - box.lower;
+    shape.pose.position = 0.5 * (box.lower + box.upper);
+    shape.mesh = note;
+    out.push_back(std::move(shape));
+  }
   return out;
 }
 

@@ -34,6 +34,11 @@ LifecycleState Components::state_of(std::size_t i) const {
   return hosting_->all[i]->state.load(std::memory_order_acquire);
 }
 
+ForwardMoves* Components::forward_moves(std::size_t i) const {
+  auto* const takes = dynamic_cast<TakesMoves*>(hosting_->all[i]->component.get());
+  return takes ? takes->forward_moves(kForwardLayout) : nullptr;
+}
+
 int Components::find(std::string_view name) const {
   const auto& all = hosting_->all;
   const auto found = std::find_if(all.begin(), all.end(), [&](const auto& one) { return one->name == name; });

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "polyarm/hardware/component.hpp"
+#include "polyarm/hardware/forward_moves.hpp"
 #include "polyarm/hardware/interface_table.hpp"
 #include "polyarm/realtime/jobs.hpp"
 
@@ -26,6 +27,7 @@ class Components {
   bool real(std::size_t i) const;
   bool takes_commands(std::size_t i) const;      ///< true if it offers command interfaces
   LifecycleState state_of(std::size_t i) const;  ///< any thread
+  ForwardMoves* forward_moves(std::size_t i) const;  ///< null: it takes no moves
   /// Index of the component that offers the interface; -1 if none does.
   int component_of_state(std::size_t index) const;
   int component_of_command(std::size_t index) const;

@@ -22,7 +22,7 @@ struct BodyReport {
 struct BodiesMade {
   std::vector<BodyReport> reports;
   std::vector<Problem> warnings;  ///< one for each mesh without a body, because its file is missing, broken
-                                  ///< or too large
+                                  ///< or too large; and for each that is as large as if its unit were wrong
 };
 
 /// The folder in which this user's bodies are cached; empty without a home folder.

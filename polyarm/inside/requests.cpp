@@ -60,7 +60,10 @@ class Requests::Work {
     for (Open& each : open_) {
       if (each.from != from || each.over) continue;
       each.over = true;
-      if (!each.answered) unanswered.push_back(std::move(each.on_reply));
+      if (!each.answered) {
+        if (each.on_first) each.on_first({{}, why, false});
+        unanswered.push_back(std::move(each.on_reply));
+      }
     }
     for (const OnReply& reply : unanswered) reply({{}, why, false});
   }
@@ -88,12 +91,14 @@ class Requests::Work {
   }
 
   std::size_t open() const { return open_.size(); }
+  void set_witness(Witness witness) { witness_ = std::move(witness); }
 
  private:
   struct Open {
     Any id;
     std::optional<Request> request;
     OnReply on_reply;
+    std::function<void(const Reply&)> on_first;  // of the witness
     const void* from = nullptr;
     std::size_t bytes = 0;
     AnyPoll poll;
@@ -114,6 +119,7 @@ class Requests::Work {
       read(open);
       open.urgent = open.request->facts().urgent;
       open.patient = open.request->facts().patient;
+      if (witness_) open.on_first = witness_(from, *open.request);
       require_room(open);
     });
     if (open.refused) {
@@ -201,6 +207,7 @@ class Requests::Work {
 
   static bool send(Open& open, const Reply& reply) {
     open.answered = true;
+    if (const auto first = std::exchange(open.on_first, nullptr)) first(reply);
     return open.on_reply(reply);
   }
 
@@ -224,6 +231,7 @@ class Requests::Work {
   }
 
   CellInside& cell_;
+  Witness witness_;
   std::map<const protocol::RequestType*, Handler> handlers_;
   std::vector<Open> open_;
   std::size_t bytes_ = 0;  // sum of the bytes of all open requests
@@ -235,6 +243,9 @@ Requests::Requests(CellInside& cell, const std::vector<Handler>& handlers)
 Requests::~Requests() = default;
 void Requests::ask(Request request, OnReply on_reply, const void* from, std::size_t bytes) {
   work_->ask(std::move(request), std::move(on_reply), from, bytes);
+}
+void Requests::set_witness(Witness witness) {
+  work_->set_witness(std::move(witness));
 }
 void Requests::refuse(const void* from, const Error& why) {
   work_->refuse(from, why);

@@ -127,6 +127,22 @@ protocol::PossibleNow CellView::possible_now() const {
   return cell::possible_now(inside_);
 }
 
+std::optional<Guards::Near> CellView::near(std::size_t robot) const {
+  return inside_.guards->near(robot);
+}
+
+void CellView::set_more_obstacles(std::vector<description::Fixture> more) {
+  inside_.guards->set_more(std::move(more));
+}
+
+double CellView::pace(std::size_t robot) const {
+  return inside_.guards->pace(robot);
+}
+
+std::optional<double> CellView::clearance_at(std::size_t robot, std::span<const double> q) const {
+  return inside_.guards->clearance_at(robot, q);
+}
+
 const moves::RobotMotion* CellView::motion(std::size_t robot) const {
   return inside_.motions->motion(robot);
 }

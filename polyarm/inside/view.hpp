@@ -1,6 +1,8 @@
 #pragma once
 /// The view of a cell that doors get: read access to its state, and its requests as the only way to change
 /// it.
+#include <optional>
+#include <span>
 #include <string>
 
 #include "polyarm/control/control_loop.hpp"
@@ -11,6 +13,7 @@
 #include "polyarm/machine/around.hpp"
 #include "polyarm/machine/event_log.hpp"
 #include "polyarm/moves/robot_motion.hpp"
+#include "polyarm/operation/guards.hpp"
 #include "polyarm/protocol/motion.hpp"
 #include "polyarm/protocol/programs.hpp"
 #include "polyarm/setup/cell_options.hpp"
@@ -79,6 +82,13 @@ class CellView {
 
   // Robots, by index.
   const moves::RobotMotion* motion(std::size_t robot) const;
+  /// What the guard of a robot sees (Guards): the nearest body, the pace of a planned move, and the distance from
+  /// everything else with the joints at `q`.
+  std::optional<Guards::Near> near(std::size_t robot) const;
+  double pace(std::size_t robot) const;
+  /// Things that guards keep robots off in addition to the scene (Guards::set_more).
+  void set_more_obstacles(std::vector<description::Fixture> more);
+  std::optional<double> clearance_at(std::size_t robot, std::span<const double> q) const;
   const MovingBase& base(std::size_t robot) const;
   /// Where everything is now, for plans around obstacles: joints as commanded.
   surroundings::Moment moment() const;

@@ -4,11 +4,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "polyarm/description/shape_bounds.hpp"
+
 namespace polyarm::cell {
 
 using description::ShapeKind;
 
 double height_above_origin(const description::Shape& shape, const Quaternion& rotation) {
+  if (shape.kind == ShapeKind::mesh) return description::bounds_of(shape, {{}, rotation}).upper.z;
   const Vec3 z = inverse(rotation) * Vec3{0, 0, 1};  // world's up direction in the part's frame
   switch (shape.kind) {
     case ShapeKind::sphere:

@@ -131,6 +131,11 @@ StateFolder::StateFolder(fs::path cell_folder, std::set<std::string> live, bool 
   }
   std::error_code error;
   if (!keep) fs::remove_all(state_, error);
+  if (error)
+    throw Error(
+        "unwritable", state_.string() + ": the data of the run before cannot be removed: " + error.message(),
+        "a run begins with copies of the data files of the cell: work on a copy of the cell in a folder "
+        "where you may write, or continue with the data that are there (--keep)");
 }
 
 fs::path StateFolder::folder_of(const std::string& name) const {

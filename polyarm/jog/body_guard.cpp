@@ -114,13 +114,15 @@ void BodyGuard::fill(std::span<const double> velocity, std::span<const std::vect
     // What was never measured has no bound, and would hold nothing back.
     const bool is_unknown = !std::isfinite(pair.slack);
     const bool measures = pair.slack <= range && (bodies_.measured() < budget || is_unknown);
-    const std::size_t count = measures ? bodies_.measure_points(i, robot_, range, points_) : 0;
+    double left_out = std::numeric_limits<double>::infinity();
+    const std::size_t count = measures ? bodies_.measure_points(i, robot_, range, points_, left_out) : 0;
     if (count == 0) {
       keep_rest(pair.slack - keep, i, out);
       continue;
     }
     if (pair.slack < -kContact && pair.slack < least) out.touching = true;
     add_points(i, keep, count, out);
+    if (std::isfinite(left_out)) keep_rest(left_out - keep, i, out);
   }
 }
 

@@ -59,7 +59,7 @@ class BodyGuard {
   BodyGuardOptions options_;
   std::vector<double> reach_, trial_;  // by joint
   std::vector<double> reaches_;        // by body
-  std::array<surroundings::GuardGap, 6> points_;
+  std::array<surroundings::GuardGap, 8> points_;
 };
 
 }  // namespace polyarm::jog

@@ -425,10 +425,15 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
     }
     worst = workspace_.boundaries();
     for (std::size_t i = 0; barriers_ && i <= barriers_->count; ++i) {
-      // If it is too near even while braking, it may move along, or away.
-      const double least = now.room[i] < 0 ? barriers_->room(i, {q.data(), n}) - kBeside : 0;
+      // If it is too near even while braking, it may move along, or away: never deeper than kBeside, so that
+      // what one cycle takes does not add up.
+      double least = 0;
+      if (now.room[i] < 0) {
+        const double here = barriers_->room(i, {q.data(), n});
+        least = std::min(0.0, std::max(here - kBeside, std::min(here, -kBeside)));
+      }
       near_body = barriers_->which(i);
-      if (then.room[i] < std::min(0.0, least) - 1e-12) return false;
+      if (then.room[i] < least - 1e-12) return false;
     }
     near_body = -1;
     // If the TCP is too fast even while braking, it must brake; a small excess in each step would add up.

@@ -52,10 +52,11 @@ CallbackReturn JointTrajectoryController::on_activate(const Cycle& cycle) noexce
   now_.store(cycle.time, std::memory_order_relaxed);
   find_places();
   measure();
+  const bool forward = forward_.load(std::memory_order_acquire);
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const double last = commands_.position[j] >= 0 ? command(static_cast<std::size_t>(commands_.position[j]))
                                                    : std::numeric_limits<double>::quiet_NaN();
-    position_[j] = keep_command_ && std::isfinite(last) ? last : measured_position_[j];
+    position_[j] = keep_command_ && !forward && std::isfinite(last) ? last : measured_position_[j];
     if (!std::isfinite(position_[j])) return CallbackReturn::error;  // nothing is known of where it is
     velocity_[j] = acceleration_[j] = effort_[j] = 0;
     leader_[j] = -1;
@@ -70,6 +71,7 @@ CallbackReturn JointTrajectoryController::on_activate(const Cycle& cycle) noexce
   scale_ = trajectory::TimeScale();
   stopping_for_ = 0;
   command_all(0);
+  if (forward) return CallbackReturn::success;
   // A message that came when it had just ended was meant for then.
   while (TrajectoryGoal* goal = inbox_.take())
     if (goal->bridged)
@@ -81,6 +83,7 @@ CallbackReturn JointTrajectoryController::on_activate(const Cycle& cycle) noexce
 
 void JointTrajectoryController::on_deactivate(const Cycle&) noexcept {
   end_action(GoalOutcome::aborted, -1);
+  if (hardware::ForwardMoves* const moves = forward_.load(std::memory_order_acquire)) drop_forward(*moves);
   drop_all();
   drop_shift();
   for (TrajectoryGoal*& goal : waiting_)
@@ -92,6 +95,8 @@ void JointTrajectoryController::on_deactivate(const Cycle&) noexcept {
 }
 
 bool JointTrajectoryController::standing() const noexcept {
+  if (const hardware::ForwardMoves* const moves = forward_.load(std::memory_order_acquire))
+    return moves->flow().standing;
   if (any_braking_ || (shifted_ && !shift_.load(std::memory_order_acquire)->standing())) return false;
   for (const Track& track : tracks())
     if (track.goal && !(track.goal->planned ? track.goal->planned->stands() : scale_.value() <= 0))
@@ -329,7 +334,7 @@ double JointTrajectoryController::position_error(std::size_t j) const noexcept {
   return continuous_[j] ? shortest(error) : error;
 }
 
-inline double JointTrajectoryController::scaling() noexcept {
+double JointTrajectoryController::scaling() noexcept {
   double wanted = requested_factor_.load(std::memory_order_relaxed);
   if (scaling_state_ >= 0) wanted = state(static_cast<std::size_t>(scaling_state_));
   if (std::isfinite(wanted) && wanted >= 0) factor_ = wanted;
@@ -565,7 +570,7 @@ void JointTrajectoryController::find_places() noexcept {
   find(commands_.effort, effort_places_);
 }
 
-inline void JointTrajectoryController::command_all(double dt) noexcept {
+void JointTrajectoryController::command_all(double dt) noexcept {
   double* const commands = bindings().commands.data();
   const auto put = [=](const std::vector<std::uint32_t>& places, std::span<const double> values) {
     for (std::size_t j = 0; j < places.size(); ++j) commands[places[j]] = values[j];
@@ -588,6 +593,8 @@ inline void JointTrajectoryController::command_all(double dt) noexcept {
 
 ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& verdict) noexcept {
   now_.store(cycle.time, std::memory_order_relaxed);
+  if (hardware::ForwardMoves* const moves = forward_.load(std::memory_order_acquire))
+    return update_forward(cycle, verdict, *moves);
   const bool looks = closed_loop_ || checks_ || judged_.id != 0 || state_output_->wanted();
   if (looks) {
     measure();
@@ -623,40 +630,6 @@ ReturnType JointTrajectoryController::update(const Cycle& cycle, const Verdict& 
   publish(cycle);
   answer_sample(cycle);
   return ReturnType::ok;
-}
-
-/// Between cycles the desired state is the shifted one; a cycle begins with that of the path. A motion that
-/// is given up stays where it was shifted to.
-void JointTrajectoryController::take_path_up(const Verdict& verdict) noexcept {
-  MotionShift& shift = *shift_.load(std::memory_order_acquire);
-  if (verdict.cut || (verdict.discard && standing()) || !shift.active()) {
-    shift.drop();
-    shifted_ = false;
-    return;
-  }
-  std::copy(path_position_.begin(), path_position_.end(), position_.begin());
-  std::copy(path_velocity_.begin(), path_velocity_.end(), velocity_.begin());
-  std::copy(path_acceleration_.begin(), path_acceleration_.end(), acceleration_.begin());
-}
-
-void JointTrajectoryController::shift(const Cycle& cycle, const Verdict& verdict) noexcept {
-  MotionShift* const shift = shift_.load(std::memory_order_acquire);
-  if (!shift || !shift->active() || any_braking_) return;
-  std::copy(position_.begin(), position_.end(), path_position_.begin());
-  std::copy(velocity_.begin(), velocity_.end(), path_velocity_.begin());
-  std::copy(acceleration_.begin(), acceleration_.end(), path_acceleration_.begin());
-  const MotionShift::Request request{cycle.time, period_s_, verdict.speed, verdict.immediate};
-  const MotionShift::Outcome outcome = shift->apply(request, {position_, velocity_, acceleration_});
-  shifted_ = outcome == MotionShift::Outcome::shifted;
-  if (outcome != MotionShift::Outcome::ended || tracks_used_ == 0) return;
-  end_action(GoalOutcome::aborted, -1);  // a path that goes on would jump to where it is without the shift
-  drop_all();
-}
-
-/// Gives up the shift, also one that has not begun.
-void JointTrajectoryController::drop_shift() noexcept {
-  MotionShift* const shift = shift_.load(std::memory_order_acquire);
-  if (std::exchange(shifted_, false) || (shift && shift->active())) shift->drop();
 }
 
 void JointTrajectoryController::publish(const Cycle& cycle) noexcept {

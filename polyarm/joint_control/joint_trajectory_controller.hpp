@@ -64,6 +64,9 @@ class JointTrajectoryController : public Controller {
     owned_shift_ = std::move(shift);
     shift_.store(owned_shift_.get(), std::memory_order_release);
   }
+  /// Cell thread: the robot's own controller, which interpolates; null: this one does. With one it takes no
+  /// trajectories, only TrajectoryGoal::forward, and commands the joints to be where they are measured.
+  void set_forward(hardware::ForwardMoves* moves) { forward_.store(moves, std::memory_order_release); }
   const std::vector<std::string>& joints() const { return joints_; }
   /// As the user names them.
   const std::vector<std::string>& told_joints() const { return reported_joints_; }
@@ -106,6 +109,11 @@ class JointTrajectoryController : public Controller {
   // control thread
   std::span<Track> tracks() noexcept { return std::span(tracks_).first(tracks_used_); }
   std::span<const Track> tracks() const noexcept { return std::span(tracks_).first(tracks_used_); }
+  ReturnType update_forward(const Cycle& cycle, const Verdict& verdict,
+                            hardware::ForwardMoves& moves) noexcept;
+  void begin_forward(const Cycle& cycle) noexcept;
+  void lead_forward(hardware::ForwardMoves& moves, bool may_send) noexcept;
+  void drop_forward(hardware::ForwardMoves& moves) noexcept;
   void take_requests(const Cycle& cycle) noexcept;
   void arrive(TrajectoryGoal* goal, const Cycle& cycle) noexcept;
   void begin(TrajectoryGoal* goal, double into) noexcept;
@@ -193,6 +201,9 @@ class JointTrajectoryController : public Controller {
   double factor_ = 1;
   trajectory::TimeScale scale_;
   double stopping_for_ = 0;  // s
+  std::uint64_t forward_id_ = 0;   // of the last move that was handed over
+  std::size_t forward_sent_ = 0;   // moves of the motion under way
+  bool forward_ends_ = false;      // it was told to end early
 
   // between the threads
   std::uint64_t next_id_ = 1;
@@ -208,6 +219,7 @@ class JointTrajectoryController : public Controller {
   GoalStatus status_;
   std::shared_ptr<MotionShift> owned_shift_;
   std::atomic<MotionShift*> shift_{nullptr};
+  std::atomic<hardware::ForwardMoves*> forward_{nullptr};
   Output* state_output_ = nullptr;
 };
 

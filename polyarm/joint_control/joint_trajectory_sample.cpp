@@ -30,7 +30,7 @@ void JointTrajectoryController::forget_sample() {
 bool JointTrajectoryController::sample_track(const Track& track, double ahead) noexcept {
   const TrajectoryGoal& goal = *track.goal;
   const double time = track.time + ahead * factor_;
-  if (goal.planned || time < 0 || time > goal.trajectory.duration()) return false;
+  if (goal.planned || goal.forward || time < 0 || time > goal.trajectory.duration()) return false;
   const std::size_t n = goal.trajectory.joints();
   const auto some = [n](std::span<double> list) { return list.first(n); };
   std::size_t hint = 0;

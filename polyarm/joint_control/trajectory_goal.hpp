@@ -9,6 +9,7 @@
 
 #include "polyarm/controllers/messages.hpp"
 #include "polyarm/joint_control/asked_limits.hpp"
+#include "polyarm/joint_control/forward_motion.hpp"
 #include "polyarm/timing/path_follower.hpp"
 #include "polyarm/trajectory/trajectory.hpp"
 
@@ -30,6 +31,8 @@ struct TrajectoryGoal {
   /// Instead of a trajectory: all joints of the controller, in order, along a path at any speed. Its period
   /// is the controller's, and it begins at the last command.
   std::unique_ptr<timing::PathFollower> planned = nullptr;
+  /// Instead of both: moves for the robot's own controller (set_forward()).
+  std::unique_ptr<ForwardMotion> forward = nullptr;
   /// Of a planned path, shared with who sent it: set, it comes to rest on the path as soon as its limits
   /// allow, and is over there as if it were at its end. Null: nobody ends it.
   std::shared_ptr<std::atomic<bool>> ends = nullptr;

@@ -77,6 +77,31 @@ func push_with_wiggle(reach = 20mm, stop_force = 20N, turn_by = 3deg, tries = 10
   end
   return false
 end
+
+# Towards `goal` until the force is reached, and again whenever what it presses on gives way, until the tool is `deep` farther or
+# the time is over. True: it is farther.
+func push_towards(goal, push_force = 20N, deep = 2mm, longest = 5s, pace = 5mm/s)
+  let begin = here()
+  let target = interpolate(begin, goal, min(1, deep / max(distance(begin, goal), 0.001mm)))
+  let over = clock() + longest
+  while clock() < over
+    movel target, speed pace, touch, until force() > push_force
+    if not met()
+      return true
+    end
+    wait 20ms
+  end
+  return false
+end
+
+# A line to `goal` that swings by `wide` to both sides, once on each `pitch`: along the y axis of the tool, turned about its
+# z axis by `plane`.
+func weave_to(goal, wide = 3mm, pitch = 6mm, plane = 0deg, pace = 20mm/s)
+  let begin = here()
+  let points = 4 * max(1, round(distance(begin, goal) / pitch))
+  let swing = [wide * sin(i * 90deg) for i in 1 .. points]
+  movel [tool_offset(interpolate(begin, goal, i / points), x = -swing[i] * sin(plane), y = swing[i] * cos(plane)) for i in 1 .. points], smooth, speed pace, touch
+end
 )";
 
 constexpr std::array kLibraries = {Library{"polyarm:search", kSearch}};

@@ -61,17 +61,17 @@ void cut_out(std::string& text, std::string_view begin, std::string_view end) {
   text = std::move(out);
 }
 
-/// True for a part of robots: a file that defines macros, but has no link of its own and calls no macro; or
-/// one that has neither, such as a list of materials.
+/// True for a part of robots: a file that has no link of its own and calls no macro, such as a file of macros, of
+/// numbers or of materials. Without macros of its own, a file that includes another one may be a robot.
 bool is_part(std::string text) {
-  if (text.find("<xacro:macro") == std::string::npos)
-    return text.find("<link") == std::string::npos && text.find("<ros2_control") == std::string::npos &&
-           text.find("<xacro:") == std::string::npos;
+  const bool has_macros = text.find("<xacro:macro") != std::string::npos;
+  if (!has_macros && text.find("<ros2_control") != std::string::npos) return false;
   for (std::size_t at; (at = text.find("<!--")) != std::string::npos;)
     text.erase(at, std::min(text.size(), text.find("-->", at) + 3) - at);
   cut_out(text, "<xacro:macro", "</xacro:macro>");
   if (text.find("<link") != std::string::npos) return false;
-  static const std::set<std::string> kNoCalls = {"include", "arg", "property", "if", "unless"};
+  std::set<std::string> kNoCalls = {"arg", "property", "if", "unless"};
+  if (has_macros) kNoCalls.insert("include");
   constexpr std::string_view kCall = "<xacro:";
   for (std::size_t at = text.find(kCall); at != std::string::npos; at = text.find(kCall, at + 1)) {
     const std::size_t begin = at + kCall.size();
@@ -118,6 +118,19 @@ Found search_in(const fs::path& package) {
   });
   std::sort(out.controllers.begin(), out.controllers.end());
   return out;
+}
+
+/// True if a package beside `package` belongs to it: one names the other in its package.xml, or their names begin with
+/// the same word. Other packages of a workspace are other robots.
+bool belongs(const fs::path& package, const fs::path& other) {
+  const auto names = [](const fs::path& from, const fs::path& to) {
+    return text_of(from / "package.xml").find(">" + to.filename().string() + "<") != std::string::npos;
+  };
+  const auto word = [](const fs::path& folder) {
+    const std::string name = folder.filename().string();
+    return name.substr(0, name.find_first_of("_-"));
+  };
+  return word(package) == word(other) || names(package, other) || names(other, package);
 }
 
 }  // namespace
@@ -200,7 +213,8 @@ std::vector<std::string> lines_of_package(const std::filesystem::path& launch, c
   if (!is_there(package / "package.xml")) return {};
   std::vector<fs::path> folders{package};
   for (const auto& entry : fs::directory_iterator(package.parent_path(), error))
-    if (folders.size() < 20 && entry.path() != package && is_there(entry.path() / "package.xml"))
+    if (folders.size() < 20 && entry.path() != package && is_there(entry.path() / "package.xml") &&
+        belongs(package, entry.path()))
       folders.push_back(entry.path());
   std::sort(folders.begin() + 1, folders.end());
   std::vector<std::string> out;

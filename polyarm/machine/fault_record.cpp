@@ -251,6 +251,14 @@ CellRobots recorded_robots(const fs::path& folder, const RecordedCycles& recorde
 Replay replay_record(const fs::path& folder, const std::string& hardware) {
   Replay out;
   out.driver = hardware;
+  std::error_code error;
+  if (!fs::is_regular_file(folder / "cycles.csv", error))
+    throw Error(Problem{"no-record",
+                        {folder.string()},
+                        fs::is_directory(folder, error) ? "this folder has no record of a fault"
+                        : fs::exists(folder, error)     ? "this is a file, not the folder of a fault"
+                                                        : "there is no such folder",
+                        "name the folder of a fault: .state/faults/0001"});
   out.recorded = read_cycles(folder / "cycles.csv");
   const std::string fault = read_file(folder / "fault.txt");
   const std::vector<std::string> lines = split_fields(fault, '\n');

@@ -41,6 +41,16 @@ void Motions::build(Worker& planner) {
     bases_.push_back(wheels ? std::make_unique<moves::BaseMotion>(*wheels, seconds(machine_.period()))
                             : nullptr);
     places_.emplace_back(*robot, machine_.table(), wheels);
+    const auto command = robot->joints.empty()
+                             ? std::nullopt
+                             : machine_.table().find_command(robot->joints.front().name + "/position");
+    components_.push_back(command ? machine_.hardware().component_of_command(*command) : -1);
+    note_forward(motions_.size() - 1);
+    const auto asked = robot->entry.parameters.find("motion");
+    if (asked != robot->entry.parameters.end() && asked->second == "forward" &&
+        !forward_moves(motions_.size() - 1))
+      observer_.on_note("'" + robot->entry.name + "' has `motion: forward`, but the hardware '" + robot->driver +
+                        "' takes no moves: this computer interpolates");
   }
   bodies_ = bodies_of(setup_);
   for (const description::Mover& mover : setup_.scene.movers) {
@@ -52,6 +62,31 @@ void Motions::build(Worker& planner) {
       if (setup_.robots[i]->entry.on == setup_.robots[k]->entry.name) places_[i].set_carrier(places_[k]);
 }
 
+hardware::ForwardMoves* Motions::forward_moves(std::size_t robot) const {
+  const int component = components_[robot];
+  return component < 0 ? nullptr : machine_.hardware().forward_moves(static_cast<std::size_t>(component));
+}
+
+/// A component that is replaced may offer another object, or none.
+void Motions::note_forward(std::size_t robot) {
+  moves::RobotMotion* const motion = motions_[robot].get();
+  if (!motion || !followers_[robot]) return;
+  hardware::ForwardMoves* const moves = forward_moves(robot);
+  followers_[robot]->set_forward(moves);
+  if ((moves != nullptr) == motion->forward()) return;
+  if (!moves) return motion->set_forward(nullptr);
+  motion->set_forward([this, robot] {
+    std::vector<double> out = motions_[robot]->planned();
+    const std::span<const JointPlaces::Place> places = machine_.joint_places().of(robot);
+    for (std::size_t j = 0; j < out.size() && j < places.size(); ++j) {
+      const double at =
+          places[j].state < 0 ? NAN : machine_.snapshot().states[static_cast<std::size_t>(places[j].state)];
+      if (std::isfinite(at)) out[j] = at;
+    }
+    return out;
+  });
+}
+
 void Motions::tick(const PlaceOf& place_of) {
   const Nanoseconds now = machine_.now();
   const control::Supervisor& supervisor = machine_.supervisor();
@@ -59,6 +94,8 @@ void Motions::tick(const PlaceOf& place_of) {
     if (base)
       base->tick(now, machine_.snapshot().state == control::RunState::running,
                  supervisor.share() * supervisor.override_share());
+  for (std::size_t i = 0; i < motions_.size(); ++i)
+    if (motions_[i] && motions_[i]->idle()) note_forward(i);
   for (const auto& motion : motions_) {
     if (!motion) continue;
     motion->set_options(plan_options());

@@ -40,6 +40,8 @@ class Motions {
 
   /// Null if no trajectory controller moves all joints of the robot.
   moves::RobotMotion* motion(std::size_t robot) const { return motions_[robot].get(); }
+  /// The robot's own controller, if it interpolates (`motion: forward`); null otherwise.
+  hardware::ForwardMoves* forward_moves(std::size_t robot) const;
   /// Null if the robot has no driven wheels.
   moves::BaseMotion* wheels(std::size_t robot) const { return bases_[robot].get(); }
   /// The pose of the robot's base.
@@ -99,6 +101,7 @@ class Motions {
 
  private:
   const ProfileEntry& limits() const;
+  void note_forward(std::size_t robot);
   /// Sets where the next motion of a joint begins, for each joint with a finite value in `values`. `index`
   /// selects the joint's index in `values`.
   void set_planned(std::size_t robot, int JointPlaces::Place::*index, std::span<const double> values);
@@ -111,6 +114,7 @@ class Motions {
   std::vector<std::unique_ptr<moves::RobotMotion>> motions_;
   std::vector<std::unique_ptr<moves::BaseMotion>> bases_;
   std::vector<MovingBase> places_;
+  std::vector<int> components_;  // of the robots' position commands; -1: none
   std::vector<int> movers_;  // index of the state of each mover of the scene; -1: none
   std::shared_ptr<SharedBodies> bodies_;
   std::vector<controllers::JointTrajectoryController*> followers_;

@@ -12,6 +12,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/xml_bounds.hpp"
+#include "polyarm/meshes/affine.hpp"
 #include "polyarm/meshes/mesh.hpp"
 
 namespace polyarm::meshes {
@@ -20,24 +21,13 @@ namespace {
 
 using Element = tinyxml2::XMLElement;
 using Color = std::array<float, 4>;
-/// Rows of an affine map.
-using Map = std::array<std::array<double, 4>, 3>;
-constexpr Map kIdentity{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 constexpr int kDeepest = 64;
 /// Limits: an element costs some hundred bytes, and other nodes may instantiate a node repeatedly.
 constexpr std::size_t kMostElements = 1'000'000, kMostNodes = 20'000;
 /// Limits for one list, and for all together.
 constexpr std::size_t kMostInList = 12 * kMostTriangles, kMostNumbers = 8 * kMostInList;
 
-Map operator*(const Map& a, const Map& b) {
-  Map out{};
-  for (std::size_t r = 0; r < 3; ++r)
-    for (std::size_t c = 0; c < 4; ++c)
-      out[r][c] = a[r][0] * b[0][c] + a[r][1] * b[1][c] + a[r][2] * b[2][c] + (c == 3 ? a[r][3] : 0);
-  return out;
-}
-
-Map rotation(const std::vector<double>& v) {
+Affine rotation(const std::vector<double>& v) {
   const double n = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   if (!(n > 0)) return kIdentity;
   const double x = v[0] / n, y = v[1] / n, z = v[2] / n, angle = v[3] * std::numbers::pi / 180;
@@ -59,7 +49,8 @@ std::string link(const Element* e, const char* name) {
 
 class ColladaReader {
  public:
-  ColladaReader(const std::string& text, const std::string& name) : name_(name) {
+  ColladaReader(const std::string& text, const std::string& name, const FindImage& find)
+      : name_(name), find_(find) {
     check_xml_bounds(text, name, kLargestFile);
     if (static_cast<std::size_t>(std::count(text.begin(), text.end(), '<')) > kMostElements)
       refuse("it has more than a million elements");
@@ -72,7 +63,7 @@ class ColladaReader {
   }
 
   Mesh read() {
-    Map scale = kIdentity;
+    Affine scale = kIdentity;
     const Element* asset = root_->FirstChildElement("asset");
     const double meter = asset && asset->FirstChildElement("unit")
                              ? asset->FirstChildElement("unit")->DoubleAttribute("meter", 1)
@@ -130,15 +121,15 @@ class ColladaReader {
     }
   }
 
-  Map own_map(const Element& node) {
-    Map out = kIdentity;
+  Affine own_map(const Element& node) {
+    Affine out = kIdentity;
     for (const Element* e = node.FirstChildElement(); e; e = e->NextSiblingElement()) {
       const std::string_view kind = e->Name();
       if (kind != "matrix" && kind != "translate" && kind != "rotate" && kind != "scale") continue;
       const std::vector<double> v = numbers<double>(e, 16);
       if (v.size() < (kind == "matrix" ? 12u : kind == "rotate" ? 4u : 3u))
         refuse("<" + std::string(kind) + "> in line " + std::to_string(e->GetLineNum()) + " is too short");
-      Map next = kIdentity;
+      Affine next = kIdentity;
       for (std::size_t r = 0; r < 3; ++r) {
         if (kind == "translate") next[r][3] = v[r];
         if (kind == "scale") next[r][r] = v[r];
@@ -154,7 +145,7 @@ class ColladaReader {
     if (++visits_ > kMostElements) refuse("it shows more than a million elements");
   }
 
-  void add_nodes(const Element& parent, const Map& before, int depth) {
+  void add_nodes(const Element& parent, const Affine& before, int depth) {
     if (depth > kDeepest) refuse("its nodes are too deep in each other");
     if (++nodes_ > kMostNodes) refuse("it shows more than 20,000 nodes");
     for (const Element* e = parent.FirstChildElement(); e; e = e->NextSiblingElement()) {
@@ -170,7 +161,7 @@ class ColladaReader {
     }
   }
 
-  void add_geometry(const Element& geometry, const Map& map, const Element* instance) {
+  void add_geometry(const Element& geometry, const Affine& map, const Element* instance) {
     const Element* mesh = geometry.FirstChildElement("mesh");
     if (!mesh) return;  // a spline
     for (const Element* e = mesh->FirstChildElement(); e; e = e->NextSiblingElement()) {
@@ -183,14 +174,22 @@ class ColladaReader {
   struct Source {
     std::shared_ptr<const std::vector<float>> values;
     std::size_t stride = 3, offset = 0;
+    std::size_t width = 3;  ///< numbers that are used of each entry
     bool there = false;
     std::array<float, 3> at(std::size_t i) const {
       return {(*values)[i * stride], (*values)[i * stride + 1], (*values)[i * stride + 2]};
     }
-    std::size_t size() const { return stride < 3 ? 0 : (values->size() + stride - 3) / stride; }
+    /// v counts from the lower edge of the image.
+    std::array<float, 2> texcoord(std::size_t i) const {
+      return {(*values)[i * stride], 1 - (*values)[i * stride + 1]};
+    }
+    std::size_t size() const { return stride < width ? 0 : (values->size() + stride - width) / stride; }
+  };
+  struct Sources {
+    const Source &positions, &normals, &texcoords;
   };
 
-  Source source(const std::string& id, std::size_t offset) {
+  Source source(const std::string& id, std::size_t offset, std::size_t width = 3) {
     const Element* e = find(id);
     if (!e) refuse("there is no source '" + id + "'");
     Source out;
@@ -199,14 +198,15 @@ class ColladaReader {
     out.values = values;
     out.offset = offset;
     out.there = true;
+    out.width = out.stride = width;
     const Element* common = e->FirstChildElement("technique_common");
     const Element* accessor = common ? common->FirstChildElement("accessor") : nullptr;
-    if (accessor) out.stride = accessor->UnsignedAttribute("stride", 3);
+    if (accessor) out.stride = accessor->UnsignedAttribute("stride", static_cast<unsigned>(width));
     return out;
   }
 
-  void add_faces(const Element& faces, const Map& map, const Element* instance) {
-    Source positions, normals;
+  void add_faces(const Element& faces, const Affine& map, const Element* instance) {
+    Source positions, normals, texcoords;
     std::size_t stride = 1;
     for (const Element* e = faces.FirstChildElement("input"); e; e = e->NextSiblingElement("input")) {
       const std::string kind = attribute(e, "semantic");
@@ -214,6 +214,7 @@ class ColladaReader {
       if (offset > 64) refuse("an input has the offset " + std::to_string(offset));
       stride = std::max(stride, offset + 1);
       if (kind == "NORMAL") normals = source(link(e, "source"), offset);
+      if (kind == "TEXCOORD" && !texcoords.there && find_) texcoords = source(link(e, "source"), offset, 2);
       if (kind != "VERTEX") continue;
       const Element* vertices = find(link(e, "source"));
       for (const Element* in = vertices ? vertices->FirstChildElement("input") : nullptr; in;
@@ -225,7 +226,8 @@ class ColladaReader {
     if (!positions.there)
       refuse("faces in line " + std::to_string(faces.GetLineNum()) + " have no positions");
     MeshPart part;
-    color(attribute(&faces, "material"), instance, part);
+    paint(attribute(&faces, "material"), instance, part);
+    if (!part.image) texcoords.there = false;
     const std::vector<std::size_t> counts = numbers<std::size_t>(faces.FirstChildElement("vcount"));
     const bool list = std::string_view(faces.Name()) == "polylist";
     for (const Element* p = faces.FirstChildElement("p"); p; p = p->NextSiblingElement("p")) {
@@ -235,7 +237,7 @@ class ColladaReader {
       for (std::size_t from = 0, face = 0; from < corners; ++face) {
         const std::size_t count = list ? (face < counts.size() ? counts[face] : 0) : polygon ? corners : 3;
         if (count == 0 || count > corners - from) refuse("a face has too few corners");
-        add_polygon(part, indices, from, count, stride, positions, normals, map);
+        add_polygon(part, indices, from, count, stride, {positions, normals, texcoords}, map);
         from += count;
       }
     }
@@ -246,15 +248,9 @@ class ColladaReader {
     mesh_.push_back(std::move(part));
   }
 
-  static double determinant(const Map& m) {
-    return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
-           m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-           m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
-  }
-
   void add_polygon(MeshPart& part, const std::vector<std::size_t>& indices, std::size_t from,
-                   std::size_t count, std::size_t stride, const Source& positions, const Source& normals,
-                   const Map& map) {
+                   std::size_t count, std::size_t stride, const Sources& from_file, const Affine& map) {
+    const auto& [positions, normals, texcoords] = from_file;
     const auto first = static_cast<std::uint32_t>(part.positions.size());
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t at = indices[(from + i) * stride + positions.offset];
@@ -269,6 +265,11 @@ class ColladaReader {
         if (n >= normals.size()) refuse("a face has the normal " + std::to_string(n));
         part.normals.push_back(turned(normals.at(n), map));
       }
+      if (texcoords.there) {
+        const std::size_t t = indices[(from + i) * stride + texcoords.offset];
+        if (t >= texcoords.size()) refuse("a face has the place " + std::to_string(t) + " in the image");
+        part.texcoords.push_back(texcoords.texcoord(t));
+      }
     }
     for (std::uint32_t i = 2; i < count; ++i)
       part.triangles.insert(part.triangles.end(), {first, first + i - 1, first + i});
@@ -276,7 +277,7 @@ class ColladaReader {
   }
 
   /// Normals rotate like positions if all axes have the same scale; else they are computed again.
-  static bool uniform(const Map& m) {
+  static bool uniform(const Affine& m) {
     double n[3];
     for (std::size_t c = 0; c < 3; ++c)
       n[c] = std::sqrt(m[0][c] * m[0][c] + m[1][c] * m[1][c] + m[2][c] * m[2][c]);
@@ -284,7 +285,7 @@ class ColladaReader {
     return n[0] > 0 && std::abs(n[1] - n[0]) < 1e-3 * n[0] && std::abs(n[2] - n[0]) < 1e-3 * n[0] &&
            std::abs(determinant(m)) > 0.99 * cube;
   }
-  static std::array<float, 3> turned(const std::array<float, 3>& v, const Map& m) {
+  static std::array<float, 3> turned(const std::array<float, 3>& v, const Affine& m) {
     double out[3], length = 0;
     for (std::size_t r = 0; r < 3; ++r) {
       out[r] = m[r][0] * v[0] + m[r][1] * v[1] + m[r][2] * v[2];
@@ -295,8 +296,8 @@ class ColladaReader {
             static_cast<float>(out[2] / length)};
   }
 
-  /// The diffuse colour of the material that the instance binds to the symbol of the faces.
-  void color(const std::string& symbol, const Element* instance, MeshPart& part) {
+  /// The diffuse colour or image of the material that the instance binds to the symbol of the faces.
+  void paint(const std::string& symbol, const Element* instance, MeshPart& part) {
     std::string target = symbol;
     const Element* bind = instance ? instance->FirstChildElement("bind_material") : nullptr;
     const Element* common = bind ? bind->FirstChildElement("technique_common") : nullptr;
@@ -311,6 +312,13 @@ class ColladaReader {
     const Element* shading = technique ? technique->FirstChildElement() : nullptr;
     while (shading && !shading->FirstChildElement("diffuse")) shading = shading->NextSiblingElement();
     const Element* diffuse = shading ? shading->FirstChildElement("diffuse") : nullptr;
+    if (const Element* texture = diffuse ? diffuse->FirstChildElement("texture") : nullptr; texture && find_) {
+      part.image = image(attribute(texture, "texture"), *profile);
+      if (part.image) {
+        part.color = {1, 1, 1, 1};
+        part.colored = true;
+      }
+    }
     const Element* value = diffuse ? diffuse->FirstChildElement("color") : nullptr;
     if (!value) return;
     const std::vector<float> c = numbers<float>(value, 4);
@@ -319,7 +327,27 @@ class ColladaReader {
     part.colored = c.size() >= 3;
   }
 
+  /// The parameter of the profile with this sid.
+  const Element* parameter(const Element& profile, const std::string& sid) {
+    for (const Element* e = profile.FirstChildElement("newparam"); e; e = e->NextSiblingElement("newparam"), visit())
+      if (attribute(e, "sid") == sid) return e;
+    return nullptr;
+  }
+  static std::string text_of(const Element* e, const char* child) {
+    const Element* inner = e ? e->FirstChildElement(child) : nullptr;
+    return inner && inner->GetText() ? std::string(trim(inner->GetText())) : std::string();
+  }
+
+  /// Collada 1.4.1: texture → sampler2D → surface → image; some exporters name the image at once.
+  Image image(std::string id, const Element& profile) {
+    if (const Element* sampler = parameter(profile, id)) id = text_of(sampler->FirstChildElement("sampler2D"), "source");
+    if (const Element* surface = parameter(profile, id)) id = text_of(surface->FirstChildElement("surface"), "init_from");
+    const std::string file = text_of(find(id), "init_from");
+    return file.empty() ? Image() : find_(file);
+  }
+
   const std::string& name_;
+  const FindImage& find_;
   tinyxml2::XMLDocument document_;
   const Element* root_ = nullptr;
   std::map<std::string, const Element*> by_id_;
@@ -330,8 +358,8 @@ class ColladaReader {
 
 }  // namespace
 
-Mesh read_collada(const std::string& text, const std::string& name) {
-  return ColladaReader(text, name).read();
+Mesh read_collada(const std::string& text, const std::string& name, const FindImage& find) {
+  return ColladaReader(text, name, find).read();
 }
 
 }  // namespace polyarm::meshes

@@ -7,6 +7,8 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
 
 namespace polyarm::meshes {
 
@@ -73,6 +75,10 @@ class Glb {
              {"accessors", accessors_},
              {"bufferViews", views_},
              {"buffers", Json::array({{{"byteLength", data_.size()}}})}};
+    if (!images_.empty()) {
+      all["images"] = images_;
+      all["textures"] = textures_json();
+    }
     if (nodes_.empty()) all = {{"asset", all["asset"]}};
     if (compact_ && !nodes_.empty())
       all["extensionsUsed"] = all["extensionsRequired"] = {"KHR_mesh_quantization"};
@@ -138,9 +144,10 @@ class Glb {
     accessors_[positions]["min"] = low;
     accessors_[positions]["max"] = high;
     const std::size_t normals = accessor(part.normals.data(), part.normals.size(), 12, kFloat, "VEC3");
-    return {{"attributes", {{"POSITION", positions}, {"NORMAL", normals}}},
-            {"indices", indices(part)},
-            {"material", material(part)}};
+    Json attributes{{"POSITION", positions}, {"NORMAL", normals}};
+    if (part.image)
+      attributes["TEXCOORD_0"] = accessor(part.texcoords.data(), part.texcoords.size(), 8, kFloat, "VEC2");
+    return {{"attributes", attributes}, {"indices", indices(part)}, {"material", material(part)}};
   }
 
   std::size_t indices(const MeshPart& part) {
@@ -164,8 +171,9 @@ class Glb {
 
   /// One material per colour and finish. Colours in files are sRGB; glTF needs linear ones.
   std::size_t material(const MeshPart& part) {
-    const std::array<float, 6> key{part.color[0], part.color[1],  part.color[2],
-                                   part.color[3], part.roughness, part.metallic};
+    const bool has_image = part.image && !compact_;
+    const Finish key{has_image ? std::string_view(*part.image) : std::string_view(),
+                     {part.color[0], part.color[1], part.color[2], part.color[3], part.roughness, part.metallic}};
     const auto at = by_check_.find(key);
     if (at != by_check_.end()) return at->second;
     std::array<float, 4> linear = part.color;
@@ -179,14 +187,36 @@ class Glb {
                {"roughnessFactor", part.roughness}}},
              {"doubleSided", true}};
     if (linear[3] < 1) out["alphaMode"] = "BLEND";
+    if (has_image) out["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", texture(*part.image)}};
     materials_.push_back(std::move(out));
     return by_check_[key] = materials_.size() - 1;
   }
 
+  /// An image is stored once, however many parts and files have it.
+  std::size_t texture(std::string_view image) {
+    const auto at = textures_.find(image);
+    if (at != textures_.end()) return at->second;
+    views_.push_back({{"buffer", 0}, {"byteOffset", data_.size()}, {"byteLength", image.size()}});
+    data_ += image;
+    data_.resize((data_.size() + 3) / 4 * 4, '\0');
+    images_.push_back({{"bufferView", views_.size() - 1}, {"mimeType", media_type(image)}});
+    return textures_[image] = images_.size() - 1;
+  }
+
+  Json textures_json() const {
+    Json out = Json::array();
+    for (std::size_t i = 0; i < images_.size(); ++i) out.push_back({{"source", i}});
+    return out;
+  }
+
+  /// Image, colour, roughness, metallic. The images belong to the nodes.
+  using Finish = std::pair<std::string_view, std::array<float, 6>>;
+
   const bool compact_;
   Json nodes_ = Json::array(), meshes_ = Json::array(), materials_ = Json::array(),
-       accessors_ = Json::array(), views_ = Json::array();
-  std::map<std::array<float, 6>, std::size_t> by_check_;  // colour, roughness, metallic
+       accessors_ = Json::array(), views_ = Json::array(), images_ = Json::array();
+  std::map<Finish, std::size_t> by_check_;
+  std::map<std::string_view, std::size_t> textures_;
   std::string data_;
 };
 

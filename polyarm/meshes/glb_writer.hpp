@@ -16,7 +16,7 @@ struct GlbNode {
 enum class Precision {
   exact,   ///< as floats
   compact  ///< a third of the size: positions in steps of 1/4094 of the node's longest side, normals in
-           ///< steps of 1/127 (KHR_mesh_quantization)
+           ///< steps of 1/127 (KHR_mesh_quantization). Without images
 };
 
 /// Writes all nodes under one scene, each with its meshes and pose. The same nodes give the same bytes.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <map>
 #include <system_error>
 #include <unordered_map>
 
@@ -90,9 +91,11 @@ void make_normals(MeshPart& part) {
   for (std::size_t i = 0; i < part.triangles.size(); ++i)
     list[next[place[part.triangles[i]]]++] = static_cast<std::uint32_t>(i / 3);
   std::vector<Triple> positions, normals;
+  std::vector<std::array<float, 2>> texcoords;
   positions.reserve(part.triangles.size());
   normals.reserve(part.triangles.size());
   for (std::size_t i = 0; i < part.triangles.size(); ++i) {
+    if (part.image) texcoords.push_back(part.texcoords[part.triangles[i]]);
     const std::uint32_t at = place[part.triangles[i]];
     const std::size_t end = std::min<std::size_t>(begin[at + 1], begin[at] + kMostNeighbours);
     Triple sum = areas[i / 3];
@@ -105,30 +108,44 @@ void make_normals(MeshPart& part) {
   }
   part.positions = std::move(positions);
   part.normals = std::move(normals);
+  part.texcoords = std::move(texcoords);
 }
 
-/// Merges corners with the same position and (to a thousandth) the same normal.
-void share_corners(MeshPart& part) {
-  std::size_t places = 0, directions = 0;
-  const std::vector<std::uint32_t> place = places_of(part.positions, places);
+/// Numbers of distinct directions, to a thousandth, and distinct places in the image.
+std::vector<std::uint32_t> looks_of(const MeshPart& part) {
   std::vector<Triple> rounded = part.normals;
   for (Triple& n : rounded)
     for (float& c : n) c = std::round(c * 1000.f) + 0.f;
-  const std::vector<std::uint32_t> direction = places_of(rounded, directions);
+  std::size_t count = 0;
+  std::vector<std::uint32_t> out = places_of(rounded, count);
+  if (!part.image) return out;
+  // floats represent numbers up to 2^24 exactly
+  for (std::size_t i = 0; i < rounded.size(); ++i)
+    rounded[i] = {static_cast<float>(out[i]), part.texcoords[i][0], part.texcoords[i][1]};
+  return places_of(rounded, count);
+}
+
+/// Merges corners with the same position, the same place in the image and (to a thousandth) the same normal.
+void share_corners(MeshPart& part) {
+  std::size_t places = 0;
+  const std::vector<std::uint32_t> place = places_of(part.positions, places), direction = looks_of(part);
   std::unordered_map<std::uint64_t, std::uint32_t> known;
   known.reserve(part.positions.size());
   std::vector<Triple> positions, normals;
+  std::vector<std::array<float, 2>> texcoords;
   for (std::uint32_t& corner : part.triangles) {
     const std::uint64_t key = std::uint64_t{place[corner]} << 32 | direction[corner];
     const auto [at, is_new] = known.try_emplace(key, static_cast<std::uint32_t>(positions.size()));
     if (is_new) {
       positions.push_back(part.positions[corner]);
       normals.push_back(part.normals[corner]);
+      if (part.image) texcoords.push_back(part.texcoords[corner]);
     }
     corner = at->second;
   }
   part.positions = std::move(positions);
   part.normals = std::move(normals);
+  part.texcoords = std::move(texcoords);
 }
 
 std::string material_files(const fs::path& path, const std::string& obj) {
@@ -147,17 +164,36 @@ std::string material_files(const fs::path& path, const std::string& obj) {
   return out;
 }
 
+/// Reads each image once. Empty without `notes`.
+FindImage image_finder(const fs::path& mesh, Problems* notes) {
+  if (!notes) return {};
+  return [mesh, notes, known = std::map<std::string, Image>()](const std::string& name) mutable {
+    const auto at = known.find(name);
+    if (at != known.end()) return at->second;
+    return known[name] = known.size() < kMostImages ? read_image(mesh, name, *notes) : Image();
+  };
+}
+
 }  // namespace
 
 void tidy(MeshPart& part) {
   drop_flat(part);
+  if (part.texcoords.size() != part.positions.size()) part.image.reset();
+  if (!part.image) part.texcoords.clear();
+  for (std::array<float, 2>& at : part.texcoords)
+    if (!std::isfinite(at[0]) || !std::isfinite(at[1])) at = {0, 0};
   const bool good = std::all_of(part.normals.begin(), part.normals.end(),
                                 [](const Triple& n) { return std::isfinite(dot(n, n)); });
   if (!good || part.normals.size() != part.positions.size()) make_normals(part);
   share_corners(part);
 }
 
-Mesh read_mesh(const fs::path& path) {
+const std::vector<std::string>& mesh_extensions() {
+  static const std::vector<std::string> list = {".stl", ".obj", ".dae", ".3mf", ".glb", ".gltf", ".ply", ".step", ".stp"};
+  return list;
+}
+
+Mesh read_mesh(const fs::path& path, Problems* notes) {
   std::error_code error;
   if (!fs::is_regular_file(path, error))
     throw Error("no-mesh", "there is no mesh file " + path.string(),
@@ -168,22 +204,37 @@ Mesh read_mesh(const fs::path& path) {
                 "simplify it: some thousand triangles are enough to draw it");
   const std::string kind = lower(path.extension().string()), name = path.string();
   const std::string bytes = read_file(path, kLargestFile);
+  const FindImage find = image_finder(path, notes);
   Mesh out;
   if (kind == ".stl")
     out = read_stl(bytes, name);
   else if (kind == ".obj")
-    out = read_obj(bytes, name, material_files(path, bytes));
+    out = read_obj(bytes, name, material_files(path, bytes), find);
   else if (kind == ".dae")
-    out = read_collada(bytes, name);
+    out = read_collada(bytes, name, find);
+  else if (kind == ".3mf")
+    out = read_3mf(bytes, name);
   else if (is_imported(kind))
     out = import_mesh(bytes, kind, name);
   else
     throw Error("unknown-mesh", "the mesh " + name + " has a format that is not read",
-                "convert it to STL, OBJ, Collada (.dae), " + imported_formats());
+                "convert it to STL, OBJ, Collada (.dae), 3MF, " + imported_formats());
   for (MeshPart& part : out) tidy(part);
   std::erase_if(out, [](const MeshPart& part) { return part.triangles.empty(); });
   if (out.empty())
     throw Error("bad-mesh", "the mesh " + name + " has no triangle with an area", "export it again");
+  return out;
+}
+
+std::string doubt_of_size(double size) {
+  constexpr double kLarge = 20;  // m
+  if (size < kLarge) return {};
+  return " is " + format_number(std::round(size)) + " m large: this looks like another unit than metres";
+}
+
+std::size_t triangles_of(const Mesh& mesh) {
+  std::size_t out = 0;
+  for (const MeshPart& part : mesh) out += part.triangles.size() / 3;
   return out;
 }
 

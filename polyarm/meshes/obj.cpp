@@ -48,34 +48,38 @@ void each_line(const std::string& text, const std::string& name, Take take) {
   }
 }
 
-std::map<std::string, Color> colors_of(const std::string& materials, const std::string& name) {
-  std::map<std::string, Color> out;
-  Color* color = nullptr;
+struct Material {
+  Color color{0.8f, 0.8f, 0.8f, 1};
+  std::string image;  ///< empty: none
+};
+
+std::map<std::string, Material> materials_of(const std::string& materials, const std::string& name) {
+  std::map<std::string, Material> out;
+  Material* current = nullptr;
   each_line(materials, name, [&](const std::vector<std::string>& words, int) {
-    if (words[0] == "newmtl" && words.size() > 1) {
-      color = &out[words[1]];
-      *color = {0.8f, 0.8f, 0.8f, 1};
-    }
-    if (!color || words.size() < 2) return;
+    if (words[0] == "newmtl" && words.size() > 1) current = &(out[words[1]] = {});
+    if (!current || words.size() < 2) return;
     const auto first = number<float>(words[1]);
     if (words[0] == "Kd" && words.size() > 3)
-      for (std::size_t k = 0; k < 3; ++k) (*color)[k] = number<float>(words[k + 1]).value_or(0.8f);
-    if (words[0] == "d" && first) (*color)[3] = *first;
-    if (words[0] == "Tr" && first) (*color)[3] = 1 - *first;
+      for (std::size_t k = 0; k < 3; ++k) current->color[k] = number<float>(words[k + 1]).value_or(0.8f);
+    if (words[0] == "d" && first) current->color[3] = *first;
+    if (words[0] == "Tr" && first) current->color[3] = 1 - *first;
+    if (words[0] == "map_Kd") current->image = words.back();  // options stand before the name
   });
   return out;
 }
 
 class ObjReader {
  public:
-  ObjReader(const std::string& name, std::map<std::string, Color> colors)
-      : name_(name), colors_(std::move(colors)) {}
+  ObjReader(const std::string& name, std::map<std::string, Material> materials, const FindImage& find)
+      : name_(name), materials_(std::move(materials)), find_(find) {}
 
   Mesh read(const std::string& text) {
     each_line(text, name_, [this](const std::vector<std::string>& words, int line) {
       line_ = line;
       if (words[0] == "v") add(positions_, words);
       if (words[0] == "vn") add(normals_, words);
+      if (words[0] == "vt") add_texcoord(words);
       if (words[0] == "usemtl") material_ = words.size() > 1 ? words[1] : "";
       if (words[0] == "f") face(words);
     });
@@ -83,16 +87,21 @@ class ObjReader {
     for (auto& [material, part] : parts_) {
       // Normals are used only if every corner has one.
       if (part.normals.size() != part.positions.size()) part.normals.clear();
-      if (const auto color = colors_.find(material); color != colors_.end()) {
-        part.color = color->second;
-        part.colored = true;
-      }
+      if (const auto found = materials_.find(material); found != materials_.end()) paint(part, found->second);
       out.push_back(std::move(part));
     }
     return out;
   }
 
  private:
+  void paint(MeshPart& part, const Material& material) const {
+    part.color = material.color;
+    part.colored = true;
+    if (material.image.empty() || !find_ || part.texcoords.size() != part.positions.size()) return;
+    part.image = find_(material.image);
+    if (part.image) part.color = {1, 1, 1, material.color[3]};
+  }
+
   [[noreturn]] void refuse(const std::string& what) const {
     throw Error("bad-mesh", "the mesh " + name_ + ":" + std::to_string(line_) + ": " + what,
                 "export it again");
@@ -101,6 +110,13 @@ class ObjReader {
   void add(std::vector<std::array<float, 3>>& to, const std::vector<std::string>& words) const {
     if (to.size() >= 3 * kMostTriangles) refuse("it has too many corners");
     to.push_back(triple(words));
+  }
+
+  /// v counts from the lower edge of the image.
+  void add_texcoord(const std::vector<std::string>& words) {
+    if (texcoords_.size() >= 3 * kMostTriangles) refuse("it has too many corners");
+    const auto at = [&](std::size_t k) { return words.size() > k ? number<float>(words[k]).value_or(0.f) : 0.f; };
+    texcoords_.push_back({at(1), 1 - at(2)});
   }
 
   std::array<float, 3> triple(const std::vector<std::string>& words) const {
@@ -133,6 +149,8 @@ class ObjReader {
       const std::vector<std::string> fields = split_fields(words[i], '/');
       corners.push_back(static_cast<std::uint32_t>(part.positions.size()));
       part.positions.push_back(positions_[index(fields[0], positions_.size())]);
+      if (fields.size() > 1 && !fields[1].empty())
+        part.texcoords.push_back(texcoords_[index(fields[1], texcoords_.size())]);
       if (fields.size() > 2 && !fields[2].empty())
         part.normals.push_back(normals_[index(fields[2], normals_.size())]);
     }
@@ -142,8 +160,10 @@ class ObjReader {
   }
 
   const std::string& name_;
-  std::map<std::string, Color> colors_;
+  std::map<std::string, Material> materials_;
+  const FindImage& find_;
   std::vector<std::array<float, 3>> positions_, normals_;
+  std::vector<std::array<float, 2>> texcoords_;
   std::map<std::string, MeshPart> parts_;
   std::string material_;
   std::size_t triangles_ = 0;
@@ -152,8 +172,9 @@ class ObjReader {
 
 }  // namespace
 
-Mesh read_obj(const std::string& text, const std::string& name, const std::string& materials) {
-  return ObjReader(name, colors_of(materials, name)).read(text);
+Mesh read_obj(const std::string& text, const std::string& name, const std::string& materials,
+              const FindImage& find) {
+  return ObjReader(name, materials_of(materials, name), find).read(text);
 }
 
 }  // namespace polyarm::meshes

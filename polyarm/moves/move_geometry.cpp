@@ -12,6 +12,7 @@
 
 #include "polyarm/moves/cartesian_joints.hpp"
 #include "polyarm/moves/path_zones.hpp"
+#include "polyarm/moves/rounded_poses.hpp"
 #include "polyarm/paths/cartesian_path.hpp"
 #include "polyarm/paths/joint_path.hpp"
 
@@ -48,7 +49,7 @@ class Geometry {
 
  private:
   Pose pose_of(const MoveTarget& target) const {
-    if (const Pose* pose = std::get_if<Pose>(&target.at)) return *pose;
+    if (const Pose* pose = std::get_if<Pose>(&target.at)) return reached_pose(r_.robot, *pose, q_);
     const Values& q = joints_of(target);
     return r_.robot.chain.forward(q);
   }

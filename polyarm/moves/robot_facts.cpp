@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/moves/rounded_poses.hpp"
 
 namespace polyarm::moves {
 
@@ -22,9 +23,18 @@ std::vector<double> joints_for(const RobotFacts& robot, const Pose& tcp, std::sp
   std::optional<ik::InverseKinematics> own;
   const ik::InverseKinematics& arm = robot.solver ? *robot.solver : own.emplace(robot.chain);
   ik::IkSolution found;
-  if (arm.solve_move(tcp, current, robot.home, found) == ik::IkOutcome::solved)
-    return {found.q.begin(), found.q.begin() + static_cast<std::ptrdiff_t>(robot.chain.joints())};
+  const auto taken = [&](const ik::IkSolution& solution) {
+    return std::vector<double>(solution.q.begin(),
+                               solution.q.begin() + static_cast<std::ptrdiff_t>(robot.chain.joints()));
+  };
+  const std::optional<Pose> straight = straightened(robot, tcp);
+  if (straight && arm.solve_move(*straight, current, robot.home, found) == ik::IkOutcome::solved &&
+      found.exact)
+    return taken(found);
+  if (arm.solve_move(tcp, current, robot.home, found) == ik::IkOutcome::solved) return taken(found);
   const ik::IkExplanation why = arm.explain(tcp, current);
+  const std::optional<Pose> near = nearest_reached(robot, arm, tcp, why);
+  if (near && arm.solve_move(*near, current, robot.home, found) == ik::IkOutcome::solved) return taken(found);
   throw Error(
       why.outcome == ik::IkOutcome::limits ? "limit" : "unreachable",
       fmt::format("{} cannot be reached by {} ({}): {}", what, robot.name, robot.model->name, why.reason),

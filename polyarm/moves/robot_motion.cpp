@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "polyarm/base/bounds.hpp"
+#include "polyarm/moves/forward_plan.hpp"
 
 namespace polyarm::moves {
 
@@ -54,6 +55,13 @@ std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> wi
   if (waiting_.size() >= kMostWaiting)
     throw Error("busy", "too many moves of " + robot_.name + " wait for being carried out",
                 "is the loop running?");
+  if (measured_) {
+    if (auto no = refuse_forward(move, robot_.name)) throw Error(std::move(*no));
+    if (step)
+      throw Error("forward-mode",
+                  "'" + robot_.name + "' has `motion: forward`, and its controller cannot move in step with others",
+                  "write these moves outside of `together`, or set `motion: stream`");
+  }
   if (find_obstacles_ && bends(move)) end_here(move);
   if (!waiting_.empty() &&
       (step != waiting_.back().step || waiting_.back().with != with || (find_obstacles_ && bends(move))))
@@ -115,6 +123,7 @@ void RobotMotion::plan() {
   job_->from = planned_;
   job_->options = options_;
   job_->period = controller_.period();
+  job_->forward = forward();
   for (auto w = waiting_.begin(); w != last; ++w) job_->moves.push_back(std::move(w->move));
   waiting_.erase(waiting_.begin(), last);
   if (find_obstacles_ &&
@@ -124,8 +133,11 @@ void RobotMotion::plan() {
     try {
       job->plan = plan_moves_around(robot, job->from, job->moves, job->obstacles.get(), job->options);
       for (const PlannedMotion& motion : job->plan.motions)
-        job->followers.push_back(
-            std::make_unique<timing::PathFollower>(motion.path, job->plan.limits, job->period));
+        if (job->forward)
+          job->forwards.push_back(forward_motion(robot, job->moves, motion));
+        else
+          job->followers.push_back(
+              std::make_unique<timing::PathFollower>(motion.path, job->plan.limits, job->period));
     } catch (const MoveError& why) {
       job->failure = why.problems().front();
       job->failed = why.move;
@@ -159,12 +171,23 @@ void RobotMotion::collect() {
     job->step->longest_ = std::max(job->step->longest_, job->plan.duration());
   }
   const double total = job->plan.duration();
+  const auto moves = job->forward ? std::make_shared<const std::vector<Move>>(std::move(job->moves)) : nullptr;
   for (std::size_t i = 0; i < job->plan.motions.size(); ++i) {
     PlannedMotion& motion = job->plan.motions[i];
-    const double share = motion.path.duration() / total;
-    ready_.push_back({job->first_id + motion.first, job->first_id + motion.last, std::move(motion),
-                      std::move(job->followers[i]), job->with, job->step, i == 0, false, share, job->options,
-                       nullptr, nullptr, job->plan.limits});
+    Ready ready;
+    ready.first_id = job->first_id + motion.first, ready.last_id = job->first_id + motion.last;
+    ready.share = motion.path.duration() / total;
+    ready.motion = std::move(motion);
+    if (job->forward)
+      ready.forward = std::move(job->forwards[i]);
+    else
+      ready.follower = std::move(job->followers[i]);
+    ready.moves = moves;
+    ready.with = job->with, ready.step = job->step;
+    ready.leads = i == 0;
+    ready.options = job->options;
+    ready.limits = job->plan.limits;
+    ready_.push_back(std::move(ready));
   }
   // Moves of zero length finish together with the moves before them.
   if (!ready_.empty())
@@ -209,12 +232,14 @@ void RobotMotion::hand_over(Nanoseconds now) {
   auto goal = std::make_unique<controllers::TrajectoryGoal>();
   goal->id = controller_.new_goal_id();
   goal->planned = std::move(ready_.front().follower);
+  goal->forward = std::move(ready_.front().forward);
   goal->ends = ready_.front().ends = std::make_shared<std::atomic<bool>>(false);
   goal->pace = ready_.front().pace = std::make_shared<std::atomic<double>>(1.0);
   if (ready_.front().step && ready_.front().leads) goal->start = ready_.front().step->start_;
   const std::uint64_t id = goal->id;
   if (!controller_.follow(goal)) {  // refused for now: try again in the next tick
     ready_.front().follower = std::move(goal->planned);
+    ready_.front().forward = std::move(goal->forward);
     return;
   }
   goal_ = id;
@@ -240,10 +265,7 @@ void RobotMotion::watch() {
     goal_ = 0;
     if (apart_ && apart_->phase == Apart::Phase::stopping) {
       apart_->time = controller_.status().time.load(std::memory_order_relaxed);
-      std::size_t hint = 0;
-      planned_.resize(active_.motion.path.joints());
-      active_.motion.path.sample(apart_->time, planned_, {}, {}, {}, hint);
-      apart_->held = planned_;
+      apart_->held = planned_ = place_of_stop(active_, apart_->time);
       apart_->phase = Apart::Phase::away;
       if (apart_->ending)
         apart_->settled = settled_ = active_.last_id;
@@ -254,12 +276,29 @@ void RobotMotion::watch() {
     settled_ = active_.last_id;
     if (active_.ends->load(std::memory_order_relaxed)) {  // stopped early: the next move begins where the
                                                           // robot stopped
-      const timing::TimedPath& path = active_.motion.path;
-      std::size_t hint = 0;
-      planned_.resize(path.joints());
-      path.sample(status.time.load(std::memory_order_relaxed), planned_, {}, {}, {}, hint);
+      planned_ = place_of_stop(active_, status.time.load(std::memory_order_relaxed));
     }
   }
+}
+
+/// Where a motion that was ended early has stopped.
+std::vector<double> RobotMotion::place_of_stop(const Ready& ready, double time) const {
+  if (measured_) return measured_();  // the robot's controller rounds corners in its own way
+  const timing::TimedPath& path = ready.motion.path;
+  std::vector<double> out(path.joints());
+  std::size_t hint = 0;
+  path.sample(time, out, {}, {}, {}, hint);
+  return out;
+}
+
+/// Readies a motion that was stopped at this time of its plan to be handed over again.
+void RobotMotion::go_on_from(Ready& ready, double time) {
+  if (ready.moves) {
+    ready.forward = forward_motion(facts(ready.with), *ready.moves, ready.motion, time);
+    return;
+  }
+  ready.follower = std::make_unique<timing::PathFollower>(ready.motion.path, ready.limits, controller_.period());
+  ready.follower->start_at(time);
 }
 
 std::vector<double> RobotMotion::begin_of(const Ready& ready) {
@@ -316,11 +355,8 @@ void RobotMotion::look_at_return() {
   }
   if (goal_ != 0 || job_ || !ready_.empty() || !waiting_.empty()) return;
   if (apart_->active) {
-    Ready& active = *apart_->active;
-    active.follower =
-        std::make_unique<timing::PathFollower>(active.motion.path, active.limits, controller_.period());
-    active.follower->start_at(apart_->time);
-    apart_->ready.push_front(std::move(active));
+    go_on_from(*apart_->active, apart_->time);
+    apart_->ready.push_front(std::move(*apart_->active));
   }
   waiting_ = std::move(apart_->waiting);
   job_ = std::move(apart_->job);

@@ -63,12 +63,17 @@ class RobotMotion {
   /// All arguments must outlive this object and the posted jobs.
   RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryController& controller, Post post);
 
+  /// Whether the robot's own controller interpolates. `measured` returns the robot's measured joints, where the
+  /// next move begins after one that was ended early. Null: this computer interpolates. Only when idle().
+  void set_forward(std::function<std::vector<double>()> measured) { measured_ = std::move(measured); }
+  bool forward() const { return static_cast<bool>(measured_); }
   /// True if a program may queue another move now; else the program waits until a move has finished.
   bool has_room() const {
     return waiting_.size() < kMostWaiting && last_id_ - settled_ < kMostAhead && !is_far_ahead();
   }
   /// Returns the move's id, which counts up from 1. `with`: the robot with another TCP (null: unchanged);
-  /// only moves with the same TCP blend. Throws Error("busy") if there is no room.
+  /// only moves with the same TCP blend. Throws Error("busy") if there is no room, Error("forward-mode") if the
+  /// robot's own controller cannot carry it out.
   /// `step`: waits for the moves of the other robots of the step. Consecutive moves with the same step are
   /// one motion of the robot; they do not blend with other moves.
   std::uint64_t queue(Move move, std::shared_ptr<const RobotFacts> with = nullptr,
@@ -186,7 +191,9 @@ class RobotMotion {
     MovePlanOptions options;
     double period;
     MovePlan plan;
+    bool forward = false;
     std::vector<std::unique_ptr<timing::PathFollower>> followers;  ///< of the plan's motions
+    std::vector<std::unique_ptr<controllers::ForwardMotion>> forwards;  ///< instead, with `forward`
     std::optional<Problem> failure;
     std::size_t failed = 0;
     std::atomic<bool> done{false};
@@ -196,6 +203,9 @@ class RobotMotion {
     std::uint64_t last_id = 0;   ///< of the moves that have arrived at its end
     PlannedMotion motion;
     std::unique_ptr<timing::PathFollower> follower;
+    std::unique_ptr<controllers::ForwardMotion> forward;  ///< instead of a follower
+    std::shared_ptr<const std::vector<Move>> moves;       ///< of the plan, with `forward`
+    std::uint64_t plan_id = 0;                            ///< of the first of them
     std::shared_ptr<const RobotFacts> with;
     std::shared_ptr<InStep> step;
     bool leads = false;  ///< the first motion of the robot in the step
@@ -224,6 +234,8 @@ class RobotMotion {
   };
 
   static std::vector<double> begin_of(const Ready& ready);
+  std::vector<double> place_of_stop(const Ready& ready, double time) const;
+  void go_on_from(Ready& ready, double time);
   void look_at_return();
   void look_at_ride();
   void give_up_apart();
@@ -243,6 +255,7 @@ class RobotMotion {
   const RobotFacts& robot_;
   controllers::JointTrajectoryController& controller_;
   Post post_;
+  std::function<std::vector<double>()> measured_;  ///< null: this computer interpolates
   LookAround find_obstacles_;
   MovePlanOptions options_;
   std::vector<double> planned_;

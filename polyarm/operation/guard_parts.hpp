@@ -1,6 +1,6 @@
 #pragma once
-/// Parts of guards: a planned path in time, how long a path takes to brake, and how fast joints move whose
-/// plan is not known. Private to this room. Metres, radians, seconds.
+/// Parts of guards: a planned path in time, how long a path takes to brake, how fast joints move whose plan is
+/// not known, and the limits and zones of a cell. Private to this room. Metres, radians, seconds.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +12,7 @@
 #include "polyarm/jog/jog_axis.hpp"
 #include "polyarm/moves/move_plan.hpp"
 #include "polyarm/moves/robot_facts.hpp"
+#include "polyarm/setup/cell_setup.hpp"
 #include "polyarm/surroundings/look_ahead.hpp"
 
 namespace polyarm::cell {
@@ -117,5 +118,33 @@ class JointRates {
   std::size_t next_ = 0;
   std::vector<double> rates_;
 };
+
+inline std::vector<jog::AxisLimits> axes_of(const CellRobot& robot) {
+  std::vector<jog::AxisLimits> out;
+  for (const controllers::JointFacts& joint : robot.joints)
+    out.push_back({joint.lower, joint.upper, joint.velocity, std::min(joint.acceleration, joint.deceleration),
+                   joint.jerk});
+  return out;
+}
+
+/// The zones that count for bodies.
+inline std::vector<surroundings::GuardZone> zones_of(const CellSetup& setup) {
+  std::vector<surroundings::GuardZone> out;
+  for (std::size_t r = 0; r < setup.robots.size(); ++r)
+    for (const moves::WorkspaceZone& zone : setup.robots[r]->facts->workspace.zones()) {
+      if (!zone.bodies) continue;
+      const int robot = static_cast<int>(r);
+      if (zone.kind == moves::ZoneKind::plane)
+        out.push_back({zone.name, robot, false, zone.point, zone.normal, {}, {}});
+      if (zone.kind == moves::ZoneKind::outside)
+        out.push_back({zone.name, robot, true, {}, {}, zone.low, zone.high});
+      if (zone.kind != moves::ZoneKind::inside) continue;
+      for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
+        out.push_back({zone.name, robot, false, zone.low, axis, {}, {}});
+        out.push_back({zone.name, robot, false, zone.high, -axis, {}, {}});
+      }
+    }
+  return out;
+}
 
 }  // namespace polyarm::cell

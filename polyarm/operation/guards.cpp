@@ -16,7 +16,6 @@ namespace polyarm::cell {
 
 using surroundings::GuardBodies;
 using surroundings::GuardPair;
-using surroundings::GuardZone;
 using surroundings::LookAhead;
 
 namespace {
@@ -32,34 +31,6 @@ constexpr double kCatchUp = 4;
 constexpr std::size_t kSamples = 8;  // of the velocities ahead
 /// More robots have no guards: their bodies alone would take long to make.
 constexpr std::size_t kMostRobots = 100;
-
-std::vector<jog::AxisLimits> axes_of(const CellRobot& robot) {
-  std::vector<jog::AxisLimits> out;
-  for (const controllers::JointFacts& joint : robot.joints)
-    out.push_back({joint.lower, joint.upper, joint.velocity, std::min(joint.acceleration, joint.deceleration),
-                   joint.jerk});
-  return out;
-}
-
-std::vector<GuardZone> zones_of(const CellSetup& setup) {
-  std::vector<GuardZone> out;
-  for (std::size_t r = 0; r < setup.robots.size(); ++r)
-    for (const moves::WorkspaceZone& zone : setup.robots[r]->facts->workspace.zones()) {
-      if (!zone.bodies) continue;
-      const int robot = static_cast<int>(r);
-      if (zone.kind == moves::ZoneKind::plane)
-        out.push_back({zone.name, robot, false, zone.point, zone.normal, {}, {}});
-      if (zone.kind == moves::ZoneKind::outside)
-        out.push_back({zone.name, robot, true, {}, {}, zone.low, zone.high});
-      if (zone.kind != moves::ZoneKind::inside) continue;
-      for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
-        out.push_back({zone.name, robot, false, zone.low, axis, {}, {}});
-        out.push_back({zone.name, robot, false, zone.high, -axis, {}, {}});
-      }
-    }
-  return out;
-}
-
 }  // namespace
 
 /// One robot.
@@ -87,6 +58,9 @@ struct Guards::Of {
 
 struct Guards::Work {
   std::shared_ptr<const ContactBodies> models;
+  std::shared_ptr<const description::Scene> scene;  // of `bodies`
+  std::vector<description::Fixture> more;
+  bool has_news = false;  // `more` is not in `bodies` yet
   std::unique_ptr<GuardBodies> bodies;
   std::vector<Of> robots;
   std::vector<std::vector<double>> stopping;
@@ -96,6 +70,7 @@ struct Guards::Work {
   // made on the planning thread
   struct Making {
     std::shared_ptr<const ContactBodies> models;
+    std::shared_ptr<const description::Scene> scene;
     std::unique_ptr<GuardBodies> bodies;
     std::string failed;
     std::atomic<bool> done{false};
@@ -129,6 +104,27 @@ double Guards::pace(std::size_t robot) const {
 
 std::uint64_t Guards::measured() const {
   return work_->bodies ? work_->bodies->measured() : 0;
+}
+
+std::optional<Guards::Near> Guards::near(std::size_t r) const {
+  if (work_->off || !work_->bodies || !work_->bodies->has_looked() || work_->models == nullptr) return std::nullopt;
+  if (!needed()) return std::nullopt;  // the bodies are not where they were seen
+  const Of& of = work_->robots[r];
+  const bool stands_before = of.goal != 0 && of.pace < 1 && of.ahead_of.pair >= 0;
+  GuardBodies::Nearest found = work_->bodies->nearest(static_cast<int>(r), kFarthest);
+  if (found.pair < 0) return std::nullopt;
+  const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(found.pair)];
+  const bool first = pair.robot_a == static_cast<int>(r);
+  Near out{work_->bodies->name(first ? pair.a : pair.b), work_->bodies->name(first ? pair.b : pair.a),
+           found.gap.distance, found.gap.on_a, found.gap.on_b, stands_before ? of.ahead_of.required : 0};
+  if (!first) std::swap(out.on_mine, out.on_other);
+  return out;
+}
+
+std::optional<double> Guards::clearance_at(std::size_t r, std::span<const double> q) const {
+  if (work_->off || !work_->bodies || !work_->bodies->has_looked() || work_->bodies->drives(r)) return std::nullopt;
+  work_->bodies->try_joints(r, q);
+  return work_->bodies->nearest(static_cast<int>(r), kFarthest, true).gap.distance;
 }
 
 const std::vector<Problem>& Guards::would_stop() const {
@@ -167,15 +163,25 @@ void Guards::prepare() {
   if (!work_->off && !work_->bodies && !work_->making && !cell_.setup.options.lock_step) begin_bodies();
 }
 
+void Guards::set_more(std::vector<description::Fixture> more) {
+  if (work_->off) return;
+  work_->more = std::move(more);
+  work_->has_news = true;
+}
+
 void Guards::begin_bodies() {
   work_->making = std::make_shared<Work::Making>();
+  work_->has_news = false;
   cell_.planner.post([making = work_->making, shared = cell_.motions.bodies(), robots = work_->robots.size(),
-                      zones = zones_of(cell_.setup)] {
+                      zones = zones_of(cell_.setup), more = work_->more] {
     try {
       if (robots > kMostRobots)
         throw Error("too-many-bodies", fmt::format("{} robots are more than guards can follow", robots));
       making->models = shared->get();
-      making->bodies = std::make_unique<GuardBodies>(making->models->robots, making->models->scene, zones);
+      auto scene = std::make_shared<description::Scene>(making->models->scene);
+      scene->fixtures.insert(scene->fixtures.end(), more.begin(), more.end());
+      making->bodies = std::make_unique<GuardBodies>(making->models->robots, *scene, zones);
+      making->scene = std::move(scene);
     } catch (const std::exception& why) {
       making->failed = why.what();
     }
@@ -199,12 +205,38 @@ bool Guards::take_bodies() {
                                {}});
     return false;
   }
-  work.models = std::move(work.making->models);
+  begin_guards();
+  return true;
+}
+
+/// Bodies that were made because of new things replace those that there are.
+void Guards::take_more() {
+  Work& work = *work_;
+  if (!work.bodies) return;
+  if (work.making) {
+    if (!work.making->done.load(std::memory_order_acquire)) return;
+    if (work.making->failed.empty()) return begin_guards();
+    cell_.observer.on_note("guards do not know the new objects: " + work.making->failed);
+    work.making.reset();
+  }
+  if (work.has_news) begin_bodies();
+}
+
+/// Guards begin anew with bodies that have been made.
+void Guards::begin_guards() {
+  Work& work = *work_;
+  for (Of& of : work.robots) of.ahead.reset(), of.jogged.reset();  // they refer to the bodies before
   work.bodies = std::move(work.making->bodies);
+  work.scene = std::move(work.making->scene);
+  work.models = std::move(work.making->models);
+  work.making.reset();
+  work.stopping.clear();
   const GuardsEntry& entry = cell_.setup.file.guards;
   for (std::size_t r = 0; r < work.robots.size(); ++r) {
     Of& of = work.robots[r];
     work.stopping.emplace_back(of.axes.size(), 0.0);
+    of.goal = 0;
+    of.ahead_of = {};
     const int robot = static_cast<int>(r);
     surroundings::LookAheadOptions options{.clearance = entry.clearance};
     if (!cell_.setup.options.lock_step) options.at_first = 1;  // spread over some ticks
@@ -214,13 +246,13 @@ bool Guards::take_bodies() {
                                                    jog::BodyGuardOptions{entry.clearance});
     }
   }
-  return true;
 }
 
 void Guards::tick() {
   if (work_->off || cell_.life.failure()) return;
   if (cell_.machine.snapshot().states.empty()) return;  // before the first cycle
   see_moment();
+  take_more();
   const bool is_needed = needed();
   if ((!is_needed && (work_->bodies || cell_.setup.options.lock_step)) || !take_bodies() || !is_needed)
     return;

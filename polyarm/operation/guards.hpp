@@ -4,6 +4,7 @@
 /// radians, seconds. Cell thread.
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,21 @@ class Guards {
   void tick();
   /// The pace at which the guard lets a robot's move go on, 0 to 1.
   double pace(std::size_t robot) const;
+  /// More things that robots are kept off, in addition to the scene: objects of MoveIt's clients. They replace those
+  /// before; the guards know them some ticks later.
+  void set_more(std::vector<description::Fixture> more);
+  /// What is nearest to a robot that moves, for people: names of both bodies and the places between which it is.
+  struct Near {
+    std::string mine, other;
+    double distance = 0;
+    Vec3 on_mine, on_other;
+    double kept = 0;  ///< of a planned move that is slowed down: the distance that is kept there; else 0
+  };
+  std::optional<Near> near(std::size_t robot) const;
+  /// The distance of a robot with its joints at `q` from everything else as it is now, m, at most kFarthest;
+  /// empty while there are no guards.
+  static constexpr double kFarthest = 0.15;
+  std::optional<double> clearance_at(std::size_t robot, std::span<const double> q) const;
   /// In a cell whose contacts are listed instead of stopping it (CellOptions::contact_errors): where the
   /// guards would have stopped a robot, once for each pair in a line; warnings "guard" {robot, a, b,
   /// distance_m, clearance_m, at_s}.
@@ -60,6 +76,8 @@ class Guards {
   bool is_unplanned(std::size_t robot) const;
   void begin_bodies();
   bool take_bodies();
+  void take_more();
+  void begin_guards();
   void see(std::size_t robot);
   void find_stopping(std::size_t robot);
   void look_along(std::size_t robot);

@@ -72,7 +72,7 @@ std::string set_for(const CellData& data, const std::optional<std::string>& file
     if (best.empty() || count > most) best = set, most = count;
   }
   if (best.empty())
-    throw Error("no-set", "the cell has no data file for points",
+    throw Error("no-points-file", "the cell has no data file for points",
                 "write 'load points' into the program, and create the file points.points beside it");
   return best;
 }

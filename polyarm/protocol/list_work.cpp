@@ -5,6 +5,7 @@
 #include "polyarm/protocol/points.hpp"
 #include "polyarm/protocol/programs.hpp"
 #include "polyarm/protocol/projects.hpp"
+#include "polyarm/protocol/scene.hpp"
 #include "polyarm/protocol/session.hpp"
 #include "polyarm/protocol/status.hpp"
 #include "polyarm/protocol/teleop.hpp"
@@ -20,7 +21,7 @@ POLYARM_REQUESTS(point_requests, PointsList, PointsHere, PointsTeach, PointsSet,
                  PointsRename, PointsDelete, PointsOutside, PointsTake, PointsHistory, PointsUndo,
                  PointsFrame, PointsTool, PointsSighting, PointsCamera, PlanPreview)
 POLYARM_REQUESTS(project_requests, FilesList, FilesRead, FilesDraft, FilesWrite, FilesVersions, FilesVersion,
-                 FilesDelete, FilesRename, LanguageWords, ProgramCheck, ProgramSteps, ProgramNames,
+                 FilesDelete, FilesRename, SceneUpload, SceneAdd, LanguageWords, ProgramCheck, ProgramSteps, ProgramNames,
                  CellRestart, ProgramDry, CellCheck, CellReach, CellsList, CellSaveAs, CellNew, CellConnect,
                  RecordState, RecordStart, RecordStop)
 POLYARM_REQUESTS(session_requests, SessionHello, SessionWatch, SessionEnd, SessionTake, SessionRelease,

@@ -20,7 +20,7 @@ std::vector<Handler> room_handlers() {
        {handlers<help>(), controller_handlers(), motion_handlers(), tag_handlers(), hardware_handlers(),
         health_handlers(), message_handlers(), jog_handlers(), teleop_handlers(), move_handlers(),
         load_handlers(), program_handlers(), record_handlers(), point_handlers(), frame_handlers(),
-        preview_handlers(), file_handlers(), connect_handlers()})
+        preview_handlers(), file_handlers(), scene_handlers(), connect_handlers()})
     out.insert(out.end(), family.begin(), family.end());
   return out;
 }

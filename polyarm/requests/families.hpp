@@ -25,6 +25,7 @@ std::vector<Handler> point_handlers();
 std::vector<Handler> frame_handlers();
 std::vector<Handler> preview_handlers();
 std::vector<Handler> file_handlers();
+std::vector<Handler> scene_handlers();
 std::vector<Handler> connect_handlers();
 
 }  // namespace polyarm::cell

@@ -160,13 +160,6 @@ void require_room_for_file(const fs::path& folder) {
     throw Error("too-many", fmt::format("the project has {} files", count), "delete some of them");
 }
 
-void keep_out_of_git(const fs::path& folder) {
-  const fs::path ignore = folder / ".state" / ".gitignore";
-  std::error_code error;
-  fs::create_directories(ignore.parent_path(), error);
-  if (!fs::exists(ignore, error)) write_file_atomically(ignore, "*\n");
-}
-
 const std::string& bounded(const std::string& text) {
   if (text.size() > kLargestText)
     throw Error("too-large", fmt::format("the text has {} bytes", text.size()), "a file may have 900 kB");
@@ -261,6 +254,18 @@ fs::path project_file(const fs::path& folder, const std::string& path) {
     if (fs::is_symlink(at, error)) throw refuse("a link on its path points to itself");
   if (fs::exists(whole, error) && !fs::is_regular_file(whole, error)) throw refuse("it is not a file");
   return whole;
+}
+
+void keep_out_of_git(const fs::path& folder) {
+  const fs::path ignore = folder / ".state" / ".gitignore";
+  std::error_code error;
+  fs::create_directories(ignore.parent_path(), error);
+  if (!fs::exists(ignore, error)) write_file_atomically(ignore, "*\n");
+}
+
+void write_project_file(const fs::path& folder, const std::string& path, const std::string& text) {
+  keep_out_of_git(folder);
+  written(folder, path, text, {}, true);
 }
 
 std::string content_hash(std::string_view text) {

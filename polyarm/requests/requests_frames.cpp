@@ -136,6 +136,9 @@ const data::Value& marker_named(const PointOwners& cell, const std::string& name
 PointsSighting::Answer points_sighting(const PointOwners& cell, const PointsSighting& request) {
   const std::size_t i = robot_named(cell.setup, request.robot);
   const CellRobot& robot = *cell.setup.robots[i];
+  if (!cell.machine.snapshot().standing || !cell.motions.idle(i))
+    throw Error("moving", "a robot moves: the camera may have seen the marker from another pose",
+                "wait until '" + robot.entry.name + "' is at rest");
   const data::Value& marker = marker_named(cell, request.marker);
   const auto facts = cell.data.store.facts(request.marker);
   PointsSighting::Answer out;

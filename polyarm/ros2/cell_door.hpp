@@ -114,6 +114,9 @@ std::unique_ptr<Part> make_robot_node(Bridge& bridge);
 /// /polyarm (stop, hold, resume, program control), and /diagnostics.
 std::unique_ptr<Part> make_cell_node(Bridge& bridge);
 
+/// Nodes of plugins: their topics and services (hardware/node_graph.hpp).
+std::unique_ptr<Part> make_plugin_nodes(Bridge& bridge);
+
 /// /move_group of each robot, as MoveIt's clients know it.
 std::unique_ptr<Part> make_move_groups(Bridge& bridge);
 

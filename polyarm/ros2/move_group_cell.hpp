@@ -97,6 +97,13 @@ struct MoveGroupCell {
   std::shared_ptr<SharedScene> scene = std::make_shared<SharedScene>();
   std::shared_ptr<cell::SharedBodies> bodies;
   LongWork work;
+  std::uint64_t guarded = 0;  ///< version of the scene that the guards know
+  /// Call each tick: guards keep robots off the objects of clients.
+  void tell_guards() {
+    const auto now = scene->now();
+    if (std::exchange(guarded, now->version) != now->version)
+      bridge.cell().set_more_obstacles(move_group::fixtures_of(*now));
+  }
   /// Set when the door closes: work that is under way ends early.
   std::shared_ptr<std::atomic<bool>> closing = std::make_shared<std::atomic<bool>>(false);
 

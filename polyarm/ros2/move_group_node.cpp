@@ -386,6 +386,7 @@ class MoveGroups : public Part {
 
   void serve() override {
     shared_.work.finish();
+    shared_.tell_guards();
     for (const auto& node : nodes_) node->serve();
   }
 

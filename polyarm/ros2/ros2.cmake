@@ -28,7 +28,7 @@ add_dependencies(polyarm_ros2_wire polyarm_ros2_dds)
 add_library(polyarm_door_ros2 MODULE ros2/module.cpp ros2/bridge.cpp ros2/controller_nodes.cpp ros2/manager_node.cpp
   ros2/robot_node.cpp ros2/cell_node.cpp ros2/action_server.cpp ros2/parameters.cpp ros2/type_descriptions.cpp
   ros2/life_cycle.cpp ros2/typed_topic.cpp ros2/goal_server.cpp ros2/move_group_cell.cpp ros2/move_group_motion.cpp
-  ros2/move_group_node.cpp recording/state_messages.cpp)
+  ros2/move_group_node.cpp ros2/plugin_nodes.cpp recording/state_messages.cpp)
 set_target_properties(polyarm_door_ros2 PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/drivers)
 # The command that loads it exports the symbols of the cell.
 target_include_directories(polyarm_door_ros2 PRIVATE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)

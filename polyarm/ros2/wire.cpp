@@ -102,8 +102,11 @@ class Wire::Work {
 
   Id service(const std::string& node, const std::string& name, const std::string& type,
              OnRequest on_request) {
-    const messages::TypeInfo& request = part(type, "_Request");
-    const messages::TypeInfo& response = part(type, "_Response");
+    return service(node, name, part(type, "_Request"), part(type, "_Response"), std::move(on_request));
+  }
+
+  Id service(const std::string& node, const std::string& name, const messages::TypeInfo& request,
+             const messages::TypeInfo& response, OnRequest on_request) {
     const std::string service_id = "serviceid=" + text_of(unique()) + ";";
     const Id replies = participant_.add_writer("rr" + name + "Reply", response.dds_name, {},
                                                service_id + type_hash(response), true);
@@ -255,9 +258,10 @@ class Wire::Work {
     return *found;
   }
 
-  /// Humble does not use type hashes.
+  /// Humble does not use type hashes. A type of a plugin has none.
   std::string type_hash(const messages::TypeInfo& type) const {
-    return distribution_ == messages::Distribution::humble ? "" : std::string("typehash=") + type.hash + ";";
+    if (distribution_ == messages::Distribution::humble || *type.hash == '\0') return "";
+    return std::string("typehash=") + type.hash + ";";
   }
 
   /// A unique value in the form of a guid.
@@ -502,6 +506,10 @@ Wire::Id Wire::subscription(const std::string& node, const std::string& topic, c
 Wire::Id Wire::service(const std::string& node, const std::string& name, const std::string& type,
                        OnRequest on_request) {
   return work_->service(node, name, type, std::move(on_request));
+}
+Wire::Id Wire::service(const std::string& node, const std::string& name, const messages::TypeInfo& request,
+                       const messages::TypeInfo& response, OnRequest on_request) {
+  return work_->service(node, name, request, response, std::move(on_request));
 }
 Wire::Id Wire::client(const std::string& node, const std::string& name, const std::string& type,
                       OnMessage on_reply) {

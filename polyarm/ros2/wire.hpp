@@ -58,6 +58,9 @@ class Wire {
   Id subscription(const std::string& node, const std::string& topic, const messages::TypeInfo& type,
                   const Qos& qos, OnMessage on_message);
   Id service(const std::string& node, const std::string& name, const std::string& type, OnRequest on_request);
+  /// The same for a type that only its owner knows.
+  Id service(const std::string& node, const std::string& name, const messages::TypeInfo& request,
+             const messages::TypeInfo& response, OnRequest on_request);
   /// A client for services of other nodes, whatever their middleware. `on_reply` receives the reply to the
   /// latest call only.
   Id client(const std::string& node, const std::string& name, const std::string& type, OnMessage on_reply);

@@ -154,7 +154,20 @@ struct Writer {
     }
   }
 
-  static std::string code_of(const Struct& made) {
+  /// What CDR code needs (polyarm_ros/cdr.hpp). An empty struct is one byte on the wire.
+  static std::string fields_code(const Struct& made, const std::string& type) {
+    std::string visits;
+    for (const Member& m : made.members)
+      if (!m.constant) visits += " visit_(" + m.name + ");";
+    if (visits.empty()) visits = " std::uint8_t none_ = 0; visit_(none_);";
+    std::string out = "  static constexpr const char* polyarm_type() { return \"" + type + "\"; }\n";
+    for (const char* constant : {"", "const "})
+      out += std::string("  template <typename Visit>\n  void polyarm_fields(Visit& visit_) ") + constant + "{" +
+             visits + " }\n";
+    return out;
+  }
+
+  std::string code_of(const Struct& made) const {
     std::string out = "struct " + made.name + " {\n";
     for (const std::string pointer : {"SharedPtr", "ConstSharedPtr"})
       out += "  using " + pointer + " = std::shared_ptr<" + (pointer[0] == 'C' ? "const " : "") + made.name +
@@ -173,6 +186,7 @@ struct Writer {
         equal += (equal.empty() ? "" : " && ") + m.name + " == other_." + m.name;
       }
     out += setters;
+    out += fields_code(made, interface.package + "/" + interface.kind + "/" + made.name);
     out += "  bool operator==(const " + made.name + "& " + (equal.empty() ? "" : "other_") +
            ") const { return " + (equal.empty() ? "true" : equal) + "; }\n";
     out += "  bool operator!=(const " + made.name + "& other_) const { return !(*this == other_); }\n};\n";
@@ -194,6 +208,8 @@ struct Writer {
       out += "struct " + interface.name + " {\n";
       for (const Struct& made : structs)
         out += "  using " + made.name.substr(interface.name.size() + 1) + " = " + made.name + ";\n";
+      out += "  static constexpr const char* polyarm_type() { return \"" + interface.package + "/" +
+             interface.kind + "/" + interface.name + "\"; }\n";
       out += "};\n\n";
     }
     return out + "}  // namespace " + interface.package + "::" + interface.kind + "\n";

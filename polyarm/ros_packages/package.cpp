@@ -186,6 +186,34 @@ std::vector<Package> find_packages(const fs::path& path, Problems& problems) {
   return out;
 }
 
+namespace {
+/// The folder of the repository or the workspace that holds the package: the farthest of the folders above it that
+/// has .git or is called src. Empty if none of the nearest five is one.
+fs::path root_of(const Package& package) {
+  fs::path out;
+  std::error_code error;
+  fs::path above = package.folder.parent_path();
+  for (int up = 0; up < 5 && above.has_relative_path(); ++up, above = above.parent_path())
+    if (above.filename() == "src" || fs::exists(above / ".git", error)) out = above;
+  return out;
+}
+
+/// Packages elsewhere in the same repository or workspace; one that cannot be read is not needed.
+void add_from_root(const Package& package, std::vector<Package>& out) {
+  const fs::path root = root_of(package);
+  if (root.empty() || root == package.folder.parent_path()) return;
+  std::vector<Package> all;
+  Problems ignored;
+  Search{all, ignored}.look(root, 0);
+  for (Package& found : all) {
+    const bool known = found.name == package.name ||
+                       std::any_of(out.begin(), out.end(),
+                                   [&](const Package& other) { return other.name == found.name; });
+    if (!known && out.size() < kMostPackages) out.push_back(std::move(found));
+  }
+}
+}  // namespace
+
 std::vector<Package> packages_beside(const Package& package, Problems& problems) {
   std::vector<Package> out;
   const fs::path above = package.folder.parent_path();
@@ -199,6 +227,7 @@ std::vector<Package> packages_beside(const Package& package, Problems& problems)
     error.clear();
   }
   std::sort(out.begin(), out.end(), [](const Package& a, const Package& b) { return a.folder < b.folder; });
+  add_from_root(package, out);
   return out;
 }
 

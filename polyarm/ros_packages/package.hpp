@@ -32,8 +32,8 @@ Package read_package(const std::filesystem::path& file);
 /// with COLCON_IGNORE or AMENT_IGNORE, hidden ones, and build, install and log are left out. A package that
 /// cannot be read becomes a problem. Throws Error("no-package") if there is none.
 std::vector<Package> find_packages(const std::filesystem::path& path, Problems& problems);
-/// The packages above a single package folder that belong to the same workspace: those beside it. Empty for a
-/// workspace.
+/// The packages that a single package may need: those beside it, then others of the same repository (.git) or
+/// workspace (src).
 std::vector<Package> packages_beside(const Package& package, Problems& problems);
 /// `package` behind the packages of `all` that it needs, each after those that it needs itself. Cycles are
 /// cut.

@@ -14,13 +14,14 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/protocol/facts.hpp"
 #include "polyarm/realtime/bell.hpp"
+#include "polyarm/server/logins.hpp"
 
 namespace polyarm::server {
 
 using Text = std::shared_ptr<const std::string>;
 
 /// An event of any kind but `answer` and `log` replaces an unsent event of the same kind.
-enum class Kind : std::uint8_t { answer, status, tags, parts, program, plan, points, layout, log };
+enum class Kind : std::uint8_t { answer, status, tags, parts, program, plan, near, points, layout, log };
 
 /// Totals over all clients.
 struct Waiting {
@@ -39,6 +40,7 @@ class Client {
     std::string address;                ///< of the client
     bool local = true;                  ///< true if the client is on this machine
     protocol::Role role = protocol::Role::administer;  ///< of the token that the client sent
+    std::shared_ptr<Login> login = nullptr;  ///< of a user; null: the client came by a link
   };
   /// `rope` is pulled when a line comes in. `rope` and `all` may be null.
   Client(std::uint64_t its_number, Side side, std::shared_ptr<realtime::WakeupHandle> rope = nullptr,
@@ -47,6 +49,7 @@ class Client {
         from(std::move(side.address)),
         local(side.local),
         role(side.role),
+        login(std::move(side.login)),
         rope_(std::move(rope)),
         all_(all ? std::move(all) : std::make_shared<Waiting>()) {}
   ~Client();
@@ -57,6 +60,7 @@ class Client {
   const std::string from;      ///< address of the client
   const bool local;            ///< true if the client is on this machine
   const protocol::Role role;       ///< what its token allows
+  const std::shared_ptr<Login> login;  ///< of a user; may be null
 
   // --- I/O thread
   /// Queues the line; answers `busy` if the queue is full. Returns false if lines come too fast. All input is

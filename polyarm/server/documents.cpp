@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "polyarm/base/hash.hpp"
+#include "polyarm/description/bodies.hpp"
 #include "polyarm/kinematics/chain.hpp"
 #include "polyarm/meshes/robot_meshes.hpp"
 #include "polyarm/protocol/reference.hpp"
@@ -56,6 +57,21 @@ Json shapes_json(const std::vector<Shape>& shapes, const Color& color) {
     out.push_back(std::move(each));
   }
   return out;
+}
+
+/// The shapes of a point cloud as one visual: six numbers for each box, its middle and its edges, in 0.1 mm.
+Json cloud_json(const std::vector<Shape>& shapes, const Color& color) {
+  Json boxes = Json::array();
+  const auto add = [&](const Vec3& v) {
+    for (const double x : {v.x, v.y, v.z}) boxes.push_back(std::round(x * 1e4) / 1e4);
+  };
+  for (const Shape& shape : shapes) add(shape.pose.position), add(shape.size);
+  return Json::array({{{"shape", "boxes"}, {"origin", pose_json({})}, {"boxes", boxes}, {"color", color}}});
+}
+
+Json fixture_visuals(const std::vector<Shape>& shapes, const Color& color) {
+  const bool is_cloud = !shapes.empty() && !description::cloud_of(shapes.front()).empty();
+  return is_cloud ? cloud_json(shapes, color) : shapes_json(shapes, color);
 }
 
 bool drawable(const std::vector<Shape>& shapes) {
@@ -280,7 +296,7 @@ Json scene_json(const cell::CellView& cell) {
     fixtures.push_back({{"name", each.name},
                         {"pose", pose_json(each.pose)},
                         {"mover", each.mover},
-                        {"visuals", shapes_json(each.shapes, kFixture)}});
+                        {"visuals", fixture_visuals(each.shapes, kFixture)}});
   for (const description::Part& each : scene.parts) {
     const auto kind = std::find(scene.kinds.begin(), scene.kinds.end(), each.kind) - scene.kinds.begin();
     parts.push_back({{"name", each.name},

@@ -170,12 +170,16 @@ Text PartEvents::full() {
 
 namespace {
 
-/// Samples of the TCP along the path, rounded to 0.1 mm.
-Json path_of(const moves::RobotMotion::UnderWay& way) {
+int samples_of(const timing::TimedPath& path) {
   constexpr double kEvery = 0.02;
   constexpr int kLeast = 20, kMost = 200;
+  return std::clamp(static_cast<int>(path.duration() / kEvery), kLeast, kMost);
+}
+
+/// Samples of the TCP along the path, rounded to 0.1 mm.
+Json path_of(const moves::RobotMotion::UnderWay& way) {
   const timing::TimedPath& path = way.motion->path;
-  const int samples = std::clamp(static_cast<int>(path.duration() / kEvery), kLeast, kMost);
+  const int samples = samples_of(path);
   Json out = Json::array();
   std::vector<double> q(path.joints());
   std::size_t hint = 0;
@@ -211,11 +215,36 @@ void PlanEvents::look(std::size_t robot, Way& way) const {
   const auto next = std::upper_bound(ends.begin(), ends.end(), now->time);
   const auto move = static_cast<std::size_t>(next - ends.begin());
   if (now->goal == way.goal && move == way.move) return;
-  if (now->goal != way.goal) way.told = {{"path", path_of(*now)}};
+  if (now->goal != way.goal) {
+    way.told = {{"path", path_of(*now)}};
+    way.places = way.told["path"].size();
+    way.clear.clear();
+  }
   way.goal = now->goal;
   way.move = move;
   const double end = next == ends.end() ? now->motion->path.duration() : *next;
   way.told["target"] = {{"joints", joints_at(*now, end)}};
+}
+
+bool PlanEvents::measure(std::size_t robot, Way& way) const {
+  constexpr std::size_t kAtOnce = 8;
+  if (way.goal == 0 || way.clear.size() >= way.places) return false;
+  const moves::RobotMotion* motion = cell_.motion(robot);
+  const auto now = motion ? motion->under_way() : std::nullopt;
+  if (!now || now->goal != way.goal) return false;
+  const timing::TimedPath& path = now->motion->path;
+  std::vector<double> q(path.joints());
+  for (std::size_t i = 0; i < kAtOnce && way.clear.size() < way.places; ++i) {
+    std::size_t hint = 0;
+    path.sample(path.duration() * static_cast<double>(way.clear.size()) / static_cast<double>(way.places - 1), q, {}, {}, {},
+                hint);
+    const std::optional<double> clear = cell_.clearance_at(robot, q);
+    if (!clear) return false;
+    way.clear.push_back(std::round(*clear * 1e4) / 1e4);
+  }
+  if (way.clear.size() < way.places) return false;
+  way.told["clear"] = way.clear;
+  return true;
 }
 
 Text PlanEvents::tell() const {
@@ -231,7 +260,7 @@ Text PlanEvents::changes() {
   for (std::size_t i = 0; i < ways_.size(); ++i) {
     const std::pair before(ways_[i].goal, ways_[i].move);
     look(i, ways_[i]);
-    news = news || before != std::pair(ways_[i].goal, ways_[i].move);
+    news = measure(i, ways_[i]) || news || before != std::pair(ways_[i].goal, ways_[i].move);
   }
   return news ? tell() : nullptr;
 }
@@ -239,6 +268,28 @@ Text PlanEvents::changes() {
 Text PlanEvents::full() {
   const bool any = std::any_of(ways_.begin(), ways_.end(), [](const Way& way) { return way.goal != 0; });
   return any ? tell() : nullptr;
+}
+
+Text NearEvents::changes() {
+  const auto rounded = [](double v) { return std::round(v * 1e4) / 1e4; };
+  const auto place = [&](const Vec3& p) { return Json{rounded(p.x), rounded(p.y), rounded(p.z)}; };
+  Json robots = Json::object();
+  for (std::size_t i = 0; i < cell_.robots().size(); ++i) {
+    const auto near = cell_.near(i);
+    if (!near) continue;
+    robots[cell_.robots()[i]->entry.name] = {{"a", near->mine},
+                                             {"b", near->other},
+                                             {"distance", rounded(near->distance)},
+                                             {"kept", near->kept > 0 ? Json(rounded(near->kept)) : Json()},
+                                             {"on_a", place(near->on_mine)},
+                                             {"on_b", place(near->on_other)},
+                                             {"pace", std::round(cell_.pace(i) * 100) / 100}};
+  }
+  Json event{{"event", "near"}, {"robots", robots}};
+  std::string text = event.dump();
+  if (text == told_ || (told_.empty() && robots.empty())) return nullptr;
+  told_ = std::move(text);
+  return text_of(event);
 }
 
 void ProgramEvents::watch() {

@@ -52,8 +52,9 @@ class PartEvents {
   std::vector<hardware::PartState> announced_;
 };
 
-/// Planned paths of robots: {"event": "plan", "plans": {ROBOT: {path: [[x, y, z]], target: {joints}}}}. The
-/// path is the TCP in world coordinates (m). The target is the end of the current move, which may be one of
+/// Planned paths of robots: {"event": "plan", "plans": {ROBOT: {path: [[x, y, z]], clear: [m], target: {joints}}}}.
+/// `clear`: for each place of the path, how far the robot is from everything else; missing until it is known.
+/// The path is the TCP in world coordinates (m). The target is the end of the current move, which may be one of
 /// several along the path. Robots without a planned move are left out.
 class PlanEvents {
  public:
@@ -68,12 +69,30 @@ class PlanEvents {
     std::uint64_t goal = 0;
     std::size_t move = 0;  ///< index of the current move in the path
     nlohmann::json told;
+    /// The distances along the path are measured bit by bit: those of places that are not known yet are missing.
+    std::vector<double> clear;
+    std::size_t places = 0;
   };
+  /// True if there are new distances.
+  bool measure(std::size_t robot, Way& way) const;
   void look(std::size_t robot, Way& way) const;
   Text tell() const;
 
   cell::CellView& cell_;
   std::vector<Way> ways_;  ///< by robot
+};
+
+/// What is nearest to robots that move: {"event": "near", "robots": {ROBOT: {a, b, distance, kept, on_a, on_b,
+/// pace}}} (m, world). Robots with nothing near them, or without a guard, are left out.
+class NearEvents {
+ public:
+  explicit NearEvents(cell::CellView& cell) : cell_(cell) {}
+  /// Null: no change since the last call.
+  Text changes();
+
+ private:
+  cell::CellView& cell_;
+  std::string told_;
 };
 
 /// State of the program: {"event": "program", …} with what the request `program.watch` answers.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
 #include <optional>
 
 #include "polyarm/base/text.hpp"
@@ -28,6 +29,23 @@ std::optional<std::string> decoded(std::string_view text) {
     if (i + 2 >= text.size() || hex(text[i + 1]) < 0 || hex(text[i + 2]) < 0) return std::nullopt;
     out += static_cast<char>(hex(text[i + 1]) * 16 + hex(text[i + 2]));
     i += 2;
+  }
+  return out;
+}
+
+/// Nothing if a character is not of base64, or the length is wrong.
+std::optional<std::string> from_base64(std::string_view text) {
+  constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  if (text.size() % 4 != 0) return std::nullopt;
+  for (int n = 0; n < 2 && text.ends_with('='); ++n) text.remove_suffix(1);
+  std::string out;
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (const char c : text) {
+    const auto value = kAlphabet.find(c);
+    if (value == std::string_view::npos) return std::nullopt;
+    bits = ((bits << 6) | static_cast<std::uint32_t>(value)) & 0xffffff;
+    if ((count += 6) >= 8) out += static_cast<char>((bits >> (count -= 8)) & 0xff);
   }
   return out;
 }
@@ -127,14 +145,18 @@ namespace {
 struct Claim {
   Shown how = Shown::nothing;
   protocol::Role role = protocol::Role::watch;
+  std::shared_ptr<Login> login;
+  std::string token;
 };
 
 Claim claim_of(const Head& head, const GateRules& rules) {
   const auto judged = [&](std::string_view token, Shown as) {
-    Claim out{Shown::wrong, protocol::Role::watch};
-    if (same_token(token, rules.token)) out = {as, protocol::Role::administer};
+    Claim out{Shown::wrong, protocol::Role::watch, nullptr, std::string(token)};
+    if (same_token(token, rules.token)) out.how = as, out.role = protocol::Role::administer;
     for (const auto& [lesser, role] : rules.lesser)
-      if (same_token(token, lesser)) out = {as, role};
+      if (same_token(token, lesser)) out.how = as, out.role = role;
+    if (out.how == Shown::wrong && rules.login) out.login = rules.login(token);
+    if (out.login) out.how = as, out.role = out.login->role;
     return out;
   };
   constexpr std::string_view kBearer = "bearer ";
@@ -157,13 +179,37 @@ protocol::Role shown_role(const Head& head, const GateRules& rules) {
   return claim_of(head, rules).role;
 }
 
-Verdict judge(const Head& head, const GateRules& rules, bool changes) {
+std::shared_ptr<Login> shown_login(const Head& head, const GateRules& rules) {
+  return claim_of(head, rules).login;
+}
+
+std::string shown_text(const Head& head, const GateRules& rules) {
+  return claim_of(head, rules).token;
+}
+
+std::optional<std::pair<std::string, std::string>> basic_credentials(std::string_view authorization) {
+  constexpr std::string_view kBasic = "basic ";
+  constexpr std::size_t kMost = 1024;
+  if (lower(authorization.substr(0, kBasic.size())) != kBasic || authorization.size() > kMost) return std::nullopt;
+  const std::optional<std::string> text = from_base64(trim(authorization.substr(kBasic.size())));
+  if (!text) return std::nullopt;
+  const auto colon = text->find(':');
+  if (colon == std::string::npos || colon == 0) return std::nullopt;
+  return std::pair{text->substr(0, colon), text->substr(colon + 1)};
+}
+
+Verdict judge_origin(const Head& head, const GateRules& rules) {
   if (!host_allowed(head.host, rules))
     return {421, "this address is not served: open the link that polyarm printed"};
   if (!head.origin.empty() && head.origin != (head.secure ? "https://" : "http://") + head.host)
     return {403, "a page from another site is refused"};
   if (!head.fetch_site.empty() && head.fetch_site != "same-origin" && head.fetch_site != "none")
     return {403, "a page from another site is refused"};
+  return {};
+}
+
+Verdict judge(const Head& head, const GateRules& rules, bool changes) {
+  if (const Verdict verdict = judge_origin(head, rules); verdict.status != 200) return verdict;
   const Shown shown = shown_token(head, rules);
   if (shown == Shown::nothing) return {401, "the token is missing: open the link that polyarm printed"};
   if (shown == Shown::wrong) return {403, "the token is wrong: open the link that polyarm printed last"};

@@ -1,11 +1,15 @@
 #pragma once
 /// Access control: decides from the head of an HTTP request whether to serve it. Pure functions.
+#include <functional>
+#include <memory>
 #include <string>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "polyarm/protocol/facts.hpp"
+#include "polyarm/server/logins.hpp"
 
 namespace polyarm::server {
 
@@ -19,6 +23,8 @@ struct Head {
 struct GateRules {
   std::string token;               ///< allows everything
   std::vector<std::pair<std::string, protocol::Role>> lesser;  ///< tokens that allow less
+  /// The log-in of a user with this token; null: there is none. May be empty.
+  std::function<std::shared_ptr<Login>(std::string_view)> login;
   std::string cookie;              ///< name of the cookie that carries the token
   bool loopback = true;            ///< only names of the loopback interface are accepted
   std::vector<std::string> names;  ///< names of this machine, lower case; accepted if `loopback` is false
@@ -42,13 +48,24 @@ Shown shown_token(const Head& head, const GateRules& rules);
 /// The role that the request's token allows; `watch` if the token is missing or wrong.
 protocol::Role shown_role(const Head& head, const GateRules& rules);
 
-/// Decides about a request that needs the token. `changes`: the method is not GET, or the request opens a
-/// WebSocket; then its Origin must equal the Host, or be missing while the token is sent by other means than
-/// the cookie.
+/// The log-in whose token the request carries; null: another token, or none.
+std::shared_ptr<Login> shown_login(const Head& head, const GateRules& rules);
+/// The token that the request carries, right or wrong; empty: none.
+std::string shown_text(const Head& head, const GateRules& rules);
+
+/// Name and password of `Authorization: Basic …` (RFC 7617); nothing if it is missing or malformed.
+std::optional<std::pair<std::string, std::string>> basic_credentials(std::string_view authorization);
+
 struct Verdict {
   int status = 200;  ///< 401, 403 or 421 if refused
   const char* why = "";
 };
+/// Decides about a request that needs no token but changes something: a log-in. Only a page of this port, or a program,
+/// may send it.
+Verdict judge_origin(const Head& head, const GateRules& rules);
+/// Decides about a request that needs the token. `changes`: the method is not GET, or the request opens a
+/// WebSocket; then its Origin must equal the Host, or be missing while the token is sent by other means than
+/// the cookie.
 Verdict judge(const Head& head, const GateRules& rules, bool changes);
 /// Decides whether the request may open a read-only viewer. A page of another tool may, from any origin, if
 /// it sends the token itself; with the cookie alone, judge() applies.

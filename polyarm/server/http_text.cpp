@@ -31,6 +31,8 @@ const char* reason(int status) {
       return "Payload Too Large";
     case 421:
       return "Misdirected Request";
+    case 429:
+      return "Too Many Requests";
     case 503:
       return "Service Unavailable";
     default:

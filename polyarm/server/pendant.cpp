@@ -6,9 +6,14 @@
 #include <unistd.h>
 
 #include <array>
+#include <nlohmann/json.hpp>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/server/cell_metrics.hpp"
+#include "polyarm/server/documents.hpp"
+#include "polyarm/server/metrics_text.hpp"
 #include "polyarm/server/port.hpp"
+#include "polyarm/server/scrapes.hpp"
 #include "polyarm/server/sessions.hpp"
 #include "polyarm/server/site.hpp"
 #include "polyarm/server/token.hpp"
@@ -42,7 +47,7 @@ std::string outside_address() {
   return out;
 }
 
-PortOptions port_options(const PendantOptions& options) {
+PortOptions port_options(const PendantOptions& options, Logins& logins) {
   PortOptions out;
   out.address = !options.listen ? "127.0.0.1" : options.listen->empty() ? "0.0.0.0" : *options.listen;
   out.port = options.port;
@@ -51,8 +56,25 @@ PortOptions port_options(const PendantOptions& options) {
   out.rules.token = options.token;
   for (const protocol::Role role : {protocol::Role::watch, protocol::Role::operate, protocol::Role::program})
     out.rules.lesser.emplace_back(token_for(options.token, role), role);
+  out.rules.login = [&logins](std::string_view token) {
+    return logins.find(token, steady_seconds());
+  };
   out.rules.loopback = !options.listen;
   if (options.listen) out.rules.names = own_names();
+  return out;
+}
+
+bool is_loopback(const std::string& address) {
+  return address.starts_with("127.") || address == "::1";
+}
+
+PortOptions metrics_options(const PendantOptions::Metrics& metrics) {
+  PortOptions out;
+  out.address = metrics.address;
+  out.port = metrics.port;
+  out.rules.token = make_token();  // nobody knows it: nothing but /metrics is open
+  out.rules.loopback = is_loopback(metrics.address);
+  if (!out.rules.loopback) out.rules.names = own_names();
   return out;
 }
 
@@ -62,23 +84,37 @@ class Pendant::Work {
  public:
   Work(PendantOptions options, cell::Observer& next)
       : options_(std::move(options)),
-        sessions(next, options_.version),
+        logins_(options_.users),
+        sessions(next, options_.version, options_.audit),
         viewers_(options_.version),
-        site_(options_, sessions, viewers_),
-        port_(std::make_unique<Port>(port_options(options_), site_)) {
+        metrics_(options_.version),
+        metrics_site_(scrapes_),
+        site_(options_, sessions, viewers_, logins_, scrapes_),
+        port_(std::make_unique<Port>(port_options(options_, logins_), site_)) {
     site_.set_port(port_->number());
     viewers_.set_wake([this] { port_->wake(); });
+    if (options_.metrics) metrics_port_ = std::make_unique<Port>(metrics_options(*options_.metrics), metrics_site_);
   }
   ~Work() {
     viewers_.set_wake({});
     viewers_.detach();
     sessions.detach();
+    metrics_.detach(steady_seconds());
     site_.stop();
+    scrapes_.close();
+    metrics_port_.reset();
     port_.reset();
   }
 
   void serve() {
     for (const Problem& problem : site_.take_problems()) sessions.journal().on_problem(0, problem);
+    const double now = steady_seconds();
+    metrics_.tick(now);
+    answer_scrapes();
+    if (now - logins_checked_ >= Logins::kRereadEvery_s) {
+      logins_checked_ = now;
+      logins_.tick(now);
+    }
     const bool told = sessions.serve(), shown = viewers_.serve();
     if (told || shown) port_->wake();
   }
@@ -89,8 +125,10 @@ class Pendant::Work {
     site_.show(cell);
     sessions.attach(cell);
     viewers_.attach(cell);
+    metrics_.attach(cell, steady_seconds());
   }
   void detach() {
+    metrics_.detach(steady_seconds());
     viewers_.detach();
     sessions.detach();
     site_.show_nothing();
@@ -114,6 +152,7 @@ class Pendant::Work {
   }
   const std::string& fingerprint() const { return options_.fingerprint; }
   std::uint16_t port() const { return port_->number(); }
+  std::uint16_t metrics_port() const { return metrics_port_ ? metrics_port_->number() : std::uint16_t{0}; }
   Counts counts() const {
     Counts out = sessions.counts();
     const Port::Counts port = port_->counts();
@@ -124,15 +163,33 @@ class Pendant::Work {
   }
 
  private:
+  void answer_scrapes() {
+    if (!scrapes_.any()) return;
+    for (auto& [kind, reply] : scrapes_.take()) {
+      HttpReply out;
+      const bool prometheus = kind == Scrapes::Kind::prometheus;
+      out.type = prometheus ? MetricsText::kMediaType : "application/json";
+      out.body = std::make_shared<const std::string>(prometheus ? metrics_.prometheus(counts())
+                                                                : dump(metrics_.summary(counts())));
+      out.headers.emplace_back("Cache-Control", "no-store");
+      reply(std::move(out));
+    }
+  }
+
   PendantOptions options_;
+  Logins logins_;
+  double logins_checked_ = 0;
 
  public:
   Sessions sessions;
 
  private:
   Viewers viewers_;
+  CellMetrics metrics_;
+  Scrapes scrapes_;
+  MetricsSite metrics_site_;
   PageSite site_;
-  std::unique_ptr<Port> port_;
+  std::unique_ptr<Port> port_, metrics_port_;
 };
 
 Pendant::Pendant(PendantOptions options, cell::Observer& next)
@@ -171,8 +228,14 @@ std::string Pendant::link_for(protocol::Role role) const {
 std::string Pendant::fingerprint() const {
   return work_->fingerprint();
 }
+std::uint16_t Pendant::metrics_port() const {
+  return work_->metrics_port();
+}
 std::uint16_t Pendant::port() const {
   return work_->port();
+}
+std::optional<users::Actor> Pendant::actor(const void* client) const {
+  return work_->sessions.actor(client);
 }
 Pendant::Counts Pendant::counts() const {
   return work_->counts();

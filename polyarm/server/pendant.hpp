@@ -1,6 +1,7 @@
 #pragma once
 /// The pendant's server: serves page, API and WebSockets on one port, for one cell after another.
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 #include "polyarm/inside/view.hpp"
 #include "polyarm/protocol/facts.hpp"
 #include "polyarm/setup/door.hpp"
+#include "polyarm/users/audit_log.hpp"
 
 namespace polyarm::server {
 
@@ -18,6 +20,14 @@ struct PendantOptions {
   std::string certificate, key;                       ///< PEM, for other machines; empty: no TLS
   std::string fingerprint;                            ///< of that certificate, shown to the user
   std::string token;                                  ///< every client must send it
+  std::filesystem::path users;                        ///< list of users who may log in; empty: none
+  users::AuditLog* audit = nullptr;                   ///< outlives this; null: nothing is logged
+  /// Where GET /metrics is served without a token; nothing: nowhere.
+  struct Metrics {
+    std::string address = "127.0.0.1";
+    std::uint16_t port = 9464;  ///< 0: any free port
+  };
+  std::optional<Metrics> metrics;
   std::string page_folder;                            ///< folder of the page; empty: the built-in page
   std::string version;                                ///< version of the command, reported to clients
   const description::Catalogue* catalogue = nullptr;  ///< outlives this
@@ -56,6 +66,11 @@ class Pendant : public cell::Door {
   std::string link_for(protocol::Role role) const;
   std::string fingerprint() const;
   std::uint16_t port() const;
+  /// Of the metrics; 0: not served.
+  std::uint16_t metrics_port() const;
+
+  /// The client that the cell's requests know by this address; nothing if it is not of this port. Cell thread.
+  std::optional<users::Actor> actor(const void* client) const;
 
   struct Counts {
     std::uint64_t clients = 0, connections = 0, refused = 0, timed_out = 0, requests = 0;

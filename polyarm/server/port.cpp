@@ -371,7 +371,7 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
     const bool changes = upgrade || (head_.method != "GET" && head_.method != "HEAD");
     if (!host_allowed(head_.host, work_.options.rules)) return refuse(421, "this address is not served");
     protocol_ = upgrade ? work_.site.viewer_protocol(header(http::field::sec_websocket_protocol)) : "";
-    const Verdict verdict = open                ? Verdict{}
+    const Verdict verdict = open                ? (changes ? judge_origin(head_, work_.options.rules) : Verdict{})
                             : protocol_.empty() ? judge(head_, work_.options.rules, changes)
                                                 : judge_viewer(head_, work_.options.rules);
     if (verdict.status != 200) return refuse(verdict.status, verdict.why);
@@ -415,6 +415,10 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
     request.secure = head_.secure;
     request.token = shown_token(head_, work_.options.rules);
     request.role = shown_role(head_, work_.options.rules);
+    request.login = shown_login(head_, work_.options.rules);
+    request.shown = shown_text(head_, work_.options.rules);
+    request.authorization = head_.authorization;
+    request.from = address_;
     request.body = std::move(parser_->get().body());
     wire_.next_layer().expires_never();
     work_.site.handle(std::move(request), [self = this->shared_from_this()](HttpReply reply) {
@@ -455,7 +459,8 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
       stream = work_.site.welcome_viewer();
     } else if (!address_.empty()) {
       if (auto client =
-              work_.site.welcome({address_, local_, shown_role(head_, work_.options.rules)}))
+              work_.site.welcome({address_, local_, shown_role(head_, work_.options.rules),
+                                              shown_login(head_, work_.options.rules)}))
         stream = std::make_shared<ClientStream>(std::move(client));
     }
     if (!stream) return refuse(503, "too many are watching already");

@@ -17,6 +17,9 @@ namespace polyarm::server {
 struct HttpRequest {
   std::string method, target, path;  ///< path: decoded, without the query
   std::string body, if_none_match;
+  std::string authorization, shown;  ///< header as received; the token that was sent
+  std::string from;                  ///< address of the client
+  std::shared_ptr<Login> login;      ///< of a user; may be null
   bool gzip = false;  ///< the client accepts gzip
   Shown token = Shown::nothing;
   protocol::Role role = protocol::Role::watch;

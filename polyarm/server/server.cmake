@@ -3,7 +3,7 @@ find_path(POLYARM_BEAST boost/beast/websocket.hpp)
 if(NOT POLYARM_BEAST)
   message(FATAL_ERROR "Boost.Beast is missing: install libboost-dev, or run tools/setup")
 endif()
-polyarm_room(server USES base realtime meshes shapes kinematics protocol io setup machine operation inside cell recording)
+polyarm_room(server USES base realtime meshes shapes kinematics protocol users io setup machine operation inside cell recording)
 find_package(OpenSSL REQUIRED)  # libssl-dev
 find_package(ZLIB REQUIRED)  # zlib1g-dev
 target_link_libraries(polyarm_server PRIVATE OpenSSL::SSL OpenSSL::Crypto ZLIB::ZLIB)
@@ -15,6 +15,10 @@ if(POLYARM_ZIP AND POLYARM_ZIP_LIBRARY)  # back up and restore a project
   target_link_libraries(polyarm_server PRIVATE ${POLYARM_ZIP_LIBRARY})
 endif()
 set_source_files_properties(server/port.cpp PROPERTIES COMPILE_OPTIONS "-O1")  # it mostly waits for sockets
+# The cells of a site: a client of their ports, and a page of all.
+polyarm_room(fleet USES base yaml server LIBRARIES nlohmann_json::nlohmann_json fmt::fmt OpenSSL::SSL OpenSSL::Crypto)
+target_include_directories(polyarm_fleet SYSTEM PRIVATE ${POLYARM_BEAST})
+set_source_files_properties(fleet/cell_client.cpp PROPERTIES COMPILE_OPTIONS "-O1")
 
 # npm builds the page from pendant/ when a file there has changed; it is compiled into the library. Without npm, Node.js 18
 # or newer, or a network for the first build, the server shows a note instead of the page.

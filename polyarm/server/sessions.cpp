@@ -23,7 +23,7 @@ namespace polyarm::server {
 namespace {
 
 constexpr double kStatusEvery = 0.1, kTagsEvery = 0.1, kLookEvery = 1, kPartsEvery = 1.0 / 30,
-                 kPlansEvery = 0.05, kLogEvery = 0.1, kPointsEvery = 0.2;
+                 kPlansEvery = 0.05, kNearEvery = 0.1, kLogEvery = 0.1, kPointsEvery = 0.2;
 
 /// A connected client, as the cell thread sees it.
 struct Seat {
@@ -41,7 +41,8 @@ using protocol::Role;
 
 class Sessions::Work {
  public:
-  Work(cell::Observer& next, std::string version) : journal(next), version_(std::move(version)) {}
+  Work(cell::Observer& next, std::string version, users::AuditLog* audit)
+      : journal(next), version_(std::move(version)), audit_(audit) {}
 
   /// Clients that may take control have some seats beyond the limit for all.
   std::shared_ptr<Client> welcome(Client::Side side) {
@@ -61,6 +62,7 @@ class Sessions::Work {
     tags_.emplace(cell);
     parts_.emplace(cell);
     plans_.emplace(cell);
+    near_.emplace(cell);
     status_.clear();
     program_.emplace(cell);
     for (auto& [number, seat] : seats_) seat.greeted = false;
@@ -76,6 +78,7 @@ class Sessions::Work {
     tags_.reset();
     parts_.reset();
     plans_.reset();
+    near_.reset();
     program_.reset();
     status_.clear();
   }
@@ -110,6 +113,12 @@ class Sessions::Work {
     return out;
   }
 
+  std::optional<users::Actor> actor(const void* client) const {
+    for (const auto& [number, seat] : seats_)
+      if (seat.client.get() == client) return actor_of(seat);
+    return std::nullopt;
+  }
+
   Journal journal;
   std::uint64_t requests = 0;
   std::optional<cell::RestartRequest> wish;
@@ -123,7 +132,7 @@ class Sessions::Work {
       const std::lock_guard lock(mutex_);
       for (auto& [client, reserved] : arrived_) {
         Seat seat;
-        seat.name = client->from;
+        seat.name = client->login ? client->login->user : client->from;
         if (reserved) seat.reserved_until = now_ + bounds::kControlSeat_ms / 1000.0;
         const std::uint64_t number = client->number;
         seat.client = std::move(client);
@@ -133,6 +142,7 @@ class Sessions::Work {
     }
     for (auto each = seats_.begin(); each != seats_.end();) {
       keep_seats_for_control(each->second);
+      end_with_login(*each->second.client);
       if (!each->second.client->gone()) {
         ++each;
         continue;
@@ -145,6 +155,15 @@ class Sessions::Work {
       const std::lock_guard lock(mutex_);
       --connected_;
     }
+  }
+
+  /// A connection of a user ends with the log-in; until then it renews it.
+  void end_with_login(Client& client) {
+    if (!client.login) return;
+    if (client.login->over)
+      client.leave();
+    else
+      client.login->used = now_;
   }
 
   /// Disconnects a client that uses a reserved seat but neither has control nor asks for it.
@@ -212,7 +231,8 @@ class Sessions::Work {
 
   void take(Seat& seat, const Client::Line& line) {
     ++requests;
-    Any id;
+    Any id, fields;
+    const protocol::RequestType* type = nullptr;
     try {
       const bool holds = control_.holds(seat.client->number);
       if (!holds && line.text.size() > bounds::kWatcherRequestBytes)
@@ -220,22 +240,56 @@ class Sessions::Work {
                     "a request without control may have " + std::to_string(bounds::kWatcherRequestBytes) +
                         " bytes",
                     "take control first: session.take");
-      const Any fields = protocol::parse_request(line.text);
+      fields = protocol::parse_request(line.text);
       const auto name = fields.json().find("request");
       if (name == fields.json().end() || !name->is_string())
         throw Error("bad-request", "a request is one JSON object with the text 'request'",
                     "for example {\"id\": 1, \"request\": \"control.list\"}");
       id = protocol::request_id(fields);
-      const protocol::RequestType* const type = protocol::find_request(name->get<std::string>());
+      type = protocol::find_request(name->get<std::string>());
       if (type) {
         require_may(seat, *type, fields);
         require_not_overtaken(line, *type, fields);
       }
-      if (type && type->facts->session) return take_own(seat, id, protocol::read_request(*type, fields));
+      if (type && (type->facts->session || !cell_)) {
+        const protocol::Request request = protocol::read_request(*type, fields);
+        if (type->facts->session)
+          take_own(seat, id, request);
+        else
+          without_cell(seat, id, request);
+        // A step becomes a request of the cell, and is logged as that.
+        if (type->facts != &protocol::JogStep::kFacts) log(seat, type, fields, nullptr);
+        return;
+      }
       pass_on(seat, id, type, fields, line.text.size());
     } catch (const Error& e) {
       seat.client->answer(protocol::refusal_line(e, id));
+      log(seat, type, fields, &e);
     }
+  }
+
+  /// Writes a request to the audit log that the cell does not see: one of the port itself, or one that was refused here.
+  void log(const Seat& seat, const protocol::RequestType* type, const Any& fields, const Error* refused) const {
+    if (!audit_ || !type || !users::is_audited(*type, fields)) return;
+    users::AuditEntry entry;
+    if (cell_) entry.cell = cell_->file().name;
+    entry.actor = actor_of(seat);
+    entry.request = type->facts->name;
+    entry.arguments = users::arguments_text(fields);
+    entry.outcome = refused ? refused->problems().front().code : "done";
+    if (refused) entry.what = refused->problems().front().what;
+    audit_->add(std::move(entry));
+  }
+
+  static users::Actor actor_of(const Seat& seat) {
+    const Client& client = *seat.client;
+    users::Actor out;
+    out.role = protocol::name(client.role);
+    out.name = client.login ? client.login->user : "link to " + out.role;
+    out.from = client.from;
+    out.door = "pendant";
+    if (seat.name != out.name && seat.name != client.from) out.client = seat.name;
+    return out;
   }
 
   /// Reading needs no control. Any other request needs control, and a link whose role allows it.
@@ -280,7 +334,6 @@ class Sessions::Work {
   /// Passes the request on to the cell. `by` is set to the client's name here, so that a client cannot claim
   /// another's.
   void pass_on(Seat& seat, const Any& id, const protocol::RequestType* type, const Any& fields, std::size_t bytes) {
-    if (!cell_ && type) return without_cell(seat, id, protocol::read_request(*type, fields));
     require_cell();
     const bool names_asker = type && (type->facts == &protocol::TagsSet::kFacts ||
                                       type->facts == &protocol::TagsForce::kFacts ||
@@ -385,8 +438,13 @@ class Sessions::Work {
     return found == seats_.end() ? "a client that is gone" : found->second.name;
   }
 
+  /// A user's own name comes first: others see who has control, whatever the client calls itself.
+  static std::string name_for(const Client& client, const std::string& given) {
+    return !client.login ? given : given.empty() ? client.login->user : client.login->user + " (" + given + ")";
+  }
+
   protocol::SessionHello::Answer hello(Seat& seat, const protocol::SessionHello& request) {
-    if (request.name) seat.name = request.name->substr(0, bounds::kClientNameBytes);
+    if (request.name) seat.name = name_for(*seat.client, request.name->substr(0, bounds::kClientNameBytes));
     seat.listens = true;
     protocol::SessionHello::Answer out;
     out.client = seat.client->number;
@@ -564,6 +622,7 @@ class Sessions::Work {
     if (due(sent_parts_, kPartsEvery))
       broadcast(Kind::parts, parts_->changes(), [this] { return parts_->full(); });
     if (due(sent_plans_, kPlansEvery)) broadcast(Kind::plan, plans_->changes());
+    if (!seats_.empty() && due(sent_near_, kNearEvery)) broadcast(Kind::near, near_->changes());
     broadcast(Kind::program, program_->changes(now_));
   }
 
@@ -598,6 +657,7 @@ class Sessions::Work {
   }
 
   std::string version_;
+  users::AuditLog* audit_;
   const std::shared_ptr<Waiting> waiting_ = std::make_shared<Waiting>();
   std::mutex mutex_;  // protects the next three, which the I/O thread also changes
   std::vector<std::pair<std::shared_ptr<Client>, bool>> arrived_;  // true: on a seat reserved for control
@@ -617,17 +677,18 @@ class Sessions::Work {
   std::optional<TagEvents> tags_;
   std::optional<PartEvents> parts_;
   std::optional<PlanEvents> plans_;
+  std::optional<NearEvents> near_;
   std::optional<ProgramEvents> program_;
   std::uint16_t layout_ = 0;
   std::string status_;
   std::uint64_t status_key_ = 0, lines_reported_ = 0, alarms_sent_ = 0;
   double sent_status_ = 0, sent_tags_ = 0, looked_ = 0, sent_parts_ = 0, sent_log_ = 0, sent_points_ = 0,
-         sent_plans_ = 0;
+         sent_plans_ = 0, sent_near_ = 0;
   std::uint64_t frames_sent_ = 0, omitted_frames_ = 0, omitted_events_ = 0;
 };
 
-Sessions::Sessions(cell::Observer& next, std::string version)
-    : work_(std::make_unique<Work>(next, std::move(version))) {}
+Sessions::Sessions(cell::Observer& next, std::string version, users::AuditLog* audit)
+    : work_(std::make_unique<Work>(next, std::move(version), audit)) {}
 Sessions::~Sessions() = default;
 std::shared_ptr<Client> Sessions::welcome(Client::Side side) {
   return work_->welcome(std::move(side));
@@ -652,6 +713,9 @@ void Sessions::set_wakeup(const std::shared_ptr<realtime::Bell>& bell) {
 }
 std::optional<cell::RestartRequest> Sessions::take_restart_request() {
   return std::exchange(work_->wish, std::nullopt);
+}
+std::optional<users::Actor> Sessions::actor(const void* client) const {
+  return work_->actor(client);
 }
 Pendant::Counts Sessions::counts() const {
   return work_->counts();

@@ -19,7 +19,8 @@ class Sessions {
  public:
   static constexpr double kFastest = 60;  ///< frames per second
 
-  Sessions(cell::Observer& next, std::string version);
+  /// `audit` may be null.
+  Sessions(cell::Observer& next, std::string version, users::AuditLog* audit = nullptr);
   ~Sessions();
   /// I/O thread. Null: too many clients are connected.
   std::shared_ptr<Client> welcome(Client::Side side);
@@ -34,6 +35,7 @@ class Sessions {
   void set_wakeup(const std::shared_ptr<realtime::Bell>& bell);
   std::optional<cell::RestartRequest> take_restart_request();
   Pendant::Counts counts() const;
+  std::optional<users::Actor> actor(const void* client) const;
 
  private:
   class Work;

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <filesystem>
 
+#include "polyarm/base/printable.hpp"
 #include "polyarm/meshes/robot_meshes.hpp"
 #include "polyarm/recording/foxglove_server.hpp"
 #include "polyarm/server/documents.hpp"
@@ -19,6 +20,9 @@ namespace {
 constexpr std::string_view kCatalogue = "/api/catalogue", kProject = "/api/project.zip";
 /// Slow jobs run one after another. If more than this wait, further ones are refused.
 constexpr int kMostWaiting = bounds::kSlowJobs;
+constexpr std::string_view kLogin = "/api/login", kLogout = "/api/logout";
+/// Log-ins that wait to be checked; further ones are refused.
+constexpr int kMostLoginsWaiting = 8;
 
 constexpr const char* kNoPage =
     "<!doctype html><meta charset=utf-8><title>Polyarm</title><body "
@@ -42,19 +46,24 @@ Text text_of(std::string text) {
 
 }  // namespace
 
-PageSite::PageSite(const PendantOptions& options, Sessions& sessions, Viewers& viewers)
+PageSite::PageSite(const PendantOptions& options, Sessions& sessions, Viewers& viewers, Logins& logins,
+                   Scrapes& scrapes)
     : options_(options),
       sessions_(sessions),
       viewers_(viewers),
+      logins_(logins),
+      scrapes_(scrapes),
       page_(options.page_folder.empty() ? embedded_page() : page_in(options.page_folder)),
       documents_(std::make_shared<const Documents>()),
-      worker_(std::make_unique<cell::Worker>(false)) {
+      worker_(std::make_unique<cell::Worker>(false)),
+      login_worker_(std::make_unique<cell::Worker>(false)) {
   page_.insert(embedded_help().begin(), embedded_help().end());
 }
 PageSite::~PageSite() = default;
 
 void PageSite::stop() {
   worker_.reset();
+  login_worker_.reset();
 }
 
 void PageSite::show(cell::CellView& cell) {
@@ -66,6 +75,7 @@ void PageSite::show(cell::CellView& cell) {
   made->meshes = meshes_of(cell);
   made->mesh_cache = cell.file().folder / ".state" / "meshes";
   made->folder = cell.file().folder;
+  made->cell = cell.file().name;
   const std::lock_guard lock(mutex_);
   documents_ = std::move(made);
 }
@@ -81,6 +91,7 @@ std::shared_ptr<const PageSite::Documents> PageSite::documents() const {
 }
 
 bool PageSite::is_open(const std::string& method, const std::string& path) const {
+  if (path == kLogin) return method == "GET" || method == "POST";
   return (method == "GET" || method == "HEAD") && !path.starts_with("/api/") && path != "/ws";
 }
 
@@ -116,10 +127,7 @@ HttpReply PageSite::page(const HttpRequest& request) const {
   if (request.token == Shown::query) {
     HttpReply out = plain(302, "continue at /");
     out.headers.emplace_back("Location", "/");
-    out.headers.emplace_back("Set-Cookie", "polyarm_token_" + std::to_string(port_) + "=" +
-                                               query_value(request.target, "token") +
-                                               "; HttpOnly; SameSite=Strict; Path=/" +
-                                               (request.secure ? "; Secure" : ""));
+    out.headers.emplace_back("Set-Cookie", cookie(request, query_value(request.target, "token")));
     return out;
   }
   if (request.token == Shown::wrong && request.target.find("token=") != std::string::npos)
@@ -145,12 +153,89 @@ HttpReply PageSite::page(const HttpRequest& request) const {
   return out;
 }
 
+std::string PageSite::cookie(const HttpRequest& request, const std::string& token, const char* more) const {
+  return "polyarm_token_" + std::to_string(port_) + "=" + token + "; HttpOnly; SameSite=Strict; Path=/" + more +
+         (request.secure ? "; Secure" : "");
+}
+
+void PageSite::log(const HttpRequest& request, const std::string& who, const std::string& what,
+                   const std::string& outcome) {
+  if (!options_.audit) return;
+  users::AuditEntry entry;
+  const auto shown = documents();
+  entry.cell = shown->cell;
+  entry.actor.name = who;
+  entry.actor.from = request.from;
+  entry.actor.door = "pendant";
+  entry.request = what;
+  entry.outcome = outcome;
+  options_.audit->add(std::move(entry));
+}
+
+/// GET: whether there are users. POST: logs in with `Authorization: Basic …`; the answer sets the cookie.
+void PageSite::log_in(const HttpRequest& request, const Reply& reply) {
+  if (request.method == "GET")
+    return reply(document(text_of(dump(who_may_log_in(request)))));
+  const auto credentials = basic_credentials(request.authorization);
+  if (!credentials) return reply(plain(400, "send name and password as Authorization: Basic"));
+  if (logins_waiting_ >= kMostLoginsWaiting || !login_worker_)
+    return reply(plain(503, "too many log in at once: try again"));
+  ++logins_waiting_;
+  login_worker_->post([this, request, reply, name = credentials->first, password = credentials->second] {
+    HttpReply out;
+    try {
+      out = try_log_in(request, name, password);
+    } catch (...) {
+      out = plain(500, what_was_thrown());
+    }
+    --logins_waiting_;
+    reply(std::move(out));
+  });
+}
+
+/// The name only for a client that is logged in.
+Json PageSite::who_may_log_in(const HttpRequest& request) {
+  Json out{{"users", logins_.offered(steady_seconds())}};
+  if (request.login) out["name"] = request.login->user;
+  return out;
+}
+
+HttpReply PageSite::try_log_in(const HttpRequest& request, const std::string& name, const std::string& password) {
+  const Logins::Result result = logins_.log_in(name, password, request.from, steady_seconds());
+  log(request, printable_line(name.substr(0, users::kMostName)), "log-in", result.login ? "done" : result.why);
+  if (result.login) {
+    HttpReply out = document(text_of(dump({{"name", name}, {"role", protocol::name(result.login->role)}})));
+    out.headers.emplace_back("Set-Cookie", cookie(request, result.token));
+    return out;
+  }
+  if (result.wait_s > 0) {
+    HttpReply out = plain(429, "too many wrong passwords: wait, then try again");
+    out.headers.emplace_back("Retry-After", std::to_string(static_cast<int>(result.wait_s) + 1));
+    return out;
+  }
+  return plain(403, result.why == "no-users" ? "there are no users: add them with polyarm users add"
+                                             : "the name or the password is wrong");
+}
+
+HttpReply PageSite::log_out(const HttpRequest& request) {
+  if (request.login) {
+    logins_.log_out(request.shown);
+    log(request, request.login->user, "log-out", "done");
+  }
+  HttpReply out = document(text_of("{}"));
+  out.headers.emplace_back("Set-Cookie", cookie(request, "", "; Max-Age=0"));
+  return out;
+}
+
 void PageSite::handle(HttpRequest request, Reply reply) {
+  if (request.path == kLogin) return log_in(request, reply);
+  if (request.path == kLogout && request.method == "POST") return reply(log_out(request));
   if (is_open(request.method, request.path)) return reply(page(request));
   if (request.path == kProject && (request.method == "GET" || request.method == "PUT"))
     return project(std::move(request), reply);
   if (request.method != "GET" && request.method != "HEAD")
     return reply(plain(405, "only GET is served here"));
+  if (request.path == "/api/summary") return scrapes_.ask(Scrapes::Kind::summary, reply);
   if (request.path == "/api/requests") return reply(document(text_of(dump(requests_json()))));
   const auto shown = documents();
   if (const auto found = shown->by_path.find(request.path); found != shown->by_path.end())
@@ -201,6 +286,8 @@ void PageSite::project(HttpRequest request, const Reply& reply) {
                                 ": open one that allows to " + protocol::name(needed)));
   const std::filesystem::path folder = documents()->folder;
   if (folder.empty()) return reply(plain(503, "no cell is running now"));
+  log(request, request.login ? request.login->user : std::string("link to ") + protocol::name(request.role),
+      request.method == "GET" ? "project.backup" : "project.restore", "asked");
   if (request.method == "GET")
     return post(
         [folder] {
@@ -243,6 +330,7 @@ HttpReply PageSite::meshes(const Documents& shown, const std::string& path) {
     if (!made.warnings.empty()) shown.patched[path] = glb;
     const std::lock_guard lock(mutex_);
     problems_.insert(problems_.end(), made.warnings.begin(), made.warnings.end());
+    problems_.insert(problems_.end(), made.notes.begin(), made.notes.end());
   }
   HttpReply out = document(std::move(glb), "model/gltf-binary");
   out.headers = {{"Cache-Control", "private, max-age=31536000, immutable"}};

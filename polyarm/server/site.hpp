@@ -7,13 +7,16 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "polyarm/io/worker.hpp"
 #include "polyarm/server/assets.hpp"
+#include "polyarm/server/logins.hpp"
 #include "polyarm/server/pendant.hpp"
 #include "polyarm/server/port.hpp"
+#include "polyarm/server/scrapes.hpp"
 
 namespace polyarm::server {
 
@@ -23,7 +26,7 @@ class Viewers;
 class PageSite : public Site {
  public:
   /// The arguments must outlive this.
-  PageSite(const PendantOptions& options, Sessions& sessions, Viewers& viewers);
+  PageSite(const PendantOptions& options, Sessions& sessions, Viewers& viewers, Logins& logins, Scrapes& scrapes);
   ~PageSite() override;
   void set_port(std::uint16_t port) { port_ = port; }
   /// After this, no other thread than the port's answers requests.
@@ -49,6 +52,7 @@ class PageSite : public Site {
     std::map<std::string, description::RobotModel> meshes;
     std::filesystem::path mesh_cache;
     std::filesystem::path folder;  ///< of the cell
+    std::string cell;              ///< its name
     /// Meshes that could not be read completely, by address, so that each problem is reported once. Used by
     /// the worker only.
     mutable std::map<std::string, Text> patched;
@@ -60,6 +64,12 @@ class PageSite : public Site {
   Text plain_of(const std::string& path, const Asset& asset) const;
   bool later(const HttpRequest& request, const Reply& reply);
   void post(std::function<HttpReply()> job, const Reply& reply);
+  void log_in(const HttpRequest& request, const Reply& reply);
+  nlohmann::json who_may_log_in(const HttpRequest& request);
+  HttpReply try_log_in(const HttpRequest& request, const std::string& name, const std::string& password);
+  HttpReply log_out(const HttpRequest& request);
+  void log(const HttpRequest& request, const std::string& who, const std::string& what, const std::string& outcome);
+  std::string cookie(const HttpRequest& request, const std::string& token, const char* more = "") const;
   void project(HttpRequest request, const Reply& reply);
   HttpReply catalogue();
   HttpReply picture(const std::string& path);
@@ -69,6 +79,8 @@ class PageSite : public Site {
   const PendantOptions& options_;
   Sessions& sessions_;
   Viewers& viewers_;
+  Logins& logins_;
+  Scrapes& scrapes_;
   std::uint16_t port_ = 0;
   std::map<std::string, Asset> page_;
   mutable std::map<std::string, Text> plain_;  // decompressed copies of compressed files; I/O thread
@@ -80,6 +92,8 @@ class PageSite : public Site {
   std::map<std::string, Text> pictures_;
   std::unique_ptr<cell::Worker> worker_;
   std::atomic<int> waiting_{0};
+  std::unique_ptr<cell::Worker> login_worker_;  // passwords are checked one after another
+  std::atomic<int> logins_waiting_{0};
 };
 
 }  // namespace polyarm::server

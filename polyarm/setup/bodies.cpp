@@ -113,12 +113,22 @@ std::shared_ptr<const ContactBodies> contact_bodies(const CellRobots& robots, co
 std::vector<Problem> unchecked_bodies(const CellRobots& robots, const description::Scene& scene) {
   std::vector<Problem> out;
   for (const auto& robot : robots) add_robot(*robot, out);
-  for (const description::Fixture& fixture : scene.fixtures)
-    if (!fixture.shapes.empty() && !description::has_body(fixture.shapes))
+  const bool has_physics =
+      std::any_of(robots.begin(), robots.end(), [](const auto& robot) { return checks_contacts(*robot); });
+  for (const description::Fixture& fixture : scene.fixtures) {
+    if (fixture.shapes.empty()) continue;
+    const std::string& cloud = description::cloud_of(fixture.shapes.front());
+    if (has_physics && !cloud.empty())
+      out.push_back(unchecked("cloud-without-physics",
+                              fmt::format("fixture {}: physics leaves out its point cloud {}; guards, check and plans take it",
+                                          fixture.name, cloud),
+                              {{"fixture", fixture.name}, {"cloud", cloud}}));
+    if (!description::has_body(fixture.shapes))
       out.push_back(
           unchecked("fixture-without-body",
                     "fixture " + fixture.name + ": contacts are not detected, as its mesh could not be read",
                     {{"fixture", fixture.name}}));
+  }
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -45,6 +46,10 @@ class LinkBuilder {
     }
     for (const End& end : body_.out) {
       const bool flange = body_.has_flange && &end == &body_.out.back();
+      if (flange && has_jaws(end)) {
+        jaws(end);
+        continue;
+      }
       if (flange)
         plate(end);
       else if (end.slides)
@@ -288,6 +293,34 @@ class LinkBuilder {
     solid_.drum(frame(end), end.from, end.to - 0.06 * r, r, 0.05 * r, 0.04 * r, style_.flange);
     solid_.drum(frame(end), end.to - 0.1 * r, end.to, 0.82 * r, 0, 0.03 * r, style_.flange);
     solid_.drum(frame(end), end.to - 0.05 * r, end.to + 0.004 * r, 0.4 * r, 0, 0, style_.joint);
+  }
+
+  /// The last body of an arm of servos is its gripper, if it is long and has no joints of its own.
+  bool has_jaws(const End& end) const {
+    return style_.build == Build::servo && body_.has_in && body_.measured && body_.out.size() == 1 &&
+           norm(end.origin - body_.in.origin) > 1.8 * body_.in.radius;
+  }
+
+  /// A servo in a frame, a fixed jaw and a moving one, closed at the tool's point.
+  void jaws(const End& end) {
+    const Vec3 from = body_.in.origin, to = end.origin - from;
+    const double length = norm(to), r = std::min(body_.in.radius, 0.32 * length);
+    const Vec3 way = (1 / length) * to;
+    const Vec3 x = std::abs(dot(way, Vec3{1, 0, 0})) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+    const Pose at = frame_along(from, way, x);
+    const double palm = 0.42 * length;
+    solid_.box(at * Pose{{0, 0, palm / 2}, {}}, {1.7 * r, 1.2 * r, palm}, 0.1 * r, paint_);
+    solid_.box(at * Pose{{0.25 * r, 0, 0.72 * palm}, {}}, {1.6 * r, 1.34 * r, 0.5 * palm}, 0.08 * r, style_.cap);
+    for (const double side : {-1.0, 1.0}) {
+      std::vector<Section> sections;
+      for (std::size_t k = 0; k <= kSteps; ++k) {
+        const double s = static_cast<double>(k) / kSteps, place = 0.75 * palm + s * (length - 0.75 * palm);
+        const double away = side * r * ((side > 0 ? 0.75 : 0.5) * std::cos(0.5 * std::numbers::pi * s) + 0.07);
+        const double thick = 0.06 * r + 0.09 * r * (1 - s);
+        sections.push_back({at * Pose{{away, 0, place}, {}}, thick, 0.55 * r * (1 - 0.45 * s), 0.8 * thick});
+      }
+      solid_.loft(sections, side > 0 ? style_.body : paint_);
+    }
   }
 
   /// A body without outgoing joints: a finger or a jaw.

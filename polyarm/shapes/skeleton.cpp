@@ -92,6 +92,7 @@ class Maker {
     measure_reach();
     for (RigidBody& body : out_.bodies) complete(body);
     bound();
+    center_slides();
     for (std::size_t b = 0; b < out_.bodies.size(); ++b)
       for (End& end : out_.bodies[b].out)
         if (end.joint >= 0) fit(out_.bodies[b], end, out_.bodies[child_.at(end.joint)]);
@@ -124,6 +125,7 @@ class Maker {
       end.slides = joint.type == JointType::prismatic;
       out_.bodies[static_cast<std::size_t>(body)].out.push_back(end);
       child_[end.joint] = out_.bodies.size();
+      turn_[end.joint] = at.rotation;
       gather(joint.child_link, -1, {});
       RigidBody& child = out_.bodies[child_.at(end.joint)];
       child.has_in = true;
@@ -168,6 +170,7 @@ class Maker {
       if (rank(link(members[i].first)) > rank(link(members[best].first))) best = i;
     body.link = members[best].first;
     const Pose& main = members[best].second;
+    main_[&body - out_.bodies.data()] = main.rotation;
     const Pose back{inverse(main.rotation) * (-main.position), inverse(main.rotation)};
     const auto move = [&](End& end) {
       end.origin = back * end.origin;
@@ -211,6 +214,24 @@ class Maker {
       body.low = bounds.low;
       body.high = bounds.high;
     }
+  }
+
+  /// A sliding joint says nothing about where its rod is: its frame may be anywhere. If it is outside of the box of what
+  /// it moves, the rod is in the middle of this box.
+  void center_slides() {
+    for (std::size_t p = 0; p < out_.bodies.size(); ++p)
+      for (End& end : out_.bodies[p].out) {
+        if (!end.slides || end.joint < 0) continue;
+        const std::size_t c = child_.at(end.joint);
+        RigidBody& child = out_.bodies[c];
+        const Vec3 to = 0.5 * (child.low + child.high) - child.in.origin;
+        const Vec3 off = to - dot(to, child.in.axis) * child.in.axis, size = child.high - child.low;
+        const Vec3 across = size - dot(size, child.in.axis) * child.in.axis;
+        if (!child.measured || norm(off) < 0.5 * norm(across)) continue;
+        child.in.origin = child.in.origin + off;
+        end.origin = end.origin + inverse(main_.at(static_cast<std::ptrdiff_t>(p))) *
+                                      (turn_.at(end.joint) * (main_.at(static_cast<std::ptrdiff_t>(c)) * off));
+      }
   }
 
   /// True if the direction from one end of the body to the other is closer to `axis` than to its normal
@@ -345,6 +366,8 @@ class Maker {
   Skeleton out_;
   std::vector<std::vector<std::pair<int, Pose>>> members_;  // of each body: its links and their poses
   std::map<int, std::size_t> child_;                        // by joint: the body that it moves
+  std::map<int, Quaternion> turn_;              // by joint: of its child link, in the first link of the parent's body
+  std::map<std::ptrdiff_t, Quaternion> main_;   // by body: of the link with its shapes, in its first link
 };
 
 }  // namespace

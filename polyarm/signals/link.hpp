@@ -53,10 +53,10 @@ struct LinkTag {
   Area area = Area::coil;
   int address = 0;
   Format format = Format::uint16;
-  std::string group;  ///< poll group
+  std::string group;  ///< poll group; Sparkplug: device
 
   // MQTT
-  std::string topic;
+  std::string topic;  ///< Sparkplug: name of the metric
   bool json = false;
   std::string field;  ///< of a JSON object, with dots; empty: the whole message
   bool retain = false;
@@ -107,8 +107,8 @@ struct LinkEntry {
   std::string ca_file, certificate, key;
   Nanoseconds keep_alive = 10'000'000'000;
 
-  // ROS 2
-  std::map<std::string, std::string> graph;  ///< settings for joining the graph: domain, range, namespace …
+  // ROS 2, Sparkplug
+  std::map<std::string, std::string> graph;  ///< settings for joining: domain, range, namespace …; or group, node …
 
   /// "modbus at 127.0.0.1:502"
   std::string address() const;

@@ -138,6 +138,8 @@ void pack(Packer& out, const LinkEntry& entry) {
   out.number(entry.poll).number(entry.timeout).number(entry.unit).number(entry.low_word_first);
   out.number(count_of(entry.groups.size()));
   for (const auto& [name, every] : entry.groups) out.text(name).number(every);
+  out.number(count_of(entry.graph.size()));
+  for (const auto& [key, text] : entry.graph) out.text(key).text(text);
   out.text(entry.client_id).text(entry.user).text(entry.password).text(entry.will_topic).text(entry.will_text);
   out.number(entry.will_retain).number(entry.will_qos).number(entry.tls);
   out.text(entry.ca_file).text(entry.certificate).text(entry.key).number(entry.keep_alive);
@@ -159,6 +161,10 @@ LinkEntry unpack_entry(Unpacker& in) {
   for (auto left = in.number<std::uint32_t>(); left > 0 && in.good(); --left) {
     const std::string name = in.text(kMostName);
     out.groups[name] = in.number<Nanoseconds>();
+  }
+  for (auto left = in.number<std::uint32_t>(); left > 0 && in.good(); --left) {
+    const std::string key = in.text(kMostName);
+    out.graph[key] = in.text(kMostName);
   }
   for (std::string* text : {&out.client_id, &out.user, &out.password, &out.will_topic, &out.will_text})
     *text = in.text(kMostName);

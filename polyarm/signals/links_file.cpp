@@ -55,6 +55,12 @@ double unit_scale(const Yaml& node, Dimension dimension) {
   return unit->scale;
 }
 
+/// A name that becomes one level of a topic.
+void require_level(const Yaml& node, const std::string& name, bool may_be_empty) {
+  if ((name.empty() && !may_be_empty) || name.size() > 100 || name.find_first_of("/+#") != std::string::npos)
+    refuse(node, "'" + name + "' cannot be a level of a topic", "1 to 100 characters without / + #");
+}
+
 class TagReader {
  public:
   TagReader(const LinkEntry& link, const Yaml& node, const std::string& name, const Location& where,
@@ -68,11 +74,14 @@ class TagReader {
     if (!node_.is_map())
       throw Error(Problem{
           "bad-link", tag_.where, "'" + tag_.name + "' is not described",
-          link_.kind == "mqtt" ? "write {topic: cell/" + tag_.name + ", direction: out}"
+          link_.graph.contains("sparkplug") ? "write {direction: out}"
+          : link_.kind == "mqtt" ? "write {topic: cell/" + tag_.name + ", direction: out}"
           : link_.kind == "ros2"
               ? "write {topic: /" + tag_.name + ", message: std_msgs/Bool, field: data, direction: out}"
               : "write {coil: 0, direction: out}"});
-    if (link_.kind == "mqtt")
+    if (link_.kind == "mqtt" && link_.graph.contains("sparkplug"))
+      read_metric();
+    else if (link_.kind == "mqtt")
       read_topic();
     else if (link_.kind == "ros2")
       read_message();
@@ -138,6 +147,21 @@ class TagReader {
     tag_.retain = node_["retain"].boolean(false);
     tag_.qos = whole(node_["qos"], 1, 0, 2);
     if (node_.has("stale")) tag_.stale = time_of(node_["stale"], 0);
+    tag_.format = LinkTag::Format::float64;
+  }
+
+  /// A metric of Sparkplug, of the node itself or of a device.
+  void read_metric() {
+    node_.check_keys({"metric", "device", "type", "direction", "first", "stale", "scale", "offset", "range"}, problems_);
+    tag_.topic = node_["metric"].text(tag_.name);
+    tag_.group = node_["device"].text("");
+    if (tag_.topic.empty() || tag_.topic.size() > 200)
+      refuse(node_["metric"], "the name of a metric has 1 to 200 characters");
+    require_level(node_["device"], tag_.group, true);
+    if (node_.has("type")) tag_.type = static_cast<LinkTag::Type>(one_of(node_["type"], types()));
+    if (tag_.type == LinkTag::Type::pose) refuse(node_["type"], "a metric is a bool, a number or a text");
+    if (node_.has("stale")) tag_.stale = time_of(node_["stale"], 0);
+    tag_.cell_first = true;
     tag_.format = LinkTag::Format::float64;
   }
 
@@ -242,12 +266,29 @@ void read_modbus(const Yaml& node, LinkEntry& out, Problems& problems) {
     out.groups[group] = time_of(node["groups"][group], 0);
 }
 
+/// Settings of an edge node of Sparkplug.
+void read_sparkplug(const Yaml& node, LinkEntry& out) {
+  out.graph["sparkplug"] = "B";
+  for (const char* key : {"group", "node", "primary_host"}) {
+    if (!node.has(key) && key != std::string("group")) continue;
+    const std::string text = node.required(key).text();
+    require_level(node[key], text, false);
+    out.graph[key] = text;
+  }
+  if (!out.graph.contains("node")) out.graph["node"] = out.name;
+}
+
 void read_mqtt(const Yaml& node, const std::filesystem::path& folder, LinkEntry& out, Problems& problems) {
-  node.check_keys({"mqtt", "host", "beyond_loopback", "port", "client_id", "user", "password_file", "will",
-                   "tls", "keep_alive", "poll", "timeout", "on_loss", "tags"},
-                  problems);
+  std::vector<std::string> keys = {"mqtt", "host", "beyond_loopback", "port", "client_id", "user", "password_file",
+                                   "tls", "keep_alive", "poll", "timeout", "on_loss", "tags"};
   out.kind = "mqtt";
-  one_of(node["mqtt"], {"client"});
+  if (one_of(node["mqtt"], {"client", "sparkplug"}) == 1) {
+    keys.insert(keys.end(), {"group", "node", "primary_host"});
+    read_sparkplug(node, out);
+  } else {
+    keys.push_back("will");
+  }
+  node.check_keys(keys, problems);
   const auto file = [&](const Yaml& named) {
     const std::string text = named.text("");
     return text.empty() || text.starts_with(kSecretPrefix) ? text : (folder / text).string();
@@ -268,6 +309,7 @@ void read_mqtt(const Yaml& node, const std::filesystem::path& folder, LinkEntry&
     if (!secret.empty() && !secret.starts_with(kSecretPrefix)) mark_secret(secret);
   out.keep_alive = time_of(node["keep_alive"], out.keep_alive);
   const Yaml will = node["will"];
+  if (out.graph.contains("sparkplug") && out.client_id.empty()) out.client_id = out.graph["group"] + "-" + out.graph["node"];
   if (!will.defined()) return;
   will.check_keys({"topic", "text", "retain", "qos"}, problems);
   out.will_topic = will.required("topic").text();
@@ -319,7 +361,7 @@ LinkEntry read_link(const std::string& name, const Yaml& node, const Location& w
   out.where = where;
   if (node.has("modbus") + node.has("mqtt") + node.has("ros2") != 1)
     throw Error(Problem{"bad-link", where, "the link '" + name + "' has no protocol, or two",
-                        "write `modbus: client`, `modbus: server`, `mqtt: client` or `ros2: node`"});
+                        "write `modbus: client`, `modbus: server`, `mqtt: client`, `mqtt: sparkplug` or `ros2: node`"});
   if (node.has("modbus")) read_modbus(node, out, problems);
   if (node.has("mqtt")) read_mqtt(node, folder, out, problems);
   if (node.has("ros2")) read_ros2(node, out, problems);

@@ -1,6 +1,7 @@
 #include "polyarm/surroundings/bodies.hpp"
 
 #include <algorithm>
+#include <map>
 #include <array>
 #include <utility>
 
@@ -107,6 +108,9 @@ void make_meshes(description::Scene& scene, Problems& problems) {
     for (Shape& shape : fixture.shapes) shapes.push_back(&shape);
     make(std::move(shapes), "fixture " + fixture.name, problems);
   }
+  std::map<std::string, std::vector<Shape*>> by_kind;
+  for (description::Part& part : scene.parts) by_kind[part.kind].push_back(&part.shape);
+  for (auto& [kind, shapes] : by_kind) make(std::move(shapes), "part " + kind, problems);
 }
 
 std::vector<int> links_at_tool(const RobotModel& model) {

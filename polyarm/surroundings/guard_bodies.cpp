@@ -15,6 +15,7 @@ using Kind = BodyKind;
 
 namespace {
 
+constexpr double kLessOfMany = 0.02;  // m
 constexpr std::uint64_t kDepth = 20;  // distances that take as long as the depth of an overlap
 constexpr double kUnknown = -std::numeric_limits<double>::infinity();
 
@@ -389,14 +390,24 @@ GuardGap GuardBodies::gap_of(const GuardPair& pair, double enough, int moved, in
   GuardGap out{std::max(rough, enough), {}, {}, {0, 0, 1}};
   if (rough > enough) return out;
   out.distance = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < a.pieces.size(); ++i) {
-    const Vec3 center = pose_a * a.balls[i].center;
-    for (std::size_t k = 0; k < b.pieces.size(); ++k) {
-      if (norm(center - pose_b * b.balls[k].center) - a.balls[i].radius - b.balls[k].radius >= out.distance)
-        continue;
-      const GuardGap gap = between(a.pieces[i], pose_a, b.pieces[k], pose_b);
-      if (gap.distance < out.distance) out = gap;
-    }
+  each_near(
+      a, pose_a, b, pose_b, [&] { return out.distance; },
+      [&](std::size_t i, std::size_t k) {
+        const GuardGap gap = between(a.pieces[i], pose_a, b.pieces[k], pose_b);
+        if (gap.distance < out.distance) out = gap;
+      });
+  return out;
+}
+
+GuardBodies::Nearest GuardBodies::nearest(int robot, double within, bool tried) noexcept {
+  Nearest out;
+  out.gap.distance = within;
+  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+    const GuardPair& pair = pairs_[i];
+    if (!pair.active || pair.own || pair.of_zone || !pair.concerns(robot)) continue;
+    if (!tried && pair.slack >= out.gap.distance) continue;
+    const GuardGap gap = gap_of(pair, out.gap.distance, tried ? robot : -1);
+    if (gap.distance < out.gap.distance) out = {static_cast<int>(i), gap};
   }
   return out;
 }
@@ -405,9 +416,10 @@ double GuardBodies::measure(std::size_t index, double enough) noexcept {
   return pairs_[index].slack = gap_of(pairs_[index], enough).distance;
 }
 
-std::size_t GuardBodies::measure_points(std::size_t index, int robot, double range,
-                                        std::span<GuardGap> out) noexcept {
+std::size_t GuardBodies::measure_points(std::size_t index, int robot, double range, std::span<GuardGap> out,
+                                        double& left_out) noexcept {
   GuardPair& pair = pairs_[index];
+  left_out = std::numeric_limits<double>::infinity();
   pair.slack = std::numeric_limits<double>::infinity();
   const bool of_a = pair.robot_a == robot;
   const Body &a = bodies_[pair.a], &b = bodies_[pair.b];
@@ -420,9 +432,11 @@ std::size_t GuardBodies::measure_points(std::size_t index, int robot, double ran
       out[count++] = gap;
       return;
     }
+    GuardGap dropped = gap;
     const auto farthest = std::max_element(
         out.begin(), out.end(), [](const GuardGap& x, const GuardGap& y) { return x.distance < y.distance; });
-    if (farthest != out.end() && gap.distance < farthest->distance) *farthest = gap;
+    if (farthest != out.end() && gap.distance < farthest->distance) std::swap(*farthest, dropped);
+    left_out = std::min(left_out, dropped.distance);
   };
   const bool on_plane = b.kind == Kind::floor;
   const auto spread = [&](const ConvexBody& piece, const Pose& pose, const GuardGap& gap) {
@@ -445,21 +459,30 @@ std::size_t GuardBodies::measure_points(std::size_t index, int robot, double ran
     }
     return count;
   }
+  const auto look_at = [&](std::size_t i, std::size_t k) {
+    const GuardGap gap = between(a.pieces[i], pose_a, b.pieces[k], pose_b);
+    pair.slack = std::min(pair.slack, gap.distance);
+    if (gap.distance > range) return;
+    if (of_a)
+      spread(a.pieces[i], pose_a, gap);
+    else
+      spread(b.pieces[k], pose_b, gap);
+  };
+  if (!a.tree.empty() || !b.tree.empty()) {
+    // Of very many pieces only the near ones are measured; the others are farther away than this.
+    range -= kLessOfMany;
+    pair.slack = left_out = range;
+    each_near(a, pose_a, b, pose_b, [&] { return range; }, look_at);
+    return count;
+  }
   for (std::size_t i = 0; i < a.pieces.size(); ++i) {
     const Vec3 center = pose_a * a.balls[i].center;
     for (std::size_t k = 0; k < b.pieces.size(); ++k) {
       const double rough = norm(center - pose_b * b.balls[k].center) - a.balls[i].radius - b.balls[k].radius;
-      if (rough > range) {
+      if (rough > range)
         pair.slack = std::min(pair.slack, rough);
-        continue;
-      }
-      const GuardGap gap = between(a.pieces[i], pose_a, b.pieces[k], pose_b);
-      pair.slack = std::min(pair.slack, gap.distance);
-      if (gap.distance > range) continue;
-      if (of_a)
-        spread(a.pieces[i], pose_a, gap);
       else
-        spread(b.pieces[k], pose_b, gap);
+        look_at(i, k);
     }
   }
   return count;
@@ -482,7 +505,8 @@ void GuardBodies::gradient(const GuardPair& pair, int robot, const GuardGap& gap
                            std::span<double> out) const noexcept {
   std::fill(out.begin(), out.end(), 0.0);
   if (pair.robot_a == robot) slide(pair.a, robot, gap.on_a, gap.normal, 1, out);
-  if (pair.robot_b == robot) slide(pair.b, robot, gap.on_b, gap.normal, -1, out);
+  // Of a pair of one robot the plane moves with the second body.
+  if (pair.robot_b == robot) slide(pair.b, robot, pair.own ? gap.on_a : gap.on_b, gap.normal, -1, out);
 }
 
 }  // namespace polyarm::surroundings

@@ -123,14 +123,23 @@ class GuardBodies : private SweepBodies {
   /// is returned instead if it exceeds `enough`; points and normal are then undefined.
   /// `ahead`: the other robot at that place of its braking.
   GuardGap gap_of(const GuardPair& pair, double enough, int moved = -1, int ahead = -1) noexcept;
+  /// What is nearest to a robot, as far as it is nearer than `within`; `tried`: with the robot as try_joints() put
+  /// it. Two links of the robot do not count.
+  struct Nearest {
+    int pair = -1;  ///< -1: nothing is so near
+    GuardGap gap;
+  };
+  Nearest nearest(int robot, double within, bool tried = false) noexcept;
   /// Measures the pair now and keeps the result as its slack.
   double measure(std::size_t pair, double enough) noexcept;
 
   /// Points of the pieces of a pair nearer than `range`, now: each is a plane between the two pieces and a
   /// point of the body of `robot` in front of it. While every point stays in front of its plane, the pieces
   /// do not touch. Returns their number. Measures the pair and keeps the result as its slack, as measure()
-  /// does.
-  std::size_t measure_points(std::size_t pair, int robot, double range, std::span<GuardGap> out) noexcept;
+  /// does. `left_out`: a lower bound of the distance of what is in no point; infinite if that is farther than
+  /// `range`.
+  std::size_t measure_points(std::size_t pair, int robot, double range, std::span<GuardGap> out,
+                             double& left_out) noexcept;
   /// How the distance of a gap changes with the joints of `robot`: per rad or m. `out`: by variable.
   void gradient(const GuardPair& pair, int robot, const GuardGap& gap, std::span<double> out) const noexcept;
 

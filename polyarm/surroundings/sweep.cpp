@@ -275,13 +275,9 @@ struct Sweep::Work : SweepBodies {
     ++measured_;
     const Pose T_b_a = inverse(pose_b) * pose_a;
     Distance out;
-    for (std::size_t i = 0; i < a.pieces.size(); ++i) {
-      const Vec3 center = T_b_a * a.balls[i].center;
-      for (std::size_t k = 0; k < b.pieces.size(); ++k) {
-        if (norm(center - b.balls[k].center) - a.balls[i].radius - b.balls[k].radius >= out.value) continue;
-        measure(a.pieces[i], T_b_a, b.pieces[k], pose_b, out);
-      }
-    }
+    each_near(
+        a, pose_a, b, pose_b, [&] { return out.value; },
+        [&](std::size_t i, std::size_t k) { measure(a.pieces[i], T_b_a, b.pieces[k], pose_b, out); });
     return out;
   }
 

@@ -10,9 +10,15 @@ using Body = SweptBody;
 using Kind = BodyKind;
 
 namespace {
+/// So many pieces get a tree: a point cloud.
+constexpr std::size_t kTreeFrom = 64;
 void finish_body(Body& body) {
   for (const ConvexBody& piece : body.pieces) body.balls.push_back(collision::bounding_ball(piece));
   body.around = body.pieces.empty() ? collision::Ball{} : collision::bounding_ball(body.pieces);
+  if (body.pieces.size() < kTreeFrom) return;
+  std::vector<collision::Bounds> bounds;
+  for (const ConvexBody& piece : body.pieces) bounds.push_back(collision::bounds_of(piece));
+  body.tree = collision::BoxTree(bounds);
 }
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/collision/box_tree.hpp"
 #include "polyarm/surroundings/bodies.hpp"
 
 namespace polyarm::surroundings {
@@ -19,6 +20,7 @@ struct SweptBody {
   int link = -1;  ///< of the model
   std::vector<collision::ConvexBody> pieces;
   std::vector<collision::Ball> balls;  ///< of each piece
+  collision::BoxTree tree;             ///< over the pieces, if there are many; else empty
   collision::Ball around;
   std::vector<double> lever;               ///< of a robot: by variable
   bool is_root = false, is_first = false;  ///< rigid with the root; behind the first joint
@@ -26,7 +28,32 @@ struct SweptBody {
   bool is_static = false;                  ///< floor, and fixtures without a mover
 
   bool of_robot() const { return robot >= 0 && part < 0; }
+  /// Calls take(piece) for each piece that may be nearer to the ball than range(); in the frame of the pieces.
+  template <typename Range, typename Take>
+  void each_near(const Vec3& center, double radius, const Range& range, const Take& take) const {
+    if (!tree.empty()) {
+      tree.each_near(center, [&] { return range() + radius; }, take);
+      return;
+    }
+    for (std::size_t k = 0; k < pieces.size(); ++k)
+      if (norm(center - balls[k].center) - radius - balls[k].radius <= range()) take(k);
+  }
 };
+
+/// Calls take(piece of a, piece of b) for each two pieces that may be nearer to each other than range().
+template <typename Range, typename Take>
+void each_near(const SweptBody& a, const Pose& pose_a, const SweptBody& b, const Pose& pose_b, const Range& range,
+               const Take& take) {
+  if (!a.tree.empty()) {
+    const Pose T_a_b = inverse(pose_a) * pose_b;
+    for (std::size_t k = 0; k < b.pieces.size(); ++k)
+      a.each_near(T_a_b * b.balls[k].center, b.balls[k].radius, range, [&](std::size_t i) { take(i, k); });
+    return;
+  }
+  const Pose T_b_a = inverse(pose_b) * pose_a;
+  for (std::size_t i = 0; i < a.pieces.size(); ++i)
+    b.each_near(T_b_a * a.balls[i].center, a.balls[i].radius, range, [&](std::size_t k) { take(i, k); });
+}
 
 /// How a part is in the world at a moment.
 struct PartMode {

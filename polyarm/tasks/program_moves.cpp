@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "polyarm/base/text.hpp"
+#include "polyarm/moves/forward_plan.hpp"
 #include "polyarm/setup/relative_moves.hpp"
 #include "polyarm/tasks/program_host.hpp"
 
@@ -238,12 +239,35 @@ ProgramMoves::Prepared ProgramMoves::prepare(const program::Move& move, const Lo
     for (moves::Move& one : moves)
       one.speed *= kShareOnBelts, one.acceleration *= kShareOnBelts, one.around = false;
   check_payload(move, arm, where);
+  check_forward(move, moves, arm, where);
   const moves::RobotFacts& own = arm.robot.motion ? arm.robot.motion->robot() : *arm.robot.robot->facts;
   if (move.near)
     keep_near(*move.near, facts ? *facts : own, moves);
   else
     keep_as_taught(move, *arm.robot.robot, facts ? *facts : own, moves);
   return {index, std::move(moves), std::move(facts)};
+}
+
+/// What a controller that interpolates itself cannot do. The cell's file says whether it does; so `check` finds
+/// it, too.
+void ProgramMoves::check_forward(const program::Move& move, const std::vector<moves::Move>& moves, const Arm& arm,
+                                 const Location& where) const {
+  const RobotEntry& entry = arm.robot.robot->entry;
+  const auto motion = entry.parameters.find("motion");
+  if (motion == entry.parameters.end() || motion->second != "forward") return;
+  const auto no = [&](const std::string& what, const char* advice) {
+    throw Error(Problem{"forward-mode", where,
+                        "'" + entry.name + "' has `motion: forward`, and its controller " + what, advice});
+  };
+  for (const moves::Move& one : moves)
+    if (auto problem = moves::refuse_forward(one, entry.name)) {
+      problem->where = where;
+      throw Error(std::move(*problem));
+    }
+  if (move.step.members > 1)
+    no("cannot move in step with other robots", "write the moves outside of `together`, or set `motion: stream`");
+  if (!belt_of(move, where).empty())
+    no("follows no belt", "stop the belt and use a point, or set `motion: stream`");
 }
 
 std::size_t ProgramMoves::base_of(const program::Move& move, const Location& where) const {

@@ -167,6 +167,8 @@ class ProgramMoves {
   void pace(const program::Move& from, moves::Move& to) const;
   void keep_near(const data::JointState& near, const moves::RobotFacts& robot,
                  std::vector<moves::Move>& moves) const;
+  void check_forward(const program::Move& move, const std::vector<moves::Move>& moves, const Arm& arm,
+                     const Location& where) const;
   void check_payload(const program::Move& move, const Arm& arm, const Location& where) const;
   void forget_ended();
   static void note_touch(Arm& arm, const Moves& moves, bool touch, const Location& where);

@@ -277,9 +277,37 @@ void Programs::end_pulses() {
     if (task) task->interpreter().end_pulses();
 }
 
+namespace {
+/// A tag of a lost link keeps its value, so that a belt with this encoder would seem to stand.
+std::optional<Problem> lost_encoder(const std::vector<BeltEntry>& belts, const CellLinks& links) {
+  for (const BeltEntry& belt : belts) {
+    const auto source = links.source_of(belt.encoder);
+    if (!source || source->direction == "out" || source->quality != "stale") continue;
+    const std::string reason = "'" + belt.encoder + "' is stale";
+    return Problem{"link-lost",
+                   belt.where,
+                   "the encoder of the belt '" + belt.name + "' comes over the link '" + source->link +
+                       "', which is lost or brings nothing new: nobody knows where the belt is",
+                   "when the link is back: polyarm control resume",
+                   Severity::warning,
+                   {{"link", source->link}, {"reason", reason}}};
+  }
+  return std::nullopt;
+}
+}  // namespace
+
 void Programs::tick_belts_and_streams() {
   if (streams_) streams_->tick(machine_.now());
   if (!belts_) return;
+  if (const auto lost = lost_encoder(setup_.file.belts, data_.links())) {
+    // Without a tick the belts' travel gets old, and robots that follow them come to rest.
+    const bool runs = machine_.snapshot().state == control::RunState::running &&
+                      machine_.supervisor().latch().requested() == realtime::StopKind::none;
+    if (!under_way() || !runs) return;
+    observer_.on_problem(machine_.now(), *lost);
+    machine_.hold_for(*lost);
+    return;
+  }
   belts_->tick();
   if (!moves_) return;
   if (!under_way()) moves_->end_rides();

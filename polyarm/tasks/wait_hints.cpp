@@ -9,6 +9,7 @@
 
 #include "polyarm/program/code.hpp"
 #include "polyarm/tasks/programs.hpp"
+#include "polyarm/description/shape_bounds.hpp"
 
 namespace polyarm::cell {
 
@@ -49,7 +50,7 @@ std::string hint_of(const WaitOwners& cell, const std::string& feeder, bool at_f
                      *presented <= 0 ? "none" : "as many", asks);
 }
 
-/// Distance from a point to the surface of a shape at the origin; 0 inside.
+/// Distance from a point to the surface of a shape at the origin; 0 inside. Of a mesh, to the box around it.
 double distance(const Vec3& p, const description::Shape& shape) {
   using description::ShapeKind;
   const double radial = std::hypot(p.x, p.y), up = std::abs(p.z);
@@ -60,6 +61,12 @@ double distance(const Vec3& p, const description::Shape& shape) {
                         beyond(up, shape.size.z / 2));
     case ShapeKind::cylinder:
       return std::hypot(beyond(radial, shape.radius), beyond(up, shape.length / 2));
+    case ShapeKind::mesh: {
+      const description::Bounds around = description::bounds_of(shape, {});
+      const auto away = [](double x, double low, double high) { return std::max({0.0, low - x, x - high}); };
+      return std::hypot(away(p.x, around.lower.x, around.upper.x), away(p.y, around.lower.y, around.upper.y),
+                        away(p.z, around.lower.z, around.upper.z));
+    }
     default:
       return beyond(std::hypot(radial, beyond(up, shape.length / 2)), shape.radius);
   }

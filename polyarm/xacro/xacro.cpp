@@ -110,8 +110,27 @@ class Expander : private XacroTexts {
     for (const tinyxml2::XMLAttribute* a = in.FirstAttribute(); a; a = a->Next()) {
       const std::string name = a->Name();
       if (name == "xmlns:xacro" || name.starts_with("xacro:")) continue;
-      out.SetAttribute(name.c_str(), text_of(a->Value(), frame.scope).c_str());
+      out.SetAttribute(name.c_str(), is_mesh(in, name) ? mesh_of(a->Value(), frame).c_str()
+                                                       : text_of(a->Value(), frame.scope).c_str());
     }
+  }
+
+  static bool is_mesh(const XMLElement& element, const std::string& attribute) {
+    return attribute == "filename" && std::string_view(element.Name()) == "mesh";
+  }
+  /// A mesh may be in a package that is not here, like one of package://: the robot is read without it.
+  std::string mesh_of(const char* written, Frame& frame) {
+    keeps_unknown_packages_ = true;
+    std::string out;
+    try {
+      out = text_of(written, frame.scope);
+    } catch (...) {
+      keeps_unknown_packages_ = false;
+      throw;
+    }
+    keeps_unknown_packages_ = false;
+    const auto at = out.find("file://package://");
+    return at == 0 ? out.substr(std::strlen("file://")) : out;
   }
 
   void children(const XMLNode& in, XMLNode& out, Frame& frame) {

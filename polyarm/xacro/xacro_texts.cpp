@@ -251,6 +251,7 @@ bool XacroTexts::function(const std::string& name, const XacroList& a, XacroValu
   }
   if (name == "find") {
     const fs::path folder = find_package_(text(0));
+    if (folder.empty() && keeps_unknown_packages_) return out = "package://" + text(0), true;
     if (folder.empty())
       throw Error("no-package", "the package '" + text(0) + "' is not found",
                   "set POLYARM_PACKAGES to the folders that hold packages; polyarm xacro takes --package " +

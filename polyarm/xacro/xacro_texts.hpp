@@ -129,6 +129,7 @@ class XacroTexts {
   std::vector<Step> steps_;
   std::vector<fs::path> reading_;  // the file and the chain of includes to the present place
   std::set<fs::path> packages_;    // found by $(find)
+  bool keeps_unknown_packages_ = false;  // $(find) of a package that is not here gives package://NAME
   std::size_t evaluations_ = 0, written_ = 0;
   int depth_ = 0;
 };

@@ -27,11 +27,18 @@ class Cell:
         self._folder = tempfile.mkdtemp(prefix="polyarm_")
         self._ids = 0
         try:
-            self._cell = _polyarm.LockStepCell(str(path), robot, hardware, program, self._folder, not start, allow_contact,
+            self._open = _polyarm.LockStepCell(str(path), robot, hardware, program, self._folder, not start, allow_contact,
                                                list(answers))
         except BaseException:
             self._remove_folder()
             raise
+
+    @property
+    def _cell(self):
+        if self._open is None:
+            raise Error([{"code": "closed", "what": "this cell is closed", "advice": "make another Cell", "where": "",
+                          "severity": "error"}])
+        return self._open
 
     period = property(lambda self: self._cell.period, doc="Seconds of one cycle of the control loop.")
     time = property(lambda self: self._cell.time, doc="Cell time, s.")
@@ -42,8 +49,10 @@ class Cell:
 
     def step(self, cycles=1):
         """`cycles` of the control loop. Raises Error if the cell has failed, for example by a contact."""
-        if cycles < 0:
+        if not cycles >= 0:
             raise ValueError("cycles is negative")
+        if cycles != int(cycles):
+            raise ValueError(f"{cycles} cycles: a whole number was expected; run(seconds) takes a time")
         self._cell.step(int(cycles))
         self._raise_failure()
 
@@ -53,8 +62,9 @@ class Cell:
 
     def reset(self):
         """The cell anew, from its files: time 0, robots at their start, variables as the files say."""
+        cell = self._cell
         self._empty_folder()
-        self._cell.reset()
+        cell.reset()
 
     def states(self):
         """The values of all state interfaces, as an array: measured by sensors and drives."""
@@ -127,7 +137,7 @@ class Cell:
 
     def close(self):
         """Ends the cell and removes its temporary folder."""
-        self._cell = None
+        self._open = None
         self._remove_folder()
 
     def __enter__(self):

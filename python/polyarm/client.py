@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import asyncio
 import base64
+import errno
 import hashlib
 import itertools
 import json
@@ -63,7 +64,11 @@ async def connect(to: str, name: str = "a Python program", fingerprint: str | No
         channel: _Channel = await _WebSocket.open(to, fingerprint)
     else:
         path = to if "/" in to else os.path.join(_folder(), to + ".sock")
-        channel = _Lines(*await asyncio.open_unix_connection(path, limit=_LARGEST_MESSAGE))
+        try:
+            channel = _Lines(*await asyncio.open_unix_connection(path, limit=_LARGEST_MESSAGE))
+        except FileNotFoundError:
+            names = ", ".join(running_cells()) or "none"
+            raise FileNotFoundError(errno.ENOENT, f"no cell {to!r} of this user runs (running: {names})", path) from None
     client = CellClient(channel)
     if "://" in to:
         await client.session_hello(name=name)

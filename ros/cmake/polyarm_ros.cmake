@@ -16,6 +16,8 @@ find_package(Threads REQUIRED)
 
 add_library(polyarm_ros INTERFACE)
 target_include_directories(polyarm_ros SYSTEM INTERFACE ${POLYARM_ROS_KIT}/include ${POLYARM_ROS_GENERATED})
+# The headers use a few of Polyarm's. These come last, so that no package finds a file there that it means elsewhere.
+target_compile_options(polyarm_ros INTERFACE "SHELL:-idirafter \"${POLYARM_ROS_HEADERS}\"")
 # Packages of ROS get Eigen's folder by way of others, and name it nowhere.
 find_package(Eigen3 QUIET NO_MODULE)
 if(TARGET Eigen3::Eigen)

@@ -100,6 +100,59 @@ TEST_F(GuardsTest, AMoveStopsOnItsPathBeforeTheContactAndSaysBetweenWhat) {
   EXPECT_GE(x(), kFace - kBall - 0.015) << "not long before it";
 }
 
+TEST_F(GuardsTest, APointCloudStopsAMove) {
+  std::string points;
+  for (int y = -10; y <= 10; ++y)
+    for (int z = -10; z <= 10; ++z) points += "0.46 " + std::to_string(0.02 * y) + " " + std::to_string(0.02 * z) + "\n";
+  folder.write("wall.pcd",
+               "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 443\nHEIGHT 1\nPOINTS 443\nDATA ascii\n"
+               "nan nan nan\n1e9 0 0\n" + points);
+  fixtures = "  scan: {cloud: {file: wall.pcd, radius: 10mm}}\n";
+  build("movej joints(0.9rad, 0rad, 0rad)\n");
+  for (int i = 0; i < 3000 && failure().empty(); ++i) cell->tick();
+  ASSERT_EQ(failure(), "guard");
+  EXPECT_NE(cell->cell().failure()->problem.what.find("fixture scan"), std::string::npos);
+  EXPECT_LE(x(), kFace - kBall - 0.004);
+  EXPECT_GE(x(), kFace - kBall - 0.015);
+}
+
+/// As for objects of MoveIt's clients.
+TEST_F(GuardsTest, ThingsThatComeLaterStopAMoveToo) {
+  fixtures = "  far: {box: [0.1, 0.1, 0.1], at: [9, 0, 0]}\n";
+  build("sleep 1\nmovej joints(0.9rad, 0rad, 0rad)\n");
+  description::Fixture box;
+  box.name = "box";
+  box.shapes.emplace_back();
+  box.shapes[0].size = {0.1, 1, 1};
+  box.pose.position.x = 0.5;
+  cell->run(0.2);
+  cell->cell().set_more_obstacles({box});
+  for (int i = 0; i < 3000 && failure().empty(); ++i) cell->tick();
+  ASSERT_EQ(failure(), "guard");
+  EXPECT_NE(cell->cell().failure()->problem.what.find("fixture box"), std::string::npos);
+  EXPECT_LE(x(), kFace - kBall - 0.004);
+}
+
+TEST_F(GuardsTest, SayWhatIsNearestAndHowFarAPlaceIs) {
+  build("movej joints(0.9rad, 0rad, 0rad)\n");
+  std::optional<Guards::Near> near;
+  double least = 1, slowest = 1;
+  for (int i = 0; i < 3000 && failure().empty(); ++i) {
+    cell->tick();
+    if (const auto now = cell->cell().near(0)) near = now, least = std::min(least, now->distance);
+    slowest = std::min(slowest, cell->cell().pace(0));
+  }
+  ASSERT_TRUE(near);
+  EXPECT_EQ(near->mine, "left/ball");
+  EXPECT_EQ(near->other, "fixture wall");
+  EXPECT_NEAR(near->on_mine.x, x() + kBall, 2e-3);
+  EXPECT_NEAR(near->on_other.x, kFace, 1e-6);
+  EXPECT_LT(least, 0.02);
+  EXPECT_LT(slowest, 0.5);
+  EXPECT_NEAR(*cell->cell().clearance_at(0, std::vector{0.3, 0.0, 0.0}), kFace - kBall - 0.3, 1e-6);
+  EXPECT_EQ(*cell->cell().clearance_at(0, std::vector{0.0, 0.0, 0.0}), Guards::kFarthest);
+}
+
 TEST_F(GuardsTest, WithoutGuardsItGoesThrough) {
   build("movej joints(0.9rad, 0rad, 0rad)\n", "guards: off\n");
   cell->run(4);

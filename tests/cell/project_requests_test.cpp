@@ -202,6 +202,14 @@ TEST_F(ProjectTest, WhatWasTaughtIsThereWhenTheProgramBeginsAnew) {
   EXPECT_EQ(cell->cell().store().find("Count"), nullptr);
 }
 
+TEST_F(ProjectTest, ASightingIsOfARobotAtRest) {
+  EXPECT_EQ(code({{"request", "points.sighting"}, {"marker", "Bench"}}), "ok");
+  cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()));
+  cell->run(0.3);
+  ASSERT_FALSE(cell->cell().snapshot().standing) << "on its way to Home";
+  EXPECT_EQ(code({{"request", "points.sighting"}, {"marker", "Bench"}}), "moving");
+}
+
 TEST_F(ProjectTest, AFrameComesFromThreePlacesAndATheToolFromFourPoses) {
   const Json frame = result({{"request", "points.frame"},
                              {"name", "Table"},

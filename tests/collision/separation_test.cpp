@@ -54,6 +54,21 @@ TEST(Separation, AgreesWithASlowJudgeForAllShapes) {
   EXPECT_GT(together, 100);
 }
 
+/// The last simplex is flat here, and seems to contain the origin.
+TEST(Separation, RoundingMakesNoContact) {
+  ConvexBody capsule, cylinder;
+  capsule.points = {{0, 0, -0.16046737782865153}, {0, 0, 0.16046737782865153}};
+  capsule.radius = 0.034427931601439046;
+  cylinder.points = {{0, 0, -0.095097273314123015}, {0, 0, 0.095097273314123015}};
+  cylinder.disc = 0.18932548810037667;
+  const double s = 0.57735026918962584;
+  const Pose pose{{-0.18361351022695052, 0.039675301565099283, 0.14349100024907407}, {-s, -s, 0, s}};
+  const Separation found = separation(capsule, pose, cylinder);
+  EXPECT_NEAR(found.distance, 0.009735, 1e-6);
+  EXPECT_NEAR(found.lower, found.distance, 1e-6);
+  EXPECT_EQ(overlap(capsule, pose, cylinder).depth, 0);
+}
+
 TEST(Separation, OverlapOfBoxesIsTheShortestWayOut) {
   const Depth d = overlap(box({1, 1, 1}), {{0.8, 0.1, 0}, {}}, box({1, 1, 1}));
   EXPECT_NEAR(d.depth, 0.2, 1e-6);

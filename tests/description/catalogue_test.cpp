@@ -11,6 +11,7 @@
 #include <set>
 
 #include "polyarm/base/file.hpp"
+#include "polyarm/description/self_collision.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/xacro/packages.hpp"
 #include "tests/description/support.hpp"
@@ -132,6 +133,19 @@ void expect_masses(const RobotModel& model) {
   }
 }
 
+/// The list of pairs that need no check is right where it counts: at home no other pair touches, and links that
+/// are joined are on it if they touch there.
+void expect_listed_contacts(const RobotModel& model) {
+  const std::vector<double> home = model.start();
+  std::set<std::array<int, 2>> listed(model.allowed_collisions.begin(), model.allowed_collisions.end());
+  for (int a = 0; a < static_cast<int>(model.links.size()); ++a)
+    for (int b = a + 1; b < static_cast<int>(model.links.size()); ++b) {
+      const Link &one = model.links[static_cast<std::size_t>(a)], &other = model.links[static_cast<std::size_t>(b)];
+      if (one.collisions.empty() || other.collisions.empty() || listed.contains({a, b})) continue;
+      EXPECT_FALSE(links_touch(model, a, b, home).value_or(false)) << one.name << " and " << other.name << " touch at home";
+    }
+}
+
 /// Next to none of the links of these have a shape, so that collisions of theirs go unseen.
 bool barely_shaped(const std::string& robot) {
   return robot == "elephant_robotics/mycobot_320_pi" || robot == "elephant_robotics/mycobot_pro_600";
@@ -153,6 +167,7 @@ TEST_P(EveryRobot, IsWholeStandsWellAtHomeAndReadsBackEqual) {
   expect_home_inside_limits(model);
   expect_dynamic_limits(model);
   expect_masses(model);
+  expect_listed_contacts(model);
   const int shaped = expect_clear_of_the_table(model);
   if (model.actuated.size() >= 5) {
     EXPECT_EQ(shaped < 2, barely_shaped(GetParam())) << shaped << " shapes";

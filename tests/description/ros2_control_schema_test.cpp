@@ -257,8 +257,6 @@ std::vector<Bad> bad_blocks() {
        "did you mean 'float32'", "double, float32, bool"},
       {"LimitsWithoutEnable", block("<joint name=\"one\">\n<limits/></joint>\n"), 12, "missing-attribute",
        "'enable'", "enable=\"false\""},
-      {"TwoJointsOfOneName", block("<joint name=\"one\"/>\n<joint name=\"one\"/>\n"), 12, "duplicate-name",
-       "has two of <joint name=\"one\">", "into one"},
       {"ActuatorOfTwoJoints",
        block("<joint name=\"one\"/><joint name=\"two\"/>\n", "name=\"h\" type=\"actuator\""), 10, "bad-type",
        "has 2 joints", "type=\"system\""},
@@ -317,6 +315,22 @@ TEST(Ros2Control, JointsThatCannotBeDrivenAreLeftOutAndTheOthersStay) {
   ASSERT_EQ(model.hardware.at(0).components.size(), 1u);
   EXPECT_EQ(model.hardware[0].components[0].name, "one");
   EXPECT_EQ(warnings.list().size(), 2u);
+}
+
+TEST(Ros2Control, AJointThatIsNamedTwiceHasTheInterfacesOfBoth) {
+  Problems warnings;
+  const RobotModel model =
+      read(block("<joint name=\"one\"><command_interface name=\"velocity\"/><state_interface "
+                 "name=\"velocity\"/><param name=\"id\">1</param></joint>\n<joint name=\"one\"><command_interface "
+                 "name=\"position\"/><command_interface name=\"velocity\"/><param name=\"id\">2</param></joint>\n"),
+           warnings);
+  ASSERT_EQ(model.hardware.at(0).components.size(), 1u);
+  const ComponentInfo& one = model.hardware[0].components[0];
+  ASSERT_EQ(one.command_interfaces.size(), 2u);
+  EXPECT_EQ(one.command_interfaces[0].name, "velocity");
+  EXPECT_EQ(one.command_interfaces[1].name, "position");
+  EXPECT_EQ(one.state_interfaces.size(), 1u);
+  EXPECT_EQ(one.parameters.at("id"), "1");
 }
 
 TEST(Ros2Control, CommandInterfacesOfAFollowerAreLeftOut) {
@@ -378,6 +392,8 @@ std::vector<Odd> odd_blocks() {
        "<banana>"},
       {"LimitsOfAGpio", block("<gpio name=\"g\">\n<limits enable=\"false\"/></gpio>\n"), 12, "no-effect",
        "interfaces"},
+      {"TwoJointsOfOneName", block("<joint name=\"one\"/>\n<joint name=\"one\"/>\n"), 12, "duplicate-name",
+       "has two of <joint name=\"one\">; they are taken as one"},
       {"WordsForAMin", interface("name=\"x\"", "<param name=\"min\">low</param>"), 12, "bad-number", "'low'"},
       {"TooMuchForAByte",
        interface("name=\"x\" data_type=\"uint8\"", "<param name=\"initial_value\">256</param>"), 12,

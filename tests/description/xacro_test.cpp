@@ -493,6 +493,13 @@ TEST(Xacro, ComplaintsNamePlaceAndChain) {
   EXPECT_NE(complaint("<l v='$(find nowhere)'/>").find("--package nowhere="), std::string::npos);
 }
 
+TEST(Xacro, AMeshMayBeInAPackageThatIsNotHere) {
+  EXPECT_NE(expand("<mesh filename='file://$(find nowhere)/meshes/a.stl'/>").find("package://nowhere/meshes/a.stl"),
+            std::string::npos);
+  EXPECT_NE(expand("<mesh filename='$(find nowhere)/a.stl'/>").find("package://nowhere/a.stl"), std::string::npos);
+  EXPECT_NE(complaint("<mesh filename='${bad}'/><l v='$(find nowhere)'/>").find("bad"), std::string::npos);
+}
+
 TEST(Xacro, TextsThatDoubleAreStopped) {
   std::string text = "<xacro:property name='a0' value='0123456789'/>";
   for (int k = 1; k < 60; ++k)

@@ -71,6 +71,21 @@ TEST(Mock, SaysThatEffortsMoveNothing) {
   EXPECT_NE(pushed.summary().find("--hardware mujoco"), std::string::npos) << pushed.summary();
 }
 
+TEST(Mock, SaysThatVelocitiesAloneMoveNothing) {
+  const Stage stage = arm();
+  hardware::ComponentContext context = stage.context();
+  context.robots[0].hardware = {declared()};
+  context.robots[0].hardware[0].components[1].command_interfaces = {interface("velocity")};
+  drivers::MockComponent still, moving;
+  ASSERT_EQ(still.on_init(context), hardware::CallbackReturn::success);
+  EXPECT_NE(still.summary().find("velocities move nothing here"), std::string::npos) << still.summary();
+  EXPECT_NE(still.summary().find("elbow"), std::string::npos) << still.summary();
+  EXPECT_EQ(still.summary().find("shoulder"), std::string::npos) << still.summary();
+  context.parameters = kDynamics;
+  ASSERT_EQ(moving.on_init(context), hardware::CallbackReturn::success);
+  EXPECT_EQ(moving.summary().find("velocities"), std::string::npos) << moving.summary();
+}
+
 TEST(Mock, StartsWhereItIsToldTo) {
   const Stage stage = arm();
   const Rig rig = mock(stage);

@@ -405,7 +405,7 @@ TEST(MujocoParts, AMovingWallPushesWhatIsInItsWay) {
   EXPECT_NEAR(rig.part(0).pose.position.x, 0.27, 5e-3);
 }
 
-TEST(MujocoParts, APartWithAMeshIsRefusedByName) {
+TEST(MujocoParts, APartWhoseMeshHasNoBodyIsRefusedByName) {
   description::Scene scene = table();
   scene.parts = {cube("casting", {})};
   scene.parts[0].shape.kind = description::ShapeKind::mesh;
@@ -417,6 +417,50 @@ TEST(MujocoParts, APartWithAMeshIsRefusedByName) {
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("casting"), std::string::npos) << error.what();
   }
+}
+
+/// An angle of two plates, whose origin is in its inner corner: one lies on the table, the other one stands.
+description::Part angle(const std::string& name, const Vec3& at) {
+  const auto plate = [](const Vec3& low, const Vec3& high) {
+    std::vector<Vec3> out;
+    for (int i = 0; i < 8; ++i)
+      out.push_back({i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z});
+    return out;
+  };
+  description::Part out = cube(name, at);
+  out.shape.kind = description::ShapeKind::mesh;
+  out.shape.pieces = {plate({0, -0.03, -0.01}, {0.1, 0.03, 0}), plate({-0.01, -0.03, -0.01}, {0, 0.03, 0.06})};
+  out.mass = 0.2;
+  return out;
+}
+
+TEST(MujocoParts, OfAMeshRestOnTheirPiecesAndStayThere) {
+  description::Scene scene = table();
+  scene.parts = {angle("angle", {0, 0, 0.012}), cube("cube", {0.05, 0, 0.08}, 0.04, 0.1)};
+  const Stage stage = only(scene);
+  Rig rig = physics(stage);
+  rig.run(1.5);
+  EXPECT_NEAR(rig.part(0).pose.position.z, 0.01, 1e-3) << "its origin is on top of the lower plate";
+  EXPECT_NEAR(rig.part(1).pose.position.z, 0.01 + 0.02, 1e-3) << "between the plates, not on a hull around both";
+  EXPECT_TRUE(rig.part(0).asleep);
+  rig.run(0.5);
+  EXPECT_NEAR(rig.part(0).pose.position.z, 0.01, 1e-3) << "asleep it carries, too";
+  EXPECT_NEAR(rig.part(1).pose.position.z, 0.03, 1e-3);
+}
+
+TEST(MujocoParts, KeepTheirShapesWhicheverOfThemMove) {
+  // Four parts take four slots or fewer in turn: those that fall later must not get the shape of another one.
+  description::Scene scene = table();
+  scene.parts = {cube("small", {0, 0.3, 0.02}), angle("angle", {0, 0, 0.012}), cube("large", {0.4, 0, 0.6}),
+                 cube("third", {-0.4, 0, 1.2})};
+  scene.parts[2].shape.size = {0.1, 0.1, 0.1};
+  const Stage stage = only(scene);
+  Rig rig = physics(stage);
+  rig.run(3);
+  EXPECT_NEAR(rig.part(0).pose.position.z, scene.parts[0].shape.size.z / 2, 1e-3);
+  EXPECT_NEAR(rig.part(1).pose.position.z, 0.01, 1e-3);
+  EXPECT_NEAR(rig.part(2).pose.position.z, 0.05, 1e-3);
+  EXPECT_NEAR(rig.part(3).pose.position.z, scene.parts[3].shape.size.z / 2, 1e-3);
 }
 
 // --- tools
@@ -431,6 +475,21 @@ TEST(MujocoCup, PressingIsNotPulling) {
   EXPECT_EQ(rig.state("arm/tool/part_present"), 1);
   rig.move({{"arm/z/position", -0.26}}, 0.5);
   EXPECT_EQ(rig.state("arm/tool/part_present"), 1);
+}
+
+TEST(MujocoCup, HoldsAMeshOnAFaceOfItsPieces) {
+  Stage stage = cell();
+  description::Shape& shape = stage.scene.parts[0].shape;
+  shape = {};
+  shape.kind = description::ShapeKind::mesh;
+  shape.pieces = {corners_about({0, 0, 0}, 0.02), corners_about({0.05, 0, -0.01}, 0.01)};
+  Rig rig = holding(stage);
+  EXPECT_EQ(rig.state("arm/tool/part_present"), 1);
+  EXPECT_GT(rig.part(0).pose.position.z, 0.05);
+  rig.command("arm/tool/vacuum") = 0;
+  rig.run(1.5);
+  EXPECT_EQ(rig.state("arm/tool/part_present"), 0);
+  EXPECT_NEAR(rig.part(0).pose.position.z, 0.02, 2e-3) << "back on the table";
 }
 
 TEST(MujocoCup, TheArmCarriesTheWeightOfWhatItHolds) {

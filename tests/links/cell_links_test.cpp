@@ -44,18 +44,19 @@ cell: {modbus: server, port: PORT, tags: {Start: {coil: 0, direction: out}, Belt
     plc->look();
     ASSERT_TRUE(test::eventually([&] { return test::listens(port); }));
   }
-  void start_cell(const std::string& program, const std::string& more = "") {
+  void start_cell(const std::string& program, const std::string& more = "", const std::string& cell_more = "",
+                  const std::string& link_more = "") {
     const std::string urdf = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
     write_file_atomically(folder / "cell.yaml",
                           "polyarm: cell/1\nrobots: {arm: {model: " + urdf +
-                              ", hardware: mock}}\nsignals: signals.yaml\nprogram: main.script\n");
+                              ", hardware: mock}}\nsignals: signals.yaml\nprogram: main.script\n" + cell_more);
     write_file_atomically(folder / "main.script", program);
     write_file_atomically(
         folder / "signals.yaml",
         "polyarm: signals/1\ntags:\n  Belt: {initial: 0, type: number, on_hold: 7, on_stop: 9, unit: "
         "m/s}\n  IsHeld: {state: cell/held}\n" +
             more + "links:\n  plc:\n    modbus: client\n    port: " + std::to_string(port) +
-            "\n    timeout: 2s\n    tags: {Start: {coil: 0, direction: in}, Belt: {holding: 0, "
+            "\n    timeout: 2s\n" + link_more + "    tags: {Start: {coil: 0, direction: in}, Belt: {holding: 0, "
             "direction: out}, Alive: {coil: 1, direction: out}, PlcAlive: {coil: 2, direction: in}, "
             "IsHeld: {coil: 3, direction: out}}\n");
     cell::CellOptions options;
@@ -99,6 +100,17 @@ cell: {modbus: server, port: PORT, tags: {Start: {coil: 0, direction: out}, Belt
   std::unique_ptr<test::RunningLink> plc;
   std::unique_ptr<test::OpenCell> running;
 };
+
+/// Its encoder is a tag of the link, which keeps its value when the link is lost.
+TEST_F(LinkedCell, ABeltWhoseEncoderComesOverALostLinkHoldsTheCellAndDoesNotStand) {
+  start_cell("set Belt = 3\nwhile true\n  let n = waiting_parts(\"line\")\n  wait 10ms\nend\n", "  Start: {initial: false}\n",
+             "belts:\n  line: {encoder: Start, from: 0, to: 1}\n", "    on_loss: go_on\n");
+  ASSERT_TRUE(becomes([&] { return plc_has("Belt", 3); })) << told;
+  EXPECT_EQ(state(), RunState::running) << told;
+  plc = nullptr;
+  ASSERT_TRUE(test::eventually([&] { return tick(), state() == RunState::held; })) << told;
+  EXPECT_TRUE(says("the encoder of the belt 'line' comes over the link 'plc', which is lost")) << told;
+}
 
 constexpr const char* kWaits = "set Belt = 3\nwait Start\nset Belt = 4\nwait not Start\n";
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <random>
 
 #include "polyarm/base/file.hpp"
@@ -206,7 +207,7 @@ TEST(Meshes, WhatIsBrokenIsRefusedWithASentence) {
   EXPECT_NE(why([] { read_collada("<COLLADA", "a.dae"); }).find("a.dae"), std::string::npos);
   Folder folder;
   EXPECT_NE(why([&] { read_mesh(folder.path() / "no.stl"); }).find("no.stl"), std::string::npos);
-  EXPECT_NE(why([&] { read_mesh(folder.write("a.step", "x")); }).find("STL, OBJ"), std::string::npos);
+  EXPECT_NE(why([&] { read_mesh(folder.write("a.sldprt", "x")); }).find("STL, OBJ"), std::string::npos);
 }
 
 /// Small files that cost a reader much; each would keep it for hours, or take gigabytes.
@@ -327,6 +328,38 @@ TEST(Meshes, NoFileBreaksAReader) {
   EXPECT_GT(taken, 100);
 }
 
+TEST(Simplify, KeepsTheFormOfAMeshWithFewerTriangles) {
+  // A ball of 2 m with 200 x 200 fields.
+  MeshPart ball;
+  constexpr int kFields = 200;
+  for (int i = 0; i <= kFields; ++i)
+    for (int k = 0; k <= kFields; ++k) {
+      const double up = std::numbers::pi * i / kFields, around = 2 * std::numbers::pi * k / kFields;
+      ball.positions.push_back({static_cast<float>(std::sin(up) * std::cos(around)),
+                                static_cast<float>(std::sin(up) * std::sin(around)), static_cast<float>(std::cos(up))});
+    }
+  for (std::uint32_t i = 0; i < kFields; ++i)
+    for (std::uint32_t k = 0; k < kFields; ++k) {
+      const std::uint32_t a = i * (kFields + 1) + k, b = a + kFields + 1;
+      ball.triangles.insert(ball.triangles.end(), {a, b, a + 1, a + 1, b, b + 1});
+    }
+  tidy(ball);
+  Mesh mesh = {ball};
+  const double whole = volume(mesh);
+  const double moved = simplify(mesh, 3'000);
+  EXPECT_LE(triangles_of(mesh), 3'000u);
+  EXPECT_GT(triangles_of(mesh), 800u) << "not far below what is allowed";
+  EXPECT_NEAR(volume(mesh), whole, 0.03 * whole);
+  EXPECT_LT(moved, 0.2);
+  for (const MeshPart& part : mesh) {
+    ASSERT_EQ(part.normals.size(), part.positions.size());
+    for (const auto& p : part.positions) EXPECT_NEAR(std::hypot(p[0], p[1], p[2]), 1, 1e-5) << "corners are kept, not moved";
+  }
+  Mesh small = {ball};
+  EXPECT_EQ(simplify(small, 100'000), 0);
+  EXPECT_EQ(triangles_of(small), triangles_of({ball}));
+}
+
 struct Read {
   Json json;
   std::string data;
@@ -440,6 +473,27 @@ TEST(RobotMeshes, LinksBeyondTheTrianglesOfARobotAreShownByWhatTheyCollideWith) 
   ASSERT_EQ(made.warnings.size(), 1u);
   EXPECT_NE(made.warnings[0].what.find("arm_link"), std::string::npos);
   EXPECT_NE(made.warnings[0].what.find("too many triangles together"), std::string::npos);
+}
+
+TEST(RobotMeshes, AreSimplifiedForThePictureAndSayHowFar) {
+  Folder folder;
+  const auto model = robot(folder.write("base.stl", Cube().binary_stl()), folder.write("arm.obj", Cube().obj()));
+  const auto made = robot_meshes(model, folder.path() / "cache", 1000, 20);
+  EXPECT_TRUE(made.warnings.empty());
+  ASSERT_EQ(made.notes.size(), 1u) << "12 triangles a cube is what each link may keep at the least";
+  EXPECT_NE(made.notes[0].what.find("24 triangles"), std::string::npos) << made.notes[0].what;
+  EXPECT_FALSE(made.glb.empty());
+  EXPECT_TRUE(robot_meshes(model, folder.path() / "cache", 1000, 20).notes.empty()) << "said once";
+}
+
+TEST(RobotMeshes, OfAnotherUnitThanMetresAreDoubted) {
+  Folder folder;
+  auto model = robot(folder.write("base.stl", Cube().binary_stl()), folder.write("arm.obj", Cube().obj()));
+  model.links[0].visuals[0].scale = {100, 100, 100};  // the cube has 2 m
+  const auto made = robot_meshes(model, {});
+  ASSERT_EQ(made.notes.size(), 1u);
+  EXPECT_NE(made.notes[0].what.find("base.stl is 346 m large"), std::string::npos) << made.notes[0].what;
+  EXPECT_NE(made.notes[0].advice.find("0.001"), std::string::npos);
 }
 
 TEST(RobotMeshes, AreMadeOnceAndAnewWhenAFileChanges) {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "polyarm/moves/rounded_poses.hpp"
 #include "tests/ik/answers.hpp"
 #include "tests/moves/arm_moves.hpp"
 
@@ -421,6 +422,36 @@ TEST(MovePlan, NoMoveLeavesTheWorkspace) {
   EXPECT_THROW(
       plan_moves(*longer, from, std::vector{line(shifted(longer->chain.forward(from), {0, 0, -0.3}), "low")}),
       MoveError);
+}
+
+TEST(MovePlan, ArmsWithFewerThanSixAxesTakeRoundedPoses) {
+  struct Case {
+    const char* robot;
+    Vec3 from, to;
+  };
+  for (const Case& c : {Case{"denso/hsr065a1_n32", {0.358, 0.196, 0.008}, {0.358, 0.196, -0.074}},
+                        Case{"fanuc/lr_mate_200ic_5f", {0.4, 0.1, 0.2}, {0.45, -0.05, 0.1}},
+                        Case{"trossen_robotics/rx200", {0.25, 0.05, 0.15}, {0.27, -0.02, 0.1}}})
+    for (const double roll : {3.14159265, 3.141593, 3.1416, 3.142}) {
+      const Arm arm(c.robot);
+      const Pose from{c.from, from_rpy(roll, 0, 0)}, to{c.to, from_rpy(roll, 0, 0)};
+      Values q = bent(arm);
+      const std::vector<Move> moves{joint(joints_for(*arm.facts, from, q, "from"), "from"), line(to, "to")};
+      const MovePlan plan = plan_moves(*arm.facts, q, moves);
+      keeps_the_laws(plan, q);
+      const PlannedMotion& last = plan.motions.back();
+      const Pose end = arm.chain().forward(at(last, last.path.duration()).q);
+      EXPECT_LE(norm(end.position - to.position), kRoundedPosition) << c.robot << ", " << roll;
+      EXPECT_LE(angle_between(end.rotation, to.rotation), kRoundedOrientation) << c.robot << ", " << roll;
+    }
+}
+
+TEST(MovePlan, ArmsWithFewerThanSixAxesRefusePosesThatAreMoreThanRounded) {
+  const Arm arm("denso/hsr065a1_n32");
+  EXPECT_THROW(joints_for(*arm.facts, {{0.358, 0.196, 0.008}, from_rpy(3.145, 0, 0)}, bent(arm), "leaning"),
+               Error);
+  EXPECT_THROW(joints_for(*arm.facts, {{0.358, 0.196, 0.508}, from_rpy(3.1416, 0, 0)}, bent(arm), "too high"),
+               Error);
 }
 
 TEST(MovePlan, ABlendThatHasNoRoomIsShrunkAndSaysSo) {

@@ -34,6 +34,17 @@ class Cells(unittest.TestCase):
         self.assertAlmostEqual(cell.time, 250 * cell.period + 0.5)
         with self.assertRaises(ValueError):
             cell.step(-1)
+        with self.assertRaisesRegex(ValueError, "1.5 cycles: a whole number was expected"):
+            cell.step(1.5)
+
+    def test_a_closed_cell_says_so(self):
+        cell = self.cell(PICK)
+        cell.close()
+        for use in (cell.step, cell.states, lambda: cell.run(1), lambda: cell.time, lambda: cell.tag("Feed"), cell.reset):
+            with self.assertRaises(polyarm.Error) as closed:
+                use()
+            self.assertEqual(closed.exception.code, "closed")
+        cell.close()
 
     def test_a_waiting_program_moves_nothing(self):
         cell = self.cell(PICK)

@@ -122,6 +122,10 @@ class Running(unittest.IsolatedAsyncioTestCase):
 
             await asyncio.wait_for(at_rest(), 30)
 
+    async def test_a_cell_that_does_not_run_is_named_with_those_that_do(self):
+        with self.assertRaisesRegex(OSError, "no cell 'pikc' of this user runs .running: pick."):
+            await connect("pikc")
+
     async def test_states_and_keys_need_the_link(self):
         async with await connect("pick") as cell:
             with self.assertRaises(ValueError):

@@ -178,6 +178,14 @@ TEST_F(ExportMoveIt, LinksThatAreNeverComparedNeverTouch) {
   EXPECT_GE(agreed + 2, model_.allowed_collisions.size()) << "but for what touches in one state of thousands";
 }
 
+TEST_F(ExportMoveIt, ADescriptionWithItsControllersIsEnough) {
+  const std::string package = std::string(POLYARM_SOURCE_DIR) + "/tests/ros_packages/two_joints/";
+  export_cell(package + "robot.urdf", {"--controllers", package + "controllers.yaml"});
+  EXPECT_EQ(model_.name, "two_joints");
+  EXPECT_FALSE(model_.groups.empty());
+  EXPECT_NE(text("moveit_controllers.yaml").find("joint_trajectory_controller"), std::string::npos);
+}
+
 TEST_F(ExportMoveIt, EveryExampleWithAnArmCanBeExported) {
   for (const char* name : {"r6bot", "sorting", "bin_picking", "so101"}) {
     SCOPED_TRACE(name);

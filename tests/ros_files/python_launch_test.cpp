@@ -450,6 +450,28 @@ TEST(PythonLaunch, FilesThatAreNoRobotAreNotOffered) {
   EXPECT_EQ(lines_of_package(launch, "run").size(), 3u);
 }
 
+TEST(PythonLaunch, RobotsOfOtherPackagesOfAWorkspaceAreNotOffered) {
+  const test::Folder folder;
+  folder.write("ws/arm_bringup/package.xml",
+               "<package><name>arm_bringup</name><exec_depend>cell_parts</exec_depend></package>");
+  const auto launch = folder.write("ws/arm_bringup/launch/joy.launch.py", "");
+  const std::string robot = "<robot name=\"r\"><link name=\"a\"/></robot>";
+  for (const char* name : {"arm_description", "cell_parts", "a_rover"}) {
+    const std::string package = "ws/" + std::string(name);
+    folder.write(package + "/package.xml", "<package><name>" + std::string(name) + "</name></package>");
+    folder.write(package + "/urdf/" + name + ".urdf", robot);
+  }
+  folder.write("ws/a_rover/config/c.yaml", "controller_manager:\n  ros__parameters: {}\n");
+  folder.write("ws/arm_description/urdf/numbers.xacro",
+               "<robot><xacro:property name=\"deg\" value=\"0.0174\"/></robot>");
+  std::string lines;
+  for (const std::string& line : lines_of_package(launch, "run")) lines += line + "\n";
+  EXPECT_NE(lines.find("arm_description.urdf"), std::string::npos) << lines;
+  EXPECT_NE(lines.find("cell_parts.urdf"), std::string::npos) << lines;
+  EXPECT_EQ(lines.find("a_rover"), std::string::npos) << lines;
+  EXPECT_EQ(lines.find("numbers"), std::string::npos) << lines;
+}
+
 TEST(PythonLaunch, OddWordsAreQuotedInTheLine) {
   const PythonLaunch launch = read("d = Command(['xacro /ws/arm.xacro a:=\"$(rm -rf)\"'])\n");
   EXPECT_NE(launch.line().find("'a:=$(rm -rf)'"), std::string::npos) << launch.line();

@@ -33,6 +33,25 @@ TEST(Packages, OfAWorkspaceAreFoundBesideIgnoredAndBuiltOnes) {
   EXPECT_EQ(found[1].name, "b");
 }
 
+TEST(Packages, OfTheSameRepositoryAreFoundFromOneOfThem) {
+  const test::Folder place;
+  place.write("robot/control/arm/package.xml", manifest("arm"));
+  place.write("robot/control/base/package.xml", manifest("base"));
+  place.write("robot/msgs/package.xml", manifest("robot_msgs"));
+  place.write("robot/old/base/package.xml", manifest("base"));
+  place.write("other/package.xml", manifest("other"));
+  const auto names = [&] {
+    Problems problems;
+    std::vector<std::string> out;
+    const Package arm = read_package(place.path() / "robot/control/arm/package.xml");
+    for (const Package& each : packages_beside(arm, problems)) out.push_back(each.name);
+    return out;
+  };
+  EXPECT_EQ(names(), (std::vector<std::string>{"base"}));
+  place.write("robot/.git/HEAD", "");
+  EXPECT_EQ(names(), (std::vector<std::string>{"base", "robot_msgs"}));  // the nearest of a name
+}
+
 TEST(Packages, ThatAreNoneAreRefusedWithTheirLine) {
   const test::Folder place;
   Problems problems;

@@ -36,6 +36,62 @@ TEST(Command, AnUnknownOptionOrPartIsAnErrorWithTheNearestOne) {
   EXPECT_NE(said({"new", "cel", "mine"}).find("no 'cel'; did you mean 'cell'?"), std::string::npos);
 }
 
+TEST(Command, SaysWhatACommandLineLacksAndWhatFitsThere) {
+  const auto said = [](const std::vector<std::string>& words) {
+    const Finished wrong = run_command(words);
+    EXPECT_EQ(wrong.exit_code, 2) << wrong.output;
+    return wrong.output;
+  };
+  const auto says = [&](const std::vector<std::string>& words, const std::string& part) {
+    const std::string output = said(words);
+    EXPECT_NE(output.find(part), std::string::npos) << output;
+    for (const char* foreign : {"required", "Required", "At least", "At Most", "TEXT", "subcommand"})
+      EXPECT_EQ(output.find(foreign), std::string::npos) << output;
+  };
+  says({"new"}, "kind is missing: ");
+  says({"new"}, "(cell, hardware, controller)");
+  says({"calibrate"}, "(tool, frame, robots,");
+  says({"hardware"}, "'polyarm hardware' needs one of these words: list, ");
+  says({"data"}, "polyarm data --help lists what is possible");
+  says({"data", "get", "cell", "Pick", "more"}, "polyarm data get --help lists what is possible");
+  says({"ik", "universal_robots/ur5e", "--xyz", "0.4", "0"}, "--xyz takes 3 values, 2 were given");
+  says({"compare", "cell", "--robots"}, "--robots takes at least 1 value, none was given");
+  says({"jog", "arm", "x", "10mm"}, "names takes at most 2 values, 3 were given");
+  says({"plugin", "build", "nosuch"}, "there is no folder 'nosuch'");
+}
+
+TEST(Command, AllowTakesAPathAHostOrASecret) {
+  const ExampleCopy cell("r6bot");
+  for (const char* wrong : {"", "host:", "secret:", "foo:bar", "/no/such/folder"}) {
+    const Finished run = run_command({"check", cell.path(), "--allow", wrong});
+    EXPECT_NE(run.exit_code, 0) << wrong << ": " << run.output;
+    EXPECT_NE(run.output.find("--allow PATH, --allow host:NAME or --allow secret:NAME"), std::string::npos)
+        << wrong << ": " << run.output;
+  }
+}
+
+TEST(Command, CheckSaysNothingOfTheReachOfAnUnknownRobot) {
+  const ExampleCopy cell("pick_and_place");
+  const Finished wrong = run_command({"check", cell.path(), "--robot", "fanuc/lr_mat"});
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_NE(wrong.output.find("there is no robot 'fanuc/lr_mat'"), std::string::npos) << wrong.output;
+  EXPECT_EQ(wrong.output.find("can be reached"), std::string::npos) << wrong.output;
+}
+
+TEST(Command, ReplaySaysWhatItNeedsInstead) {
+  const test::Folder folder;
+  folder.write("run.mcap", "");
+  const auto says = [&](const std::filesystem::path& path, const char* part) {
+    const Finished wrong = run_command({"replay", path.string()});
+    EXPECT_EQ(wrong.exit_code, 1) << wrong.output;
+    EXPECT_NE(wrong.output.find(part), std::string::npos) << wrong.output;
+    EXPECT_NE(wrong.output.find(".state/faults/0001"), std::string::npos) << wrong.output;
+  };
+  says(folder.path() / "run.mcap", "this is a file, not the folder of a fault");
+  says(folder.path(), "this folder has no record of a fault");
+  says(folder.path() / "none", "there is no such folder");
+}
+
 TEST(Command, AValueThatIsNoNumberIsSaidWithWhatWasExpected) {
   const auto said = [](const std::vector<std::string>& words) {
     const Finished wrong = run_command(words);

@@ -35,7 +35,10 @@ TEST_P(NewCell, ChecksRunsAndPassesItsTest) {
 
 INSTANTIATE_TEST_SUITE_P(Robots, NewCell,
                          ::testing::Values("universal_robots/ur3e", "universal_robots/ur10e",
-                                           "fanuc/lr_mate_200id", "abb/irb_120"));
+                                           "fanuc/lr_mate_200id", "abb/irb_120",
+                                           // With four and five axes.
+                                           "denso/hsr065a1_n32", "fanuc/lr_mate_200ic_5f",
+                                           "trossen_robotics/rx200", "the_robot_studio/so_101"));
 
 TEST(NewCellCommand, WritesOverNothing) {
   const test::Folder folder;

@@ -54,5 +54,28 @@ TEST(ReadOnly, ARunInAFolderThatCannotBeWrittenSaysSoAndNothingElse) {
   EXPECT_EQ(run.output.find("there is nothing called"), std::string::npos) << run.output;
 }
 
+TEST(ReadOnly, ARunNeverBeginsWithTheDataOfTheRunBefore) {
+  const test::Folder folder;
+  folder.write("work.data", "Name: Again\nBool: True\n");
+  folder.write("job.script", "load work\nwhile Again\n  set Again = false\nend\n");
+  folder.write("cell.yaml", std::string("polyarm: cell/1\nrobots: {arm: {model: ") + POLYARM_SOURCE_DIR +
+                                "/examples/r6bot/r6bot.urdf}}\nprogram: job.script\n");
+  ASSERT_EQ(test::run_command({"run", folder.path().string(), "--fast", "--quiet"}).exit_code, 0);
+  const fs::path state = folder.path() / ".state" / "data";
+  ASSERT_TRUE(fs::exists(state / "work.data"));
+  ::chmod(folder.path().c_str(), 0755), ::chmod((folder.path() / ".state").c_str(), 0555),
+      ::chmod(state.c_str(), 0555);
+  test::Finished run;
+  {
+    const Unprivileged nobody;
+    if (::faccessat(AT_FDCWD, POLYARM_COMMAND, X_OK, AT_EACCESS) != 0)
+      GTEST_SKIP() << "the command is not for everybody";
+    run = test::run_command({"run", folder.path().string(), "--fast", "--quiet"});
+  }
+  ::chmod((folder.path() / ".state").c_str(), 0755), ::chmod(state.c_str(), 0755);
+  EXPECT_EQ(run.exit_code, 1) << run.output;
+  EXPECT_NE(run.output.find("the data of the run before cannot be removed"), std::string::npos) << run.output;
+}
+
 }  // namespace
 }  // namespace polyarm

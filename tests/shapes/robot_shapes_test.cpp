@@ -172,7 +172,7 @@ TEST(RobotShapes, NeighboursTouchInEveryPose) {
 
 TEST(RobotShapes, TheFlangeEndsWhereToolsBegin) {
   for (const char* name :
-       {"universal_robots/ur5e", "fanuc/lr_mate_200id", "kuka/lbr_iiwa_7_r800", "abb/irb_120"}) {
+       {"universal_robots/ur5e", "fanuc/lr_mate_200id", "kuka/lbr_iiwa_7_r800", "abb/irb_120", "the_robot_studio/so_101"}) {
     const RobotModel model = catalogue().load(name);
     const std::vector<Pose> at = poses(model, model.start());
     const Pose& tool = at[static_cast<std::size_t>(model.tool_link())];
@@ -184,6 +184,18 @@ TEST(RobotShapes, TheFlangeEndsWhereToolsBegin) {
       highest = std::max(highest, in_tool.z);
     }
     EXPECT_NEAR(highest, 0, 0.002) << name;
+  }
+}
+
+TEST(RobotShapes, ARodIsWhereItsBodyIsWhereverTheJointHasItsFrame) {
+  // The frames of the sliding joint are on the first axis, 0.65 m from the spindle.
+  const RobotModel model = catalogue().load("denso/hsr065a1_n32");
+  const std::vector<Pose> at = poses(model, model.start());
+  const Vec3 tool = at[static_cast<std::size_t>(model.tool_link())].position;
+  for (const LinkShape& each : shapes_of(model)) {
+    if (model.links[static_cast<std::size_t>(each.link)].name != "J3") continue;
+    for (const Vec3& p : samples(each.mesh, at[static_cast<std::size_t>(each.link)], 0.01))
+      EXPECT_LT(std::hypot(p.x - tool.x, p.y - tool.y), 0.06);
   }
 }
 

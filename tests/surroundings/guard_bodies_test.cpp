@@ -124,7 +124,8 @@ TEST(GuardBodies, PointsBeforeAPlaneKeepTheirPiecesApart) {
       const GuardPair& pair = bodies.pairs()[index];
       const GuardGap gap = bodies.gap_of(pair, 1e9);
       if (gap.distance < 1e-3 || gap.distance > 0.2) continue;
-      const std::size_t count = bodies.measure_points(index, 0, gap.distance + 0.05, points);
+      double left_out = 0;
+      const std::size_t count = bodies.measure_points(index, 0, gap.distance + 0.05, points, left_out);
       EXPECT_NEAR(pair.slack, gap.distance, 1e-5);
       ASSERT_GT(count, 0u);
       double least = 1e9;

@@ -30,7 +30,7 @@ export interface Told {
 /** Codes whose sentence is complete. The cell's own words would only add advice for a terminal. */
 export const kSaysAll = new Set([
   'answered-already', 'asked-already', 'discarded', 'disarmed', 'has-ended', 'held', 'moving', 'motion-held', 'no-cell',
-  'no-control', 'no-fault', 'no-program', 'no-role', 'no-speed', 'not-asked', 'not-begun', 'not-held', 'not-paused',
+  'no-control', 'no-fault', 'no-points-file', 'no-program', 'no-role', 'no-speed', 'not-asked', 'not-begun', 'not-held', 'not-paused',
   'nothing-to-step-back', 'overtaken', 'program-changed', 'program-runs', 'session-over', 'still-running', 'stopped',
   'stopping', 'wrong-state'
 ]);

@@ -2,6 +2,7 @@ import { t } from '../i18n';
 import { link } from '../state/cell';
 import { signal } from '@preact/signals';
 import { Icon } from '../ui/Icon';
+import { LogIn } from './LogIn';
 
 /** True after the time that a first connection normally takes. Later losses are shown immediately. */
 const late = signal(false);
@@ -18,6 +19,7 @@ export function LinkBanner() {
       <div>
         <strong>{t(refused ? 'link.refused' : 'link.lost')}</strong>
         <p>{t(refused ? 'link.refusedWhy' : 'link.lostWhy')}</p>
+        <LogIn />
       </div>
     </div>
   );

@@ -1,6 +1,7 @@
 import { t } from '../i18n';
 import { version } from '../state/cell';
 import { Dialog } from '../ui/Dialog';
+import { LoggedIn } from './LogIn';
 import { Looks, Screen } from './ScreenSettings';
 
 const keys: [string, Parameters<typeof t>[0]][] = [
@@ -16,6 +17,7 @@ export function Menu({ onClose }: { onClose: () => void }) {
   return (
     <Dialog title={t('menu.label')} onClose={onClose} side>
       <div class="stack">
+        <LoggedIn />
         <Looks />
         <Screen />
         <section aria-label={t('menu.keys')}>

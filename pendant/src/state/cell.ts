@@ -15,6 +15,7 @@ import type {
   Holder,
   JogEvent,
   LogLine,
+  Near,
   PartPose,
   Plan,
   RobotInfo,
@@ -22,7 +23,7 @@ import type {
   TagValue,
 } from '../wire/types';
 import type { Requests } from '../wire/requests';
-import { readAlarm, readCell, readHolder, readJog, readPart, readPlans, readStatus } from '../wire/read';
+import { readAlarm, readCell, readHolder, readJog, readPart, readNear, readPlans, readStatus } from '../wire/read';
 import { forgetFrames, takeFrame, takeLayout } from './live';
 import { withLines } from './log';
 import { settings } from './settings';
@@ -45,6 +46,8 @@ export const waiting = signal<{ name: string; until: number } | null>(null);
 export const tags = signal<Record<string, TagValue>>({});
 export const parts = signal<Record<string, PartPose>>({});
 export const plans = signal<Record<string, Plan>>({});
+/** What is nearest to each robot that moves. */
+export const nears = signal<Record<string, Near>>({});
 export const alarms = signal<Alarm[]>([]);
 export const log = signal<LogLine[]>([]);
 /** The complete state of the program (tasks, variables). `status.program` is the summary. */
@@ -240,6 +243,7 @@ const events: Record<string, (event: Event) => void> = {
   layout: (e) => {
     takeLayout(new Layout(Number(e.id), e.fields as Field[]));
     plans.value = {};
+    nears.value = {};
     program.value = null;
     void loadProgram();
     loadCell().catch(complain);
@@ -282,6 +286,9 @@ const events: Record<string, (event: Event) => void> = {
   },
   plan: (e) => {
     plans.value = readPlans(e);
+  },
+  near: (e) => {
+    nears.value = readNear(e);
   },
   jog: (e) => {
     jogEvents.value = readJog(e);
@@ -338,6 +345,7 @@ function changeLink(state: LinkState): void {
   asked.value = null;
   waiting.value = null;
   plans.value = {};
+  nears.value = {};
   // Old values are not shown.
   tags.value = {};
   program.value = null;

@@ -59,7 +59,12 @@ export async function loadHealth(): Promise<void> {
 
 export function followHealth(): () => void {
   const end = effect(() => {
-    if (connected.value) void loadHealth();
+    if (connected.value) return void loadHealth();
+    // Old values are not shown.
+    health.value = null;
+    limits.value = [];
+    hardware.value = [];
+    controllers.value = [];
   });
   const timer = setInterval(() => {
     if (connected.peek()) void loadHealth();

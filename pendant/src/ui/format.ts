@@ -21,6 +21,12 @@ export function jointTitle(name: string): string {
   return name.replace(/[_-]?joint[_-]?/gi, ' ').replace(/[_-]/g, ' ').trim() || name;
 }
 
+/** The parts of a name between which a line may break: Activate|Gripper, part_|held. */
+export const nameParts = (name: string): string[] => name.split(/(?<=[\p{Ll}\d])(?=\p{Lu})|(?<=_)/u);
+
+/** Words of a list within a sentence: “Take origin”. */
+export const withinSentence = (words: string): string => words.charAt(0).toLowerCase() + words.slice(1);
+
 /** Seconds as 12.3 s, as 4:05 from a minute on, or as 1:02:03. */
 export function duration(seconds: number): string {
   if (!Number.isFinite(seconds)) return '–';

@@ -1,8 +1,9 @@
 /** The robot's picture on a page: in 3D with WebGL, else as lines. */
 import { computed, effect, signal } from '@preact/signals';
 import { useEffect, useRef, useState } from 'preact/hooks';
-import { t } from '../i18n';
-import { cell, connected, parts, plans, robot, status } from '../state/cell';
+import { number, t } from '../i18n';
+import { bodyWords } from '../i18n/told';
+import { cell, connected, nears, parts, plans, robot, status } from '../state/cell';
 import { newestFrame, onFrame, valueNow } from '../state/live';
 import { baseNow, frames, jointValues, models, scene } from '../state/models';
 import { chosenPoints, dryPaths, pointsIn3d, problemsIn3d } from '../state/preview';
@@ -17,7 +18,7 @@ import './view.css';
 /** A page's preview, shown instead of the plan from the cell. */
 export const preview = signal<{ robot: string; path: Vec3[]; joints: Record<string, number> | null } | null>(null);
 export const handle = signal<Handle | null>(null);
-const layers = kept<Layers>('layers', { trail: true, plan: true, frames: false, zones: true });
+const layers = kept<Layers>('layers', { trail: true, plan: true, frames: false, zones: true, things: true, names: false, near: true });
 
 function webgl(): boolean {
   try {
@@ -37,8 +38,17 @@ export function RobotView() {
     <section class="view" aria-label={t('view.label')}>
       {!connected.value && <p class="view-old">{t('link.oldPicture')}</p>}
       {failed ? <FlatView /> : <Picture onFail={() => setFailed(true)} />}
+      <Slowed />
     </section>
   );
+}
+
+/** Says why a planned move is slower than it was planned. */
+function Slowed() {
+  const slow = Object.values(nears.value).find((each) => each.pace < 0.95);
+  if (!slow) return null;
+  const words = { a: bodyWords(slow.a), b: bodyWords(slow.b), mm: number(1000 * slow.distance, 0) };
+  return <p class="view-slowed">{t(slow.pace > 0 ? 'view.slowed' : 'view.heldBefore', words)}</p>;
 }
 
 function Picture({ onFail }: { onFail: () => void }) {
@@ -116,6 +126,7 @@ function follow(picture: CellPicture): (() => void)[] {
       picture.setContacts(touching.value);
     }),
     effect(() => picture.setLayers(layers.value)),
+    effect(() => picture.setNear(Object.values(nears.value))),
     effect(() => showPlans(picture)),
     effect(() => picture.setHandle(handle.value)),
     onFrame(update),
@@ -156,6 +167,9 @@ const shownLayers: { id: keyof Layers; label: Parameters<typeof t>[0] }[] = [
   { id: 'plan', label: 'view.plan' },
   { id: 'frames', label: 'view.frames' },
   { id: 'zones', label: 'view.zones' },
+  { id: 'things', label: 'view.things' },
+  { id: 'names', label: 'view.names' },
+  { id: 'near', label: 'view.distances' },
 ];
 
 function Tools({ picture }: { picture: CellPicture }) {

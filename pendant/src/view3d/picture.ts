@@ -1,12 +1,13 @@
 /** The cell in 3D: robots, scene, parts, frames, trail, plan, ghost, and the handle to drag the TCP. */
 import * as THREE from 'three';
 import { TransformControls } from 'three/examples/jsm/controls/TransformControls.js';
-import type { PartPose, Plan, Pose, RobotInfo, RobotModel, SceneInfo, SceneThing, Touch, Vec3 } from '../wire/types';
+import type { Near, PartPose, Plan, Pose, RobotInfo, RobotModel, SceneInfo, SceneThing, Touch, Vec3 } from '../wire/types';
 import type { DryPath, DryProblem, NamedPose } from '../state/preview';
 import { compose, inverse } from './chain';
 import { RobotFigure } from './figure';
+import { clearanceColor, Nearest } from './clearance';
 import { Contacts } from './contacts';
-import { Overlay } from './overlay';
+import { empty, label, Overlay } from './overlay';
 import { axes, dispose, disposeAll, place, shape } from './shapes';
 import { Stage, type ViewName } from './stage';
 import { Trail } from './trail';
@@ -16,6 +17,9 @@ export interface Layers {
   plan: boolean;
   frames: boolean;
   zones: boolean;
+  things: boolean;
+  names: boolean;
+  near: boolean;
 }
 
 export interface Ghost {
@@ -44,6 +48,15 @@ function footOf(model: RobotModel): number {
   return Math.min(0.5, Math.max(0.05, 0.06 * way + 0.02));
 }
 
+/** The name of a thing above it. */
+function nameOf(thing: THREE.Object3D): THREE.Object3D {
+  const box = new THREE.Box3().setFromObject(thing);
+  const out = label(thing.name, false);
+  if (box.isEmpty()) out.position.copy(thing.position);
+  else box.getCenter(out.position).setZ(box.max.z);
+  return out;
+}
+
 export class CellPicture {
   readonly stage: Stage;
   private readonly robots = new Map<string, RobotFigure>();
@@ -58,6 +71,8 @@ export class CellPicture {
   private readonly frames = new THREE.Group();
   private readonly overlay = new Overlay();
   private readonly contacts = new Contacts();
+  private readonly nearest = new Nearest();
+  private readonly names = new THREE.Group();
   private readonly moving = new Map<string, THREE.Object3D>();
   private readonly carried: { object: THREE.Object3D; home: THREE.Vector3; axis: THREE.Vector3; field: string }[] = [];
   private readonly trails = new Map<string, Trail>();
@@ -88,11 +103,11 @@ export class CellPicture {
   private framed = false;
   private floor = 0;
   private dark = true;
-  private layers: Layers = { trail: true, plan: true, frames: false, zones: true };
+  private layers: Layers = { trail: true, plan: true, frames: false, zones: true, things: true, names: false, near: true };
 
   constructor(canvas: HTMLCanvasElement) {
     this.stage = new Stage(canvas);
-    this.stage.scene.add(this.things, this.zones, this.frames, this.overlay.group, this.contacts.group);
+    this.stage.scene.add(this.things, this.zones, this.frames, this.overlay.group, this.contacts.group, this.nearest.group, this.names);
   }
 
   setTheme(dark: boolean): void {
@@ -144,11 +159,13 @@ export class CellPicture {
       dispose(group);
       group.clear();
     }
+    empty(this.names);
     this.moving.clear();
     this.carried.length = 0;
     for (const thing of scene.things) {
       const object = this.thing(thing);
       if (thing.moving) this.moving.set(thing.name, object);
+      else if (thing.kind === 'fixture') this.names.add(nameOf(object));
       const mover = scene.movers.find((each) => each.name === thing.mover);
       if (mover) this.carried.push({ object, home: object.position.clone(), axis: new THREE.Vector3(...mover.axis), field: mover.field });
     }
@@ -176,6 +193,11 @@ export class CellPicture {
     for (const [robot, figure] of this.robots) figure.root.traverse((each) => each.name && bodies.set(`${robot}/${each.name}`, each));
     this.contacts.show(touches, bodies);
     this.redraw();
+  }
+
+  /** Shows where robots are nearest to something. */
+  setNear(nears: readonly Near[]): void {
+    if (this.nearest.show(nears)) this.redraw();
   }
 
   /** Shows named frames. */
@@ -260,6 +282,9 @@ export class CellPicture {
     this.layers = layers;
     this.frames.visible = layers.frames;
     this.zones.visible = layers.zones;
+    for (const each of this.things.children) if (!this.moving.has(each.name)) each.visible = layers.things;
+    this.names.visible = layers.names && layers.things;
+    this.nearest.group.visible = layers.near;
     for (const trail of this.trails.values()) trail.line.visible = layers.trail;
     for (const path of this.paths.values()) path.visible = layers.plan;
     for (const ghost of this.ghosts.values()) ghost.root.visible = layers.plan;
@@ -279,7 +304,9 @@ export class CellPicture {
     this.paths.delete(robot);
     if (plan?.path && plan.path.length > 1) {
       const form = new THREE.BufferGeometry().setFromPoints(plan.path.map((p) => new THREE.Vector3(...p)));
-      const line = new THREE.Line(form, new THREE.LineDashedMaterial({ color: 0x3d8bff, dashSize: 0.012, gapSize: 0.008 }));
+      const tints = plan.path.flatMap((_, i) => clearanceColor(plan.clear?.[i]).toArray());
+      form.setAttribute('color', new THREE.Float32BufferAttribute(tints, 3));
+      const line = new THREE.Line(form, new THREE.LineDashedMaterial({ vertexColors: true, dashSize: 0.012, gapSize: 0.008 }));
       line.computeLineDistances();
       line.visible = this.layers.plan;
       this.paths.set(robot, line);

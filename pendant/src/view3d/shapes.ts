@@ -52,12 +52,27 @@ function geometry(visual: Visual): THREE.BufferGeometry | null {
   }
 }
 
+/** Many boxes as one object: the body of a point cloud. Six numbers each: the middle and the edges. */
+function boxes(visual: Visual): THREE.Object3D {
+  const all = visual.boxes ?? [];
+  const out = new THREE.InstancedMesh(new THREE.BoxGeometry(1, 1, 1), material(visual.color), all.length / 6);
+  const at = new THREE.Matrix4();
+  for (let i = 0; 6 * i < all.length; ++i) {
+    const [x, y, z, dx, dy, dz] = all.slice(6 * i, 6 * i + 6) as [number, number, number, number, number, number];
+    out.setMatrixAt(i, at.makeScale(dx, dy, dz).setPosition(x, y, z));
+  }
+  out.computeBoundingSphere();
+  return out;
+}
+
 /** One shape at its pose. A mesh is added to the returned group when it is loaded; `ready` is then called. */
 export function shape(visual: Visual, ready: () => void, edges = false): THREE.Object3D {
   const group = new THREE.Group();
   place(group, visual.origin);
   const form = geometry(visual);
-  if (form) {
+  if (visual.shape === 'boxes') {
+    group.add(boxes(visual));
+  } else if (form) {
     const mesh = new THREE.Mesh(form, material(visual.color));
     mesh.castShadow = mesh.receiveShadow = true;
     group.add(mesh);

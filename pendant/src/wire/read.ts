@@ -2,7 +2,7 @@
  * Converts messages of the server to the page's types. Missing fields get harmless values; nothing here
  * throws.
  */
-import type {Alarm, CellInfo, Contacts, Facts, Holder, JogEvent, PartPose, Plan, ProgramStatus, Quat, SceneInfo, SceneThing, Status, Touch, Vec3, Visual, Why} from './types';
+import type {Alarm, CellInfo, Contacts, Facts, Holder, JogEvent, Near, PartPose, Plan, ProgramStatus, Quat, SceneInfo, SceneThing, Status, Touch, Vec3, Visual, Why} from './types';
 import type { Json } from './connection';
 import type { ProgramOverview } from './requests';
 
@@ -146,7 +146,26 @@ export function readPart(each: Json): PartPose {
 export function readPlans(event: Json): Record<string, Plan> {
   const plans = Object.entries((event.plans ?? {}) as Record<string, Json>);
   return Object.fromEntries(
-    plans.map(([robot, each]) => [robot, { robot, path: Array.isArray(each.path) ? (each.path as Vec3[]) : null, target: (each.target ?? null) as Plan['target'] }]),
+    plans.map(([robot, each]) => [robot, { robot, path: Array.isArray(each.path) ? (each.path as Vec3[]) : null, clear: Array.isArray(each.clear) ? (each.clear as number[]) : [], target: (each.target ?? null) as Plan['target'] }]),
+  );
+}
+
+/** What is nearest to each robot. A robot without an entry has nothing near it. */
+export function readNear(event: Json): Record<string, Near> {
+  const near = Object.entries((event.robots ?? {}) as Record<string, Json>);
+  return Object.fromEntries(
+    near.map(([robot, each]) => [
+      robot,
+      {
+        a: text(each.a),
+        b: text(each.b),
+        distance: num(each.distance, NaN),
+        kept: num(each.kept, NaN),
+        onA: each.on_a as Vec3,
+        onB: each.on_b as Vec3,
+        pace: num(each.pace, 1),
+      },
+    ]),
   );
 }
 

@@ -140,9 +140,11 @@ export interface CellInfo {
 }
 
 export interface Visual {
-  shape: 'capsule' | 'box' | 'cylinder' | 'sphere' | 'mesh' | string;
+  shape: 'capsule' | 'box' | 'cylinder' | 'sphere' | 'mesh' | 'boxes' | string;
   /** Box: the lengths of its sides. */
   size?: Vec3;
+  /** 'boxes': six numbers each, the middle and the lengths of the sides. */
+  boxes?: number[];
   radius?: number;
   length?: number;
   origin: Pose;
@@ -235,9 +237,25 @@ export interface Alarm {
   seen?: boolean;
 }
 
+/** What is nearest to a robot, as its guard measures it. Lengths in m, in the world. */
+export interface Near {
+  /** The robot's body, and what is near it, as contacts name them: `arm/forearm_link`, `fixture table`. */
+  a: string;
+  b: string;
+  distance: number;
+  /** The distance that the guard keeps of them; NaN: none. */
+  kept: number;
+  onA: Vec3;
+  onB: Vec3;
+  /** How fast the guard lets a planned move go on, 0 to 1. */
+  pace: number;
+}
+
 export interface Plan {
   robot: string;
   path: Vec3[] | null;
+  /** For each place of the path: the distance of the robot from everything else, m; empty: not known yet. */
+  clear?: number[];
   target: { joints: number[] | Record<string, number> } | null;
 }
 

@@ -49,6 +49,7 @@ class HardwareComponentInterface : public rclcpp_lifecycle::node_interfaces::Lif
                                       params.hardware_info.name);
     clock_ = params.clock ? params.clock : std::make_shared<rclcpp::Clock>(RCL_ROS_TIME);
     info_ = params.hardware_info;
+    executor_ = params.executor;
     HardwareComponentInterfaceParams own;
     own.hardware_info = params.hardware_info;
     own.executor = params.executor;
@@ -122,7 +123,10 @@ class HardwareComponentInterface : public rclcpp_lifecycle::node_interfaces::Lif
   rclcpp::Logger get_logger() const { return logger_; }
   rclcpp::Clock::SharedPtr get_clock() const { return clock_; }
   rclcpp::Node::SharedPtr get_node() const {
-    if (!node_) node_ = std::make_shared<rclcpp::Node>(info_.name);
+    if (!node_) {
+      node_ = std::make_shared<rclcpp::Node>(info_.name);
+      if (const auto executor = executor_.lock()) executor->add_node(node_);
+    }
     return node_;
   }
   void prepare_for_activation() {}
@@ -235,6 +239,7 @@ class HardwareComponentInterface : public rclcpp_lifecycle::node_interfaces::Lif
   rclcpp::Logger logger_ = rclcpp::get_logger("hardware");
   rclcpp::Clock::SharedPtr clock_ = std::make_shared<rclcpp::Clock>(RCL_ROS_TIME);
   mutable rclcpp::Node::SharedPtr node_;
+  std::weak_ptr<rclcpp::Executor> executor_;
   std::unordered_map<std::string, StateInterface::SharedPtr> states_;
   std::unordered_map<std::string, CommandInterface::SharedPtr> commands_;
 };

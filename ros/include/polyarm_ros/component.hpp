@@ -19,6 +19,7 @@
 #include "polyarm/hardware/component.hpp"
 #include "polyarm_ros/description.hpp"
 #include "polyarm_ros/exported.hpp"
+#include "polyarm_ros/log.hpp"
 #include "polyarm_ros/reason.hpp"
 
 namespace polyarm_ros {
@@ -217,7 +218,22 @@ class RosComponent : public hw::Component {
   void take_handles(Part& part);
   void spin_nodes() {
     if (!executor_ || spinner_.joinable() || !executor_->has_nodes()) return;
-    spinner_ = std::thread([executor = executor_] { executor->spin(); });
+    spinner_ = std::thread([this] {
+      while (!spin_until_throw()) {
+      }
+    });
+  }
+  /// True if the executor has ended; false after a callback that threw: the others go on.
+  bool spin_until_throw() {
+    try {
+      executor_->spin();
+      return true;
+    } catch (const std::exception& e) {
+      log_format(Severity::error, name_, "a callback of its node: %s", e.what());
+    } catch (...) {
+      log_format(Severity::error, name_, "a callback of its node threw something that is no std::exception");
+    }
+    return false;
   }
   /// Those of `names` that are the part's, without the robot's name.
   static std::vector<std::string> names_for(const Part& part, std::span<const std::string> names) {

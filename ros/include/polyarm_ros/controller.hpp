@@ -94,7 +94,7 @@ class RosController : public pc::Controller, public pc::RobotUser {
     return false;
   }
   std::optional<pc::GoalEvent> next_goal_event() override {
-    if (node_) node_->get_node_base_interface()->run_due();
+    if (node_) run_node();
     const std::lock_guard lock(events_mutex_);
     if (events_.empty()) return std::nullopt;
     const pc::GoalEvent out = events_.front();
@@ -167,6 +167,13 @@ class RosController : public pc::Controller, public pc::RobotUser {
                            "its log above says why");
   }
 
+  /// Timers, and what has come from the ROS 2 graph.
+  void run_node() {
+    guarded("a callback of its node", [&] {
+      node_->get_node_base_interface()->run_due();
+      return ci::CallbackReturn::SUCCESS;
+    });
+  }
   std::uint64_t hand_over(const std::string& port, const pc::Input& message);
   /// Stamps are in the controller's own time, which slowed time has put behind the cell's: a stamp of now is now.
   Naming naming() const {
@@ -314,9 +321,8 @@ inline pc::CallbackReturn RosController::on_configure(pc::ControllerContext& con
   follows_ = false;
   for (const auto& action : wires().actions())
     follows_ = follows_ || *action->type == typeid(control_msgs::action::FollowJointTrajectory::Goal);
-  for (const auto& listener : wires().listeners())
-    if (!find_conversion(*listener->type))
-      log_format(Severity::info, name_.c_str(), "nothing sends to the topic '%s' here", listener->topic.c_str());
+  for (const auto& listener : wires().listeners())  // the door has the controller's inputs already
+    if (find_conversion(*listener->type)) listener->port.reset();
   return pc::CallbackReturn::success;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
-/// Services and actions of a plugin lead nowhere, and its topics only to nodes of the same module, except those of
-/// controllers that wires.hpp connects.
-/// The first use of each name is logged once.
+/// What of a plugin's nodes leads nowhere: clients, actions that wires.hpp does not connect, and messages that were
+/// not made from a definition. The first use of each name is logged.
 #include <mutex>
 #include <set>
 #include <string>
@@ -15,7 +14,7 @@ inline void report_unavailable(const std::string& node, const char* what, const 
   static std::set<std::string> said;
   const std::lock_guard lock(mutex);
   if (said.insert(what + name).second)
-    log_format(Severity::warn, node.c_str(), "the %s '%s' leads %s: plugins are not on the ROS 2 graph", what,
+    log_format(Severity::warn, node.c_str(), "the %s '%s' leads %s: it is not on the ROS 2 graph", what,
                name.c_str(), std::string(what) == "topic" ? "no further than this module" : "nowhere");
 }
 

@@ -61,23 +61,35 @@ class NodeApi {
           rclcpp::call_with_message(callback, *static_cast<const Message*>(message));
         },
         on, qos.depth());
+    listener->port =
+        open_port<Message>(PortKind::subscription, get_fully_qualified_name(), topic, full(topic), qos);
+    listener->take_from_port = take_from<Message>;
     on->add(listener);
-    note("topic", topic);
+    note("topic", topic, listener->port);
     core_->wires.add(listener);
     return std::make_shared<rclcpp::Subscription<Message>>(std::move(listener));
   }
   template <typename Publisher>
-  std::shared_ptr<Publisher> make_publisher(const std::string& topic) {
-    auto speaker = std::make_shared<Speaker>(topic, &typeid(typename Publisher::MessageType), find_topic(full(topic)));
-    note("topic", topic);
+  std::shared_ptr<Publisher> make_publisher(const std::string& topic, const rclcpp::QoS& qos) {
+    using Message = typename Publisher::MessageType;
+    auto speaker = std::make_shared<Speaker>(topic, &typeid(Message), find_topic(full(topic)));
+    speaker->port = open_port<Message>(PortKind::publisher, get_fully_qualified_name(), topic, full(topic), qos);
+    note("topic", topic, speaker->port);
     core_->wires.add(speaker);
     return std::make_shared<Publisher>(std::move(speaker));
   }
   /// For the wrapper of a controller.
   Wires& polyarm_wires() { return core_->wires; }
   template <typename Type, typename Callback, typename... Rest>
-  typename rclcpp::Service<Type>::SharedPtr create_service(const std::string& name, Callback&&, Rest&&...) {
-    return std::make_shared<rclcpp::Service<Type>>(get_name(), name);
+  typename rclcpp::Service<Type>::SharedPtr create_service(const std::string& name, Callback&& callback,
+                                                           Rest&&...) {
+    Port port = open_port<Type>(PortKind::service, get_fully_qualified_name(), name, full(name),
+                                rclcpp::QoS(polyarm::hardware::LetterQueue::kMost));
+    note("service", name, port);
+    auto service =
+        std::make_shared<rclcpp::Service<Type>>(name, std::move(port), std::forward<Callback>(callback));
+    core_->wires.add(std::shared_ptr<Callee>(service));
+    return service;
   }
   template <typename Type, typename... Rest>
   typename rclcpp::Client<Type>::SharedPtr create_client(const std::string& name, Rest&&...) {
@@ -182,8 +194,8 @@ class NodeApi {
   std::string full(const std::string& topic) const {
     return full_topic(get_namespace(), get_fully_qualified_name(), topic);
   }
-  void note(const char* what, const std::string& name) const {
-    if (!core_->wires.open) report_unavailable(get_name(), what, name);
+  void note(const char* what, const std::string& name, const Port& port) const {
+    if (!port && !core_->wires.open) report_unavailable(get_name(), what, name);
   }
   Core core_;
 };

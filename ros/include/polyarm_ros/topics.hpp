@@ -1,6 +1,7 @@
 #pragma once
-/// Topics between the nodes of one module. A publisher hands a copy of its message to each subscription of its
-/// topic and type; the node's executor calls them. A topic without subscriptions costs one look at a number.
+/// Topics between the nodes of one module, and to the ROS 2 graph (graph.hpp). A publisher hands a copy of its message
+/// to each subscription of its topic and type; the node's executor calls them. A topic without subscriptions costs
+/// two looks at a number.
 #include <atomic>
 #include <cstddef>
 #include <deque>
@@ -12,6 +13,8 @@
 #include <typeinfo>
 #include <utility>
 #include <vector>
+
+#include "polyarm_ros/graph.hpp"
 
 namespace polyarm_ros {
 
@@ -70,6 +73,7 @@ struct Listener {
     waiting_.push_back(std::move(message));
   }
   std::shared_ptr<const void> next() {
+    pull();
     const std::lock_guard lock(mutex_);
     if (waiting_.empty()) return nullptr;
     auto out = std::move(waiting_.front());
@@ -78,6 +82,7 @@ struct Listener {
   }
   /// Delivers what was waiting at the call; false if nothing was.
   bool run() {
+    pull();
     std::size_t left = 0;
     {
       const std::lock_guard lock(mutex_);
@@ -93,8 +98,14 @@ struct Listener {
   const std::string topic;
   const std::type_info* const type;
   const std::function<void(const void*)> deliver;
+  Port port;  ///< null if nothing comes from the graph
+  std::function<std::shared_ptr<const void>(polyarm::hardware::NodePort&)> take_from_port;
 
  private:
+  void pull() {
+    if (!port || !take_from_port) return;
+    while (auto message = take_from_port(*port)) take(std::move(message));
+  }
   std::shared_ptr<Topic> on_;
   std::size_t keep_;
   std::mutex mutex_;
@@ -114,6 +125,7 @@ struct Speaker {
   const std::string topic;
   const std::type_info* const type;
   std::function<void(const void*)> take;
+  Port port;  ///< null if nothing goes to the graph
   const std::shared_ptr<Topic> on;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 /// Where the topics and actions of a controller's node end: the wrapper of the controller delivers messages to
-/// its subscriptions, takes what it publishes, and hands goals to its action servers. Without a wrapper topics
-/// end in their module (topics.hpp), and actions nowhere.
+/// its subscriptions, takes what it publishes, and hands goals to its action servers. Other topics and services lead to
+/// nodes of the module and to the ROS 2 graph (topics.hpp); other actions lead nowhere.
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -26,6 +26,12 @@ struct ActionPort {
   std::function<bool(std::uint64_t)> cancel;
 };
 
+/// A service of a node. Its callbacks run in `run`; false if nothing waited.
+struct Callee {
+  virtual ~Callee() = default;
+  virtual bool run() = 0;
+};
+
 /// Of one node. Any thread.
 class Wires {
  public:
@@ -35,9 +41,11 @@ class Wires {
   void add(const std::shared_ptr<Listener>& each) { add_to(listeners_, each); }
   void add(const std::shared_ptr<Speaker>& each) { add_to(speakers_, each); }
   void add(const std::shared_ptr<ActionPort>& each) { add_to(actions_, each); }
+  void add(const std::shared_ptr<Callee>& each) { add_to(callees_, each); }
   std::vector<std::shared_ptr<Listener>> listeners() const { return alive(listeners_); }
   std::vector<std::shared_ptr<Speaker>> speakers() const { return alive(speakers_); }
   std::vector<std::shared_ptr<ActionPort>> actions() const { return alive(actions_); }
+  std::vector<std::shared_ptr<Callee>> callees() const { return alive(callees_); }
 
  private:
   template <typename T>
@@ -57,6 +65,7 @@ class Wires {
   std::vector<std::weak_ptr<Listener>> listeners_;
   std::vector<std::weak_ptr<Speaker>> speakers_;
   std::vector<std::weak_ptr<ActionPort>> actions_;
+  std::vector<std::weak_ptr<Callee>> callees_;
 };
 
 }  // namespace polyarm_ros

@@ -1,6 +1,5 @@
 #pragma once
-/// Executors run the timers of their nodes, and the subscriptions to what nodes of the same module publish.
-/// Nothing else calls back: services lead nowhere.
+/// Executors run the timers, subscriptions and services of their nodes.
 #include <atomic>
 #include <chrono>
 #include <future>

@@ -24,7 +24,8 @@ class PublisherBase {
   virtual ~PublisherBase() = default;
   const char* get_topic_name() const { return speaker_->topic.c_str(); }
   std::size_t get_subscription_count() const {
-    return (speaker_->take ? 1u : 0u) + static_cast<std::size_t>(speaker_->on->listeners.load());
+    return (speaker_->take ? 1u : 0u) + static_cast<std::size_t>(speaker_->on->listeners.load()) +
+           (speaker_->port ? speaker_->port->peers.load() : 0u);
   }
   std::size_t get_intra_process_subscription_count() const { return 0; }
   bool assert_liveliness() const { return true; }
@@ -34,6 +35,7 @@ class PublisherBase {
   void hand_on(const Message& message) const {
     if (speaker_->take) speaker_->take(&message);
     speaker_->on->send(message);
+    if (speaker_->port) polyarm_ros::send_on(*speaker_->port, message);
   }
 
  private:
@@ -50,8 +52,8 @@ class LoanedMessage {
   Message message_;
 };
 
-/// Publishes to the wrapper of a controller and to subscriptions of the same module. Without these it allocates
-/// nothing and waits for nothing.
+/// Publishes to the wrapper of a controller, to subscriptions of the same module and to the ROS 2 graph. Without
+/// these it allocates nothing and waits for nothing.
 template <typename Message, typename Allocator = std::allocator<void>>
 class Publisher : public PublisherBase {
  public:

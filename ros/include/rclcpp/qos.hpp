@@ -1,5 +1,5 @@
 #pragma once
-/// Quality of service: kept, and without effect in a plugin.
+/// Quality of service. Depth, reliability and durability count on the ROS 2 graph; the rest has no effect.
 #include <cstddef>
 
 #include "rclcpp/duration.hpp"
@@ -32,7 +32,8 @@ struct rmw_qos_profile_t {
   rmw_qos_reliability_policy_e reliability = RMW_QOS_POLICY_RELIABILITY_RELIABLE;
   rmw_qos_durability_policy_e durability = RMW_QOS_POLICY_DURABILITY_VOLATILE;
 };
-inline const rmw_qos_profile_t rmw_qos_profile_default{}, rmw_qos_profile_sensor_data{},
+inline const rmw_qos_profile_t rmw_qos_profile_default{},
+    rmw_qos_profile_sensor_data{RMW_QOS_POLICY_HISTORY_KEEP_LAST, 5, RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT},
     rmw_qos_profile_services_default{}, rmw_qos_profile_parameters{}, rmw_qos_profile_system_default{};
 
 namespace rclcpp {
@@ -67,18 +68,28 @@ class QoS {
   QoS& history(HistoryPolicy) { return *this; }
   QoS& keep_last(std::size_t depth) { return profile_.depth = depth, *this; }
   QoS& keep_all() { return *this; }
-  QoS& reliability(ReliabilityPolicy) { return *this; }
-  QoS& reliability(rmw_qos_reliability_policy_e) { return *this; }
-  QoS& reliable() { return *this; }
-  QoS& best_effort() { return *this; }
-  QoS& durability(DurabilityPolicy) { return *this; }
-  QoS& durability(rmw_qos_durability_policy_e) { return *this; }
-  QoS& durability_volatile() { return *this; }
-  QoS& transient_local() { return *this; }
+  QoS& reliability(ReliabilityPolicy policy) {
+    return policy == ReliabilityPolicy::BestEffort ? best_effort() : reliable();
+  }
+  QoS& reliability(rmw_qos_reliability_policy_e policy) { return profile_.reliability = policy, *this; }
+  QoS& reliable() { return reliability(RMW_QOS_POLICY_RELIABILITY_RELIABLE); }
+  QoS& best_effort() { return reliability(RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT); }
+  QoS& durability(DurabilityPolicy policy) {
+    return policy == DurabilityPolicy::TransientLocal ? transient_local() : durability_volatile();
+  }
+  QoS& durability(rmw_qos_durability_policy_e policy) { return profile_.durability = policy, *this; }
+  QoS& durability_volatile() { return durability(RMW_QOS_POLICY_DURABILITY_VOLATILE); }
+  QoS& transient_local() { return durability(RMW_QOS_POLICY_DURABILITY_TRANSIENT_LOCAL); }
   QoS& deadline(const Duration&) { return *this; }
   QoS& lifespan(const Duration&) { return *this; }
   QoS& liveliness(LivelinessPolicy) { return *this; }
   std::size_t depth() const { return profile_.depth; }
+  bool polyarm_reliable() const {
+    return profile_.reliability != RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT;
+  }
+  bool polyarm_transient_local() const {
+    return profile_.durability == RMW_QOS_POLICY_DURABILITY_TRANSIENT_LOCAL;
+  }
   const rmw_qos_profile_t& get_rmw_qos_profile() const { return profile_; }
   rmw_qos_profile_t& get_rmw_qos_profile() { return profile_; }
 
@@ -91,7 +102,6 @@ class QoS {
     NAME() : QoS(10) {}                                               \
     explicit NAME(const QoSInitialization& initial) : QoS(initial) {} \
   };
-POLYARM_ROS_QOS_(SensorDataQoS)
 POLYARM_ROS_QOS_(SystemDefaultsQoS)
 POLYARM_ROS_QOS_(ServicesQoS)
 POLYARM_ROS_QOS_(ParametersQoS)
@@ -100,5 +110,10 @@ POLYARM_ROS_QOS_(ClockQoS)
 POLYARM_ROS_QOS_(RosoutQoS)
 POLYARM_ROS_QOS_(BestAvailableQoS)
 #undef POLYARM_ROS_QOS_
+class SensorDataQoS : public QoS {
+ public:
+  SensorDataQoS() : SensorDataQoS(KeepLast(5)) {}
+  explicit SensorDataQoS(const QoSInitialization& initial) : QoS(initial, rmw_qos_profile_sensor_data) {}
+};
 
 }  // namespace rclcpp

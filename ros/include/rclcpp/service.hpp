@@ -1,8 +1,14 @@
 #pragma once
+#include <cstdint>
+#include <cstring>
+#include <functional>
 #include <memory>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include "polyarm_ros/door.hpp"
+#include "polyarm_ros/wires.hpp"
 #include "rclcpp/callback_group.hpp"
 #include "rclcpp/qos.hpp"
 
@@ -13,25 +19,76 @@ struct rmw_request_id_t {
 
 namespace rclcpp {
 
-class ServiceBase {
+class ServiceBase : public polyarm_ros::Callee {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(ServiceBase)
-  ServiceBase(const std::string& node, std::string name) : name_(std::move(name)) {
-    polyarm_ros::report_unavailable(node, "service", name_);
-  }
-  virtual ~ServiceBase() = default;
+  ServiceBase(std::string name, polyarm_ros::Port port) : port_(std::move(port)), name_(std::move(name)) {}
   const char* get_service_name() const { return name_.c_str(); }
+
+ protected:
+  polyarm_ros::Port port_;
 
  private:
   std::string name_;
 };
-/// Never called.
+
+/// Called by clients on the ROS 2 graph. The node's executor runs the callback.
 template <typename Type>
-class Service : public ServiceBase {
+class Service : public ServiceBase, public std::enable_shared_from_this<Service<Type>> {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(Service<Type>)
-  using ServiceBase::ServiceBase;
-  void send_response(rmw_request_id_t&, typename Type::Response&) {}
+  using Request = typename Type::Request;
+  using Response = typename Type::Response;
+  using Header = std::shared_ptr<rmw_request_id_t>;
+
+  template <typename Callback>
+  Service(std::string name, polyarm_ros::Port port, Callback callback)
+      : ServiceBase(std::move(name), std::move(port)),
+        call_([this, callback](const Header& header, const std::shared_ptr<Request>& request) mutable {
+          answer(callback, header, request);
+        }) {}
+
+  /// For a callback that answers later.
+  void send_response(rmw_request_id_t& header, Response& response) {
+    if constexpr (polyarm_ros::HasFields<Response>::value)
+      if (port_)
+        port_->to_graph.put(static_cast<std::uint64_t>(header.sequence_number), true,
+                            [&](polyarm_ros::Payload& out) { polyarm_ros::encode(response, out); });
+  }
+  bool run() override {
+    bool any = false;
+    if constexpr (polyarm_ros::HasFields<Request>::value) {
+      polyarm::hardware::Letter letter;
+      while (port_ && port_->from_graph.take(letter)) {
+        any = true;
+        auto request = std::make_shared<Request>();
+        if (!polyarm_ros::decode(letter.payload, *request)) continue;
+        auto header = std::make_shared<rmw_request_id_t>();
+        header->sequence_number = static_cast<long long>(letter.number);
+        call_(header, request);
+      }
+    }
+    return any;
+  }
+
+ private:
+  template <typename Callback>
+  void answer(Callback& callback, const Header& header, const std::shared_ptr<Request>& request) {
+    auto response = std::make_shared<Response>();
+    if constexpr (std::is_invocable_v<Callback&, std::shared_ptr<Request>, std::shared_ptr<Response>>) {
+      callback(request, response);
+    } else if constexpr (std::is_invocable_v<Callback&, Header, std::shared_ptr<Request>,
+                                             std::shared_ptr<Response>>) {
+      callback(header, request, response);
+    } else if constexpr (std::is_invocable_v<Callback&, std::shared_ptr<Service>, Header,
+                                             std::shared_ptr<Request>>) {
+      return callback(this->shared_from_this(), header, request);
+    } else if constexpr (std::is_invocable_v<Callback&, Header, std::shared_ptr<Request>>) {
+      return callback(header, request);
+    }
+    send_response(*header, *response);
+  }
+  std::function<void(const Header&, const std::shared_ptr<Request>&)> call_;
 };
 
 }  // namespace rclcpp

@@ -24,8 +24,8 @@ class LifecycleNode : public node_interfaces::LifecycleNodeInterface,
 
   template <typename Message, typename... Rest>
   typename LifecyclePublisher<Message>::SharedPtr create_publisher(const std::string& topic,
-                                                                   const rclcpp::QoS&, Rest&&...) {
-    return make_publisher<LifecyclePublisher<Message>>(topic);
+                                                                   const rclcpp::QoS& qos, Rest&&...) {
+    return make_publisher<LifecyclePublisher<Message>>(topic, qos);
   }
   const State& get_current_state() const { return state_; }
   /// For the wrapper, which changes the state of controllers.

@@ -39,6 +39,7 @@ export const move = {
   'move.held.limit': 'Held back by a joint limit',
   'move.held.workspace': 'Held back by the workspace',
   'move.held.body': 'Held back: something is near',
+  'move.heldBefore': 'Held {mm} mm before {b}: {a}',
 
   'move.keyboard': 'Keyboard',
   'move.keyboardWhy': 'Keys Q W E R T Y U I move up, A S D F G H J K down, as long as they are held',

@@ -18,6 +18,15 @@ export const shell = {
   'link.refusedWhy': 'Open the current link of the cell: the terminal that runs it shows it.',
   'link.lostWhy':
       'No values are shown, and Stop does not reach the cell. Use the emergency stop of the robot.',
+  'login.title': 'Log in',
+  'login.name': 'Name',
+  'login.password': 'Password',
+  'login.enter': 'Log in',
+  'login.wrong': 'The name or the password is wrong.',
+  'login.wait': 'Too many wrong passwords. Try again in {seconds} s.',
+  'login.failed': 'The cell does not answer. Try again.',
+  'login.as': 'Logged in as {name}',
+  'login.leave': 'Log out',
   'link.back': 'Connected again',
 
   'state.label': 'State',

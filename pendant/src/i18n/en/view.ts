@@ -14,5 +14,11 @@ export const view = {
   'view.zones': 'Zones and bins',
   'view.clearTrail': 'Clear trail',
   'view.flat': 'Simple view: this browser has no WebGL.',
+  'view.things': 'Obstacles',
+  'view.names': 'Names of obstacles',
+  'view.distances': 'Nearest distance',
+  'view.near': '{a} – {b}: {mm} mm',
+  'view.slowed': 'Slowed down: {a} is {mm} mm from {b}',
+  'view.heldBefore': 'Held {mm} mm before {b}: {a}',
   'view.contact': '{a} – {b}: {mm} mm',
 } as const;

@@ -41,6 +41,7 @@ export const move: Record<keyof typeof en, string> = {
   'move.held.limit': 'Frenado por el límite de un eje',
   'move.held.workspace': 'Frenado por el área de trabajo',
   'move.held.body': 'Frenado: hay algo cerca',
+  'move.heldBefore': 'Detenido {mm} mm antes de {b}: {a}',
 
   'move.keyboard': 'Teclado',
   'move.keyboardWhy': 'Las teclas Q W E R T Y U I suben y A S D F G H J K bajan mientras se pulsan',

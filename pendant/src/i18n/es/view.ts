@@ -16,5 +16,11 @@ export const view: Record<keyof typeof en, string> = {
   'view.zones': 'Zonas y cajas',
   'view.clearTrail': 'Borrar traza',
   'view.flat': 'Vista simple: este navegador no tiene WebGL.',
+  'view.things': 'Obstáculos',
+  'view.names': 'Nombres de los obstáculos',
+  'view.distances': 'Distancia menor',
+  'view.near': '{a} – {b}: {mm} mm',
+  'view.slowed': 'Más lento: {a} está a {mm} mm de {b}',
+  'view.heldBefore': 'Detenido {mm} mm antes de {b}: {a}',
   'view.contact': '{a} – {b}: {mm} mm',
 };

@@ -6,6 +6,7 @@ import { attempt, cell, complain, mayMove, request, status } from '../../state/c
 import { Button, Card, Empty, Loading } from '../../ui/controls';
 import { Icon } from '../../ui/Icon';
 import type { RobotInfo } from '../../wire/types';
+import { AddMesh } from './AddMesh';
 import { Mode } from './Mode';
 import { askReset, restarting } from './restart';
 
@@ -58,6 +59,7 @@ export function Overview({ onRobots, onProjects }: { onRobots: () => void; onPro
             disabled={!mayMove.value || restarting.value !== ''}
             onClick={askReset}
           />
+          <AddMesh />
           <Check />
         </div>
       </Card>

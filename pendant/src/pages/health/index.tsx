@@ -1,16 +1,18 @@
 /** The health of the cell: loop, hardware, controllers, active limits, alarms, log. */
 import { useEffect } from 'preact/hooks';
 import { t } from '../../i18n';
-import { alarms } from '../../state/cell';
+import { alarms, connected } from '../../state/cell';
 import { followHealth } from '../../state/health';
 import { kept } from '../../state/settings';
-import { Segmented } from '../../ui/controls';
+import { Empty, Segmented } from '../../ui/controls';
 import { AlarmList, LogList } from './Events';
 import './health.css';
 import { Controllers, Hardware } from './Machines';
 import { Loop } from './Loop';
 
 type Tab = 'loop' | 'hardware' | 'controllers' | 'alarms' | 'log';
+/** What they show has happened, and stays true without a connection. */
+const kPast: Tab[] = ['alarms', 'log'];
 const tab = kept<Tab>('health.tab', 'loop');
 
 export default function Page() {
@@ -33,7 +35,7 @@ export default function Page() {
         onChange={(id) => (tab.value = id)}
       />
       <div class="health-body" tabIndex={0} role="region" aria-label={t('nav.health')}>
-        <Body />
+        {connected.value || kPast.includes(tab.value) ? <Body /> : <Empty icon="link" text={t('why.offline')} />}
       </div>
     </div>
   );

@@ -38,6 +38,7 @@ interface Condition {
 
 function condition(): Condition {
   if (!connected.value) return { tone: 'off', text: '–' };
+  if (jogBlocked.value === 'why.control') return { tone: 'off', text: t('control.needed') };
   const blocked = blockedWords(jogBlocked.value);
   if (blocked) return { tone: 'warn', text: blocked };
   const held = heldWords();

@@ -105,7 +105,7 @@ export function GoKey({ goal }: { goal: Goal | null }) {
         <Icon name="target" size={22} />
         {t(moving ? 'goto.moving' : 'goto.move')}
       </HoldButton>
-      <p class="note" role="status">
+      <p class="note go-words" role="status">
         {known?.reason && !known.ok && <span class="problem-text">{problemLine(known.reason)}</span>}
         {known?.ok && !moving && wordsOf(known)}
         {held && <span class="problem-text">{held}</span>}

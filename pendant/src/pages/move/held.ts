@@ -1,5 +1,7 @@
 /** Describes what holds back the motion whose key is held. */
-import { type Key, t } from '../../i18n';
+import { type Key, number, t } from '../../i18n';
+import { bodyWords } from '../../i18n/told';
+import { nears, robot } from '../../state/cell';
 import { heldBack, heldKey } from '../../state/jog';
 import {jointTitle} from '../../ui/format';
 
@@ -7,6 +9,8 @@ import {jointTitle} from '../../ui/format';
 export function heldWords(): string {
   const told = heldKey.value !== '' ? heldBack.value : null;
   if (!told || told.what === 'speed') return '';
+  const near = told.what === 'body' ? nears.value[robot.value?.name ?? ''] : undefined;
+  if (near) return t('move.heldBefore', {a: bodyWords(near.a), b: bodyWords(near.b), mm: number(1000 * near.distance, 0)});
   const words = t(`move.held.${told.what}` as Key);
   return told.which ? `${words} (${told.what === 'limit' ? jointTitle(told.which) : told.which})` : words;
 }

@@ -9,7 +9,7 @@ import { changePoints, distance, frameNames, goodName, values } from '../../stat
 import { toast } from '../../state/toasts';
 import { Button, Field } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
-import { kDeg, mm } from '../../ui/format';
+import { kDeg, mm, withinSentence } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
 import type { Pose, Vec3 } from '../../wire/types';
 import { freeName } from '../program/edits';
@@ -70,7 +70,7 @@ export function FrameWizard({ onClose }: { onClose: () => void }) {
               <strong>{t(step)}</strong>
               <small>{touched[i] ? at(touched[i]!) : t('points.notYet')}</small>
             </span>
-            <Button label={t(touched[i] ? 'points.again' : 'points.take', { what: t(step) })} onClick={() => void touch(i)} />
+            <Button label={t(touched[i] ? 'points.again' : 'points.take', { what: withinSentence(t(step)) })} onClick={() => void touch(i)} />
           </li>
         ))}
       </ol>

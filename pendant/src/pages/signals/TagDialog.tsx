@@ -22,7 +22,7 @@ export function TagDialog({ name, onClose }: { name: string; onClose: () => void
   const measured = tag.tag && tag.direction === 'in';
   const mine = forcedHere.value.includes(name);
   const facts: [string, string][] = [
-    [t('signals.type'), [tag.type, tag.unit].filter(Boolean).join(', ')],
+    [t('signals.type'), [word('signals.is', tag.type), tag.unit].filter(Boolean).join(', ')],
     [t('signals.direction'), directionWord(tag.direction)],
     [t('signals.source'), tag.source],
     [t('signals.quality'), word('signals.q', tag.quality)],

@@ -3,14 +3,14 @@ import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 import { number, t, word } from '../../i18n';
 import { WatchOnly } from '../../shell/Control';
-import { mayMove } from '../../state/cell';
+import { connected, mayMove, robot } from '../../state/cell';
 import { cellTime } from '../../state/live';
 import { kept } from '../../state/settings';
 import { followTags, forcedHere, links, setTag, tagInfos, tagNow, tagsKnown } from '../../state/tags';
 import type { TagState } from '../../wire/requests';
 import { open } from '../../ui/ask';
 import { Button, Card, Empty, Loading, Search, Segmented } from '../../ui/controls';
-import { duration } from '../../ui/format';
+import { duration, nameParts } from '../../ui/format';
 import { Icon } from '../../ui/Icon';
 import './signals.css';
 import { TagDialog } from './TagDialog';
@@ -75,7 +75,7 @@ export function shownTags(all: TagState[], show: Which, words: string): TagState
 }
 
 function Table() {
-  if (!tagsKnown.value) return <Loading />;
+  if (!tagsKnown.value) return robot.value && !connected.value ? <Empty icon="link" text={t('why.offline')} /> : <Loading />;
   const list = shownTags(tagInfos.value.map(tagNow), which.value, query.value);
   if (list.length === 0) return <Empty icon="signals" text={tagInfos.value.length ? t('signals.notFound') : t('signals.none')} />;
   return (
@@ -113,6 +113,7 @@ export const whoText = (tag: TagState) => (tag.changed_by ? word('signals.by', t
 
 /** When and by whom the tag was changed: `PLC, 3.2 s ago`. */
 export function changedText(tag: TagState): string {
+  if (!connected.value) return '–';
   if (tag.changed_s === null) return t('signals.never');
   const ago = Math.max(0, cellTime.value - tag.changed_s);
   return t('signals.ago', { who: whoText(tag), time: duration(ago) });
@@ -124,7 +125,7 @@ function Row({ tag }: { tag: TagState }) {
   return (
     <tr class={tag.forced ? 'forced' : ''}>
       <th scope="row">
-        <strong>{tag.name}</strong>
+        <strong>{nameParts(tag.name).flatMap((part, i) => (i === 0 ? [part] : [<wbr />, part]))}</strong>
         <small>
           {[word('signals.is', tag.type), tag.unit].filter(Boolean).join(' · ')}
           {tag.quality !== 'good' && <span class="chip warn">{word('signals.q', tag.quality)}</span>}
@@ -157,6 +158,7 @@ function Row({ tag }: { tag: TagState }) {
 }
 
 export function Value({ tag }: { tag: TagState }) {
+  if (!connected.value) return <span>–</span>;
   if (typeof tag.value === 'boolean')
     return (
       <span class={`signals-flag ${tag.value ? 'on' : ''}`}>
@@ -175,7 +177,7 @@ export function Value({ tag }: { tag: TagState }) {
 
 function Links() {
   const list = links.value;
-  if (list.length === 0) return null;
+  if (list.length === 0 || !connected.value) return null;
   return (
     <Card title={t('signals.links')} class="signals-links">
       <ul>

@@ -187,10 +187,12 @@ class NodeCore {
     const std::lock_guard lock(mutex_);
     timers_.push_back(timer);
   }
-  /// Runs what is due: timers, and messages that wait for subscriptions. False if nothing was.
+  /// Runs what is due: timers, messages that wait for subscriptions, requests that wait for services. False if
+  /// nothing was.
   bool run_due() {
     bool any = run_timers();
     for (const auto& listener : wires.listeners()) any = listener->run() || any;
+    for (const auto& callee : wires.callees()) any = callee->run() || any;
     return any;
   }
   /// Runs the timers that are due; false if there was none.

@@ -26,7 +26,27 @@ CallbackReturn TwoJoints::on_init(const hardware_interface::HardwareInfo& info) 
   wear_.turns.resize(info_.joints.size());
   if (info_.hardware_parameters.count("throw_at"))
     throw_at_ = std::stol(info_.hardware_parameters["throw_at"]);
+  open_topics();
   return CallbackReturn::SUCCESS;
+}
+
+void TwoJoints::open_topics() {
+  const rclcpp::Node::SharedPtr node = get_node();
+  tells_wear_ = std::make_shared<realtime_tools::RealtimePublisher<two_joints::msg::Wear>>(
+      node->create_publisher<two_joints::msg::Wear>("~/wear", rclcpp::SystemDefaultsQoS()));
+  tells_last_ = node->create_publisher<std_msgs::msg::Float64>("/last_turns", rclcpp::QoS(1).transient_local());
+  sets_turns_ = node->create_subscription<std_msgs::msg::Float64>(
+      "~/set_turns", rclcpp::SensorDataQoS(), [this](const std_msgs::msg::Float64::SharedPtr message) {
+        set_turns_ = message->data;
+        tells_last_->publish(*message);
+      });
+  resets_ = node->create_service<std_srvs::srv::Trigger>(
+      "~/reset", [this](const std::shared_ptr<std_srvs::srv::Trigger::Request>,
+                        std::shared_ptr<std_srvs::srv::Trigger::Response> response) {
+        set_turns_ = 0;
+        response->success = true;
+        response->message = "as new";
+      });
 }
 
 std::vector<hardware_interface::StateInterface> TwoJoints::export_state_interfaces() {
@@ -56,6 +76,10 @@ return_type TwoJoints::read(const rclcpp::Time&, const rclcpp::Duration&) {
     wear_.turns[i] += std::abs(commands_[i] - positions_[i]) / 2;
     positions_[i] += (commands_[i] - positions_[i]) / 2;
   }
+  const double given = set_turns_.exchange(std::numeric_limits<double>::quiet_NaN());
+  if (!std::isnan(given)) wear_.turns.assign(wear_.turns.size(), given);
+  wear_.state = wear_.turns[0] > 1 ? two_joints::msg::Wear::WORN : two_joints::msg::Wear::NEW;
+  tells_wear_->try_publish(wear_);
   return return_type::OK;
 }
 

@@ -1,0 +1,115 @@
+/// The component in forward mode: the controller interpolates.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "drivers/fanuc/component.hpp"
+#include "polyarm/base/error.hpp"
+
+namespace polyarm::fanuc {
+
+using hardware::ReturnType;
+
+void FanucComponent::make_forward(const hardware::ComponentContext& context, hardware::DriverParameters& p) {
+  const hardware::RobotInstance& robot = context.robots.front();
+  paced_ = false;  // the interface has no clock
+  if (!robot.on.empty())
+    throw Error("bad-value", "`motion: forward` is for robots that stand still; '" + robot.name + "' is carried",
+                "set `motion: stream`");
+  if (!robot.model || robot.model->joint_names() != joints_)
+    throw Error("bad-value",
+                "`motion: forward` needs a robot whose joints are the six of the controller, in their order",
+                "leave grippers with joints out of the description, or set `motion: stream`");
+  const auto axes = wire::six_revolute_joints(*robot.model, "fanuc/crx_10ia_l");
+  ForwardSettings out;
+  out.host = settings_.host;
+  out.rmi_port = settings_.rmi_port;
+  out.inputs = settings_.inputs, out.outputs = settings_.outputs;
+  out.frame.base = robot.base;
+  out.frame.flange = std::make_shared<const kinematics::Chain>(
+      *robot.model, wire::flange_link(*robot.model, axes.back()->child_link));
+  out.frame.world_height = out.frame.flange->axes().at(1).point.z;
+  out.frame.tool = static_cast<int>(p.number("tool_number"));
+  out.frame.ramp = p.number("ramp");
+  out.window = static_cast<int>(p.number("window"));
+  out.poll = nanoseconds(p.number("poll_ms") / 1000);
+  out.silence = nanoseconds(p.number("answer_ms") / 1000);
+  out.loop_silence = settings_.loop_silence;
+  out.connect_timeout = settings_.connect_timeout, out.start_timeout = settings_.start_timeout;
+  out.stepped = stepped_forward_;
+  p.problems().throw_if_errors();
+  flange_ = out.frame.flange;
+  world_height_ = out.frame.world_height;
+  forward_ = std::make_unique<ForwardLink>(std::move(out));
+}
+
+hardware::ForwardMoves* FanucComponent::forward_moves(std::uint32_t layout) noexcept {
+  return layout == hardware::kForwardLayout ? forward_.get() : nullptr;
+}
+
+/// The joints, one reading behind: a straight line from reading to reading, because the loop is faster.
+const Six& FanucComponent::between_readings(const hardware::Cycle& cycle) noexcept {
+  constexpr Nanoseconds kLongest = 500'000'000;
+  const ForwardSample& sample = forward_->sample();
+  Reading& r = reading_;
+  if (sample.count != r.count) {
+    const bool first = r.count == 0 || sample.count < r.count || cycle.time - r.at > kLongest;
+    r.from = first ? sample.q : r.q;
+    r.span = first ? 0 : cycle.time - r.at;
+    r.at = cycle.time;
+    r.count = sample.count;
+  }
+  const double share =
+      r.span <= cycle.period
+          ? 1
+          : std::min(1.0, static_cast<double>(cycle.time - r.at + cycle.period) / static_cast<double>(r.span));
+  for (std::size_t j = 0; j < 6; ++j) r.q[j] = r.from[j] + share * (sample.q[j] - r.from[j]);
+  return r.q;
+}
+
+/// What only Stream Motion says is NaN.
+ReturnType FanucComponent::read_forward(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  constexpr std::size_t kForces = 6;
+  forward_->fetch();
+  const ForwardSample& sample = forward_->sample();
+  const bool read = sample.count > 0;
+  const Six& q = between_readings(cycle);
+  std::size_t at = 0;
+  for (std::size_t j = 0; j < 6; ++j)
+    for (const double value : {q[j], sample.dq[j], kUnknown}) states[at++] = read ? value : kUnknown;
+  const Pose flange = flange_->forward(q);
+  const Vec3& p = flange.position;
+  const Quaternion& r = flange.rotation;
+  for (const double value : {p.x, p.y, p.z - world_height_, r.x, r.y, r.z, r.w})
+    states[at++] = read ? value : kUnknown;
+  for (std::size_t i = 0; i < kForces; ++i) states[at++] = kUnknown;
+  for (const double value : {sample.ready ? 1.0 : 0.0, sample.moving ? 1.0 : 0.0, sample.error ? 1.0 : 0.0,
+                             sample.teach ? 1.0 : 0.0, kUnknown, kUnknown, kUnknown, 0.0, 0.0, 0.0})
+    states[at++] = value;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(settings_.inputs.count); ++i)
+    states[at++] = sample.inputs[i];
+  for (std::size_t i = 0; i < static_cast<std::size_t>(settings_.outputs.count); ++i)
+    states[at++] = sample.outputs[i];
+  return forward_->cause() == Cause::none ? ReturnType::ok : ReturnType::error;
+}
+
+/// The controller that hands moves over commands the joints to be where they are measured; another one would
+/// command them away from there.
+ReturnType FanucComponent::write_forward(std::span<const double> commands) noexcept {
+  constexpr double kElsewhere = 0.1;  // rad
+  if (forward_->cause() != Cause::none) return ReturnType::error;
+  if (!active_) return ReturnType::ok;
+  std::copy_n(commands.begin() + 6, settings_.outputs.count, outputs_.digital.begin());
+  forward_->cycle(outputs_);
+  for (std::size_t j = 0; j < 6; ++j) {
+    const bool changed = std::isfinite(commands[j]) && commands[j] != commanded_[j];
+    commanded_[j] = commands[j];
+    if (!changed || std::abs(commands[j] - reading_.q[j]) < kElsewhere) continue;
+    forward_->fail(Cause::joint_commands, static_cast<int>(j));
+    return ReturnType::error;
+  }
+  return ReturnType::ok;
+}
+
+}  // namespace polyarm::fanuc

@@ -1,0 +1,96 @@
+#include "drivers/yaskawa/fake.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::yaskawa {
+
+using hardware::CallbackReturn;
+
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr Nanoseconds kAnswer = 5'000'000'000;
+constexpr std::uint64_t kServices = 12;  // cycles between two exchanges: about 20 a second
+
+std::pair<int, int> wire_of(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const auto output = parse_number(text.substr(0, equals));
+  const auto input = parse_number(equals == std::string::npos ? "" : text.substr(equals + 1));
+  const auto fits = [](const std::optional<double>& n) { return n && *n >= 1 && *n <= kMostSignals; };
+  if (!fits(output) || !fits(input))
+    throw Error("bad-value", "'" + text + "' in `wires` is not OUTPUT=INPUT",
+                "numbers from 1 to 32, for example 1=1");
+  return {static_cast<int>(*output), static_cast<int>(*input)};
+}
+
+MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds period) {
+  MachineOptions out;
+  if (robot.model) out.facts = facts_of(*robot.model);
+  out.start = wire::start_position(robot, out.start, kDegrees);
+  const double ms = seconds(period) * 1000;
+  out.interpolation_ms = static_cast<int>(std::lround(ms));
+  if (out.interpolation_ms < 1 || out.interpolation_ms > 20 || std::abs(out.interpolation_ms - ms) > 1e-3)
+    throw Error("bad-value", "the simulated controller has cycles of whole milliseconds, at most 20",
+                "write `rate: 250` into the cell");
+  return out;
+}
+
+}  // namespace
+
+CallbackReturn FakeYaskawa::on_init(const hardware::ComponentContext& context) {
+  if (context.robots.size() != 1) return YaskawaComponent::on_init(context);
+  const auto given = [&](const char* name) {
+    const auto found = context.parameters.find(name);
+    return found == context.parameters.end() ? std::string() : found->second;
+  };
+  FarSideOptions options;
+  options.machine = machine_of(context.robots.front(), context.period);
+  options.motion = options.state = options.io = options.hses = 0;
+  options.state_ms = options.machine.interpolation_ms;
+  if (const auto group = parse_number(given("group"))) options.machine.group = static_cast<int>(*group);
+  far_ = std::make_unique<FarSide>(options);
+  for (const std::string& text : split_words(given("wires"), " ,;")) {
+    const auto [output, input] = wire_of(text);
+    far_->with([&, output = output, input = input](Machine& machine) { machine.wire_output(output, input); });
+  }
+  faults_ = wire::DueOrders(wire::parse_timed_orders(given("faults"), "e_stop@3"));
+  hardware::ComponentContext own = context;
+  own.parameters["host"] = "127.0.0.1";
+  own.parameters["motion_port"] = std::to_string(far_->motion_port());
+  own.parameters["state_port"] = std::to_string(far_->state_port());
+  own.parameters["io_port"] = std::to_string(far_->io_port());
+  own.parameters["hses_port"] = std::to_string(far_->hses_port());
+  own.parameters["interpolation_ms"] = std::to_string(options.machine.interpolation_ms);
+  // The clocks of this machine say nothing about a controller.
+  for (const char* name : {"silence_ms", "loop_silence_ms"}) own.parameters.try_emplace(name, "10000");
+  for (const char* name : {"start_timeout", "connect_timeout"}) own.parameters.try_emplace(name, "60");
+  own.parameters.erase("wires");
+  own.parameters.erase("faults");
+  return YaskawaComponent::on_init(own);
+}
+
+CallbackReturn FakeYaskawa::on_activate() {
+  const CallbackReturn done = SimulatedComponent::on_activate();
+  if (done == CallbackReturn::success) cycles_ = 0;
+  return done;
+}
+
+/// The controller moves on when it has every command, and the loop when the driver has its state.
+hardware::ReturnType FakeYaskawa::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  if (active_) link()->settle(kAnswer);
+  step(seconds(cycle.period));
+  if (active_) link()->settle(kAnswer);
+  if (cycles_++ % kServices == 0) link()->serve_services();
+  return YaskawaComponent::read(cycle, states);
+}
+
+std::string FakeYaskawa::summary() const {
+  return "simulated controller, port " + std::to_string(far_->motion_port()) + ": " +
+         YaskawaComponent::summary();
+}
+
+}  // namespace polyarm::yaskawa

@@ -1,0 +1,3 @@
+#include "drivers/yaskawa/fake.hpp"
+
+POLYARM_DRIVER(polyarm::yaskawa::FakeYaskawa)

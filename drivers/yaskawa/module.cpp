@@ -1,0 +1,3 @@
+#include "drivers/yaskawa/component.hpp"
+
+POLYARM_DRIVER(polyarm::yaskawa::YaskawaComponent)

@@ -1,0 +1,80 @@
+/** Log-in with name and password, where the cell has users. The password is sent once and not kept. */
+import { signal } from '@preact/signals';
+import { useEffect, useState } from 'preact/hooks';
+import { t } from '../i18n';
+import { Button } from '../ui/controls';
+
+/** What the cell says about log-ins: whether it has users, and who is logged in here. */
+const known = signal<{ users: boolean; name?: string }>({ users: false });
+
+async function look(): Promise<void> {
+  try {
+    const answer = await fetch('/api/login', { cache: 'no-store' });
+    if (answer.ok) known.value = (await answer.json()) as typeof known.value;
+  } catch {
+    // The cell does not answer: the banner says so.
+  }
+}
+
+function basic(name: string, password: string): string {
+  let bytes = '';
+  for (const byte of new TextEncoder().encode(`${name}:${password}`)) bytes += String.fromCharCode(byte);
+  return `Basic ${btoa(bytes)}`;
+}
+
+function refusal(answer: Response): string {
+  if (answer.status === 429) return t('login.wait', { seconds: answer.headers.get('Retry-After') ?? '60' });
+  return t(answer.status === 403 ? 'login.wrong' : 'login.failed');
+}
+
+export function LogIn() {
+  const [name, setName] = useState('');
+  const [password, setPassword] = useState('');
+  const [why, setWhy] = useState('');
+  const [busy, setBusy] = useState(false);
+  useEffect(() => void look(), []);
+  if (!known.value.users) return null;
+  const submit = async (event: Event) => {
+    event.preventDefault();
+    setBusy(true);
+    try {
+      const answer = await fetch('/api/login', { method: 'POST', headers: { Authorization: basic(name, password) } });
+      if (answer.ok) return location.reload();
+      setWhy(refusal(answer));
+    } catch {
+      setWhy(t('login.failed'));
+    }
+    setPassword('');
+    setBusy(false);
+  };
+  return (
+    <form class="stack" aria-label={t('login.title')} onSubmit={(event) => void submit(event)}>
+      <strong>{t('login.title')}</strong>
+      <label>
+        {t('login.name')} <input name="name" autocomplete="username" value={name} onInput={(e) => setName(e.currentTarget.value)} />
+      </label>
+      <label>
+        {t('login.password')}{' '}
+        <input name="password" type="password" autocomplete="current-password" value={password} onInput={(e) => setPassword(e.currentTarget.value)} />
+      </label>
+      {why && <p role="alert">{why}</p>}
+      <button type="submit" class="button primary" disabled={busy || !name || !password}>
+        {t('login.enter')}
+      </button>
+    </form>
+  );
+}
+
+/** Who is logged in, and the way out. Shown only after a log-in. */
+export function LoggedIn() {
+  useEffect(() => void look(), []);
+  const name = known.value.name;
+  if (!name) return null;
+  const leave = () => void fetch('/api/logout', { method: 'POST' }).then(() => location.reload(), () => undefined);
+  return (
+    <section aria-label={t('login.title')}>
+      <p>{t('login.as', { name })}</p>
+      <Button label={t('login.leave')} onClick={leave} />
+    </section>
+  );
+}

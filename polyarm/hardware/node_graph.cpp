@@ -1,0 +1,41 @@
+#include "polyarm/hardware/node_graph.hpp"
+
+#include <mutex>
+
+namespace polyarm::hardware {
+
+namespace {
+class Graph final : public NodeGraph {
+ public:
+  std::shared_ptr<NodePort> open(PortFacts facts) override {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(ports_, [](const auto& each) { return each.expired(); });
+    if (ports_.size() >= kMostPorts) return nullptr;
+    auto out = std::make_shared<NodePort>(std::move(facts));
+    ports_.push_back(out);
+    return out;
+  }
+  std::vector<std::shared_ptr<NodePort>> ports() const override {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::shared_ptr<NodePort>> out;
+    for (const auto& each : ports_)
+      if (auto port = each.lock()) out.push_back(std::move(port));
+    return out;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<std::weak_ptr<NodePort>> ports_;
+};
+}  // namespace
+
+NodeGraph& node_graph() {
+  static Graph graph;
+  return graph;
+}
+
+}  // namespace polyarm::hardware
+
+polyarm::hardware::NodeGraph* polyarm_node_graph_1() {
+  return &polyarm::hardware::node_graph();
+}

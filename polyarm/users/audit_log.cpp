@@ -1,0 +1,290 @@
+#include "polyarm/users/audit_log.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <ctime>
+#include <deque>
+#include <fstream>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/sha256.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/protocol/messages.hpp"
+#include "polyarm/protocol/session.hpp"
+#include "polyarm/users/user_list.hpp"
+
+namespace polyarm::users {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kMergeFor = std::chrono::seconds(1);
+constexpr std::size_t kLongestLine = 64 << 10;
+
+std::string utc_now() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+  const std::time_t seconds = static_cast<std::time_t>(ms / 1000);
+  std::tm parts{};
+  ::gmtime_r(&seconds, &parts);
+  char text[80];
+  std::snprintf(text, sizeof text, "%04d-%02d-%02dT%02d:%02d:%02d.%03dZ", parts.tm_year + 1900, parts.tm_mon + 1,
+                parts.tm_mday, parts.tm_hour, parts.tm_min, parts.tm_sec, static_cast<int>(ms % 1000));
+  return text;
+}
+
+bool is_secret_key(const std::string& key) {
+  const std::string low = lower(key);
+  for (const char* word : {"password", "passwd", "token", "secret", "api_key"})
+    if (low.find(word) != std::string::npos) return true;
+  return false;
+}
+
+/// Replaces secrets and long texts.
+void shorten(Json& value, std::size_t depth = 0) {
+  if (value.is_string()) {
+    const std::string& text = value.get_ref<const std::string&>();
+    if (text.size() > kAuditText) value = Json{{"bytes", text.size()}, {"sha256", sha256(text)}};
+    return;
+  }
+  if (!value.is_structured()) return;
+  if (depth > 16) {
+    value = "…";
+    return;
+  }
+  for (auto each = value.begin(); each != value.end(); ++each) {
+    if (value.is_object() && is_secret_key(each.key()))
+      *each = "(left out)";
+    else
+      shorten(*each, depth + 1);
+  }
+}
+
+std::string dumped(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+bool same(const AuditEntry& a, const AuditEntry& b) {
+  return a.cell == b.cell && a.actor.name == b.actor.name && a.actor.from == b.actor.from && a.request == b.request &&
+         a.arguments == b.arguments && a.outcome == b.outcome && a.actor.client == b.actor.client;
+}
+
+fs::path numbered(const fs::path& folder, std::size_t n) {
+  return folder / (n == 0 ? "audit.jsonl" : "audit." + std::to_string(n) + ".jsonl");
+}
+
+}  // namespace
+
+bool is_audited(const protocol::RequestType& type, const protocol::Any& arguments) {
+  const protocol::Facts* const facts = type.facts;
+  if (facts == &protocol::SessionTake::kFacts || facts == &protocol::SessionRelease::kFacts ||
+      facts == &protocol::SessionAnswer::kFacts)
+    return true;
+  if (protocol::role_needed(type, arguments) > protocol::Role::watch) return true;
+  return facts->role == protocol::Role::watch && facts->moves;
+}
+
+std::string arguments_text(const protocol::Any& arguments) {
+  Json copy = arguments.json();
+  if (copy.is_object()) copy.erase("request"), copy.erase("id");
+  shorten(copy);
+  std::string out = dumped(copy);
+  if (out.size() > kAuditArguments)
+    out = dumped(Json{{"bytes", out.size()}, {"sha256", sha256(out)}});
+  return out;
+}
+
+std::string arguments_text(const protocol::Request& request) {
+  if (&request.facts() == &protocol::SendMessage::kFacts)
+    if (const auto& sent = request.as<protocol::SendMessage>(); !sent.goal)
+      return dumped(Json{{"to", sent.to}});
+  return arguments_text(request.arguments());
+}
+
+std::string line_of(const AuditEntry& entry, std::uint64_t times) {
+  nlohmann::ordered_json out{{"time", entry.time.empty() ? utc_now() : entry.time}};
+  const auto put = [&](const char* key, const std::string& text) {
+    if (!text.empty()) out[key] = text;
+  };
+  put("cell", entry.cell);
+  put("who", entry.actor.name);
+  put("client", entry.actor.client);
+  put("role", entry.actor.role);
+  put("from", entry.actor.from);
+  put("door", entry.actor.door);
+  put("request", entry.request);
+  if (!entry.arguments.empty()) {
+    auto arguments = nlohmann::ordered_json::parse(entry.arguments, nullptr, false);
+    if (arguments.is_object() && !arguments.empty()) out["arguments"] = std::move(arguments);
+  }
+  put("outcome", entry.outcome);
+  put("what", entry.what);
+  if (times > 1) out["times"] = times;
+  return out.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+class AuditLog::Work {
+ public:
+  Work(fs::path folder, std::size_t file_bytes, std::size_t files)
+      : folder_(std::move(folder)), file_bytes_(file_bytes), files_(files) {
+    make_private_folder(folder_.parent_path());
+    make_private_folder(folder_);
+    thread_ = std::thread([this] { run(); });
+  }
+  ~Work() {
+    {
+      const std::lock_guard lock(mutex_);
+      over_ = true;
+    }
+    wake_.notify_all();
+    thread_.join();
+  }
+
+  void add(AuditEntry entry) {
+    if (entry.time.empty()) entry.time = utc_now();
+    {
+      const std::lock_guard lock(mutex_);
+      if (queue_.size() >= kAuditQueue)
+        ++lost_;
+      else
+        queue_.push_back(std::move(entry));
+    }
+    wake_.notify_all();
+  }
+
+  void flush() {
+    std::unique_lock lock(mutex_);
+    const std::uint64_t until = ++flush_asked_;
+    wake_.notify_all();
+    flushed_.wait(lock, [&] { return flush_done_ >= until; });
+  }
+
+ private:
+  void run() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      const auto work = [&] { return over_ || !queue_.empty() || lost_ > 0 || flush_asked_ != flush_done_; };
+      if (repeats_ > 0)
+        wake_.wait_until(lock, merge_until_, work);
+      else
+        wake_.wait(lock, work);
+      std::deque<AuditEntry> taken;
+      taken.swap(queue_);
+      const std::uint64_t lost = std::exchange(lost_, 0);
+      const std::uint64_t flush = flush_asked_;
+      const bool over = over_, all = over || flush != flush_done_;
+      lock.unlock();
+      for (AuditEntry& entry : taken) take(std::move(entry));
+      if (lost > 0) unwritten_ += lost;
+      if (all || Clock::now() >= merge_until_) write_repeats();
+      write_lost();
+      lock.lock();
+      if (flush != flush_done_) {
+        flush_done_ = flush;
+        flushed_.notify_all();
+      }
+      if (over && queue_.empty()) return;
+    }
+  }
+
+  /// The first of equal entries is written at once, so that it survives a kill.
+  void take(AuditEntry entry) {
+    if (has_last_ && Clock::now() < merge_until_ && same(entry, last_)) {
+      ++repeats_;
+      last_.time = std::move(entry.time);
+      return;
+    }
+    write_repeats();
+    write(line_of(entry));
+    last_ = std::move(entry);
+    has_last_ = true;
+    merge_until_ = Clock::now() + kMergeFor;
+  }
+
+  void write_repeats() {
+    if (repeats_ > 0) write(line_of(last_, std::exchange(repeats_, 0)));
+    if (Clock::now() >= merge_until_) has_last_ = false;
+  }
+
+  void write_lost() {
+    if (unwritten_ == 0 || just_failed_) {
+      just_failed_ = false;
+      return;
+    }
+    AuditEntry entry;
+    entry.outcome = "lost";
+    entry.what = std::to_string(unwritten_) + " entries before this one could not be written";
+    const std::uint64_t before = unwritten_;
+    if (write(line_of(entry))) unwritten_ -= before;
+  }
+
+  /// Other processes of this user append to the same file: each line is one write, and files are renamed under a lock.
+  bool write(const std::string& line) {
+    const std::string text = line + "\n";
+    const int lock = ::open((folder_ / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+    if (lock >= 0) ::flock(lock, LOCK_EX);
+    struct stat status {};
+    const fs::path file = numbered(folder_, 0);
+    if (::lstat(file.c_str(), &status) == 0 && status.st_size > 0 &&
+        static_cast<std::size_t>(status.st_size) + text.size() > file_bytes_)
+      rotate();
+    const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600);
+    const bool good = fd >= 0 && ::write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+    if (fd >= 0) ::close(fd);
+    if (lock >= 0) ::close(lock);
+    if (!good) ++unwritten_, just_failed_ = true;
+    return good;
+  }
+
+  void rotate() const {
+    std::error_code ignored;
+    fs::remove(numbered(folder_, files_ - 1), ignored);
+    for (std::size_t n = files_ - 1; n > 0; --n) fs::rename(numbered(folder_, n - 1), numbered(folder_, n), ignored);
+  }
+
+  const fs::path folder_;
+  const std::size_t file_bytes_, files_;
+  std::mutex mutex_;  // guards the next six
+  std::condition_variable wake_, flushed_;
+  std::deque<AuditEntry> queue_;
+  std::uint64_t lost_ = 0, flush_asked_ = 0, flush_done_ = 0;
+  bool over_ = false;
+  // the writer's own
+  AuditEntry last_;
+  bool has_last_ = false, just_failed_ = false;
+  std::uint64_t repeats_ = 0, unwritten_ = 0;
+  Clock::time_point merge_until_{};
+  std::thread thread_;
+};
+
+AuditLog::AuditLog(fs::path folder, std::size_t file_bytes, std::size_t files)
+    : work_(std::make_unique<Work>(std::move(folder), file_bytes, std::max<std::size_t>(2, files))) {}
+AuditLog::~AuditLog() = default;
+void AuditLog::add(AuditEntry entry) { work_->add(std::move(entry)); }
+void AuditLog::flush() { work_->flush(); }
+
+std::size_t read_audit(const fs::path& folder, const std::function<void(const std::string&)>& take) {
+  std::size_t damaged = 0;
+  for (std::size_t n = kAuditFiles; n-- > 0;) {
+    std::ifstream in(numbered(folder, n));
+    for (std::string line; std::getline(in, line);) {
+      if (line.size() > kLongestLine || !Json::parse(line, nullptr, false).is_object())
+        ++damaged;
+      else
+        take(line);
+    }
+  }
+  return damaged;
+}
+
+}  // namespace polyarm::users

@@ -1,0 +1,308 @@
+/// Users who log in: passwords, roles, ends of log-ins, and what the audit log says about them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <thread>
+
+#include "polyarm/protocol/request.hpp"
+#include "polyarm/server/gate.hpp"
+#include "polyarm/server/logins.hpp"
+#include "polyarm/server/pendant.hpp"
+#include "polyarm/setup/cell_file.hpp"
+#include "polyarm/users/password.hpp"
+#include "tests/support/lock_step_cell.hpp"
+#include "tests/support/web_peer.hpp"
+
+namespace polyarm::server {
+namespace {
+
+using protocol::Role;
+using test::Json;
+using test::LockStepCell;
+using test::WebPeer;
+
+/// One hash for all tests: making one takes long.
+const std::string& hash() {
+  static const std::string made = users::hash_of("right password");
+  return made;
+}
+
+void add_users(const std::filesystem::path& file) {
+  users::change_users(file, [](users::UserList& list) {
+    list.add({"vera", Role::watch, hash()});
+    list.add({"otto", Role::operate, hash()});
+    list.add({"petra", Role::program, hash()});
+    list.add({"ada", Role::administer, hash()});
+  });
+}
+
+TEST(Logins, AreRefusedWithoutUsersAndWithAWrongPassword) {
+  const test::Folder folder;
+  Logins logins(folder.path() / "users");
+  EXPECT_FALSE(logins.offered(0));
+  EXPECT_EQ(logins.log_in("otto", "right password", "a", 0).why, "no-users");
+  add_users(folder.path() / "users");
+  EXPECT_TRUE(logins.offered(2));
+  EXPECT_EQ(logins.log_in("otto", "wrong password", "a", 2).why, "wrong-password");
+  EXPECT_EQ(logins.log_in("nobody", "right password", "a", 2).why, "wrong-password");
+  const auto good = logins.log_in("otto", "right password", "a", 2);
+  ASSERT_TRUE(good.login);
+  EXPECT_EQ(logins.find(good.token, 3)->user, "otto");
+  EXPECT_FALSE(logins.find(good.token + "x", 3));
+  EXPECT_FALSE(logins.find("", 3));
+}
+
+TEST(Logins, WrongPasswordsWaitLongerAndLongerAndTheRightOneToo) {
+  const test::Folder folder;
+  add_users(folder.path() / "users");
+  Logins logins(folder.path() / "users");
+  double now = 100, waited = 0;
+  int tried = 0;
+  for (int n = 0; n < 40; ++n) {
+    const auto result = logins.log_in("otto", "wrong " + std::to_string(n), "a", now);
+    if (result.why == "wrong-password") ++tried;
+    EXPECT_LE(result.wait_s, Logins::kLongestWait_s);
+    waited = std::max(waited, result.wait_s);
+    now += 1;
+  }
+  EXPECT_LE(tried, 10) << "of 40 in 40 s";
+  EXPECT_GT(waited, 10);
+  EXPECT_EQ(logins.log_in("otto", "right password", "b", now).why, "too-fast") << "by name";
+  EXPECT_EQ(logins.log_in("ada", "right password", "a", now).why, "too-fast") << "by address";
+  EXPECT_TRUE(logins.log_in("ada", "right password", "b", now).login) << "others log in";
+  EXPECT_TRUE(logins.log_in("otto", "right password", "b", now + Logins::kLongestWait_s).login);
+}
+
+TEST(Logins, EndByTimeByLogOutAndWhenTheUserIsChanged) {
+  const test::Folder folder;
+  const auto file = folder.path() / "users";
+  add_users(file);
+  Logins logins(file);
+  const auto log_in = [&](const std::string& name, double now) { return logins.log_in(name, "right password", name, now); };
+  const auto idle = log_in("otto", 0);
+  EXPECT_TRUE(logins.find(idle.token, Logins::kIdle_s - 1));
+  EXPECT_TRUE(logins.find(idle.token, 2 * Logins::kIdle_s - 2)) << "it was used";
+  EXPECT_FALSE(logins.find(idle.token, 4 * Logins::kIdle_s));
+  logins.tick(4 * Logins::kIdle_s);
+  EXPECT_TRUE(idle.login->over);
+  double now = 100'000;
+  const auto old = log_in("otto", now);
+  for (double t = 0; t < Logins::kLongest_s; t += 1000) EXPECT_TRUE(logins.find(old.token, now + t));
+  EXPECT_FALSE(logins.find(old.token, now + Logins::kLongest_s + 1));
+  now = 200'000;
+  const auto out = log_in("otto", now), removed = log_in("vera", now), changed = log_in("petra", now), kept = log_in("ada", now);
+  logins.log_out(out.token);
+  EXPECT_FALSE(logins.find(out.token, now));
+  users::change_users(file, [](users::UserList& list) {
+    list.remove("vera");
+    list.at("petra").role = Role::watch;
+  });
+  logins.tick(now + 2);
+  EXPECT_TRUE(removed.login->over);
+  EXPECT_TRUE(changed.login->over);
+  EXPECT_FALSE(kept.login->over);
+  std::filesystem::permissions(file, std::filesystem::perms::others_read, std::filesystem::perm_options::add);
+  users::change_users(folder.path() / "other", [](users::UserList&) {});
+  std::filesystem::last_write_time(file, std::filesystem::file_time_type::clock::now() + std::chrono::seconds(5));
+  logins.tick(now + 4);
+  EXPECT_TRUE(kept.login->over) << "rights that cannot be checked are not kept";
+}
+
+TEST(Logins, HaveABoundForEachUser) {
+  const test::Folder folder;
+  add_users(folder.path() / "users");
+  Logins logins(folder.path() / "users");
+  const auto first = logins.log_in("otto", "right password", "a", 1);
+  for (std::size_t n = 0; n < Logins::kMostLoginsOfOne; ++n)
+    ASSERT_TRUE(logins.log_in("otto", "right password", "a", 2 + static_cast<double>(n)).login);
+  EXPECT_EQ(logins.count(), Logins::kMostLoginsOfOne);
+  EXPECT_TRUE(first.login->over) << "the oldest makes room";
+}
+
+TEST(Credentials, AreReadFromBasicOnly) {
+  EXPECT_EQ(basic_credentials("Basic b3R0bzphOmI=")->first, "otto");
+  EXPECT_EQ(basic_credentials("basic b3R0bzphOmI=")->second, "a:b");
+  for (const char* wrong : {"", "Basic", "Basic ", "Basic !!!!", "Basic b3R0", "Bearer b3R0bzphOmI=", "Basic b3R0bzphOmI", "Basic OmE="})
+    EXPECT_FALSE(basic_credentials(wrong)) << wrong;
+  EXPECT_FALSE(basic_credentials("Basic " + std::string(4000, 'a')));
+}
+
+class UsersOfACell : public ::testing::Test {
+ protected:
+  UsersOfACell() {
+    const std::string arm = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
+    folder.write("cell/cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + arm + ", hardware: mock}\n");
+    folder.write("cell/work.script", "wait 1s\n");
+    add_users(folder.path() / "users");
+    audit = std::make_unique<users::AuditLog>(folder.path() / "audit");
+    lock_step = std::make_unique<LockStepCell>(cell::read_cell_file(folder.path() / "cell"));
+    PendantOptions options;
+    options.port = 0;
+    options.token = "secret";
+    options.users = folder.path() / "users";
+    options.audit = audit.get();
+    pendant = std::make_unique<Pendant>(options, nobody);
+    pendant->attach(lock_step->cell().view());
+    lock_step->run(0.05);
+  }
+  ~UsersOfACell() override { pendant->detach(); }
+
+  static std::string base64(const std::string& text) {
+    static const char* const letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string out;
+    for (std::size_t i = 0; i < text.size(); i += 3) {
+      std::uint32_t bits = 0;
+      for (std::size_t k = 0; k < 3; ++k)
+        bits = (bits << 8) | (i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0u);
+      for (std::size_t k = 0; k < 4; ++k) out += i + k <= text.size() ? letters[(bits >> (18 - 6 * k)) & 63] : '=';
+    }
+    return out;
+  }
+  std::string log_in(const std::string& name, const std::string& password, std::vector<std::string> more = {}) {
+    more.push_back("Authorization: Basic " + base64(name + ":" + password));
+    return WebPeer::fetch(pendant->port(), "/api/login", more, "POST");
+  }
+  /// "polyarm_token_PORT=…" of the answer; empty: none.
+  static std::string cookie_of(const std::string& answer) {
+    const auto at = answer.find("Set-Cookie: ");
+    return at == std::string::npos ? "" : answer.substr(at + 12, answer.find(';', at) - at - 12);
+  }
+  std::unique_ptr<WebPeer> connect(const std::string& name) {
+    auto peer = std::make_unique<WebPeer>(pendant->port());
+    const std::string cookie = cookie_of(log_in(name, "right password"));
+    EXPECT_FALSE(cookie.empty()) << name;
+    EXPECT_EQ(peer->upgrade({"Cookie: " + cookie, "Origin: http://" + peer->host()}), 101);
+    return peer;
+  }
+  Json ask(WebPeer& peer, Json request) {
+    const int id = ++last_;
+    request["id"] = id;
+    peer.send(request);
+    for (int n = 0; n < 20'000 && peer.answer(id).is_null() && !peer.closed(); ++n) {
+      pendant->serve();
+      if (n % 5 == 4) lock_step->tick();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      peer.listen();
+      peer.take();
+    }
+    return peer.answer(id);
+  }
+  static std::string code(const Json& answer) {
+    return answer.is_null() ? "none" : answer.value("ok", false) ? "ok" : answer["error"]["code"].get<std::string>();
+  }
+  std::vector<Json> log() {
+    audit->flush();
+    std::vector<Json> out;
+    users::read_audit(folder.path() / "audit", [&](const std::string& line) { out.push_back(Json::parse(line)); });
+    return out;
+  }
+
+  struct Nobody : cell::Observer {};
+  Nobody nobody;
+  test::Folder folder;
+  std::unique_ptr<users::AuditLog> audit;
+  std::unique_ptr<LockStepCell> lock_step;
+  std::unique_ptr<Pendant> pendant;
+  int last_ = 0;
+};
+
+TEST_F(UsersOfACell, MaySendWhatTheirRoleAllowsAndNothingElse) {
+  const std::pair<const char*, Role> all[] = {
+      {"vera", Role::watch}, {"otto", Role::operate}, {"petra", Role::program}, {"ada", Role::administer}};
+  for (const auto& [name, role] : all) {
+    const auto peer = connect(name);
+    const Json hello = ask(*peer, {{"request", "session.hello"}, {"name", "tablet"}})["result"];
+    EXPECT_EQ(hello["role"], protocol::name(role));
+    EXPECT_EQ(code(ask(*peer, {{"request", "session.take"}})), role == Role::watch ? "no-role" : "ok");
+    for (const protocol::RequestType* type : protocol::request_types()) {
+      Json request{{"request", type->facts->name}};
+      if (type->facts->watch_without) request[type->facts->watch_without] = true;
+      if (type->facts->role <= role) continue;
+      EXPECT_EQ(code(ask(*peer, request)), "no-role") << name << ": " << type->facts->name;
+    }
+    EXPECT_EQ(code(ask(*peer, {{"request", "control.override"}, {"percent", 50}})), role == Role::watch ? "no-role" : "ok");
+    ask(*peer, {{"request", "session.release"}});
+  }
+}
+
+TEST_F(UsersOfACell, AreNamedWhereOthersSeeWhoHasControl) {
+  const auto otto = connect("otto"), vera = connect("vera");
+  ask(*otto, {{"request", "session.hello"}, {"name", "I am ada"}});
+  ask(*otto, {{"request", "session.take"}});
+  EXPECT_EQ(ask(*vera, {{"request", "session.hello"}})["result"]["holder"]["name"], "otto (I am ada)");
+  EXPECT_EQ(code(ask(*vera, {{"request", "control.stop"}})), "ok") << "everybody stops";
+}
+
+TEST_F(UsersOfACell, WrongPasswordsAreRefusedAndSlowedDown) {
+  EXPECT_EQ(WebPeer::status(log_in("otto", "wrong password")), 403);
+  EXPECT_EQ(WebPeer::status(log_in("nobody", "right password")), 403);
+  EXPECT_EQ(WebPeer::status(WebPeer::fetch(pendant->port(), "/api/login", {}, "POST")), 400);
+  EXPECT_EQ(WebPeer::status(log_in("otto", "right password", {"Origin: http://evil.example"})), 403);
+  EXPECT_EQ(WebPeer::status(log_in("otto", "right password", {"Sec-Fetch-Site: cross-site"})), 403);
+  EXPECT_EQ(WebPeer::status(log_in("otto", "right password", {"Host: evil.example"})), 421);
+  int slowed = 0;
+  for (int n = 0; n < 8; ++n) slowed += WebPeer::status(log_in("otto", "wrong password")) == 429 ? 1 : 0;
+  EXPECT_GE(slowed, 1);
+  EXPECT_NE(WebPeer::fetch(pendant->port(), "/api/login").find(R"({"users":true})"), std::string::npos);
+}
+
+TEST_F(UsersOfACell, ALogOutAndARemovedUserEndTheConnection) {
+  const std::string cookie = cookie_of(log_in("otto", "right password"));
+  WebPeer peer(pendant->port());
+  ASSERT_EQ(peer.upgrade({"Cookie: " + cookie, "Origin: http://" + peer.host()}), 101);
+  ASSERT_EQ(code(ask(peer, {{"request", "health"}})), "ok");
+  EXPECT_EQ(WebPeer::status(WebPeer::fetch(pendant->port(), "/api/logout",
+                                           {"Cookie: " + cookie, "Origin: http://" + peer.host()}, "POST")),
+            200);
+  const auto ends = [&](WebPeer& each) {
+    for (int n = 0; n < 20'000 && !each.closed() && each.close_code == 0; ++n) {
+      pendant->serve();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      each.listen();
+      each.take();
+    }
+    return each.closed() || each.close_code != 0;
+  };
+  EXPECT_TRUE(ends(peer));
+  WebPeer again(pendant->port());
+  EXPECT_EQ(again.upgrade({"Cookie: " + cookie, "Origin: http://" + again.host()}), 403);
+  const auto vera = connect("vera");
+  users::change_users(folder.path() / "users", [](users::UserList& list) { list.remove("vera"); });
+  EXPECT_TRUE(ends(*vera));
+}
+
+TEST_F(UsersOfACell, ARestartEndsNoLinkAndUsersCannotGuessIt) {
+  WebPeer peer(pendant->port());
+  EXPECT_EQ(peer.upgrade({"Authorization: Bearer secret"}), 101) << "the link of the terminal still works";
+  WebPeer other(pendant->port());
+  EXPECT_EQ(other.upgrade({"Authorization: Basic " + base64("otto:right password")}), 401)
+      << "a password opens nothing but the log-in";
+}
+
+TEST_F(UsersOfACell, EveryChangeAndEveryRefusalIsLoggedWithTheName) {
+  log_in("otto", "wrong password");
+  const auto otto = connect("otto");
+  ask(*otto, {{"request", "session.take"}});
+  ask(*otto, {{"request", "health"}});
+  ask(*otto, {{"request", "files.write"}, {"name", "work.script"}, {"text", "wait 2s"}});
+  const auto entries = log();
+  const auto has = [&](const char* who, const char* request, const std::string& outcome) {
+    return std::any_of(entries.begin(), entries.end(), [&](const Json& each) {
+      return each["who"] == who && each["request"] == request && each["outcome"] == outcome;
+    });
+  };
+  EXPECT_TRUE(has("otto", "log-in", "wrong-password"));
+  EXPECT_TRUE(has("otto", "log-in", "done"));
+  EXPECT_TRUE(has("otto", "session.take", "done"));
+  EXPECT_TRUE(has("otto", "files.write", "no-role"));
+  EXPECT_FALSE(std::any_of(entries.begin(), entries.end(), [](const Json& each) { return each["request"] == "health"; }));
+  for (const Json& each : entries) {
+    EXPECT_EQ(each.dump().find("right password"), std::string::npos);
+    EXPECT_EQ(each.dump().find("wrong password"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace polyarm::server
