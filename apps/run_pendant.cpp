@@ -18,8 +18,8 @@
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/cell/socket_door.hpp"
-#include "polyarm/server/tls.hpp"
-#include "polyarm/server/token.hpp"
+#include "polyarm/access/tls.hpp"
+#include "polyarm/access/token.hpp"
 #include "polyarm/users/user_list.hpp"
 #include "polyarm/base/reach.hpp"
 

@@ -1,7 +1,7 @@
 #include "polyarm/fleet/site_page.hpp"
 
 #include "polyarm/server/port.hpp"
-#include "polyarm/server/token.hpp"
+#include "polyarm/access/token.hpp"
 
 namespace polyarm::fleet {
 

@@ -14,7 +14,7 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/protocol/facts.hpp"
 #include "polyarm/realtime/bell.hpp"
-#include "polyarm/server/logins.hpp"
+#include "polyarm/access/logins.hpp"
 
 namespace polyarm::server {
 

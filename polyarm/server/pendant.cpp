@@ -16,7 +16,7 @@
 #include "polyarm/server/scrapes.hpp"
 #include "polyarm/server/sessions.hpp"
 #include "polyarm/server/site.hpp"
-#include "polyarm/server/token.hpp"
+#include "polyarm/access/token.hpp"
 #include "polyarm/server/viewers.hpp"
 
 namespace polyarm::server {

@@ -3,8 +3,9 @@ find_path(POLYARM_BEAST boost/beast/websocket.hpp)
 if(NOT POLYARM_BEAST)
   message(FATAL_ERROR "Boost.Beast is missing: install libboost-dev, or run tools/setup")
 endif()
-polyarm_room(server USES base realtime meshes shapes kinematics protocol users io setup machine operation inside cell recording)
 find_package(OpenSSL REQUIRED)  # libssl-dev
+polyarm_room(access USES base realtime protocol users LIBRARIES OpenSSL::SSL OpenSSL::Crypto)
+polyarm_room(server USES base realtime description meshes shapes kinematics protocol users access io setup machine operation inside cell recording)
 find_package(ZLIB REQUIRED)  # zlib1g-dev
 target_link_libraries(polyarm_server PRIVATE OpenSSL::SSL OpenSSL::Crypto ZLIB::ZLIB)
 target_include_directories(polyarm_server SYSTEM PRIVATE ${POLYARM_BEAST})
@@ -16,7 +17,7 @@ if(POLYARM_ZIP AND POLYARM_ZIP_LIBRARY)  # back up and restore a project
 endif()
 set_source_files_properties(server/port.cpp PROPERTIES COMPILE_OPTIONS "-O1")  # it mostly waits for sockets
 # The cells of a site: a client of their ports, and a page of all.
-polyarm_room(fleet USES base yaml server LIBRARIES nlohmann_json::nlohmann_json fmt::fmt OpenSSL::SSL OpenSSL::Crypto)
+polyarm_room(fleet USES base yaml access server LIBRARIES nlohmann_json::nlohmann_json fmt::fmt OpenSSL::SSL OpenSSL::Crypto)
 target_include_directories(polyarm_fleet SYSTEM PRIVATE ${POLYARM_BEAST})
 set_source_files_properties(fleet/cell_client.cpp PROPERTIES COMPILE_OPTIONS "-O1")
 

@@ -13,7 +13,7 @@
 
 #include "polyarm/io/worker.hpp"
 #include "polyarm/server/assets.hpp"
-#include "polyarm/server/logins.hpp"
+#include "polyarm/access/logins.hpp"
 #include "polyarm/server/pendant.hpp"
 #include "polyarm/server/port.hpp"
 #include "polyarm/server/scrapes.hpp"

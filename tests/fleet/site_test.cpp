@@ -11,7 +11,7 @@
 #include "polyarm/fleet/site_page.hpp"
 #include "polyarm/fleet/site_watch.hpp"
 #include "polyarm/server/pendant.hpp"
-#include "polyarm/server/token.hpp"
+#include "polyarm/access/token.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "tests/support/damaged.hpp"
 #include "tests/support/lock_step_cell.hpp"

@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "polyarm/protocol/request.hpp"
-#include "polyarm/server/gate.hpp"
-#include "polyarm/server/logins.hpp"
+#include "polyarm/access/gate.hpp"
+#include "polyarm/access/logins.hpp"
 #include "polyarm/server/pendant.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/users/password.hpp"

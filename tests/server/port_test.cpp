@@ -13,7 +13,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/server/http_text.hpp"
-#include "polyarm/server/tls.hpp"
+#include "polyarm/access/tls.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/web_peer.hpp"
 

@@ -11,7 +11,7 @@
 #include "polyarm/protocol/request.hpp"
 #include "polyarm/server/pendant.hpp"
 #include "polyarm/server/sessions.hpp"
-#include "polyarm/server/token.hpp"
+#include "polyarm/access/token.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "tests/support/lock_step_cell.hpp"
 #include "tests/support/web_peer.hpp"

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "polyarm/base/bounds.hpp"
-#include "polyarm/server/gate.hpp"
+#include "polyarm/access/gate.hpp"
 #include "polyarm/server/pendant.hpp"
 #include "polyarm/server/stream.hpp"
 #include "tests/support/lock_step_cell.hpp"

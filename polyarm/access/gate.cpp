@@ -1,4 +1,4 @@
-#include "polyarm/server/gate.hpp"
+#include "polyarm/access/gate.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "polyarm/base/text.hpp"
-#include "polyarm/server/token.hpp"
+#include "polyarm/access/token.hpp"
 
 namespace polyarm::server {
 

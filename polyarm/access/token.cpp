@@ -1,4 +1,4 @@
-#include "polyarm/server/token.hpp"
+#include "polyarm/access/token.hpp"
 
 #include <fcntl.h>
 #include <openssl/evp.h>

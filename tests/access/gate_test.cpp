@@ -1,10 +1,10 @@
-#include "polyarm/server/gate.hpp"
+#include "polyarm/access/gate.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "polyarm/server/token.hpp"
+#include "polyarm/access/token.hpp"
 
 namespace polyarm::server {
 namespace {

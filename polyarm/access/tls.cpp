@@ -1,4 +1,4 @@
-#include "polyarm/server/tls.hpp"
+#include "polyarm/access/tls.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "polyarm/protocol/facts.hpp"
-#include "polyarm/server/logins.hpp"
+#include "polyarm/access/logins.hpp"
 
 namespace polyarm::server {
 

@@ -1,4 +1,4 @@
-#include "polyarm/server/logins.hpp"
+#include "polyarm/access/logins.hpp"
 
 #include <sys/stat.h>
 
@@ -8,7 +8,7 @@
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/sha256.hpp"
 #include "polyarm/realtime/periodic.hpp"
-#include "polyarm/server/token.hpp"
+#include "polyarm/access/token.hpp"
 #include "polyarm/users/password.hpp"
 
 namespace polyarm::server {
