@@ -136,7 +136,7 @@ int FarMotion::add(const RmiMessage& message) {
 void FarMotion::clear(bool at_once) {
   queue_.clear();
   held_ = false;
-  ending_ = !at_once && !active_.empty();
+  ending_ = !at_once && !active_.empty() && pace_ > 0;
   if (!ending_) active_.clear();
 }
 

@@ -19,6 +19,7 @@ constexpr Nanoseconds kAskWhy = 100'000'000;     // between two questions for th
 constexpr Nanoseconds kLanding = 3'000'000'000;  // for the robot to be where a move ends
 constexpr int kStatusTurns = 4;       // of that many rounds one reads the status, the others an input
 constexpr int kWhys = 4;              // questions for the alarm until there is none
+constexpr int kBegins = 100;          // of remote motion, one with each reading: the aborted program may still end
 constexpr double kStill = 4e-5;       // rad between two readings, whose places are 0.001 degrees
 constexpr int kStillReadings = 2;
 constexpr double kThere = 0.01;       // rad
@@ -124,6 +125,10 @@ void ForwardLink::take_answer(const RmiMessage& message, Nanoseconds now) {
   const bool ours = message.name == asked_name_ || message.name == "Unknown";
   if (message.kind != RmiMessage::Kind::command || asked_ == Asked::nothing || !ours) return;
   const Asked what = std::exchange(asked_, Asked::nothing);
+  if (what == Asked::initialize && message.error() != 0 && ++begins_ < kBegins) {
+    begin_after_ = current_.count + 1;
+    return;
+  }
   const bool reads = what == Asked::status || what == Asked::joints || what == Asked::input || what == Asked::error;
   if (message.error() != 0 && !reads && what != Asked::abort) {
     if (message.error() != kRmiNotRunning && message.error() != kRmiHold && message.error() != kRmiNotPaused)
@@ -135,6 +140,7 @@ void ForwardLink::take_answer(const RmiMessage& message, Nanoseconds now) {
     case Asked::joints: return take_joints(message, now);
     case Asked::error: return take_alarm(message);
     case Asked::input:
+      if (message.error() != 0) return note(Cause::io_refused, message.error());
       current_.inputs[static_cast<std::size_t>(input_)] =
           message.number("PortValue") != 0 || message.text("PortValue") == "ON";
       input_ = (input_ + 1) % settings_.inputs.count;
@@ -151,6 +157,8 @@ void ForwardLink::take_answer(const RmiMessage& message, Nanoseconds now) {
     case Asked::initialize:
       aborted_ = paused_ = false;
       sequence_ = 1;
+      begins_ = 0;
+      begin_after_ = 0;
       forget_moves();
       clear_done_ = clear_wanted_.load();
       return;
@@ -299,13 +307,14 @@ bool ForwardLink::act_on_fault(Nanoseconds now) {
 
 /// Comes to rest on the path first; then the controller forgets its instructions.
 bool ForwardLink::act_on_clear(Nanoseconds now) {
-  if (sent_.empty()) {
+  if (sent_.empty() && !aborted_) {
     const std::uint32_t wanted = clear_wanted_.load();
     forget_moves();
     clear_done_ = wanted;
     return false;
   }
   if (aborted_) {
+    if (current_.count < begin_after_) return false;
     ask(Asked::initialize, RmiLine("Command", "FRC_Initialize").number("GroupMask", 1), now);
     return true;
   }
@@ -327,9 +336,10 @@ bool ForwardLink::act_on_pace(Nanoseconds now) {
   percent_asked_ = std::clamp(static_cast<int>(std::lround(100 * pace)), 1, 100);
   if (percent_asked_ != percent_)
     ask(Asked::pace, RmiLine("Command", "FRC_SetOverRide").number("Value", percent_asked_), now);
-  else if (paused_)
+  else if (paused_) {
+    still_ = 0;  // from here on it may move, whatever the pace becomes
     ask(Asked::resume, {"Command", "FRC_Continue"}, now);
-  else
+  } else
     return false;
   return true;
 }
@@ -418,7 +428,10 @@ void ForwardLink::read_on(Nanoseconds now) {
 }
 
 void ForwardLink::judge(Nanoseconds now) {
-  if (asked_ != Asked::nothing && now - asked_at_ > settings_.silence) note(Cause::rmi_silent, 0, asked_name_);
+  if (asked_ != Asked::nothing && now - asked_at_ > settings_.silence) {
+    note(Cause::rmi_silent, 0, asked_name_);
+    asked_ = Asked::nothing;  // the abort goes out: the controller may hear what it does not answer
+  }
   if (phase_ != Phase::active || fault_) return;
   if (cycles_seen_ > 0 && now - cycled_at_ > settings_.loop_silence) note(Cause::loop_silent);
 }

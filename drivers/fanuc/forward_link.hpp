@@ -145,6 +145,8 @@ class ForwardLink : public RmiLink, public hardware::ForwardMoves {
   unsigned turn_ = 0;
   int sequence_ = 1, percent_ = 0, percent_asked_ = 0, still_ = 0, input_ = 0, output_ = -1, errors_ = 0;
   bool suspected_ = false, configuration_known_ = false;
+  int begins_ = 0;                 ///< refused, of the same clear()
+  std::uint64_t begin_after_ = 0;  ///< readings: not asked again before
   std::pair<int, const char*> refusal_{0, ""};  ///< error number, and of which command
   std::optional<Pose> tool_, tool_asked_;
   Configuration configuration_;

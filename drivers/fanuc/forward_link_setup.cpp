@@ -87,7 +87,8 @@ bool ForwardLink::start() {
     clear_done_ = clear_wanted_.load();
     sequence_ = 1;
     percent_ = 0;
-    errors_ = 0;
+    errors_ = begins_ = 0;
+    begin_after_ = 0;
     refusal_ = {0, ""};
     suspected_ = configuration_known_ = false;
     aborted_ = paused_ = false;

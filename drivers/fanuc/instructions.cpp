@@ -49,11 +49,16 @@ Pose controller_pose(const Pose& T_world_tcp, const InstructionFrame& frame) {
   return out;
 }
 
+/// The interface has whole numbers; a robot that is a little slower keeps the limits of the plan.
+double whole(double value) {
+  return std::max(1.0, std::floor(value + 1e-3));
+}
+
 void add_speed(const ForwardMove& move, RmiLine& line) {
   if (move.kind == ForwardMove::Kind::joint)
-    line.text("SpeedType", "Percent").number("Speed", std::clamp(std::round(100 * move.share), 1.0, 100.0));
+    line.text("SpeedType", "Percent").number("Speed", std::min(whole(100 * move.share), 100.0));
   else if (move.speed > 0)
-    line.text("SpeedType", "mmSec").number("Speed", std::max(1.0, std::round(1000 * move.speed)));
+    line.text("SpeedType", "mmSec").number("Speed", whole(1000 * move.speed));
   else
     line.text("SpeedType", "mSec").number("Speed", std::max(1.0, std::round(1000 * move.duration)));
 }

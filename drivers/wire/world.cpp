@@ -46,7 +46,10 @@ World::World(const std::string& driver, const hardware::ComponentContext& contex
 }
 
 CallbackReturn World::configure() {
-  return inside_->on_configure();
+  if (configured_) return CallbackReturn::success;
+  const CallbackReturn done = inside_->on_configure();
+  configured_ = done == CallbackReturn::success;
+  return done;
 }
 
 CallbackReturn World::activate() {

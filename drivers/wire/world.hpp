@@ -20,6 +20,7 @@ class World {
   /// What it has besides the joints: "arm/tool/vacuum", "scene/feeder/feed".
   const std::vector<hardware::InterfaceDescription>& states() const { return states_; }
   const std::vector<hardware::InterfaceDescription>& commands() const { return commands_; }
+  /// Once; when the driver connects again, the world is as it was, and its robot does not go back to its start.
   hardware::CallbackReturn configure();
   hardware::CallbackReturn activate();
   void shut_down();
@@ -37,6 +38,7 @@ class World {
   std::vector<std::size_t> state_places_, command_places_, joint_places_;  ///< in the component's lists
   std::vector<std::string> joint_commands_;
   std::vector<double> inner_states_, inner_commands_;
+  bool configured_ = false;
 };
 
 }  // namespace polyarm::wire

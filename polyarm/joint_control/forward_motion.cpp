@@ -35,7 +35,11 @@ double ForwardMotion::off_start(std::span<const double> measured) noexcept {
   std::size_t hint = 0;
   path_.sample(time_, sample_, {}, {}, {}, hint);
   double most = 0;
-  for (std::size_t j = 0; j < sample_.size(); ++j) most = std::max(most, std::abs(sample_[j] - measured[j]));
+  for (std::size_t j = 0; j < sample_.size(); ++j) {
+    const double off = std::abs(sample_[j] - measured[j]);
+    if (!(off <= most)) most = off;
+    if (std::isnan(most)) break;  // a joint that is not measured is nowhere
+  }
   return most;
 }
 

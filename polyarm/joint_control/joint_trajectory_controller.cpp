@@ -83,7 +83,10 @@ CallbackReturn JointTrajectoryController::on_activate(const Cycle& cycle) noexce
 
 void JointTrajectoryController::on_deactivate(const Cycle&) noexcept {
   end_action(GoalOutcome::aborted, -1);
-  if (hardware::ForwardMoves* const moves = forward_.load(std::memory_order_acquire)) drop_forward(*moves);
+  if (hardware::ForwardMoves* const moves = forward_.load(std::memory_order_acquire)) {
+    drop_forward(*moves);
+    moves->set_pace(0);  // nobody asks for motion any more
+  }
   drop_all();
   drop_shift();
   for (TrajectoryGoal*& goal : waiting_)

@@ -22,8 +22,15 @@ constexpr double kLeastShare = 0.01;
 
 class ForwardPlan {
  public:
-  ForwardPlan(const RobotFacts& robot, std::span<const Move> moves, const PlannedMotion& motion, double begin)
-      : robot_(robot), moves_(moves), motion_(motion), begin_(begin), q_(motion.path.joints()), dq_(q_.size()) {}
+  ForwardPlan(const RobotFacts& robot, std::span<const Move> moves, const PlannedMotion& motion, double begin,
+              double tcp_ceiling)
+      : robot_(robot),
+        moves_(moves),
+        motion_(motion),
+        begin_(begin),
+        tcp_ceiling_(tcp_ceiling),
+        q_(motion.path.joints()),
+        dq_(q_.size()) {}
 
   std::vector<ForwardMove> run() {
     double from = begin_;
@@ -74,24 +81,38 @@ class ForwardPlan {
     out.via = robot_.chain.forward(q_);
     out.acceleration = std::clamp(of.acceleration, kLeastShare, 1.0);
     out.duration = to - from;
-    measure(from, to, out);
+    double most = of.tcp_speed;
+    if (tcp_ceiling_ > 0) most = most > 0 ? std::min(most, tcp_ceiling_) : tcp_ceiling_;
+    measure(from, to, most, out);
     return out;
   }
 
-  /// The highest speeds of the plan between two times.
-  void measure(double from, double to, ForwardMove& out) {
-    double share = kLeastShare, speed = 0;
+  /// The highest speeds of the plan between two times. The plan slows down only where the TCP is fast; a robot
+  /// has one speed for a joint move, so it gets the one with which the TCP stays below `most` (m/s; 0:
+  /// unlimited) everywhere.
+  void measure(double from, double to, double most, ForwardMove& out) {
+    double share = kLeastShare, speed = 0, reach = 0;  // reach: m/s of the TCP at the full speed of the joints
     Vec3 before;
+    Values last;
     const double step = (to - from) / kSamples;
     for (int k = 0; k <= kSamples; ++k) {
       sample(from + k * step);
       for (std::size_t j = 0; j < q_.size(); ++j)
         share = std::max(share, std::abs(dq_[j]) / robot_.limits[j].velocity);
       const Vec3 here = robot_.chain.forward(q_).position;
-      if (k > 0) speed = std::max(speed, norm(here - before) / step);
+      if (k > 0) {
+        const double way = norm(here - before);
+        speed = std::max(speed, way / step);
+        double turned = 0;  // s, at the full speed of the joints
+        for (std::size_t j = 0; j < q_.size(); ++j)
+          turned = std::max(turned, std::abs(q_[j] - last[j]) / robot_.limits[j].velocity);
+        if (turned > kNoTime * kNoTime) reach = std::max(reach, way / turned);
+      }
       before = here;
+      last = q_;
     }
-    out.share = std::min(share, 1.0);
+    if (out.kind == ForwardMove::Kind::joint && most > 0 && reach > 0) share = std::min(share, most / reach);
+    out.share = std::clamp(share, kLeastShare, 1.0);
     out.speed = speed < kNoSpeed ? 0 : speed;
   }
 
@@ -142,7 +163,7 @@ class ForwardPlan {
   const RobotFacts& robot_;
   std::span<const Move> moves_;
   const PlannedMotion& motion_;
-  double begin_;
+  double begin_, tcp_ceiling_;
   Values q_, dq_;
   std::vector<ForwardMove> out_;
 };
@@ -162,9 +183,10 @@ std::optional<Problem> refuse_forward(const Move& move, const std::string& robot
 }
 
 std::unique_ptr<controllers::ForwardMotion> forward_motion(const RobotFacts& robot, std::span<const Move> moves,
-                                                           const PlannedMotion& motion, double begin) {
+                                                           const PlannedMotion& motion, double begin,
+                                                           double tcp_ceiling) {
   return std::make_unique<controllers::ForwardMotion>(
-      motion.path, ForwardPlan(robot, moves, motion, begin).run(), begin);
+      motion.path, ForwardPlan(robot, moves, motion, begin, tcp_ceiling).run(), begin);
 }
 
 }  // namespace polyarm::moves

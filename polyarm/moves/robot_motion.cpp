@@ -134,7 +134,7 @@ void RobotMotion::plan() {
       job->plan = plan_moves_around(robot, job->from, job->moves, job->obstacles.get(), job->options);
       for (const PlannedMotion& motion : job->plan.motions)
         if (job->forward)
-          job->forwards.push_back(forward_motion(robot, job->moves, motion));
+          job->forwards.push_back(forward_motion(robot, job->moves, motion, 0, job->options.tcp_ceiling));
         else
           job->followers.push_back(
               std::make_unique<timing::PathFollower>(motion.path, job->plan.limits, job->period));
@@ -294,7 +294,8 @@ std::vector<double> RobotMotion::place_of_stop(const Ready& ready, double time) 
 /// Readies a motion that was stopped at this time of its plan to be handed over again.
 void RobotMotion::go_on_from(Ready& ready, double time) {
   if (ready.moves) {
-    ready.forward = forward_motion(facts(ready.with), *ready.moves, ready.motion, time);
+    ready.forward =
+        forward_motion(facts(ready.with), *ready.moves, ready.motion, time, ready.options.tcp_ceiling);
     return;
   }
   ready.follower = std::make_unique<timing::PathFollower>(ready.motion.path, ready.limits, controller_.period());

@@ -205,7 +205,6 @@ class RobotMotion {
     std::unique_ptr<timing::PathFollower> follower;
     std::unique_ptr<controllers::ForwardMotion> forward;  ///< instead of a follower
     std::shared_ptr<const std::vector<Move>> moves;       ///< of the plan, with `forward`
-    std::uint64_t plan_id = 0;                            ///< of the first of them
     std::shared_ptr<const RobotFacts> with;
     std::shared_ptr<InStep> step;
     bool leads = false;  ///< the first motion of the robot in the step

@@ -78,6 +78,18 @@ TEST(FanucForwardExample, PlacesByTheControllersOwnMotionAndRepeatsItself) {
   EXPECT_EQ(run_command(line).result()["trace_hash"], first.result()["trace_hash"]);
 }
 
+TEST(FanucForwardExample, UntilEndsALineInItsMiddleAndTheNextMoveBeginsThere) {
+  const ExampleCopy copy("fanuc_forward");
+  write_file_atomically(copy.file("placing.script"),
+                        "load job\nmovej AbovePick\nset Vacuum = true\n"
+                        "movel AbovePlace speed 5% until Holds\nmovel Place\n");
+  const Finished ran = run_command({"run", copy.path(), "--fast", "--json", "--no-socket"});
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  EXPECT_EQ(ran.result()["result"], "completed");
+  // The whole line takes more than 5 s at this speed.
+  EXPECT_LT(ran.result()["sim_time_s"].get<double>(), 5) << ran.output;
+}
+
 TEST(FanucForwardExample, TheSameProgramStreamsWithoutTheKey) {
   const ExampleCopy copy("fanuc_forward");
   std::string text = read_file(copy.file("cell.yaml"));

@@ -213,6 +213,24 @@ TEST(FanucForward, AfterClearTheRobotStandsAndTakesOtherMoves) {
   EXPECT_NEAR(rig.q()[0], at[0] + 0.1, 1e-3);
 }
 
+TEST(FanucForward, AClearInTheMiddleOfAMoveStopsThereAndAnotherMoveBegins) {
+  ForwardRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.passes(5));
+  const Six before = rig.q();
+  ASSERT_TRUE(rig.moves->accept(rig.turn(1.2)));
+  ASSERT_TRUE(rig.passes(40));
+  rig.moves->clear();
+  ASSERT_TRUE(rig.passes_until([&] { return rig.moves->flow().idle && rig.moves->flow().standing; }, 1, 300));
+  const Six at = rig.q();
+  EXPECT_GT(at[0], before[0] + 0.02);
+  EXPECT_LT(at[0], before[0] + 1.1) << "in the middle";
+  rig.target.reset();
+  ASSERT_TRUE(rig.moves->accept(rig.turn(-0.1)));
+  ASSERT_TRUE(rig.passes_until([&] { return rig.done(); }));
+  EXPECT_NEAR(rig.q()[0], at[0] - 0.1, 1e-3);
+}
+
 TEST(FanucForward, ThePaceIsTheControllersOverride) {
   const auto cycles_at = [](double pace) {
     ForwardRig rig;

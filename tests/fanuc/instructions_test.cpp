@@ -34,7 +34,7 @@ ForwardMove move(ForwardMove::Kind kind) {
   out.kind = kind;
   const Six degrees{10, 20, 30, 40, 50, 60};
   for (std::size_t i = 0; i < 6; ++i) out.joints[i] = degrees[i] * kDegree;
-  out.share = 0.504;
+  out.share = 0.509;
   out.speed = 0.25;
   return out;
 }

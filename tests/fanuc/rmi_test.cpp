@@ -283,7 +283,7 @@ TEST(FarRmi, PauseHoldsAndContinueGoesOn) {
   remote.send({remote.joint_move({60, 10, -15, 0, -60, 20})});
   for (int i = 0; i < 40; ++i) remote.far.step();
   EXPECT_EQ(remote.ask_in_background("FRC_Pause").error(), 0);
-  for (int i = 0; i < 40; ++i) remote.far.step();
+  for (int i = 0; i < 120; ++i) remote.far.step();  // it slows down first
   const Six at = remote.q();
   for (int i = 0; i < 40; ++i) remote.far.step();
   EXPECT_NEAR(remote.q()[0], at[0], 1e-4);

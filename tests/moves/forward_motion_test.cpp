@@ -153,6 +153,33 @@ TEST(ForwardMotion, SpeedsAreThoseOfThePlan) {
   EXPECT_LE(rig.robot.got[1].speed, 1.0);
 }
 
+TEST(ForwardMotion, AJointMoveIsSoSlowThatTheTcpKeepsTheCeilingEverywhere) {
+  Rig rig;
+  MovePlanOptions reduced;
+  reduced.tcp_ceiling = 0.25;
+  rig.motion->set_options(reduced);
+  Values there = rig.from;
+  there[0] += 1;
+  there[2] -= 1.2;  // the distance of the TCP from joint 1 changes
+  rig.motion->queue(joint(there, "there"));
+  rig.until_idle();
+  ASSERT_EQ(rig.robot.got.size(), 1u);
+  double turned = 0, fastest = 0;  // s of the move at the full speed of the joints; m/s of the TCP then
+  for (std::size_t j = 0; j < there.size(); ++j)
+    turned = std::max(turned, std::abs(there[j] - rig.from[j]) / rig.arm.facts->limits[j].velocity);
+  constexpr int kSteps = 400;
+  for (int k = 0; k < kSteps; ++k) {
+    const auto place = [&](int step) {
+      Values q = rig.from;
+      for (std::size_t j = 0; j < q.size(); ++j) q[j] += (there[j] - rig.from[j]) * step / kSteps;
+      return rig.arm.chain().forward(q).position;
+    };
+    fastest = std::max(fastest, norm(place(k + 1) - place(k)) * kSteps / turned);
+  }
+  EXPECT_LE(rig.robot.got[0].share * fastest, 0.25 * 1.01);
+  EXPECT_GT(rig.robot.got[0].share * fastest, 0.2);
+}
+
 TEST(ForwardMotion, AnArcHasAPointOfItsOwnPath) {
   Rig rig;
   Move arc;
