@@ -12,9 +12,10 @@ constexpr std::uint32_t kOutputs = 10000, kOutputGroups = 1000;
 constexpr std::size_t kMostKept = 1 << 16;
 
 /// 10, 11 … 17, 20 …: the address of a bit; its number from 1. 0: none of the general signals.
-int number_of(std::uint32_t address) {
-  const int number = static_cast<int>((address / 10 - 1) * 8 + address % 10 + 1);
-  return address >= 10 && address % 10 < 8 && number <= kMostSignals ? number : 0;
+int number_of(std::uint64_t address) {
+  constexpr std::uint64_t kLast = 10 * (kMostSignals / 8) + 7;
+  if (address < 10 || address > kLast || address % 10 > 7) return 0;
+  return static_cast<int>((address / 10 - 1) * 8 + address % 10 + 1);
 }
 
 }  // namespace
@@ -221,7 +222,7 @@ bool FarMoto::answer_io(Client& client, const Message& m) {
   const std::uint32_t outputs = group ? kOutputGroups : kOutputs;
   const bool is_output = address >= outputs;
   const std::uint32_t own = is_output ? address - outputs : address;
-  const int first = number_of(group ? own * 10 : own), count = group ? 8 : 1;
+  const int first = number_of(group ? std::uint64_t{own} * 10 : own), count = group ? 8 : 1;
   IoResult result = IoResult::ok;
   std::uint32_t read = 0;
   if (first == 0 || (writes && !is_output) || (writes && faults_.locked_outputs))

@@ -210,13 +210,14 @@ Machine::Answer Machine::take(const MotoPoint& point) {
   if (!ready()) return {MotoResult::not_ready, not_ready()};
   if (point.group != options_.group) return invalid(Invalid::group);
   if ((point.valid & 7) != 7) return invalid(Invalid::insufficient);
-  if (!(point.time < kMostTime)) return invalid(Invalid::time);
+  if (!(point.time >= 0 && point.time < kMostTime)) return invalid(Invalid::time);
   if (point.sequence < 0) return invalid(Invalid::sequence);
   Motion next;
   next.time = static_cast<int>(point.time * 1000);
   for (std::size_t i = 0; i < 6; ++i) {
     next.position[i] = point.position[i] * kDegrees;
     next.velocity[i] = point.velocity[i] * kDegrees;
+    if (!(std::abs(next.position[i]) < 2 * kEndless)) return invalid(Invalid::position);
     if (refuse_speed || std::abs(next.velocity[i]) > options_.facts.velocity[i])
       return invalid(Invalid::speed);
   }
