@@ -10,6 +10,7 @@
 #include "apps/options.hpp"
 #include "apps/verb.hpp"
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/users/audit_log.hpp"
 #include "polyarm/users/user_list.hpp"
@@ -59,8 +60,10 @@ void print_entry(const Json& entry) {
   std::string more = entry.contains("arguments") ? " " + entry["arguments"].dump(-1, ' ', false, Json::error_handler_t::replace) : "";
   if (entry.contains("times")) more += fmt::format(" ({} times)", entry["times"].dump());
   const std::string outcome = text("outcome");
-  fmt::print("{}  {:<12} {:<16} {} {}{}{}\n", text("time"), text("cell"), text("who"), text("request"), outcome == "done" ? "" : "refused: " + outcome, more,
-             text("from").empty() ? "" : "  from " + text("from"));
+  // Who is refused may send any bytes as an argument.
+  fmt::print("{}\n", printable_line(fmt::format("{}  {:<12} {:<16} {} {}{}{}", text("time"), text("cell"), text("who"), text("request"),
+                                                outcome == "done" ? "" : "refused: " + outcome, more,
+                                                text("from").empty() ? "" : "  from " + text("from"))));
 }
 
 }  // namespace

@@ -140,15 +140,6 @@ bool host_allowed(std::string_view host, const GateRules& rules) {
          std::find(rules.names.begin(), rules.names.end(), name) != rules.names.end();
 }
 
-namespace {
-
-struct Claim {
-  Shown how = Shown::nothing;
-  protocol::Role role = protocol::Role::watch;
-  std::shared_ptr<Login> login;
-  std::string token;
-};
-
 Claim claim_of(const Head& head, const GateRules& rules) {
   const auto judged = [&](std::string_view token, Shown as) {
     Claim out{Shown::wrong, protocol::Role::watch, nullptr, std::string(token)};
@@ -168,8 +159,6 @@ Claim claim_of(const Head& head, const GateRules& rules) {
     return judged(token, Shown::cookie);
   return {};
 }
-
-}  // namespace
 
 Shown shown_token(const Head& head, const GateRules& rules) {
   return claim_of(head, rules).how;

@@ -44,6 +44,14 @@ bool host_allowed(std::string_view host, const GateRules& rules);
 
 /// How a request carries the token.
 enum class Shown { nothing, wrong, cookie, query, bearer };
+/// What a request shows. Log-ins end at any time: who needs several of these takes them from one claim.
+struct Claim {
+  Shown how = Shown::nothing;
+  protocol::Role role = protocol::Role::watch;  ///< that the token allows; `watch` if it is missing or wrong
+  std::shared_ptr<Login> login;                 ///< of a user; null: another token, or none
+  std::string token;                            ///< as sent, right or wrong
+};
+Claim claim_of(const Head& head, const GateRules& rules);
 Shown shown_token(const Head& head, const GateRules& rules);
 /// The role that the request's token allows; `watch` if the token is missing or wrong.
 protocol::Role shown_role(const Head& head, const GateRules& rules);

@@ -22,16 +22,16 @@ void Logins::reread(double now) {
   if (file_.empty() || now - read_at_ < kRereadEvery_s) return;
   read_at_ = now;
   struct stat status {};
-  std::pair<std::int64_t, std::uint64_t> seen{0, 0};
+  Seen seen;
   if (::lstat(file_.c_str(), &status) == 0)
-    seen = {status.st_mtim.tv_sec * 1'000'000'000 + status.st_mtim.tv_nsec, status.st_ino};
+    seen = {status.st_ctim.tv_sec * 1'000'000'000 + status.st_ctim.tv_nsec, status.st_ino, status.st_mode, status.st_uid};
   if (seen == seen_) return;
   try {
     users_ = users::read_users(file_);
     seen_ = seen;
   } catch (const Error&) {
     users_ = {};
-    seen_ = {-1, 0};
+    seen_ = {-1};
   }
 }
 

@@ -2,6 +2,7 @@
 /// Log-ins of users at the pendant's port: checks passwords, and knows who is logged in. Each log-in has a token of its
 /// own, which lives in memory only: a restart of the cell ends all log-ins.
 #include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -60,6 +61,12 @@ class Logins {
     int wrong = 0;
     double until = 0, last = 0;
   };
+  /// What tells one file from another, and from itself after a change.
+  struct Seen {
+    std::int64_t changed_ns = 0;  ///< also by a change of mode or owner
+    std::uint64_t inode = 0, mode = 0, owner = 0;
+    bool operator==(const Seen&) const = default;
+  };
   void reread(double now);
   double wait_of(const std::string& key, double now) const;
   void note_try(const std::string& key, double now);
@@ -71,7 +78,7 @@ class Logins {
   mutable std::mutex mutex_;
   users::UserList users_;
   double read_at_ = -1e9;
-  std::pair<std::int64_t, std::uint64_t> seen_{-1, 0};  // time of change and inode of the file that was read
+  Seen seen_{-1};  // of the file that was read
   std::map<std::string, std::shared_ptr<Login>> logins_;  // by the SHA-256 of the token
   std::map<std::string, Tries> tries_;                    // by "user NAME" and "from ADDRESS"
 };

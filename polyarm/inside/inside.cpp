@@ -29,6 +29,7 @@ CellInside::CellInside(const CellFile& file, const description::Catalogue& catal
       machine(setup, events),
       worker(setup.options.lock_step),
       planner(setup.options.lock_step),
+      long_worker(setup.options.lock_step),
       data(setup, events),
       requests(*this, handlers) {
   Problems problems;

@@ -51,6 +51,7 @@ struct CellInside {
   EventLog events{observers};
   Machine machine;
   Worker worker, planner;  ///< for jobs longer than a tick; in lock-step they run immediately
+  LongWorker long_worker;
   CellData data;
   ContactWatch contacts;
   std::optional<Arming> arming;
@@ -95,6 +96,8 @@ Owner& CellInside::owner() {
     return machine;
   else if constexpr (std::is_same_v<O, Worker>)
     return worker;
+  else if constexpr (std::is_same_v<O, LongWorker>)
+    return long_worker;
   else if constexpr (std::is_same_v<O, CellData>)
     return data;
   else if constexpr (std::is_same_v<O, ContactWatch>)

@@ -61,7 +61,7 @@ class Requests::Work {
       if (each.from != from || each.over) continue;
       each.over = true;
       if (!each.answered) {
-        if (each.on_first) each.on_first({{}, why, false});
+        if (const auto first = std::exchange(each.on_first, nullptr)) first({{}, why, false});
         unanswered.push_back(std::move(each.on_reply));
       }
     }
@@ -129,7 +129,8 @@ class Requests::Work {
     // A refusal also waits for its turn; a stop never waits.
     if (open.urgent) overtake(from);
     if (!open.urgent && open_.size() < 2 * bounds::kOpenRequests && must_wait(from)) return keep(std::move(open));
-    if (!advance(open)) keep(std::move(open));
+    if (!advance(open)) return keep(std::move(open));
+    tell_end(open);
   }
 
   /// Requests of the same client that were sent before its stop and have not begun must not move what was
@@ -155,10 +156,18 @@ class Requests::Work {
     std::size_t before = 0;
     for (std::size_t i = 0; i < std::min(first_, open_.size()); ++i) before += open_[i].over ? 1 : 0;
     first_ -= before;
+    for (Open& open : open_)
+      if (open.over) tell_end(open);
     std::erase_if(open_, [&](const Open& open) {
       if (open.over) bytes_ -= open.bytes;
       return open.over;
     });
+  }
+
+  /// For the witness of a request that ends without an answer: what it began may have been done.
+  static void tell_end(Open& open) {
+    if (const auto first = std::exchange(open.on_first, nullptr))
+      first({{}, Error("ended", "the client ended it before it was answered"), false});
   }
 
   /// Limits the open requests of each client, so one client cannot block the others, and those of all clients

@@ -32,7 +32,7 @@ class Requests {
   /// not ordered. `bytes` is the approximate memory of a large request; it counts towards
   /// bounds::kOpenRequestBytes.
   /// Called for each request before it is carried out, with its client (`from`). The function that it returns is called
-  /// with the first reply; it may be empty.
+  /// with the first reply, or with Error("ended") if there is none; it may be empty.
   using Witness = std::function<std::function<void(const protocol::Reply&)>(const void* from, const protocol::Request&)>;
   void set_witness(Witness witness);
   void ask(protocol::Request request, OnReply on_reply, const void* from = nullptr, std::size_t bytes = 0);

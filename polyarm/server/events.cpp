@@ -286,10 +286,10 @@ Text NearEvents::changes() {
                                              {"pace", std::round(cell_.pace(i) * 100) / 100}};
   }
   Json event{{"event", "near"}, {"robots", robots}};
-  std::string text = event.dump();
+  std::string text = dump(event);  // names of bodies may have any bytes
   if (text == told_ || (told_.empty() && robots.empty())) return nullptr;
   told_ = std::move(text);
-  return text_of(event);
+  return full();
 }
 
 void ProgramEvents::watch() {

@@ -89,6 +89,8 @@ class NearEvents {
   explicit NearEvents(cell::CellView& cell) : cell_(cell) {}
   /// Null: no change since the last call.
   Text changes();
+  /// The last event; null: none yet.
+  Text full() const { return told_.empty() ? nullptr : std::make_shared<const std::string>(told_); }
 
  private:
   cell::CellView& cell_;

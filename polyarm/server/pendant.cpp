@@ -110,10 +110,11 @@ class Pendant::Work {
     for (const Problem& problem : site_.take_problems()) sessions.journal().on_problem(0, problem);
     const double now = steady_seconds();
     metrics_.tick(now);
-    answer_scrapes();
+    if (now - scrapes_answered_ >= kScrapesEvery_s) answer_scrapes(now);
     if (now - logins_checked_ >= Logins::kRereadEvery_s) {
       logins_checked_ = now;
       logins_.tick(now);
+      port_->wake();  // closes the connections whose log-in has ended, also if nothing is sent to them
     }
     const bool told = sessions.serve(), shown = viewers_.serve();
     if (told || shown) port_->wake();
@@ -163,14 +164,20 @@ class Pendant::Work {
   }
 
  private:
-  void answer_scrapes() {
+  /// Each text is made once for all who wait: anybody may ask for the metrics, and this thread has a cell to serve.
+  void answer_scrapes(double now) {
     if (!scrapes_.any()) return;
+    scrapes_answered_ = now;
+    Text text, json;
     for (auto& [kind, reply] : scrapes_.take()) {
       HttpReply out;
       const bool prometheus = kind == Scrapes::Kind::prometheus;
+      Text& made = prometheus ? text : json;
+      if (!made)
+        made = std::make_shared<const std::string>(prometheus ? metrics_.prometheus(counts())
+                                                              : dump(metrics_.summary(counts())));
       out.type = prometheus ? MetricsText::kMediaType : "application/json";
-      out.body = std::make_shared<const std::string>(prometheus ? metrics_.prometheus(counts())
-                                                                : dump(metrics_.summary(counts())));
+      out.body = made;
       out.headers.emplace_back("Cache-Control", "no-store");
       reply(std::move(out));
     }
@@ -178,7 +185,8 @@ class Pendant::Work {
 
   PendantOptions options_;
   Logins logins_;
-  double logins_checked_ = 0;
+  double logins_checked_ = 0, scrapes_answered_ = 0;
+  static constexpr double kScrapesEvery_s = 0.05;
 
  public:
   Sessions sessions;

@@ -195,8 +195,9 @@ class ClientStream : public Stream {
 /// A WebSocket and the stream that it carries.
 class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
  public:
-  Socket(Work& work, Wire wire, std::shared_ptr<Stream> client)
-      : work_(work), stream_(std::move(wire)), client_(std::move(client)) {
+  /// `login`: of a user; null: the client came by a link.
+  Socket(Work& work, Wire wire, std::shared_ptr<Stream> client, std::shared_ptr<Login> login)
+      : work_(work), stream_(std::move(wire)), client_(std::move(client)), login_(std::move(login)) {
     work_.add(this);
   }
   ~Socket() {
@@ -230,6 +231,8 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
 
   void pump() {
     if (!open_ || closing_) return;
+    if (login_ && login_->over) return close(ws::close_code::policy_error, "the log-in has ended");
+    if (login_) login_->used = steady_seconds();
     if (client_->gone()) return close(ws::close_code::policy_error, "it does not read its answers");
     if (writing_) return;
     auto out = client_->next();
@@ -279,6 +282,7 @@ class Port::Work::Socket : public std::enable_shared_from_this<Socket> {
   Work& work_;
   ws::stream<Wire, false> stream_;
   std::shared_ptr<Stream> client_;
+  const std::shared_ptr<Login> login_;
   beast::flat_buffer buffer_;
   bool open_ = false, closing_ = false, writing_ = false, goes_away_ = false;
 };
@@ -361,7 +365,8 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
       return refuse(403, "only https is served to other machines: open the link that polyarm printed");
     path_ = path_of(head_.target);
     if (path_.empty()) return refuse(400, "the path is malformed");
-    const Shown shown = shown_token(head_, work_.options.rules);
+    claim_ = claim_of(head_, work_.options.rules);
+    const Shown shown = claim_.how;
     if (!known_ && shown != Shown::nothing && shown != Shown::wrong) {
       known_ = work_.know(this);
       if (!known_) return refuse(503, "too many are connected already");
@@ -413,10 +418,11 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
     request.if_none_match = header(http::field::if_none_match);
     request.gzip = accepts_gzip(header(http::field::accept_encoding));
     request.secure = head_.secure;
-    request.token = shown_token(head_, work_.options.rules);
-    request.role = shown_role(head_, work_.options.rules);
-    request.login = shown_login(head_, work_.options.rules);
-    request.shown = shown_text(head_, work_.options.rules);
+    const Claim claim = claim_of(head_, work_.options.rules);  // the log-in may have ended while the body came
+    request.token = claim.how;
+    request.role = claim.role;
+    request.login = claim.login;
+    request.shown = claim.token;
     request.authorization = head_.authorization;
     request.from = address_;
     request.body = std::move(parser_->get().body());
@@ -454,20 +460,19 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
 
   void become_socket() {
     if (path_ != "/ws" && protocol_.empty()) return refuse(404, "the WebSocket is at /ws");
+    if (claim_.how == Shown::nothing || claim_.how == Shown::wrong) return refuse(403, "the log-in has ended");
     std::shared_ptr<Stream> stream;
     if (!protocol_.empty()) {
       stream = work_.site.welcome_viewer();
     } else if (!address_.empty()) {
-      if (auto client =
-              work_.site.welcome({address_, local_, shown_role(head_, work_.options.rules),
-                                              shown_login(head_, work_.options.rules)}))
+      if (auto client = work_.site.welcome({address_, local_, claim_.role, claim_.login}))
         stream = std::make_shared<ClientStream>(std::move(client));
     }
     if (!stream) return refuse(503, "too many are watching already");
     wire_.next_layer().expires_never();
     wire_.give_back(beast::buffers_to_string(buffer_.data()));  // frames that came with the head
     handed_on_ = true;  // it stays counted as known: only known connections come this far
-    const auto socket = std::make_shared<Socket>(work_, std::move(wire_), std::move(stream));
+    const auto socket = std::make_shared<Socket>(work_, std::move(wire_), std::move(stream), claim_.login);
     socket->accept(parser_->get(), protocol_);
   }
 
@@ -476,6 +481,7 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::string_body>> parser_;
   Head head_;
+  Claim claim_;
   std::string path_, protocol_;
   std::string address_;
   bool local_ = false, in_clear_ = false;  ///< in_clear_: came without TLS where TLS is required

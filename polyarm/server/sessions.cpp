@@ -140,6 +140,7 @@ class Sessions::Work {
       }
       arrived_.clear();
     }
+    take_urgent();  // of those who leave, too: a stop counts, whoever sent it
     for (auto each = seats_.begin(); each != seats_.end();) {
       keep_seats_for_control(each->second);
       end_with_login(*each->second.client);
@@ -178,13 +179,12 @@ class Sessions::Work {
 
   // --- requests
 
-  /// Takes the stops, holds and heartbeats of all clients first. Then takes one line from each client in
+  /// Takes the stops, holds and heartbeats of all clients first (check_clients). Then takes one line from each client in
   /// turn, up to the tick's limits of lines and time.
   void take_lines() {
     now_ = seconds(realtime::monotonic_now());
     if (cell_) journal.set_now(cell_->now());
     check_clients();
-    take_urgent();
     const Nanoseconds begun = realtime::monotonic_now();
     if (begun - budget_since_ >= kBudgetEvery) renew_budget(begun);
     Nanoseconds taken = 0;
@@ -639,6 +639,7 @@ class Sessions::Work {
     put(Kind::tags, tags_->full());
     put(Kind::parts, parts_->full());
     put(Kind::plan, plans_->full());
+    put(Kind::near, near_->full());
     put(Kind::program, program_->full());
   }
 

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <ctime>
@@ -154,7 +155,7 @@ class AuditLog::Work {
     if (entry.time.empty()) entry.time = utc_now();
     {
       const std::lock_guard lock(mutex_);
-      if (queue_.size() >= kAuditQueue)
+      if (queue_.size() >= kAuditQueue || !has_room_for(entry))
         ++lost_;
       else
         queue_.push_back(std::move(entry));
@@ -170,6 +171,18 @@ class AuditLog::Work {
   }
 
  private:
+  /// What was done, or may have been, always has room; equal refusals in a row are one line, and need room once.
+  bool has_room_for(const AuditEntry& entry) {
+    if (entry.outcome == "done" || entry.outcome == "ended" || (!queue_.empty() && same(entry, queue_.back()))) return true;
+    const Clock::time_point now = Clock::now();
+    const double passed = std::chrono::duration<double>(now - refilled_).count();
+    refusals_ = std::min(kRefusalsAtOnce, refusals_ + passed * kRefusalsASecond);
+    refilled_ = now;
+    if (refusals_ < 1) return false;
+    refusals_ -= 1;
+    return true;
+  }
+
   void run() {
     std::unique_lock lock(mutex_);
     for (;;) {
@@ -187,7 +200,8 @@ class AuditLog::Work {
       for (AuditEntry& entry : taken) take(std::move(entry));
       if (lost > 0) unwritten_ += lost;
       if (all || Clock::now() >= merge_until_) write_repeats();
-      write_lost();
+      if (all || Clock::now() >= lost_told_ + kMergeFor) write_lost();
+      taken.clear();
       lock.lock();
       if (flush != flush_done_) {
         flush_done_ = flush;
@@ -225,6 +239,7 @@ class AuditLog::Work {
     entry.outcome = "lost";
     entry.what = std::to_string(unwritten_) + " entries before this one could not be written";
     const std::uint64_t before = unwritten_;
+    lost_told_ = Clock::now();
     if (write(line_of(entry))) unwritten_ -= before;
   }
 
@@ -239,7 +254,11 @@ class AuditLog::Work {
         static_cast<std::size_t>(status.st_size) + text.size() > file_bytes_)
       rotate();
     const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600);
-    const bool good = fd >= 0 && ::write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+    const bool there = fd >= 0 && ::fstat(fd, &status) == 0;
+    const ssize_t n = there ? ::write(fd, text.data(), text.size()) : -1;
+    const bool good = n == static_cast<ssize_t>(text.size());
+    // A full disk took a part of it: the next line must not follow in the middle of this one.
+    if (n > 0 && !good && ::ftruncate(fd, status.st_size) != 0) just_failed_ = true;
     if (fd >= 0) ::close(fd);
     if (lock >= 0) ::close(lock);
     if (!good) ++unwritten_, just_failed_ = true;
@@ -254,16 +273,18 @@ class AuditLog::Work {
 
   const fs::path folder_;
   const std::size_t file_bytes_, files_;
-  std::mutex mutex_;  // guards the next six
+  std::mutex mutex_;  // guards the next eight
   std::condition_variable wake_, flushed_;
   std::deque<AuditEntry> queue_;
   std::uint64_t lost_ = 0, flush_asked_ = 0, flush_done_ = 0;
   bool over_ = false;
+  double refusals_ = kRefusalsAtOnce;
+  Clock::time_point refilled_ = Clock::now();
   // the writer's own
   AuditEntry last_;
   bool has_last_ = false, just_failed_ = false;
   std::uint64_t repeats_ = 0, unwritten_ = 0;
-  Clock::time_point merge_until_{};
+  Clock::time_point merge_until_{}, lost_told_{};
   std::thread thread_;
 };
 

@@ -13,6 +13,9 @@ namespace polyarm::users {
 
 inline constexpr std::size_t kAuditFileBytes = 8 << 20, kAuditFiles = 16, kAuditQueue = 4096, kAuditArguments = 2048,
                              kAuditText = 200;
+/// Refusals that are written: so many a second, after a burst. Who may nothing cannot push the log of others out of its
+/// files.
+inline constexpr double kRefusalsASecond = 2, kRefusalsAtOnce = 500;
 
 struct Actor {
   std::string name;             ///< of the user; else of the link or the local user
@@ -42,7 +45,8 @@ std::string arguments_text(const protocol::Request& request);
 std::string line_of(const AuditEntry& entry, std::uint64_t times = 1);
 
 /// A thread of its own writes; no caller waits for the disk. Equal entries within a second become one line with a
-/// count. What does not fit into the queue, or cannot be written, is counted in a later line.
+/// count. What does not fit into the queue, refusals that come too fast, and what cannot be written, is counted in a
+/// later line.
 class AuditLog {
  public:
   /// Throws Error("no-folder") if the folder cannot be used.

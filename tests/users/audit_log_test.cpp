@@ -71,6 +71,30 @@ TEST(AuditLog, EqualEntriesBecomeOneLineWithACountAndNoneIsLost) {
   EXPECT_LT(read.size(), 500u);
 }
 
+TEST(AuditLog, AFloodOfRefusalsIsCountedAndDoesNotPushOutWhatWasDone) {
+  const test::Folder folder;
+  constexpr std::size_t kFlood = 3000;
+  {
+    AuditLog log(folder.path() / "audit");
+    log.add(entry("program.start"));
+    for (std::size_t i = 0; i < kFlood; ++i) {
+      AuditEntry refused = entry(i % 2 == 0 ? "tags.set" : "tags.force", "a link");
+      refused.outcome = "no-role";
+      log.add(refused);
+    }
+    log.add(entry("program.stop"));
+  }
+  std::size_t refused = 0, lost = 0, done = 0;
+  for (const Json& each : entries(folder.path() / "audit")) {
+    if (each["outcome"] == "lost") lost += std::stoul(each["what"].get<std::string>());
+    if (each["outcome"] == "no-role") refused += each.value("times", std::size_t{1});
+    if (each["outcome"] == "done") ++done;
+  }
+  EXPECT_EQ(done, 2u);
+  EXPECT_LT(refused, kFlood / 2);
+  EXPECT_EQ(refused + lost, kFlood);
+}
+
 TEST(AuditLog, RotatesAndKeepsABoundedNumberOfFiles) {
   const test::Folder folder;
   {
