@@ -7,6 +7,7 @@
 #include "links/mqtt/connection.hpp"
 #include "links/mqtt/port.hpp"
 #include "links/mqtt/sparkplug.hpp"
+#include "polyarm/base/bounds.hpp"
 
 namespace polyarm::mqtt {
 
@@ -19,7 +20,7 @@ using signals::LinkTag;
 using signals::LinkValue;
 
 constexpr const char* kRebirth = "Node Control/Rebirth";
-constexpr std::size_t kMostWaiting = 1000, kMostNotes = 10;
+constexpr std::size_t kMostNotes = 10;
 
 std::uint64_t now_ms() {
   return static_cast<std::uint64_t>(
@@ -51,6 +52,8 @@ class SparkplugNode : public signals::LinkPort {
 
   void open() override {
     waiting_.clear();
+    waiting_bytes_ = 0;
+    born_ = rebirth_asked_ = false;
     host_online_ = host_.empty();
     birth_death_ = (birth_death_ + 1) % 256;
     broker_.open(Will{topic("NDEATH"), death(), 1, false});
@@ -75,12 +78,15 @@ class SparkplugNode : public signals::LinkPort {
   void exchange(const std::vector<LinkValue>& writes, Nanoseconds, Nanoseconds patience, LinkReport& news) override {
     publish_changes(writes);
     broker_.loop(static_cast<int>(patience / 1'000'000));
-    for (int k = 0; k < 100 && waiting_.size() < kMostWaiting; ++k) {
+    for (int k = 0; k < 100 && !is_much(); ++k) {
       const std::size_t before = waiting_.size();
       broker_.loop(0);
       if (waiting_.size() == before) break;
     }
+    commands_ = 0;
+    waiting_bytes_ = 0;
     for (const auto& [from, bytes] : std::exchange(waiting_, {})) take(from, bytes, news);
+    if (std::exchange(rebirth_asked_, false)) publish_births();
     if (!host_.empty() && !host_online_) {
       close();
       throw Error("link-lost", "the primary host '" + host_ + "' is offline");
@@ -88,6 +94,10 @@ class SparkplugNode : public signals::LinkPort {
   }
 
  private:
+  /// True if this is enough for one round; the rest waits at the broker.
+  bool is_much() const {
+    return waiting_bytes_ > bounds::kLinkRoundBytes || waiting_.size() > bounds::kLinkRoundValues;
+  }
   std::string setting(const std::string& key) const {
     const auto found = entry_.graph.find(key);
     return found == entry_.graph.end() ? "" : found->second;
@@ -174,15 +184,18 @@ class SparkplugNode : public signals::LinkPort {
   void on_message(const mosquitto_message& message) {
     const std::string from = message.topic;
     const auto size = static_cast<std::size_t>(std::max(0, message.payloadlen));
-    if (size > kMostMetricText || waiting_.size() >= kMostWaiting) return;
+    if (size > kMostMetricText) return;
     const std::string_view bytes(static_cast<const char*>(message.payload), size);
     if (!host_.empty() && from == "spBv1.0/STATE/" + host_) {
       const auto state = host_state(bytes);
       // An older message, of a host that was replaced, changes nothing.
       if (state && (state->time_ms == 0 || state->time_ms >= host_time_))
         host_online_ = state->online, host_time_ = state->time_ms;
-    } else {
+    } else if (born_ && !message.retain) {
+      // A command is for now: one that the broker has kept, or that came before the birth, would be carried out at each
+      // connection.
       waiting_.emplace_back(from, bytes);
+      waiting_bytes_ += size;
     }
   }
 
@@ -197,9 +210,10 @@ class SparkplugNode : public signals::LinkPort {
     for (const Metric& metric : payload->metrics) {
       const bool* const flag = std::get_if<bool>(&metric.value);
       if (device.empty() && metric.name == kRebirth) {
-        if (flag && *flag) publish_births();
+        rebirth_asked_ = rebirth_asked_ || (flag && *flag);
         continue;
       }
+      if (++commands_ > bounds::kLinkRoundValues) return note(news, "more commands than one round takes are ignored");
       command(device, metric, news);
     }
   }
@@ -247,7 +261,8 @@ class SparkplugNode : public signals::LinkPort {
   std::vector<std::optional<data::Value>> values_;            ///< by tag
   std::vector<std::pair<std::string, std::string>> waiting_;  ///< commands, by topic
   std::uint64_t birth_death_ = 0, sequence_ = 0, host_time_ = 0;
-  bool born_ = false, host_online_ = false;
+  std::size_t waiting_bytes_ = 0, commands_ = 0;              ///< of this round
+  bool born_ = false, host_online_ = false, rebirth_asked_ = false;
 };
 
 }  // namespace

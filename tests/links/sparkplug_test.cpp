@@ -113,10 +113,10 @@ class Host {
   const Message* comes(const std::string& topic) {
     return comes([&](const Message& each) { return each.topic == topic; });
   }
-  void command(const std::string& topic, Metric metric) {
+  void command(const std::string& topic, Metric metric, bool retain = false) {
     SparkplugPayload payload;
     payload.metrics.push_back(std::move(metric));
-    broker.publish(topic, encoded(payload), 0, false);
+    broker.publish(topic, encoded(payload), 0, retain);
     broker.loop(0);
   }
   void say_state(const std::string& text) {
@@ -213,6 +213,20 @@ TEST_F(SparkplugBroker, OnlyTagsThatMayComeInTakeCommands) {
   EXPECT_FALSE(cell->values.contains("State"));
   EXPECT_FALSE(cell->values.contains("Ready"));
   EXPECT_EQ(cell->values.at("Speed"), data::Value(0.5));
+}
+
+TEST_F(SparkplugBroker, ACommandThatTheBrokerKeptIsNotCarriedOutAtTheNextConnection) {
+  Host host(port);
+  host.command("spBv1.0/plant/DCMD/cell1/arm", {"speed", {}, 10, {}, 0.9}, true);
+  ASSERT_TRUE(host.comes("spBv1.0/plant/DCMD/cell1/arm")) << "the broker has it";
+  const auto cell = node();
+  ASSERT_TRUE(cell->up());
+  ASSERT_TRUE(host.comes("spBv1.0/plant/DBIRTH/cell1/arm"));
+  host.command("spBv1.0/plant/DCMD/cell1/arm", {"speed", {}, 10, {}, 0.5});
+  EXPECT_TRUE(cell->comes("Speed", 0.5));
+  EXPECT_FALSE(std::any_of(host.messages.begin(), host.messages.end(), [](const auto& each) {
+    return each.topic == "spBv1.0/plant/DDATA/cell1/arm" && each.payload.metrics.at(0).value == decltype(Metric::value)(0.9);
+  })) << "a value that was taken would be shown";
 }
 
 TEST_F(SparkplugBroker, ARebirthIsAnsweredWithAllValues) {
