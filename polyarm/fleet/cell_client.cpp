@@ -49,6 +49,11 @@ std::string fingerprint_of(SSL* connection) {
 
 }  // namespace
 
+Json parse_answer(const std::string& text) {
+  constexpr int kDeepest = 32;  // copies and dumps call themselves for each level
+  return Json::parse(text, [](int depth, Json::parse_event_t, Json&) { return depth < kDeepest; }, false);
+}
+
 class CellClient::Work {
  public:
   Work(SiteCell cell, double timeout_s) : cell_(std::move(cell)), timeout_s_(timeout_s) {}
@@ -204,7 +209,7 @@ class CellClient::Work {
       run(lowest, "does not answer", [&](Failure& result) {
         socket.async_read(buffer, [&result](Failure f, std::size_t) { result = f; });
       });
-      const Json answer = Json::parse(beast::buffers_to_string(buffer.data()), nullptr, false);
+      const Json answer = parse_answer(beast::buffers_to_string(buffer.data()));
       if (!answer.is_object() || answer.value("id", Json()) != id) continue;  // an event
       if (answer.contains("ok") && answer["ok"] == true) return answer.value("result", Json());
       const Json error = answer.value("error", Json::object());

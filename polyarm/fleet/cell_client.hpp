@@ -10,6 +10,9 @@ namespace polyarm::fleet {
 
 inline constexpr std::size_t kMostAnswer = 4 << 20;  ///< bytes of one document or message
 
+/// JSON of a stranger: what is nested deeper than a cell nests it is left out. A discarded value if it is no JSON.
+nlohmann::json parse_answer(const std::string& text);
+
 /// All functions throw Error("no-cell-answer") with the reason; the next call connects again.
 class CellClient {
  public:

@@ -1,5 +1,6 @@
 #include "polyarm/fleet/site_file.hpp"
 
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -45,7 +46,9 @@ void read_address(const Yaml& node, SiteCell& out) {
   if (rest.empty() || rest.size() > 255 || rest.find_first_of("@?#[ ") != std::string::npos)
     refuse(node, "the address has no host", "for example https://192.168.1.20:8765; the token is in token_file");
   out.host = rest;
-  const bool loopback = rest == "localhost" || rest.starts_with("127.") || rest == "::1";
+  in_addr four{};
+  const bool loopback = rest == "localhost" || rest == "::1" ||
+                        (rest.starts_with("127.") && ::inet_pton(AF_INET, rest.c_str(), &four) == 1);
   if (!out.tls && !loopback)
     refuse(node, "http to another machine would show the token to the network", "run the cell with --listen, and write https://");
 }

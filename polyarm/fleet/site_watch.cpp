@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
 
 #include "polyarm/base/printable.hpp"
 #include "polyarm/fleet/cell_client.hpp"
@@ -13,6 +14,8 @@ namespace polyarm::fleet {
 using Json = nlohmann::json;
 
 namespace {
+
+constexpr std::size_t kMostSummary = 256 << 10;  // the page shows those of all cells again and again
 
 double steady_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -69,7 +72,9 @@ SiteWatch::~SiteWatch() {
 
 std::string SiteWatch::trouble_of(std::size_t cell, Json& summary) const {
   try {
-    summary = Json::parse(CellClient(site_.cells[cell], timeout_s_).get("/api/summary"), nullptr, false);
+    const std::string text = CellClient(site_.cells[cell], timeout_s_).get("/api/summary");
+    if (text.size() > kMostSummary) return "its answer is longer than " + std::to_string(kMostSummary) + " bytes";
+    summary = parse_answer(text);
     return summary.is_object() ? "" : "its answer is no JSON object: is it a cell of this version?";
   } catch (const Error& e) {
     return e.problems().front().what;

@@ -7,6 +7,7 @@
 #include <random>
 #include <thread>
 
+#include "polyarm/fleet/cell_client.hpp"
 #include "polyarm/fleet/deployment.hpp"
 #include "polyarm/fleet/site_page.hpp"
 #include "polyarm/fleet/site_watch.hpp"
@@ -129,6 +130,13 @@ TEST(SiteStatus, ACellThatGoesAndComesBackIsSeenWithItsLastValuesMeanwhile) {
   ASSERT_TRUE(becomes(false));
   EXPECT_TRUE(watch.reports()[0].summary.is_object()) << "the last values are kept";
   EXPECT_GT(watch.reports()[0].age_s, 0);
+}
+
+TEST(AnswersOfStrangers, AreReadWithoutWhatIsNestedTooDeep) {
+  const Json answer = parse_answer("{\"state\":\"running\",\"x\":" + std::string(1'000'000, '[') + std::string(1'000'000, ']') + "}");
+  EXPECT_EQ(answer["state"], "running");
+  EXPECT_LT(Json(answer).dump().size(), 200u);
+  EXPECT_FALSE(parse_answer("{\"state\":").is_object());
 }
 
 TEST(SitePageOfCells, ShowsAllCellsToThisMachineOnly) {
@@ -255,6 +263,7 @@ TEST_F(SiteFile, NamesCellsTheirAddressesAndTokens) {
 
 TEST_F(SiteFile, WhatWouldShowATokenOrIsWrongIsRefused) {
   EXPECT_EQ(code("{address: 'http://10.0.0.5', token_file: token}"), "bad-site") << "in clear";
+  EXPECT_EQ(code("{address: 'http://127.example.org', token_file: token}"), "bad-site") << "no address of this machine";
   EXPECT_EQ(code("{address: 'https://10.0.0.5', token_file: token}"), "bad-site") << "no fingerprint";
   EXPECT_EQ(code("{address: 'ftp://x', token_file: token}"), "bad-site");
   EXPECT_EQ(code("{address: 'http://localhost:99999', token_file: token}"), "bad-site");
