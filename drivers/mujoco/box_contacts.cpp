@@ -21,23 +21,41 @@ mjtNum outside(const mjModel* m, const mjData* d, int geom, const mjtNum* point)
   return most;
 }
 
-/// The point of a contact is in the middle between both surfaces. So it is outside of a box by at most half
-/// the depth, and a box cannot be deeper in another than it is thick.
-bool is_true(const mjModel* m, const mjData* d, const mjContact& c, int one, int other) noexcept {
+/// How far the boxes overlap along that axis of their faces along which they overlap least.
+mjtNum overlap(const mjModel* m, const mjData* d, int one, int other) noexcept {
+  mjtNum between[3], least = mjMAXVAL;
+  mju_sub3(between, d->geom_xpos + 3 * other, d->geom_xpos + 3 * one);
+  for (const int box : {one, other})
+    for (int k = 0; k < 3; ++k) {
+      const mjtNum* column = d->geom_xmat + 9 * box + k;
+      const mjtNum axis[3] = {column[0], column[3], column[6]};
+      mjtNum along = -std::abs(mju_dot3(axis, between));
+      for (const int each : {one, other}) {
+        mjtNum own[3];
+        mju_rotVecMatT(own, axis, d->geom_xmat + 9 * each);
+        for (int i = 0; i < 3; ++i) along += std::abs(own[i]) * m->geom_size[3 * each + i];
+      }
+      least = std::min(least, along);
+    }
+  return least;
+}
+
+/// No contact is deeper than the least overlap. Its point is between both surfaces, so it is outside of a box by at
+/// most the depth: a thin part that is deep in a table is below the point in the middle.
+bool is_true(const mjModel* m, const mjData* d, const mjContact& c, int one, int other, mjtNum deepest) noexcept {
   if (c.dist > 0) return true;
   constexpr mjtNum kRounding = 1e-5;  // m
-  const mjtNum* a = m->geom_size + 3 * one;
-  const mjtNum* b = m->geom_size + 3 * other;
-  const mjtNum thinnest = std::min(*std::min_element(a, a + 3), *std::min_element(b, b + 3));
-  const mjtNum most = std::min(-c.dist / 2, thinnest) + kRounding;
-  return outside(m, d, one, c.pos) <= most && outside(m, d, other, c.pos) <= most;
+  const mjtNum most = -c.dist + kRounding;
+  return most <= deepest + 2 * kRounding && outside(m, d, one, c.pos) <= most && outside(m, d, other, c.pos) <= most;
 }
 
 int true_box_contacts(const mjModel* m, const mjData* d, mjContact* con, int one, int other,
                       mjtNum margin) noexcept {
   const int count = box_box(m, d, con, one, other, margin);
-  const mjContact* end =
-      std::remove_if(con, con + count, [&](const mjContact& c) { return !is_true(m, d, c, one, other); });
+  if (count == 0) return 0;
+  const mjtNum deepest = overlap(m, d, one, other);
+  const mjContact* end = std::remove_if(
+      con, con + count, [&](const mjContact& c) { return !is_true(m, d, c, one, other, deepest); });
   return static_cast<int>(end - con);
 }
 }  // namespace

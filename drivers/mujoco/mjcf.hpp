@@ -81,12 +81,16 @@ struct Follower {
 std::vector<Follower> followers(const description::RobotModel& model);
 
 /// How many contacts a world may have, and how many rows their constraints may take (four each, friction and
-/// limits of joints beside them). Parts at rest do not touch each other.
+/// limits of joints beside them). Parts at rest do not touch each other. `geoms`: of each slot; several of them
+/// touch at once. Memory grows with the square of the rows, so many slots get no more for their geoms.
 struct Capacity {
   int rows, contacts;
 };
-inline Capacity capacity_of(std::size_t slots) {
-  return {600 + 60 * static_cast<int>(slots), 120 + 12 * static_cast<int>(slots)};
+inline Capacity capacity_of(std::size_t slots, std::size_t geoms = 1) {
+  constexpr std::size_t kTouching = 4, kMany = 64;
+  const std::size_t each = std::clamp<std::size_t>(kMany / std::max<std::size_t>(slots, 1), 1, std::min(geoms, kTouching));
+  const int shares = static_cast<int>(slots * each);
+  return {600 + 60 * shares, 120 + 12 * shares};
 }
 
 /// The whole model with `slots` free bodies for moving parts. Parts at rest are mocap twins without degrees

@@ -141,11 +141,12 @@ int ModelSet::name(const std::string& text) {
 void ModelSet::compile(const hardware::ComponentContext& context, double timestep, std::size_t slots) {
   ModelView view;
   std::string reason;
+  const Capacity capacity = capacity_of(slots, most_pieces(context.scene));
 #if mjVERSION_HEADER < 230
   view.model.reset(load(write_mjcf(context, timestep, slots, overlaps_, kWhileCompiling), reason));
-  if (view.model) give_capacity(*view.model, capacity_of(slots));
+  if (view.model) give_capacity(*view.model, capacity);
 #else
-  view.model.reset(load(write_mjcf(context, timestep, slots, overlaps_, capacity_of(slots)), reason));
+  view.model.reset(load(write_mjcf(context, timestep, slots, overlaps_, capacity), reason));
 #endif
   if (!view.model)
     throw Error("physics-model", "MuJoCo does not accept this cell: " + reason,
@@ -299,7 +300,8 @@ void shape_geoms(ModelView& view, int to, std::size_t part) noexcept {
     const int a = to + k, b = view.twin_geom[part] + k;
     copy_rows(m->geom_type, a, m->geom_type, b, 1);
     copy_rows(m->geom_dataid, a, m->geom_dataid, b, 1);
-    copy_rows(m->geom_sameframe, a, m->geom_sameframe, b, 1);
+    // 2 stands for the twin's inertial frame, which follows from its geoms; that of a slot follows from the part.
+    m->geom_sameframe[a] = m->geom_sameframe[b] == 1 ? 1 : 0;
     copy_rows(m->geom_pos, a, m->geom_pos, b, 3);
     copy_rows(m->geom_quat, a, m->geom_quat, b, 4);
     copy_rows(m->geom_size, a, m->geom_size, b, 3);

@@ -102,12 +102,15 @@ void Parts::release_now(std::size_t i) noexcept {
 }
 
 void Parts::wake_neighbours(std::size_t i) noexcept {
-  constexpr double kTouching = 2e-3;
+  constexpr double kTouching = 2e-3, kHigher = 1e-3;
   const Bounds own = bounds(i);
-  for (std::size_t k = 0; k < parts_.size(); ++k)
-    if (k != i && parts_[k].mode == Mode::asleep && bounds(k).near(own, kTouching) &&
-        parts_[k].pose.position.z > parts_[i].pose.position.z + 1e-3)
-      wake(k);
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    if (k == i || parts_[k].mode != Mode::asleep) continue;
+    const Bounds other = bounds(k);
+    if (!other.near(own, kTouching)) continue;
+    // The origin of a mesh may be anywhere: what lies in a tray is lower than the tray's rim.
+    if (other.lower.z > own.lower.z + kHigher || parts_[k].pose.position.z > parts_[i].pose.position.z + kHigher) wake(k);
+  }
 }
 
 void Parts::pull(const ModelView& view, double timestep) noexcept {

@@ -45,9 +45,8 @@ double fastest(Rig& rig, const std::string& joint, int cycles) {
   return out;
 }
 
-/// A rig that holds cube 0, of this mass, 0.1 m above the table.
-Rig holding(Stage& stage, double mass = 0.08) {
-  stage.scene.parts.insert(stage.scene.parts.begin(), cube("cube", {0, 0, 0.02}, 0.04, mass));
+/// A rig that holds part 0, which stood on the table and is 40 mm high, 0.1 m above the table.
+Rig holding_the_first(const Stage& stage) {
   Rig rig = physics(stage);
   rig.move({{"arm/z/position", -0.3597}}, 0.5);
   rig.command("arm/tool/vacuum") = 1;
@@ -55,6 +54,12 @@ Rig holding(Stage& stage, double mass = 0.08) {
   EXPECT_EQ(rig.state("arm/tool/part_present"), 1);
   rig.move({{"arm/z/position", -0.26}}, 0.5);
   return rig;
+}
+
+/// The same with a cube of this mass.
+Rig holding(Stage& stage, double mass = 0.08) {
+  stage.scene.parts.insert(stage.scene.parts.begin(), cube("cube", {0, 0, 0.02}, 0.04, mass));
+  return holding_the_first(stage);
 }
 
 /// A rig whose fingers hold a cube of 0.2 kg above the table.
@@ -448,6 +453,43 @@ TEST(MujocoParts, OfAMeshRestOnTheirPiecesAndStayThere) {
   EXPECT_NEAR(rig.part(1).pose.position.z, 0.03, 1e-3);
 }
 
+/// A ramp whose origin is at the foot of its back. The middle of the box around it is not its centre of mass.
+TEST(MujocoParts, OfOnePieceStandWhereThePieceIs) {
+  description::Scene scene = table();
+  scene.parts = {cube("ramp", {0, 0, 0.002})};
+  description::Shape ramp;
+  ramp.kind = description::ShapeKind::mesh;
+  const std::vector<Vec3> corners = {{0, -0.03, 0},   {0, 0.03, 0},     {0.1, -0.03, 0},
+                                     {0.1, 0.03, 0}, {0, -0.03, 0.06}, {0, 0.03, 0.06}};
+  ramp.pieces = {corners};
+  scene.parts[0].shape = ramp;
+  const Stage stage = only(scene);
+  Rig rig = physics(stage);
+  rig.run(0.3);
+  EXPECT_FALSE(rig.part(0).asleep);
+  EXPECT_NEAR(rig.part(0).pose.position.z, 0, 1e-3);
+  EXPECT_NEAR(rig.part(0).pose.position.x, 0, 1e-3);
+  EXPECT_LT(norm(to_rotation_vector(rig.part(0).pose.rotation)), 1e-2);
+  rig.run(1);
+  EXPECT_TRUE(rig.part(0).asleep);
+  EXPECT_NEAR(rig.part(0).pose.position.z, 0, 1e-3);
+}
+
+TEST(MujocoParts, OfManyPiecesHaveRoomForTheirContacts) {
+  description::Scene scene = table();
+  for (int i = 0; i < 12; ++i) {
+    description::Part row = cube("row_" + std::to_string(i), {0, -0.6 + 0.1 * i, 0.012});
+    row.shape.kind = description::ShapeKind::mesh;
+    for (int k = 0; k < 8; ++k) row.shape.pieces.push_back(corners_about({0.03 * k, 0, 0}, 0.01));
+    row.mass = 0.2;
+    scene.parts.push_back(row);
+  }
+  const Stage stage = only(scene);
+  Rig rig = physics(stage);
+  rig.run(0.3);
+  for (std::size_t i = 0; i < scene.parts.size(); ++i) EXPECT_NEAR(rig.part(i).pose.position.z, 0.01, 1e-3) << i;
+}
+
 TEST(MujocoParts, KeepTheirShapesWhicheverOfThemMove) {
   // Four parts take four slots or fewer in turn: those that fall later must not get the shape of another one.
   description::Scene scene = table();
@@ -479,11 +521,12 @@ TEST(MujocoCup, PressingIsNotPulling) {
 
 TEST(MujocoCup, HoldsAMeshOnAFaceOfItsPieces) {
   Stage stage = cell();
+  stage.scene.parts = {cube("cube", {0, 0, 0.02})};
   description::Shape& shape = stage.scene.parts[0].shape;
   shape = {};
   shape.kind = description::ShapeKind::mesh;
   shape.pieces = {corners_about({0, 0, 0}, 0.02), corners_about({0.05, 0, -0.01}, 0.01)};
-  Rig rig = holding(stage);
+  Rig rig = holding_the_first(stage);
   EXPECT_EQ(rig.state("arm/tool/part_present"), 1);
   EXPECT_GT(rig.part(0).pose.position.z, 0.05);
   rig.command("arm/tool/vacuum") = 0;

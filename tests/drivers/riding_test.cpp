@@ -111,6 +111,19 @@ TEST(Riding, TurnedCubesLieStillOnATable) {
   EXPECT_LT(fastest, 0.02);
 }
 
+/// Contacts of a thin part are true although their points are above the part.
+TEST(Riding, ASheetComesOutOfTheTableThatItIsDeepIn) {
+  Stage stage;
+  stage.robot = false;
+  stage.scene = table();
+  description::Part sheet = cube("sheet", {0, 0, -0.005});
+  sheet.shape = box({0.1, 0.1, 0.001});
+  stage.scene.parts = {sheet};
+  Rig rig(std::make_unique<drivers::MujocoComponent>(), stage.context());
+  rig.run(3);
+  EXPECT_NEAR(rig.part(0).pose.position.z, 0.0005, 1e-3);
+}
+
 }  // namespace
 }  // namespace polyarm::test::riding_test
 
