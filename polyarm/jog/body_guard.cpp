@@ -19,6 +19,9 @@ constexpr double kBeyond = 0.05;
 constexpr double kContact = 5e-4;
 /// A robot that is too near already may come nearer by this; steps along the way on which it brakes, m.
 constexpr double kDeeper = 2e-4, kStep = 5e-4;
+/// The least room of what has no barrier of its own because nearer places have them all, m: those keep the robot from
+/// going deeper, and it can leave, as JogGenerator lets it go a little below this.
+constexpr double kLeastRest = -2e-4;
 /// Reaction to new barriers: some ticks and cycles, s.
 constexpr double kReaction = 0.01;
 }  // namespace
@@ -75,7 +78,7 @@ void BodyGuard::add(const Barrier& barrier, Barriers& out) noexcept {
                                          [](const Barrier& x, const Barrier& y) { return x.room < y.room; });
   Barrier dropped = barrier;
   if (barrier.room < roomiest->room) std::swap(*roomiest, dropped);
-  keep_rest(dropped.room, static_cast<std::size_t>(dropped.which), out);
+  keep_rest(std::max(dropped.room, kLeastRest), static_cast<std::size_t>(dropped.which), out);
 }
 
 void BodyGuard::add_points(std::size_t index, double keep, std::size_t count, Barriers& out) noexcept {
@@ -102,7 +105,11 @@ void BodyGuard::fill(std::span<const double> velocity, std::span<const std::vect
   for (std::size_t j = 0; j < limits_.size(); ++j) reach_[j] = stopping_reach(velocity[j], limits_[j]);
   bodies_.reaches(robot_, reach_, stopping, reaches_);
   const std::uint64_t budget = bodies_.measured() + options_.most_measured;
-  for (std::size_t i = 0; i < bodies_.pairs().size(); ++i) {
+  // Pairs for which there was no time are the first ones of the next tick.
+  const std::size_t pairs = bodies_.pairs().size(), first_pair = std::exchange(first_pair_, 0);
+  bool waits = false;
+  for (std::size_t k = 0; k < pairs; ++k) {
+    const std::size_t i = (first_pair + k) % pairs;
     const GuardPair& pair = bodies_.pairs()[i];
     if (!pair.active || !pair.concerns(robot_)) continue;
     const int other = pair.own ? -1 : pair.other_than(robot_);
@@ -113,7 +120,8 @@ void BodyGuard::fill(std::span<const double> velocity, std::span<const std::vect
     const double range = keep + (pair.own ? bodies_.change(pair, robot_, reach_) : reaches_[mine]) + kBeyond;
     // What was never measured has no bound, and would hold nothing back.
     const bool is_unknown = !std::isfinite(pair.slack);
-    const bool measures = pair.slack <= range && (bodies_.measured() < budget || is_unknown);
+    const bool is_near = pair.slack <= range, measures = is_near && (bodies_.measured() < budget || is_unknown);
+    if (is_near && !measures && !std::exchange(waits, true)) first_pair_ = i;
     double left_out = std::numeric_limits<double>::infinity();
     const std::size_t count = measures ? bodies_.measure_points(i, robot_, range, points_, left_out) : 0;
     if (count == 0) {
@@ -122,7 +130,7 @@ void BodyGuard::fill(std::span<const double> velocity, std::span<const std::vect
     }
     if (pair.slack < -kContact && pair.slack < least) out.touching = true;
     add_points(i, keep, count, out);
-    if (std::isfinite(left_out)) keep_rest(left_out - keep, i, out);
+    if (std::isfinite(left_out)) keep_rest(std::max(left_out - keep, kLeastRest), i, out);
   }
 }
 

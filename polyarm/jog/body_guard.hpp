@@ -3,6 +3,7 @@
 /// robot whose plan is not known would touch while it brakes. Cell thread; allocates in the constructor
 /// alone. Metres, radians, seconds.
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -59,6 +60,7 @@ class BodyGuard {
   BodyGuardOptions options_;
   std::vector<double> reach_, trial_;  // by joint
   std::vector<double> reaches_;        // by body
+  std::size_t first_pair_ = 0;         // that fill() looks at
   std::array<surroundings::GuardGap, 8> points_;
 };
 

@@ -35,6 +35,8 @@ constexpr double kBelow = 0.93, kAtMost = 0.95;
 constexpr double kKeepFree = 2e-3, kKeepFreeAtLeast = 1.5e-3;
 /// What curved motion along a barrier may take of its room, m.
 constexpr double kBeside = 3e-4;
+/// Where more is taken already, what one cycle may take: a body between two others can go along them, slowly.
+constexpr double kDeeperInACycle = 1e-8;
 /// Number of samples while all joints brake.
 constexpr std::size_t kPlaces = 20;
 constexpr double kMoment = 1e-5;  // s, step of a numeric derivative
@@ -425,12 +427,12 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
     }
     worst = workspace_.boundaries();
     for (std::size_t i = 0; barriers_ && i <= barriers_->count; ++i) {
-      // If it is too near even while braking, it may move along, or away: never deeper than kBeside, so that
-      // what one cycle takes does not add up.
+      // If it is too near even while braking, it may move along, or away: hardly deeper than kBeside, as what one
+      // cycle takes adds up.
       double least = 0;
       if (now.room[i] < 0) {
         const double here = barriers_->room(i, {q.data(), n});
-        least = std::min(0.0, std::max(here - kBeside, std::min(here, -kBeside)));
+        least = std::min(0.0, std::max(here - kBeside, std::min(here - kDeeperInACycle, -kBeside)));
       }
       near_body = barriers_->which(i);
       if (then.room[i] < least - 1e-12) return false;

@@ -46,6 +46,7 @@ struct Guards::Of {
   Braking braking;
   double pace = 1, wanted = 1;
   bool slowed = false;  // during this motion
+  bool anew = false;    // the bodies are new: the motion is looked at from its present place
   LookAhead::Answer ahead_of;
   std::vector<double> velocity, before, q, v, last, step_size, braking_way;
   double stopped_way = 0;  ///< largest joint way of the braking that a guard began; 0: the way is free
@@ -235,7 +236,7 @@ void Guards::begin_guards() {
   for (std::size_t r = 0; r < work.robots.size(); ++r) {
     Of& of = work.robots[r];
     work.stopping.emplace_back(of.axes.size(), 0.0);
-    of.goal = 0;
+    of.anew = true;  // what slowed its motion down may be gone, and then it goes on
     of.ahead_of = {};
     const int robot = static_cast<int>(r);
     surroundings::LookAheadOptions options{.clearance = entry.clearance};
@@ -323,10 +324,13 @@ void Guards::see(std::size_t r) {
   of.time = now->begun ? now->time : 0;
   of.speed = now->begun ? std::abs(now->speed) : 1;
   of.duration = now->motion->path.duration();
-  if (std::exchange(of.goal, now->goal) == now->goal) return;
-  of.pace = 1;
-  of.slowed = of.reported = false;
-  of.stands_since = -1;
+  const bool is_new = std::exchange(of.goal, now->goal) != now->goal, looks_anew = std::exchange(of.anew, false);
+  if (!is_new && !looks_anew) return;
+  if (is_new) {
+    of.pace = 1;
+    of.slowed = of.reported = false;
+    of.stands_since = -1;
+  }
   if (!of.ahead) return;
   std::vector<double> ends;
   for (const double end : now->motion->ends) ends.push_back(now->motion->path.profile().time_at(end));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -77,6 +78,7 @@ class GuardsTest : public ::testing::Test {
   double z(std::size_t robot = 0) { return cell->cell().tcp(robot).position.z; }
   std::string state() { return cell->result({{"request", "health"}})["state"]; }
   std::string failure() { return cell->cell().failure() ? cell->cell().failure()->problem.code : ""; }
+  CellView view() { return CellView(cell->cell().in()); }
 
   Folder folder;
   std::string fixtures = kNearWall;
@@ -119,18 +121,37 @@ TEST_F(GuardsTest, APointCloudStopsAMove) {
 /// As for objects of MoveIt's clients.
 TEST_F(GuardsTest, ThingsThatComeLaterStopAMoveToo) {
   fixtures = "  far: {box: [0.1, 0.1, 0.1], at: [9, 0, 0]}\n";
-  build("sleep 1\nmovej joints(0.9rad, 0rad, 0rad)\n");
+  build("wait 1s\nmovej joints(0.9rad, 0rad, 0rad)\n");
   description::Fixture box;
   box.name = "box";
   box.shapes.emplace_back();
   box.shapes[0].size = {0.1, 1, 1};
   box.pose.position.x = 0.5;
   cell->run(0.2);
-  cell->cell().set_more_obstacles({box});
+  view().set_more_obstacles({box});
   for (int i = 0; i < 3000 && failure().empty(); ++i) cell->tick();
   ASSERT_EQ(failure(), "guard");
   EXPECT_NE(cell->cell().failure()->problem.what.find("fixture box"), std::string::npos);
   EXPECT_LE(x(), kFace - kBall - 0.004);
+}
+
+TEST_F(GuardsTest, AMoveGoesOnWhenThingsThatCameLaterAreTakenAway) {
+  fixtures = "  far: {box: [0.1, 0.1, 0.1], at: [9, 0, 0]}\n";
+  build("movej joints(0.9rad, 0rad, 0rad)\n", "", true);
+  description::Fixture box;
+  box.name = "box";
+  box.shapes.emplace_back();
+  box.shapes[0].size = {0.1, 1, 1};
+  box.pose.position.x = 0.5;
+  view().set_more_obstacles({box});
+  cell->run(4);
+  ASSERT_EQ(state(), "held");
+  EXPECT_LE(x(), kFace - kBall - 0.004);
+  view().set_more_obstacles({});
+  cell->run(0.1);
+  EXPECT_TRUE(cell->ask({{"request", "control.resume"}})["ok"].get<bool>());
+  cell->run(4);
+  EXPECT_NEAR(x(), 0.9, 1e-6);
 }
 
 TEST_F(GuardsTest, SayWhatIsNearestAndHowFarAPlaceIs) {
@@ -139,8 +160,8 @@ TEST_F(GuardsTest, SayWhatIsNearestAndHowFarAPlaceIs) {
   double least = 1, slowest = 1;
   for (int i = 0; i < 3000 && failure().empty(); ++i) {
     cell->tick();
-    if (const auto now = cell->cell().near(0)) near = now, least = std::min(least, now->distance);
-    slowest = std::min(slowest, cell->cell().pace(0));
+    if (const auto now = view().near(0)) near = now, least = std::min(least, now->distance);
+    slowest = std::min(slowest, view().pace(0));
   }
   ASSERT_TRUE(near);
   EXPECT_EQ(near->mine, "left/ball");
@@ -149,8 +170,8 @@ TEST_F(GuardsTest, SayWhatIsNearestAndHowFarAPlaceIs) {
   EXPECT_NEAR(near->on_other.x, kFace, 1e-6);
   EXPECT_LT(least, 0.02);
   EXPECT_LT(slowest, 0.5);
-  EXPECT_NEAR(*cell->cell().clearance_at(0, std::vector{0.3, 0.0, 0.0}), kFace - kBall - 0.3, 1e-6);
-  EXPECT_EQ(*cell->cell().clearance_at(0, std::vector{0.0, 0.0, 0.0}), Guards::kFarthest);
+  EXPECT_NEAR(*view().clearance_at(0, std::vector{0.3, 0.0, 0.0}), kFace - kBall - 0.3, 1e-6);
+  EXPECT_EQ(*view().clearance_at(0, std::vector{0.0, 0.0, 0.0}), Guards::kFarthest);
 }
 
 TEST_F(GuardsTest, WithoutGuardsItGoesThrough) {

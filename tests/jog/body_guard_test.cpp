@@ -291,6 +291,33 @@ TEST(BodyGuard, AnArmThatIsTooNearMayOnlyLeave) {
   EXPECT_GT(arm.distance(), kClearance);
 }
 
+/// Not each of its corners that touch has a barrier.
+TEST(BodyGuard, AToolOfManyCornersThatIsTooNearMayLeave) {
+  description::Tool tool;
+  description::Shape disc;
+  disc.kind = description::ShapeKind::mesh;
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 16; ++i)
+    for (const double z : {0.0, 0.04})
+      corners.push_back({0.06 * std::cos(i * M_PI / 8), 0.06 * std::sin(i * M_PI / 8), z});
+  disc.pieces = {corners};
+  tool.body = {disc};
+  AboveATable arm;
+  arm.robot.tool = &tool;
+  arm.robot.body = nullptr;
+  arm.robot.body = surroundings::robot_body(arm.robot);
+  arm.renew();
+  arm.rig.start({0.3, -1.2, 1.6, -1.9708, -1.5708, 0.5});  // the tool looks down
+  arm.before = arm.rig.joints();
+  ASSERT_TRUE(arm.run(tcp_setpoint({0, 0, -0.2}), 3)) << arm.rig.broken;
+  arm.scene.fixtures[0].pose.position.z += 0.003;  // it comes up
+  arm.renew();
+  arm.rig.start(arm.rig.joints());
+  ASSERT_LT(arm.distance(), 0);
+  ASSERT_TRUE(arm.run(tcp_setpoint({0, 0, 0.1}), 8)) << arm.rig.broken;
+  EXPECT_GT(arm.distance(), 0.005);
+}
+
 /// A flat tool is parallel to a table: whichever way it tilts, its rim comes first.
 TEST(BodyGuard, AFlatToolTiltsNowhereIntoATable) {
   description::Tool tool;
@@ -313,6 +340,20 @@ TEST(BodyGuard, AFlatToolTiltsNowhereIntoATable) {
     ASSERT_TRUE(arm.run(tcp_setpoint({0, 0, 0, 2 * std::cos(angle), 2 * std::sin(angle), 0}), 0.5));
     EXPECT_GT(arm.excess, -kSlip) << arm.worst << " " << k;
   }
+}
+
+/// Away from one is towards the other.
+TEST(BodyGuard, ABallThatIsTooNearToTwoWallsCanGoAlongThem) {
+  Among arm("gantry", 1, 0);
+  for (const double side : {-1.0, 1.0})
+    arm.scene.fixtures.push_back(
+        surroundings::fixture(side < 0 ? "below" : "above", {1, 0.2, 0.1}, {0, 0, side * (surroundings::kBall + 0.0504)}));
+  arm.renew();
+  arm.rig.start({0, 0, 0});
+  arm.before = arm.rig.joints();
+  ASSERT_TRUE(arm.run(joint_setpoint(1, 0.1), 8)) << arm.rig.broken;
+  EXPECT_GT(arm.rig.joints()[1], 0.01);
+  EXPECT_GT(arm.excess, -0.0006 - 1e-4) << arm.worst;
 }
 
 /// As far as Barriers::room() says, nothing comes nearer than it may: what has barriers and what has none.
