@@ -29,10 +29,10 @@ test('a mesh that is chosen is placed with its unit', async () => {
   await go(page, 'Cell');
   await page.getByRole('button', { name: 'Add a mesh' }).waitFor();
   await page.locator('input[type=file]').setInputFiles({ name: 'my pyramid.stl', mimeType: 'model/stl', buffer: Buffer.from(kPyramid) });
-  await dialog().getByText('0.04 × 0.04 × 0.03 m, 6 triangles').waitFor();
+  await dialog().getByText('0.040 × 0.040 × 0.030 m, 6 triangles').waitFor();
   assert.equal(await dialog().getByLabel('Unit of the file').inputValue(), 'mm', 'what its size suggests');
   await dialog().getByLabel('Unit of the file').selectOption('cm');
-  await dialog().getByText('0.4 × 0.4 × 0.3 m, 6 triangles').waitFor();
+  await dialog().getByText('0.400 × 0.400 × 0.300 m, 6 triangles').waitFor();
   await picture(page, 'adding');
   await dialog().getByRole('button', { name: 'Add and start again' }).click();
   await page.getByText('my_pyramid is in the scene').first().waitFor();

@@ -10,7 +10,7 @@ const {es} = await import('../src/i18n/es');
 const {codes} = await import('../src/i18n/en/codes');
 const sources =
     import.meta.glob(
-        '../../{polyarm/{io,setup,machine,tasks,operation,inside,requests,cell,protocol,server,moves,jog,teleop,paths,timing,kinematics,ik,control,controllers,hardware,data,signals,trajectory,language,program,vm,joint_control,wheels,broadcasters,plugins},links/*,apps}/*.cpp',
+        '../../{polyarm/{io,setup,machine,tasks,operation,inside,requests,cell,protocol,access,server,meshes,moves,jog,teleop,paths,timing,kinematics,ik,control,controllers,hardware,data,signals,trajectory,language,program,vm,joint_control,wheels,broadcasters,plugins},links/*,apps}/*.cpp',
         {query: '?raw', import: 'default', eager: true}) as Record<string, string>;
 
 /** Where a problem's code stands in the sources. */

@@ -55,18 +55,22 @@ std::size_t begin_of_line(const std::string& text, int line) {
   return at;
 }
 
-/// Above the first entry of the section; a new section at the end.
+/// Above the first entry of the section; a new section at the end. Unchanged if the section is there without entries.
 std::string inserted(const std::string& text, const Yaml& scene, const std::string& section, const std::string& line) {
   const Yaml found = scene[section];
   std::string out = text;
   if (!found.is_map() || found.keys().empty()) {
+    const std::vector<std::string> sections = scene.keys();
+    if (std::find(sections.begin(), sections.end(), section) != sections.end()) return text;  // cannot be there twice
     if (!out.empty() && out.back() != '\n') out += '\n';
     return out + section + ":\n  " + line + "\n";
   }
   const Location first = found.key_location(found.keys().front());
   const std::size_t begin = begin_of_line(text, first.line), at = begin + static_cast<std::size_t>(std::max(0, first.column - 1));
   const std::string before = text.substr(begin, at - begin);
-  const bool in_flow = before.find_first_not_of(' ') != std::string::npos || (at > 0 && text[at - 1] == '{');
+  // A map in braces may begin on a line of its own.
+  const std::size_t last = at > 0 ? text.find_last_not_of(" \t\r\n", at - 1) : std::string::npos;
+  const bool in_flow = last != std::string::npos && text[last] == '{';
   return in_flow ? out.insert(at, line + ", ") : out.insert(begin, before + line + "\n");
 }
 

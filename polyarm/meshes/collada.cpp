@@ -214,7 +214,7 @@ class ColladaReader {
       if (offset > 64) refuse("an input has the offset " + std::to_string(offset));
       stride = std::max(stride, offset + 1);
       if (kind == "NORMAL") normals = source(link(e, "source"), offset);
-      if (kind == "TEXCOORD" && !texcoords.there && find_) texcoords = source(link(e, "source"), offset, 2);
+      if (kind == "TEXCOORD" && !texcoords.there && find_ && find(link(e, "source"))) texcoords = source(link(e, "source"), offset, 2);
       if (kind != "VERTEX") continue;
       const Element* vertices = find(link(e, "source"));
       for (const Element* in = vertices ? vertices->FirstChildElement("input") : nullptr; in;
@@ -267,8 +267,7 @@ class ColladaReader {
       }
       if (texcoords.there) {
         const std::size_t t = indices[(from + i) * stride + texcoords.offset];
-        if (t >= texcoords.size()) refuse("a face has the place " + std::to_string(t) + " in the image");
-        part.texcoords.push_back(texcoords.texcoord(t));
+        if (t < texcoords.size()) part.texcoords.push_back(texcoords.texcoord(t));  // else it has no image
       }
     }
     for (std::uint32_t i = 2; i < count; ++i)

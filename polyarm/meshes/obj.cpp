@@ -130,15 +130,20 @@ class ObjReader {
     return out;
   }
 
-  /// Indices count from 1; negative ones count back from the newest.
-  std::size_t index(std::string_view text, std::size_t count) const {
+  /// Indices count from 1; negative ones count back from the newest. Nothing if there is no such entry.
+  static std::optional<std::size_t> entry(std::string_view text, std::size_t count) {
     const auto given = number<std::int64_t>(text);
     const std::int64_t size = static_cast<std::int64_t>(count);
     const std::int64_t at = !given ? -1 : *given < 0 ? size + *given : *given - 1;
-    if (at < 0 || at >= size)
+    if (at < 0 || at >= size) return std::nullopt;
+    return static_cast<std::size_t>(at);
+  }
+  std::size_t index(std::string_view text, std::size_t count) const {
+    const auto at = entry(text, count);
+    if (!at)
       refuse("'" + std::string(text.substr(0, 40)) + "' is not one of its " + std::to_string(count) +
              " corners");
-    return static_cast<std::size_t>(at);
+    return *at;
   }
 
   void face(const std::vector<std::string>& words) {
@@ -149,8 +154,9 @@ class ObjReader {
       const std::vector<std::string> fields = split_fields(words[i], '/');
       corners.push_back(static_cast<std::uint32_t>(part.positions.size()));
       part.positions.push_back(positions_[index(fields[0], positions_.size())]);
+      // Without a place for each corner the part has no image.
       if (fields.size() > 1 && !fields[1].empty())
-        part.texcoords.push_back(texcoords_[index(fields[1], texcoords_.size())]);
+        if (const auto at = entry(fields[1], texcoords_.size())) part.texcoords.push_back(texcoords_[*at]);
       if (fields.size() > 2 && !fields[2].empty())
         part.normals.push_back(normals_[index(fields[2], normals_.size())]);
     }

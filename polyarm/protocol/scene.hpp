@@ -42,13 +42,12 @@ struct SceneAdd {
       .name = "scene.add",
       .role = Role::program,
       .text =
-          "Writes a mesh into the scene file, as a fixture or, with `mass` in kg, as a part. `unit` is m, mm, cm or in; "
-          "`at` and `rpy` are its pose in the world. It is there after cell.reset.",
+          "Writes a mesh into the scene file, as a fixture or, with `mass` in kg, as a part. `unit` is m, mm, cm or in, "
+          "`scale` 1 without it; `at` and `rpy` are its pose in the world. It is there after cell.reset.",
       .moves = true};
   std::string name, file, unit = "m";
   Vec3 at, rpy;
-  double scale = 1;
-  std::optional<double> mass;
+  std::optional<double> scale, mass;
   struct Answer {
     static constexpr const char* kOf = "SceneAdd";
     std::string file, text;  ///< the scene file, and the line that was written

@@ -30,6 +30,7 @@ using namespace protocol;
 struct SceneOwners {
   const CellSetup& setup;
   Worker& worker;
+  LongWorker& long_worker;  ///< reads meshes
 };
 
 constexpr std::size_t kLongestName = 100, kLargestMtl = 1 << 20;
@@ -184,7 +185,7 @@ SceneUpload::Answer stored(const fs::path& folder, const SceneUpload& request) {
 }
 
 Poll<SceneUpload::Answer> scene_upload(const SceneOwners& cell, const SceneUpload& request) {
-  return later(cell.worker, [folder = cell.setup.file.folder, request] { return stored(folder, request); });
+  return later(cell.long_worker, [folder = cell.setup.file.folder, request] { return stored(folder, request); });
 }
 
 void check(const SceneAdd& request) {
@@ -193,7 +194,8 @@ void check(const SceneAdd& request) {
   };
   if (!near(request.at, bounds::kSceneMetres) || !near(request.rpy, 100))
     throw Error("bad-value", "the pose is not a pose of a scene", "give metres and radians");
-  if (!(request.scale > 0 && request.scale <= 1e6))
+  const double scale = request.scale.value_or(1);
+  if (!(scale > 0 && scale <= 1e6))
     throw Error("bad-value", "the scale must be above zero and at most 1e6");
   if (!among(request.unit, {"m", "mm", "cm", "in"}))
     throw Error("bad-value", "'" + shortened(request.unit) + "' is not a unit of a mesh file", "m, mm, cm or in");
@@ -202,32 +204,46 @@ void check(const SceneAdd& request) {
 }
 
 /// The name of the scene file, which is made and named in the cell file if there is none. It begins with the
-/// floor that the cell has without it.
-std::string scene_file(const fs::path& folder, const std::string& named, double floor_height) {
+/// floor that the cell has without it. `cell`: the name of the cell file in the folder; `named`: the scene of the
+/// running cell.
+std::string scene_file(const fs::path& folder, const std::string& cell, const std::string& named, double floor_height) {
   if (!named.empty()) return named;
-  const fs::path scene = folder / "scene.yaml", cell = folder / "cell.yaml";
+  if (const std::string ending = ending_of(cell); ending != ".yaml" && ending != ".yml")
+    throw Error("cannot-keep", "this cell has no cell file that could name a scene; nothing was changed",
+                "write a cell.yaml with the robot and 'scene: scene.yaml'");
+  const std::string before = read_file(folder / cell);
+  const Yaml now = Yaml::parse(before, (folder / cell).string());
+  // An entry before may have named it since the cell began.
+  if (const std::string since = now["scene"].text(""); !since.empty()) return since;
+  const fs::path scene = folder / "scene.yaml";
   std::error_code error;
   if (fs::exists(scene, error))
-    throw Error("exists", "there is a scene.yaml, but cell.yaml does not name it", "add 'scene: scene.yaml' to cell.yaml");
-  const std::string before = read_file(cell);
+    throw Error("exists", "there is a scene.yaml, but " + cell + " does not name it", "add 'scene: scene.yaml' to " + cell);
   std::string after = before + (before.ends_with('\n') ? "" : "\n") + "scene: scene.yaml\n";
-  if (Yaml::parse(after, cell.string())["scene"].text("") != "scene.yaml")
-    throw Error("cannot-keep", "'scene: scene.yaml' cannot be added to cell.yaml; nothing was changed", "write it yourself");
+  bool reads = true;
+  try {
+    reads = Yaml::parse(after, cell)["scene"].text("") == "scene.yaml";
+  } catch (const Error&) {
+    reads = false;
+  }
+  if (!reads)
+    throw Error("cannot-keep", "'scene: scene.yaml' cannot be added to " + cell + "; nothing was changed", "write it yourself");
   write_file_atomically(scene, "polyarm: scene/1\nfloor: {height: " + format_number(floor_height) + "}\n");
-  write_project_file(folder, "cell.yaml", after);
+  write_project_file(folder, cell, after);
   return "scene.yaml";
 }
 
-SceneAdd::Answer added(const fs::path& folder, const std::string& named, double floor_height, const SceneAdd& request) {
+SceneAdd::Answer added(const fs::path& folder, const std::string& cell, const std::string& named, double floor_height,
+                       const SceneAdd& request) {
   check(request);
-  description::MeshEntry entry{request.name, request.file, request.unit, request.at, request.rpy, request.scale,
-                               request.mass.value_or(0)};
+  description::MeshEntry entry{request.name, request.file, request.unit, request.at, request.rpy,
+                               request.scale.value_or(1), request.mass.value_or(0)};
   description::with_mesh("polyarm: scene/1\n", "scene.yaml", entry);  // before a file is made
   check_name(fs::path(request.file).filename().string());
   std::error_code error;
   if (request.file != "meshes/" + fs::path(request.file).filename().string() || !fs::is_regular_file(folder / request.file, error))
     throw Error("no-mesh", "there is no mesh '" + shortened(request.file) + "' in the folder of the cell", "upload it with scene.upload");
-  const std::string name = scene_file(folder, named, floor_height);
+  const std::string name = scene_file(folder, cell, named, floor_height);
   const fs::path path = project_file(folder, name);
   // The scene names the mesh from its own folder.
   entry.file = fs::relative(folder / request.file, path.parent_path(), error).generic_string();
@@ -238,9 +254,9 @@ SceneAdd::Answer added(const fs::path& folder, const std::string& named, double 
 }
 
 Poll<SceneAdd::Answer> scene_add(const SceneOwners& cell, const SceneAdd& request) {
-  return later(cell.worker, [folder = cell.setup.file.folder, named = cell.setup.file.scene,
-                             floor = cell.setup.scene.floor_height,
-                             request] { return added(folder, named, floor, request); });
+  return later(cell.worker, [folder = cell.setup.file.folder, file = cell.setup.file.path.filename().string(),
+                             named = cell.setup.file.scene, floor = cell.setup.scene.floor_height,
+                             request] { return added(folder, file, named, floor, request); });
 }
 
 }  // namespace

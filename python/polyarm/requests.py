@@ -491,6 +491,14 @@ class LoopPart(TypedDict):
     period: Times
 
 
+class MeshFacts(TypedDict):
+    size: tuple[float, float, float]
+    lower: tuple[float, float, float]
+    triangles: float
+    metres: bool
+    likely: str
+
+
 class MoveToAnswer(TypedDict):
     robot: str
     cell: str
@@ -916,6 +924,17 @@ class RehearsedWay(TypedDict):
     line: float
     seconds: float
     points: list[tuple[float, float, float]]
+
+
+class SceneAddAnswer(TypedDict):
+    file: str
+    text: str
+
+
+class SceneUploadAnswer(TypedDict):
+    bytes: float
+    file: str
+    mesh: MeshFacts | None
 
 
 class SendMessageAnswer(TypedDict):
@@ -1364,6 +1383,12 @@ class Requests:
 
     async def files_rename(self, *, name: str, to: str) -> JustName:
         return await self._ask("files.rename", {"name": name, "to": to})
+
+    async def scene_upload(self, *, name: str, offset: float, data: str, last: bool | None = None) -> SceneUploadAnswer:
+        return await self._ask("scene.upload", {"name": name, "offset": offset, "data": data, "last": last})
+
+    async def scene_add(self, *, name: str, file: str, unit: str, at: tuple[float, float, float], rpy: tuple[float, float, float], scale: float | None = None, mass: float | None = None) -> SceneAddAnswer:
+        return await self._ask("scene.add", {"name": name, "file": file, "unit": unit, "at": at, "rpy": rpy, "scale": scale, "mass": mass})
 
     async def language_words(self) -> LanguageWordsAnswer:
         return await self._ask("language.words", {})

@@ -439,6 +439,21 @@ TEST_F(RequestsTest, OneConnectionDoesNotKeepOthersOut) {
   EXPECT_EQ(cell.cell().requests().open(), bounds::kOpenRequestsOfOne - 1) << "one has ended";
 }
 
+TEST_F(RequestsTest, ARequestThatIsEndedBeforeItsAnswerIsStillWitnessed) {
+  const int me = 0;
+  std::vector<std::string> codes;
+  cell.cell().requests().set_witness([&](const void*, const protocol::Request&) {
+    return [&](const protocol::Reply& reply) {
+      codes.push_back(reply.refusal ? reply.refusal->problems().front().code : "done");
+    };
+  });
+  cell.give(Json{{"request", "program.check"}, {"name", "new.script"}, {"text", "wait 1s"}, {"id", 5}}, &me);
+  cell.cell().requests().end(&me, Json(std::size_t{5}));  // while a worker checks
+  cell.run(0.01);
+  ASSERT_EQ(codes.size(), 1u);
+  EXPECT_TRUE(codes[0] == "ended" || codes[0] == "done") << codes[0];
+}
+
 TEST_F(RequestsTest, WhatIsKeptOfARequestIsShort) {
   const std::string long_id(1000, 'x');
   EXPECT_EQ(error_of(cell.give(Json{{"request", "health"}, {"id", long_id}})->front()), "bad-request");

@@ -125,7 +125,10 @@ TEST_F(SceneRequests, ACellWithoutASceneGetsOneWithItsFloor) {
   ASSERT_EQ(code(answer), "ok") << answer;
   EXPECT_NE(text("cell.yaml").find("\nscene: scene.yaml\n"), std::string::npos);
   EXPECT_NE(text("scene.yaml").find("floor: {height: "), std::string::npos);
-  EXPECT_EQ(description::read_scene((folder.path() / "scene.yaml").string()).fixtures.size(), 1u);
+  ASSERT_EQ(code(add({{"name", "second"}, {"scale", 2}})), "ok") << "before the cell starts again";
+  EXPECT_EQ(description::read_scene((folder.path() / "scene.yaml").string()).fixtures.size(), 2u);
+  const std::string cell_file = text("cell.yaml");
+  EXPECT_EQ(cell_file.find("scene: scene.yaml"), cell_file.rfind("scene: scene.yaml")) << "named once";
 }
 
 TEST_F(SceneRequests, WhatTheSceneCannotTakeIsRefusedAndChangesNothing) {

@@ -86,6 +86,24 @@ TEST(Images, OfObjAndColladaCoverTheirTriangles) {
   }
 }
 
+TEST(Images, APlaceThatIsNotThereCostsTheImageOnly) {
+  Folder folder;
+  folder.write("a.mtl", "newmtl wood\nmap_Kd wood.png\n");
+  folder.write("wood.png", png(64, 32));
+  std::string text = obj();
+  text.replace(text.find("3/3"), 3, "3/9");
+  std::string scene = collada();
+  scene.replace(scene.find("0 0 1 1 2 2"), 11, "0 0 1 1 2 9");
+  for (const fs::path& file : {fs::path(folder.write("a.obj", text)), fs::path(folder.write("a.dae", scene))}) {
+    Problems notes;
+    const Mesh mesh = read_mesh(file, &notes);
+    ASSERT_EQ(mesh.size(), 1u);
+    EXPECT_EQ(mesh[0].triangles.size(), 3u);
+    EXPECT_FALSE(mesh[0].image);
+    EXPECT_TRUE(mesh[0].texcoords.empty());
+  }
+}
+
 TEST(Images, AreWrittenOnceIntoAGlb) {
   Folder folder;
   folder.write("a.mtl", "newmtl wood\nmap_Kd wood.png\n");

@@ -18,7 +18,9 @@ import './view.css';
 /** A page's preview, shown instead of the plan from the cell. */
 export const preview = signal<{ robot: string; path: Vec3[]; joints: Record<string, number> | null } | null>(null);
 export const handle = signal<Handle | null>(null);
-const layers = kept<Layers>('layers', { trail: true, plan: true, frames: false, zones: true, things: true, names: false, near: true });
+const kLayers: Layers = { trail: true, plan: true, frames: false, zones: true, things: true, names: false, near: true };
+const layers = kept<Layers>('layers', kLayers);
+layers.value = { ...kLayers, ...layers.peek() };  // an older page kept fewer
 
 function webgl(): boolean {
   try {

@@ -522,6 +522,14 @@ export interface LoopPart {
   period: Times;
 }
 
+export interface MeshFacts {
+  size: [number, number, number];
+  lower: [number, number, number];
+  triangles: number;
+  metres: boolean;
+  likely: string;
+}
+
 export interface MoveToAnswer {
   robot: string;
   cell: string;
@@ -948,6 +956,17 @@ export interface RehearsedWay {
   points: ([number, number, number])[];
 }
 
+export interface SceneAddAnswer {
+  file: string;
+  text: string;
+}
+
+export interface SceneUploadAnswer {
+  bytes: number;
+  file: string;
+  mesh: MeshFacts | null;
+}
+
 export interface SendMessageAnswer {
   to?: string;
   goal?: number;
@@ -1226,6 +1245,8 @@ export interface Requests {
   'files.version': { args: { name: string; number: number }; answer: FilesVersionAnswer };
   'files.delete': { args: { name: string }; answer: JustName };
   'files.rename': { args: { name: string; to: string }; answer: JustName };
+  'scene.upload': { args: { name: string; offset: number; data: string; last?: boolean }; answer: SceneUploadAnswer };
+  'scene.add': { args: { name: string; file: string; unit: string; at: [number, number, number]; rpy: [number, number, number]; scale?: number; mass?: number }; answer: SceneAddAnswer };
   'language.words': { args: {}; answer: LanguageWordsAnswer };
   'program.check': { args: { name: string; text?: string }; answer: ProgramCheckAnswer };
   'program.steps': { args: { name: string; text?: string }; answer: ProgramStepsAnswer };

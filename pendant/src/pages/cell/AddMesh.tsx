@@ -119,7 +119,7 @@ function Place({ mesh, onClose }: { mesh: Uploaded; onClose: () => void }) {
       actions={
         <>
           <Button label={t('dialog.cancel')} onClick={onClose} />
-          <Button label={t('mesh.addDo')} tone="primary" disabled={wrong || busy || !mayMove.value} onClick={() => void add()} />
+          <Button label={t('mesh.addDo')} tone="primary" disabled={wrong || busy || restarting.value !== '' || !mayMove.value} onClick={() => void add()} />
         </>
       }
     >
