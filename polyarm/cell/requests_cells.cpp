@@ -17,6 +17,7 @@
 #include "polyarm/cell/handlers.hpp"
 #include "polyarm/cell/known_cells.hpp"
 #include "polyarm/cell/rehearsal.hpp"
+#include "polyarm/hardware/node_graph.hpp"
 #include "polyarm/inside/requests_later.hpp"
 #include "polyarm/language/parser.hpp"
 #include "polyarm/protocol/projects.hpp"
@@ -183,6 +184,7 @@ void add_contacts(const CellFile& file, const description::Catalogue& catalogue,
 
 ProgramDry::Answer dry_run(CellFile file, const description::Catalogue& catalogue, const fs::path& original,
                            const std::string& text) {
+  const hardware::OffGraph off_graph;
   const Scratch scratch;
   const fs::path folder = scratch.path() / "program";
   fs::create_directory(folder);
@@ -294,6 +296,7 @@ Poll<CellCheck::Answer> cell_check(const CellsOwners& cell, const CellCheck&) {
   Overrides overrides;
   if (file.robots.size() == 1) overrides.robot = file.robots.front().model;
   return aside([path = file.path, folder = file.folder, catalogue = cell.setup.catalogue, overrides] {
+    const hardware::OffGraph off_graph;
     const Scratch scratch;
     CheckOptions options;
     options.state_folder = scratch.path() / "state";

@@ -245,6 +245,7 @@ class Runner {
     for (const auto& door : doors) door->set_wakeup(bell);
     for (Door* const door : options_.doors) door->set_wakeup(bell);
     cell_.worker.set_wakeup(bell);
+    cell_.long_worker.set_wakeup(bell);
   }
 
   /// Between two ticks: starts requests that have arrived, and continues those that waited for the worker.

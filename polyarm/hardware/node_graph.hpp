@@ -119,6 +119,16 @@ class NodeGraph {
 
 NodeGraph& node_graph();
 
+/// While one exists, ports that its thread opens stay off the graph: those of a cell that is only tried must not
+/// publish beside the running one.
+class OffGraph {
+ public:
+  OffGraph();
+  ~OffGraph();
+  OffGraph(const OffGraph&) = delete;
+  OffGraph& operator=(const OffGraph&) = delete;
+};
+
 }  // namespace polyarm::hardware
 
 /// For plugins: null where the program has no graph.

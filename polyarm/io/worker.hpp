@@ -38,4 +38,9 @@ class Worker {
   std::thread thread_;
 };
 
+/// For jobs of seconds, such as reading meshes: what waits for the Worker must not wait for them.
+struct LongWorker : Worker {
+  using Worker::Worker;
+};
+
 }  // namespace polyarm::cell

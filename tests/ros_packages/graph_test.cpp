@@ -110,6 +110,20 @@ TEST(NodePorts, SayWhatANodeOffersAndCloseWithIt) {
   EXPECT_EQ(port_of("/arm/driver/state"), nullptr);
 }
 
+TEST(NodePorts, OfACellThatIsOnlyTriedStayOffTheGraph) {
+  const auto node = std::make_shared<rclcpp::Node>("tried");
+  rclcpp::Publisher<std_msgs::msg::String>::SharedPtr publisher;
+  {
+    const polyarm::hardware::OffGraph off_graph;
+    publisher = node->create_publisher<std_msgs::msg::String>("~/state", 1);
+  }
+  EXPECT_EQ(port_of("/tried/state"), nullptr);
+  publisher->publish(std_msgs::msg::String());
+  EXPECT_EQ(publisher->get_subscription_count(), 0u);
+  const auto running = node->create_publisher<std_msgs::msg::String>("~/state", 1);
+  EXPECT_NE(port_of("/tried/state"), nullptr);
+}
+
 TEST(NodePorts, BringMessagesAndRequestsToTheCallbacks) {
   const auto node = std::make_shared<rclcpp::Node>("driver");
   std::vector<std::string> heard;
