@@ -116,20 +116,24 @@ std::string shapes_page(const std::map<std::string, std::vector<std::pair<Catalo
       const auto bodies = shapes::robot_shapes(model, ignored);
       for (const shapes::LinkShape& body : bodies) triangles += meshes::triangles_of(body.mesh);
       const auto fit = fits.find(entry.name);
-      rows += fmt::format("| `{}` | {} | {} | {} | {:.0f} | {} |\n", entry.name, bodies.size(),
+      rows += fmt::format("| `{}` | {} | {} | {} | {:.0f} |", entry.name, bodies.size(),
                           outlines ? fmt::format("measured, {} links", outlines) : "kinematics", triangles,
-                          static_cast<double>(server::zipped(shapes::robot_glb(model)).size()) / 1000,
-                          fit == fits.end() ? "–" : fit_text(fit->second));
+                          static_cast<double>(server::zipped(shapes::robot_glb(model)).size()) / 1000);
+      if (!fits.empty()) rows += " " + (fit == fits.end() ? "–" : fit_text(fit->second)) + " |";
+      rows += "\n";
       ++robots;
       measured += outlines > 0;
     }
+  const char* const about_fit =
+      fits.empty() ? ""
+                   : " *Fit*: 95 % of the surface of look and meshes are nearer to each other than this, at home; in % of "
+                     "the reach (`polyarm robots fit`); – where no mesh was compared.";
   return fmt::format(
              "# Looks of the catalogue\n\nWritten by `polyarm robots page`. Each robot's look is made from its "
              "kinematics, its maker's style, and, for {} of {} robots, from a box around each link that was measured on "
-             "meshes of a public description (decision 25). *Fit*: 95 % of the surface of look and meshes are nearer "
-             "to each other than this, at home; in % of the reach (`polyarm robots fit`); – where no mesh was compared.\n\n"
-             "| robot | bodies | outline | triangles | kB, compressed | fit |\n|---|---|---|---|---|---|\n",
-             measured, robots) +
+             "meshes of a public description (decision 25).{}\n\n"
+             "| robot | bodies | outline | triangles | kB, compressed |{}\n|---|---|---|---|---|{}\n",
+             measured, robots, about_fit, fits.empty() ? "" : " fit |", fits.empty() ? "" : "---|") +
          rows;
 }
 
