@@ -303,6 +303,10 @@ void Programs::tick_belts_and_streams() {
     // Without a tick the belts' travel gets old, and robots that follow them come to rest.
     const bool runs = machine_.snapshot().state == control::RunState::running &&
                       machine_.supervisor().latch().requested() == realtime::StopKind::none;
+    if (!under_way() && moves_) {  // nobody waits for the link: robots that followed the belt are free again
+      moves_->end_rides();
+      moves_->tick_rides();
+    }
     if (!under_way() || !runs) return;
     observer_.on_problem(machine_.now(), *lost);
     machine_.hold_for(*lost);
