@@ -84,14 +84,15 @@ TEST(AuditLog, AFloodOfRefusalsIsCountedAndDoesNotPushOutWhatWasDone) {
     }
     log.add(entry("program.stop"));
   }
-  std::size_t refused = 0, lost = 0, done = 0;
+  std::size_t lines = 0, refused = 0, lost = 0, done = 0;
   for (const Json& each : entries(folder.path() / "audit")) {
+    ++lines;
     if (each["outcome"] == "lost") lost += std::stoul(each["what"].get<std::string>());
     if (each["outcome"] == "no-role") refused += each.value("times", std::size_t{1});
     if (each["outcome"] == "done") ++done;
   }
   EXPECT_EQ(done, 2u);
-  EXPECT_LT(refused, kFlood / 2);
+  EXPECT_LT(lines, kFlood / 4) << "equal ones are one line";
   EXPECT_EQ(refused + lost, kFlood);
 }
 
