@@ -4,12 +4,14 @@ import { appendFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { go, picture, stopKey } from './browser.mjs';
 import { until } from './cell.mjs';
-import { suite } from './suite.mjs';
+import { suite, waitAboveThePart } from './suite.mjs';
 
 /** Frames turned by odd angles, one within the other. */
 const kTray = [0.3, -0.4, 0.5];
-const withFrames = (folder) =>
+const withFrames = (folder) => {
+  waitAboveThePart(folder);
   appendFileSync(join(folder, 'PAPpoints.points'), `\nName: Tray\nPoint: 0.3, -0.2, 0.1, ${kTray.join(', ')}\nName: Slot\nValue: pose(0.1, 0.05, 0, 0, 0, 0.7, frame = "Tray")\n`);
+};
 const { at, test, arrive, atRest, endProgram, hold, holdKey } = suite({ change: withFrames });
 let page;
 const button = (name, on = page) => on.getByRole('button', { name, exact: true });

@@ -3,10 +3,11 @@ import assert from 'node:assert/strict';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { go, picture } from './browser.mjs';
-import { suite } from './suite.mjs';
+import { suite, waitAboveThePart } from './suite.mjs';
 
 /** A scanned wall at the side of the robot. */
 const withWall = (folder) => {
+  waitAboveThePart(folder);
   const points = [];
   for (let y = -30; y <= 30; ++y) for (let z = 0; z <= 40; ++z) points.push(`${(y / 50).toFixed(3)} ${(0.005 * Math.sin(y + z)).toFixed(4)} ${(z / 50).toFixed(3)}`);
   const head = `VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH ${points.length}\nHEIGHT 1\nPOINTS ${points.length}\nDATA ascii\n`;

@@ -1,8 +1,16 @@
 // What the files of cases share: one cell, one browser, one page; each case begins where the one before has left them.
 import assert from 'node:assert/strict';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
 import { after, before, test as run } from 'node:test';
 import { launch, picture, screen } from './browser.mjs';
 import { Cell, until, Watcher } from './cell.mjs';
+
+/** The robot waits above the part, and is there however late the page opens. */
+export const waitAboveThePart = (folder) => {
+  const script = join(folder, 'PAPscript.script');
+  writeFileSync(script, readFileSync(script, 'utf8').replace('moveto PrePick\nwait time 1\n', 'moveto PrePick\nwait time 600\n'));
+};
 
 /** `chain`: where a case has failed there is nothing for the next to begin with. `skip`: why none is run, or false. */
 export function suite({ example = 'pick_and_place', options = [], change = () => undefined, chain = false, skip = false } = {}) {
