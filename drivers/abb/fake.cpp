@@ -41,10 +41,7 @@ MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds peri
 
 CallbackReturn FakeAbb::on_init(const hardware::ComponentContext& context) {
   if (context.robots.size() != 1) return AbbComponent::on_init(context);
-  const auto given = [&](const char* name) {
-    const auto found = context.parameters.find(name);
-    return found == context.parameters.end() ? std::string() : found->second;
-  };
+  const auto given = [&](const char* name) { return wire::given(context, name); };
   FarSideOptions options;
   options.machine = machine_of(context.robots.front(), context.period);
   if (const auto speed = parse_number(given("max_speed"))) options.machine.rapid.max_speed = *speed;
@@ -62,19 +59,13 @@ CallbackReturn FakeAbb::on_init(const hardware::ComponentContext& context) {
     far_->with([&](Machine& machine) { machine.wire_output(output, input); });
   }
   faults_ = wire::DueOrders(wire::parse_timed_orders(given("faults"), "e_stop@3"));
-  hardware::ComponentContext own = context;
-  own.parameters["host"] = "127.0.0.1";
+  hardware::ComponentContext own = wire::beside_its_controller(context);
   own.parameters["rws_port"] = std::to_string(far_->rws_port());
   own.parameters["egm_port"] = "0";
   own.parameters["sampling_ms"] = std::to_string(options.machine.rapid.sampling_ms);
   own.parameters["pace"] = "false";
   own.parameters.erase("password_file");  // the simulated one has the maker's default
   own.parameters.erase("user");
-  // The clocks of this machine say nothing about a controller.
-  for (const char* name : {"silence_ms", "loop_silence_ms"}) own.parameters.try_emplace(name, "10000");
-  for (const char* name : {"start_timeout", "connect_timeout"}) own.parameters.try_emplace(name, "60");
-  own.parameters.erase("wires");
-  own.parameters.erase("faults");
   return AbbComponent::on_init(own);
 }
 

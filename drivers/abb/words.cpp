@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "drivers/wire/words.hpp"
+
 namespace polyarm::abb {
 
 const char* name(Cause cause) {
@@ -63,16 +65,9 @@ std::string quoted(const std::string& text) {
   return text.empty() ? "" : " (it says: " + text + ")";
 }
 
-/// "the controller at 192.168.1.10" → "192.168.1.10"
-std::string address_in(const std::string& where) {
-  return where.substr(where.rfind(' ') + 1);
-}
-
 std::string too_fast(int detail, const std::string& where) {
-  constexpr const char* kKinds[] = {"velocity", "acceleration", "jerk"};
-  return "joint " + std::to_string(detail / 3 + 1) + " was commanded beyond the " + kKinds[detail % 3] +
-         " limit of the driver for longer than it can be made up for; the robot at " + address_in(where) +
-         " was stopped: lower the limits of the robot in the cell, or raise `max_speed` here and "
+  return wire::too_fast_sentence(detail, where) +
+         ", or raise `max_speed` here and "
          "MaxSpeedDeviation "
          "in the RAPID module together; if cycles of the loop were late, keep other load off this computer";
 }
@@ -242,13 +237,9 @@ std::string motion_sentence(Cause cause, int detail, const std::string& where, c
     case Cause::too_fast:
       return too_fast(detail, where);
     case Cause::loop_silent:
-      return "the control loop gave no command in time; the robot at " + address_in(where) +
-             " was braked: look for what delays the loop on this computer";
+      return wire::loop_silent_sentence(where);
     case Cause::jump:
-      return "the command for joint " + std::to_string(detail + 1) + " of " + where +
-             " is too far away for one cycle; it was not sent, and the robot was stopped: check controllers "
-             "and "
-             "limits";
+      return wire::jump_sentence(detail, where);
     case Cause::wrong_rate:
       return where + " runs EGM at " + std::to_string(detail) +
              " Hz, and the cell at another rate: write `rate: " + std::to_string(detail) +

@@ -20,14 +20,13 @@ void FanucComponent::make_forward(const hardware::ComponentContext& context, har
     throw Error("bad-value",
                 "`motion: forward` needs a robot whose joints are the six of the controller, in their order",
                 "leave grippers with joints out of the description, or set `motion: stream`");
-  const auto axes = wire::six_revolute_joints(*robot.model, "fanuc/crx_10ia_l");
+  const wire::AxisFacts axes = wire::axis_facts(*robot.model, "fanuc/crx_10ia_l", 1);
   ForwardSettings out;
   out.host = settings_.host;
   out.rmi_port = settings_.rmi_port;
   out.inputs = settings_.inputs, out.outputs = settings_.outputs;
   out.frame.base = robot.base;
-  out.frame.flange = std::make_shared<const kinematics::Chain>(
-      *robot.model, wire::flange_link(*robot.model, axes.back()->child_link));
+  out.frame.flange = std::make_shared<const kinematics::Chain>(*robot.model, axes.flange);
   out.frame.world_height = out.frame.flange->axes().at(1).point.z;
   out.frame.tool = static_cast<int>(p.number("tool_number"));
   out.frame.ramp = p.number("ramp");

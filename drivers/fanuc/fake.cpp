@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/wire/signals.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 
@@ -20,17 +21,6 @@ MachineOptions machine_of(const hardware::RobotInstance& robot) {
   out.facts = facts_of(*robot.model);
   out.start = wire::start_position(robot, out.start, 180 / std::numbers::pi);
   return out;
-}
-
-std::pair<int, int> wire_of(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  const auto output = parse_number(text.substr(0, equals));
-  const auto input = parse_number(equals == std::string::npos ? "" : text.substr(equals + 1));
-  const auto fits = [](const std::optional<double>& n) { return n && *n >= 1 && *n <= Machine::kPorts; };
-  if (!fits(output) || !fits(input))
-    throw Error("bad-value", "'" + text + "' in `wires` is not OUTPUT=INPUT",
-                "numbers from 1 to 512, for example 1=1");
-  return {static_cast<int>(*output), static_cast<int>(*input)};
 }
 
 }  // namespace
@@ -56,7 +46,7 @@ CallbackReturn FakeFanuc::on_init(const hardware::ComponentContext& context) {
   };
   far_ = std::make_unique<FarSide>(options);
   for (const std::string& text : split_words(given("wires"), " ,;")) {
-    const auto [output, input] = wire_of(text);
+    const auto [output, input] = wire::signal_wire(text, Machine::kPorts);
     far_->with([&](Machine& machine) { machine.wire_output(output, input); });
   }
   faults_ = wire::DueOrders(wire::parse_timed_orders(given("faults"), "e_stop@3"));

@@ -12,7 +12,6 @@ namespace polyarm::fanuc {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kEndless = 36000;                       // degrees, of a joint without limits
 constexpr double kStillSpeed = 0.01;                     // degrees/s
 constexpr double kReadyFalls = 0.3, kButtonShows = 0.5;  // s after an emergency stop
 constexpr double kSlowEnd = 0.6;  // of the limits of acceleration and jerk, at full Cartesian speed
@@ -26,19 +25,18 @@ Six radians(const Six& degrees) {
 }  // namespace
 
 MachineFacts facts_of(const description::RobotModel& model) {
-  const auto joints = wire::six_revolute_joints(model, "fanuc/crx_10ia_l");
+  const wire::AxisFacts axes = wire::axis_facts(model, "fanuc/crx_10ia_l", kDegrees);
   MachineFacts out;
-  out.model = model.name.substr(model.name.find('/') + 1);
+  out.model = axes.model;
+  out.lower = axes.lower;
+  out.upper = axes.upper;
+  out.velocity = axes.velocity;
+  const auto joints = wire::six_revolute_joints(model, "fanuc/crx_10ia_l");
   for (std::size_t i = 0; i < 6; ++i) {
-    const description::JointLimits& limits = joints[i]->limits;
-    out.lower[i] = limits.lower ? *limits.lower * kDegrees : -kEndless;
-    out.upper[i] = limits.upper ? *limits.upper * kDegrees : kEndless;
-    out.velocity[i] = limits.velocity.value_or(2) * kDegrees;
-    out.acceleration[i] = limits.acceleration.value_or(7) * kDegrees;
-    out.jerk[i] = limits.jerk.value_or(90) * kDegrees;
+    out.acceleration[i] = joints[i]->limits.acceleration.value_or(7) * kDegrees;
+    out.jerk[i] = joints[i]->limits.jerk.value_or(90) * kDegrees;
   }
-  out.chain =
-      std::make_shared<const kinematics::Chain>(model, wire::flange_link(model, joints.back()->child_link));
+  out.chain = std::make_shared<const kinematics::Chain>(model, axes.flange);
   out.world_height = out.chain->axes().at(1).point.z;
   return out;
 }

@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "drivers/fanuc/rmi.hpp"
+#include "drivers/wire/words.hpp"
 
 namespace polyarm::fanuc {
 
@@ -167,13 +168,9 @@ std::string sentence(Cause cause, int detail, const std::string& where, const st
     case Cause::too_fast:
       return too_fast(detail, where);
     case Cause::loop_silent:
-      return "the control loop gave no command in time; the robot at " + where.substr(where.rfind(' ') + 1) +
-             " was braked: look for what delays the loop on this computer";
+      return wire::loop_silent_sentence(where);
     case Cause::jump:
-      return "the command for joint " + std::to_string(detail + 1) + " of " + where +
-             " is too far away for one cycle; it was not sent, and the robot was stopped: check controllers "
-             "and "
-             "limits";
+      return wire::jump_sentence(detail, where);
     case Cause::move_refused:
       return move_refused(detail, where, text);
     case Cause::off_target:

@@ -89,20 +89,6 @@ double bit(std::uint32_t word, int number) noexcept {
 
 }  // namespace
 
-SignalRange signal_range(const std::string& parameter, const std::string& text) {
-  if (trim(text).empty()) return {};
-  const std::size_t dash = text.find('-');
-  const auto first = parse_number(text.substr(0, dash));
-  const auto last = dash == std::string::npos ? first : parse_number(text.substr(dash + 1));
-  const auto fits = [](const std::optional<double>& n) {
-    return n && *n >= 1 && *n <= static_cast<double>(kMostSignals) && *n == std::floor(*n);
-  };
-  if (!fits(first) || !fits(last) || *last < *first)
-    throw Error("bad-value", "`" + parameter + ": " + text + "` is no range of signals",
-                "numbers from 1 to 32, for example 1-8");
-  return {static_cast<int>(*first), static_cast<int>(*last - *first) + 1};
-}
-
 void KukaComponent::find_limits(const hardware::RobotInstance& robot, double max_speed) {
   auto& [velocity, acceleration, jerk] = settings_.limits.of;
   velocity.fill(max_speed);
@@ -151,8 +137,11 @@ CallbackReturn KukaComponent::on_init(const hardware::ComponentContext& context)
     throw Error("bad-value", "`sen_type` is no name", "at most 32 letters, as SENTYPE in the file of RSI");
   robot_ = context.robots.front().name;
   find_limits(context.robots.front(), p.number("max_speed"));
-  inputs_ = signal_range("digital_in", p.text("digital_in"));
-  settings_.outputs = signal_range("digital_out", p.text("digital_out"));
+  const auto signals = [&](const char* parameter) {
+    return wire::signal_range(parameter, p.text(parameter), static_cast<int>(kMostSignals));
+  };
+  inputs_ = signals("digital_in");
+  settings_.outputs = signals("digital_out");
   if (settings_.outputs.count > 0 && !settings_.eki)
     throw Error("bad-value", "`digital_out` needs EthernetKRL", "remove it, or `eki: false`");
   outputs_ = Outputs();

@@ -41,7 +41,7 @@ class KukaComponent : public wire::StreamComponent<Link, Cause> {
   void find_limits(const hardware::RobotInstance& robot, double max_speed);
 
   LinkSettings settings_;
-  SignalRange inputs_;
+  wire::SignalRange inputs_;
   std::string name_, robot_;
   std::vector<std::string> joints_;
   // the control thread's
@@ -50,8 +50,5 @@ class KukaComponent : public wire::StreamComponent<Link, Cause> {
   wire::Six shown_{};                ///< rad
   Outputs outputs_;
 };
-
-/// "1-16", "3", "": a range of numbers from 1 that ends at kMostSignals. Throws Error("bad-value").
-SignalRange signal_range(const std::string& parameter, const std::string& text);
 
 }  // namespace polyarm::kuka

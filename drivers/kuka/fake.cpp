@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/wire/signals.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 
@@ -15,19 +16,6 @@ namespace {
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr Nanoseconds kAnswer = 500'000'000;
 constexpr std::uint64_t kServices = 12;  // cycles between two exchanges of states: about 20 a second
-
-std::pair<int, int> wire_of(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  const auto output = parse_number(text.substr(0, equals));
-  const auto input = parse_number(equals == std::string::npos ? "" : text.substr(equals + 1));
-  const auto fits = [](const std::optional<double>& n) {
-    return n && *n >= 1 && *n <= static_cast<double>(kMostSignals);
-  };
-  if (!fits(output) || !fits(input))
-    throw Error("bad-value", "'" + text + "' in `wires` is not OUTPUT=INPUT",
-                "numbers from 1 to 32, for example 1=1");
-  return {static_cast<int>(*output), static_cast<int>(*input)};
-}
 
 MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds period) {
   MachineOptions out;
@@ -46,10 +34,7 @@ MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds peri
 
 CallbackReturn FakeKuka::on_init(const hardware::ComponentContext& context) {
   if (context.robots.size() != 1) return KukaComponent::on_init(context);
-  const auto given = [&](const char* name) {
-    const auto found = context.parameters.find(name);
-    return found == context.parameters.end() ? std::string() : found->second;
-  };
+  const auto given = [&](const char* name) { return wire::given(context, name); };
   FarSideOptions options;
   options.machine = machine_of(context.robots.front(), context.period);
   options.machine.identity.relative = given("relative") == "true";
@@ -60,23 +45,17 @@ CallbackReturn FakeKuka::on_init(const hardware::ComponentContext& context) {
   options.patience = kAnswer;
   far_ = std::make_unique<FarSide>(options);
   for (const std::string& text : split_words(given("wires"), " ,;")) {
-    const auto [output, input] = wire_of(text);
+    const auto [output, input] = wire::signal_wire(text, static_cast<int>(kMostSignals));
     far_->with([&](Machine& machine) { machine.wire_output(output, input); });
   }
   faults_ = wire::DueOrders(wire::parse_timed_orders(given("faults"), "e_stop@3"));
-  hardware::ComponentContext own = context;
-  own.parameters["host"] = "127.0.0.1";
+  hardware::ComponentContext own = wire::beside_its_controller(context);
   own.parameters["eki"] = "true";
   own.parameters["eki_port"] = std::to_string(far_->eki_port());
   own.parameters["rsi_port"] = "0";
   own.parameters["pace"] = "false";
   own.parameters.erase("rsi_host");
   own.parameters.erase("rsi_address");
-  // The clocks of this machine say nothing about a controller.
-  for (const char* name : {"silence_ms", "loop_silence_ms"}) own.parameters.try_emplace(name, "10000");
-  for (const char* name : {"start_timeout", "connect_timeout"}) own.parameters.try_emplace(name, "60");
-  own.parameters.erase("wires");
-  own.parameters.erase("faults");
   return KukaComponent::on_init(own);
 }
 

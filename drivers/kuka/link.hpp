@@ -12,6 +12,7 @@
 #include "drivers/kuka/rsi.hpp"
 #include "drivers/kuka/words.hpp"
 #include "drivers/wire/link_base.hpp"
+#include "drivers/wire/signals.hpp"
 #include "drivers/wire/shaper.hpp"
 #include "drivers/wire/udp.hpp"
 #include "polyarm/realtime/latest.hpp"
@@ -45,11 +46,6 @@ struct Outputs {
   Outputs() noexcept;
 };
 
-/// Numbers of signals at the controller, from 1.
-struct SignalRange {
-  int first = 1, count = 0;
-};
-
 struct LinkSettings {
   std::string host;
   bool eki = true;  ///< false: a person starts the program, and packets are answered from open() on
@@ -64,7 +60,7 @@ struct LinkSettings {
   bool stepped = false;   ///< the controller's clock waits for answers; serve_services() asks for states
   bool relative = false;  ///< corrections for one cycle each; known from EthernetKRL, if there is one
   double correction_limit = 360;  ///< degrees; the same
-  SignalRange outputs;
+  wire::SignalRange outputs;
   wire::AxisLimits limits;  ///< degrees, of commands
   Nanoseconds timeout = 2'000'000'000, start_timeout = 10'000'000'000;
   Nanoseconds silence = 100'000'000;       ///< without a packet, until the controller is asked why

@@ -2,12 +2,29 @@
 /// A driver on a simulated controller of its own, whose clock waits for the loop.
 #include <atomic>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "drivers/wire/simulated.hpp"
 #include "polyarm/hardware/component.hpp"
 
 namespace polyarm::wire {
+
+/// A parameter of the component, or "".
+inline std::string given(const hardware::ComponentContext& context, const char* parameter) {
+  const auto found = context.parameters.find(parameter);
+  return found == context.parameters.end() ? std::string() : found->second;
+}
+
+/// For the driver on a controller in this process: the clocks of this machine say nothing about a controller, and the
+/// parameters of the simulation are not the driver's.
+inline hardware::ComponentContext beside_its_controller(hardware::ComponentContext context) {
+  context.parameters["host"] = "127.0.0.1";
+  for (const char* name : {"silence_ms", "loop_silence_ms"}) context.parameters.try_emplace(name, "10000");
+  for (const char* name : {"start_timeout", "connect_timeout"}) context.parameters.try_emplace(name, "60");
+  for (const char* name : {"wires", "faults"}) context.parameters.erase(name);
+  return context;
+}
 
 /// While the component is active, the controller's clock stands still between two cycles of the loop, so that
 /// a run repeats itself, as fast as the machine can. `Driver` is a wire::StreamComponent; the derived class

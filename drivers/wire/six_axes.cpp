@@ -8,6 +8,13 @@ namespace {
 
 constexpr std::array<const char*, 3> kFlangeNames{"flange", "tool0", "faceplate"};
 
+int flange_link(const description::RobotModel& model, int last) {
+  for (const char* wanted : kFlangeNames)
+    for (std::size_t i = 0; i < model.links.size(); ++i)
+      if (model.links[i].name == wanted) return static_cast<int>(i);
+  return last;
+}
+
 std::string list(std::span<const char* const> words) {
   std::string out;
   for (const char* word : words) (out += out.empty() ? "" : " or ") += word;
@@ -62,11 +69,19 @@ std::array<const description::Joint*, 6> six_revolute_joints(const description::
   return out;
 }
 
-int flange_link(const description::RobotModel& model, int last) {
-  for (const char* wanted : kFlangeNames)
-    for (std::size_t i = 0; i < model.links.size(); ++i)
-      if (model.links[i].name == wanted) return static_cast<int>(i);
-  return last;
+AxisFacts axis_facts(const description::RobotModel& model, const std::string& example, double scale) {
+  constexpr double kEndless = 36000, kVelocity = 2;
+  const auto joints = six_revolute_joints(model, example);
+  AxisFacts out;
+  out.model = model.name.substr(model.name.find('/') + 1);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const description::JointLimits& limits = joints[i]->limits;
+    out.lower[i] = limits.lower ? *limits.lower * scale : -kEndless;
+    out.upper[i] = limits.upper ? *limits.upper * scale : kEndless;
+    out.velocity[i] = limits.velocity.value_or(kVelocity) * scale;
+  }
+  out.flange = flange_link(model, joints.back()->child_link);
+  return out;
 }
 
 Six start_position(const hardware::RobotInstance& robot, Six otherwise, double scale) {

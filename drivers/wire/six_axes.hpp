@@ -23,8 +23,14 @@ std::vector<std::string> driven_joints(const hardware::ComponentContext& context
 /// The six revolute joints of a model in a chain. Throws Error("bad-model"); `example`: "abb/irb_120".
 std::array<const description::Joint*, 6> six_revolute_joints(const description::RobotModel& model,
                                                              const std::string& example);
-/// The link with the flange: of its usual names, else `last`.
-int flange_link(const description::RobotModel& model, int last);
+/// What a simulated controller takes from a model of six revolute joints in a chain.
+struct AxisFacts {
+  std::string model;  ///< without its maker
+  Six lower{}, upper{}, velocity{};  ///< times `scale`; joints without limits have 36000 and 2 rad/s
+  int flange = 0;     ///< the link of one of its usual names, else that of the last joint
+};
+/// Throws as six_revolute_joints() does.
+AxisFacts axis_facts(const description::RobotModel& model, const std::string& example, double scale);
 /// The positions where a cell begins, times `scale`; `otherwise` for those that it does not have.
 Six start_position(const hardware::RobotInstance& robot, Six otherwise, double scale);
 

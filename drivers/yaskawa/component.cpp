@@ -85,20 +85,6 @@ double bit(std::uint32_t word, int number) noexcept {
 
 }  // namespace
 
-SignalRange signal_range(const std::string& parameter, const std::string& text) {
-  if (trim(text).empty()) return {};
-  const std::size_t dash = text.find('-');
-  const auto first = parse_number(text.substr(0, dash));
-  const auto last = dash == std::string::npos ? first : parse_number(text.substr(dash + 1));
-  const auto fits = [](const std::optional<double>& n) {
-    return n && *n >= 1 && *n <= kMostSignals && *n == std::floor(*n);
-  };
-  if (!fits(first) || !fits(last) || *last < *first)
-    throw Error("bad-value", "`" + parameter + ": " + text + "` is no range of signals",
-                "numbers from 1 to 32, for example 1-8");
-  return {static_cast<int>(*first), static_cast<int>(*last - *first) + 1};
-}
-
 int cycles_of_point(Nanoseconds period, double least_ms) {
   const double cycle = seconds(period) * 1000;
   for (int n = std::max(1, static_cast<int>(std::ceil(least_ms / cycle - 1e-6))); n <= kMostCycles; ++n) {
@@ -156,8 +142,11 @@ CallbackReturn YaskawaComponent::on_init(const hardware::ComponentContext& conte
                 fmt::format("write `lead_ms: {}`, or a shorter `point_ms`", 2 * settings_.point_ms));
   robot_ = context.robots.front().name;
   find_limits(context.robots.front(), p.number("max_speed"));
-  settings_.inputs = signal_range("digital_in", p.text("digital_in"));
-  settings_.outputs = signal_range("digital_out", p.text("digital_out"));
+  const auto signals = [&](const char* parameter) {
+    return wire::signal_range(parameter, p.text(parameter), kMostSignals);
+  };
+  settings_.inputs = signals("digital_in");
+  settings_.outputs = signals("digital_out");
   const double behind_ms = settings_.lead_ms + kServoLag;
   const auto cycles =
       static_cast<std::size_t>(std::lround(behind_ms * settings_.cycles / settings_.point_ms));

@@ -49,8 +49,6 @@ class YaskawaComponent : public wire::StreamComponent<Link, Cause> {
   std::size_t newest_ = 0;
 };
 
-/// "1-16", "3", "": a range of numbers from 1 that ends at kMostSignals. Throws Error("bad-value").
-SignalRange signal_range(const std::string& parameter, const std::string& text);
 /// Cycles of the loop for one point: at least `least_ms`, and whole milliseconds. Throws Error("bad-value").
 int cycles_of_point(Nanoseconds period, double least_ms);
 

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "drivers/wire/link_base.hpp"
+#include "drivers/wire/signals.hpp"
 #include "drivers/yaskawa/hses.hpp"
 #include "drivers/yaskawa/moto.hpp"
 #include "drivers/yaskawa/point_stream.hpp"
@@ -44,11 +45,6 @@ struct Outputs {
   Outputs() noexcept;
 };
 
-/// Numbers of general signals, from 1.
-struct SignalRange {
-  int first = 1, count = 0;
-};
-
 struct LinkSettings {
   std::string host;
   int motion_port = kMotionPort, state_port = kStatePort, io_port = kIoPort;
@@ -61,7 +57,7 @@ struct LinkSettings {
   int interpolation_ms = 4;  ///< of the controller, for the steps in its buffer
   bool servo_on = true;      ///< activating may switch the servos on
   bool stepped = false;      ///< the controller's clock waits; serve_services() asks for the rest
-  SignalRange inputs, outputs;
+  wire::SignalRange inputs, outputs;
   wire::AxisLimits limits;  ///< degrees, of commands
   Nanoseconds timeout = 2'000'000'000, start_timeout = 10'000'000'000;
   Nanoseconds silence = 500'000'000;       ///< without a state
@@ -133,7 +129,7 @@ class Link : public wire::LinkBase<Cause> {
   bool serve_round();
   bool exchange_signals();
   bool write_outputs();
-  bool read_signals(bool inputs, const SignalRange& range, std::uint32_t& into);
+  bool read_signals(bool inputs, const wire::SignalRange& range, std::uint32_t& into);
   bool read_hses();
   std::optional<std::uint32_t> ask_io(MotoType what, std::uint32_t address, std::uint32_t value = 0);
   struct Explained {

@@ -47,7 +47,7 @@ bool Link::write_outputs() {
   return true;
 }
 
-bool Link::read_signals(bool inputs, const SignalRange& range, std::uint32_t& into) {
+bool Link::read_signals(bool inputs, const wire::SignalRange& range, std::uint32_t& into) {
   if (range.count == 0) return true;
   const int first = (range.first - 1) / 8, last = (range.first + range.count - 2) / 8;
   for (int byte = first; byte <= last; ++byte) {

@@ -31,17 +31,13 @@ bool is_signal(int number) {
 }  // namespace
 
 MachineFacts facts_of(const description::RobotModel& model) {
-  const auto joints = wire::six_revolute_joints(model, "yaskawa/gp7");
+  const wire::AxisFacts axes = wire::axis_facts(model, "yaskawa/gp7", kDegrees);
   MachineFacts out;
-  out.model = model.name.substr(model.name.find('/') + 1);
-  for (std::size_t i = 0; i < 6; ++i) {
-    const description::JointLimits& limits = joints[i]->limits;
-    out.lower[i] = limits.lower ? *limits.lower * kDegrees : -kEndless;
-    out.upper[i] = limits.upper ? *limits.upper * kDegrees : kEndless;
-    out.velocity[i] = limits.velocity.value_or(2) * kDegrees;
-  }
-  out.chain =
-      std::make_shared<const kinematics::Chain>(model, wire::flange_link(model, joints.back()->child_link));
+  out.model = axes.model;
+  out.lower = axes.lower;
+  out.upper = axes.upper;
+  out.velocity = axes.velocity;
+  out.chain = std::make_shared<const kinematics::Chain>(model, axes.flange);
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "drivers/yaskawa/moto.hpp"
+#include "drivers/wire/words.hpp"
 
 namespace polyarm::yaskawa {
 
@@ -102,11 +103,6 @@ Why why_not(int result, int subcode) {
 
 namespace {
 
-/// "the controller at 192.168.1.10" → "192.168.1.10"
-std::string address_in(const std::string& where) {
-  return where.substr(where.rfind(' ') + 1);
-}
-
 std::string with(const std::string& text) {
   return text.empty() ? "" : " (" + text + ")";
 }
@@ -150,10 +146,8 @@ std::string hses_reason(int detail) {
 }
 
 std::string too_fast(int detail, const std::string& where) {
-  constexpr const char* kKinds[] = {"velocity", "acceleration", "jerk"};
-  return "joint " + std::to_string(detail / 3 + 1) + " was commanded beyond the " + kKinds[detail % 3] +
-         " limit of the driver for longer than it can be made up for; the robot at " + address_in(where) +
-         " was stopped: lower the limits of the robot in the cell, or raise `max_speed`";
+  return wire::too_fast_sentence(detail, where) +
+         ", or raise `max_speed`";
 }
 
 /// Connections and their data.
@@ -288,12 +282,9 @@ std::string motion_sentence(Cause cause, int detail, const std::string& where) {
     case Cause::too_fast:
       return too_fast(detail, where);
     case Cause::loop_silent:
-      return "the control loop gave no command in time; the robot at " + address_in(where) +
-             " was braked: look for what delays the loop on this computer";
+      return wire::loop_silent_sentence(where);
     case Cause::jump:
-      return "the command for joint " + std::to_string(detail + 1) + " of " + where +
-             " is too far away for one cycle; it was not sent, and the robot was stopped: check controllers "
-             "and limits";
+      return wire::jump_sentence(detail, where);
     default:
       return {};
   }

@@ -21,9 +21,8 @@ using namespace test;
 
 InstructionFrame frame() {
   InstructionFrame out;
-  const auto joints = wire::six_revolute_joints(fanuc_model(), "fanuc/crx_10ia_l");
-  out.flange = std::make_shared<const kinematics::Chain>(
-      fanuc_model(), wire::flange_link(fanuc_model(), joints.back()->child_link));
+  const wire::AxisFacts axes = wire::axis_facts(fanuc_model(), "fanuc/crx_10ia_l", 1);
+  out.flange = std::make_shared<const kinematics::Chain>(fanuc_model(), axes.flange);
   out.world_height = out.flange->axes().at(1).point.z;
   out.base = {{1, 2, 0.5}, from_rpy(0, 0, 0.5)};
   return out;
