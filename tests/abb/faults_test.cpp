@@ -1,8 +1,8 @@
 /// Everything that can end a link, with the words for it: the robot stands afterwards, and nothing moves it
 /// again.
-#include <cstdlib>
 #include <thread>
 
+#include "tests/support/wire_faults.hpp"
 #include "tests/abb/rig.hpp"
 
 namespace polyarm {
@@ -43,33 +43,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(WhileMoving, IsNamedStandsAndDoesNotJumpWhenItIsRecovered) {
   AbbRig rig(Parameters{{"connect_timeout", "20"}});
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const double from = rig.command("joint_3/position");
-  int n = 0;
-  const auto move = [&](int) { rig.command("joint_3/position") = from + travel(++n, 0.0015); };
-  ASSERT_TRUE(rig.runs(120, move));
-  rig.far().order(GetParam().order);
   // The program ends by itself where commands do not reach it; then the loop must not wait for the limits.
-  ASSERT_TRUE(rig.fails(3000, [&](int i) {
-    if (i < 10) move(i);
-  }));
-  EXPECT_EQ(rig.component.cause(), GetParam().cause) << rig.component.reason();
-  const std::string said = rig.component.reason();
-  EXPECT_NE(said.find(GetParam().words), std::string::npos) << said;
-  EXPECT_NE(said.find("127.0.0.1"), std::string::npos) << "names the device: " << said;
-  expect_standing(rig);
-  mend(rig.far());
-  expect_standing(rig);  // what was mended moves nothing
-
-  ASSERT_TRUE(rig.configure()) << rig.component.reason();
-  EXPECT_EQ(rig.component.cause(), Cause::none);
-  expect_standing(rig);  // nor does a new connection
-  const Six before = rig.q();
-  rig.forget_jumps();
-  ASSERT_TRUE(rig.activate()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(50, [](int) {}));
-  EXPECT_LE(rig.largest_jump(), 1e-6) << "the first command is the measured position";
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], before[j], 1e-6);
+  expect_fault_while_moving(rig, GetParam(), {.joint = "joint_3", .after = 10}, mend);
 }
 
 class BeforeItMoves : public testing::TestWithParam<FaultRow> {};
@@ -95,18 +70,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(BeforeItMoves, StartingIsRefusedInWordsAndWorksOnceItIsMended) {
   AbbRig rig(Parameters{{"connect_timeout", "20"}});
-  const Six before = rig.q();
-  rig.far().order(GetParam().order);
-  ASSERT_FALSE(rig.start());
-  EXPECT_EQ(rig.component.cause(), GetParam().cause) << rig.component.reason();
-  EXPECT_NE(rig.component.reason().find(GetParam().words), std::string::npos) << rig.component.reason();
-  rig.component.on_cleanup();
-  mend(rig.far());
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(5, [](int) {}));
-  rig.component.on_cleanup();
-  const Six after = rig.q();
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(after[j], before[j], 1e-6) << "joint " << j;
+  expect_fault_before_motion(rig, GetParam(), mend);
 }
 
 /// These end by a time without an answer.
@@ -131,18 +95,8 @@ TEST_P(InSilence, StartingIsRefusedInWords) {
 }
 
 TEST(AbbFaults, MotorsThatAreOffAreSwitchedOnByActivatingOrNot) {
-  AbbRig on;
-  on.far().order("motors_off");
-  EXPECT_TRUE(on.start()) << on.component.reason();
-  AbbRig off(Parameters{{"motors_on", "false"}});
-  off.far().order("motors_off");
-  EXPECT_FALSE(off.start());
-  EXPECT_EQ(off.component.cause(), Cause::motors_off);
-  AbbRig refused;
-  refused.far().order("motors_off");
-  refused.far().order("refuse_motors");
-  EXPECT_FALSE(refused.start());
-  EXPECT_EQ(refused.component.cause(), Cause::motors_refused) << refused.component.reason();
+  expect_drives_are_switched_on<AbbRig>("motors_off", "refuse_motors", "motors_on", Cause::motors_off,
+                                        Cause::motors_refused);
 }
 
 TEST(AbbFaults, ASignalThatIsMissingOrLockedIsNamed) {
@@ -174,32 +128,17 @@ TEST(AbbFaults, AClosedConnectionIsOpenedAgain) {
 
 TEST(AbbFaults, ARefusedActivationLeavesTheComponentReading) {
   AbbRig rig;
-  ASSERT_TRUE(rig.configure()) << rig.component.reason();
-  rig.far().order("manual");
-  EXPECT_FALSE(rig.activate());
-  EXPECT_EQ(rig.read(), ReturnType::ok) << "it is inactive, not broken";
-  rig.far().order("auto");
-  EXPECT_TRUE(rig.activate()) << rig.component.reason();
+  expect_refused_activation_keeps_reading(rig, "manual", "auto");
 }
 
 TEST(AbbFaults, AJumpOfTheCommandsIsNotSent) {
   AbbRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(20, [](int) {}));
-  rig.command("joint_5/position") += 0.3;
-  ASSERT_TRUE(rig.fails(5, [](int) {}));
-  EXPECT_EQ(rig.component.cause(), Cause::jump);
-  EXPECT_NE(rig.component.reason().find("joint 5"), std::string::npos) << rig.component.reason();
-  expect_standing(rig);
-  EXPECT_LE(rig.largest_jump(), 1e-6);
+  expect_no_jump_is_sent(rig, "joint_5", Cause::jump);
 }
 
 TEST(AbbFaults, AFirstCommandAwayFromTheMeasuredPositionIsNotSent) {
   AbbRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  rig.command("joint_2/position") += 0.02;  // less than a step, more than a measurement
-  ASSERT_TRUE(rig.fails(5, [](int) {}));
-  EXPECT_EQ(rig.component.cause(), Cause::jump);
+  expect_no_far_begin_is_sent(rig, "joint_2", Cause::jump);
 }
 
 TEST(AbbFaults, TheControllerStopsTheRobotWhenCommandsEnd) {
@@ -217,12 +156,7 @@ TEST(AbbFaults, TheControllerStopsTheRobotWhenCommandsEnd) {
 
 TEST(AbbFaults, ALoopThatFallsSilentIsBrakedByTheDriver) {
   AbbRig rig(Parameters{{"loop_silence_ms", "300"}});  // the controller's clock stands still
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  for (int i = 0; i < 3 && rig.component.cause() == Cause::none; ++i) rig.cycle_once();
-  while (rig.component.cause() == Cause::none) std::this_thread::yield();  // it takes what it takes
-  EXPECT_EQ(rig.component.cause(), Cause::loop_silent) << rig.component.reason();
-  rig.component.on_error();
-  expect_standing(rig);
+  expect_silent_loop_is_braked(rig, Cause::loop_silent);
 }
 
 /// The loop asks for nothing beyond the limits; what it has to make up for was lost while it was late.
@@ -266,17 +200,9 @@ TEST(AbbFaults, AFaultLeavesNoPacketWithoutItsAnswer) {
 }
 
 TEST(AbbFaults, AControllerThatIsNotThereIsNamed) {
-  abb::AbbComponent component;
-  std::string why;
-  int port = 0;
-  {
-    const Descriptor closing = wire::listen_tcp("127.0.0.1", 0, why);
-    port = wire::local_port(closing.number());
-  }
-  component.on_init(abb_context({{"host", "127.0.0.1"}, {"rws_port", std::to_string(port)}}));
-  EXPECT_EQ(component.on_configure(), CallbackReturn::failure);
-  EXPECT_EQ(component.cause(), Cause::unreachable);
-  EXPECT_NE(component.reason().find("127.0.0.1"), std::string::npos) << component.reason();
+  expect_unreachable<abb::AbbComponent>(
+      abb_context({{"host", "127.0.0.1"}, {"rws_port", std::to_string(closed_port())}}),
+      Cause::unreachable, "");
 }
 
 TEST(AbbFaults, CommandsOfAStrangerAreNotTaken) {
@@ -301,51 +227,15 @@ TEST(AbbFaults, CommandsOfAStrangerAreNotTaken) {
 
 /// Faults drawn at random, in every state: always named, always standing, never a jump.
 TEST(AbbFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
-  const char* const asked = std::getenv("POLYARM_FAULT_ROUNDS");  // more for a long run
-  const int rounds = asked ? std::atoi(asked) : 20;
   constexpr const char* kOrders[] = {
       "e_stop",         "guard_open", "manual",     "motors_off",  "stop",      "egm_stop",
       "egm_error",      "collision",  "range",      "singular",    "overload",  "event=50063",
       "system_failure", "garbage",    "again",      "power_off",   "nonsense",  "busy",
       "login",          "forbidden",  "mastership", "close_rws",   "no_module", "refuse_start",
       "old_egm",        "seven",      "slow",       "duplicate=3", "reorder=2", "late=3"};
-  Draw draw(27);
   AbbRig rig(Parameters{{"connect_timeout", "20"}, {"start_timeout", "20"}, {"rws", "1"}});
-  int named = 0;
-  for (int round = 0; round < rounds; ++round) {
-    const std::string order = kOrders[draw(std::size(kOrders))];
-    rig.forget_jumps();
-    const bool early = draw(4) == 0;
-    if (early) rig.far().order(order);
-    if (rig.start()) {
-      const double from = rig.command("joint_6/position");
-      const double way = draw(2) ? 0.0015 : -0.0015;
-      const auto move = [&](int i) {
-        rig.command("joint_6/position") = from + travel(std::min(i, 200), way);
-      };
-      const int before = static_cast<int>(draw(60));
-      bool alive = true;
-      int i = 0;
-      for (; alive && i < before; ++i) move(i), alive = rig.cycle_once() == ReturnType::ok;
-      if (alive && !early) rig.far().order(order);
-      for (int k = 0; alive && k < 60; ++k, ++i) move(i), alive = rig.cycle_once() == ReturnType::ok;
-    }
-    if (rig.component.cause() != Cause::none) {
-      ++named;
-      ASSERT_GT(rig.component.reason().size(), 30u) << round << " " << order;
-    }
-    ASSERT_LE(rig.largest_jump(), 60 * kDegree * 0.004 + 1e-9) << round << " " << order;
-    rig.component.on_error();
-    mend(rig.far());
-    rig.far().with([&](abb::Machine& m) {
-      for (int k = 0; k < 200; ++k) m.step(0.004);
-      const auto at = m.q();
-      for (int k = 0; k < 50; ++k) m.step(0.004);
-      EXPECT_EQ(m.q(), at) << round << " " << order;
-      return 0;
-    });
-  }
-  EXPECT_GT(named, rounds / 2);
+  expect_random_faults_end_well(rig, kOrders, {.joint = "joint_6", .after = 60}, 60 * kDegree * 0.004 + 1e-9, mend,
+                                [](abb::Machine& m) { m.step(0.004); });
 }
 
 }  // namespace

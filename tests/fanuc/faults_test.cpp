@@ -2,6 +2,7 @@
 /// again.
 #include <thread>
 
+#include "tests/support/wire_faults.hpp"
 #include "tests/fanuc/rig.hpp"
 
 namespace polyarm {
@@ -34,30 +35,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(WhileMoving, IsNamedStandsAndDoesNotJumpWhenItIsRecovered) {
   FanucRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const double from = rig.command("J3/position");
-  int n = 0;
-  const auto move = [&](int) { rig.command("J3/position") = from + travel(++n, 0.003); };
-  ASSERT_TRUE(rig.runs(60, move));
-  rig.far().order(GetParam().order);
-  ASSERT_TRUE(rig.fails(400, move));
-  EXPECT_EQ(rig.component.cause(), GetParam().cause) << rig.component.reason();
-  const std::string said = rig.component.reason();
-  EXPECT_NE(said.find(GetParam().words), std::string::npos) << said;
-  EXPECT_NE(said.find("127.0.0.1"), std::string::npos) << "names the device: " << said;
-  expect_standing(rig);
-  mend(rig.far());
-  expect_standing(rig);  // what was mended moves nothing
-
-  ASSERT_TRUE(rig.configure()) << rig.component.reason();
-  EXPECT_EQ(rig.component.cause(), Cause::none);
-  expect_standing(rig);  // nor does a new connection
-  const Six before = rig.q();
-  rig.forget_jumps();
-  ASSERT_TRUE(rig.activate()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(50, [](int) {}));
-  EXPECT_LE(rig.largest_jump(), 1e-6) << "the first command is the measured position";
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], before[j], 1e-6);
+  expect_fault_while_moving(rig, GetParam(), {.joint = "J3", .step = 0.003, .ramp = 40, .before = 60, .after = 400, .patience = 400}, mend);
 }
 
 class BeforeItMoves : public testing::TestWithParam<FaultRow> {};
@@ -76,18 +54,7 @@ INSTANTIATE_TEST_SUITE_P(Faults, BeforeItMoves,
 
 TEST_P(BeforeItMoves, StartingIsRefusedInWordsAndWorksOnceItIsMended) {
   FanucRig rig(Parameters{{"start_timeout", "0.4"}, {"connect_timeout", "0.5"}});
-  const Six before = rig.q();
-  rig.far().order(GetParam().order);
-  ASSERT_FALSE(rig.start());
-  EXPECT_EQ(rig.component.cause(), GetParam().cause) << rig.component.reason();
-  EXPECT_NE(rig.component.reason().find(GetParam().words), std::string::npos) << rig.component.reason();
-  rig.component.on_cleanup();
-  mend(rig.far());
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(5, [](int) {}));
-  rig.component.on_cleanup();
-  const Six after = rig.q();
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(after[j], before[j], 1e-6) << "joint " << j;
+  expect_fault_before_motion(rig, GetParam(), mend);
 }
 
 TEST(FanucFaults, AnAlarmWhoseCauseIsGoneIsClearedByActivating) {
@@ -133,22 +100,12 @@ TEST(FanucFaults, AControllerThatIsNotThereIsNamed) {
 
 TEST(FanucFaults, AJumpOfTheCommandsIsNotSent) {
   FanucRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(20, [](int) {}));
-  rig.command("J5/position") += 0.3;
-  ASSERT_TRUE(rig.fails(5, [](int) {}));
-  EXPECT_EQ(rig.component.cause(), Cause::jump);
-  EXPECT_NE(rig.component.reason().find("joint 5"), std::string::npos) << rig.component.reason();
-  expect_standing(rig);
-  EXPECT_LE(rig.largest_jump(), 1e-6);
+  expect_no_jump_is_sent(rig, "J5", Cause::jump);
 }
 
 TEST(FanucFaults, AFirstCommandAwayFromTheMeasuredPositionIsNotSent) {
   FanucRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  rig.command("J2/position") += 0.02;  // less than a step, more than a measurement
-  ASSERT_TRUE(rig.fails(5, [](int) {}));
-  EXPECT_EQ(rig.component.cause(), Cause::jump);
+  expect_no_far_begin_is_sent(rig, "J2", Cause::jump);
 }
 
 TEST(FanucFaults, TheControllerStopsTheRobotWhenCommandsEnd) {
@@ -170,12 +127,7 @@ TEST(FanucFaults, TheControllerStopsTheRobotWhenCommandsEnd) {
 
 TEST(FanucFaults, ALoopThatFallsSilentIsBrakedByTheDriver) {
   FanucRig rig(Parameters{{"loop_silence_ms", "300"}});  // the controller's clock stands still
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  for (int i = 0; i < 3 && rig.component.cause() == Cause::none; ++i) rig.cycle_once();
-  while (rig.component.cause() == Cause::none) std::this_thread::yield();  // it takes what it takes
-  EXPECT_EQ(rig.component.cause(), Cause::loop_silent) << rig.component.reason();
-  rig.component.on_error();
-  expect_standing(rig);
+  expect_silent_loop_is_braked(rig, Cause::loop_silent);
 }
 
 TEST(FanucFaults, SilenceOfTheControllerIsNamed) {

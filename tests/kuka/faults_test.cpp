@@ -1,9 +1,9 @@
 /// Everything that can end a link, with the words for it: the robot stands afterwards, and nothing moves it
 /// again.
-#include <cstdlib>
 #include <set>
 #include <thread>
 
+#include "tests/support/wire_faults.hpp"
 #include "tests/kuka/rig.hpp"
 
 namespace polyarm {
@@ -41,33 +41,8 @@ INSTANTIATE_TEST_SUITE_P(Faults, WhileMoving,
 
 TEST_P(WhileMoving, IsNamedStandsAndDoesNotJumpWhenItIsRecovered) {
   KukaRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  const double from = rig.command("joint_3/position");
-  int n = 0;
-  const auto move = [&](int) { rig.command("joint_3/position") = from + travel(++n, 0.0015); };
-  ASSERT_TRUE(rig.runs(120, move));
-  rig.far().order(GetParam().order);
   // RSI ends by itself where answers do not reach it; then the loop must not wait for the limits.
-  ASSERT_TRUE(rig.fails(3000, [&](int i) {
-    if (i < 40) move(i);
-  }));
-  EXPECT_EQ(rig.component.cause(), GetParam().cause) << rig.component.reason();
-  const std::string said = rig.component.reason();
-  EXPECT_NE(said.find(GetParam().words), std::string::npos) << said;
-  EXPECT_NE(said.find("127.0.0.1"), std::string::npos) << "names the device: " << said;
-  expect_standing(rig);
-  mend(rig.far());
-  expect_standing(rig);  // what was mended moves nothing
-
-  ASSERT_TRUE(rig.configure()) << rig.component.reason();
-  EXPECT_EQ(rig.component.cause(), Cause::none);
-  expect_standing(rig);  // nor does a new connection
-  const Six before = rig.q();
-  rig.forget_jumps();
-  ASSERT_TRUE(rig.activate()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(50, [](int) {}));
-  EXPECT_LE(rig.largest_jump(), 1e-6) << "the first command is the measured position";
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], before[j], 1e-6);
+  expect_fault_while_moving(rig, GetParam(), {.joint = "joint_3"}, mend);
 }
 
 class BeforeItMoves : public testing::TestWithParam<FaultRow> {};
@@ -88,19 +63,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(BeforeItMoves, StartingIsRefusedInWordsAndWorksOnceItIsMended) {
   KukaRig rig;
-  const Six before = rig.q();
-  rig.far().order(GetParam().order);
-  ASSERT_FALSE(rig.start());
-  EXPECT_EQ(rig.component.cause(), GetParam().cause) << rig.component.reason();
-  EXPECT_NE(rig.component.reason().find(GetParam().words), std::string::npos) << rig.component.reason();
-  EXPECT_NE(rig.component.reason().find("127.0.0.1"), std::string::npos) << rig.component.reason();
-  rig.component.on_cleanup();
-  mend(rig.far());
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(5, [](int) {}));
-  rig.component.on_cleanup();
-  const Six after = rig.q();
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(after[j], before[j], 1e-6) << "joint " << j;
+  expect_fault_before_motion(rig, GetParam(), mend);
 }
 
 /// These end by a time without an answer.
@@ -125,42 +88,19 @@ TEST_P(InSilence, StartingIsRefusedInWords) {
 }
 
 TEST(KukaFaults, DrivesThatAreOffAreSwitchedOnByActivatingOrNot) {
-  KukaRig on;
-  on.far().order("drives_off");
-  EXPECT_TRUE(on.start()) << on.component.reason();
-  KukaRig off(Parameters{{"drives_on", "false"}});
-  off.far().order("drives_off");
-  EXPECT_FALSE(off.start());
-  EXPECT_EQ(off.component.cause(), Cause::drives_off);
-  KukaRig refused;
-  refused.far().order("drives_off");
-  refused.far().order("refuse_drives");
-  EXPECT_FALSE(refused.start());
-  EXPECT_EQ(refused.component.cause(), Cause::drives_refused) << refused.component.reason();
+  expect_drives_are_switched_on<KukaRig>("drives_off", "refuse_drives", "drives_on", Cause::drives_off,
+                                         Cause::drives_refused);
 }
 
 TEST(KukaFaults, ARefusedActivationLeavesTheComponentReading) {
   KukaRig rig;
-  ASSERT_TRUE(rig.configure()) << rig.component.reason();
-  rig.far().order("t2");
-  EXPECT_FALSE(rig.activate());
-  EXPECT_EQ(rig.read(), ReturnType::ok) << "it is inactive, not broken";
-  rig.far().order("ext");
-  EXPECT_TRUE(rig.activate()) << rig.component.reason();
+  expect_refused_activation_keeps_reading(rig, "t2", "ext");
 }
 
 TEST(KukaFaults, AControllerThatIsNotThereIsNamed) {
-  kuka::KukaComponent component;
-  std::string why;
-  int port = 0;
-  {
-    const Descriptor closing = wire::listen_tcp("127.0.0.1", 0, why);
-    port = wire::local_port(closing.number());
-  }
-  component.on_init(kuka_context({{"host", "127.0.0.1"}, {"eki_port", std::to_string(port)}}));
-  EXPECT_EQ(component.on_configure(), CallbackReturn::failure);
-  EXPECT_EQ(component.cause(), Cause::unreachable);
-  EXPECT_NE(component.reason().find("127.0.0.1"), std::string::npos) << component.reason();
+  expect_unreachable<kuka::KukaComponent>(
+      kuka_context({{"host", "127.0.0.1"}, {"eki_port", std::to_string(closed_port())}}),
+      Cause::unreachable, "");
 }
 
 TEST(KukaFaults, ASecondClientIsNamed) {
@@ -196,22 +136,12 @@ TEST(KukaFaults, AnOutputThatCannotBeSwitchedIsNamed) {
 
 TEST(KukaFaults, AJumpOfTheCommandsIsNotSent) {
   KukaRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  ASSERT_TRUE(rig.runs(20, [](int) {}));
-  rig.command("joint_5/position") += 0.3;
-  ASSERT_TRUE(rig.fails(5, [](int) {}));
-  EXPECT_EQ(rig.component.cause(), Cause::jump);
-  EXPECT_NE(rig.component.reason().find("joint 5"), std::string::npos) << rig.component.reason();
-  expect_standing(rig);
-  EXPECT_LE(rig.largest_jump(), 1e-6);
+  expect_no_jump_is_sent(rig, "joint_5", Cause::jump);
 }
 
 TEST(KukaFaults, AFirstCommandAwayFromTheMeasuredPositionIsNotSent) {
   KukaRig rig;
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  rig.command("joint_2/position") += 0.02;  // less than a step, more than a measurement
-  ASSERT_TRUE(rig.fails(5, [](int) {}));
-  EXPECT_EQ(rig.component.cause(), Cause::jump);
+  expect_no_far_begin_is_sent(rig, "joint_2", Cause::jump);
 }
 
 TEST(KukaFaults, WhatRsiWouldEndForIsNotSent) {
@@ -253,12 +183,7 @@ TEST(KukaFaults, TheControllerStopsTheRobotWhenAnswersEnd) {
 
 TEST(KukaFaults, ALoopThatFallsSilentIsBrakedByTheDriver) {
   KukaRig rig(Parameters{{"loop_silence_ms", "300"}});  // the controller's clock stands still
-  ASSERT_TRUE(rig.start()) << rig.component.reason();
-  for (int i = 0; i < 3 && rig.component.cause() == Cause::none; ++i) rig.cycle_once();
-  while (rig.component.cause() == Cause::none) std::this_thread::yield();  // it takes what it takes
-  EXPECT_EQ(rig.component.cause(), Cause::loop_silent) << rig.component.reason();
-  rig.component.on_error();
-  expect_standing(rig);
+  expect_silent_loop_is_braked(rig, Cause::loop_silent);
 }
 
 TEST(KukaFaults, SilenceOfTheControllerIsNamed) {
@@ -338,64 +263,20 @@ TEST(KukaFaults, AnAnswerWithAnotherClockIsLate) {
 }
 
 TEST(KukaWords, EveryCauseSaysWhatToDo) {
-  std::set<std::string> seen, names;
-  for (int i = 1; i <= static_cast<int>(Cause::jump); ++i) {
-    const std::string text = kuka::sentence(static_cast<Cause>(i), 2, "the controller at 10.0.0.1", "x");
-    EXPECT_NE(text.find("10.0.0.1"), std::string::npos) << text;
-    EXPECT_NE(text.find_first_of(":;,"), std::string::npos) << text;
-    EXPECT_TRUE(seen.insert(text).second) << text;
-    EXPECT_TRUE(names.insert(kuka::name(static_cast<Cause>(i))).second) << i;
-  }
-  EXPECT_GE(seen.size(), 25u);
+  expect_words_for_every_cause(Cause::jump, kuka::sentence, kuka::name, 25);
 }
 
 /// Faults drawn at random, in every state: always named, always standing, never a jump.
 TEST(KukaFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
-  const char* const asked = std::getenv("POLYARM_FAULT_ROUNDS");  // more for a long run
-  const int rounds = asked ? std::atoi(asked) : 20;
   constexpr const char* kOrders[] = {
       "e_stop",    "guard_open",   "t1",        "t2",           "aut",         "ext",       "drives_off",
       "stop",      "cancel",       "rsi_off",   "collision",    "small_limit", "deaf",      "garbage",
       "again",     "skip=40",      "slow",      "nonsense",     "busy",        "close_eki", "other_program",
       "old_rsi",   "seven",        "rsi_error", "refuse_start", "power_off",   "late=3",    "duplicate=3",
       "reorder=2", "refuse_drives"};
-  Draw draw(27);
   KukaRig rig;
-  int named = 0;
-  for (int round = 0; round < rounds; ++round) {
-    const std::string order = kOrders[draw(std::size(kOrders))];
-    rig.forget_jumps();
-    const bool early = draw(4) == 0;
-    if (early) rig.far().order(order);
-    if (rig.start()) {
-      const double from = rig.command("joint_6/position");
-      const double way = draw(2) ? 0.0015 : -0.0015;
-      const auto move = [&](int i) {
-        rig.command("joint_6/position") = from + travel(std::min(i, 200), way);
-      };
-      const int before = static_cast<int>(draw(60));
-      bool alive = true;
-      int i = 0;
-      for (; alive && i < before; ++i) move(i), alive = rig.cycle_once() == ReturnType::ok;
-      if (alive && !early) rig.far().order(order);
-      for (int k = 0; alive && k < 90; ++k, ++i) move(i), alive = rig.cycle_once() == ReturnType::ok;
-    }
-    if (rig.component.cause() != Cause::none) {
-      ++named;
-      ASSERT_GT(rig.component.reason().size(), 30u) << round << " " << order;
-    }
-    ASSERT_LE(rig.largest_jump(), 60 * kDegree * 0.004 + 1e-7) << round << " " << order;
-    rig.component.on_error();
-    mend(rig.far());
-    rig.far().with([&](kuka::Machine& m) {
-      for (int k = 0; k < 200; ++k) m.step();
-      const auto at = m.q();
-      for (int k = 0; k < 50; ++k) m.step();
-      EXPECT_EQ(m.q(), at) << round << " " << order;
-      return 0;
-    });
-  }
-  EXPECT_GT(named, rounds / 2);
+  expect_random_faults_end_well(rig, kOrders, {.joint = "joint_6", .after = 90}, 60 * kDegree * 0.004 + 1e-7, mend,
+                                [](kuka::Machine& m) { m.step(); });
 }
 
 }  // namespace
