@@ -1,9 +1,11 @@
 #pragma once
-/// Reads files out of a ZIP archive in memory. Nothing is written to the disk, so paths, links and modes in
-/// the archive mean nothing. Source: PKWARE's APPNOTE 6.3, 4.3 and 4.4, without ZIP64, encryption and parts.
+/// Reads files out of a ZIP archive in memory, with libzip. Nothing is written to the disk, so paths, links and modes in
+/// the archive mean nothing.
 #include <cstddef>
-#include <map>
+#include <memory>
 #include <string>
+
+struct zip;
 
 namespace polyarm::meshes {
 
@@ -13,23 +15,19 @@ class ZipArchive {
   /// that names the archive.
   ZipArchive(const std::string& bytes, std::string name, std::size_t most);
 
-  bool has(const std::string& file) const { return entries_.contains(file); }
+  bool has(const std::string& file) const;
   /// Throws Error("bad-mesh" | "large-mesh").
   std::string read(const std::string& file);
 
  private:
-  struct Entry {
-    std::size_t header = 0, packed = 0, size = 0;
-    unsigned method = 0, flags = 0, checksum = 0;
+  struct Discard {
+    void operator()(zip* archive) const;
   };
   [[noreturn]] void refuse(const std::string& why) const;
-  std::size_t number(std::size_t at, std::size_t count) const;
-  std::size_t directory() const;
 
-  const std::string& bytes_;
   const std::string name_;
   std::size_t left_;
-  std::map<std::string, Entry> entries_;
+  std::unique_ptr<zip, Discard> zip_;
 };
 
 }  // namespace polyarm::meshes

@@ -1,8 +1,5 @@
 #include "polyarm/server/project_zip.hpp"
 
-#include "polyarm/base/error.hpp"
-
-#ifdef POLYARM_ZIP
 #include <zip.h>
 
 #include <algorithm>
@@ -11,30 +8,17 @@
 #include <set>
 #include <vector>
 
+#include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/printable.hpp"
-#include "polyarm/base/text.hpp"
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/secrets.hpp"
-#endif
+#include "polyarm/base/text.hpp"
 
 namespace polyarm::server {
 
 namespace fs = std::filesystem;
 
-#ifndef POLYARM_ZIP
-
-bool can_zip() {
-  return false;
-}
-std::string zip_of(const fs::path&) {
-  throw Error("no-zip", "this polyarm was built without libzip", "install libzip-dev and build again");
-}
-void unzip_into(std::string_view, const fs::path&) {
-  zip_of({});
-}
-
-#else
 
 namespace {
 
@@ -189,10 +173,6 @@ void write(const fs::path& file, const std::string& text, const std::string& nam
 
 }  // namespace
 
-bool can_zip() {
-  return true;
-}
-
 std::string zip_of(const fs::path& folder) {
   Source target = buffer(nullptr, 0);
   Zip zip = open(target.get(), ZIP_TRUNCATE);
@@ -271,7 +251,5 @@ void unzip_into(std::string_view bytes, const fs::path& folder) {
     rethrow_as_error("bad-zip", "unpacking the project");
   }
 }
-
-#endif
 
 }  // namespace polyarm::server

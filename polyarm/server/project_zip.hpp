@@ -13,10 +13,8 @@ namespace polyarm::server {
 inline constexpr std::size_t kMostZipped = bounds::kZipBytes, kMostUnzipped = bounds::kUnzippedBytes,
                              kMostZippedFiles = bounds::kZipFiles;
 
-/// True if the command was built with libzip.
-bool can_zip();
 /// Packs all regular files of the folder except hidden files (.state, .git), links and secrets
-/// (base/secrets.hpp). Throws Error("no-zip" | "too-large" | "bad-zip").
+/// (base/secrets.hpp). Throws Error("too-large" | "bad-zip").
 std::string zip_of(const std::filesystem::path& folder);
 /// Unpacks into a new folder, completely or not at all. Throws Error("bad-zip") if the data is not a zip, is
 /// too large, or has a name that is hidden or leads out of the folder; Error("native-code") for libraries and

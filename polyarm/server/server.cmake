@@ -9,12 +9,7 @@ polyarm_room(server USES base realtime description meshes shapes kinematics prot
 find_package(ZLIB REQUIRED)  # zlib1g-dev
 target_link_libraries(polyarm_server PRIVATE OpenSSL::SSL OpenSSL::Crypto ZLIB::ZLIB)
 target_include_directories(polyarm_server SYSTEM PRIVATE ${POLYARM_BEAST})
-find_path(POLYARM_ZIP zip.h)
-find_library(POLYARM_ZIP_LIBRARY zip)
-if(POLYARM_ZIP AND POLYARM_ZIP_LIBRARY)  # back up and restore a project
-  set_source_files_properties(server/project_zip.cpp PROPERTIES COMPILE_DEFINITIONS POLYARM_ZIP)
-  target_link_libraries(polyarm_server PRIVATE ${POLYARM_ZIP_LIBRARY})
-endif()
+target_link_libraries(polyarm_server PRIVATE ${POLYARM_ZIP_LIBRARY})  # back up and restore a project
 set_source_files_properties(server/port.cpp PROPERTIES COMPILE_OPTIONS "-O1")  # it mostly waits for sockets
 # The cells of a site: a client of their ports, and a page of all.
 polyarm_room(fleet USES base yaml access server LIBRARIES nlohmann_json::nlohmann_json fmt::fmt OpenSSL::SSL OpenSSL::Crypto)

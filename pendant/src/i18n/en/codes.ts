@@ -229,7 +229,6 @@ export const codes = {
   'told.no-description': 'There is no description',
   'told.bad-zip': 'The backup cannot be read',
   'told.bad-gzip': 'The file is not valid gzip',
-  'told.no-zip': 'The backup cannot be created',
   'told.host-not-allowed': 'A host is not allowed for this cell',
   'told.secret-not-allowed': 'A secret is not allowed for this cell',
   'told.plugin-not-approved': 'A plugin is not approved on this machine',

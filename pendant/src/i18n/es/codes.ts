@@ -227,7 +227,6 @@ export const codes: Record<keyof typeof en, string> = {
   'told.no-description': 'No hay descripción',
   'told.bad-zip': 'No se puede leer la copia',
   'told.bad-gzip': 'El archivo no es gzip válido',
-  'told.no-zip': 'No se puede hacer la copia',
   'told.host-not-allowed': 'Un servidor no está permitido para esta celda',
   'told.secret-not-allowed': 'Un secreto no está permitido para esta celda',
   'told.plugin-not-approved': 'Un complemento no está aprobado en esta máquina',
