@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "polyarm/process/packing.hpp"
-#include "polyarm/ros2/dds_types.hpp"
+#include "polyarm/participant/dds_types.hpp"
 
 namespace polyarm::ros2 {
 

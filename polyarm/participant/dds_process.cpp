@@ -14,8 +14,8 @@
 #include "polyarm/process/child.hpp"
 #include "polyarm/process/confinement.hpp"
 #include "polyarm/process/pulse.hpp"
-#include "polyarm/ros2/dds_exchange.hpp"
-#include "polyarm/ros2/participant.hpp"
+#include "polyarm/participant/dds_exchange.hpp"
+#include "polyarm/participant/participant.hpp"
 
 namespace polyarm::ros2 {
 

@@ -1,4 +1,4 @@
-#include "polyarm/ros2/dds_types.hpp"
+#include "polyarm/participant/dds_types.hpp"
 
 namespace polyarm::ros2 {
 

@@ -1,4 +1,4 @@
-#include "polyarm/ros2/disposal_keys.hpp"
+#include "polyarm/participant/disposal_keys.hpp"
 
 #include <algorithm>
 #include <array>

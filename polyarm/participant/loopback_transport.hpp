@@ -3,7 +3,7 @@
 /// to loopback, drops participants that announce an address of another interface of this machine. ROS 2's
 /// middleware on Fast DDS announces such addresses in every discovery range, although it also listens on
 /// loopback. Here such an address is replaced by 127.0.0.1. Only participant.cpp includes this.
-#include "polyarm/ros2/plain_keys_transport.hpp"
+#include "polyarm/participant/plain_keys_transport.hpp"
 
 namespace polyarm::ros2 {
 

@@ -1,4 +1,4 @@
-#include "polyarm/ros2/participant.hpp"
+#include "polyarm/participant/participant.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/ros2/fast_dds.hpp"
-#include "polyarm/ros2/loopback_transport.hpp"
+#include "polyarm/participant/fast_dds.hpp"
+#include "polyarm/participant/loopback_transport.hpp"
 
 namespace polyarm::ros2 {
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "polyarm/ros2/disposal_keys.hpp"
-#include "polyarm/ros2/fast_dds.hpp"
+#include "polyarm/participant/disposal_keys.hpp"
+#include "polyarm/participant/fast_dds.hpp"
 #ifdef POLYARM_FAST_DDS_3
 #include <fastdds/rtps/transport/ChainingTransport.hpp>
 #include <fastdds/rtps/transport/ChainingTransportDescriptor.hpp>

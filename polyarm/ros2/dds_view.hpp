@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/ros2/dds_exchange.hpp"
-#include "polyarm/ros2/dds_types.hpp"
+#include "polyarm/participant/dds_exchange.hpp"
+#include "polyarm/participant/dds_types.hpp"
 
 namespace polyarm::ros2 {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "polyarm/messages/type_info.hpp"
-#include "polyarm/ros2/dds_types.hpp"
+#include "polyarm/participant/dds_types.hpp"
 
 namespace polyarm::ros2 {
 

@@ -19,7 +19,7 @@
 #include "polyarm/base/printable.hpp"
 #include "polyarm/process/channel.hpp"
 #include "polyarm/process/child.hpp"
-#include "polyarm/ros2/dds_exchange.hpp"
+#include "polyarm/participant/dds_exchange.hpp"
 #include "polyarm/ros2/dds_view.hpp"
 
 namespace polyarm::ros2 {

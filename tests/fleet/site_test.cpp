@@ -226,7 +226,7 @@ TEST(OeeFigures, AreSharesOfTimePassesAndParts) {
   EXPECT_NEAR(*oee.performance, 50.0 / 60, 1e-12);
   EXPECT_NEAR(*oee.quality, 0.9, 1e-12);
   EXPECT_NEAR(*oee.whole, 0.6 * 50 / 60 * 0.9, 1e-12);
-  EXPECT_FALSE(oee_of(summary, 0).performance) << "without an ideal cycle there is none";
+  EXPECT_FALSE(oee_of(summary, 0).performance) << "performance needs an ideal cycle";
   EXPECT_FALSE(oee_of(Json(), 1).availability);
   EXPECT_FALSE(oee_of(Json{{"working_s", "many"}, {"state_s", 3}, {"parts", Json::array()}, {"passes", -1}}, 1).whole);
 }

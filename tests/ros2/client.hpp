@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "polyarm/messages/json.hpp"
-#include "polyarm/ros2/participant.hpp"
+#include "polyarm/participant/participant.hpp"
 
 namespace polyarm::ros2::test {
 

@@ -14,7 +14,7 @@
 #include <string>
 
 #include "polyarm/process/channel.hpp"
-#include "polyarm/ros2/dds_exchange.hpp"
+#include "polyarm/participant/dds_exchange.hpp"
 #include "polyarm/ros2/wire.hpp"
 #include "tests/ros2/client.hpp"
 

@@ -1,5 +1,5 @@
 /// Departures as discovery of Cyclone DDS writes them, byte for byte, and anything else left alone.
-#include "polyarm/ros2/disposal_keys.hpp"
+#include "polyarm/participant/disposal_keys.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
-#include "polyarm/ros2/participant.hpp"
+#include "polyarm/participant/participant.hpp"
 #include "tests/ros2/domain.hpp"
 
 namespace polyarm::ros2 {

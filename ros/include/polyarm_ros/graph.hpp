@@ -50,7 +50,7 @@ void send_on(polyarm::hardware::NodePort& port, const Message& message) {
   }
 }
 
-/// The next message from the graph; null if there is none. A payload that is no message of the type is dropped.
+/// The next message from the graph; null if no message waits. Payloads that cannot be decoded are dropped.
 template <typename Message>
 std::shared_ptr<const void> take_from(polyarm::hardware::NodePort& port) {
   if constexpr (HasFields<Message>::value) {
