@@ -41,7 +41,7 @@ std::vector<Triangle> placed(const meshes::Mesh& mesh, const Pose& pose, std::ve
 struct Posed {
   std::vector<Pose> links;  ///< in the world
   const RobotModel* model;
-  /// The pose of the link with this name; empty: there is none.
+  /// The pose of the link with this name; empty if no link has it.
   std::optional<Pose> of(const std::string& name) const {
     for (std::size_t i = 0; i < model->links.size(); ++i)
       if (model->links[i].name == name) return links[i];

@@ -23,7 +23,7 @@ struct Head {
 struct GateRules {
   std::string token;               ///< allows everything
   std::vector<std::pair<std::string, protocol::Role>> lesser;  ///< tokens that allow less
-  /// The log-in of a user with this token; null: there is none. May be empty.
+  /// Finds the log-in with this token; null if the token belongs to no user. The function may be empty.
   std::function<std::shared_ptr<Login>(std::string_view)> login;
   std::string cookie;              ///< name of the cookie that carries the token
   bool loopback = true;            ///< only names of the loopback interface are accepted

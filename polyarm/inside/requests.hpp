@@ -28,13 +28,13 @@ class Requests {
   /// `handlers`: all requests that are answered here.
   Requests(CellInside& cell, const std::vector<Handler>& handlers);
   ~Requests();
+  /// Called for each request before it is carried out, with its client (`from`). It returns a function, or an empty one,
+  /// that gets the first reply; a request that ends without a reply gives Error("ended").
+  using Witness = std::function<std::function<void(const protocol::Reply&)>(const void* from, const protocol::Request&)>;
+  void set_witness(Witness witness);
   /// `from` identifies the client: an address that is unique as long as the client exists; null: requests are
   /// not ordered. `bytes` is the approximate memory of a large request; it counts towards
   /// bounds::kOpenRequestBytes.
-  /// Called for each request before it is carried out, with its client (`from`). The function that it returns is called
-  /// with the first reply, or with Error("ended") if there is none; it may be empty.
-  using Witness = std::function<std::function<void(const protocol::Reply&)>(const void* from, const protocol::Request&)>;
-  void set_witness(Witness witness);
   void ask(protocol::Request request, OnReply on_reply, const void* from = nullptr, std::size_t bytes = 0);
   /// A line from a socket: `{"request": NAME, …arguments, "id": anything}`.
   void handle(const std::string& line, OnLine on_line, const void* from = nullptr);

@@ -16,7 +16,7 @@ namespace {
 
 using Values = std::vector<double>;
 constexpr int kSamples = 48;         // of a move
-constexpr double kNoTime = 1e-6;     // s: a move that is shorter is none
+constexpr double kNoTime = 1e-6;     // s; shorter moves are left out
 constexpr double kNoSpeed = 1e-4;    // m/s: the TCP only turns
 constexpr double kLeastShare = 0.01;
 

@@ -203,9 +203,8 @@ void check(const SceneAdd& request) {
     throw Error("bad-value", "the mass must be above zero", "give it in kg");
 }
 
-/// The name of the scene file, which is made and named in the cell file if there is none. It begins with the
-/// floor that the cell has without it. `cell`: the name of the cell file in the folder; `named`: the scene of the
-/// running cell.
+/// Returns the name of the scene file. A cell without one gets a new file, and its cell file names it. The new file has
+/// the floor that the cell had. `cell`: the name of the cell file in the folder; `named`: the scene of the running cell.
 std::string scene_file(const fs::path& folder, const std::string& cell, const std::string& named, double floor_height) {
   if (!named.empty()) return named;
   if (const std::string ending = ending_of(cell); ending != ".yaml" && ending != ".yml")
