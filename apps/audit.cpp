@@ -28,8 +28,8 @@ struct AuditArguments {
   bool refused = false, json = false;
 };
 
-/// "2h", "30min", "7d" ago, or the beginning of a time in UTC: "2026-11-28T10". The result compares with the times of
-/// entries as text.
+/// "2h", "30min", "7d" ago, or the beginning of a time in UTC: "2026-11-28T10". The result compares with the
+/// times of entries as text.
 std::string since_time(const std::string& text) {
   if (text.empty() || text.find('-') != std::string::npos) return text;
   const std::size_t digits = text.find_first_not_of("0123456789.");
@@ -47,7 +47,9 @@ std::string since_time(const std::string& text) {
 }
 
 bool wanted(const Json& entry, const AuditArguments& a, const std::string& since) {
-  const auto text = [&](const char* key) { return entry.contains(key) && entry[key].is_string() ? entry[key].get<std::string>() : std::string(); };
+  const auto text = [&](const char* key) {
+    return entry.contains(key) && entry[key].is_string() ? entry[key].get<std::string>() : std::string();
+  };
   if (!a.who.empty() && text("who") != a.who) return false;
   if (!a.cell.empty() && text("cell") != a.cell) return false;
   if (!a.request.empty() && !text("request").starts_with(a.request)) return false;
@@ -56,12 +58,17 @@ bool wanted(const Json& entry, const AuditArguments& a, const std::string& since
 }
 
 void print_entry(const Json& entry) {
-  const auto text = [&](const char* key) { return entry.contains(key) && entry[key].is_string() ? entry[key].get<std::string>() : std::string(); };
-  std::string more = entry.contains("arguments") ? " " + entry["arguments"].dump(-1, ' ', false, Json::error_handler_t::replace) : "";
+  const auto text = [&](const char* key) {
+    return entry.contains(key) && entry[key].is_string() ? entry[key].get<std::string>() : std::string();
+  };
+  std::string more = entry.contains("arguments")
+                         ? " " + entry["arguments"].dump(-1, ' ', false, Json::error_handler_t::replace)
+                         : "";
   if (entry.contains("times")) more += fmt::format(" ({} times)", entry["times"].dump());
   const std::string outcome = text("outcome");
   // Who is refused may send any bytes as an argument.
-  fmt::print("{}\n", printable_line(fmt::format("{}  {:<12} {:<16} {} {}{}{}", text("time"), text("cell"), text("who"), text("request"),
+  fmt::print("{}\n", printable_line(fmt::format("{}  {:<12} {:<16} {} {}{}{}", text("time"), text("cell"),
+                                                text("who"), text("request"),
                                                 outcome == "done" ? "" : "refused: " + outcome, more,
                                                 text("from").empty() ? "" : "  from " + text("from"))));
 }
@@ -75,7 +82,8 @@ int run_audit(int argc, char** argv) {
   app.add_option("--folder", a.folder,
                  "folder of users and audit log (default: polyarm/ in $XDG_DATA_HOME or ~/.local/share)");
   app.add_option("--who", a.who, "only this user");
-  app.add_option("--request", a.request, "only requests that begin with this: program, control.override, log-in");
+  app.add_option("--request", a.request,
+                 "only requests that begin with this: program, control.override, log-in");
   app.add_option("--cell", a.cell, "only this cell");
   app.add_option("--since", a.since, "only from then on: 2h, 30min, 7d, or 2026-11-28T10:00 (UTC)");
   app.add_flag("--refused", a.refused, "only what was refused");

@@ -47,9 +47,9 @@ int run_export(int argc, char** argv) {
   moveit.add_option("folder", folder, "output folder; with several robots, one subfolder for each")
       ->required();
   moveit.add_option("arguments", asked.arguments, "NAME:=VALUE of a description in xacro");
-  moveit.add_option("--controllers", asked.controllers,
-                    "controllers YAML for a robot; may be repeated");
-  moveit.add_option("--robot", asked.overrides.robot, "another robot: MODEL, or NAME=MODEL in a cell of several");
+  moveit.add_option("--controllers", asked.controllers, "controllers YAML for a robot; may be repeated");
+  moveit.add_option("--robot", asked.overrides.robot,
+                    "another robot: MODEL, or NAME=MODEL in a cell of several");
   moveit
       .add_option("--samples", samples,
                   "number of joint states that are tried to find links that never touch")

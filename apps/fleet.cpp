@@ -42,7 +42,8 @@ std::vector<fleet::SiteCell> chosen(const fleet::Site& site, const std::vector<s
   for (const std::string& name : names) {
     const auto found = std::find(known.begin(), known.end(), name);
     if (found == known.end())
-      throw WrongUse("unknown-cell", "the site has no cell '" + name + "'" + did_you_mean(name, known), "cells: " + join(known, ", "));
+      throw WrongUse("unknown-cell", "the site has no cell '" + name + "'" + did_you_mean(name, known),
+                     "cells: " + join(known, ", "));
     out.push_back(site.cells[static_cast<std::size_t>(found - known.begin())]);
   }
   return out;
@@ -74,7 +75,11 @@ void print_deployed(const std::vector<fleet::Deployed>& all, bool json, bool wit
   if (json) {
     Json out = Json::array();
     for (const auto& each : all)
-      out.push_back({{"cell", each.cell}, {"state", name(each.state)}, {"why", each.why}, {"diff", each.diff}, {"problems", each.problems}});
+      out.push_back({{"cell", each.cell},
+                     {"state", name(each.state)},
+                     {"why", each.why},
+                     {"diff", each.diff},
+                     {"problems", each.problems}});
     fmt::print("{}\n", out.dump(-1, ' ', false, Json::error_handler_t::replace));
     return;
   }
@@ -86,7 +91,8 @@ void print_deployed(const std::vector<fleet::Deployed>& all, bool json, bool wit
   }
 }
 
-/// First the check of each cell, then the files. Where one check fails, no cell gets the program, unless that was asked.
+/// First the check of each cell, then the files. Where one check fails, no cell gets the program, unless that
+/// was asked.
 int deploy(const fleet::Site& site, const FleetArguments& a) {
   using State = fleet::Deployed::State;
   const std::string text = read_file(a.program, std::size_t{900'000});
@@ -94,29 +100,37 @@ int deploy(const fleet::Site& site, const FleetArguments& a) {
   const auto cells = chosen(site, a.cells);
   auto all = fleet::plan(cells, file, text, a.timeout);
   if (!a.json) print_deployed(all, false, true);
-  const auto good = [](const fleet::Deployed& each) { return each.state == State::ready || each.state == State::same; };
+  const auto good = [](const fleet::Deployed& each) {
+    return each.state == State::ready || each.state == State::same;
+  };
   const bool clean = std::all_of(all.begin(), all.end(), good);
   if (a.dry || (!clean && !a.despite)) {
     if (a.json) print_deployed(all, true, true);
-    if (!clean) fmt::print(stderr, "nothing was written: see above, or --despite to write to the cells that are ready\n");
+    if (!clean)
+      fmt::print(stderr,
+                 "nothing was written: see above, or --despite to write to the cells that are ready\n");
     return clean ? kOk : kFailed;
   }
   fleet::write(cells, all, file, text, false, a.timeout);
   print_deployed(all, a.json, false);
-  const bool done = std::all_of(all.begin(), all.end(), [](const auto& each) { return each.state == State::written || each.state == State::same; });
+  const bool done = std::all_of(all.begin(), all.end(), [](const auto& each) {
+    return each.state == State::written || each.state == State::same;
+  });
   return done ? kOk : kFailed;
 }
 
 }  // namespace
 
 int run_fleet(int argc, char** argv) {
-  CommandLine app("The cells of a site: their states, one page of all, and programs for several", "polyarm fleet");
+  CommandLine app("The cells of a site: their states, one page of all, and programs for several",
+                  "polyarm fleet");
   FleetArguments a;
   app.require_subcommand();
   const auto sub = [&](const char* verb, const char* help) {
     CommandLine* const out = app.add_subcommand(verb, help);
     out->add_option("file", a.file, "the site: a file with polyarm: site/1")->required()->existing_file();
-    out->add_option("--timeout", a.timeout, "a cell that does not answer for so many s is silent (5)")->range(0.1, 600.0);
+    out->add_option("--timeout", a.timeout, "a cell that does not answer for so many s is silent (5)")
+        ->range(0.1, 600.0);
     return out;
   };
   CommandLine* const status = sub("status", "print a table of all cells");
@@ -124,12 +138,14 @@ int run_fleet(int argc, char** argv) {
   CommandLine* const page = sub("serve", "serve one page of all cells to a browser on this machine");
   page->add_option("--port", a.port, "port of the page (8770); 0: any free port")->range(0, 65535);
   page->add_option("--every", a.every, "ask each cell every so many s (1)")->range(0.1, 3600.0);
-  CommandLine* const program = sub("deploy", "check a program on several cells, then write it there; nothing is started");
+  CommandLine* const program =
+      sub("deploy", "check a program on several cells, then write it there; nothing is started");
   program->add_option("program", a.program, "the script")->required()->existing_file();
   program->add_option("--as", a.as, "its name in the cells (default: its own)");
   program->add_option("--cells", a.cells, "only these cells, with commas")->delimiter(',');
   program->add_flag("--dry", a.dry, "only compare and check");
-  program->add_flag("--despite", a.despite, "write to the cells that are ready, although others have errors or are silent");
+  program->add_flag("--despite", a.despite,
+                    "write to the cells that are ready, although others have errors or are silent");
   program->add_flag("--json", a.json, "as a JSON list");
   app.footer(examples({"polyarm fleet status site.yaml", "polyarm fleet serve site.yaml",
                        "polyarm fleet deploy site.yaml pick.script --dry",

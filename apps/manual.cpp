@@ -17,7 +17,9 @@ constexpr Entry kEnvironment[] = {
     {"POLYARM_DRIVERS", "folders of drivers, searched before the installed ones"},
     {"POLYARM_PLUGINS", "folders of plugins, searched before the installed ones"},
     {"POLYARM_PACKAGES", "folders in which descriptions find ROS packages"},
-    {"XDG_DATA_HOME", "the user's cells, certificates, users and audit log are in polyarm/ below it (default: ~/.local/share)"},
+    {"XDG_DATA_HOME",
+     "the user's cells, certificates, users and audit log are in polyarm/ below it (default: "
+     "~/.local/share)"},
     {"XDG_CONFIG_HOME", "the user's robots and settings are in polyarm/ below it (default: ~/.config)"},
 };
 

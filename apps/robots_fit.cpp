@@ -52,7 +52,8 @@ struct Posed {
 /// Joints take the values of `by_name`, others zero.
 Posed posed(const RobotModel& model, const std::map<std::string, double>& by_name) {
   std::vector<double> q;
-  for (const std::string& name : model.joint_names()) q.push_back(by_name.contains(name) ? by_name.at(name) : 0);
+  for (const std::string& name : model.joint_names())
+    q.push_back(by_name.contains(name) ? by_name.at(name) : 0);
   Posed out{std::vector<Pose>(model.links.size()), &model};
   kinematics::Chain(model, model.tool_link()).link_poses(q, out.links);
   return out;
@@ -68,7 +69,8 @@ std::vector<Vec3> samples(const std::vector<Triangle>& triangles) {
   std::vector<Vec3> out;
   for (int i = 0; i < kSamples; ++i) {
     const auto at = std::upper_bound(sums.begin(), sums.end(), share(draw) * sum);
-    const Triangle& t = triangles[static_cast<std::size_t>(std::min<std::ptrdiff_t>(at - sums.begin(), std::ssize(sums) - 1))];
+    const Triangle& t = triangles[static_cast<std::size_t>(
+        std::min<std::ptrdiff_t>(at - sums.begin(), std::ssize(sums) - 1))];
     double u = share(draw), v = share(draw);
     if (u + v > 1) u = 1 - u, v = 1 - v;
     out.push_back(t[0] + u * (t[1] - t[0]) + v * (t[2] - t[0]));
@@ -96,8 +98,10 @@ int run_robots_fit(int argc, char** argv) {
   RobotOption robot, other;
   bool line = false;
   robot.add_to(app)->required();
-  app.add_option("description", other.name, "a URDF or xacro with visual meshes of the same robot")->required();
-  app.add_flag("--csv", line, "one line: name, triangles of the meshes and of the look, reach, p95, largest (m)");
+  app.add_option("description", other.name, "a URDF or xacro with visual meshes of the same robot")
+      ->required();
+  app.add_flag("--csv", line,
+               "one line: name, triangles of the meshes and of the look, reach, p95, largest (m)");
   app.footer(examples({"polyarm robots fit universal_robots/ur5e ur5e.urdf"}));
   if (const auto code = app.parse(argc, argv)) return *code;
   Problems warnings;
@@ -126,7 +130,8 @@ int run_robots_fit(int argc, char** argv) {
     throw Error("no-mesh", "the description has no mesh on a link that '" + model.name + "' has",
                 "name the folder of its package in POLYARM_PACKAGES");
   const std::vector<double> there = distances(look, mesh), back = distances(mesh, look);
-  const double p95 = std::max(at_share(there, 0.95), at_share(back, 0.95)), largest = std::max(there.back(), back.back());
+  const double p95 = std::max(at_share(there, 0.95), at_share(back, 0.95)),
+               largest = std::max(there.back(), back.back());
   double reach = 0;
   for (const description::CatalogueEntry& entry : catalogue.entries())
     if (entry.name == robot.name) reach = entry.reach_m.value_or(0);
@@ -135,10 +140,10 @@ int run_robots_fit(int argc, char** argv) {
     return kOk;
   }
   fmt::print("meshes: {} triangles, look: {} triangles\n", mesh.size(), look.size());
-  fmt::print("look to meshes: half of it within {:.1f} mm, 95 % within {:.1f} mm\n", 1000 * at_share(there, 0.5),
-             1000 * at_share(there, 0.95));
-  fmt::print("meshes to look: half of them within {:.1f} mm, 95 % within {:.1f} mm\n", 1000 * at_share(back, 0.5),
-             1000 * at_share(back, 0.95));
+  fmt::print("look to meshes: half of it within {:.1f} mm, 95 % within {:.1f} mm\n",
+             1000 * at_share(there, 0.5), 1000 * at_share(there, 0.95));
+  fmt::print("meshes to look: half of them within {:.1f} mm, 95 % within {:.1f} mm\n",
+             1000 * at_share(back, 0.5), 1000 * at_share(back, 0.95));
   if (reach > 0) fmt::print("95 %: {:.1f} % of the reach, {:.3g} m\n", 100 * p95 / reach, reach);
   return kOk;
 }

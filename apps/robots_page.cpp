@@ -85,7 +85,8 @@ std::string index_page(
   return out;
 }
 
-/// Measured distances between looks and meshes, by robot: lines of `polyarm robots fit --csv`. Empty without the file.
+/// Measured distances between looks and meshes, by robot: lines of `polyarm robots fit --csv`. Empty without
+/// the file.
 std::map<std::string, std::vector<std::string>> fits_in(const fs::path& file) {
   std::map<std::string, std::vector<std::string>> out;
   std::error_code error;
@@ -100,12 +101,14 @@ std::map<std::string, std::vector<std::string>> fits_in(const fs::path& file) {
 /// "12 mm, 1.4 %"
 std::string fit_text(const std::vector<std::string>& fields) {
   const double reach = parse_number(fields[3]).value_or(0), p95 = parse_number(fields[4]).value_or(0);
-  return fmt::format("{:.0f} mm{}", 1000 * p95, reach > 0 ? fmt::format(", {:.1f} %", 100 * p95 / reach) : "");
+  return fmt::format("{:.0f} mm{}", 1000 * p95,
+                     reach > 0 ? fmt::format(", {:.1f} %", 100 * p95 / reach) : "");
 }
 
 /// What each robot's look is made of, how large it is, and how far it is from the meshes of its maker.
-std::string shapes_page(const std::map<std::string, std::vector<std::pair<CatalogueEntry, RobotModel>>>& makers,
-                        const std::map<std::string, std::vector<std::string>>& fits) {
+std::string shapes_page(
+    const std::map<std::string, std::vector<std::pair<CatalogueEntry, RobotModel>>>& makers,
+    const std::map<std::string, std::vector<std::string>>& fits) {
   std::string rows;
   std::size_t robots = 0, measured = 0;
   for (const auto& [folder, list] : makers)
@@ -124,13 +127,16 @@ std::string shapes_page(const std::map<std::string, std::vector<std::pair<Catalo
       ++robots;
       measured += outlines > 0;
     }
-  const char* const about_fit =
-      fits.empty() ? ""
-                   : " *Fit*: 95 % of the surface of look and meshes are nearer to each other than this, at home; in % of "
-                     "the reach (`polyarm robots fit`); – where no mesh was compared.";
+  const char* const about_fit = fits.empty()
+                                    ? ""
+                                    : " *Fit*: 95 % of the surface of look and meshes are nearer to each "
+                                      "other than this, at home; in % of "
+                                      "the reach (`polyarm robots fit`); – where no mesh was compared.";
   return fmt::format(
-             "# Looks of the catalogue\n\nWritten by `polyarm robots page`. Each robot's look is made from its "
-             "kinematics, its maker's style, and, for {} of {} robots, from a box around each link that was measured on "
+             "# Looks of the catalogue\n\nWritten by `polyarm robots page`. Each robot's look is made from "
+             "its "
+             "kinematics, its maker's style, and, for {} of {} robots, from a box around each link that was "
+             "measured on "
              "meshes of a public description (decision 25).{}\n\n"
              "| robot | bodies | outline | triangles | kB, compressed |{}\n|---|---|---|---|---|{}\n",
              measured, robots, about_fit, fits.empty() ? "" : " fit |", fits.empty() ? "" : "---|") +

@@ -19,8 +19,8 @@
 #include "apps/ending.hpp"
 #include "apps/options.hpp"
 #include "apps/reach.hpp"
-#include "apps/run_output.hpp"
 #include "apps/run_audit.hpp"
+#include "apps/run_output.hpp"
 #include "apps/run_pendant.hpp"
 #include "polyarm/base/printer.hpp"
 #include "polyarm/base/text.hpp"
@@ -100,7 +100,8 @@ void add_options(CommandLine& app, RunArguments& a) {
   app.add_flag("--links", a.cell_options.links, "links to the outside are connected in lock-step, too");
   app.add_flag_callback(
       "--no-socket", [socket] { *socket = false; }, "no other program may reach this cell while it runs");
-  app.add_flag_callback("--no-audit", [&a] { a.audits = false; }, "write no audit log (polyarm audit)");
+  app.add_flag_callback(
+      "--no-audit", [&a] { a.audits = false; }, "write no audit log (polyarm audit)");
   app.add_option_function(
          "--budget", [&a](double ms) { a.overrides.budget = nanoseconds(ms * 1e-3); },
          "ms that a callback in the control loop may take; longer ones are reported")
@@ -444,7 +445,8 @@ int execute(RunArguments& a, const std::string& command) {
   stop_on_signals(!a.run.fast);
   a.cell_options.start_given_up = [] { return cell::stops_requested() > 0; };
   std::unique_ptr<users::AuditLog> audit_log;
-  if (a.audits && (a.pendant.on || (a.run.fast ? a.run.fast_socket : a.run.socket))) audit_log = open_audit(*shown);
+  if (a.audits && (a.pendant.on || (a.run.fast ? a.run.fast_socket : a.run.socket)))
+    audit_log = open_audit(*shown);
   std::unique_ptr<server::Pendant> pendant;
   if (a.pendant.on) {
     try {

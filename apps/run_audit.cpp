@@ -20,8 +20,8 @@ std::string name_of_this_user() {
   return std::to_string(::geteuid());
 }
 
-/// A client of the pendant's port; else one of the local socket, which only this user and root reach. ROS 2 carries no
-/// identity: if the cell has that door, the request may have come through it.
+/// A client of the pendant's port; else one of the local socket, which only this user and root reach. ROS 2
+/// carries no identity: if the cell has that door, the request may have come through it.
 users::Actor actor_of(const void* from, const server::Pendant* pendant, const std::string& user, bool ros2) {
   if (from && pendant)
     if (const auto actor = pendant->actor(from)) return *actor;
@@ -45,23 +45,22 @@ std::unique_ptr<users::AuditLog> open_audit(cell::Observer& observer) {
 
 void audit(cell::CellView cell, users::AuditLog& log, const server::Pendant* pendant) {
   const std::string name = cell.file().name;
-  cell.requests().set_witness([&log, pendant, name, ros2 = cell.file().doors.contains("ros2"),
-                                user = name_of_this_user()](
-                                  const void* from, const protocol::Request& request)
-                                  -> std::function<void(const protocol::Reply&)> {
-    const bool sends = &request.facts() == &protocol::SendMessage::kFacts;
-    if (!sends && !users::is_audited(request.type(), request.arguments())) return {};
-    users::AuditEntry entry;
-    entry.cell = name;
-    entry.actor = actor_of(from, pendant, user, ros2);
-    entry.request = request.facts().name;
-    entry.arguments = users::arguments_text(request);
-    return [&log, entry = std::move(entry)](const protocol::Reply& reply) mutable {
-      entry.outcome = reply.refusal ? reply.refusal->problems().front().code : "done";
-      if (reply.refusal) entry.what = reply.refusal->problems().front().what;
-      log.add(std::move(entry));
-    };
-  });
+  cell.requests().set_witness(
+      [&log, pendant, name, ros2 = cell.file().doors.contains("ros2"), user = name_of_this_user()](
+          const void* from, const protocol::Request& request) -> std::function<void(const protocol::Reply&)> {
+        const bool sends = &request.facts() == &protocol::SendMessage::kFacts;
+        if (!sends && !users::is_audited(request.type(), request.arguments())) return {};
+        users::AuditEntry entry;
+        entry.cell = name;
+        entry.actor = actor_of(from, pendant, user, ros2);
+        entry.request = request.facts().name;
+        entry.arguments = users::arguments_text(request);
+        return [&log, entry = std::move(entry)](const protocol::Reply& reply) mutable {
+          entry.outcome = reply.refusal ? reply.refusal->problems().front().code : "done";
+          if (reply.refusal) entry.what = reply.refusal->problems().front().what;
+          log.add(std::move(entry));
+        };
+      });
 }
 
 }  // namespace polyarm::apps

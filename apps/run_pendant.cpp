@@ -15,13 +15,13 @@
 
 #include "apps/picture.hpp"
 #include "apps/terminal.hpp"
-#include "polyarm/base/file.hpp"
-#include "polyarm/base/text.hpp"
-#include "polyarm/cell/socket_door.hpp"
 #include "polyarm/access/tls.hpp"
 #include "polyarm/access/token.hpp"
-#include "polyarm/users/user_list.hpp"
+#include "polyarm/base/file.hpp"
 #include "polyarm/base/reach.hpp"
+#include "polyarm/base/text.hpp"
+#include "polyarm/cell/socket_door.hpp"
+#include "polyarm/users/user_list.hpp"
 
 namespace polyarm::apps {
 
@@ -129,8 +129,10 @@ server::PendantOptions::Metrics metrics_of(const std::string& where) {
   if (colon != std::string::npos) out.address = where.substr(0, colon);
   const std::string port = colon == std::string::npos ? where : where.substr(colon + 1);
   const auto number = parse_number(port);
-  if (out.address.empty() || !number || *number < 0 || *number > 65535 || *number != static_cast<int>(*number))
-    throw Error("bad-option", "--metrics " + where + " is no port", "for example --metrics 9464, or --metrics 0.0.0.0:9464");
+  if (out.address.empty() || !number || *number < 0 || *number > 65535 ||
+      *number != static_cast<int>(*number))
+    throw Error("bad-option", "--metrics " + where + " is no port",
+                "for example --metrics 9464, or --metrics 0.0.0.0:9464");
   out.port = static_cast<std::uint16_t>(*number);
   return out;
 }
@@ -194,7 +196,8 @@ void announce(const server::Pendant& pendant, const PendantArguments& a, cell::O
                                   protocol::Role::administer})
       observer.on_note(std::string("link to ") + protocol::name(role) + ": " + pendant.link_for(role));
   if (pendant.metrics_port() != 0)
-    observer.on_note("metrics for Prometheus: port " + std::to_string(pendant.metrics_port()) + ", path /metrics");
+    observer.on_note("metrics for Prometheus: port " + std::to_string(pendant.metrics_port()) +
+                     ", path /metrics");
   if (a.open) open_in_browser(pendant.link());
 }
 

@@ -48,11 +48,13 @@ class Unseen {
 
 std::string read_line() {
   std::string out;
-  for (char c = 0; out.size() <= users::kMostPassword + 1 && ::read(STDIN_FILENO, &c, 1) == 1 && c != '\n';) out += c;
+  for (char c = 0; out.size() <= users::kMostPassword + 1 && ::read(STDIN_FILENO, &c, 1) == 1 && c != '\n';)
+    out += c;
   return out;
 }
 
-/// Asked twice at a terminal; else one line of standard input. Never an argument: others can read command lines.
+/// Asked twice at a terminal; else one line of standard input. Never an argument: others can read command
+/// lines.
 std::string new_password(const std::string& name) {
   if (::isatty(STDIN_FILENO) == 0) return read_line();
   const auto ask = [&](const char* which) {
@@ -63,14 +65,16 @@ std::string new_password(const std::string& name) {
   };
   const std::string first = ask("password");
   users::require_good_password(first);
-  if (ask("again, the password") != first) throw Error("bad-password", "the two passwords differ", "try again");
+  if (ask("again, the password") != first)
+    throw Error("bad-password", "the two passwords differ", "try again");
   return first;
 }
 
 void print_list(const users::UserList& list, bool json) {
   if (json) {
     nlohmann::ordered_json out = nlohmann::ordered_json::array();
-    for (const users::User& user : list.all()) out.push_back({{"name", user.name}, {"role", users::word_of(user.role)}});
+    for (const users::User& user : list.all())
+      out.push_back({{"name", user.name}, {"role", users::word_of(user.role)}});
     fmt::print("{}\n", out.dump());
     return;
   }
@@ -88,7 +92,8 @@ int change(const std::string& verb, UsersArguments& a) {
   std::string hash;
   if (verb == "add" || verb == "role") role = users::role_of_word(a.role);
   if (verb == "add") users::require_good_name(a.name);
-  if (verb == "password") users::UserList(users::read_users(file)).at(a.name);  // before the password is asked
+  if (verb == "password")
+    users::UserList(users::read_users(file)).at(a.name);  // before the password is asked
   if (verb == "add" || verb == "password") hash = users::hash_of(new_password(a.name));
   users::change_users(file, [&](users::UserList& list) {
     if (verb == "add") return list.add({a.name, *role, hash});
@@ -98,7 +103,8 @@ int change(const std::string& verb, UsersArguments& a) {
     if (!hash.empty()) user.hash = hash;
   });
   const char* const done = verb == "add" ? "can log in now" : verb == "remove" ? "is removed" : "is changed";
-  fmt::print("{} {}{}\n", a.name, done, verb == "add" ? "" : "; open log-ins of this user end within a second or two");
+  fmt::print("{} {}{}\n", a.name, done,
+             verb == "add" ? "" : "; open log-ins of this user end within a second or two");
   return kOk;
 }
 

@@ -59,7 +59,7 @@ class FanucComponent : public wire::StreamComponent<Link, Cause>, public hardwar
 
   std::unique_ptr<ForwardLink> forward_;  ///< instead of link_, in forward mode
   Six commanded_{};                       ///< the last commands of the joints; NaN: none
-  struct Reading {  ///< the control thread's
+  struct Reading {                        ///< the control thread's
     std::uint64_t count = 0;
     Nanoseconds at = 0, span = 0;
     Six from{}, q{};

@@ -14,7 +14,8 @@ void FanucComponent::make_forward(const hardware::ComponentContext& context, har
   const hardware::RobotInstance& robot = context.robots.front();
   paced_ = false;  // the interface has no clock
   if (!robot.on.empty())
-    throw Error("bad-value", "`motion: forward` is for robots that stand still; '" + robot.name + "' is carried",
+    throw Error("bad-value",
+                "`motion: forward` is for robots that stand still; '" + robot.name + "' is carried",
                 "set `motion: stream`");
   if (!robot.model || robot.model->joint_names() != joints_)
     throw Error("bad-value",
@@ -58,10 +59,10 @@ const Six& FanucComponent::between_readings(const hardware::Cycle& cycle) noexce
     r.at = cycle.time;
     r.count = sample.count;
   }
-  const double share =
-      r.span <= cycle.period
-          ? 1
-          : std::min(1.0, static_cast<double>(cycle.time - r.at + cycle.period) / static_cast<double>(r.span));
+  const double share = r.span <= cycle.period
+                           ? 1
+                           : std::min(1.0, static_cast<double>(cycle.time - r.at + cycle.period) /
+                                               static_cast<double>(r.span));
   for (std::size_t j = 0; j < 6; ++j) r.q[j] = r.from[j] + share * (sample.q[j] - r.from[j]);
   return r.q;
 }

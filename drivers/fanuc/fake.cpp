@@ -119,7 +119,8 @@ hardware::ReturnType FakeFanuc::read(const hardware::Cycle& cycle, std::span<dou
   return world_->step(cycle, q, states.subspan(own_states_));
 }
 
-hardware::ReturnType FakeFanuc::write(const hardware::Cycle& cycle, std::span<const double> commands) noexcept {
+hardware::ReturnType FakeFanuc::write(const hardware::Cycle& cycle,
+                                      std::span<const double> commands) noexcept {
   if (world_) world_->command(commands.subspan(own_commands_));
   return FanucComponent::write(cycle, commands.first(own_commands_));
 }
@@ -129,7 +130,8 @@ hardware::ReturnType FakeFanuc::read_controller(const hardware::Cycle& cycle,
   if (stepped_) {
     faults_.step(*far_, seconds(cycle.period));
     if (forward()) {
-      forward()->exchange(kTimeout);  // what the last cycle asked for is there before the controller's next one
+      forward()->exchange(
+          kTimeout);  // what the last cycle asked for is there before the controller's next one
       far_->step(kTimeout);
       forward()->exchange(kTimeout);
       return FanucComponent::read(cycle, states);

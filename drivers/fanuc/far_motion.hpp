@@ -14,8 +14,8 @@ namespace polyarm::fanuc {
 
 /// Runs instructions in their order. With CNT the next motion begins while this one slows down, and both are
 /// added: with CNT 100 at the beginning of the slowing down, with CNT 0 at its end. FINE waits until the
-/// robot stands. A pause and an end slow down on the path. Poses are reached near the present joints: the turns and the arm's configuration of an
-/// instruction are not looked at.
+/// robot stands. A pause and an end slow down on the path. Poses are reached near the present joints: the
+/// turns and the arm's configuration of an instruction are not looked at.
 class FarMotion {
  public:
   /// `finished(name, sequence, error)` is called for each instruction when it is done.

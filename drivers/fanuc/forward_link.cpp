@@ -17,12 +17,12 @@ namespace {
 constexpr Nanoseconds kLook = 5'000'000;         // between two looks without an event
 constexpr Nanoseconds kAskWhy = 100'000'000;     // between two questions for the alarm
 constexpr Nanoseconds kLanding = 3'000'000'000;  // for the robot to be where a move ends
-constexpr int kStatusTurns = 4;       // of that many rounds one reads the status, the others an input
-constexpr int kWhys = 4;              // requests for an alarm; after them the controller counts as without one
-constexpr int kBegins = 100;          // of remote motion, one with each reading: the aborted program may still end
-constexpr double kStill = 4e-5;       // rad between two readings, whose places are 0.001 degrees
+constexpr int kStatusTurns = 4;  // of that many rounds one reads the status, the others an input
+constexpr int kWhys = 4;         // requests for an alarm; after them the controller counts as without one
+constexpr int kBegins = 100;     // of remote motion, one with each reading: the aborted program may still end
+constexpr double kStill = 4e-5;  // rad between two readings, whose places are 0.001 degrees
 constexpr int kStillReadings = 2;
-constexpr double kThere = 0.01;       // rad
+constexpr double kThere = 0.01;           // rad
 constexpr int kRunning = 0, kOnHold = 2;  // ProgramStatus
 
 double largest_difference(const Six& a, const Six& b) {
@@ -42,7 +42,8 @@ Six end_of(const ForwardMove& move) {
 // --- control thread -------------------------------------------------------------------------------------
 
 bool ForwardLink::accept(const ForwardMove& move) noexcept {
-  if (clear_wanted_.load(std::memory_order_relaxed) != clear_done_.load(std::memory_order_acquire)) return false;
+  if (clear_wanted_.load(std::memory_order_relaxed) != clear_done_.load(std::memory_order_acquire))
+    return false;
   accepted_.fetch_add(1);  // first: what is in the queue counts as left
   if (!queue_.push(move)) {
     accepted_.fetch_sub(1);
@@ -129,16 +130,20 @@ void ForwardLink::take_answer(const RmiMessage& message, Nanoseconds now) {
     begin_after_ = current_.count + 1;
     return;
   }
-  const bool reads = what == Asked::status || what == Asked::joints || what == Asked::input || what == Asked::error;
+  const bool reads =
+      what == Asked::status || what == Asked::joints || what == Asked::input || what == Asked::error;
   if (message.error() != 0 && !reads && what != Asked::abort) {
     if (message.error() != kRmiNotRunning && message.error() != kRmiHold && message.error() != kRmiNotPaused)
       refusal_ = {message.error(), asked_name_};
     return suspect();  // an alarm may be the reason
   }
   switch (what) {
-    case Asked::status: return take_status(message);
-    case Asked::joints: return take_joints(message, now);
-    case Asked::error: return take_alarm(message);
+    case Asked::status:
+      return take_status(message);
+    case Asked::joints:
+      return take_joints(message, now);
+    case Asked::error:
+      return take_alarm(message);
     case Asked::input:
       if (message.error() != 0) return note(Cause::io_refused, message.error());
       current_.inputs[static_cast<std::size_t>(input_)] =
@@ -146,14 +151,19 @@ void ForwardLink::take_answer(const RmiMessage& message, Nanoseconds now) {
       input_ = (input_ + 1) % settings_.inputs.count;
       return;
     case Asked::output:
-      current_.outputs[static_cast<std::size_t>(output_)] = wanted_.digital[static_cast<std::size_t>(output_)] > 0.5;
+      current_.outputs[static_cast<std::size_t>(output_)] =
+          wanted_.digital[static_cast<std::size_t>(output_)] > 0.5;
       return;
     case Asked::pause:
       paused_ = true;
       still_ = 0;
       return;
-    case Asked::resume: paused_ = false; return;
-    case Asked::abort: aborted_ = true; return;
+    case Asked::resume:
+      paused_ = false;
+      return;
+    case Asked::abort:
+      aborted_ = true;
+      return;
     case Asked::initialize:
       aborted_ = paused_ = false;
       sequence_ = 1;
@@ -162,14 +172,20 @@ void ForwardLink::take_answer(const RmiMessage& message, Nanoseconds now) {
       forget_moves();
       clear_done_ = clear_wanted_.load();
       return;
-    case Asked::pace: percent_ = percent_asked_; return;
-    case Asked::tool_data: return;
-    case Asked::tool: tool_ = tool_asked_; return;
+    case Asked::pace:
+      percent_ = percent_asked_;
+      return;
+    case Asked::tool_data:
+      return;
+    case Asked::tool:
+      tool_ = tool_asked_;
+      return;
     case Asked::configuration:
       configuration_ = configuration_of(message);
       configuration_known_ = true;
       return;
-    case Asked::nothing: return;
+    case Asked::nothing:
+      return;
   }
 }
 
@@ -268,10 +284,20 @@ void ForwardLink::forget_moves() {
 }
 
 void ForwardLink::ask(Asked what, const RmiLine& line, Nanoseconds now) {
-  constexpr const char* kNames[] = {"",           "FRC_GetStatus",      "FRC_ReadJointAngles", "FRC_ReadDIN",
-                                    "FRC_WriteDOUT", "FRC_Pause",       "FRC_Continue",        "FRC_Abort",
-                                    "FRC_Initialize", "FRC_SetOverRide", "FRC_WriteUToolData",  "FRC_SetUFrameUTool",
-                                    "FRC_ReadCartesianPosition", "FRC_ReadError"};
+  constexpr const char* kNames[] = {"",
+                                    "FRC_GetStatus",
+                                    "FRC_ReadJointAngles",
+                                    "FRC_ReadDIN",
+                                    "FRC_WriteDOUT",
+                                    "FRC_Pause",
+                                    "FRC_Continue",
+                                    "FRC_Abort",
+                                    "FRC_Initialize",
+                                    "FRC_SetOverRide",
+                                    "FRC_WriteUToolData",
+                                    "FRC_SetUFrameUTool",
+                                    "FRC_ReadCartesianPosition",
+                                    "FRC_ReadError"};
   asked_ = what;
   asked_name_ = kNames[static_cast<std::size_t>(what)];
   asked_at_ = now;
@@ -350,9 +376,10 @@ bool ForwardLink::act_on_outputs(Nanoseconds now) {
     const double wanted = wanted_.digital[at];
     if (!std::isfinite(wanted) || (wanted > 0.5) == (current_.outputs[at] > 0.5)) continue;
     output_ = i;
-    ask(Asked::output, RmiLine("Command", "FRC_WriteDOUT")
-                           .number("PortNumber", settings_.outputs.first + i)
-                           .text("PortValue", wanted > 0.5 ? "ON" : "OFF"),
+    ask(Asked::output,
+        RmiLine("Command", "FRC_WriteDOUT")
+            .number("PortNumber", settings_.outputs.first + i)
+            .text("PortValue", wanted > 0.5 ? "ON" : "OFF"),
         now);
     return true;
   }
@@ -369,10 +396,11 @@ bool ForwardLink::ready_to_send(const ForwardMove& next, Nanoseconds now) {
   if (!sent_.empty() || current_.moving) return false;
   if (!same_tool && tool_asked_ && norm(tool_asked_->position - tool.position) < 1e-6 &&
       angle_between(tool_asked_->rotation, tool.rotation) < 1e-6) {
-    ask(Asked::tool, RmiLine("Command", "FRC_SetUFrameUTool")
-                         .number("UFrameNumber", 0)
-                         .number("UToolNumber", settings_.frame.tool)
-                         .number("Group", 1),
+    ask(Asked::tool,
+        RmiLine("Command", "FRC_SetUFrameUTool")
+            .number("UFrameNumber", 0)
+            .number("UToolNumber", settings_.frame.tool)
+            .number("Group", 1),
         now);
   } else if (!same_tool) {
     tool_asked_ = tool;
@@ -420,8 +448,8 @@ void ForwardLink::read_on(Nanoseconds now) {
     round_ = Round::begun;
     if (turn_++ % kStatusTurns == 0 || settings_.inputs.count == 0)
       return ask(Asked::status, {"Command", "FRC_GetStatus"}, now);
-    return ask(Asked::input, RmiLine("Command", "FRC_ReadDIN").number("PortNumber", settings_.inputs.first + input_),
-               now);
+    return ask(Asked::input,
+               RmiLine("Command", "FRC_ReadDIN").number("PortNumber", settings_.inputs.first + input_), now);
   }
   round_ = Round::joints;
   ask(Asked::joints, RmiLine("Command", "FRC_ReadJointAngles").number("Group", 1), now);

@@ -33,12 +33,12 @@ struct ForwardSettings {
   int rmi_port = 16001;
   IoRange inputs, outputs;
   InstructionFrame frame;
-  int window = 8;                   ///< instructions without an answer, at most
-  bool stepped = false;             ///< reads only in exchange()
-  Nanoseconds poll = 20'000'000;    ///< between two readings
+  int window = 8;                 ///< instructions without an answer, at most
+  bool stepped = false;           ///< reads only in exchange()
+  Nanoseconds poll = 20'000'000;  ///< between two readings
   Nanoseconds connect_timeout = 2'000'000'000, start_timeout = 5'000'000'000;
-  Nanoseconds silence = 1'000'000'000;       ///< without an answer, until the link counts as lost
-  Nanoseconds loop_silence = 100'000'000;    ///< without a cycle of the loop, until the robot is stopped
+  Nanoseconds silence = 1'000'000'000;     ///< without an answer, until the link counts as lost
+  Nanoseconds loop_silence = 100'000'000;  ///< without a cycle of the loop, until the robot is stopped
 };
 
 /// open(), close(), start() and stop() come from one thread at a time and may wait. ForwardMoves, cycle() and
@@ -74,7 +74,19 @@ class ForwardLink : public RmiLink, public hardware::ForwardMoves {
   enum class Phase : std::uint8_t { idle, active };
   /// The command without an answer.
   enum class Asked : std::uint8_t {
-    nothing, status, joints, input, output, pause, resume, abort, initialize, pace, tool_data, tool, configuration,
+    nothing,
+    status,
+    joints,
+    input,
+    output,
+    pause,
+    resume,
+    abort,
+    initialize,
+    pace,
+    tool_data,
+    tool,
+    configuration,
     error
   };
   enum class Round : std::uint8_t { none, begun, joints, over };
@@ -145,8 +157,8 @@ class ForwardLink : public RmiLink, public hardware::ForwardMoves {
   unsigned turn_ = 0;
   int sequence_ = 1, percent_ = 0, percent_asked_ = 0, still_ = 0, input_ = 0, output_ = -1, errors_ = 0;
   bool suspected_ = false, configuration_known_ = false;
-  int begins_ = 0;                 ///< refused, of the same clear()
-  std::uint64_t begin_after_ = 0;  ///< readings: not asked again before
+  int begins_ = 0;                              ///< refused, of the same clear()
+  std::uint64_t begin_after_ = 0;               ///< readings: not asked again before
   std::pair<int, const char*> refusal_{0, ""};  ///< error number, and of which command
   std::optional<Pose> tool_, tool_asked_;
   Configuration configuration_;

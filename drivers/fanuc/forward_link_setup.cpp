@@ -14,7 +14,8 @@ ForwardSample::ForwardSample() noexcept {
 }
 
 ForwardLink::ForwardLink(ForwardSettings settings)
-    : RmiLink("the controller at " + settings.host, settings.connect_timeout), settings_(std::move(settings)) {}
+    : RmiLink("the controller at " + settings.host, settings.connect_timeout),
+      settings_(std::move(settings)) {}
 
 /// The outputs keep the states that they have.
 bool ForwardLink::read_outputs() {

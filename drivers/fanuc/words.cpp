@@ -8,36 +8,12 @@
 namespace polyarm::fanuc {
 
 const char* name(Cause cause) {
-  constexpr const char* kNames[] = {"none",
-                                    "unreachable",
-                                    "rmi-refused",
-                                    "rmi-busy",
-                                    "rmi-silent",
-                                    "rmi-closed",
-                                    "terminated",
-                                    "stream-silent",
-                                    "wrong-version",
-                                    "bad-data",
-                                    "no-limits",
-                                    "io-refused",
-                                    "wrong-rate",
-                                    "teach-mode",
-                                    "emergency-stop",
-                                    "fence",
-                                    "deadman",
-                                    "contact",
-                                    "servo-off",
-                                    "alarm",
-                                    "not-ready",
-                                    "program-stopped",
-                                    "commands-late",
-                                    "limit",
-                                    "too-fast",
-                                    "loop-silent",
-                                    "jump",
-                                    "move-refused",
-                                    "off-target",
-                                    "joint-commands"};
+  constexpr const char* kNames[] = {
+      "none",       "unreachable",   "rmi-refused",    "rmi-busy",        "rmi-silent",    "rmi-closed",
+      "terminated", "stream-silent", "wrong-version",  "bad-data",        "no-limits",     "io-refused",
+      "wrong-rate", "teach-mode",    "emergency-stop", "fence",           "deadman",       "contact",
+      "servo-off",  "alarm",         "not-ready",      "program-stopped", "commands-late", "limit",
+      "too-fast",   "loop-silent",   "jump",           "move-refused",    "off-target",    "joint-commands"};
   return kNames[static_cast<std::size_t>(cause)];
 }
 
@@ -175,10 +151,12 @@ std::string sentence(Cause cause, int detail, const std::string& where, const st
       return move_refused(detail, where, text);
     case Cause::off_target:
       return where + " reports the end of a move, but joint " + std::to_string(detail + 1) +
-             " is elsewhere: compare the angles here and at its teach pendant (joint 3 too), then recover here";
+             " is elsewhere: compare the angles here and at its teach pendant (joint 3 too), then recover "
+             "here";
     case Cause::joint_commands:
       return "a controller of this cell commands joint " + std::to_string(detail + 1) + " of " + where +
-             ", which takes only moves (`motion: forward`); the robot was stopped: stop that controller, or set "
+             ", which takes only moves (`motion: forward`); the robot was stopped: stop that controller, or "
+             "set "
              "`motion: stream`";
   }
   return {};

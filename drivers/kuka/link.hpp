@@ -12,8 +12,8 @@
 #include "drivers/kuka/rsi.hpp"
 #include "drivers/kuka/words.hpp"
 #include "drivers/wire/link_base.hpp"
-#include "drivers/wire/signals.hpp"
 #include "drivers/wire/shaper.hpp"
+#include "drivers/wire/signals.hpp"
 #include "drivers/wire/udp.hpp"
 #include "polyarm/realtime/latest.hpp"
 

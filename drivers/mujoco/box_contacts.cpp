@@ -40,13 +40,15 @@ mjtNum overlap(const mjModel* m, const mjData* d, int one, int other) noexcept {
   return least;
 }
 
-/// No contact is deeper than the least overlap. Its point is between both surfaces, so it is outside of a box by at
-/// most the depth: a thin part that is deep in a table is below the point in the middle.
-bool is_true(const mjModel* m, const mjData* d, const mjContact& c, int one, int other, mjtNum deepest) noexcept {
+/// No contact is deeper than the least overlap. Its point is between both surfaces, so it is outside of a box
+/// by at most the depth: a thin part that is deep in a table is below the point in the middle.
+bool is_true(const mjModel* m, const mjData* d, const mjContact& c, int one, int other,
+             mjtNum deepest) noexcept {
   if (c.dist > 0) return true;
   constexpr mjtNum kRounding = 1e-5;  // m
   const mjtNum most = -c.dist + kRounding;
-  return most <= deepest + 2 * kRounding && outside(m, d, one, c.pos) <= most && outside(m, d, other, c.pos) <= most;
+  return most <= deepest + 2 * kRounding && outside(m, d, one, c.pos) <= most &&
+         outside(m, d, other, c.pos) <= most;
 }
 
 int true_box_contacts(const mjModel* m, const mjData* d, mjContact* con, int one, int other,

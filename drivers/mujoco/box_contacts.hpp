@@ -8,8 +8,9 @@
 
 namespace polyarm::drivers {
 
-/// From now on MuJoCo's contacts between boxes are only those whose point lies at both boxes and which are no deeper
-/// than the boxes overlap. For the whole process; further calls have no effect. Before the first simulation.
+/// From now on MuJoCo's contacts between boxes are only those whose point lies at both boxes and which are no
+/// deeper than the boxes overlap. For the whole process; further calls have no effect. Before the first
+/// simulation.
 void keep_true_box_contacts() noexcept;
 
 }  // namespace polyarm::drivers

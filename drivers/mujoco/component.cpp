@@ -21,7 +21,8 @@ void check_parts(const description::Scene& scene) {
   Problems problems;
   for (const description::Part& part : scene.parts)
     if (part.shape.kind == description::ShapeKind::mesh && part.shape.pieces.empty())
-      problems.error("mesh-part", {}, "the part '" + part.name + "' has no body, as its mesh could not be read",
+      problems.error("mesh-part", {},
+                     "the part '" + part.name + "' has no body, as its mesh could not be read",
                      "mend the mesh, or give the part a box, cylinder, capsule or sphere of its size");
   problems.throw_if_errors();
 }

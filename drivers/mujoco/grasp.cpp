@@ -61,8 +61,8 @@ double cup_distance(const Shape& shape, const Pose& pose, const Vec3& lip_world,
 }
 
 namespace {
-/// Where the line from `from` along `way` meets the triangle from outside, within 20 degrees of its normal; infinity if
-/// it does not. Source: Möller and Trumbore 1997.
+/// Where the line from `from` along `way` meets the triangle from outside, within 20 degrees of its normal;
+/// infinity if it does not. Source: Möller and Trumbore 1997.
 double meets(const Vec3& from, const Vec3& way, const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
   const Vec3 ab = b - a, ac = c - a, normal = cross(ab, ac), to = from - a;
   const double facing = -dot(way, normal);
@@ -90,7 +90,8 @@ double cup_distance(const ModelView& view, std::size_t i, const Pose& pose, cons
     };
     const int* faces = m->mesh_face + 3 * m->mesh_faceadr[mesh];
     for (int f = 0; f < m->mesh_facenum[mesh]; ++f) {
-      const double d = meets(lip, axis, corner(faces[3 * f]), corner(faces[3 * f + 1]), corner(faces[3 * f + 2]));
+      const double d =
+          meets(lip, axis, corner(faces[3 * f]), corner(faces[3 * f + 1]), corner(faces[3 * f + 2]));
       if (std::abs(d) < std::abs(best)) best = d;
     }
   }
@@ -99,7 +100,8 @@ double cup_distance(const ModelView& view, std::size_t i, const Pose& pose, cons
 
 /// A part that another robot holds is only touched. This cup takes it over in the step after that robot lets
 /// go.
-void Gripper::take_hold(const ModelView& view, const Pose& tool, Parts& parts, ContactReader& contacts) noexcept {
+void Gripper::take_hold(const ModelView& view, const Pose& tool, Parts& parts,
+                        ContactReader& contacts) noexcept {
   const Pose tcp = tool * tool_->tcp;
   const Vec3 axis = tcp.rotation * Vec3{0, 0, 1};
   for (std::size_t i = 0; i < parts.size(); ++i) {

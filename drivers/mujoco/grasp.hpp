@@ -11,7 +11,8 @@ namespace polyarm::drivers {
 double cup_distance(const description::Shape& shape, const Pose& pose, const Vec3& lip,
                     const Vec3& axis) noexcept;
 /// The same for the convex pieces of part `i`: along the axis, to the face that the lip's centre meets first.
-double cup_distance(const ModelView& view, std::size_t i, const Pose& pose, const Vec3& lip, const Vec3& axis) noexcept;
+double cup_distance(const ModelView& view, std::size_t i, const Pose& pose, const Vec3& lip,
+                    const Vec3& axis) noexcept;
 
 /// The gripper of one robot: a cup that holds the part it touches while the vacuum is on, or two fingers that
 /// hold by friction.

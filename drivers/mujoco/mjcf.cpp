@@ -63,10 +63,15 @@ class Writer {
  public:
   Writer(const hardware::ComponentContext& context, double timestep, std::size_t slots,
          const BodyPairs& excluded, Capacity capacity)
-      : context_(context), timestep_(timestep), slots_(slots), excluded_(excluded), capacity_(capacity),
+      : context_(context),
+        timestep_(timestep),
+        slots_(slots),
+        excluded_(excluded),
+        capacity_(capacity),
         geoms_(most_pieces(context.scene)) {
     if (context.scene)
-      for (const description::Part& part : context.scene->parts) has_mesh_parts_ |= !part.shape.pieces.empty();
+      for (const description::Part& part : context.scene->parts)
+        has_mesh_parts_ |= !part.shape.pieces.empty();
   }
 
   std::string write() {
@@ -344,18 +349,19 @@ class Writer {
     if (part.shape.pieces.empty()) geom(name, part.shape, {}, part.friction);
     const std::string mesh = part.shape.pieces.empty() ? std::string() : part_mesh(mesh_owner(i));
     for (std::size_t p = 0; p < part.shape.pieces.size(); ++p)
-      line("<geom name=\"{}\" type=\"mesh\" mesh=\"{}_{}\" friction=\"{:.17g} 0.005 0.0001\"/>", piece_name(name, p), mesh, p,
-           part.friction);
+      line("<geom name=\"{}\" type=\"mesh\" mesh=\"{}_{}\" friction=\"{:.17g} 0.005 0.0001\"/>",
+           piece_name(name, p), mesh, p, part.friction);
     unused_geoms(name, pieces_of(part), geoms);
   }
 
   void unused_geoms(const std::string& name, std::size_t from, std::size_t to) {
     for (std::size_t p = from; p < to; ++p)
-      line("<geom name=\"{}\" type=\"sphere\" size=\"0.001\" contype=\"0\" conaffinity=\"0\"/>", piece_name(name, p));
+      line("<geom name=\"{}\" type=\"sphere\" size=\"0.001\" contype=\"0\" conaffinity=\"0\"/>",
+           piece_name(name, p));
   }
 
-  /// With meshes among the parts, all slots have general inertias, so that they have one structure: MuJoCo treats
-  /// bodies with their centre of mass in the origin in another way.
+  /// With meshes among the parts, all slots have general inertias, so that they have one structure: MuJoCo
+  /// treats bodies with their centre of mass in the origin in another way.
   void part_inertial(description::Inertial body) {
     constexpr double kOffOrigin = 1e-9;  // m
     if (body.center == Vec3{}) body.center.x = kOffOrigin;
@@ -370,7 +376,8 @@ class Writer {
     for (double& x : body.inertia) x *= scale;
     if (has_mesh_parts_)
       part_inertial(body);
-    else  // in the part's own axes instead of the principal axes, so that a slot can take the shape of any part
+    else  // in the part's own axes instead of the principal axes, so that a slot can take the shape of any
+          // part
       line("<inertial pos=\"0 0 0\" mass=\"{:.17g}\" diaginertia=\"{:.17g} {:.17g} {:.17g}\"/>", body.mass,
            std::max(body.inertia[0], 0.0), std::max(body.inertia[3], 0.0), std::max(body.inertia[5], 0.0));
     part_geoms(slot_name(i), i, part, geoms_);
@@ -463,7 +470,7 @@ class Writer {
   std::size_t slots_;
   const BodyPairs& excluded_;
   Capacity capacity_;
-  std::size_t geoms_;            ///< of each slot
+  std::size_t geoms_;  ///< of each slot
   bool has_mesh_parts_ = false;
   std::string out_;
 };
@@ -539,7 +546,8 @@ std::vector<Follower> followers(const description::RobotModel& model) {
 
 std::size_t most_pieces(const description::Scene* scene) {
   std::size_t out = 1;
-  for (std::size_t i = 0; scene && i < scene->parts.size(); ++i) out = std::max(out, pieces_of(scene->parts[i]));
+  for (std::size_t i = 0; scene && i < scene->parts.size(); ++i)
+    out = std::max(out, pieces_of(scene->parts[i]));
   return out;
 }
 

@@ -81,22 +81,23 @@ struct Follower {
 std::vector<Follower> followers(const description::RobotModel& model);
 
 /// How many contacts a world may have, and how many rows their constraints may take (four each, friction and
-/// limits of joints beside them). Parts at rest do not touch each other. `geoms`: of each slot; several of them
-/// touch at once. Memory grows with the square of the rows, so many slots get no more for their geoms.
+/// limits of joints beside them). Parts at rest do not touch each other. `geoms`: of each slot; several of
+/// them touch at once. Memory grows with the square of the rows, so many slots get no more for their geoms.
 struct Capacity {
   int rows, contacts;
 };
 inline Capacity capacity_of(std::size_t slots, std::size_t geoms = 1) {
   constexpr std::size_t kTouching = 4, kMany = 64;
-  const std::size_t each = std::clamp<std::size_t>(kMany / std::max<std::size_t>(slots, 1), 1, std::min(geoms, kTouching));
+  const std::size_t each =
+      std::clamp<std::size_t>(kMany / std::max<std::size_t>(slots, 1), 1, std::min(geoms, kTouching));
   const int shares = static_cast<int>(slots * each);
   return {600 + 60 * shares, 120 + 12 * shares};
 }
 
 /// The whole model with `slots` free bodies for moving parts. Parts at rest are mocap twins without degrees
-/// of freedom. In the model with one slot for each part, slot i has the shape and mass of part i; geoms beyond its
-/// pieces touch nothing. `excluded`:
-/// pairs of bodies of a robot that overlap at the start, because their enclosing shapes are loose.
+/// of freedom. In the model with one slot for each part, slot i has the shape and mass of part i; geoms
+/// beyond its pieces touch nothing. `excluded`: pairs of bodies of a robot that overlap at the start, because
+/// their enclosing shapes are loose.
 using BodyPairs = std::vector<std::pair<std::string, std::string>>;
 std::string write_mjcf(const hardware::ComponentContext& context, double timestep, std::size_t slots,
                        const BodyPairs& excluded, Capacity capacity);

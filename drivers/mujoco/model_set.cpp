@@ -300,7 +300,8 @@ void shape_geoms(ModelView& view, int to, std::size_t part) noexcept {
     const int a = to + k, b = view.twin_geom[part] + k;
     copy_rows(m->geom_type, a, m->geom_type, b, 1);
     copy_rows(m->geom_dataid, a, m->geom_dataid, b, 1);
-    // 2 stands for the twin's inertial frame, which follows from its geoms; that of a slot follows from the part.
+    // 2 stands for the twin's inertial frame, which follows from its geoms; that of a slot follows from the
+    // part.
     m->geom_sameframe[a] = m->geom_sameframe[b] == 1 ? 1 : 0;
     copy_rows(m->geom_pos, a, m->geom_pos, b, 3);
     copy_rows(m->geom_quat, a, m->geom_quat, b, 4);
@@ -329,7 +330,8 @@ void ModelSet::shape_slot(ModelView& view, std::size_t s, std::size_t part) cons
   copy_rows(m->dof_invweight0 + slot.dof, 0, from.dof_invweight0, 0, 6);
   shape_geoms(view, slot.geom, part);
   for (int k = 0; k < view.slot_geoms; ++k)
-    view.owner[static_cast<std::size_t>(slot.geom + k)] = view.owner[static_cast<std::size_t>(view.twin_geom[part])];
+    view.owner[static_cast<std::size_t>(slot.geom + k)] =
+        view.owner[static_cast<std::size_t>(view.twin_geom[part])];
 }
 
 void ModelSet::shape_held(ModelView& view, std::size_t r, int part, const Pose& pose) const noexcept {

@@ -43,8 +43,8 @@ struct ModelView {
     int body = -1, geom = -1, qpos = -1, dof = -1;  ///< geom: the first of slot_geoms
   };
   std::vector<Slot> slot;
-  int slot_geoms = 1;             ///< of each slot and held part
-  std::vector<int> twin_pieces;   ///< geoms of each part, from twin_geom on; a slot uses as many
+  int slot_geoms = 1;            ///< of each slot and held part
+  std::vector<int> twin_pieces;  ///< geoms of each part, from twin_geom on; a slot uses as many
   std::vector<int> twin_geom, twin_mocap, mover_mocap;
   std::vector<int> belt_qpos, belt_dof;
   std::vector<Owner> owner;  ///< by geom
@@ -78,7 +78,8 @@ class ModelSet {
   /// What MuJoCo derives from the shape and mass of a part.
   struct PartBody {
     mjtByte sameframe = 0;
-    mjtNum mass = 0, subtreemass = 0, inertia[3], ipos[3], iquat[4], invweight0[2], dof_M0[6], dof_invweight0[6];
+    mjtNum mass = 0, subtreemass = 0, inertia[3], ipos[3], iquat[4], invweight0[2], dof_M0[6],
+           dof_invweight0[6];
   };
   void keep_bodies();
   void compile(const hardware::ComponentContext& context, double timestep, std::size_t slots);

@@ -109,7 +109,9 @@ void Parts::wake_neighbours(std::size_t i) noexcept {
     const Bounds other = bounds(k);
     if (!other.near(own, kTouching)) continue;
     // The origin of a mesh may be anywhere: what lies in a tray is lower than the tray's rim.
-    if (other.lower.z > own.lower.z + kHigher || parts_[k].pose.position.z > parts_[i].pose.position.z + kHigher) wake(k);
+    if (other.lower.z > own.lower.z + kHigher ||
+        parts_[k].pose.position.z > parts_[i].pose.position.z + kHigher)
+      wake(k);
   }
 }
 

@@ -90,7 +90,9 @@ class ProtoReader {
   Type type() const noexcept { return type_; }
   std::uint64_t number() noexcept { return expect(Type::number) ? number_ : 0; }
   double f64() noexcept { return expect(Type::fixed64) ? std::bit_cast<double>(number_) : 0; }
-  float f32() noexcept { return expect(Type::fixed32) ? std::bit_cast<float>(static_cast<std::uint32_t>(number_)) : 0; }
+  float f32() noexcept {
+    return expect(Type::fixed32) ? std::bit_cast<float>(static_cast<std::uint32_t>(number_)) : 0;
+  }
   /// The bytes of an inner message.
   Bytes bytes() noexcept { return expect(Type::bytes) ? bytes_ : Bytes{}; }
 

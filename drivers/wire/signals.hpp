@@ -1,5 +1,6 @@
 #pragma once
-/// Signals of a controller that have numbers from 1. Throws Error("bad-value") for texts that are not understood.
+/// Signals of a controller that have numbers from 1. Throws Error("bad-value") for texts that are not
+/// understood.
 #include <string>
 #include <utility>
 

@@ -16,8 +16,8 @@ inline std::string given(const hardware::ComponentContext& context, const char* 
   return found == context.parameters.end() ? std::string() : found->second;
 }
 
-/// For the driver on a controller in this process: the clocks of this machine say nothing about a controller, and the
-/// parameters of the simulation are not the driver's.
+/// For the driver on a controller in this process: the clocks of this machine say nothing about a controller,
+/// and the parameters of the simulation are not the driver's.
 inline hardware::ComponentContext beside_its_controller(hardware::ComponentContext context) {
   context.parameters["host"] = "127.0.0.1";
   for (const char* name : {"silence_ms", "loop_silence_ms"}) context.parameters.try_emplace(name, "10000");

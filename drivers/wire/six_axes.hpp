@@ -25,9 +25,9 @@ std::array<const description::Joint*, 6> six_revolute_joints(const description::
                                                              const std::string& example);
 /// What a simulated controller takes from a model of six revolute joints in a chain.
 struct AxisFacts {
-  std::string model;  ///< without its maker
+  std::string model;                 ///< without its maker
   Six lower{}, upper{}, velocity{};  ///< times `scale`; joints without limits have 36000 and 2 rad/s
-  int flange = 0;     ///< the link of one of its usual names, else that of the last joint
+  int flange = 0;                    ///< the link of one of its usual names, else that of the last joint
 };
 /// Throws as six_revolute_joints() does.
 AxisFacts axis_facts(const description::RobotModel& model, const std::string& example, double scale);

@@ -20,7 +20,8 @@ std::string loop_silent_sentence(const std::string& where) {
 
 std::string jump_sentence(int joint, const std::string& where) {
   return "the command for joint " + std::to_string(joint + 1) + " of " + where +
-         " is too far away for one cycle; it was not sent, and the robot was stopped: check controllers and limits";
+         " is too far away for one cycle; it was not sent, and the robot was stopped: check controllers and "
+         "limits";
 }
 
 }  // namespace polyarm::wire

@@ -20,7 +20,8 @@ class World {
   /// What it has besides the joints: "arm/tool/vacuum", "scene/feeder/feed".
   const std::vector<hardware::InterfaceDescription>& states() const { return states_; }
   const std::vector<hardware::InterfaceDescription>& commands() const { return commands_; }
-  /// Once; when the driver connects again, the world is as it was, and its robot does not go back to its start.
+  /// Once; when the driver connects again, the world is as it was, and its robot does not go back to its
+  /// start.
   hardware::CallbackReturn configure();
   hardware::CallbackReturn activate();
   void shut_down();

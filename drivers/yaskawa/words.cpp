@@ -4,8 +4,8 @@
 
 #include <iterator>
 
-#include "drivers/yaskawa/moto.hpp"
 #include "drivers/wire/words.hpp"
+#include "drivers/yaskawa/moto.hpp"
 
 namespace polyarm::yaskawa {
 
@@ -146,8 +146,7 @@ std::string hses_reason(int detail) {
 }
 
 std::string too_fast(int detail, const std::string& where) {
-  return wire::too_fast_sentence(detail, where) +
-         ", or raise `max_speed`";
+  return wire::too_fast_sentence(detail, where) + ", or raise `max_speed`";
 }
 
 /// Connections and their data.

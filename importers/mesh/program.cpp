@@ -82,7 +82,8 @@ class Images {
     const aiTexture& texture = *scene_.mTextures[i];
     if (texture.mHeight != 0 || texture.mWidth > kMostImageBytes) return {};  // not a file in memory
     if (!made_[i])
-      made_[i] = std::make_shared<const std::string>(reinterpret_cast<const char*>(texture.pcData), texture.mWidth);
+      made_[i] =
+          std::make_shared<const std::string>(reinterpret_cast<const char*>(texture.pcData), texture.mWidth);
     return made_[i];
   }
 

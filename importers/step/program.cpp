@@ -1,9 +1,9 @@
-/// polyarm_step_import: reads one STEP file with Open CASCADE, computes triangles near its surfaces, and writes
-/// them to the process that started it.
+/// polyarm_step_import: reads one STEP file with Open CASCADE, computes triangles near its surfaces, and
+/// writes them to the process that started it.
+#include <BRepBndLib.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
-#include <BRepBndLib.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <Poly_Triangulation.hxx>
@@ -44,7 +44,7 @@ Color color_of(const Quantity_Color& from) {
   return {static_cast<float>(r), static_cast<float>(g), static_cast<float>(b), 1};
 }
 
-std::optional<Color> own_color(const Handle(XCAFDoc_ColorTool)& tool, const TopoDS_Shape& shape) {
+std::optional<Color> own_color(const Handle(XCAFDoc_ColorTool) & tool, const TopoDS_Shape& shape) {
   Quantity_Color color;
   for (const XCAFDoc_ColorType type : {XCAFDoc_ColorSurf, XCAFDoc_ColorGen})
     if (tool->GetColor(shape, type, color)) return color_of(color);
@@ -75,7 +75,8 @@ class Triangles {
       int a = 0, b = 0, c = 0;
       mesh->Triangle(i).Get(a, b, c);
       if (turned) std::swap(b, c);
-      for (const int corner : {a, b, c}) part.triangles.push_back(first + static_cast<std::uint32_t>(corner - 1));
+      for (const int corner : {a, b, c})
+        part.triangles.push_back(first + static_cast<std::uint32_t>(corner - 1));
     }
   }
   Mesh mesh() {
@@ -95,7 +96,7 @@ double size_of(const TopoDS_Shape& shape) {
   return box.IsVoid() ? 1 : std::sqrt(box.SquareExtent());
 }
 
-void add_shape(const XCAFPrs_DocumentNode& node, const Handle(XCAFDoc_ColorTool)& colors, Triangles& out) {
+void add_shape(const XCAFPrs_DocumentNode& node, const Handle(XCAFDoc_ColorTool) & colors, Triangles& out) {
   TopoDS_Shape shape;
   if (!XCAFDoc_ShapeTool::GetShape(node.RefLabel, shape)) return;
   BRepMesh_IncrementalMesh(shape, kAway * size_of(shape), Standard_False, kAngle);
@@ -121,7 +122,8 @@ Mesh read(const std::string& bytes, const std::string&) {
     if (!reader.Transfer(document)) throw Refused{"it has no shape"};
     const Handle(XCAFDoc_ColorTool) colors = XCAFDoc_DocumentTool::ColorTool(document->Main());
     Triangles out;
-    for (XCAFPrs_DocumentExplorer at(document, XCAFPrs_DocumentExplorerFlags_OnlyLeafNodes); at.More(); at.Next())
+    for (XCAFPrs_DocumentExplorer at(document, XCAFPrs_DocumentExplorerFlags_OnlyLeafNodes); at.More();
+         at.Next())
       add_shape(at.Current(), colors, out);
     return out.mesh();
   } catch (const Standard_Failure& failure) {

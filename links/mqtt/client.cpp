@@ -27,7 +27,8 @@ class Client : public signals::LinkPort {
 
   void open() override {
     std::optional<Will> will;
-    if (!entry_.will_topic.empty()) will = {entry_.will_topic, entry_.will_text, entry_.will_qos, entry_.will_retain};
+    if (!entry_.will_topic.empty())
+      will = {entry_.will_topic, entry_.will_text, entry_.will_qos, entry_.will_retain};
     broker_.open(will);
     subscribe();
     for (auto& text : last_) text.reset();
@@ -87,7 +88,8 @@ class Client : public signals::LinkPort {
     const auto [first, last] = tags_of_.equal_range(message.topic);
     if (first == last || (broker_.subscribing() && is_much())) return;
     // One byte more than the limit, so that a longer message is refused.
-    const auto length = std::min(static_cast<std::size_t>(std::max(0, message.payloadlen)), kLongestMessage + 1);
+    const auto length =
+        std::min(static_cast<std::size_t>(std::max(0, message.payloadlen)), kLongestMessage + 1);
     const std::string text(static_cast<const char*>(message.payload), length);
     for (auto each = first; each != last; ++each) {
       came_.emplace_back(each->second, text);

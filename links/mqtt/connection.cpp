@@ -52,14 +52,15 @@ void Connection::set_up(const std::optional<Will>& will) {
     mosquitto_username_pw_set(client_, entry_.user.c_str(),
                               entry_.password.empty() ? nullptr : entry_.password.c_str());
   if (will)
-    check(mosquitto_will_set(client_, will->topic.c_str(), static_cast<int>(will->text.size()), will->text.data(),
-                             will->qos, will->retain),
+    check(mosquitto_will_set(client_, will->topic.c_str(), static_cast<int>(will->text.size()),
+                             will->text.data(), will->qos, will->retain),
           "takes no such last will");
   if (!entry_.tls) return;
   const auto or_null = [](const std::string& text) { return text.empty() ? nullptr : text.c_str(); };
-  check(mosquitto_tls_set(client_, or_null(entry_.ca_file), entry_.ca_file.empty() ? "/etc/ssl/certs" : nullptr,
-                          or_null(entry_.certificate), or_null(entry_.key), nullptr),
-        "cannot be asked over TLS");
+  check(
+      mosquitto_tls_set(client_, or_null(entry_.ca_file), entry_.ca_file.empty() ? "/etc/ssl/certs" : nullptr,
+                        or_null(entry_.certificate), or_null(entry_.key), nullptr),
+      "cannot be asked over TLS");
 }
 
 /// Waits for the broker's reply to the connection: it may refuse.
@@ -94,11 +95,14 @@ void Connection::subscribe(const std::vector<std::pair<std::string, int>>& topic
 }
 
 void Connection::publish(const std::string& topic, const std::string& bytes, int qos, bool retain) {
-  check(mosquitto_publish(client_, nullptr, topic.c_str(), static_cast<int>(bytes.size()), bytes.data(), qos, retain),
+  check(mosquitto_publish(client_, nullptr, topic.c_str(), static_cast<int>(bytes.size()), bytes.data(), qos,
+                          retain),
         "did not take a message");
 }
 
-void Connection::loop(int patience_ms, const char* what) { check(mosquitto_loop(client_, patience_ms, 1), what); }
+void Connection::loop(int patience_ms, const char* what) {
+  check(mosquitto_loop(client_, patience_ms, 1), what);
+}
 
 void Connection::check(int code, const char* what) const {
   if (code == MOSQ_ERR_SUCCESS) return;
@@ -106,7 +110,9 @@ void Connection::check(int code, const char* what) const {
   throw Error("link-lost", entry_.address() + " " + what + ": " + why);
 }
 
-void Connection::on_connect(mosquitto*, void* self, int code) { static_cast<Connection*>(self)->connected_ = code; }
+void Connection::on_connect(mosquitto*, void* self, int code) {
+  static_cast<Connection*>(self)->connected_ = code;
+}
 
 void Connection::on_subscribe(mosquitto*, void* self, int message, int count, const int* granted) {
   constexpr int kRefused = 0x80;

@@ -37,8 +37,8 @@ class Connection {
   /// A regular disconnect, so that the broker does not publish the last will.
   void close() noexcept;
   bool connected() const { return client_ && connected_ == 0; }
-  /// Subscribes to topics with their quality, and waits until the broker agrees: it may connect a client that it lets
-  /// read nothing.
+  /// Subscribes to topics with their quality, and waits until the broker agrees: it may connect a client that
+  /// it lets read nothing.
   void subscribe(const std::vector<std::pair<std::string, int>>& topics);
   /// True while subscribe() waits.
   bool subscribing() const { return !subscriptions_.empty(); }

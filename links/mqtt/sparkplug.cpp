@@ -36,7 +36,9 @@ ProtoWriter written(const Metric& metric) {
   return out;
 }
 
-std::string text_of(wire::Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+std::string text_of(wire::Bytes bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
 /// Whole numbers are sent as unsigned; the type says how to read them.
 double signed_value(std::uint32_t type, std::uint64_t bits, bool is_long) {
@@ -57,20 +59,39 @@ std::optional<Metric> read_metric(wire::Bytes bytes) {
         out.name = text_of(in.bytes());
         if (out.name.size() > kMostMetricName) return std::nullopt;
         break;
-      case kAlias: out.alias = in.number(); break;
-      case kMetricTime: out.time_ms = in.number(); break;
-      case kType: out.type = static_cast<std::uint32_t>(in.number()); break;
-      case kIsNull: null = in.number() != 0; break;
-      case kInt: whole = {in.number(), false}; break;
-      case kLong: whole = {in.number(), true}; break;
-      case kFloat: out.value = static_cast<double>(in.f32()); break;
-      case kDouble: out.value = in.f64(); break;
-      case kBoolean: out.value = in.number() != 0; break;
+      case kAlias:
+        out.alias = in.number();
+        break;
+      case kMetricTime:
+        out.time_ms = in.number();
+        break;
+      case kType:
+        out.type = static_cast<std::uint32_t>(in.number());
+        break;
+      case kIsNull:
+        null = in.number() != 0;
+        break;
+      case kInt:
+        whole = {in.number(), false};
+        break;
+      case kLong:
+        whole = {in.number(), true};
+        break;
+      case kFloat:
+        out.value = static_cast<double>(in.f32());
+        break;
+      case kDouble:
+        out.value = in.f64();
+        break;
+      case kBoolean:
+        out.value = in.number() != 0;
+        break;
       case kString:
         out.value = text_of(in.bytes());
         if (std::get<std::string>(out.value).size() > kMostMetricText) return std::nullopt;
         break;
-      default: break;
+      default:
+        break;
     }
   if (!in.ok()) return std::nullopt;
   if (whole) {
@@ -98,15 +119,20 @@ std::optional<SparkplugPayload> decoded(std::string_view bytes) {
   SparkplugPayload out;
   ProtoReader in({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
   while (in.next()) switch (in.field()) {
-      case kTime: out.time_ms = in.number(); break;
-      case kSeq: out.seq = in.number(); break;
+      case kTime:
+        out.time_ms = in.number();
+        break;
+      case kSeq:
+        out.seq = in.number();
+        break;
       case kMetrics: {
         auto metric = read_metric(in.bytes());
         if (!in.ok() || !metric || out.metrics.size() >= kMostMetrics) return std::nullopt;
         out.metrics.push_back(std::move(*metric));
         break;
       }
-      default: break;
+      default:
+        break;
     }
   if (!in.ok()) return std::nullopt;
   return out;
@@ -115,7 +141,8 @@ std::optional<SparkplugPayload> decoded(std::string_view bytes) {
 std::optional<HostState> host_state(std::string_view json) {
   if (json.size() > 1024) return std::nullopt;
   const auto parsed = nlohmann::json::parse(json, nullptr, false);
-  if (!parsed.is_object() || !parsed.contains("online") || !parsed["online"].is_boolean()) return std::nullopt;
+  if (!parsed.is_object() || !parsed.contains("online") || !parsed["online"].is_boolean())
+    return std::nullopt;
   HostState out;
   out.online = parsed["online"].get<bool>();
   if (parsed.contains("timestamp") && parsed["timestamp"].is_number_unsigned())

@@ -23,9 +23,9 @@ constexpr const char* kRebirth = "Node Control/Rebirth";
 constexpr std::size_t kMostNotes = 10;
 
 std::uint64_t now_ms() {
-  return static_cast<std::uint64_t>(
-      std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch())
-          .count());
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::milliseconds>(
+                                        std::chrono::system_clock::now().time_since_epoch())
+                                        .count());
 }
 
 std::uint32_t type_of(const LinkTag& tag) {
@@ -37,8 +37,11 @@ std::uint32_t type_of(const LinkTag& tag) {
 class SparkplugNode : public signals::LinkPort {
  public:
   explicit SparkplugNode(const LinkEntry& entry)
-      : entry_(entry), group_(entry_.graph.at("group")), node_(entry_.graph.at("node")),
-        host_(setting("primary_host")), values_(entry_.tags.size()) {
+      : entry_(entry),
+        group_(entry_.graph.at("group")),
+        node_(entry_.graph.at("node")),
+        host_(setting("primary_host")),
+        values_(entry_.tags.size()) {
     for (const LinkTag& tag : entry_.tags)
       if (!tag.group.empty()) devices_.insert(tag.group);
     birth_death_ = now_ms() / 1000 % 256;  // another number than that of a process that was killed before
@@ -75,7 +78,8 @@ class SparkplugNode : public signals::LinkPort {
     broker_.close();
   }
 
-  void exchange(const std::vector<LinkValue>& writes, Nanoseconds, Nanoseconds patience, LinkReport& news) override {
+  void exchange(const std::vector<LinkValue>& writes, Nanoseconds, Nanoseconds patience,
+                LinkReport& news) override {
     publish_changes(writes);
     broker_.loop(static_cast<int>(patience / 1'000'000));
     for (int k = 0; k < 100 && !is_much(); ++k) {
@@ -192,8 +196,8 @@ class SparkplugNode : public signals::LinkPort {
       if (state && (state->time_ms == 0 || state->time_ms >= host_time_))
         host_online_ = state->online, host_time_ = state->time_ms;
     } else if (born_ && !message.retain) {
-      // A command is for now: one that the broker has kept, or that came before the birth, would be carried out at each
-      // connection.
+      // A command is for now: one that the broker has kept, or that came before the birth, would be carried
+      // out at each connection.
       waiting_.emplace_back(from, bytes);
       waiting_bytes_ += size;
     }
@@ -213,7 +217,8 @@ class SparkplugNode : public signals::LinkPort {
         rebirth_asked_ = rebirth_asked_ || (flag && *flag);
         continue;
       }
-      if (++commands_ > bounds::kLinkRoundValues) return note(news, "more commands than one round takes are ignored");
+      if (++commands_ > bounds::kLinkRoundValues)
+        return note(news, "more commands than one round takes are ignored");
       command(device, metric, news);
     }
   }
@@ -224,7 +229,8 @@ class SparkplugNode : public signals::LinkPort {
       const LinkTag& tag = entry_.tags[i];
       const bool named = metric.name.empty() ? metric.alias == i + 1 : metric.name == tag.topic;
       if (!named || tag.group != device) continue;
-      if (tag.direction == Direction::out) return news.refuse(i, "no command may set it: its direction is out");
+      if (tag.direction == Direction::out)
+        return news.refuse(i, "no command may set it: its direction is out");
       std::string why;
       auto value = value_for(tag, metric, why);
       if (!value) return news.refuse(i, why);
@@ -244,7 +250,8 @@ class SparkplugNode : public signals::LinkPort {
       return signals::taken_number(tag, number ? *number : static_cast<double>(*whole), why);
     if (const bool* flag = std::get_if<bool>(&metric.value); tag.type == LinkTag::Type::boolean && flag)
       return data::Value(*flag);
-    if (const std::string* text = std::get_if<std::string>(&metric.value); tag.type == LinkTag::Type::text && text)
+    if (const std::string* text = std::get_if<std::string>(&metric.value);
+        tag.type == LinkTag::Type::text && text)
       return data::Value(*text);
     why = "the metric has another type, or no value";
     return std::nullopt;
@@ -261,7 +268,7 @@ class SparkplugNode : public signals::LinkPort {
   std::vector<std::optional<data::Value>> values_;            ///< by tag
   std::vector<std::pair<std::string, std::string>> waiting_;  ///< commands, by topic
   std::uint64_t birth_death_ = 0, sequence_ = 0, host_time_ = 0;
-  std::size_t waiting_bytes_ = 0, commands_ = 0;              ///< of this round
+  std::size_t waiting_bytes_ = 0, commands_ = 0;  ///< of this round
   bool born_ = false, host_online_ = false, rebirth_asked_ = false;
 };
 

@@ -2,14 +2,14 @@
 /// Access control: decides from the head of an HTTP request whether to serve it. Pure functions.
 #include <functional>
 #include <memory>
-#include <string>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "polyarm/protocol/facts.hpp"
 #include "polyarm/access/logins.hpp"
+#include "polyarm/protocol/facts.hpp"
 
 namespace polyarm::server {
 
@@ -21,7 +21,7 @@ struct Head {
 };
 
 struct GateRules {
-  std::string token;               ///< allows everything
+  std::string token;                                           ///< allows everything
   std::vector<std::pair<std::string, protocol::Role>> lesser;  ///< tokens that allow less
   /// Finds the log-in with this token; null if the token belongs to no user. The function may be empty.
   std::function<std::shared_ptr<Login>(std::string_view)> login;
@@ -68,8 +68,8 @@ struct Verdict {
   int status = 200;  ///< 401, 403 or 421 if refused
   const char* why = "";
 };
-/// Decides about a request that needs no token but changes something: a log-in. Only a page of this port, or a program,
-/// may send it.
+/// Decides about a request that needs no token but changes something: a log-in. Only a page of this port, or
+/// a program, may send it.
 Verdict judge_origin(const Head& head, const GateRules& rules);
 /// Decides about a request that needs the token. `changes`: the method is not GET, or the request opens a
 /// WebSocket; then its Origin must equal the Host, or be missing while the token is sent by other means than

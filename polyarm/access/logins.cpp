@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polyarm/access/token.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/sha256.hpp"
 #include "polyarm/realtime/periodic.hpp"
-#include "polyarm/access/token.hpp"
 #include "polyarm/users/password.hpp"
 
 namespace polyarm::server {
@@ -24,7 +24,8 @@ void Logins::reread(double now) {
   struct stat status {};
   Seen seen;
   if (::lstat(file_.c_str(), &status) == 0)
-    seen = {status.st_ctim.tv_sec * 1'000'000'000 + status.st_ctim.tv_nsec, status.st_ino, status.st_mode, status.st_uid};
+    seen = {status.st_ctim.tv_sec * 1'000'000'000 + status.st_ctim.tv_nsec, status.st_ino, status.st_mode,
+            status.st_uid};
   if (seen == seen_) return;
   try {
     users_ = users::read_users(file_);
@@ -49,8 +50,9 @@ double Logins::wait_of(const std::string& key, double now) const {
 /// Counts a try before the password is checked, so that tries at the same time are counted, too.
 void Logins::note_try(const std::string& key, double now) {
   if (tries_.size() >= kMostTracked && !tries_.contains(key)) {
-    const auto oldest = std::min_element(tries_.begin(), tries_.end(),
-                                         [](const auto& a, const auto& b) { return a.second.last < b.second.last; });
+    const auto oldest = std::min_element(tries_.begin(), tries_.end(), [](const auto& a, const auto& b) {
+      return a.second.last < b.second.last;
+    });
     tries_.erase(oldest);
   }
   Tries& tries = tries_[key];
@@ -99,12 +101,13 @@ void Logins::make_room(const std::string& user) {
   const auto oldest_of = [&](bool own) {
     auto out = logins_.end();
     for (auto each = logins_.begin(); each != logins_.end(); ++each)
-      if ((!own || each->second->user == user) && (out == logins_.end() || each->second->begun < out->second->begun))
+      if ((!own || each->second->user == user) &&
+          (out == logins_.end() || each->second->begun < out->second->begun))
         out = each;
     return out;
   };
-  const auto own = static_cast<std::size_t>(
-      std::count_if(logins_.begin(), logins_.end(), [&](const auto& each) { return each.second->user == user; }));
+  const auto own = static_cast<std::size_t>(std::count_if(
+      logins_.begin(), logins_.end(), [&](const auto& each) { return each.second->user == user; }));
   if (own < kMostLoginsOfOne && logins_.size() < kMostLogins) return;
   const auto leaving = oldest_of(own >= kMostLoginsOfOne);
   leaving->second->over = true;

@@ -1,6 +1,6 @@
 #pragma once
-/// Log-ins of users at the pendant's port: checks passwords, and knows who is logged in. Each log-in has a token of its
-/// own, which lives in memory only: a restart of the cell ends all log-ins.
+/// Log-ins of users at the pendant's port: checks passwords, and knows who is logged in. Each log-in has a
+/// token of its own, which lives in memory only: a restart of the cell ends all log-ins.
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
@@ -78,7 +78,7 @@ class Logins {
   mutable std::mutex mutex_;
   users::UserList users_;
   double read_at_ = -1e9;
-  Seen seen_{-1};  // of the file that was read
+  Seen seen_{-1};                                         // of the file that was read
   std::map<std::string, std::shared_ptr<Login>> logins_;  // by the SHA-256 of the token
   std::map<std::string, Tries> tries_;                    // by "user NAME" and "from ADDRESS"
 };

@@ -56,7 +56,8 @@ std::string text_of(const Held<BIO>& bio) {
 std::string fingerprint_of(X509* certificate) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned size = 0;
-  if (::X509_digest(certificate, ::EVP_sha256(), digest.data(), &size) != 1) fail("no fingerprint can be made");
+  if (::X509_digest(certificate, ::EVP_sha256(), digest.data(), &size) != 1)
+    fail("no fingerprint can be made");
   std::string out;
   for (unsigned i = 0; i < size; ++i) out += fmt::format("{}{:02X}", i > 0 ? ":" : "", digest[i]);
   return out;
@@ -71,7 +72,8 @@ std::string judge(Certificate& both, bool expires) {
   const Held<EVP_PKEY> key(
       ::PEM_read_bio_PrivateKey(reader(both.key).get(), nullptr, refuse_password, nullptr));
   if (!key) return "the key file is not a PEM file without a password";
-  if (::X509_check_private_key(first.get(), key.get()) != 1) return "key and certificate do not belong together";
+  if (::X509_check_private_key(first.get(), key.get()) != 1)
+    return "key and certificate do not belong together";
   std::time_t until = std::time(nullptr) + (expires ? kRenew_s : 0);
   if (::X509_cmp_time(::X509_get0_notAfter(first.get()), &until) < 0) return "the certificate has expired";
   both.fingerprint = fingerprint_of(first.get());

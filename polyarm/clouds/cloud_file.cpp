@@ -67,12 +67,15 @@ std::size_t size_of(NumberType type) {
 void add_points(std::string_view bytes, const PointLayout& layout, double scale, CloudGrid& grid) {
   if (layout.points == 0) return;
   if (layout.points > kMostPoints)
-    throw Error("large-cloud", "the cloud has " + std::to_string(layout.points) + " points, " + std::to_string(kMostPoints) + " are the most",
+    throw Error("large-cloud",
+                "the cloud has " + std::to_string(layout.points) + " points, " + std::to_string(kMostPoints) +
+                    " are the most",
                 "thin it out");
   for (const PointLayout::Coordinate& c : layout.coordinate) {
     const std::size_t size = size_of(c.type);
-    const bool fits = c.offset <= bytes.size() && size <= bytes.size() - c.offset &&
-                      (layout.points == 1 || c.step <= (bytes.size() - c.offset - size) / (layout.points - 1));
+    const bool fits =
+        c.offset <= bytes.size() && size <= bytes.size() - c.offset &&
+        (layout.points == 1 || c.step <= (bytes.size() - c.offset - size) / (layout.points - 1));
     if (!fits)
       throw Error("bad-cloud",
                   "the cloud states " + std::to_string(layout.points) + " points, and has " +
@@ -97,7 +100,8 @@ void add_points(std::string_view bytes, const PointLayout& layout, double scale,
 Cloud read_cloud(const fs::path& path, const CloudOptions& options) {
   const std::string name = path.string(), extension = lower(path.extension().string());
   if (extension != ".ply" && extension != ".pcd" && extension != ".cdr")
-    throw Error("unknown-cloud", "point clouds are not read from files such as " + name, "write it as PLY or PCD");
+    throw Error("unknown-cloud", "point clouds are not read from files such as " + name,
+                "write it as PLY or PCD");
   std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error);
   std::ifstream file(path, std::ios::binary);
@@ -108,7 +112,8 @@ Cloud read_cloud(const fs::path& path, const CloudOptions& options) {
                 "thin it out: at most " + std::to_string(kMostBytes) + " are read");
   const auto memory = std::make_unique_for_overwrite<char[]>(static_cast<std::size_t>(size));
   file.read(memory.get(), static_cast<std::streamsize>(size));
-  const std::string_view bytes(memory.get(), static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  const std::string_view bytes(memory.get(),
+                               static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
   CloudGrid grid(options.cell > 0 ? options.cell : options.radius);
   if (extension == ".ply")
     read_ply(bytes, name, options.scale, grid);
@@ -117,7 +122,8 @@ Cloud read_cloud(const fs::path& path, const CloudOptions& options) {
   else
     read_point_cloud2(bytes, name, options.scale, grid);
   if (grid.points() == 0)
-    throw Error("bad-cloud", "the point cloud " + name + " has no point with finite coordinates", "write it again");
+    throw Error("bad-cloud", "the point cloud " + name + " has no point with finite coordinates",
+                "write it again");
   return grid.boxes(options.radius);
 }
 

@@ -25,7 +25,8 @@ struct PointLayout {
   bool big_endian = false;
 };
 
-/// Adds the points, each multiplied by `scale`. Throws Error("bad-cloud") if the bytes are too short for them.
+/// Adds the points, each multiplied by `scale`. Throws Error("bad-cloud") if the bytes are too short for
+/// them.
 void add_points(std::string_view bytes, const PointLayout& layout, double scale, CloudGrid& grid);
 
 // The readers; `name` is for errors. They throw Error("bad-cloud" | "large-cloud"), and then say what to do.
@@ -39,7 +40,8 @@ struct CloudOptions {
   double scale = 1;      ///< m per unit of the file
   double cell = 0;       ///< m; 0: as large as the radius
 };
-/// Reads a .ply or .pcd file, or a .cdr file with a sensor_msgs/PointCloud2. Throws as the readers do, and Error("no-cloud" | "unknown-cloud").
+/// Reads a .ply or .pcd file, or a .cdr file with a sensor_msgs/PointCloud2. Throws as the readers do, and
+/// Error("no-cloud" | "unknown-cloud").
 Cloud read_cloud(const std::filesystem::path& path, const CloudOptions& options);
 
 }  // namespace polyarm::clouds

@@ -40,13 +40,16 @@ struct Block {
 /// Joins blocks that are neighbours along `axis` and equal across it.
 void join_along(int axis, std::vector<Block>& blocks) {
   const auto a = static_cast<std::size_t>(axis), b = (a + 1) % 3, c = (a + 2) % 3;
-  const auto across = [&](const Block& x) { return std::array{x.first[b], x.last[b], x.first[c], x.last[c]}; };
+  const auto across = [&](const Block& x) {
+    return std::array{x.first[b], x.last[b], x.first[c], x.last[c]};
+  };
   std::sort(blocks.begin(), blocks.end(), [&](const Block& x, const Block& y) {
     return std::pair(across(x), x.first[a]) < std::pair(across(y), y.first[a]);
   });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    if (kept > 0 && across(blocks[kept - 1]) == across(blocks[i]) && blocks[kept - 1].last[a] + 1 == blocks[i].first[a])
+    if (kept > 0 && across(blocks[kept - 1]) == across(blocks[i]) &&
+        blocks[kept - 1].last[a] + 1 == blocks[i].first[a])
       blocks[kept - 1].join(blocks[i], axis);
     else
       blocks[kept++] = blocks[i];

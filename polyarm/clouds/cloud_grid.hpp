@@ -1,6 +1,6 @@
 #pragma once
-/// Point clouds as bodies: points are gathered in cubic cells, and neighbouring cells are joined to boxes that
-/// contain every point. Metres, in the frame of the cloud. One thread.
+/// Point clouds as bodies: points are gathered in cubic cells, and neighbouring cells are joined to boxes
+/// that contain every point. Metres, in the frame of the cloud. One thread.
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -20,8 +20,8 @@ struct CloudBox {
   Vec3 lower, upper;
 };
 
-/// The body of a cloud. Every point, with a ball of the radius around it, is in a box; every place of a box is nearer
-/// than sqrt(3) * (cell + radius) to a point.
+/// The body of a cloud. Every point, with a ball of the radius around it, is in a box; every place of a box
+/// is nearer than sqrt(3) * (cell + radius) to a point.
 struct Cloud {
   std::vector<CloudBox> boxes;
   std::size_t points = 0;   ///< that count
@@ -31,7 +31,8 @@ struct Cloud {
 
 class CloudGrid {
  public:
-  /// `cell`: edge of a cell, m, at least 1 mm; it doubles whenever the cloud fills more cells than the grid holds.
+  /// `cell`: edge of a cell, m, at least 1 mm; it doubles whenever the cloud fills more cells than the grid
+  /// holds.
   explicit CloudGrid(double cell);
   void add(double x, double y, double z) {
     // False for NaN, too.
@@ -40,7 +41,8 @@ class CloudGrid {
       return;
     }
     ++points_;
-    const std::uint64_t key = key_of(floor_of(x * per_cell_), floor_of(y * per_cell_), floor_of(z * per_cell_));
+    const std::uint64_t key =
+        key_of(floor_of(x * per_cell_), floor_of(y * per_cell_), floor_of(z * per_cell_));
     const float p[3] = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
     if (key == last_key_)
       last_->include(p);

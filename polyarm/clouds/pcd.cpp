@@ -1,4 +1,5 @@
-/// PCD of the Point Cloud Library, version 0.7: a header in text, then text, bytes, or bytes compressed by LZF.
+/// PCD of the Point Cloud Library, version 0.7: a header in text, then text, bytes, or bytes compressed by
+/// LZF.
 #include <algorithm>
 #include <optional>
 #include <vector>
@@ -31,8 +32,10 @@ struct Header {
 
 std::optional<NumberType> type_of(const Field& field) {
   const auto of = [&](NumberType one, NumberType two, NumberType four) -> std::optional<NumberType> {
-    return field.size == 1 ? std::optional(one) : field.size == 2 ? std::optional(two)
-           : field.size == 4 ? std::optional(four) : std::nullopt;
+    return field.size == 1   ? std::optional(one)
+           : field.size == 2 ? std::optional(two)
+           : field.size == 4 ? std::optional(four)
+                             : std::nullopt;
   };
   if (field.type == 'F' && field.size == 4) return NumberType::f32;
   if (field.type == 'F' && field.size == 8) return NumberType::f64;
@@ -46,7 +49,8 @@ template <typename Take>
 void each_field(std::string_view line, const std::string& name, Header& out, const Take& take) {
   for (Field& field : out.fields) {
     const std::string_view word = next_word(line);
-    if (word.empty() || !take(word, field)) refuse(name, "its header has no number for the field " + in_quotes(field.name));
+    if (word.empty() || !take(word, field))
+      refuse(name, "its header has no number for the field " + in_quotes(field.name));
   }
 }
 
@@ -59,13 +63,17 @@ bool read_header_line(std::string_view line, const std::string& name, Header& ou
   if (key == "FIELDS") {
     out.fields.clear();
     for (std::string_view word; !(word = next_word(line)).empty();) {
-      if (out.fields.size() >= kMostFields) refuse(name, "it has more than " + std::to_string(kMostFields) + " fields");
+      if (out.fields.size() >= kMostFields)
+        refuse(name, "it has more than " + std::to_string(kMostFields) + " fields");
       out.fields.push_back({std::string(word), 4, 1, 'F'});
     }
   } else if (key == "SIZE") {
-    each_field(line, name, out, [](std::string_view word, Field& f) { return read_count(word, f.size) && f.size <= 8; });
+    each_field(line, name, out,
+               [](std::string_view word, Field& f) { return read_count(word, f.size) && f.size <= 8; });
   } else if (key == "COUNT") {
-    each_field(line, name, out, [](std::string_view word, Field& f) { return read_count(word, f.count) && f.count <= kMostElements; });
+    each_field(line, name, out, [](std::string_view word, Field& f) {
+      return read_count(word, f.count) && f.count <= kMostElements;
+    });
   } else if (key == "TYPE") {
     each_field(line, name, out, [](std::string_view word, Field& f) { return f.type = word.front(), true; });
   } else if (key == "WIDTH") {
@@ -87,25 +95,29 @@ Header read_header(std::string_view& text, const std::string& name) {
   for (std::size_t i = 0; i < kMostHeaderLines && !text.empty(); ++i)
     if (read_header_line(next_line(text), name, out)) {
       if (!out.has_points) {
-        if (out.width > kMostPoints || out.height > kMostPoints) out.points = kMostPoints + 1;
-        else out.points = out.width * out.height;
+        if (out.width > kMostPoints || out.height > kMostPoints)
+          out.points = kMostPoints + 1;
+        else
+          out.points = out.width * out.height;
       }
       return out;
     }
   refuse(name, "it has no line DATA");
 }
 
-void read_ascii(std::string_view text, const Header& header, const std::size_t (&index)[3], const std::string& name,
-                double scale, CloudGrid& grid) {
+void read_ascii(std::string_view text, const Header& header, const std::size_t (&index)[3],
+                const std::string& name, double scale, CloudGrid& grid) {
   for (std::size_t i = 0; i < header.points; ++i) {
     double p[3] = {0, 0, 0};
     for (std::size_t k = 0; k < header.fields.size(); ++k)
       for (std::size_t element = 0; element < header.fields[k].count; ++element) {
         const std::string_view word = next_word(text);
-        if (word.empty()) refuse(name, "it states " + std::to_string(header.points) + " points and has " + std::to_string(i));
+        if (word.empty())
+          refuse(name, "it states " + std::to_string(header.points) + " points and has " + std::to_string(i));
         if (element > 0) continue;
         for (int axis = 0; axis < 3; ++axis)
-          if (k == index[axis] && !read_number(word, p[axis])) refuse(name, in_quotes(word) + " is not a coordinate");
+          if (k == index[axis] && !read_number(word, p[axis]))
+            refuse(name, in_quotes(word) + " is not a coordinate");
       }
     grid.add(scale * p[0], scale * p[1], scale * p[2]);
   }
@@ -113,7 +125,8 @@ void read_ascii(std::string_view text, const Header& header, const std::size_t (
 
 std::uint32_t u32_at(std::string_view bytes, std::size_t offset) {
   std::uint32_t out = 0;
-  for (std::size_t i = 0; i < 4; ++i) out |= std::uint32_t{static_cast<unsigned char>(bytes[offset + i])} << (8 * i);
+  for (std::size_t i = 0; i < 4; ++i)
+    out |= std::uint32_t{static_cast<unsigned char>(bytes[offset + i])} << (8 * i);
   return out;
 }
 
@@ -152,7 +165,8 @@ void read_pcd(std::string_view bytes, const std::string& name, double scale, Clo
   std::string_view text = bytes;
   const Header header = read_header(text, name);
   if (header.points > kMostPoints)
-    throw Error("large-cloud", "the point cloud " + name + " has more than " + std::to_string(kMostPoints) + " points",
+    throw Error("large-cloud",
+                "the point cloud " + name + " has more than " + std::to_string(kMostPoints) + " points",
                 "thin it out");
   const bool compressed = header.data == "binary_compressed";
   std::size_t index[3] = {}, row = 0;
@@ -168,7 +182,8 @@ void read_pcd(std::string_view bytes, const std::string& name, double scale, Clo
     const std::optional<NumberType> type = type_of(header.fields[k]);
     if (!type) refuse(name, "the type of its field " + in_quotes(wanted) + " is unknown");
     index[axis] = k;
-    layout.coordinate[axis] = {offset, compressed ? header.fields[k].size * header.fields[k].count : row, *type};
+    layout.coordinate[axis] = {offset, compressed ? header.fields[k].size * header.fields[k].count : row,
+                               *type};
   }
   if (header.data == "ascii") return read_ascii(text, header, index, name, scale, grid);
   if (header.data == "binary") return add_points(text, layout, scale, grid);

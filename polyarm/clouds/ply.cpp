@@ -1,4 +1,5 @@
-/// Stanford's PLY: a header in text, then elements in text or bytes. Only the coordinates of "vertex" are read.
+/// Stanford's PLY: a header in text, then elements in text or bytes. Only the coordinates of "vertex" are
+/// read.
 #include <optional>
 #include <vector>
 
@@ -58,14 +59,16 @@ void read_header_line(std::string_view line, const std::string& name, Header& ou
   if (key == "element") {
     Element element;
     element.name = next_word(line);
-    if (!read_count(next_word(line), element.count)) refuse(name, "the number of " + in_quotes(element.name) + " is missing");
+    if (!read_count(next_word(line), element.count))
+      refuse(name, "the number of " + in_quotes(element.name) + " is missing");
     out.elements.push_back(std::move(element));
     return;
   }
   if (key != "property") refuse(name, in_quotes(key) + " is no word of a header");
   if (out.elements.empty()) refuse(name, "a property comes before the first element");
   std::vector<Property>& properties = out.elements.back().properties;
-  if (properties.size() >= kMostProperties) refuse(name, "an element has more than " + std::to_string(kMostProperties) + " properties");
+  if (properties.size() >= kMostProperties)
+    refuse(name, "an element has more than " + std::to_string(kMostProperties) + " properties");
   Property property;
   std::string_view type = next_word(line);
   if (type == "list") {
@@ -95,16 +98,18 @@ Header read_header(std::string_view& text, const std::string& name) {
   refuse(name, "its header does not end");
 }
 
-void read_ascii(std::string_view text, const Element& vertex, const std::size_t (&index)[3], const std::string& name,
-                double scale, CloudGrid& grid) {
+void read_ascii(std::string_view text, const Element& vertex, const std::size_t (&index)[3],
+                const std::string& name, double scale, CloudGrid& grid) {
   const std::size_t width = vertex.properties.size();
   for (std::size_t i = 0; i < vertex.count; ++i) {
     double p[3] = {0, 0, 0};
     for (std::size_t k = 0; k < width; ++k) {
       const std::string_view word = next_word(text);
-      if (word.empty()) refuse(name, "it states " + std::to_string(vertex.count) + " points and has " + std::to_string(i));
+      if (word.empty())
+        refuse(name, "it states " + std::to_string(vertex.count) + " points and has " + std::to_string(i));
       for (int axis = 0; axis < 3; ++axis)
-        if (k == index[axis] && !read_number(word, p[axis])) refuse(name, in_quotes(word) + " is not a coordinate");
+        if (k == index[axis] && !read_number(word, p[axis]))
+          refuse(name, in_quotes(word) + " is not a coordinate");
     }
     grid.add(scale * p[0], scale * p[1], scale * p[2]);
   }
@@ -119,7 +124,8 @@ void read_ply(std::string_view bytes, const std::string& name, double scale, Clo
   for (const Element& element : header.elements) {
     std::size_t size = 0;
     bool has_list = false;
-    for (const Property& property : element.properties) size += size_of(property.type), has_list |= property.is_list;
+    for (const Property& property : element.properties)
+      size += size_of(property.type), has_list |= property.is_list;
     if (element.name != "vertex") {
       const bool skips = *header.format != Format::ascii && !has_list &&
                          (size == 0 || element.count <= (text.size() - before) / size);
@@ -129,7 +135,8 @@ void read_ply(std::string_view bytes, const std::string& name, double scale, Clo
     }
     if (has_list) refuse(name, "its points have lists");
     if (element.count > kMostPoints)
-      throw Error("large-cloud", "the point cloud " + name + " has " + std::to_string(element.count) + " points",
+      throw Error("large-cloud",
+                  "the point cloud " + name + " has " + std::to_string(element.count) + " points",
                   "thin it out: at most " + std::to_string(kMostPoints) + " are read");
     PointLayout layout;
     layout.points = element.count;

@@ -81,14 +81,16 @@ void read_point_cloud2(std::string_view bytes, const std::string& name, double s
     const std::uint8_t datatype = words.byte();
     words.word();  // count
     for (std::size_t axis = 0; axis < 3; ++axis)
-      if (field.size() == 1 && field[0] == "xyz"[axis]) types[axis] = type_of_field(datatype), offsets[axis] = offset;
+      if (field.size() == 1 && field[0] == "xyz"[axis])
+        types[axis] = type_of_field(datatype), offsets[axis] = offset;
   }
   layout.big_endian = words.byte() != 0;
   const std::size_t step = words.word(), row = words.word();
   const std::string_view data = words.take(words.word());
   if (!words.whole()) refuse_message(name, "it ends too early");
   if (height > kMostPoints || width > kMostPoints || height * width > kMostPoints)
-    throw Error("large-cloud", "the point cloud " + name + " has more than " + std::to_string(kMostPoints) + " points",
+    throw Error("large-cloud",
+                "the point cloud " + name + " has more than " + std::to_string(kMostPoints) + " points",
                 "thin it out");
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (!types[axis]) refuse_message(name, std::string("it has no usable field ") + "xyz"[axis]);

@@ -22,8 +22,10 @@ Bounds bounds_of(const ConvexBody& body) {
   const double grown = body.radius + body.disc;
   Bounds out{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
   for (const Vec3& p : body.points) {
-    out.lower = {std::min(out.lower.x, p.x - grown), std::min(out.lower.y, p.y - grown), std::min(out.lower.z, p.z - grown)};
-    out.upper = {std::max(out.upper.x, p.x + grown), std::max(out.upper.y, p.y + grown), std::max(out.upper.z, p.z + grown)};
+    out.lower = {std::min(out.lower.x, p.x - grown), std::min(out.lower.y, p.y - grown),
+                 std::min(out.lower.z, p.z - grown)};
+    out.upper = {std::max(out.upper.x, p.x + grown), std::max(out.upper.y, p.y + grown),
+                 std::max(out.upper.z, p.z + grown)};
   }
   return out;
 }

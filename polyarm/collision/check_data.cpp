@@ -308,7 +308,8 @@ Bounds bounds_of_box(const CheckBox& box, bool turned) {
   return {middle - half, middle + half};
 }
 
-/// A tree over the boxes that are listed from `begin` to the end of `out.reachable`, which then leave the list.
+/// A tree over the boxes that are listed from `begin` to the end of `out.reachable`, which then leave the
+/// list.
 void plant(CheckLink& link, std::size_t kind, std::size_t begin, CheckData& out) {
   const std::vector<CheckBox>& boxes = kind == 0 ? out.aligned : out.turned;
   const std::vector<std::uint32_t> listed(out.reachable.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -326,7 +327,8 @@ void plant(CheckLink& link, std::size_t kind, std::size_t begin, CheckData& out)
     const Vec3 middle = 0.5 * (node.bounds.lower + node.bounds.upper);
     CheckNode made{};
     // A box in single precision is not smaller than that in double precision.
-    made.box = box_of({middle, {}}, 0.5 * (node.bounds.upper - node.bounds.lower), radius + 1e-6 * (1 + norm(middle)));
+    made.box = box_of({middle, {}}, 0.5 * (node.bounds.upper - node.bounds.lower),
+                      radius + 1e-6 * (1 + norm(middle)));
     made.next = first + node.next;
     made.leaf = node.leaf == BoxTree::kInner ? kNoLeaf : listed[node.leaf];
     out.nodes.push_back(made);
@@ -369,7 +371,8 @@ void add_reachable(const RobotBody& robot, const std::vector<Obstacle>& obstacle
         out.reachable.push_back(compiled[i].index);
         out.obstacles_of_link[l].push_back(i);
       }
-      if (kind < 2 && out.reachable.size() - link.begin[kind] >= kTreeFrom) plant(link, kind, link.begin[kind], out);
+      if (kind < 2 && out.reachable.size() - link.begin[kind] >= kTreeFrom)
+        plant(link, kind, link.begin[kind], out);
     }
     link.begin[kObstacleKinds] = static_cast<std::uint32_t>(out.reachable.size());
     out.reachable_near.push_back(nearby(out.obstacles_of_link[l], obstacles));
@@ -396,8 +399,9 @@ void make_check_data(const RobotBody& robot, const std::vector<Obstacle>& obstac
     out.pairs.push_back({place[pair.first], place[pair.second], rounded_up(rounding.error(0) * 2)});
   out.model = {out.steps.data(),     out.links.data(),   out.spheres.data(), out.pairs.data(),
                out.reachable.data(), out.aligned.data(), out.turned.data(),  out.cylinders.data(),
-               out.convex.data(),    out.faces.data(),   out.planes.data(),  out.nodes.data(),  robot.variables(),
-               out.steps.size(),     out.links.size(),   out.spheres.size(), out.pairs.size()};
+               out.convex.data(),    out.faces.data(),   out.planes.data(),  out.nodes.data(),
+               robot.variables(),    out.steps.size(),   out.links.size(),   out.spheres.size(),
+               out.pairs.size()};
 }
 
 }  // namespace polyarm::collision

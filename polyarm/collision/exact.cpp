@@ -51,7 +51,8 @@ double bound(const Ball& ball, const Pose& pose, const Obstacle& obstacle) {
 
 /// Calls take(index) for each obstacle of a link whose bound may be at most range().
 template <typename Range, typename Take>
-void each_near(const CheckData::Nearby& near, const Ball& ball, const Pose& pose, const Range& range, const Take& take) {
+void each_near(const CheckData::Nearby& near, const Ball& ball, const Pose& pose, const Range& range,
+               const Take& take) {
   for (const std::size_t i : near.always) take(i);
   near.tree.each_near(
       pose * ball.center, [&] { return range() + ball.radius + kBoundRounding; },

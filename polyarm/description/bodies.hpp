@@ -24,8 +24,8 @@ std::vector<char> links_on_the_floor(const RobotModel& model, bool is_freestandi
 /// templates write them. Empty if nothing looks like a placeholder.
 std::vector<std::string> placeholders(const RobotModel& model);
 
-/// The cloud that a shape belongs to, "a.pcd: 12000 points in 300 boxes, cells of 10 mm"; empty: none. Physics
-/// leaves such shapes out.
+/// The cloud that a shape belongs to, "a.pcd: 12000 points in 300 boxes, cells of 10 mm"; empty: none.
+/// Physics leaves such shapes out.
 inline const std::string& cloud_of(const Shape& shape) {
   static const std::string none;
   return shape.kind == ShapeKind::mesh ? none : shape.mesh;

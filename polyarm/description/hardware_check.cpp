@@ -49,8 +49,8 @@ class HardwareCheck {
         continue;
       }
       warnings_.warning("duplicate-name", component.where,
-                        "'" + hardware.name + "' has two of <" + component.kind + " name=\"" + component.name +
-                            "\">; they are taken as one",
+                        "'" + hardware.name + "' has two of <" + component.kind + " name=\"" +
+                            component.name + "\">; they are taken as one",
                         "put their interfaces into one");
       add_new(component.command_interfaces, first->command_interfaces);
       add_new(component.state_interfaces, first->state_interfaces);

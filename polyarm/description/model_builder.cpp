@@ -1,5 +1,4 @@
 #include "polyarm/description/model_builder.hpp"
-#include "polyarm/description/suggestions.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/shape_bounds.hpp"
+#include "polyarm/description/suggestions.hpp"
 
 namespace polyarm::description {
 

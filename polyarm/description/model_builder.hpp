@@ -25,8 +25,8 @@ bool tie_together(RobotModel& model, std::vector<NamedJoint> joints, const Locat
 /// small body. Repairs impossible tensors. Notes each change in the provenance.
 void complete_inertials(RobotModel& model, Problems& warnings);
 
-/// Mass properties of the shapes at a density, kg/m³. A mesh counts as the boxes around its convex pieces, and
-/// as nothing without them.
+/// Mass properties of the shapes at a density, kg/m³. A mesh counts as the boxes around its convex pieces,
+/// and as nothing without them.
 Inertial inertial_of(const std::vector<Shape>& shapes, double density);
 /// True if the principal moments are positive and satisfy the triangle inequality (within rounding).
 bool plausible(const Inertial& inertial);

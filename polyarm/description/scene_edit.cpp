@@ -55,18 +55,22 @@ std::size_t begin_of_line(const std::string& text, int line) {
   return at;
 }
 
-/// Above the first entry of the section; a new section at the end. Unchanged if the section is there without entries.
-std::string inserted(const std::string& text, const Yaml& scene, const std::string& section, const std::string& line) {
+/// Above the first entry of the section; a new section at the end. Unchanged if the section is there without
+/// entries.
+std::string inserted(const std::string& text, const Yaml& scene, const std::string& section,
+                     const std::string& line) {
   const Yaml found = scene[section];
   std::string out = text;
   if (!found.is_map() || found.keys().empty()) {
     const std::vector<std::string> sections = scene.keys();
-    if (std::find(sections.begin(), sections.end(), section) != sections.end()) return text;  // cannot be there twice
+    if (std::find(sections.begin(), sections.end(), section) != sections.end())
+      return text;  // cannot be there twice
     if (!out.empty() && out.back() != '\n') out += '\n';
     return out + section + ":\n  " + line + "\n";
   }
   const Location first = found.key_location(found.keys().front());
-  const std::size_t begin = begin_of_line(text, first.line), at = begin + static_cast<std::size_t>(std::max(0, first.column - 1));
+  const std::size_t begin = begin_of_line(text, first.line),
+                    at = begin + static_cast<std::size_t>(std::max(0, first.column - 1));
   const std::string before = text.substr(begin, at - begin);
   // A map in braces may begin on a line of its own.
   const std::size_t last = at > 0 ? text.find_last_not_of(" \t\r\n", at - 1) : std::string::npos;
@@ -88,11 +92,13 @@ std::string line_of(const MeshEntry& entry) {
 std::string with_mesh(const std::string& text, const std::string& file, const MeshEntry& entry) {
   const std::string section = entry.mass > 0 ? "parts" : "fixtures";
   if (!is_word(entry.name))
-    throw Error("bad-name", "'" + shortened(entry.name) + "' is not a name", "write letters, digits and _, a letter first");
+    throw Error("bad-name", "'" + shortened(entry.name) + "' is not a name",
+                "write letters, digits and _, a letter first");
   const Yaml scene = Yaml::parse(text, file);
   std::map<std::string, std::vector<std::string>> wanted = entries_of(scene);
   for (const auto& [other, names] : wanted)
-    if ((other == "parts" || other == "fixtures") && std::find(names.begin(), names.end(), entry.name) != names.end())
+    if ((other == "parts" || other == "fixtures") &&
+        std::find(names.begin(), names.end(), entry.name) != names.end())
       throw Error("exists", "the scene has a thing called '" + entry.name + "' already", "give another name");
   wanted[section].push_back(entry.name);
   const std::string out = inserted(text, scene, section, line_of(entry));
@@ -106,7 +112,8 @@ std::string with_mesh(const std::string& text, const std::string& file, const Me
   for (auto* each : {&wanted, &found})
     for (auto& [name, names] : *each) std::sort(names.begin(), names.end());
   if (!reads || found != wanted)
-    throw Error("cannot-keep", "nothing can be added to the '" + section + "' of " + file + "; nothing was changed",
+    throw Error("cannot-keep",
+                "nothing can be added to the '" + section + "' of " + file + "; nothing was changed",
                 "write it yourself: " + line_of(entry));
   return out;
 }

@@ -16,9 +16,9 @@ struct MeshEntry {
 /// The line of the entry, without indentation: "name: {mesh: …}".
 std::string line_of(const MeshEntry& entry);
 
-/// The scene's text with the entry. `file` is for errors. Throws Error("bad-name") for a name that is no word,
-/// Error("exists") for one that the scene has already, and Error("cannot-keep") if the text would not read back
-/// with all other entries.
+/// The scene's text with the entry. `file` is for errors. Throws Error("bad-name") for a name that is no
+/// word, Error("exists") for one that the scene has already, and Error("cannot-keep") if the text would not
+/// read back with all other entries.
 std::string with_mesh(const std::string& text, const std::string& file, const MeshEntry& entry);
 
 }  // namespace polyarm::description

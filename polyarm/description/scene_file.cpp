@@ -208,7 +208,8 @@ class SceneReader {
   }
 
   void fixture(const std::string& name, const Yaml& y) {
-    y.check_keys(with_shapes({"mesh", "cloud", "at", "xyz", "rpy", "quaternion", "mover", "friction"}), problems_);
+    y.check_keys(with_shapes({"mesh", "cloud", "at", "xyz", "rpy", "quaternion", "mover", "friction"}),
+                 problems_);
     Fixture out;
     out.name = name;
     if (y.has("cloud"))
@@ -275,8 +276,8 @@ class SceneReader {
   }
 
   void parts(const std::string& name, const Yaml& y) {
-    y.check_keys(with_shapes({"mesh", "count", "kind", "mass", "friction", "at", "xyz", "rpy", "quaternion", "goal",
-                              "feeder"}),
+    y.check_keys(with_shapes({"mesh", "count", "kind", "mass", "friction", "at", "xyz", "rpy", "quaternion",
+                              "goal", "feeder"}),
                  problems_);
     Part part;
     part.kind = y["kind"].text(name);

@@ -74,7 +74,8 @@ double metres_in(const Yaml& unit) {
   if (text == "mm") return 1e-3;
   if (text == "cm") return 1e-2;
   if (text == "in") return 0.0254;
-  throw Error(Problem{"bad-value", unit.where(), "'" + shortened(text) + "' is not a unit of a file with a shape",
+  throw Error(Problem{"bad-value", unit.where(),
+                      "'" + shortened(text) + "' is not a unit of a file with a shape",
                       "write m, mm, cm or in"});
 }
 std::filesystem::path beside(const Yaml& yaml, const std::string& file) {
@@ -115,7 +116,8 @@ Shape read_shape_or_mesh(const Yaml& yaml) {
 std::vector<Shape> read_cloud(const Yaml& yaml) {
   for (const char* key : {"mesh", "box", "cylinder", "sphere", "capsule"})
     if (yaml.has(key))
-      throw Error(Problem{"bad-value", yaml.where(), std::string("'cloud' and '") + key + "' are given for one thing",
+      throw Error(Problem{"bad-value", yaml.where(),
+                          std::string("'cloud' and '") + key + "' are given for one thing",
                           "keep one of them"});
   const Yaml cloud = yaml["cloud"];
   Problems problems;

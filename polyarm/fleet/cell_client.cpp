@@ -51,7 +51,8 @@ std::string fingerprint_of(SSL* connection) {
 
 Json parse_answer(const std::string& text) {
   constexpr int kDeepest = 32;  // copies and dumps call themselves for each level
-  return Json::parse(text, [](int depth, Json::parse_event_t, Json&) { return depth < kDeepest; }, false);
+  return Json::parse(
+      text, [](int depth, Json::parse_event_t, Json&) { return depth < kDeepest; }, false);
 }
 
 class CellClient::Work {
@@ -108,7 +109,8 @@ class CellClient::Work {
   static constexpr const char* kLost = "no-cell-answer";
 
   [[noreturn]] void lose(const std::string& what) const {
-    throw Error(kLost, cell_.name + " at " + host() + " " + what, "is the cell running, and reachable from here?");
+    throw Error(kLost, cell_.name + " at " + host() + " " + what,
+                "is the cell running, and reachable from here?");
   }
   void check(Failure failed, const char* what) const {
     if (failed) lose(std::string(what) + ": " + failed.message());
@@ -141,7 +143,8 @@ class CellClient::Work {
     stream.socket().set_option(tcp::no_delay(true), failed);
   }
 
-  /// The certificate is known by its fingerprint, as the terminal of the cell prints it; no authority is asked.
+  /// The certificate is known by its fingerprint, as the terminal of the cell prints it; no authority is
+  /// asked.
   void shake_hands(Secure& stream) {
     run(beast::get_lowest_layer(stream), "speaks no TLS", [&](Failure& result) {
       stream.async_handshake(net::ssl::stream_base::client, [&result](Failure f) { result = f; });
@@ -163,9 +166,11 @@ class CellClient::Work {
     });
     const int status = parser.get().result_int();
     if (status != 200)
-      throw Error("refused", cell_.name + " refuses (" + std::to_string(status) + "): " +
-                                 std::string(trim(parser.get().body().substr(0, 200))),
-                  status == 401 || status == 403 ? "is the token in token_file that of the running cell?" : "");
+      throw Error(
+          "refused",
+          cell_.name + " refuses (" + std::to_string(status) +
+              "): " + std::string(trim(parser.get().body().substr(0, 200))),
+          status == 401 || status == 403 ? "is the token in token_file that of the running cell?" : "");
     return std::move(parser.get().body());
   }
 
@@ -204,7 +209,8 @@ class CellClient::Work {
     run(lowest, "takes no request", [&](Failure& result) {
       socket.async_write(net::buffer(text), [&result](Failure f, std::size_t) { result = f; });
     });
-    for (const auto until = std::chrono::steady_clock::now() + limit(); std::chrono::steady_clock::now() < until;) {
+    for (const auto until = std::chrono::steady_clock::now() + limit();
+         std::chrono::steady_clock::now() < until;) {
       beast::flat_buffer buffer;
       run(lowest, "does not answer", [&](Failure& result) {
         socket.async_read(buffer, [&result](Failure f, std::size_t) { result = f; });
@@ -214,7 +220,9 @@ class CellClient::Work {
       if (answer.contains("ok") && answer["ok"] == true) return answer.value("result", Json());
       const Json error = answer.value("error", Json::object());
       const auto part = [&](const char* key) {
-        return error.is_object() && error.contains(key) && error[key].is_string() ? error[key].get<std::string>().substr(0, 500) : std::string();
+        return error.is_object() && error.contains(key) && error[key].is_string()
+                   ? error[key].get<std::string>().substr(0, 500)
+                   : std::string();
       };
       throw Error(part("code").empty() ? "refused" : part("code"), part("what"), part("advice"));
     }
@@ -230,10 +238,17 @@ class CellClient::Work {
   std::uint64_t last_id_ = 0;
 };
 
-CellClient::CellClient(SiteCell cell, double timeout_s) : work_(std::make_unique<Work>(std::move(cell), timeout_s)) {}
+CellClient::CellClient(SiteCell cell, double timeout_s)
+    : work_(std::make_unique<Work>(std::move(cell), timeout_s)) {}
 CellClient::~CellClient() = default;
-std::string CellClient::get(const std::string& path) { return work_->get(path); }
-Json CellClient::ask(Json request) { return work_->ask(std::move(request)); }
-void CellClient::close() noexcept { work_->close(); }
+std::string CellClient::get(const std::string& path) {
+  return work_->get(path);
+}
+Json CellClient::ask(Json request) {
+  return work_->ask(std::move(request));
+}
+void CellClient::close() noexcept {
+  work_->close();
+}
 
 }  // namespace polyarm::fleet

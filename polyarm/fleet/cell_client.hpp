@@ -1,5 +1,6 @@
 #pragma once
-/// A client of a cell's port: documents over HTTP, requests over a WebSocket. Each call has a time limit. One thread.
+/// A client of a cell's port: documents over HTTP, requests over a WebSocket. Each call has a time limit. One
+/// thread.
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -10,7 +11,8 @@ namespace polyarm::fleet {
 
 inline constexpr std::size_t kMostAnswer = 4 << 20;  ///< bytes of one document or message
 
-/// JSON of a stranger: what is nested deeper than a cell nests it is left out. A discarded value if it is no JSON.
+/// JSON of a stranger: what is nested deeper than a cell nests it is left out. A discarded value if it is no
+/// JSON.
 nlohmann::json parse_answer(const std::string& text);
 
 /// All functions throw Error("no-cell-answer") with the reason; the next call connects again.

@@ -28,7 +28,8 @@ std::vector<std::string> lines_of(const std::string& text) {
 }
 
 std::string text_at(const Json& map, const char* key) {
-  return map.is_object() && map.contains(key) && map[key].is_string() ? map[key].get<std::string>() : std::string();
+  return map.is_object() && map.contains(key) && map[key].is_string() ? map[key].get<std::string>()
+                                                                      : std::string();
 }
 
 /// One thread for each cell.
@@ -54,7 +55,8 @@ void guarded(Deployed& out, const std::function<void()>& work) {
 std::string read_present(CellClient& client, const std::string& file, std::string& hash) {
   const Json list = client.ask({{"request", "files"}});
   const Json files = list.is_object() && list.contains("files") ? list["files"] : Json::array();
-  const bool there = std::any_of(files.begin(), files.end(), [&](const Json& each) { return text_at(each, "name") == file; });
+  const bool there = std::any_of(files.begin(), files.end(),
+                                 [&](const Json& each) { return text_at(each, "name") == file; });
   if (!there) return {};
   const Json read = client.ask({{"request", "files.read"}, {"name", file}});
   hash = text_at(read, "hash");
@@ -72,8 +74,9 @@ void plan_one(CellClient& client, const std::string& file, const std::string& te
     if (!each.is_object()) continue;
     errors = errors || text_at(each, "severity") != "warning";
     if (out.problems.size() < kMostProblems)
-      out.problems.push_back(printable_line(text_at(each, "severity") + ": " + text_at(each, "what") +
-                                            (each.contains("line") ? " (line " + each["line"].dump() + ")" : "")));
+      out.problems.push_back(
+          printable_line(text_at(each, "severity") + ": " + text_at(each, "what") +
+                         (each.contains("line") ? " (line " + each["line"].dump() + ")" : "")));
   }
   const bool same = before == text && !out.base.empty();
   out.state = errors ? Deployed::State::faulty : same ? Deployed::State::same : Deployed::State::ready;
@@ -122,7 +125,8 @@ std::vector<std::string> difference(const std::string& before, const std::string
   return out;
 }
 
-std::vector<Deployed> plan(const std::vector<SiteCell>& cells, const std::string& file, const std::string& text, double timeout_s) {
+std::vector<Deployed> plan(const std::vector<SiteCell>& cells, const std::string& file,
+                           const std::string& text, double timeout_s) {
   std::vector<Deployed> out(cells.size());
   each_at_once(cells.size(), [&](std::size_t i) {
     out[i].cell = cells[i].name;

@@ -1,6 +1,6 @@
 #pragma once
-/// Deploys a program to several cells: compares, checks on each cell, then writes. Nothing moves, and no program is
-/// started.
+/// Deploys a program to several cells: compares, checks on each cell, then writes. Nothing moves, and no
+/// program is started.
 #include <string>
 #include <vector>
 
@@ -9,15 +9,16 @@
 namespace polyarm::fleet {
 
 /// Lines that differ, each with '-' or '+' in front; at most `most` of them, then their number.
-std::vector<std::string> difference(const std::string& before, const std::string& after, std::size_t most = 200);
+std::vector<std::string> difference(const std::string& before, const std::string& after,
+                                    std::size_t most = 200);
 
 struct Deployed {
   enum class State {
-    same,     ///< the cell has this text already
-    ready,    ///< checked, and not written yet
+    same,   ///< the cell has this text already
+    ready,  ///< checked, and not written yet
     written,
-    faulty,   ///< the cell's check found errors
-    refused   ///< the cell does not answer, or refuses
+    faulty,  ///< the cell's check found errors
+    refused  ///< the cell does not answer, or refuses
   };
   std::string cell;
   State state = State::refused;
@@ -29,9 +30,10 @@ struct Deployed {
 const char* name(Deployed::State state);
 
 /// Asks each cell, all at the same time; writes nothing.
-std::vector<Deployed> plan(const std::vector<SiteCell>& cells, const std::string& file, const std::string& text, double timeout_s);
-/// Writes the file to the cells that are `ready`, or `faulty` if `faulty_too`. A cell whose file has changed since the plan
-/// refuses, and so does one where somebody has control.
+std::vector<Deployed> plan(const std::vector<SiteCell>& cells, const std::string& file,
+                           const std::string& text, double timeout_s);
+/// Writes the file to the cells that are `ready`, or `faulty` if `faulty_too`. A cell whose file has changed
+/// since the plan refuses, and so does one where somebody has control.
 void write(const std::vector<SiteCell>& cells, std::vector<Deployed>& planned, const std::string& file,
            const std::string& text, bool faulty_too, double timeout_s);
 

@@ -37,7 +37,8 @@ Oee oee_of(const Json& summary, double ideal_cycle_s) {
   const Json parts = summary.value("parts", Json::object());
   const double good = number_at(parts, "good"), all = good + number_at(parts, "bad");
   if (all > 0) out.quality = good / all;
-  if (out.availability && out.performance && out.quality) out.whole = *out.availability * *out.performance * *out.quality;
+  if (out.availability && out.performance && out.quality)
+    out.whole = *out.availability * *out.performance * *out.quality;
   return out;
 }
 

@@ -7,8 +7,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cctype>
+#include <cerrno>
 #include <cstring>
 
 #include "polyarm/base/secrets.hpp"
@@ -44,13 +44,15 @@ void read_address(const Yaml& node, SiteCell& out) {
   }
   if (rest.size() > 2 && rest.front() == '[' && rest.back() == ']') rest = rest.substr(1, rest.size() - 2);
   if (rest.empty() || rest.size() > 255 || rest.find_first_of("@?#[ ") != std::string::npos)
-    refuse(node, "the address has no host", "for example https://192.168.1.20:8765; the token is in token_file");
+    refuse(node, "the address has no host",
+           "for example https://192.168.1.20:8765; the token is in token_file");
   out.host = rest;
   in_addr four{};
   const bool loopback = rest == "localhost" || rest == "::1" ||
                         (rest.starts_with("127.") && ::inet_pton(AF_INET, rest.c_str(), &four) == 1);
   if (!out.tls && !loopback)
-    refuse(node, "http to another machine would show the token to the network", "run the cell with --listen, and write https://");
+    refuse(node, "http to another machine would show the token to the network",
+           "run the cell with --listen, and write https://");
 }
 
 std::string read_fingerprint(const Yaml& node) {
@@ -70,10 +72,12 @@ SiteCell read_cell(const std::string& name, const Yaml& node, const fs::path& fo
   read_address(node.required("address"), out);
   out.fingerprint = read_fingerprint(node["fingerprint"]);
   if (out.tls && out.fingerprint.empty())
-    refuse(node, "a cell with https needs the fingerprint of its certificate", "the terminal of the cell prints it: 3A:F1:…");
+    refuse(node, "a cell with https needs the fingerprint of its certificate",
+           "the terminal of the cell prints it: 3A:F1:…");
   out.ideal_cycle_s = node["ideal_cycle"].number(Dimension::time, 0);
   const std::string file = node.required("token_file").text();
-  out.token = read_token_file(file.starts_with(kSecretPrefix) ? secret_file(file.substr(kSecretPrefix.size())) : folder / file);
+  out.token = read_token_file(file.starts_with(kSecretPrefix) ? secret_file(file.substr(kSecretPrefix.size()))
+                                                              : folder / file);
   return out;
 }
 
@@ -81,7 +85,8 @@ SiteCell read_cell(const std::string& name, const Yaml& node, const fs::path& fo
 
 std::string read_token_file(const fs::path& file) {
   const auto wrong = [&](const std::string& what) {
-    throw Error("bad-token", file.string() + " " + what, "store the token or the link of the cell in it, with mode 0600");
+    throw Error("bad-token", file.string() + " " + what,
+                "store the token or the link of the cell in it, with mode 0600");
   };
   const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd < 0) wrong(std::string("cannot be read: ") + std::strerror(errno));
@@ -104,13 +109,15 @@ Site read_site_file(const fs::path& file) {
   Problems problems;
   root.check_keys({"polyarm", "name", "cells"}, problems);
   if (root["polyarm"].text("") != "site/1")
-    throw Error(Problem{"bad-site", root.where(), "this is no file of a site", "begin it with `polyarm: site/1`"});
+    throw Error(
+        Problem{"bad-site", root.where(), "this is no file of a site", "begin it with `polyarm: site/1`"});
   Site out;
   out.name = root["name"].text(fs::absolute(file).parent_path().filename().string());
   const Yaml cells = root.required("cells");
   const std::vector<std::string> names = cells.keys();
   if (names.empty() || names.size() > kMostCells)
-    refuse(cells, "a site has 1 to " + std::to_string(kMostCells) + " cells", "cells: {press: {address: https://…, token_file: …}}");
+    refuse(cells, "a site has 1 to " + std::to_string(kMostCells) + " cells",
+           "cells: {press: {address: https://…, token_file: …}}");
   for (const std::string& name : names) {
     try {
       out.cells.push_back(read_cell(name, cells[name], file.parent_path(), problems));

@@ -15,9 +15,9 @@ struct SiteCell {
   std::string name, host;
   std::uint16_t port = 8765;
   bool tls = false;
-  std::string token;        ///< content of the token file
-  std::string fingerprint;  ///< of the certificate, SHA-256: hexadecimal digits, upper case; empty: none
-  double ideal_cycle_s = 0; ///< of one pass of the program; 0: unknown
+  std::string token;         ///< content of the token file
+  std::string fingerprint;   ///< of the certificate, SHA-256: hexadecimal digits, upper case; empty: none
+  double ideal_cycle_s = 0;  ///< of one pass of the program; 0: unknown
   Location where;
 };
 

@@ -1,7 +1,7 @@
 #include "polyarm/fleet/site_page.hpp"
 
-#include "polyarm/server/port.hpp"
 #include "polyarm/access/token.hpp"
+#include "polyarm/server/port.hpp"
 
 namespace polyarm::fleet {
 
@@ -76,7 +76,9 @@ class SitePage::Work : public server::Site {
   }
   std::uint16_t port() const { return port_->number(); }
 
-  bool is_open(const std::string& method, const std::string&) const override { return method == "GET" || method == "HEAD"; }
+  bool is_open(const std::string& method, const std::string&) const override {
+    return method == "GET" || method == "HEAD";
+  }
   std::size_t most_body(const std::string&, const std::string&) const override { return 0; }
   std::shared_ptr<server::Client> welcome(server::Client::Side) override { return nullptr; }
   void handle(server::HttpRequest request, std::function<void(server::HttpReply)> reply) override {
@@ -96,6 +98,8 @@ class SitePage::Work : public server::Site {
 SitePage::SitePage(const SiteWatch& watch, std::string site, std::uint16_t port)
     : work_(std::make_unique<Work>(watch, std::move(site), port)) {}
 SitePage::~SitePage() = default;
-std::uint16_t SitePage::port() const { return work_->port(); }
+std::uint16_t SitePage::port() const {
+  return work_->port();
+}
 
 }  // namespace polyarm::fleet

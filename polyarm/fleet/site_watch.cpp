@@ -53,7 +53,11 @@ std::string words_of(const CellReport& report) {
 }  // namespace
 
 SiteWatch::SiteWatch(const Site& site, double every_s, double timeout_s)
-    : site_(site), every_s_(every_s), timeout_s_(timeout_s), reports_(site.cells.size()), answered_(site.cells.size(), 0) {
+    : site_(site),
+      every_s_(every_s),
+      timeout_s_(timeout_s),
+      reports_(site.cells.size()),
+      answered_(site.cells.size(), 0) {
   for (std::size_t i = 0; i < site_.cells.size(); ++i) {
     reports_[i].name = site_.cells[i].name;
     reports_[i].address = address_of(site_.cells[i]);
@@ -73,7 +77,8 @@ SiteWatch::~SiteWatch() {
 std::string SiteWatch::trouble_of(std::size_t cell, Json& summary) const {
   try {
     const std::string text = CellClient(site_.cells[cell], timeout_s_).get("/api/summary");
-    if (text.size() > kMostSummary) return "its answer is longer than " + std::to_string(kMostSummary) + " bytes";
+    if (text.size() > kMostSummary)
+      return "its answer is longer than " + std::to_string(kMostSummary) + " bytes";
     summary = parse_answer(text);
     return summary.is_object() ? "" : "its answer is no JSON object: is it a cell of this version?";
   } catch (const Error& e) {
@@ -98,7 +103,9 @@ void SiteWatch::ask(std::size_t cell) {
       answered_[cell] = steady_now();
     }
     changed_.notify_all();
-    if (every_s_ <= 0 || changed_.wait_for(lock, std::chrono::duration<double>(every_s_), [&] { return over_; })) return;
+    if (every_s_ <= 0 ||
+        changed_.wait_for(lock, std::chrono::duration<double>(every_s_), [&] { return over_; }))
+      return;
   }
 }
 
@@ -118,18 +125,21 @@ void SiteWatch::wait_for_first() const {
 }
 
 std::string table_of(const std::vector<CellReport>& reports) {
-  std::string out = fmt::format("{:<20} {:<9} {:<10} {:>7} {:>6} {:>6} {:>6} {:>6}  {:<10} {}\n", "cell", "state", "program", "passes",
-                                "avail", "perf", "qual", "OEE", "version", "");
+  std::string out = fmt::format("{:<20} {:<9} {:<10} {:>7} {:>6} {:>6} {:>6} {:>6}  {:<10} {}\n", "cell",
+                                "state", "program", "passes", "avail", "perf", "qual", "OEE", "version", "");
   std::size_t answer = 0;
   for (const CellReport& each : reports) {
     answer += each.answers ? 1 : 0;
     const Json program = part_of(each.summary, "program");
-    const auto passes = each.summary.is_object() && each.summary.contains("passes") && each.summary["passes"].is_number_unsigned()
-                            ? each.summary["passes"].get<std::uint64_t>() : 0;
+    const auto passes = each.summary.is_object() && each.summary.contains("passes") &&
+                                each.summary["passes"].is_number_unsigned()
+                            ? each.summary["passes"].get<std::uint64_t>()
+                            : 0;
     out += fmt::format("{:<20} {:<9} {:<10} {:>7} {:>6} {:>6} {:>6} {:>6}  {:<10} {}\n", each.name,
-                       each.answers ? text_at(each.summary, "state") : "silent", each.answers ? text_at(program, "state") : "", passes,
-                       percent(each.oee.availability), percent(each.oee.performance), percent(each.oee.quality),
-                       percent(each.oee.whole), text_at(each.summary, "version"), words_of(each));
+                       each.answers ? text_at(each.summary, "state") : "silent",
+                       each.answers ? text_at(program, "state") : "", passes, percent(each.oee.availability),
+                       percent(each.oee.performance), percent(each.oee.quality), percent(each.oee.whole),
+                       text_at(each.summary, "version"), words_of(each));
   }
   return out + fmt::format("{} of {} cells answer\n", answer, reports.size());
 }
@@ -138,10 +148,18 @@ Json json_of(const std::vector<CellReport>& reports) {
   Json out = Json::array();
   for (const CellReport& each : reports) {
     const auto share = [](const std::optional<double>& value) { return value ? Json(*value) : Json(); };
-    out.push_back({{"name", each.name}, {"address", each.address}, {"answers", each.answers}, {"trouble", each.trouble},
-                   {"words", words_of(each)}, {"age_s", each.age_s}, {"summary", each.summary},
-                   {"oee", {{"availability", share(each.oee.availability)}, {"performance", share(each.oee.performance)},
-                            {"quality", share(each.oee.quality)}, {"oee", share(each.oee.whole)}}}});
+    out.push_back({{"name", each.name},
+                   {"address", each.address},
+                   {"answers", each.answers},
+                   {"trouble", each.trouble},
+                   {"words", words_of(each)},
+                   {"age_s", each.age_s},
+                   {"summary", each.summary},
+                   {"oee",
+                    {{"availability", share(each.oee.availability)},
+                     {"performance", share(each.oee.performance)},
+                     {"quality", share(each.oee.quality)},
+                     {"oee", share(each.oee.whole)}}}});
   }
   return out;
 }

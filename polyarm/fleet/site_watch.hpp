@@ -1,5 +1,6 @@
 #pragma once
-/// Asks all cells of a site for their state, each on a thread of its own, so that a silent cell delays no other.
+/// Asks all cells of a site for their state, each on a thread of its own, so that a silent cell delays no
+/// other.
 #include <condition_variable>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -15,9 +16,9 @@ namespace polyarm::fleet {
 struct CellReport {
   std::string name, address;
   bool asked = false, answers = false;
-  std::string trouble;      ///< why it does not answer
-  double age_s = 0;         ///< of `summary`
-  nlohmann::json summary;   ///< the last one; null: there was none
+  std::string trouble;     ///< why it does not answer
+  double age_s = 0;        ///< of `summary`
+  nlohmann::json summary;  ///< the last one; null: there was none
   Oee oee;
 };
 
@@ -45,7 +46,8 @@ class SiteWatch {
   std::vector<std::thread> threads_;
 };
 
-/// A table for a terminal, and the same as JSON. A cell's words are those of the cell: print them through printable().
+/// A table for a terminal, and the same as JSON. A cell's words are those of the cell: print them through
+/// printable().
 std::string table_of(const std::vector<CellReport>& reports);
 nlohmann::json json_of(const std::vector<CellReport>& reports);
 

@@ -15,16 +15,16 @@ struct ForwardMove {
   static constexpr std::size_t kMostJoints = 8;
   enum class Kind : std::uint8_t { joint, line, arc };
   Kind kind = Kind::joint;
-  bool stops = true;       ///< the robot comes to rest at the end; no move may follow before that
-  std::uint64_t id = 0;    ///< counts up
+  bool stops = true;     ///< the robot comes to rest at the end; no move may follow before that
+  std::uint64_t id = 0;  ///< counts up
   std::array<double, kMostJoints> joints{};  ///< the end, in the order of the robot's joints
-  Pose at;                 ///< T_world_tcp at the end
-  Pose via;                ///< T_world_tcp on the way; of an arc
-  double share = 1;        ///< the highest speed of a joint, as a share of its limit, (0, 1]
-  double speed = 0;        ///< the highest speed of the TCP, m/s; 0: the TCP only turns
-  double acceleration = 1; ///< share of the controller's own, (0, 1]
-  double duration = 0;     ///< s that the runtime planned for the move
-  double blend = 0;        ///< m: the path may leave the move this far before its end; 0 if it stops
+  Pose at;                                   ///< T_world_tcp at the end
+  Pose via;                                  ///< T_world_tcp on the way; of an arc
+  double share = 1;         ///< the highest speed of a joint, as a share of its limit, (0, 1]
+  double speed = 0;         ///< the highest speed of the TCP, m/s; 0: the TCP only turns
+  double acceleration = 1;  ///< share of the controller's own, (0, 1]
+  double duration = 0;      ///< s that the runtime planned for the move
+  double blend = 0;         ///< m: the path may leave the move this far before its end; 0 if it stops
 };
 inline constexpr std::uint32_t kForwardLayout = layout_of<ForwardMove, Pose>();
 

@@ -119,8 +119,8 @@ class NodeGraph {
 
 NodeGraph& node_graph();
 
-/// While one exists, ports that its thread opens stay off the graph: those of a cell that is only tried must not
-/// publish beside the running one.
+/// While one exists, ports that its thread opens stay off the graph: those of a cell that is only tried must
+/// not publish beside the running one.
 class OffGraph {
  public:
   OffGraph();

@@ -282,7 +282,11 @@ BodiesMade make_bodies(const std::vector<Shape*>& shapes, const fs::path& cache)
     }
     if (job.body.pieces.empty()) continue;
     if (const std::string doubt = meshes::doubt_of_size(job.body.report.size); !doubt.empty())
-      out.warnings.push_back({"mesh-size", {}, "the mesh " + job.body.report.mesh + doubt, meshes::kUnitAdvice, Severity::warning});
+      out.warnings.push_back({"mesh-size",
+                              {},
+                              "the mesh " + job.body.report.mesh + doubt,
+                              meshes::kUnitAdvice,
+                              Severity::warning});
     for (Shape* shape : job.shapes) shape->pieces = job.body.pieces;
     out.reports.push_back(std::move(job.body.report));
   }

@@ -28,9 +28,10 @@ class Requests {
   /// `handlers`: all requests that are answered here.
   Requests(CellInside& cell, const std::vector<Handler>& handlers);
   ~Requests();
-  /// Called for each request before it is carried out, with its client (`from`). It returns a function, or an empty one,
-  /// that gets the first reply; a request that ends without a reply gives Error("ended").
-  using Witness = std::function<std::function<void(const protocol::Reply&)>(const void* from, const protocol::Request&)>;
+  /// Called for each request before it is carried out, with its client (`from`). It returns a function, or an
+  /// empty one, that gets the first reply; a request that ends without a reply gives Error("ended").
+  using Witness =
+      std::function<std::function<void(const protocol::Reply&)>(const void* from, const protocol::Request&)>;
   void set_witness(Witness witness);
   /// `from` identifies the client: an address that is unique as long as the client exists; null: requests are
   /// not ordered. `bytes` is the approximate memory of a large request; it counts towards

@@ -82,8 +82,8 @@ class CellView {
 
   // Robots, by index.
   const moves::RobotMotion* motion(std::size_t robot) const;
-  /// What the guard of a robot sees (Guards): the nearest body, the pace of a planned move, and the distance from
-  /// everything else with the joints at `q`.
+  /// What the guard of a robot sees (Guards): the nearest body, the pace of a planned move, and the distance
+  /// from everything else with the joints at `q`.
   std::optional<Guards::Near> near(std::size_t robot) const;
   double pace(std::size_t robot) const;
   /// Things that guards keep robots off in addition to the scene (Guards::set_more).

@@ -19,8 +19,8 @@ constexpr double kBeyond = 0.05;
 constexpr double kContact = 5e-4;
 /// A robot that is too near already may come nearer by this; steps along the way on which it brakes, m.
 constexpr double kDeeper = 2e-4, kStep = 5e-4;
-/// The least room of what has no barrier of its own because nearer places have them all, m: those keep the robot from
-/// going deeper, and it can leave, as JogGenerator lets it go a little below this.
+/// The least room of what has no barrier of its own because nearer places have them all, m: those keep the
+/// robot from going deeper, and it can leave, as JogGenerator lets it go a little below this.
 constexpr double kLeastRest = -2e-4;
 /// Reaction to new barriers: some ticks and cycles, s.
 constexpr double kReaction = 0.01;
@@ -120,7 +120,8 @@ void BodyGuard::fill(std::span<const double> velocity, std::span<const std::vect
     const double range = keep + (pair.own ? bodies_.change(pair, robot_, reach_) : reaches_[mine]) + kBeyond;
     // What was never measured has no bound, and would hold nothing back.
     const bool is_unknown = !std::isfinite(pair.slack);
-    const bool is_near = pair.slack <= range, measures = is_near && (bodies_.measured() < budget || is_unknown);
+    const bool is_near = pair.slack <= range,
+               measures = is_near && (bodies_.measured() < budget || is_unknown);
     if (is_near && !measures && !std::exchange(waits, true)) first_pair_ = i;
     double left_out = std::numeric_limits<double>::infinity();
     const std::size_t count = measures ? bodies_.measure_points(i, robot_, range, points_, left_out) : 0;

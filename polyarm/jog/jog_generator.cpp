@@ -427,8 +427,8 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
     }
     worst = workspace_.boundaries();
     for (std::size_t i = 0; barriers_ && i <= barriers_->count; ++i) {
-      // If it is too near even while braking, it may move along, or away: hardly deeper than kBeside, as what one
-      // cycle takes adds up.
+      // If it is too near even while braking, it may move along, or away: hardly deeper than kBeside, as what
+      // one cycle takes adds up.
       double least = 0;
       if (now.room[i] < 0) {
         const double here = barriers_->room(i, {q.data(), n});

@@ -201,9 +201,9 @@ class JointTrajectoryController : public Controller {
   double factor_ = 1;
   trajectory::TimeScale scale_;
   double stopping_for_ = 0;  // s
-  std::uint64_t forward_id_ = 0;   // of the last move that was handed over
-  std::size_t forward_sent_ = 0;   // moves of the motion under way
-  bool forward_ends_ = false;      // the handed-over moves were cleared before their end
+  std::uint64_t forward_id_ = 0;  // of the last move that was handed over
+  std::size_t forward_sent_ = 0;  // moves of the motion under way
+  bool forward_ends_ = false;     // the handed-over moves were cleared before their end
 
   // between the threads
   std::uint64_t next_id_ = 1;

@@ -15,9 +15,11 @@ constexpr double kForwardStart = 0.05;
 void JointTrajectoryController::begin_forward(const Cycle& cycle) noexcept {
   TrajectoryGoal* const goal = inbox_.take();
   if (!goal) return;
-  if (!goal->forward || goal->forward->joints() != joints_.size()) return refuse(goal, GoalRefusal::wrong_size);
+  if (!goal->forward || goal->forward->joints() != joints_.size())
+    return refuse(goal, GoalRefusal::wrong_size);
   if (tracks_used_ > 0) return refuse(goal, GoalRefusal::busy);
-  if (!(goal->forward->off_start(measured_position_) <= kForwardStart)) return refuse(goal, GoalRefusal::jump);
+  if (!(goal->forward->off_start(measured_position_) <= kForwardStart))
+    return refuse(goal, GoalRefusal::jump);
   tracks_[0] = {goal, 0, 0, joints_.size(), true};
   tracks_used_ = 1;
   std::fill(leader_.begin(), leader_.end(), 0);
@@ -58,7 +60,8 @@ void JointTrajectoryController::lead_forward(hardware::ForwardMoves& moves, bool
 ReturnType JointTrajectoryController::update_forward(const Cycle& cycle, const Verdict& verdict,
                                                      hardware::ForwardMoves& moves) noexcept {
   measure();
-  for (std::uint64_t id = 0; cancels_.pop(id);) {}  // there are no actions
+  for (std::uint64_t id = 0; cancels_.pop(id);) {
+  }  // there are no actions
   begin_forward(cycle);
   if (verdict.cut || (verdict.discard && moves.flow().standing)) drop_forward(moves);
   const std::shared_ptr<std::atomic<double>>* const pace =

@@ -350,9 +350,10 @@ std::uint64_t JointTrajectoryController::receive(const std::string& port, const 
   if (!trajectory)
     throw Error("wrong-message", "this controller takes trajectories (trajectory_msgs/JointTrajectory)");
   if (forward_.load(std::memory_order_acquire))
-    throw Error("forward-mode",
-                "this robot's own controller interpolates (`motion: forward`); it takes moves, no trajectories",
-                "send moves: a program, or move requests; or set `motion: stream` at the robot");
+    throw Error(
+        "forward-mode",
+        "this robot's own controller interpolates (`motion: forward`); it takes moves, no trajectories",
+        "send moves: a program, or move requests; or set `motion: stream` at the robot");
   const bool action = goal || port == "follow_joint_trajectory";
   std::unique_ptr<TrajectoryGoal> made =
       make_goal(*trajectory, rules_, now_.load(std::memory_order_relaxed), action);

@@ -16,51 +16,51 @@ using Parameters = std::vector<FunctionParameter>;
 Function& add(std::vector<Function>& out, std::string_view name, std::string_view signature,
               std::string_view meaning, Parameters parameters, Kind kind, std::optional<Dimension> dimension,
               Live which) {
-  out.push_back({name, signature, meaning, std::move(parameters), false, false, kind, dimension, nullptr, false,
-                 nullptr, which});
+  out.push_back({name, signature, meaning, std::move(parameters), false, false, kind, dimension, nullptr,
+                 false, nullptr, which});
   return out.back();
 }
 
 /// Joints and poses of the robot.
 void add_joint_functions(std::vector<Function>& out) {
-  add(out, "here_joints", "here_joints()", "the joints of the robot; waits until it has arrived", {}, Kind::joints,
-       {}, Live::here_joints)
+  add(out, "here_joints", "here_joints()", "the joints of the robot; waits until it has arrived", {},
+      Kind::joints, {}, Live::here_joints)
       .waits = true;
   add(out, "ik", "ik(place, near)",
-       "the joints at a point: those it was taught with, else the nearest to `near`, or to the present ones; "
-       "waits until the robot has arrived where `near` is left out",
-       {{"place", W::place, {}}, {"near", W::joints, 0.0}}, Kind::joints, {}, Live::ik)
+      "the joints at a point: those it was taught with, else the nearest to `near`, or to the present ones; "
+      "waits until the robot has arrived where `near` is left out",
+      {{"place", W::place, {}}, {"near", W::joints, 0.0}}, Kind::joints, {}, Live::ik)
       .waits = true;
-  add(out, "fk", "fk(joints)", "the pose of the tool centre point at these joints", {{"joints", W::joints, {}}},
-       Kind::pose, {}, Live::fk);
+  add(out, "fk", "fk(joints)", "the pose of the tool centre point at these joints",
+      {{"joints", W::joints, {}}}, Kind::pose, {}, Live::fk);
 }
 
 /// Chance and time.
 void add_program_functions(std::vector<Function>& out) {
   Function& by_chance =
       add(out, "random", "random(), random(a, b)",
-           "a number between 0 and 1, or between a and b; `seed` in cell.yaml selects the series",
-           {{"a", W::number, 0.0}, {"b", W::number, 1.0}}, Kind::number, {}, Live::random);
+          "a number between 0 and 1, or between a and b; `seed` in cell.yaml selects the series",
+          {{"a", W::number, 0.0}, {"b", W::number, 1.0}}, Kind::number, {}, Live::random);
   by_chance.open = true;
-  Function& clock = add(out, "clock", "clock()",
-                         "the time since the program began; waits until the robot has arrived", {},
-                         Kind::number, Dimension::time, Live::clock);
+  Function& clock =
+      add(out, "clock", "clock()", "the time since the program began; waits until the robot has arrived", {},
+          Kind::number, Dimension::time, Live::clock);
   clock.open = clock.waits = true;
 }
 
 /// Forces at the tool, and how moves with `until` ended.
 void add_force_functions(std::vector<Function>& out) {
-  const auto measured = [&](std::string_view name, std::string_view signature, std::string_view meaning, Kind kind,
-                            std::optional<Dimension> dimension, Live which, bool waits) {
+  const auto measured = [&](std::string_view name, std::string_view signature, std::string_view meaning,
+                            Kind kind, std::optional<Dimension> dimension, Live which, bool waits) {
     Function& function = add(out, name, signature, meaning, {}, kind, dimension, which);
     function.open = true;
     function.waits = waits;
   };
-  measured("force", "force()", "the size of the force at the robot's force sensor", Kind::number, Dimension::force,
-           Live::force, true);
+  measured("force", "force()", "the size of the force at the robot's force sensor", Kind::number,
+           Dimension::force, Live::force, true);
   measured("wrench", "wrench()",
-           "the forces x, y, z and torques rx, ry, rz at the robot's force sensor, in its axes", Kind::record, {},
-           Live::wrench, true);
+           "the forces x, y, z and torques rx, ry, rz at the robot's force sensor, in its axes", Kind::record,
+           {}, Live::wrench, true);
   measured("zero_force", "zero_force()",
            "the present wrench counts as zero from now on, such as the weight of the tool", Kind::boolean, {},
            Live::zero_force, true);
@@ -95,9 +95,9 @@ void add_belt_functions(std::vector<Function>& out) {
 /// Tables in files.
 void add_table_functions(std::vector<Function>& out) {
   add(out, "rows_of", "rows_of(file)",
-       "the rows of a table in the folder of the cell, such as a CSV: records if its first line names the "
-       "columns, else lists",
-       {{"file", W::text, {}}}, Kind::list, {}, Live::rows_of)
+      "the rows of a table in the folder of the cell, such as a CSV: records if its first line names the "
+      "columns, else lists",
+      {{"file", W::text, {}}}, Kind::list, {}, Live::rows_of)
       .open = true;
 }
 

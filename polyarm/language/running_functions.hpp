@@ -1,6 +1,6 @@
 #pragma once
-/// Functions whose results depend on when the program calls them: of its robot, its belts, its streams. Part of the
-/// list in functions.hpp. Any thread.
+/// Functions whose results depend on when the program calls them: of its robot, its belts, its streams. Part
+/// of the list in functions.hpp. Any thread.
 #include <vector>
 
 #include "polyarm/language/functions.hpp"

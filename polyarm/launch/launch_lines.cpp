@@ -61,8 +61,9 @@ void cut_out(std::string& text, std::string_view begin, std::string_view end) {
   text = std::move(out);
 }
 
-/// True for a part of robots: a file that has no link of its own and calls no macro, such as a file of macros, of
-/// numbers or of materials. Without macros of its own, a file that includes another one may be a robot.
+/// True for a part of robots: a file that has no link of its own and calls no macro, such as a file of
+/// macros, of numbers or of materials. Without macros of its own, a file that includes another one may be a
+/// robot.
 bool is_part(std::string text) {
   const bool has_macros = text.find("<xacro:macro") != std::string::npos;
   if (!has_macros && text.find("<ros2_control") != std::string::npos) return false;
@@ -120,8 +121,8 @@ Found search_in(const fs::path& package) {
   return out;
 }
 
-/// True if a package beside `package` belongs to it: one names the other in its package.xml, or their names begin with
-/// the same word. Other packages of a workspace are other robots.
+/// True if a package beside `package` belongs to it: one names the other in its package.xml, or their names
+/// begin with the same word. Other packages of a workspace are other robots.
 bool belongs(const fs::path& package, const fs::path& other) {
   const auto names = [](const fs::path& from, const fs::path& to) {
     return text_of(from / "package.xml").find(">" + to.filename().string() + "<") != std::string::npos;

@@ -49,8 +49,8 @@ void Motions::build(Worker& planner) {
     const auto asked = robot->entry.parameters.find("motion");
     if (asked != robot->entry.parameters.end() && asked->second == "forward" &&
         !forward_moves(motions_.size() - 1))
-      observer_.on_note("'" + robot->entry.name + "' has `motion: forward`, but the hardware '" + robot->driver +
-                        "' takes no moves: this computer interpolates");
+      observer_.on_note("'" + robot->entry.name + "' has `motion: forward`, but the hardware '" +
+                        robot->driver + "' takes no moves: this computer interpolates");
   }
   bodies_ = bodies_of(setup_);
   for (const description::Mover& mover : setup_.scene.movers) {

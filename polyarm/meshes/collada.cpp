@@ -214,7 +214,8 @@ class ColladaReader {
       if (offset > 64) refuse("an input has the offset " + std::to_string(offset));
       stride = std::max(stride, offset + 1);
       if (kind == "NORMAL") normals = source(link(e, "source"), offset);
-      if (kind == "TEXCOORD" && !texcoords.there && find_ && find(link(e, "source"))) texcoords = source(link(e, "source"), offset, 2);
+      if (kind == "TEXCOORD" && !texcoords.there && find_ && find(link(e, "source")))
+        texcoords = source(link(e, "source"), offset, 2);
       if (kind != "VERTEX") continue;
       const Element* vertices = find(link(e, "source"));
       for (const Element* in = vertices ? vertices->FirstChildElement("input") : nullptr; in;
@@ -311,7 +312,8 @@ class ColladaReader {
     const Element* shading = technique ? technique->FirstChildElement() : nullptr;
     while (shading && !shading->FirstChildElement("diffuse")) shading = shading->NextSiblingElement();
     const Element* diffuse = shading ? shading->FirstChildElement("diffuse") : nullptr;
-    if (const Element* texture = diffuse ? diffuse->FirstChildElement("texture") : nullptr; texture && find_) {
+    if (const Element* texture = diffuse ? diffuse->FirstChildElement("texture") : nullptr;
+        texture && find_) {
       part.image = image(attribute(texture, "texture"), *profile);
       if (part.image) {
         part.color = {1, 1, 1, 1};
@@ -328,7 +330,8 @@ class ColladaReader {
 
   /// The parameter of the profile with this sid.
   const Element* parameter(const Element& profile, const std::string& sid) {
-    for (const Element* e = profile.FirstChildElement("newparam"); e; e = e->NextSiblingElement("newparam"), visit())
+    for (const Element* e = profile.FirstChildElement("newparam"); e;
+         e = e->NextSiblingElement("newparam"), visit())
       if (attribute(e, "sid") == sid) return e;
     return nullptr;
   }
@@ -339,8 +342,10 @@ class ColladaReader {
 
   /// Collada 1.4.1: texture → sampler2D → surface → image; some exporters name the image at once.
   Image image(std::string id, const Element& profile) {
-    if (const Element* sampler = parameter(profile, id)) id = text_of(sampler->FirstChildElement("sampler2D"), "source");
-    if (const Element* surface = parameter(profile, id)) id = text_of(surface->FirstChildElement("surface"), "init_from");
+    if (const Element* sampler = parameter(profile, id))
+      id = text_of(sampler->FirstChildElement("sampler2D"), "source");
+    if (const Element* surface = parameter(profile, id))
+      id = text_of(surface->FirstChildElement("surface"), "init_from");
     const std::string file = text_of(find(id), "init_from");
     return file.empty() ? Image() : find_(file);
   }

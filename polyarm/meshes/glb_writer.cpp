@@ -172,8 +172,9 @@ class Glb {
   /// One material per colour and finish. Colours in files are sRGB; glTF needs linear ones.
   std::size_t material(const MeshPart& part) {
     const bool has_image = part.image && !compact_;
-    const Finish key{has_image ? std::string_view(*part.image) : std::string_view(),
-                     {part.color[0], part.color[1], part.color[2], part.color[3], part.roughness, part.metallic}};
+    const Finish key{
+        has_image ? std::string_view(*part.image) : std::string_view(),
+        {part.color[0], part.color[1], part.color[2], part.color[3], part.roughness, part.metallic}};
     const auto at = by_check_.find(key);
     if (at != by_check_.end()) return at->second;
     std::array<float, 4> linear = part.color;

@@ -76,16 +76,17 @@ std::string why_no_image(std::string_view bytes) {
   const std::optional<Size> size = is_png ? size_of_png(bytes) : size_of_jpeg(bytes);
   if (!size || size->first == 0 || size->second == 0) return "its header is damaged";
   if (size->first > kMostImagePixels || size->second > kMostImagePixels)
-    return "it has " + std::to_string(size->first) + " × " + std::to_string(size->second) + " pixels, of at most " +
-           std::to_string(kMostImagePixels) + " in each direction";
+    return "it has " + std::to_string(size->first) + " × " + std::to_string(size->second) +
+           " pixels, of at most " + std::to_string(kMostImagePixels) + " in each direction";
   return {};
 }
 
 Image read_image(const fs::path& mesh, const std::string& name, Problems& problems) {
   const auto refuse = [&](const std::string& why) {
-    problems.warning("no-image", {},
-                     "the mesh " + mesh.string() + " is shown without its image '" + shortened(name) + "': " + why,
-                     "put a PNG or JPEG file there");
+    problems.warning(
+        "no-image", {},
+        "the mesh " + mesh.string() + " is shown without its image '" + shortened(name) + "': " + why,
+        "put a PNG or JPEG file there");
     return Image();
   };
   std::string local = name.starts_with("file://") ? name.substr(7) : name;

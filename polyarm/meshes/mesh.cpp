@@ -189,7 +189,8 @@ void tidy(MeshPart& part) {
 }
 
 const std::vector<std::string>& mesh_extensions() {
-  static const std::vector<std::string> list = {".stl", ".obj", ".dae", ".3mf", ".glb", ".gltf", ".ply", ".step", ".stp"};
+  static const std::vector<std::string> list = {".stl",  ".obj", ".dae",  ".3mf", ".glb",
+                                                ".gltf", ".ply", ".step", ".stp"};
   return list;
 }
 

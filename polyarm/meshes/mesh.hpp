@@ -14,7 +14,8 @@
 
 namespace polyarm::meshes {
 
-/// Triangles of one colour or with one image. Positions in m in the mesh's own frame, x right, y ahead, z up as its file says.
+/// Triangles of one colour or with one image. Positions in m in the mesh's own frame, x right, y ahead, z up
+/// as its file says.
 struct MeshPart {
   std::vector<std::array<float, 3>> positions;
   std::vector<std::array<float, 3>> normals;  ///< one per position
@@ -33,10 +34,10 @@ using Mesh = std::vector<MeshPart>;
 inline constexpr std::uintmax_t kLargestFile = bounds::kMeshBytes;
 inline constexpr std::size_t kMostTriangles = bounds::kMeshTriangles;
 
-/// Reads STL (binary and ASCII), OBJ (with its MTL), Collada, 3MF, and the formats of mesh_process.hpp. Does not
-/// turn a mesh whose format has y up, as RViz does not. Any thread. Throws Error("no-mesh" |
-/// "bad-mesh" | "large-mesh" | "unknown-mesh") that names the file and says what to do. `notes`, if given, gets
-/// a warning for each image that is left out; without it no image is read.
+/// Reads STL (binary and ASCII), OBJ (with its MTL), Collada, 3MF, and the formats of mesh_process.hpp. Does
+/// not turn a mesh whose format has y up, as RViz does not. Any thread. Throws Error("no-mesh" | "bad-mesh" |
+/// "large-mesh" | "unknown-mesh") that names the file and says what to do. `notes`, if given, gets a warning
+/// for each image that is left out; without it no image is read.
 Mesh read_mesh(const std::filesystem::path& path, Problems* notes = nullptr);
 /// The extensions that read_mesh knows, lower case: ".stl" first.
 const std::vector<std::string>& mesh_extensions();
@@ -64,12 +65,13 @@ void place(Mesh& mesh, const description::Shape& shape);
 /// computed; they are smooth where triangles meet at less than 30 degrees.
 void tidy(MeshPart& part);
 
-/// Joins corners within cells of a grid until at most `most` triangles are left, and makes new normals. Returns
-/// the diagonal of a cell: no corner moved further. 0 if nothing had to change.
+/// Joins corners within cells of a grid until at most `most` triangles are left, and makes new normals.
+/// Returns the diagonal of a cell: no corner moved further. 0 if nothing had to change.
 double simplify(Mesh& mesh, std::size_t most);
 std::size_t triangles_of(const Mesh& mesh);
 
-/// What is doubtful about a mesh of this size (the diagonal of its box, m): " is 240 m large …". Empty if nothing is.
+/// What is doubtful about a mesh of this size (the diagonal of its box, m): " is 240 m large …". Empty if
+/// nothing is.
 std::string doubt_of_size(double size);
 inline constexpr const char* kUnitAdvice =
     "if its numbers are millimetres, write scale=\"0.001 0.001 0.001\" in the URDF, or unit: mm in the scene";

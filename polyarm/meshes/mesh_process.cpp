@@ -24,8 +24,9 @@ struct Library {
   const char* name;
   const char* advice;
 };
-constexpr Library kAssimp{"polyarm_mesh_import", "Assimp",
-                          "install libassimp-dev and build again, or convert the mesh to STL, OBJ or Collada (.dae)"},
+constexpr Library kAssimp{
+    "polyarm_mesh_import", "Assimp",
+    "install libassimp-dev and build again, or convert the mesh to STL, OBJ or Collada (.dae)"},
     kOpenCascade{"polyarm_step_import", "Open CASCADE",
                  "install libocct-data-exchange-dev and build again, or convert the file to STL, OBJ or 3MF"};
 constexpr struct {
@@ -95,7 +96,8 @@ bool unpack_images(process::Unpacker& in, std::vector<Image>& images) {
   for (std::size_t i = 0; i < count; ++i) {
     std::string bytes = in.text(kMostImageBytes);
     if (!in.good()) return false;
-    images.push_back(why_no_image(bytes).empty() ? std::make_shared<const std::string>(std::move(bytes)) : Image());
+    images.push_back(why_no_image(bytes).empty() ? std::make_shared<const std::string>(std::move(bytes))
+                                                 : Image());
   }
   return true;
 }
@@ -191,7 +193,8 @@ Mesh import_mesh(const std::string& bytes, const std::string& extension, const s
   const std::string program = process::find_program(library.program);
   if (program.empty())
     throw Error("unknown-mesh",
-                "the mesh " + name + " needs " + library.name + ", which this build of Polyarm lacks", library.advice);
+                "the mesh " + name + " needs " + library.name + ", which this build of Polyarm lacks",
+                library.advice);
   const Descriptor file = memory_file(bytes, name);
   const Descriptor answer = memory_file({}, name);
   process::Child child;

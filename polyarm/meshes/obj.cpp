@@ -115,7 +115,9 @@ class ObjReader {
   /// v counts from the lower edge of the image.
   void add_texcoord(const std::vector<std::string>& words) {
     if (texcoords_.size() >= 3 * kMostTriangles) refuse("it has too many corners");
-    const auto at = [&](std::size_t k) { return words.size() > k ? number<float>(words[k]).value_or(0.f) : 0.f; };
+    const auto at = [&](std::size_t k) {
+      return words.size() > k ? number<float>(words[k]).value_or(0.f) : 0.f;
+    };
     texcoords_.push_back({at(1), 1 - at(2)});
   }
 

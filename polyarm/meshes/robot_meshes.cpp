@@ -108,13 +108,18 @@ void simplify_nodes(std::vector<GlbNode>& nodes, std::size_t most, std::vector<P
   double moved = 0;
   for (GlbNode& node : nodes) {
     const double share = static_cast<double>(triangles_of(node.mesh)) / static_cast<double>(all);
-    moved = std::max(moved, simplify(node.mesh, static_cast<std::size_t>(share * static_cast<double>(most)) + 12));
+    moved = std::max(moved,
+                     simplify(node.mesh, static_cast<std::size_t>(share * static_cast<double>(most)) + 12));
     kept += triangles_of(node.mesh);
   }
-  notes.push_back({"large-mesh", {},
-                   fmt::format("the meshes of this robot have {} triangles; {} are drawn, corners moved by at most {:.1f} mm",
-                               all, kept, 1000 * moved),
-                   "simplify them, if the picture needs finer ones", Severity::warning});
+  notes.push_back(
+      {"large-mesh",
+       {},
+       fmt::format(
+           "the meshes of this robot have {} triangles; {} are drawn, corners moved by at most {:.1f} mm",
+           all, kept, 1000 * moved),
+       "simplify them, if the picture needs finer ones",
+       Severity::warning});
 }
 
 RobotMeshes convert(const RobotModel& model, std::size_t left, std::size_t drawn) {
@@ -188,7 +193,8 @@ std::string mesh_hash(const RobotModel& model) {
   return fmt::format("{:016x}", h);
 }
 
-RobotMeshes robot_meshes(const RobotModel& model, const fs::path& cache, std::size_t most_triangles, std::size_t drawn) {
+RobotMeshes robot_meshes(const RobotModel& model, const fs::path& cache, std::size_t most_triangles,
+                         std::size_t drawn) {
   const std::string hash = mesh_hash(model);
   if (hash.empty()) return {};
   const fs::path path = cache / (hash + ".glb");

@@ -16,8 +16,8 @@ struct RobotMeshes {
   std::string glb;
   /// One sentence per missing or broken mesh. The node of its link then holds the collision geometry.
   std::vector<Problem> warnings;
-  /// What is drawn in another way than the files have it: images that are left out, meshes that are simplified.
-  /// Said once: a result from the cache has none.
+  /// What is drawn in another way than the files have it: images that are left out, meshes that are
+  /// simplified. Said once: a result from the cache has none.
   std::vector<Problem> notes;
 };
 
@@ -34,9 +34,10 @@ std::string mesh_hash(const description::RobotModel& model);
 
 /// Converts the visual geometry, or takes the result from `cache`, where it is stored under its hash until
 /// the files change. An empty path disables the cache. Slow, reads the disk: any thread except those of a
-/// cell. `most_triangles` limits all meshes together; links beyond it show their collision geometry. Meshes with
-/// more than `drawn` triangles together are simplified.
+/// cell. `most_triangles` limits all meshes together; links beyond it show their collision geometry. Meshes
+/// with more than `drawn` triangles together are simplified.
 RobotMeshes robot_meshes(const description::RobotModel& model, const std::filesystem::path& cache,
-                         std::size_t most_triangles = bounds::kRobotTriangles, std::size_t drawn = kDrawnTriangles);
+                         std::size_t most_triangles = bounds::kRobotTriangles,
+                         std::size_t drawn = kDrawnTriangles);
 
 }  // namespace polyarm::meshes

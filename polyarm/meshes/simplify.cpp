@@ -13,9 +13,9 @@ namespace polyarm::meshes {
 namespace {
 
 using Point = std::array<float, 3>;
-constexpr double kImageCells = 64;      // cells across an image
-constexpr int kMostRounds = 24;    // of the search for a grid
-constexpr double kGrows = 1.25;    // of a cell, each round
+constexpr double kImageCells = 64;  // cells across an image
+constexpr int kMostRounds = 24;     // of the search for a grid
+constexpr double kGrows = 1.25;     // of a cell, each round
 
 struct Extent {
   Point low, high;

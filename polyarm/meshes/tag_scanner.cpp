@@ -22,7 +22,8 @@ std::string_view without_prefix(std::string_view name) {
 }  // namespace
 
 int TagScanner::line() const {
-  return 1 + static_cast<int>(std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(begin_), '\n'));
+  return 1 + static_cast<int>(
+                 std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(begin_), '\n'));
 }
 
 void TagScanner::refuse(const std::string& why) const {

@@ -75,7 +75,8 @@ std::string without_slash(std::string_view path) {
 /// Reads one model file of the archive.
 class ModelReader {
  public:
-  ModelReader(const std::string& text, const std::string& file, const std::string& name, std::size_t& triangles)
+  ModelReader(const std::string& text, const std::string& file, const std::string& name,
+              std::size_t& triangles)
       : file_(file), tags_(text, name), triangles_(triangles) {}
 
   Model read() {
@@ -104,7 +105,8 @@ class ModelReader {
       group_ = &out_.colors[std::string(tags_.attribute("id"))];
     } else if ((kind == "base" || kind == "color") && group_) {
       if (++colors_ > kMostColors) tags_.refuse("it has too many colours");
-      group_->push_back(color_of(tags_.attribute(kind == "base" ? "displaycolor" : "color")).value_or(Rgba{0.8f, 0.8f, 0.8f, 1}));
+      group_->push_back(color_of(tags_.attribute(kind == "base" ? "displaycolor" : "color"))
+                            .value_or(Rgba{0.8f, 0.8f, 0.8f, 1}));
     } else if (kind == "object") {
       object();
     } else if (kind == "component" && object_) {
@@ -116,8 +118,9 @@ class ModelReader {
 
   double metres() const {
     const std::string_view unit = tags_.attribute("unit");
-    constexpr std::pair<std::string_view, double> kUnits[] = {{"micron", 1e-6},  {"millimeter", 1e-3}, {"centimeter", 1e-2},
-                                                              {"inch", 0.0254}, {"foot", 0.3048},     {"meter", 1}};
+    constexpr std::pair<std::string_view, double> kUnits[] = {{"micron", 1e-6},     {"millimeter", 1e-3},
+                                                              {"centimeter", 1e-2}, {"inch", 0.0254},
+                                                              {"foot", 0.3048},     {"meter", 1}};
     for (const auto& [name, metres] : kUnits)
       if (unit == name) return metres;
     if (!unit.empty()) tags_.refuse("its unit is not one of 3MF");
@@ -162,8 +165,9 @@ class ModelReader {
     if (!object_) tags_.refuse("a triangle belongs to no object");
     if (++triangles_ > kMostTriangles) tags_.refuse("it has too many triangles");
     const std::string_view group = tags_.attribute("pid");
-    const Property own = group.empty() ? Property{object_->property.group, index("p1", object_->property.index)}
-                                       : Property{std::string(group), index("p1", 0)};
+    const Property own = group.empty()
+                             ? Property{object_->property.group, index("p1", object_->property.index)}
+                             : Property{std::string(group), index("p1", 0)};
     const bool is_new = !object_->triangles.contains(own) && object_->triangles.size() >= kMostFinishes;
     std::vector<std::uint32_t>& list = object_->triangles[is_new ? Property{} : own];
     for (const char* key : {"v1", "v2", "v3"}) {
@@ -254,7 +258,8 @@ class ThreeMfReader {
       const auto& p = object.corners[corner];
       std::array<float, 3> placed;
       for (std::size_t r = 0; r < 3; ++r)
-        placed[r] = static_cast<float>(metres * (map[r][0] * p[0] + map[r][1] * p[1] + map[r][2] * p[2] + map[r][3]));
+        placed[r] =
+            static_cast<float>(metres * (map[r][0] * p[0] + map[r][1] * p[1] + map[r][2] * p[2] + map[r][3]));
       part.triangles.push_back(static_cast<std::uint32_t>(part.positions.size()));
       part.positions.push_back(placed);
     }

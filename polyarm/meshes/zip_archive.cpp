@@ -55,14 +55,16 @@ std::string ZipArchive::read(const std::string& file) {
   const auto damaged = [&] { refuse("'" + shortened(file) + "' is damaged"); };
   zip_stat_t facts;
   constexpr zip_uint64_t kSize = ZIP_STAT_SIZE | ZIP_STAT_ENCRYPTION_METHOD;
-  if (zip_stat_index(zip_.get(), static_cast<zip_uint64_t>(at), 0, &facts) != 0 || (facts.valid & kSize) != kSize)
+  if (zip_stat_index(zip_.get(), static_cast<zip_uint64_t>(at), 0, &facts) != 0 ||
+      (facts.valid & kSize) != kSize)
     damaged();
   if (facts.encryption_method != ZIP_EM_NONE) refuse("'" + shortened(file) + "' is encrypted");
   if (facts.size > left_)
     throw Error("large-mesh", "the mesh " + name_ + " is too large when it is unpacked",
                 "simplify it: some thousand triangles are enough to draw it");
   left_ -= facts.size;
-  const std::unique_ptr<zip_file_t, Close> opened(zip_fopen_index(zip_.get(), static_cast<zip_uint64_t>(at), 0));
+  const std::unique_ptr<zip_file_t, Close> opened(
+      zip_fopen_index(zip_.get(), static_cast<zip_uint64_t>(at), 0));
   if (!opened) refuse("'" + shortened(file) + "' cannot be unpacked: " + zip_strerror(zip_.get()));
   std::string out(facts.size, '\0');
   std::size_t done = 0;

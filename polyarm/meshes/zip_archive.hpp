@@ -1,6 +1,6 @@
 #pragma once
-/// Reads files out of a ZIP archive in memory, with libzip. Nothing is written to the disk, so paths, links and modes in
-/// the archive mean nothing.
+/// Reads files out of a ZIP archive in memory, with libzip. Nothing is written to the disk, so paths, links
+/// and modes in the archive mean nothing.
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -11,8 +11,8 @@ namespace polyarm::meshes {
 
 class ZipArchive {
  public:
-  /// `bytes` outlives the archive. `most`: of all files that are read, together, bytes. Throws Error("bad-mesh")
-  /// that names the archive.
+  /// `bytes` outlives the archive. `most`: of all files that are read, together, bytes. Throws
+  /// Error("bad-mesh") that names the archive.
   ZipArchive(const std::string& bytes, std::string name, std::size_t most);
 
   bool has(const std::string& file) const;

@@ -15,9 +15,9 @@ using hardware::ForwardMove;
 namespace {
 
 using Values = std::vector<double>;
-constexpr int kSamples = 48;         // of a move
-constexpr double kNoTime = 1e-6;     // s; shorter moves are left out
-constexpr double kNoSpeed = 1e-4;    // m/s: the TCP only turns
+constexpr int kSamples = 48;       // of a move
+constexpr double kNoTime = 1e-6;   // s; shorter moves are left out
+constexpr double kNoSpeed = 1e-4;  // m/s: the TCP only turns
 constexpr double kLeastShare = 0.01;
 
 class ForwardPlan {
@@ -87,11 +87,12 @@ class ForwardPlan {
     return out;
   }
 
-  /// The highest speeds of the plan between two times. The plan slows down only where the TCP is fast; a robot
-  /// has one speed for a joint move, so it gets the one with which the TCP stays below `most` (m/s; 0:
+  /// The highest speeds of the plan between two times. The plan slows down only where the TCP is fast; a
+  /// robot has one speed for a joint move, so it gets the one with which the TCP stays below `most` (m/s; 0:
   /// unlimited) everywhere.
   void measure(double from, double to, double most, ForwardMove& out) {
-    double share = kLeastShare, speed = 0, reach = 0;  // reach: m/s of the TCP at the full speed of the joints
+    double share = kLeastShare, speed = 0,
+           reach = 0;  // reach: m/s of the TCP at the full speed of the joints
     Vec3 before;
     Values last;
     const double step = (to - from) / kSamples;
@@ -172,8 +173,10 @@ class ForwardPlan {
 
 std::optional<Problem> refuse_forward(const Move& move, const std::string& robot) {
   const auto no = [&](const char* what, const char* advice) {
-    return Problem{"forward-mode", {},
-                   "'" + robot + "' has `motion: forward`, and its controller takes no " + what, advice};
+    return Problem{"forward-mode",
+                   {},
+                   "'" + robot + "' has `motion: forward`, and its controller takes no " + what,
+                   advice};
   };
   if (move.kind == MoveKind::spline)
     return no("curves through several poses (`smooth`)", "write movel with a blend, or set `motion: stream`");
@@ -182,7 +185,8 @@ std::optional<Problem> refuse_forward(const Move& move, const std::string& robot
   return std::nullopt;
 }
 
-std::unique_ptr<controllers::ForwardMotion> forward_motion(const RobotFacts& robot, std::span<const Move> moves,
+std::unique_ptr<controllers::ForwardMotion> forward_motion(const RobotFacts& robot,
+                                                           std::span<const Move> moves,
                                                            const PlannedMotion& motion, double begin,
                                                            double tcp_ceiling) {
   return std::make_unique<controllers::ForwardMotion>(

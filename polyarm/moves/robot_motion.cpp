@@ -58,9 +58,10 @@ std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> wi
   if (measured_) {
     if (auto no = refuse_forward(move, robot_.name)) throw Error(std::move(*no));
     if (step)
-      throw Error("forward-mode",
-                  "'" + robot_.name + "' has `motion: forward`, and its controller cannot move in step with others",
-                  "write these moves outside of `together`, or set `motion: stream`");
+      throw Error(
+          "forward-mode",
+          "'" + robot_.name + "' has `motion: forward`, and its controller cannot move in step with others",
+          "write these moves outside of `together`, or set `motion: stream`");
   }
   if (find_obstacles_ && bends(move)) end_here(move);
   if (!waiting_.empty() &&
@@ -171,7 +172,8 @@ void RobotMotion::collect() {
     job->step->longest_ = std::max(job->step->longest_, job->plan.duration());
   }
   const double total = job->plan.duration();
-  const auto moves = job->forward ? std::make_shared<const std::vector<Move>>(std::move(job->moves)) : nullptr;
+  const auto moves =
+      job->forward ? std::make_shared<const std::vector<Move>>(std::move(job->moves)) : nullptr;
   for (std::size_t i = 0; i < job->plan.motions.size(); ++i) {
     PlannedMotion& motion = job->plan.motions[i];
     Ready ready;
@@ -298,7 +300,8 @@ void RobotMotion::go_on_from(Ready& ready, double time) {
         forward_motion(facts(ready.with), *ready.moves, ready.motion, time, ready.options.tcp_ceiling);
     return;
   }
-  ready.follower = std::make_unique<timing::PathFollower>(ready.motion.path, ready.limits, controller_.period());
+  ready.follower =
+      std::make_unique<timing::PathFollower>(ready.motion.path, ready.limits, controller_.period());
   ready.follower->start_at(time);
 }
 

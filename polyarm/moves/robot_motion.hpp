@@ -63,8 +63,8 @@ class RobotMotion {
   /// All arguments must outlive this object and the posted jobs.
   RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryController& controller, Post post);
 
-  /// Whether the robot's own controller interpolates. `measured` returns the robot's measured joints, where the
-  /// next move begins after one that was ended early. Null: this computer interpolates. Only when idle().
+  /// Whether the robot's own controller interpolates. `measured` returns the robot's measured joints, where
+  /// the next move begins after one that was ended early. Null: this computer interpolates. Only when idle().
   void set_forward(std::function<std::vector<double>()> measured) { measured_ = std::move(measured); }
   bool forward() const { return static_cast<bool>(measured_); }
   /// True if a program may queue another move now; else the program waits until a move has finished.
@@ -72,10 +72,10 @@ class RobotMotion {
     return waiting_.size() < kMostWaiting && last_id_ - settled_ < kMostAhead && !is_far_ahead();
   }
   /// Returns the move's id, which counts up from 1. `with`: the robot with another TCP (null: unchanged);
-  /// only moves with the same TCP blend. Throws Error("busy") if there is no room, Error("forward-mode") if the
-  /// robot's own controller cannot carry it out.
-  /// `step`: waits for the moves of the other robots of the step. Consecutive moves with the same step are
-  /// one motion of the robot; they do not blend with other moves.
+  /// only moves with the same TCP blend. Throws Error("busy") if there is no room, Error("forward-mode") if
+  /// the robot's own controller cannot carry it out. `step`: waits for the moves of the other robots of the
+  /// step. Consecutive moves with the same step are one motion of the robot; they do not blend with other
+  /// moves.
   std::uint64_t queue(Move move, std::shared_ptr<const RobotFacts> with = nullptr,
                       std::shared_ptr<InStep> step = nullptr);
   /// Ends the blending: the last move does not wait for a next move.

@@ -1,6 +1,6 @@
 #pragma once
-/// Parts of guards: a planned path in time, how long a path takes to brake, how fast joints move whose plan is
-/// not known, and the limits and zones of a cell. Private to this room. Metres, radians, seconds.
+/// Parts of guards: a planned path in time, how long a path takes to brake, how fast joints move whose plan
+/// is not known, and the limits and zones of a cell. Private to this room. Metres, radians, seconds.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -108,7 +108,8 @@ std::uint64_t Guards::measured() const {
 }
 
 std::optional<Guards::Near> Guards::near(std::size_t r) const {
-  if (work_->off || !work_->bodies || !work_->bodies->has_looked() || work_->models == nullptr) return std::nullopt;
+  if (work_->off || !work_->bodies || !work_->bodies->has_looked() || work_->models == nullptr)
+    return std::nullopt;
   if (!needed()) return std::nullopt;  // the bodies are not where they were seen
   const Of& of = work_->robots[r];
   const bool stands_before = of.goal != 0 && of.pace < 1 && of.ahead_of.pair >= 0;
@@ -116,14 +117,19 @@ std::optional<Guards::Near> Guards::near(std::size_t r) const {
   if (found.pair < 0) return std::nullopt;
   const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(found.pair)];
   const bool first = pair.robot_a == static_cast<int>(r);
-  Near out{work_->bodies->name(first ? pair.a : pair.b), work_->bodies->name(first ? pair.b : pair.a),
-           found.gap.distance, found.gap.on_a, found.gap.on_b, stands_before ? of.ahead_of.required : 0};
+  Near out{work_->bodies->name(first ? pair.a : pair.b),
+           work_->bodies->name(first ? pair.b : pair.a),
+           found.gap.distance,
+           found.gap.on_a,
+           found.gap.on_b,
+           stands_before ? of.ahead_of.required : 0};
   if (!first) std::swap(out.on_mine, out.on_other);
   return out;
 }
 
 std::optional<double> Guards::clearance_at(std::size_t r, std::span<const double> q) const {
-  if (work_->off || !work_->bodies || !work_->bodies->has_looked() || work_->bodies->drives(r)) return std::nullopt;
+  if (work_->off || !work_->bodies || !work_->bodies->has_looked() || work_->bodies->drives(r))
+    return std::nullopt;
   work_->bodies->try_joints(r, q);
   return work_->bodies->nearest(static_cast<int>(r), kFarthest, true).gap.distance;
 }
@@ -324,7 +330,8 @@ void Guards::see(std::size_t r) {
   of.time = now->begun ? now->time : 0;
   of.speed = now->begun ? std::abs(now->speed) : 1;
   of.duration = now->motion->path.duration();
-  const bool is_new = std::exchange(of.goal, now->goal) != now->goal, looks_anew = std::exchange(of.anew, false);
+  const bool is_new = std::exchange(of.goal, now->goal) != now->goal,
+             looks_anew = std::exchange(of.anew, false);
   if (!is_new && !looks_anew) return;
   if (is_new) {
     of.pace = 1;

@@ -43,10 +43,11 @@ class Guards {
   void tick();
   /// The pace at which the guard lets a robot's move go on, 0 to 1.
   double pace(std::size_t robot) const;
-  /// More things that robots are kept off, in addition to the scene: objects of MoveIt's clients. They replace those
-  /// before; the guards know them some ticks later.
+  /// More things that robots are kept off, in addition to the scene: objects of MoveIt's clients. They
+  /// replace those before; the guards know them some ticks later.
   void set_more(std::vector<description::Fixture> more);
-  /// What is nearest to a robot that moves, for people: names of both bodies and the places between which it is.
+  /// What is nearest to a robot that moves, for people: names of both bodies and the places between which it
+  /// is.
   struct Near {
     std::string mine, other;
     double distance = 0;

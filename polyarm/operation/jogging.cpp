@@ -109,7 +109,8 @@ std::optional<Problem> Jogging::why_not(std::size_t i) const {
   if (!arming_.armed())
     return problem_of(name, "disarmed", "the real hardware is not armed", "polyarm control arm");
   if (motions_.forward_moves(i))
-    return problem_of(name, "forward-mode", "its own controller interpolates (`motion: forward`) and takes only moves",
+    return problem_of(name, "forward-mode",
+                      "its own controller interpolates (`motion: forward`) and takes only moves",
                       "move it to points, or by small relative moves; or set `motion: stream` at the robot");
   const control::Snapshot& snapshot = machine_.snapshot();
   if (snapshot.state == control::RunState::fault)

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/process/packing.hpp"
 #include "polyarm/participant/dds_types.hpp"
+#include "polyarm/process/packing.hpp"
 
 namespace polyarm::ros2 {
 

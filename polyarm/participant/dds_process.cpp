@@ -10,12 +10,12 @@
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
+#include "polyarm/participant/dds_exchange.hpp"
+#include "polyarm/participant/participant.hpp"
 #include "polyarm/process/channel.hpp"
 #include "polyarm/process/child.hpp"
 #include "polyarm/process/confinement.hpp"
 #include "polyarm/process/pulse.hpp"
-#include "polyarm/participant/dds_exchange.hpp"
-#include "polyarm/participant/participant.hpp"
 
 namespace polyarm::ros2 {
 
@@ -99,7 +99,8 @@ class DdsProcess : public ParticipantObserver {
   void add(std::size_t id, Add add) {
     try {
       const Guid guid = participant_->guid(add());
-      tell([&](Packer& out) { out.number(number_of(DdsReport::made)).number(std::uint64_t{id}).array(guid); });
+      tell(
+          [&](Packer& out) { out.number(number_of(DdsReport::made)).number(std::uint64_t{id}).array(guid); });
     } catch (const Error& e) {
       tell([&](Packer& out) {
         out.number(number_of(DdsReport::not_made)).number(std::uint64_t{id}).text(e.problems().front().what);

@@ -21,9 +21,9 @@ POLYARM_REQUESTS(point_requests, PointsList, PointsHere, PointsTeach, PointsSet,
                  PointsRename, PointsDelete, PointsOutside, PointsTake, PointsHistory, PointsUndo,
                  PointsFrame, PointsTool, PointsSighting, PointsCamera, PlanPreview)
 POLYARM_REQUESTS(project_requests, FilesList, FilesRead, FilesDraft, FilesWrite, FilesVersions, FilesVersion,
-                 FilesDelete, FilesRename, SceneUpload, SceneAdd, LanguageWords, ProgramCheck, ProgramSteps, ProgramNames,
-                 CellRestart, ProgramDry, CellCheck, CellReach, CellsList, CellSaveAs, CellNew, CellConnect,
-                 RecordState, RecordStart, RecordStop)
+                 FilesDelete, FilesRename, SceneUpload, SceneAdd, LanguageWords, ProgramCheck, ProgramSteps,
+                 ProgramNames, CellRestart, ProgramDry, CellCheck, CellReach, CellsList, CellSaveAs, CellNew,
+                 CellConnect, RecordState, RecordStart, RecordStop)
 POLYARM_REQUESTS(session_requests, SessionHello, SessionWatch, SessionEnd, SessionTake, SessionRelease,
                  SessionAnswer, JogBegin, JogBeat, JogEnd, JogGoto, JogStep, CellChange, CellOpen, CellReset)
 

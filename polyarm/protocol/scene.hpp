@@ -9,8 +9,8 @@ namespace polyarm::protocol {
 struct MeshFacts {
   Vec3 size, lower;  ///< the box around it and its lower corner, in the numbers of the file, or m if `metres`
   std::uint64_t triangles = 0;
-  bool metres = false;     ///< its format says its unit
-  std::string likely;      ///< the unit that its size suggests: m, mm
+  bool metres = false;  ///< its format says its unit
+  std::string likely;   ///< the unit that its size suggests: m, mm
   POLYARM_MEMBERS(MeshFacts, size, lower, triangles, metres, likely)
 };
 
@@ -19,7 +19,8 @@ struct SceneUpload {
       .name = "scene.upload",
       .role = Role::program,
       .text =
-          "Stores a file for the scene in the folder meshes of the cell, piece by piece: a mesh, its .mtl or its images. "
+          "Stores a file for the scene in the folder meshes of the cell, piece by piece: a mesh, its .mtl or "
+          "its images. "
           "`data` is base64; `offset` counts the bytes before it, 0 begins the file. With `last`, a mesh is "
           "read whole, and its size is returned; a file that cannot be read is not kept.",
       .moves = true};
@@ -42,7 +43,8 @@ struct SceneAdd {
       .name = "scene.add",
       .role = Role::program,
       .text =
-          "Writes a mesh into the scene file, as a fixture or, with `mass` in kg, as a part. `unit` is m, mm, cm or in, "
+          "Writes a mesh into the scene file, as a fixture or, with `mass` in kg, as a part. `unit` is m, "
+          "mm, cm or in, "
           "`scale` 1 without it; `at` and `rpy` are its pose in the world. It is there after cell.reset.",
       .moves = true};
   std::string name, file, unit = "m";

@@ -1,4 +1,5 @@
-/// Requests that add meshes to the scene: their files are uploaded in pieces, then written into the scene file.
+/// Requests that add meshes to the scene: their files are uploaded in pieces, then written into the scene
+/// file.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -53,7 +54,8 @@ void check_name(const std::string& name) {
   const auto fine = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.' || c == ' ';
   };
-  if (name.empty() || name.size() > kLongestName || name[0] == '.' || name[0] == ' ' || !std::all_of(name.begin(), name.end(), fine))
+  if (name.empty() || name.size() > kLongestName || name[0] == '.' || name[0] == ' ' ||
+      !std::all_of(name.begin(), name.end(), fine))
     throw Error("bad-path", "'" + shortened(printable_line(name)) + "' is not a name for a file of the scene",
                 "give it a name of letters, digits, spaces and - _ .");
   const std::string ending = ending_of(name);
@@ -115,7 +117,8 @@ OrNull<MeshFacts> check_content(const fs::path& file) {
     out.emplace(facts_of(file));
   } else if (is_image(ending)) {
     if (const std::string why = meshes::why_no_image(read_file(file, meshes::kMostImageBytes)); !why.empty())
-      throw Error("bad-image", "the image " + file.filename().string() + " is not taken: " + why, "save it as PNG or JPEG");
+      throw Error("bad-image", "the image " + file.filename().string() + " is not taken: " + why,
+                  "save it as PNG or JPEG");
   } else if (std::error_code error; fs::file_size(file, error) > kLargestMtl) {
     throw Error("too-large", "the file " + file.filename().string() + " is too large for materials");
   }
@@ -127,10 +130,12 @@ std::string keep(const fs::path& folder, const fs::path& part, const std::string
   const fs::path target = meshes_folder(folder) / name;
   std::error_code error;
   constexpr int kMostMeshes = 500;
-  if (std::distance(fs::directory_iterator(target.parent_path(), error), fs::directory_iterator()) >= kMostMeshes)
+  if (std::distance(fs::directory_iterator(target.parent_path(), error), fs::directory_iterator()) >=
+      kMostMeshes)
     throw Error("too-many", "the folder meshes has 500 files", "delete some of them");
   if (fs::exists(fs::symlink_status(target, error))) {
-    if (fs::is_regular_file(fs::symlink_status(target, error)) && read_file(target, meshes::kLargestFile) == read_file(part, meshes::kLargestFile)) {
+    if (fs::is_regular_file(fs::symlink_status(target, error)) &&
+        read_file(target, meshes::kLargestFile) == read_file(part, meshes::kLargestFile)) {
       fs::remove(part, error);
       return "meshes/" + name;
     }
@@ -145,7 +150,8 @@ std::string keep(const fs::path& folder, const fs::path& part, const std::string
 void make_room(const fs::path& part) {
   constexpr int kMostUploads = 8;
   std::error_code error;
-  const auto count = std::distance(fs::directory_iterator(part.parent_path(), error), fs::directory_iterator());
+  const auto count =
+      std::distance(fs::directory_iterator(part.parent_path(), error), fs::directory_iterator());
   fs::remove_all(count >= kMostUploads ? part.parent_path() : part, error);
   fs::create_directories(part.parent_path(), error);
 }
@@ -161,17 +167,22 @@ SceneUpload::Answer stored(const fs::path& folder, const SceneUpload& request) {
   if (request.offset == 0) make_room(part);
   const std::uint64_t there = fs::exists(part, error) ? fs::file_size(part, error) : 0;
   if (there != request.offset)
-    throw Error("bad-offset", fmt::format("{} bytes of '{}' are here, but this piece begins at {}", there, request.name, request.offset),
+    throw Error("bad-offset",
+                fmt::format("{} bytes of '{}' are here, but this piece begins at {}", there, request.name,
+                            request.offset),
                 "send the pieces in order, from 0 on");
   if (there + bytes.size() > meshes::kLargestFile) {
     fs::remove(part, error);
-    throw Error("too-large", fmt::format("'{}' has more than {} MB", request.name, meshes::kLargestFile >> 20),
+    throw Error("too-large",
+                fmt::format("'{}' has more than {} MB", request.name, meshes::kLargestFile >> 20),
                 "simplify it: some thousand triangles are enough to draw it");
   }
   std::ofstream file(part, std::ios::binary | std::ios::app);
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();
-  if (!file) throw Error("unwritable", "'" + request.name + "' cannot be stored", "look at the free space of the disk");
+  if (!file)
+    throw Error("unwritable", "'" + request.name + "' cannot be stored",
+                "look at the free space of the disk");
   SceneUpload::Answer out{there + bytes.size(), {}, {}};
   if (!request.last) return out;
   try {
@@ -185,7 +196,8 @@ SceneUpload::Answer stored(const fs::path& folder, const SceneUpload& request) {
 }
 
 Poll<SceneUpload::Answer> scene_upload(const SceneOwners& cell, const SceneUpload& request) {
-  return later(cell.long_worker, [folder = cell.setup.file.folder, request] { return stored(folder, request); });
+  return later(cell.long_worker,
+               [folder = cell.setup.file.folder, request] { return stored(folder, request); });
 }
 
 void check(const SceneAdd& request) {
@@ -195,17 +207,19 @@ void check(const SceneAdd& request) {
   if (!near(request.at, bounds::kSceneMetres) || !near(request.rpy, 100))
     throw Error("bad-value", "the pose is not a pose of a scene", "give metres and radians");
   const double scale = request.scale.value_or(1);
-  if (!(scale > 0 && scale <= 1e6))
-    throw Error("bad-value", "the scale must be above zero and at most 1e6");
+  if (!(scale > 0 && scale <= 1e6)) throw Error("bad-value", "the scale must be above zero and at most 1e6");
   if (!among(request.unit, {"m", "mm", "cm", "in"}))
-    throw Error("bad-value", "'" + shortened(request.unit) + "' is not a unit of a mesh file", "m, mm, cm or in");
+    throw Error("bad-value", "'" + shortened(request.unit) + "' is not a unit of a mesh file",
+                "m, mm, cm or in");
   if (request.mass && !(*request.mass > 0 && *request.mass <= bounds::kSceneMass))
     throw Error("bad-value", "the mass must be above zero", "give it in kg");
 }
 
-/// Returns the name of the scene file. A cell without one gets a new file, and its cell file names it. The new file has
-/// the floor that the cell had. `cell`: the name of the cell file in the folder; `named`: the scene of the running cell.
-std::string scene_file(const fs::path& folder, const std::string& cell, const std::string& named, double floor_height) {
+/// Returns the name of the scene file. A cell without one gets a new file, and its cell file names it. The
+/// new file has the floor that the cell had. `cell`: the name of the cell file in the folder; `named`: the
+/// scene of the running cell.
+std::string scene_file(const fs::path& folder, const std::string& cell, const std::string& named,
+                       double floor_height) {
   if (!named.empty()) return named;
   if (const std::string ending = ending_of(cell); ending != ".yaml" && ending != ".yml")
     throw Error("cannot-keep", "this cell has no cell file that could name a scene; nothing was changed",
@@ -217,7 +231,8 @@ std::string scene_file(const fs::path& folder, const std::string& cell, const st
   const fs::path scene = folder / "scene.yaml";
   std::error_code error;
   if (fs::exists(scene, error))
-    throw Error("exists", "there is a scene.yaml, but " + cell + " does not name it", "add 'scene: scene.yaml' to " + cell);
+    throw Error("exists", "there is a scene.yaml, but " + cell + " does not name it",
+                "add 'scene: scene.yaml' to " + cell);
   std::string after = before + (before.ends_with('\n') ? "" : "\n") + "scene: scene.yaml\n";
   bool reads = true;
   try {
@@ -226,22 +241,30 @@ std::string scene_file(const fs::path& folder, const std::string& cell, const st
     reads = false;
   }
   if (!reads)
-    throw Error("cannot-keep", "'scene: scene.yaml' cannot be added to " + cell + "; nothing was changed", "write it yourself");
+    throw Error("cannot-keep", "'scene: scene.yaml' cannot be added to " + cell + "; nothing was changed",
+                "write it yourself");
   write_file_atomically(scene, "polyarm: scene/1\nfloor: {height: " + format_number(floor_height) + "}\n");
   write_project_file(folder, cell, after);
   return "scene.yaml";
 }
 
-SceneAdd::Answer added(const fs::path& folder, const std::string& cell, const std::string& named, double floor_height,
-                       const SceneAdd& request) {
+SceneAdd::Answer added(const fs::path& folder, const std::string& cell, const std::string& named,
+                       double floor_height, const SceneAdd& request) {
   check(request);
-  description::MeshEntry entry{request.name, request.file, request.unit, request.at, request.rpy,
-                               request.scale.value_or(1), request.mass.value_or(0)};
+  description::MeshEntry entry{request.name,
+                               request.file,
+                               request.unit,
+                               request.at,
+                               request.rpy,
+                               request.scale.value_or(1),
+                               request.mass.value_or(0)};
   description::with_mesh("polyarm: scene/1\n", "scene.yaml", entry);  // before a file is made
   check_name(fs::path(request.file).filename().string());
   std::error_code error;
-  if (request.file != "meshes/" + fs::path(request.file).filename().string() || !fs::is_regular_file(folder / request.file, error))
-    throw Error("no-mesh", "there is no mesh '" + shortened(request.file) + "' in the folder of the cell", "upload it with scene.upload");
+  if (request.file != "meshes/" + fs::path(request.file).filename().string() ||
+      !fs::is_regular_file(folder / request.file, error))
+    throw Error("no-mesh", "there is no mesh '" + shortened(request.file) + "' in the folder of the cell",
+                "upload it with scene.upload");
   const std::string name = scene_file(folder, cell, named, floor_height);
   const fs::path path = project_file(folder, name);
   // The scene names the mesh from its own folder.

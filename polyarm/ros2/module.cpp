@@ -19,7 +19,8 @@ class Ros2Door : public cell::Door {
         bridge_{cell, options_, distribution_of(options), option_of(options, "namespace"),
                 twists_of(options)} {
     bridge_.check_clock();
-    for (auto make : {make_robot_node, make_manager_node, make_controller_nodes, make_cell_node, make_plugin_nodes})
+    for (auto make :
+         {make_robot_node, make_manager_node, make_controller_nodes, make_cell_node, make_plugin_nodes})
       parts_.push_back(make(bridge_));
     if (has_move_group(options)) parts_.push_back(make_move_groups(bridge_));
   }

@@ -1,5 +1,5 @@
-/// Nodes of plugins on the graph. Payloads pass as they are: the plugin knows its types. What one port has to send is
-/// taken a few payloads at a time, so that a fast publisher delays nothing else.
+/// Nodes of plugins on the graph. Payloads pass as they are: the plugin knows its types. What one port has to
+/// send is taken a few payloads at a time, so that a fast publisher delays nothing else.
 #include <algorithm>
 #include <cctype>
 #include <chrono>
@@ -57,7 +57,8 @@ auto copy_of(std::span<const std::byte> payload) {
   };
 }
 
-/// Types that only plugins know have no hash and no fields here. The texts of a TypeInfo must stay where they are.
+/// Types that only plugins know have no hash and no fields here. The texts of a TypeInfo must stay where they
+/// are.
 class Types {
  public:
   explicit Types(Bridge& bridge) : bridge_{bridge} {}
@@ -136,7 +137,8 @@ class OpenPort {
   bool take(Wire::Request request) {
     const auto port = port_.lock();
     if (!port) return true;
-    if (asked_.size() >= kMostRequests) asked_.erase(asked_.begin());  // the plugin has not answered the oldest
+    if (asked_.size() >= kMostRequests)
+      asked_.erase(asked_.begin());  // the plugin has not answered the oldest
     asked_[++requests_] = std::move(request.answer);
     return port->from_graph.put(requests_, true, copy_of(request.payload));
   }
@@ -174,7 +176,8 @@ class PluginNodes : public Part {
   }
   bool is_known(const std::shared_ptr<NodePort>& port) const {
     return std::any_of(open_.begin(), open_.end(), [&](const auto& each) { return each->is(port); }) ||
-           std::any_of(refused_.begin(), refused_.end(), [&](const auto& each) { return each.lock() == port; });
+           std::any_of(refused_.begin(), refused_.end(),
+                       [&](const auto& each) { return each.lock() == port; });
   }
   void open(const std::shared_ptr<NodePort>& port) {
     try {

@@ -17,9 +17,9 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/printable.hpp"
+#include "polyarm/participant/dds_exchange.hpp"
 #include "polyarm/process/channel.hpp"
 #include "polyarm/process/child.hpp"
-#include "polyarm/participant/dds_exchange.hpp"
 #include "polyarm/ros2/dds_view.hpp"
 
 namespace polyarm::ros2 {

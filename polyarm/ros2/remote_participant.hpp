@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "polyarm/process/pulse.hpp"
 #include "polyarm/participant/dds_types.hpp"
+#include "polyarm/process/pulse.hpp"
 
 namespace polyarm::ros2 {
 

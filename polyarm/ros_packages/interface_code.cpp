@@ -162,8 +162,8 @@ struct Writer {
     if (visits.empty()) visits = " std::uint8_t none_ = 0; visit_(none_);";
     std::string out = "  static constexpr const char* polyarm_type() { return \"" + type + "\"; }\n";
     for (const char* constant : {"", "const "})
-      out += std::string("  template <typename Visit>\n  void polyarm_fields(Visit& visit_) ") + constant + "{" +
-             visits + " }\n";
+      out += std::string("  template <typename Visit>\n  void polyarm_fields(Visit& visit_) ") + constant +
+             "{" + visits + " }\n";
     return out;
   }
 

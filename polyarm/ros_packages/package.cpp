@@ -187,8 +187,8 @@ std::vector<Package> find_packages(const fs::path& path, Problems& problems) {
 }
 
 namespace {
-/// The folder of the repository or the workspace that holds the package: the farthest of the folders above it that
-/// has .git or is called src. Empty if none of the nearest five is one.
+/// The folder of the repository or the workspace that holds the package: the farthest of the folders above it
+/// that has .git or is called src. Empty if none of the nearest five is one.
 fs::path root_of(const Package& package) {
   fs::path out;
   std::error_code error;
@@ -206,9 +206,9 @@ void add_from_root(const Package& package, std::vector<Package>& out) {
   Problems ignored;
   Search{all, ignored}.look(root, 0);
   for (Package& found : all) {
-    const bool known = found.name == package.name ||
-                       std::any_of(out.begin(), out.end(),
-                                   [&](const Package& other) { return other.name == found.name; });
+    const bool known =
+        found.name == package.name ||
+        std::any_of(out.begin(), out.end(), [&](const Package& other) { return other.name == found.name; });
     if (!known && out.size() < kMostPackages) out.push_back(std::move(found));
   }
 }

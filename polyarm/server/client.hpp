@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "polyarm/access/logins.hpp"
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/protocol/facts.hpp"
 #include "polyarm/realtime/bell.hpp"
-#include "polyarm/access/logins.hpp"
 
 namespace polyarm::server {
 
@@ -40,7 +40,7 @@ class Client {
     std::string address;                ///< of the client
     bool local = true;                  ///< true if the client is on this machine
     protocol::Role role = protocol::Role::administer;  ///< of the token that the client sent
-    std::shared_ptr<Login> login = nullptr;  ///< of a user; null: the client came by a link
+    std::shared_ptr<Login> login = nullptr;            ///< of a user; null: the client came by a link
   };
   /// `rope` is pulled when a line comes in. `rope` and `all` may be null.
   Client(std::uint64_t its_number, Side side, std::shared_ptr<realtime::WakeupHandle> rope = nullptr,

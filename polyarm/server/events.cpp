@@ -236,8 +236,8 @@ bool PlanEvents::measure(std::size_t robot, Way& way) const {
   std::vector<double> q(path.joints());
   for (std::size_t i = 0; i < kAtOnce && way.clear.size() < way.places; ++i) {
     std::size_t hint = 0;
-    path.sample(path.duration() * static_cast<double>(way.clear.size()) / static_cast<double>(way.places - 1), q, {}, {}, {},
-                hint);
+    path.sample(path.duration() * static_cast<double>(way.clear.size()) / static_cast<double>(way.places - 1),
+                q, {}, {}, {}, hint);
     const std::optional<double> clear = cell_.clearance_at(robot, q);
     if (!clear) return false;
     way.clear.push_back(std::round(*clear * 1e4) / 1e4);

@@ -52,10 +52,10 @@ class PartEvents {
   std::vector<hardware::PartState> announced_;
 };
 
-/// Planned paths of robots: {"event": "plan", "plans": {ROBOT: {path: [[x, y, z]], clear: [m], target: {joints}}}}.
-/// `clear`: for each place of the path, how far the robot is from everything else; missing until it is known.
-/// The path is the TCP in world coordinates (m). The target is the end of the current move, which may be one of
-/// several along the path. Robots without a planned move are left out.
+/// Planned paths of robots: {"event": "plan", "plans": {ROBOT: {path: [[x, y, z]], clear: [m], target:
+/// {joints}}}}. `clear`: for each place of the path, how far the robot is from everything else; missing until
+/// it is known. The path is the TCP in world coordinates (m). The target is the end of the current move,
+/// which may be one of several along the path. Robots without a planned move are left out.
 class PlanEvents {
  public:
   explicit PlanEvents(cell::CellView& cell) : cell_(cell) {}
@@ -69,7 +69,8 @@ class PlanEvents {
     std::uint64_t goal = 0;
     std::size_t move = 0;  ///< index of the current move in the path
     nlohmann::json told;
-    /// The distances along the path are measured bit by bit: those of places that are not known yet are missing.
+    /// The distances along the path are measured bit by bit: those of places that are not known yet are
+    /// missing.
     std::vector<double> clear;
     std::size_t places = 0;
   };
@@ -82,8 +83,8 @@ class PlanEvents {
   std::vector<Way> ways_;  ///< by robot
 };
 
-/// What is nearest to robots that move: {"event": "near", "robots": {ROBOT: {a, b, distance, kept, on_a, on_b,
-/// pace}}} (m, world). Robots with nothing near them, or without a guard, are left out.
+/// What is nearest to robots that move: {"event": "near", "robots": {ROBOT: {a, b, distance, kept, on_a,
+/// on_b, pace}}} (m, world). Robots with nothing near them, or without a guard, are left out.
 class NearEvents {
  public:
   explicit NearEvents(cell::CellView& cell) : cell_(cell) {}

@@ -26,7 +26,11 @@ void MetricsText::sample(double value, const Labels& labels) {
   for (std::size_t i = 0; i < labels.size(); ++i)
     text_ += (i == 0 ? "{" : ",") + labels[i].first + "=\"" + label_text(labels[i].second) + "\"";
   if (!labels.empty()) text_ += "}";
-  text_ += " " + (std::isnan(value) ? "NaN" : std::isinf(value) ? (value > 0 ? "+Inf" : "-Inf") : format_number(value)) + "\n";
+  text_ += " " +
+           (std::isnan(value)   ? "NaN"
+            : std::isinf(value) ? (value > 0 ? "+Inf" : "-Inf")
+                                : format_number(value)) +
+           "\n";
 }
 
 }  // namespace polyarm::server

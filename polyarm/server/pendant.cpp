@@ -8,6 +8,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "polyarm/access/token.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/server/cell_metrics.hpp"
 #include "polyarm/server/documents.hpp"
@@ -16,7 +17,6 @@
 #include "polyarm/server/scrapes.hpp"
 #include "polyarm/server/sessions.hpp"
 #include "polyarm/server/site.hpp"
-#include "polyarm/access/token.hpp"
 #include "polyarm/server/viewers.hpp"
 
 namespace polyarm::server {
@@ -56,9 +56,7 @@ PortOptions port_options(const PendantOptions& options, Logins& logins) {
   out.rules.token = options.token;
   for (const protocol::Role role : {protocol::Role::watch, protocol::Role::operate, protocol::Role::program})
     out.rules.lesser.emplace_back(token_for(options.token, role), role);
-  out.rules.login = [&logins](std::string_view token) {
-    return logins.find(token, steady_seconds());
-  };
+  out.rules.login = [&logins](std::string_view token) { return logins.find(token, steady_seconds()); };
   out.rules.loopback = !options.listen;
   if (options.listen) out.rules.names = own_names();
   return out;
@@ -93,7 +91,8 @@ class Pendant::Work {
         port_(std::make_unique<Port>(port_options(options_, logins_), site_)) {
     site_.set_port(port_->number());
     viewers_.set_wake([this] { port_->wake(); });
-    if (options_.metrics) metrics_port_ = std::make_unique<Port>(metrics_options(*options_.metrics), metrics_site_);
+    if (options_.metrics)
+      metrics_port_ = std::make_unique<Port>(metrics_options(*options_.metrics), metrics_site_);
   }
   ~Work() {
     viewers_.set_wake({});
@@ -164,7 +163,8 @@ class Pendant::Work {
   }
 
  private:
-  /// Each text is made once for all who wait: anybody may ask for the metrics, and this thread has a cell to serve.
+  /// Each text is made once for all who wait: anybody may ask for the metrics, and this thread has a cell to
+  /// serve.
   void answer_scrapes(double now) {
     if (!scrapes_.any()) return;
     scrapes_answered_ = now;

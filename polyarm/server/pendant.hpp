@@ -69,7 +69,8 @@ class Pendant : public cell::Door {
   /// Of the metrics; 0: not served.
   std::uint16_t metrics_port() const;
 
-  /// The client that the cell's requests know by this address; nothing if it is not of this port. Cell thread.
+  /// The client that the cell's requests know by this address; nothing if it is not of this port. Cell
+  /// thread.
   std::optional<users::Actor> actor(const void* client) const;
 
   struct Counts {

@@ -376,7 +376,7 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
     const bool changes = upgrade || (head_.method != "GET" && head_.method != "HEAD");
     if (!host_allowed(head_.host, work_.options.rules)) return refuse(421, "this address is not served");
     protocol_ = upgrade ? work_.site.viewer_protocol(header(http::field::sec_websocket_protocol)) : "";
-    const Verdict verdict = open                ? (changes ? judge_origin(head_, work_.options.rules) : Verdict{})
+    const Verdict verdict = open ? (changes ? judge_origin(head_, work_.options.rules) : Verdict{})
                             : protocol_.empty() ? judge(head_, work_.options.rules, changes)
                                                 : judge_viewer(head_, work_.options.rules);
     if (verdict.status != 200) return refuse(verdict.status, verdict.why);
@@ -418,7 +418,8 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
     request.if_none_match = header(http::field::if_none_match);
     request.gzip = accepts_gzip(header(http::field::accept_encoding));
     request.secure = head_.secure;
-    const Claim claim = claim_of(head_, work_.options.rules);  // the log-in may have ended while the body came
+    const Claim claim =
+        claim_of(head_, work_.options.rules);  // the log-in may have ended while the body came
     request.token = claim.how;
     request.role = claim.role;
     request.login = claim.login;
@@ -460,7 +461,8 @@ class Port::Work::Http : public std::enable_shared_from_this<Http> {
 
   void become_socket() {
     if (path_ != "/ws" && protocol_.empty()) return refuse(404, "the WebSocket is at /ws");
-    if (claim_.how == Shown::nothing || claim_.how == Shown::wrong) return refuse(403, "the log-in has ended");
+    if (claim_.how == Shown::nothing || claim_.how == Shown::wrong)
+      return refuse(403, "the log-in has ended");
     std::shared_ptr<Stream> stream;
     if (!protocol_.empty()) {
       stream = work_.site.welcome_viewer();

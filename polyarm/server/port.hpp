@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "polyarm/access/gate.hpp"
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/server/client.hpp"
-#include "polyarm/access/gate.hpp"
 #include "polyarm/server/stream.hpp"
 
 namespace polyarm::server {

@@ -19,7 +19,6 @@ namespace polyarm::server {
 
 namespace fs = std::filesystem;
 
-
 namespace {
 
 struct Discard {

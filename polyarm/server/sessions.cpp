@@ -179,8 +179,8 @@ class Sessions::Work {
 
   // --- requests
 
-  /// Takes the stops, holds and heartbeats of all clients first (check_clients). Then takes one line from each client in
-  /// turn, up to the tick's limits of lines and time.
+  /// Takes the stops, holds and heartbeats of all clients first (check_clients). Then takes one line from
+  /// each client in turn, up to the tick's limits of lines and time.
   void take_lines() {
     now_ = seconds(realtime::monotonic_now());
     if (cell_) journal.set_now(cell_->now());
@@ -268,8 +268,10 @@ class Sessions::Work {
     }
   }
 
-  /// Writes a request to the audit log that the cell does not see: one of the port itself, or one that was refused here.
-  void log(const Seat& seat, const protocol::RequestType* type, const Any& fields, const Error* refused) const {
+  /// Writes a request to the audit log that the cell does not see: one of the port itself, or one that was
+  /// refused here.
+  void log(const Seat& seat, const protocol::RequestType* type, const Any& fields,
+           const Error* refused) const {
     if (!audit_ || !type || !users::is_audited(*type, fields)) return;
     users::AuditEntry entry;
     if (cell_) entry.cell = cell_->file().name;
@@ -333,7 +335,8 @@ class Sessions::Work {
 
   /// Passes the request on to the cell. `by` is set to the client's name here, so that a client cannot claim
   /// another's.
-  void pass_on(Seat& seat, const Any& id, const protocol::RequestType* type, const Any& fields, std::size_t bytes) {
+  void pass_on(Seat& seat, const Any& id, const protocol::RequestType* type, const Any& fields,
+               std::size_t bytes) {
     require_cell();
     const bool names_asker = type && (type->facts == &protocol::TagsSet::kFacts ||
                                       type->facts == &protocol::TagsForce::kFacts ||
@@ -440,7 +443,9 @@ class Sessions::Work {
 
   /// A user's own name comes first: others see who has control, whatever the client calls itself.
   static std::string name_for(const Client& client, const std::string& given) {
-    return !client.login ? given : given.empty() ? client.login->user : client.login->user + " (" + given + ")";
+    return !client.login   ? given
+           : given.empty() ? client.login->user
+                           : client.login->user + " (" + given + ")";
   }
 
   protocol::SessionHello::Answer hello(Seat& seat, const protocol::SessionHello& request) {

@@ -154,8 +154,8 @@ HttpReply PageSite::page(const HttpRequest& request) const {
 }
 
 std::string PageSite::cookie(const HttpRequest& request, const std::string& token, const char* more) const {
-  return "polyarm_token_" + std::to_string(port_) + "=" + token + "; HttpOnly; SameSite=Strict; Path=/" + more +
-         (request.secure ? "; Secure" : "");
+  return "polyarm_token_" + std::to_string(port_) + "=" + token + "; HttpOnly; SameSite=Strict; Path=/" +
+         more + (request.secure ? "; Secure" : "");
 }
 
 void PageSite::log(const HttpRequest& request, const std::string& who, const std::string& what,
@@ -174,8 +174,7 @@ void PageSite::log(const HttpRequest& request, const std::string& who, const std
 
 /// GET: whether there are users. POST: logs in with `Authorization: Basic …`; the answer sets the cookie.
 void PageSite::log_in(const HttpRequest& request, const Reply& reply) {
-  if (request.method == "GET")
-    return reply(document(text_of(dump(who_may_log_in(request)))));
+  if (request.method == "GET") return reply(document(text_of(dump(who_may_log_in(request)))));
   const auto credentials = basic_credentials(request.authorization);
   if (!credentials) return reply(plain(400, "send name and password as Authorization: Basic"));
   if (logins_waiting_ >= kMostLoginsWaiting || !login_worker_)
@@ -200,9 +199,11 @@ Json PageSite::who_may_log_in(const HttpRequest& request) {
   return out;
 }
 
-HttpReply PageSite::try_log_in(const HttpRequest& request, const std::string& name, const std::string& password) {
+HttpReply PageSite::try_log_in(const HttpRequest& request, const std::string& name,
+                               const std::string& password) {
   const Logins::Result result = logins_.log_in(name, password, request.from, steady_seconds());
-  log(request, printable_line(name.substr(0, users::kMostName)), "log-in", result.login ? "done" : result.why);
+  log(request, printable_line(name.substr(0, users::kMostName)), "log-in",
+      result.login ? "done" : result.why);
   if (result.login) {
     HttpReply out = document(text_of(dump({{"name", name}, {"role", protocol::name(result.login->role)}})));
     out.headers.emplace_back("Set-Cookie", cookie(request, result.token));

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/access/logins.hpp"
 #include "polyarm/io/worker.hpp"
 #include "polyarm/server/assets.hpp"
-#include "polyarm/access/logins.hpp"
 #include "polyarm/server/pendant.hpp"
 #include "polyarm/server/port.hpp"
 #include "polyarm/server/scrapes.hpp"
@@ -26,7 +26,8 @@ class Viewers;
 class PageSite : public Site {
  public:
   /// The arguments must outlive this.
-  PageSite(const PendantOptions& options, Sessions& sessions, Viewers& viewers, Logins& logins, Scrapes& scrapes);
+  PageSite(const PendantOptions& options, Sessions& sessions, Viewers& viewers, Logins& logins,
+           Scrapes& scrapes);
   ~PageSite() override;
   void set_port(std::uint16_t port) { port_ = port; }
   /// After this, no other thread than the port's answers requests.
@@ -68,7 +69,8 @@ class PageSite : public Site {
   nlohmann::json who_may_log_in(const HttpRequest& request);
   HttpReply try_log_in(const HttpRequest& request, const std::string& name, const std::string& password);
   HttpReply log_out(const HttpRequest& request);
-  void log(const HttpRequest& request, const std::string& who, const std::string& what, const std::string& outcome);
+  void log(const HttpRequest& request, const std::string& who, const std::string& what,
+           const std::string& outcome);
   std::string cookie(const HttpRequest& request, const std::string& token, const char* more = "") const;
   void project(HttpRequest request, const Reply& reply);
   HttpReply catalogue();

@@ -119,10 +119,11 @@ std::vector<Problem> unchecked_bodies(const CellRobots& robots, const descriptio
     if (fixture.shapes.empty()) continue;
     const std::string& cloud = description::cloud_of(fixture.shapes.front());
     if (has_physics && !cloud.empty())
-      out.push_back(unchecked("cloud-without-physics",
-                              fmt::format("fixture {}: physics leaves out its point cloud {}; guards, check and plans take it",
-                                          fixture.name, cloud),
-                              {{"fixture", fixture.name}, {"cloud", cloud}}));
+      out.push_back(unchecked(
+          "cloud-without-physics",
+          fmt::format("fixture {}: physics leaves out its point cloud {}; guards, check and plans take it",
+                      fixture.name, cloud),
+          {{"fixture", fixture.name}, {"cloud", cloud}}));
     if (!description::has_body(fixture.shapes))
       out.push_back(
           unchecked("fixture-without-body",

@@ -15,8 +15,8 @@ bool checks_contacts(const CellRobot& robot);
 /// Builds convex pieces of the collision meshes and tool meshes of robots that physics simulates. Reads the
 /// disk and may take seconds the first time. Adds a warning for each mesh that cannot be read.
 void make_robot_bodies(const CellRobots& robots, Problems& problems);
-/// The same for the fixtures and parts of the scene, if physics simulates a robot. Warns of parts that are inside
-/// something where they start.
+/// The same for the fixtures and parts of the scene, if physics simulates a robot. Warns of parts that are
+/// inside something where they start.
 void make_scene_bodies(const CellRobots& robots, description::Scene& scene, Problems& problems);
 
 /// Robots and scene of a cell as contacts see them, whatever its hardware. Copies, so that their meshes can get

@@ -310,12 +310,14 @@ class LinkBuilder {
     const Pose at = frame_along(from, way, x);
     const double palm = 0.42 * length;
     solid_.box(at * Pose{{0, 0, palm / 2}, {}}, {1.7 * r, 1.2 * r, palm}, 0.1 * r, paint_);
-    solid_.box(at * Pose{{0.25 * r, 0, 0.72 * palm}, {}}, {1.6 * r, 1.34 * r, 0.5 * palm}, 0.08 * r, style_.cap);
+    solid_.box(at * Pose{{0.25 * r, 0, 0.72 * palm}, {}}, {1.6 * r, 1.34 * r, 0.5 * palm}, 0.08 * r,
+               style_.cap);
     for (const double side : {-1.0, 1.0}) {
       std::vector<Section> sections;
       for (std::size_t k = 0; k <= kSteps; ++k) {
         const double s = static_cast<double>(k) / kSteps, place = 0.75 * palm + s * (length - 0.75 * palm);
-        const double away = side * r * ((side > 0 ? 0.75 : 0.5) * std::cos(0.5 * std::numbers::pi * s) + 0.07);
+        const double away =
+            side * r * ((side > 0 ? 0.75 : 0.5) * std::cos(0.5 * std::numbers::pi * s) + 0.07);
         const double thick = 0.06 * r + 0.09 * r * (1 - s);
         sections.push_back({at * Pose{{away, 0, place}, {}}, thick, 0.55 * r * (1 - 0.45 * s), 0.8 * thick});
       }

@@ -216,8 +216,8 @@ class Maker {
     }
   }
 
-  /// A sliding joint says nothing about where its rod is: its frame may be anywhere. If it is outside of the box of what
-  /// it moves, the rod is in the middle of this box.
+  /// A sliding joint says nothing about where its rod is: its frame may be anywhere. If it is outside of the
+  /// box of what it moves, the rod is in the middle of this box.
   void center_slides() {
     for (std::size_t p = 0; p < out_.bodies.size(); ++p)
       for (End& end : out_.bodies[p].out) {
@@ -229,8 +229,9 @@ class Maker {
         const Vec3 across = size - dot(size, child.in.axis) * child.in.axis;
         if (!child.measured || norm(off) < 0.5 * norm(across)) continue;
         child.in.origin = child.in.origin + off;
-        end.origin = end.origin + inverse(main_.at(static_cast<std::ptrdiff_t>(p))) *
-                                      (turn_.at(end.joint) * (main_.at(static_cast<std::ptrdiff_t>(c)) * off));
+        end.origin =
+            end.origin + inverse(main_.at(static_cast<std::ptrdiff_t>(p))) *
+                             (turn_.at(end.joint) * (main_.at(static_cast<std::ptrdiff_t>(c)) * off));
       }
   }
 
@@ -366,8 +367,8 @@ class Maker {
   Skeleton out_;
   std::vector<std::vector<std::pair<int, Pose>>> members_;  // of each body: its links and their poses
   std::map<int, std::size_t> child_;                        // by joint: the body that it moves
-  std::map<int, Quaternion> turn_;              // by joint: of its child link, in the first link of the parent's body
-  std::map<std::ptrdiff_t, Quaternion> main_;   // by body: of the link with its shapes, in its first link
+  std::map<int, Quaternion> turn_;  // by joint: of its child link, in the first link of the parent's body
+  std::map<std::ptrdiff_t, Quaternion> main_;  // by body: of the link with its shapes, in its first link
 };
 
 }  // namespace

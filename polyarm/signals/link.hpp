@@ -108,7 +108,8 @@ struct LinkEntry {
   Nanoseconds keep_alive = 10'000'000'000;
 
   // ROS 2, Sparkplug
-  std::map<std::string, std::string> graph;  ///< settings for joining: domain, range, namespace …; or group, node …
+  std::map<std::string, std::string>
+      graph;  ///< settings for joining: domain, range, namespace …; or group, node …
 
   /// "modbus at 127.0.0.1:502"
   std::string address() const;

@@ -75,7 +75,7 @@ class TagReader {
       throw Error(Problem{
           "bad-link", tag_.where, "'" + tag_.name + "' is not described",
           link_.graph.contains("sparkplug") ? "write {direction: out}"
-          : link_.kind == "mqtt" ? "write {topic: cell/" + tag_.name + ", direction: out}"
+          : link_.kind == "mqtt"            ? "write {topic: cell/" + tag_.name + ", direction: out}"
           : link_.kind == "ros2"
               ? "write {topic: /" + tag_.name + ", message: std_msgs/Bool, field: data, direction: out}"
               : "write {coil: 0, direction: out}"});
@@ -152,7 +152,8 @@ class TagReader {
 
   /// A metric of Sparkplug, of the node itself or of a device.
   void read_metric() {
-    node_.check_keys({"metric", "device", "type", "direction", "first", "stale", "scale", "offset", "range"}, problems_);
+    node_.check_keys({"metric", "device", "type", "direction", "first", "stale", "scale", "offset", "range"},
+                     problems_);
     tag_.topic = node_["metric"].text(tag_.name);
     tag_.group = node_["device"].text("");
     if (tag_.topic.empty() || tag_.topic.size() > 200)
@@ -279,8 +280,9 @@ void read_sparkplug(const Yaml& node, LinkEntry& out) {
 }
 
 void read_mqtt(const Yaml& node, const std::filesystem::path& folder, LinkEntry& out, Problems& problems) {
-  std::vector<std::string> keys = {"mqtt", "host", "beyond_loopback", "port", "client_id", "user", "password_file",
-                                   "tls", "keep_alive", "poll", "timeout", "on_loss", "tags"};
+  std::vector<std::string> keys = {"mqtt",          "host", "beyond_loopback", "port", "client_id", "user",
+                                   "password_file", "tls",  "keep_alive",      "poll", "timeout",   "on_loss",
+                                   "tags"};
   out.kind = "mqtt";
   if (one_of(node["mqtt"], {"client", "sparkplug"}) == 1) {
     keys.insert(keys.end(), {"group", "node", "primary_host"});
@@ -309,7 +311,8 @@ void read_mqtt(const Yaml& node, const std::filesystem::path& folder, LinkEntry&
     if (!secret.empty() && !secret.starts_with(kSecretPrefix)) mark_secret(secret);
   out.keep_alive = time_of(node["keep_alive"], out.keep_alive);
   const Yaml will = node["will"];
-  if (out.graph.contains("sparkplug") && out.client_id.empty()) out.client_id = out.graph["group"] + "-" + out.graph["node"];
+  if (out.graph.contains("sparkplug") && out.client_id.empty())
+    out.client_id = out.graph["group"] + "-" + out.graph["node"];
   if (!will.defined()) return;
   will.check_keys({"topic", "text", "retain", "qos"}, problems);
   out.will_topic = will.required("topic").text();
@@ -360,8 +363,9 @@ LinkEntry read_link(const std::string& name, const Yaml& node, const Location& w
   out.name = name;
   out.where = where;
   if (node.has("modbus") + node.has("mqtt") + node.has("ros2") != 1)
-    throw Error(Problem{"bad-link", where, "the link '" + name + "' has no protocol, or two",
-                        "write `modbus: client`, `modbus: server`, `mqtt: client`, `mqtt: sparkplug` or `ros2: node`"});
+    throw Error(Problem{
+        "bad-link", where, "the link '" + name + "' has no protocol, or two",
+        "write `modbus: client`, `modbus: server`, `mqtt: client`, `mqtt: sparkplug` or `ros2: node`"});
   if (node.has("modbus")) read_modbus(node, out, problems);
   if (node.has("mqtt")) read_mqtt(node, folder, out, problems);
   if (node.has("ros2")) read_ros2(node, out, problems);

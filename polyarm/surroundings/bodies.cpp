@@ -1,8 +1,8 @@
 #include "polyarm/surroundings/bodies.hpp"
 
 #include <algorithm>
-#include <map>
 #include <array>
+#include <map>
 #include <utility>
 
 #include "polyarm/description/bodies.hpp"

@@ -42,9 +42,9 @@ struct Moment {
 /// The moment at which a scene begins: parts that no feeder brings lie at their start, movers are at zero.
 Moment start_of(const description::Scene& scene);
 
-/// Gives the meshes of a robot, its tool, and the fixtures and parts of a scene their convex pieces, from the user's
-/// cache where it has them. Slow the first time; reads the disk. `of`: names the owner in warnings. Warns of
-/// each mesh that cannot be read.
+/// Gives the meshes of a robot, its tool, and the fixtures and parts of a scene their convex pieces, from the
+/// user's cache where it has them. Slow the first time; reads the disk. `of`: names the owner in warnings.
+/// Warns of each mesh that cannot be read.
 void make_meshes(description::RobotModel& model, description::Tool& tool, const std::string& of,
                  Problems& problems);
 void make_meshes(description::Scene& scene, Problems& problems);

@@ -472,7 +472,8 @@ std::size_t GuardBodies::measure_points(std::size_t index, int robot, double ran
     // Of very many pieces only the near ones are measured; the others are farther away than this.
     range -= kLessOfMany;
     pair.slack = left_out = range;
-    each_near(a, pose_a, b, pose_b, [&] { return range; }, look_at);
+    each_near(
+        a, pose_a, b, pose_b, [&] { return range; }, look_at);
     return count;
   }
   for (std::size_t i = 0; i < a.pieces.size(); ++i) {

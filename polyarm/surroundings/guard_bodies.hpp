@@ -123,8 +123,8 @@ class GuardBodies : private SweepBodies {
   /// is returned instead if it exceeds `enough`; points and normal are then undefined.
   /// `ahead`: the other robot at that place of its braking.
   GuardGap gap_of(const GuardPair& pair, double enough, int moved = -1, int ahead = -1) noexcept;
-  /// What is nearest to a robot, as far as it is nearer than `within`; `tried`: with the robot as try_joints() put
-  /// it. Two links of the robot do not count.
+  /// What is nearest to a robot, as far as it is nearer than `within`; `tried`: with the robot as
+  /// try_joints() put it. Two links of the robot do not count.
   struct Nearest {
     int pair = -1;  ///< -1: nothing is so near
     GuardGap gap;

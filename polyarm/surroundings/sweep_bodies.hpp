@@ -28,11 +28,13 @@ struct SweptBody {
   bool is_static = false;                  ///< floor, and fixtures without a mover
 
   bool of_robot() const { return robot >= 0 && part < 0; }
-  /// Calls take(piece) for each piece that may be nearer to the ball than range(); in the frame of the pieces.
+  /// Calls take(piece) for each piece that may be nearer to the ball than range(); in the frame of the
+  /// pieces.
   template <typename Range, typename Take>
   void each_near(const Vec3& center, double radius, const Range& range, const Take& take) const {
     if (!tree.empty()) {
-      tree.each_near(center, [&] { return range() + radius; }, take);
+      tree.each_near(
+          center, [&] { return range() + radius; }, take);
       return;
     }
     for (std::size_t k = 0; k < pieces.size(); ++k)
@@ -42,8 +44,8 @@ struct SweptBody {
 
 /// Calls take(piece of a, piece of b) for each two pieces that may be nearer to each other than range().
 template <typename Range, typename Take>
-void each_near(const SweptBody& a, const Pose& pose_a, const SweptBody& b, const Pose& pose_b, const Range& range,
-               const Take& take) {
+void each_near(const SweptBody& a, const Pose& pose_a, const SweptBody& b, const Pose& pose_b,
+               const Range& range, const Take& take) {
   if (!a.tree.empty()) {
     const Pose T_a_b = inverse(pose_a) * pose_b;
     for (std::size_t k = 0; k < b.pieces.size(); ++k)

@@ -248,10 +248,10 @@ ProgramMoves::Prepared ProgramMoves::prepare(const program::Move& move, const Lo
   return {index, std::move(moves), std::move(facts)};
 }
 
-/// What a controller that interpolates itself cannot do. The cell's file says whether it does; so `check` finds
-/// it, too.
-void ProgramMoves::check_forward(const program::Move& move, const std::vector<moves::Move>& moves, const Arm& arm,
-                                 const Location& where) const {
+/// What a controller that interpolates itself cannot do. The cell's file says whether it does; so `check`
+/// finds it, too.
+void ProgramMoves::check_forward(const program::Move& move, const std::vector<moves::Move>& moves,
+                                 const Arm& arm, const Location& where) const {
   const RobotEntry& entry = arm.robot.robot->entry;
   const auto motion = entry.parameters.find("motion");
   if (motion == entry.parameters.end() || motion->second != "forward") return;
@@ -265,7 +265,8 @@ void ProgramMoves::check_forward(const program::Move& move, const std::vector<mo
       throw Error(std::move(*problem));
     }
   if (move.step.members > 1)
-    no("cannot move in step with other robots", "write the moves outside of `together`, or set `motion: stream`");
+    no("cannot move in step with other robots",
+       "write the moves outside of `together`, or set `motion: stream`");
   if (!belt_of(move, where).empty())
     no("follows no belt", "stop the belt and use a point, or set `motion: stream`");
 }

@@ -7,9 +7,9 @@
 #include <optional>
 #include <string_view>
 
+#include "polyarm/description/shape_bounds.hpp"
 #include "polyarm/program/code.hpp"
 #include "polyarm/tasks/programs.hpp"
-#include "polyarm/description/shape_bounds.hpp"
 
 namespace polyarm::cell {
 

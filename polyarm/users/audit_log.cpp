@@ -41,8 +41,9 @@ std::string utc_now() {
   std::tm parts{};
   ::gmtime_r(&seconds, &parts);
   char text[80];
-  std::snprintf(text, sizeof text, "%04d-%02d-%02dT%02d:%02d:%02d.%03dZ", parts.tm_year + 1900, parts.tm_mon + 1,
-                parts.tm_mday, parts.tm_hour, parts.tm_min, parts.tm_sec, static_cast<int>(ms % 1000));
+  std::snprintf(text, sizeof text, "%04d-%02d-%02dT%02d:%02d:%02d.%03dZ", parts.tm_year + 1900,
+                parts.tm_mon + 1, parts.tm_mday, parts.tm_hour, parts.tm_min, parts.tm_sec,
+                static_cast<int>(ms % 1000));
   return text;
 }
 
@@ -73,11 +74,14 @@ void shorten(Json& value, std::size_t depth = 0) {
   }
 }
 
-std::string dumped(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
+std::string dumped(const Json& value) {
+  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 bool same(const AuditEntry& a, const AuditEntry& b) {
-  return a.cell == b.cell && a.actor.name == b.actor.name && a.actor.from == b.actor.from && a.request == b.request &&
-         a.arguments == b.arguments && a.outcome == b.outcome && a.actor.client == b.actor.client;
+  return a.cell == b.cell && a.actor.name == b.actor.name && a.actor.from == b.actor.from &&
+         a.request == b.request && a.arguments == b.arguments && a.outcome == b.outcome &&
+         a.actor.client == b.actor.client;
 }
 
 fs::path numbered(const fs::path& folder, std::size_t n) {
@@ -100,8 +104,7 @@ std::string arguments_text(const protocol::Any& arguments) {
   if (copy.is_object()) copy.erase("request"), copy.erase("id");
   shorten(copy);
   std::string out = dumped(copy);
-  if (out.size() > kAuditArguments)
-    out = dumped(Json{{"bytes", out.size()}, {"sha256", sha256(out)}});
+  if (out.size() > kAuditArguments) out = dumped(Json{{"bytes", out.size()}, {"sha256", sha256(out)}});
   return out;
 }
 
@@ -171,9 +174,12 @@ class AuditLog::Work {
   }
 
  private:
-  /// What was done, or may have been, always has room; equal refusals in a row are one line, and need room once.
+  /// What was done, or may have been, always has room; equal refusals in a row are one line, and need room
+  /// once.
   bool has_room_for(const AuditEntry& entry) {
-    if (entry.outcome == "done" || entry.outcome == "ended" || (!queue_.empty() && same(entry, queue_.back()))) return true;
+    if (entry.outcome == "done" || entry.outcome == "ended" ||
+        (!queue_.empty() && same(entry, queue_.back())))
+      return true;
     const Clock::time_point now = Clock::now();
     const double passed = std::chrono::duration<double>(now - refilled_).count();
     refusals_ = std::min(kRefusalsAtOnce, refusals_ + passed * kRefusalsASecond);
@@ -243,7 +249,8 @@ class AuditLog::Work {
     if (write(line_of(entry))) unwritten_ -= before;
   }
 
-  /// Other processes of this user append to the same file: each line is one write, and files are renamed under a lock.
+  /// Other processes of this user append to the same file: each line is one write, and files are renamed
+  /// under a lock.
   bool write(const std::string& line) {
     const std::string text = line + "\n";
     const int lock = ::open((folder_ / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
@@ -268,7 +275,8 @@ class AuditLog::Work {
   void rotate() const {
     std::error_code ignored;
     fs::remove(numbered(folder_, files_ - 1), ignored);
-    for (std::size_t n = files_ - 1; n > 0; --n) fs::rename(numbered(folder_, n - 1), numbered(folder_, n), ignored);
+    for (std::size_t n = files_ - 1; n > 0; --n)
+      fs::rename(numbered(folder_, n - 1), numbered(folder_, n), ignored);
   }
 
   const fs::path folder_;
@@ -291,8 +299,12 @@ class AuditLog::Work {
 AuditLog::AuditLog(fs::path folder, std::size_t file_bytes, std::size_t files)
     : work_(std::make_unique<Work>(std::move(folder), file_bytes, std::max<std::size_t>(2, files))) {}
 AuditLog::~AuditLog() = default;
-void AuditLog::add(AuditEntry entry) { work_->add(std::move(entry)); }
-void AuditLog::flush() { work_->flush(); }
+void AuditLog::add(AuditEntry entry) {
+  work_->add(std::move(entry));
+}
+void AuditLog::flush() {
+  work_->flush();
+}
 
 std::size_t read_audit(const fs::path& folder, const std::function<void(const std::string&)>& take) {
   std::size_t damaged = 0;

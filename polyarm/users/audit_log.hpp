@@ -1,6 +1,6 @@
 #pragma once
-/// The audit log: who changed what, and when. One JSON object a line, appended to audit.jsonl; full files are renamed
-/// to audit.1.jsonl, audit.2.jsonl, … (1 is the newest of them), and the oldest is deleted.
+/// The audit log: who changed what, and when. One JSON object a line, appended to audit.jsonl; full files are
+/// renamed to audit.1.jsonl, audit.2.jsonl, … (1 is the newest of them), and the oldest is deleted.
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -11,16 +11,16 @@
 
 namespace polyarm::users {
 
-inline constexpr std::size_t kAuditFileBytes = 8 << 20, kAuditFiles = 16, kAuditQueue = 4096, kAuditArguments = 2048,
-                             kAuditText = 200;
-/// Refusals that are written: so many a second, after a burst. Who may nothing cannot push the log of others out of its
-/// files.
+inline constexpr std::size_t kAuditFileBytes = 8 << 20, kAuditFiles = 16, kAuditQueue = 4096,
+                             kAuditArguments = 2048, kAuditText = 200;
+/// Refusals that are written: so many a second, after a burst. Who may nothing cannot push the log of others
+/// out of its files.
 inline constexpr double kRefusalsASecond = 2, kRefusalsAtOnce = 500;
 
 struct Actor {
-  std::string name;             ///< of the user; else of the link or the local user
-  std::string role, from, door; ///< role of the link; address; pendant, local or fleet
-  std::string client;           ///< name that the client gave itself
+  std::string name;              ///< of the user; else of the link or the local user
+  std::string role, from, door;  ///< role of the link; address; pendant, local or fleet
+  std::string client;            ///< name that the client gave itself
 };
 
 struct AuditEntry {
@@ -33,20 +33,21 @@ struct AuditEntry {
   std::string what;       ///< of a refusal
 };
 
-/// True if a request with these arguments changes something: it needs more than the role `watch`, or stops motion, or
-/// passes control on.
+/// True if a request with these arguments changes something: it needs more than the role `watch`, or stops
+/// motion, or passes control on.
 bool is_audited(const protocol::RequestType& type, const protocol::Any& arguments);
-/// The arguments as text of at most kAuditArguments bytes. Values of secrets are left out; a long text becomes its size
-/// and SHA-256.
+/// The arguments as text of at most kAuditArguments bytes. Values of secrets are left out; a long text
+/// becomes its size and SHA-256.
 std::string arguments_text(const protocol::Any& arguments);
-/// The same of a request. Of a message to a controller, which may come thousands of times a second, only the receiver.
+/// The same of a request. Of a message to a controller, which may come thousands of times a second, only the
+/// receiver.
 std::string arguments_text(const protocol::Request& request);
 /// One line without its end.
 std::string line_of(const AuditEntry& entry, std::uint64_t times = 1);
 
-/// A thread of its own writes; no caller waits for the disk. Equal entries within a second become one line with a
-/// count. What does not fit into the queue, refusals that come too fast, and what cannot be written, is counted in a
-/// later line.
+/// A thread of its own writes; no caller waits for the disk. Equal entries within a second become one line
+/// with a count. What does not fit into the queue, refusals that come too fast, and what cannot be written,
+/// is counted in a later line.
 class AuditLog {
  public:
   /// Throws Error("no-folder") if the folder cannot be used.
@@ -63,9 +64,13 @@ class AuditLog {
   std::unique_ptr<Work> work_;
 };
 
-inline std::filesystem::path audit_folder(const std::filesystem::path& folder) { return folder / "audit"; }
+inline std::filesystem::path audit_folder(const std::filesystem::path& folder) {
+  return folder / "audit";
+}
 
-/// Calls `take` with each line from the oldest to the newest; returns the number of lines that are not JSON objects.
-std::size_t read_audit(const std::filesystem::path& folder, const std::function<void(const std::string&)>& take);
+/// Calls `take` with each line from the oldest to the newest; returns the number of lines that are not JSON
+/// objects.
+std::size_t read_audit(const std::filesystem::path& folder,
+                       const std::function<void(const std::string&)>& take);
 
 }  // namespace polyarm::users

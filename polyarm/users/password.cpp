@@ -38,7 +38,8 @@ bool same(const std::string& a, const std::string& b) {
   if (a.size() != b.size()) return false;
   volatile unsigned char different = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
-    different = static_cast<unsigned char>(different | (static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i])));
+    different = static_cast<unsigned char>(
+        different | (static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i])));
   return different == 0;
 }
 
@@ -46,8 +47,9 @@ bool same(const std::string& a, const std::string& b) {
 
 void require_good_password(const std::string& password) {
   const auto refuse = [](const std::string& what) {
-    throw Error("bad-password", "the password " + what,
-                "use " + std::to_string(kLeastPassword) + " to " + std::to_string(kMostPassword) + " characters");
+    throw Error(
+        "bad-password", "the password " + what,
+        "use " + std::to_string(kLeastPassword) + " to " + std::to_string(kMostPassword) + " characters");
   };
   if (password.size() < kLeastPassword) refuse("is too short");
   if (password.size() > kMostPassword) refuse("is too long");

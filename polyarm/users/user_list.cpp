@@ -41,7 +41,10 @@ class Opened {
 };
 
 [[noreturn]] void refuse(const std::string& file, int line, const std::string& what) {
-  throw Error(Problem{"bad-users", {file, line, 0}, what, "correct the line, or add the users again: polyarm users add NAME"});
+  throw Error(Problem{"bad-users",
+                      {file, line, 0},
+                      what,
+                      "correct the line, or add the users again: polyarm users add NAME"});
 }
 
 std::string read_private(const fs::path& file) {
@@ -52,7 +55,8 @@ std::string read_private(const fs::path& file) {
   struct stat status {};
   if (::fstat(opened.get(), &status) != 0 || !S_ISREG(status.st_mode) || status.st_uid != ::geteuid() ||
       (status.st_mode & 0077) != 0)
-    throw Error("bad-users", file.string() + " is not private: others may read or write it, or it is not this user's",
+    throw Error("bad-users",
+                file.string() + " is not private: others may read or write it, or it is not this user's",
                 "chmod 600 " + file.string() + ", and change passwords that others could read");
   if (status.st_size > static_cast<off_t>(kMostListBytes))
     throw Error("bad-users", file.string() + " is larger than " + std::to_string(kMostListBytes) + " bytes");
@@ -73,16 +77,21 @@ bool is_hash(std::string_view text) {
 
 void require_good_name(const std::string& name) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-  const auto good = [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-'; };
-  if (name.empty() || name.size() > kMostName || !letter(name[0]) || !std::all_of(name.begin(), name.end(), good))
-    throw Error("bad-user", "'" + printable_line(name.substr(0, 2 * kMostName)) + "' cannot be the name of a user",
+  const auto good = [&](char c) {
+    return letter(c) || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
+  };
+  if (name.empty() || name.size() > kMostName || !letter(name[0]) ||
+      !std::all_of(name.begin(), name.end(), good))
+    throw Error("bad-user",
+                "'" + printable_line(name.substr(0, 2 * kMostName)) + "' cannot be the name of a user",
                 "begin with a letter; use letters, digits and . _ -; at most " + std::to_string(kMostName));
 }
 
 protocol::Role role_of_word(const std::string& word) {
   if (word == "view") return protocol::Role::watch;
   if (const auto role = protocol::role_named(word)) return *role;
-  throw Error("bad-role", "there is no role '" + printable_line(word.substr(0, 60)) + "'", "view, operate, program or administer");
+  throw Error("bad-role", "there is no role '" + printable_line(word.substr(0, 60)) + "'",
+              "view, operate, program or administer");
 }
 
 const char* word_of(protocol::Role role) {
@@ -90,14 +99,18 @@ const char* word_of(protocol::Role role) {
 }
 
 const User* UserList::find(const std::string& name) const {
-  const auto found = std::find_if(users_.begin(), users_.end(), [&](const User& each) { return each.name == name; });
+  const auto found =
+      std::find_if(users_.begin(), users_.end(), [&](const User& each) { return each.name == name; });
   return found == users_.end() ? nullptr : &*found;
 }
 
 void UserList::add(User user) {
   require_good_name(user.name);
-  if (find(user.name)) throw Error("bad-user", "there is a user '" + user.name + "' already", "polyarm users password " + user.name);
-  if (users_.size() >= kMostUsers) throw Error("too-many", "there are " + std::to_string(kMostUsers) + " users already");
+  if (find(user.name))
+    throw Error("bad-user", "there is a user '" + user.name + "' already",
+                "polyarm users password " + user.name);
+  if (users_.size() >= kMostUsers)
+    throw Error("too-many", "there are " + std::to_string(kMostUsers) + " users already");
   users_.push_back(std::move(user));
 }
 
@@ -106,7 +119,8 @@ User& UserList::at(const std::string& name) {
     if (each.name == name) return each;
   std::vector<std::string> names;
   for (const User& each : users_) names.push_back(each.name);
-  throw Error("unknown-user", "there is no user '" + printable_line(name.substr(0, 60)) + "'" + did_you_mean(name, names),
+  throw Error("unknown-user",
+              "there is no user '" + printable_line(name.substr(0, 60)) + "'" + did_you_mean(name, names),
               "polyarm users list");
 }
 
@@ -124,13 +138,15 @@ std::string UserList::text() const {
 UserList parse_users(std::string_view text, const std::string& file) {
   UserList out;
   if (text.empty()) return out;
-  if (text.size() > kMostListBytes) refuse(file, 1, "the list is larger than " + std::to_string(kMostListBytes) + " bytes");
+  if (text.size() > kMostListBytes)
+    refuse(file, 1, "the list is larger than " + std::to_string(kMostListBytes) + " bytes");
   int number = 0;
   while (!text.empty()) {
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(text.size(), line.size() + 1));
     ++number;
-    if (number == 1 && line != kHead) refuse(file, 1, "this is not a list of users: the first line is '" + std::string(kHead) + "'");
+    if (number == 1 && line != kHead)
+      refuse(file, 1, "this is not a list of users: the first line is '" + std::string(kHead) + "'");
     if (number == 1 || trim(line).empty()) continue;
     const std::vector<std::string> words = split_words(line);
     if (words.size() != 3) refuse(file, number, "a line has a name, a role and a hash");
@@ -144,13 +160,16 @@ UserList parse_users(std::string_view text, const std::string& file) {
   return out;
 }
 
-UserList read_users(const fs::path& file) { return parse_users(read_private(file), file.string()); }
+UserList read_users(const fs::path& file) {
+  return parse_users(read_private(file), file.string());
+}
 
 void make_private_folder(const fs::path& folder) {
   std::error_code error;
   if (folder.has_parent_path()) fs::create_directories(folder.parent_path(), error);
   if (folder.empty() || (::mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST))
-    throw Error("no-folder", "the folder '" + folder.string() + "' cannot be created: " + std::strerror(errno),
+    throw Error("no-folder",
+                "the folder '" + folder.string() + "' cannot be created: " + std::strerror(errno),
                 "set HOME or XDG_DATA_HOME, or name a folder");
   struct stat status {};
   if (::stat(folder.c_str(), &status) != 0 || !S_ISDIR(status.st_mode) || (status.st_mode & 0002) != 0)
@@ -160,7 +179,8 @@ void make_private_folder(const fs::path& folder) {
 
 void change_users(const fs::path& file, const std::function<void(UserList&)>& change) {
   make_private_folder(file.parent_path());
-  const Opened lock(::open((file.string() + ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  const Opened lock(
+      ::open((file.string() + ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (lock.get() < 0 || ::flock(lock.get(), LOCK_EX) != 0)
     throw Error("unwritable", file.string() + ".lock cannot be locked: " + std::strerror(errno));
   UserList list = read_users(file);

@@ -22,7 +22,8 @@ struct User {
 
 /// Throws Error("bad-user"): a name begins with a letter and has letters, digits and . _ -
 void require_good_name(const std::string& name);
-/// The role of a word: view, operate, program, administer; watch is the same as view. Throws Error("bad-role").
+/// The role of a word: view, operate, program, administer; watch is the same as view. Throws
+/// Error("bad-role").
 protocol::Role role_of_word(const std::string& word);
 /// The word for it.
 const char* word_of(protocol::Role role);
@@ -49,9 +50,12 @@ UserList read_users(const std::filesystem::path& file);
 /// Reads, changes and replaces the file (mode 0600) while no other process does. Throws Error.
 void change_users(const std::filesystem::path& file, const std::function<void(UserList&)>& change);
 
-/// The folder for users and the audit log: polyarm/ in $XDG_DATA_HOME or ~/.local/share. Empty if there is no home.
+/// The folder for users and the audit log: polyarm/ in $XDG_DATA_HOME or ~/.local/share. Empty if there is no
+/// home.
 std::filesystem::path folder_of_user();
-inline std::filesystem::path users_file(const std::filesystem::path& folder) { return folder / "users"; }
+inline std::filesystem::path users_file(const std::filesystem::path& folder) {
+  return folder / "users";
+}
 /// Creates the folder with mode 0700 if it is missing. Throws Error("no-folder").
 void make_private_folder(const std::filesystem::path& folder);
 

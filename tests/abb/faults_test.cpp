@@ -2,8 +2,8 @@
 /// again.
 #include <thread>
 
-#include "tests/support/wire_faults.hpp"
 #include "tests/abb/rig.hpp"
+#include "tests/support/wire_faults.hpp"
 
 namespace polyarm {
 namespace {
@@ -201,8 +201,8 @@ TEST(AbbFaults, AFaultLeavesNoPacketWithoutItsAnswer) {
 
 TEST(AbbFaults, AControllerThatIsNotThereIsNamed) {
   expect_unreachable<abb::AbbComponent>(
-      abb_context({{"host", "127.0.0.1"}, {"rws_port", std::to_string(closed_port())}}),
-      Cause::unreachable, "");
+      abb_context({{"host", "127.0.0.1"}, {"rws_port", std::to_string(closed_port())}}), Cause::unreachable,
+      "");
 }
 
 TEST(AbbFaults, CommandsOfAStrangerAreNotTaken) {
@@ -234,8 +234,8 @@ TEST(AbbFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
       "login",          "forbidden",  "mastership", "close_rws",   "no_module", "refuse_start",
       "old_egm",        "seven",      "slow",       "duplicate=3", "reorder=2", "late=3"};
   AbbRig rig(Parameters{{"connect_timeout", "20"}, {"start_timeout", "20"}, {"rws", "1"}});
-  expect_random_faults_end_well(rig, kOrders, {.joint = "joint_6", .after = 60}, 60 * kDegree * 0.004 + 1e-9, mend,
-                                [](abb::Machine& m) { m.step(0.004); });
+  expect_random_faults_end_well(rig, kOrders, {.joint = "joint_6", .after = 60}, 60 * kDegree * 0.004 + 1e-9,
+                                mend, [](abb::Machine& m) { m.step(0.004); });
 }
 
 }  // namespace

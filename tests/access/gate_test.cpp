@@ -54,7 +54,8 @@ TEST(GateTest, APageFromElsewhereIsNotLetInWhateverItCarries) {
   EXPECT_EQ(judge(head("localhost:1", "https://localhost:1", cookie), gate_rules(), true).status, 403);
   EXPECT_EQ(judge(head("localhost:1", "null", cookie), gate_rules(), true).status, 403);
   EXPECT_EQ(
-      judge(head("localhost:1", "http://evil.example", cookie, "/ws?token=the-token"), gate_rules(), true).status,
+      judge(head("localhost:1", "http://evil.example", cookie, "/ws?token=the-token"), gate_rules(), true)
+          .status,
       403);
   EXPECT_EQ(judge(head("evil.example", "http://evil.example", cookie), gate_rules(), true).status, 421);
   Head sneaky = head("localhost:1", "", cookie, "/api/cell");
@@ -78,7 +79,8 @@ TEST(GateTest, TheTokenIsNeededWholeAndWhereItBelongs) {
   EXPECT_EQ(judge(head("localhost", "", "polyarm_token_1=the-toke"), gate_rules(), false).status, 403);
   EXPECT_EQ(judge(head("localhost", "", "polyarm_token_1=the-token2"), gate_rules(), false).status, 403);
   EXPECT_EQ(judge(head("localhost", "", "other=the-token"), gate_rules(), false).status, 401);
-  EXPECT_EQ(judge(head("localhost", "", "a=b; polyarm_token_1=the-token; c=d"), gate_rules(), false).status, 200);
+  EXPECT_EQ(judge(head("localhost", "", "a=b; polyarm_token_1=the-token; c=d"), gate_rules(), false).status,
+            200);
   EXPECT_EQ(judge(head("localhost", "", "xpolyarm_token_1=the-token"), gate_rules(), false).status, 401);
 }
 

@@ -105,10 +105,13 @@ TEST_F(GuardsTest, AMoveStopsOnItsPathBeforeTheContactAndSaysBetweenWhat) {
 TEST_F(GuardsTest, APointCloudStopsAMove) {
   std::string points;
   for (int y = -10; y <= 10; ++y)
-    for (int z = -10; z <= 10; ++z) points += "0.46 " + std::to_string(0.02 * y) + " " + std::to_string(0.02 * z) + "\n";
-  folder.write("wall.pcd",
-               "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 443\nHEIGHT 1\nPOINTS 443\nDATA ascii\n"
-               "nan nan nan\n1e9 0 0\n" + points);
+    for (int z = -10; z <= 10; ++z)
+      points += "0.46 " + std::to_string(0.02 * y) + " " + std::to_string(0.02 * z) + "\n";
+  folder.write(
+      "wall.pcd",
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 443\nHEIGHT 1\nPOINTS 443\nDATA ascii\n"
+      "nan nan nan\n1e9 0 0\n" +
+          points);
   fixtures = "  scan: {cloud: {file: wall.pcd, radius: 10mm}}\n";
   build("movej joints(0.9rad, 0rad, 0rad)\n");
   for (int i = 0; i < 3000 && failure().empty(); ++i) cell->tick();

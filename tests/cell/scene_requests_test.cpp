@@ -17,8 +17,10 @@ using test::Json;
 using test::LockStepCell;
 
 const std::string kBlock =
-    "solid b\nfacet normal 0 0 0\nouter loop\nvertex 0 0 -5\nvertex 40 0 -5\nvertex 0 20 -5\nendloop\nendfacet\n"
-    "facet normal 0 0 0\nouter loop\nvertex 0 0 -5\nvertex 0 20 -5\nvertex 0 0 10\nendloop\nendfacet\nendsolid b\n";
+    "solid b\nfacet normal 0 0 0\nouter loop\nvertex 0 0 -5\nvertex 40 0 -5\nvertex 0 20 "
+    "-5\nendloop\nendfacet\n"
+    "facet normal 0 0 0\nouter loop\nvertex 0 0 -5\nvertex 0 20 -5\nvertex 0 0 "
+    "10\nendloop\nendfacet\nendsolid b\n";
 
 std::string base64(const std::string& bytes) {
   constexpr const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -27,7 +29,8 @@ std::string base64(const std::string& bytes) {
     std::uint32_t three = 0;
     for (std::size_t k = 0; k < 3; ++k)
       three = three << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) out += i + k > bytes.size() ? '=' : kDigits[three >> (18 - 6 * k) & 63];
+    for (std::size_t k = 0; k < 4; ++k)
+      out += i + k > bytes.size() ? '=' : kDigits[three >> (18 - 6 * k) & 63];
   }
   return out;
 }
@@ -38,17 +41,21 @@ class SceneRequests : public ::testing::Test {
   /// A cell with this scene; empty: none.
   void begin(const std::string& scene) {
     if (!scene.empty()) folder.write("scene.yaml", scene);
-    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes + ", hardware: mock}\n" +
-                                  (scene.empty() ? "" : "scene: scene.yaml\n"));
+    folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + test::kSixAxes +
+                                  ", hardware: mock}\n" + (scene.empty() ? "" : "scene: scene.yaml\n"));
     cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()));
     cell->run(6);
   }
   Json upload(const std::string& name, const std::string& bytes, std::size_t offset = 0, bool last = true) {
-    return cell->ask({{"request", "scene.upload"}, {"name", name}, {"offset", offset}, {"data", base64(bytes)}, {"last", last}});
+    return cell->ask({{"request", "scene.upload"},
+                      {"name", name},
+                      {"offset", offset},
+                      {"data", base64(bytes)},
+                      {"last", last}});
   }
   Json add(const Json& more) {
-    Json request{{"request", "scene.add"}, {"name", "block"}, {"file", "meshes/block.stl"}, {"unit", "mm"},
-                 {"at", {0.5, 0, 0.005}}, {"rpy", {0, 0, 0}}};
+    Json request{{"request", "scene.add"}, {"name", "block"},       {"file", "meshes/block.stl"},
+                 {"unit", "mm"},           {"at", {0.5, 0, 0.005}}, {"rpy", {0, 0, 0}}};
     request.update(more);
     return cell->ask(request);
   }
@@ -79,13 +86,19 @@ TEST_F(SceneRequests, AMeshIsUploadedInPiecesAndItsSizeIsReturned) {
 }
 
 TEST_F(SceneRequests, WhatIsNoMeshIsNotKept) {
-  for (const auto& [name, wanted] : {std::pair{"../evil.stl", "bad-path"}, {"/etc/x.stl", "bad-path"}, {".hidden.stl", "bad-path"},
-                                     {"a/b.stl", "bad-path"}, {"run.sh", "unknown-mesh"}, {"cell.yaml", "unknown-mesh"}})
+  for (const auto& [name, wanted] : {std::pair{"../evil.stl", "bad-path"},
+                                     {"/etc/x.stl", "bad-path"},
+                                     {".hidden.stl", "bad-path"},
+                                     {"a/b.stl", "bad-path"},
+                                     {"run.sh", "unknown-mesh"},
+                                     {"cell.yaml", "unknown-mesh"}})
     EXPECT_EQ(code(upload(name, kBlock)), wanted) << name;
   EXPECT_EQ(code(upload("bad.stl", "nothing")), "bad-mesh");
   EXPECT_EQ(code(upload("bad.png", "nothing")), "bad-image");
-  EXPECT_EQ(code(cell->ask({{"request", "scene.upload"}, {"name", "a.stl"}, {"offset", 0}, {"data", "!!!!"}, {"last", true}})),
-            "bad-request");
+  EXPECT_EQ(
+      code(cell->ask(
+          {{"request", "scene.upload"}, {"name", "a.stl"}, {"offset", 0}, {"data", "!!!!"}, {"last", true}})),
+      "bad-request");
   EXPECT_FALSE(fs::exists(folder.path() / "meshes" / "bad.stl"));
   EXPECT_FALSE(fs::exists(folder.path() / "meshes" / "bad.png"));
   EXPECT_TRUE(fs::is_empty(folder.path() / ".state" / "uploads"));
@@ -109,14 +122,16 @@ TEST_F(SceneRequests, AMeshIsWrittenIntoTheSceneBesideWhatIsThere) {
   EXPECT_NE(now.find("# oak"), std::string::npos);
   const description::Scene scene = description::read_scene((folder.path() / "scene.yaml").string());
   ASSERT_EQ(scene.fixtures.size(), 2u);
-  const description::Fixture& block = scene.fixtures[0].name == "block" ? scene.fixtures[0] : scene.fixtures[1];
+  const description::Fixture& block =
+      scene.fixtures[0].name == "block" ? scene.fixtures[0] : scene.fixtures[1];
   EXPECT_EQ(block.name, "block");
   EXPECT_NEAR(block.shapes[0].scale.x, 1e-3, 1e-12);
   EXPECT_NEAR(block.pose.position.x, 0.5, 1e-12);
   ASSERT_EQ(scene.parts.size(), 1u);
   EXPECT_NEAR(scene.parts[0].mass, 0.2, 1e-12);
   begin(now);  // the cell runs with it
-  EXPECT_EQ(cell->ask({{"request", "files.versions"}, {"name", "scene.yaml"}})["result"]["versions"].size(), 2u);
+  EXPECT_EQ(cell->ask({{"request", "files.versions"}, {"name", "scene.yaml"}})["result"]["versions"].size(),
+            2u);
 }
 
 TEST_F(SceneRequests, ACellWithoutASceneGetsOneWithItsFloor) {
@@ -132,7 +147,8 @@ TEST_F(SceneRequests, ACellWithoutASceneGetsOneWithItsFloor) {
 }
 
 TEST_F(SceneRequests, WhatTheSceneCannotTakeIsRefusedAndChangesNothing) {
-  const std::string before = "polyarm: scene/1\nparts: {cube: {box: [0.1, 0.1, 0.1], at: [1, 1, 1], mass: 0.1}}\n";
+  const std::string before =
+      "polyarm: scene/1\nparts: {cube: {box: [0.1, 0.1, 0.1], at: [1, 1, 1], mass: 0.1}}\n";
   begin(before);
   ASSERT_EQ(code(upload("block.stl", kBlock)), "ok");
   EXPECT_EQ(code(add({{"name", "cube"}})), "exists");

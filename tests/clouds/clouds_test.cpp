@@ -1,6 +1,6 @@
-/// Point clouds: every format gives the same points, damaged files are refused, and boxes are true to the points.
+/// Point clouds: every format gives the same points, damaged files are refused, and boxes are true to the
+/// points.
 #include <gtest/gtest.h>
-
 #include <unistd.h>
 
 #include <algorithm>
@@ -52,10 +52,10 @@ std::string floats(const Points& points, std::size_t gap = 0) {
 }
 std::string pcd_header(std::size_t points, const std::string& data, bool extra = false) {
   const std::string n = std::to_string(points);
-  return "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z" + std::string(extra ? " rgb" : "") +
-         "\nSIZE 4 4 4" + (extra ? " 4" : "") + "\nTYPE F F F" + (extra ? " U" : "") + "\nCOUNT 1 1 1" +
-         (extra ? " 1" : "") + "\nWIDTH " + n + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + n + "\nDATA " + data +
-         "\n";
+  return "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z" +
+         std::string(extra ? " rgb" : "") + "\nSIZE 4 4 4" + (extra ? " 4" : "") + "\nTYPE F F F" +
+         (extra ? " U" : "") + "\nCOUNT 1 1 1" + (extra ? " 1" : "") + "\nWIDTH " + n +
+         "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + n + "\nDATA " + data + "\n";
 }
 std::string lines(const Points& points) {
   std::ostringstream out;
@@ -79,7 +79,8 @@ std::string compressed(const std::string& bytes) {
 std::string in_columns(const Points& points) {
   std::string out;
   for (int k = 0; k < 3; ++k)
-    for (const auto& p : points) out.append(reinterpret_cast<const char*>(&p[static_cast<std::size_t>(k)]), 4);
+    for (const auto& p : points)
+      out.append(reinterpret_cast<const char*>(&p[static_cast<std::size_t>(k)]), 4);
   return out;
 }
 /// As a recorder stores it: little-endian CDR.
@@ -108,13 +109,14 @@ std::string message(const Points& points, std::size_t gap = 4) {
   return std::string("\0\1\0\0", 4) + out;
 }
 std::string ply(const Points& points, const std::string& format) {
-  const std::string header = "ply\nformat " + format +
-                             " 1.0\ncomment a camera\nelement vertex " + std::to_string(points.size()) +
+  const std::string header = "ply\nformat " + format + " 1.0\ncomment a camera\nelement vertex " +
+                             std::to_string(points.size()) +
                              "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
   if (format == "ascii") return header + lines(points);
   std::string bytes = floats(points);
   if (format == "binary_big_endian")
-    for (std::size_t i = 0; i < bytes.size(); i += 4) std::reverse(bytes.begin() + long(i), bytes.begin() + long(i) + 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 4)
+      std::reverse(bytes.begin() + long(i), bytes.begin() + long(i) + 4);
   return header + bytes;
 }
 
@@ -125,9 +127,10 @@ Cloud of_points(const Points& points, double radius) {
 }
 bool same(const Cloud& a, const Cloud& b) {
   return a.points == b.points && a.boxes.size() == b.boxes.size() &&
-         std::equal(a.boxes.begin(), a.boxes.end(), b.boxes.begin(), [](const CloudBox& x, const CloudBox& y) {
-           return norm(x.lower - y.lower) < 1e-6 && norm(x.upper - y.upper) < 1e-6;
-         });
+         std::equal(a.boxes.begin(), a.boxes.end(), b.boxes.begin(),
+                    [](const CloudBox& x, const CloudBox& y) {
+                      return norm(x.lower - y.lower) < 1e-6 && norm(x.upper - y.upper) < 1e-6;
+                    });
 }
 template <typename Read>
 Cloud read_with(Read read, const std::string& bytes) {
@@ -153,13 +156,16 @@ TEST(Clouds, EveryFormatGivesTheSamePoints) {
   EXPECT_TRUE(same(read_with(read_pcd, pcd_header(3000, "ascii") + lines(points)), expected));
   EXPECT_TRUE(same(read_with(read_pcd, pcd_header(3000, "binary") + floats(points)), expected));
   EXPECT_TRUE(same(read_with(read_pcd, pcd_header(3000, "binary", true) + floats(points, 4)), expected));
-  EXPECT_TRUE(same(read_with(read_pcd, pcd_header(3000, "binary_compressed") + compressed(in_columns(points))), expected));
+  EXPECT_TRUE(same(
+      read_with(read_pcd, pcd_header(3000, "binary_compressed") + compressed(in_columns(points))), expected));
 }
 
 TEST(Clouds, AMessageIsReadAsAFileIs) {
   const Points points = a_scene(3000);
   EXPECT_TRUE(same(read_with(read_point_cloud2, message(points)), of_points(points, 0.01)));
-  EXPECT_NE(error_of([&] { read_with(read_point_cloud2, message(points).substr(0, 900)); }).find("ends too early"), std::string::npos);
+  EXPECT_NE(
+      error_of([&] { read_with(read_point_cloud2, message(points).substr(0, 900)); }).find("ends too early"),
+      std::string::npos);
 }
 
 TEST(Clouds, ReferencesOfCompressedDataAreFollowed) {
@@ -183,7 +189,8 @@ TEST(Clouds, ReferencesOfCompressedDataAreFollowed) {
 
 TEST(Clouds, PointsWithoutAPlaceAreDroppedAndCounted) {
   CloudGrid grid(0.01);
-  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e300, 1001.0}) grid.add(0, bad, 0), grid.add(bad, 0, 0);
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e300, 1001.0})
+    grid.add(0, bad, 0), grid.add(bad, 0, 0);
   grid.add(0.1, 0.2, 0.3);
   const Cloud cloud = grid.boxes(0.005);
   EXPECT_EQ(cloud.dropped, 10u);
@@ -217,8 +224,11 @@ TEST(Clouds, BoxesContainThePointsAndLittleElse) {
     }
     for (int i = 0; i < 500; ++i) {
       const CloudBox& b = cloud.boxes[engine() % cloud.boxes.size()];
-      const auto between = [&](double low, double high) { return low + (even(engine) + 1) / 2 * (high - low); };
-      const Vec3 place{between(b.lower.x, b.upper.x), between(b.lower.y, b.upper.y), between(b.lower.z, b.upper.z)};
+      const auto between = [&](double low, double high) {
+        return low + (even(engine) + 1) / 2 * (high - low);
+      };
+      const Vec3 place{between(b.lower.x, b.upper.x), between(b.lower.y, b.upper.y),
+                       between(b.lower.z, b.upper.z)};
       double nearest = 1e9;
       for (const auto& p : points) nearest = std::min(nearest, norm(Vec3{p[0], p[1], p[2]} - place));
       ASSERT_LE(nearest, std::sqrt(3.0) * (cloud.cell + radius) + 1e-6);
@@ -228,18 +238,28 @@ TEST(Clouds, BoxesContainThePointsAndLittleElse) {
 
 TEST(Clouds, RefusalsSayWhatIsWrong) {
   const Points points = a_scene(30);
-  EXPECT_NE(error_of([&] { read_with(read_pcd, pcd_header(31, "binary") + floats(points)); }).find("31 points"), std::string::npos);
-  EXPECT_NE(error_of([&] { read_with(read_ply, "plx\n"); }).find("does not begin with 'ply'"), std::string::npos);
-  EXPECT_NE(error_of([&] { read_with(read_pcd, pcd_header(99'999'999, "binary")); }).find("large-cloud"), std::string::npos);
-  EXPECT_NE(error_of([&] { read_with(read_pcd, pcd_header(1, "ascii") + "1 two 3\n"); }).find("'two'"), std::string::npos);
-  EXPECT_NE(error_of([&] { read_with(read_pcd, "FIELDS a b\nSIZE 4 4\nPOINTS 1\nDATA ascii\n"); }).find("no field x"), std::string::npos);
+  EXPECT_NE(
+      error_of([&] { read_with(read_pcd, pcd_header(31, "binary") + floats(points)); }).find("31 points"),
+      std::string::npos);
+  EXPECT_NE(error_of([&] { read_with(read_ply, "plx\n"); }).find("does not begin with 'ply'"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { read_with(read_pcd, pcd_header(99'999'999, "binary")); }).find("large-cloud"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { read_with(read_pcd, pcd_header(1, "ascii") + "1 two 3\n"); }).find("'two'"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] {
+              read_with(read_pcd, "FIELDS a b\nSIZE 4 4\nPOINTS 1\nDATA ascii\n");
+            }).find("no field x"),
+            std::string::npos);
   EXPECT_NE(error_of([&] { read_cloud("/nowhere/a.pcd", {}); }).find("no-cloud"), std::string::npos);
   EXPECT_NE(error_of([&] { read_cloud("/nowhere/a.txt", {}); }).find("unknown-cloud"), std::string::npos);
   EXPECT_NE(error_of([&] {
-              read_with(read_ply,
-                        "ply\nformat binary_little_endian 1.0\nelement face 3\nproperty list uchar int v\n"
-                        "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n");
-            }).find("other things"), std::string::npos);
+              read_with(
+                  read_ply,
+                  "ply\nformat binary_little_endian 1.0\nelement face 3\nproperty list uchar int v\n"
+                  "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n");
+            }).find("other things"),
+            std::string::npos);
 }
 
 /// Damaged files give an Error or a cloud, and nothing else.
@@ -302,7 +322,8 @@ TEST(Clouds, AMillionPointsAreTaken) {
   fs::remove(file);
   EXPECT_EQ(cloud.points, 1'000'000u);
   EXPECT_LE(cloud.boxes.size(), kMostBoxes);
-  std::printf("10^6 points in %.1f ms: %zu boxes, cells of %.0f mm\n", 1e3 * best, cloud.boxes.size(), 1e3 * cloud.cell);
+  std::printf("10^6 points in %.1f ms: %zu boxes, cells of %.0f mm\n", 1e3 * best, cloud.boxes.size(),
+              1e3 * cloud.cell);
 }
 
 }  // namespace

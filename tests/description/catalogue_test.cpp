@@ -140,17 +140,19 @@ int body_of(const RobotModel& model, int link) {
   return link;
 }
 
-/// The list of pairs that need no check is right where it counts: at home no other pair touches, and links that
-/// are joined by a joint are on it if they touch there. Links that are fixed to each other are one body.
+/// The list of pairs that need no check is right where it counts: at home no other pair touches, and links
+/// that are joined by a joint are on it if they touch there. Links that are fixed to each other are one body.
 void expect_listed_contacts(const RobotModel& model) {
   const std::vector<double> home = model.start();
   std::set<std::array<int, 2>> listed(model.allowed_collisions.begin(), model.allowed_collisions.end());
   for (int a = 0; a < static_cast<int>(model.links.size()); ++a)
     for (int b = a + 1; b < static_cast<int>(model.links.size()); ++b) {
-      const Link &one = model.links[static_cast<std::size_t>(a)], &other = model.links[static_cast<std::size_t>(b)];
+      const Link &one = model.links[static_cast<std::size_t>(a)],
+                 &other = model.links[static_cast<std::size_t>(b)];
       if (one.collisions.empty() || other.collisions.empty() || listed.contains({a, b})) continue;
       if (body_of(model, a) == body_of(model, b)) continue;
-      EXPECT_FALSE(links_touch(model, a, b, home).value_or(false)) << one.name << " and " << other.name << " touch at home";
+      EXPECT_FALSE(links_touch(model, a, b, home).value_or(false))
+          << one.name << " and " << other.name << " touch at home";
     }
 }
 

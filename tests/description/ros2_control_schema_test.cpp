@@ -319,11 +319,12 @@ TEST(Ros2Control, JointsThatCannotBeDrivenAreLeftOutAndTheOthersStay) {
 
 TEST(Ros2Control, AJointThatIsNamedTwiceHasTheInterfacesOfBoth) {
   Problems warnings;
-  const RobotModel model =
-      read(block("<joint name=\"one\"><command_interface name=\"velocity\"/><state_interface "
-                 "name=\"velocity\"/><param name=\"id\">1</param></joint>\n<joint name=\"one\"><command_interface "
-                 "name=\"position\"/><command_interface name=\"velocity\"/><param name=\"id\">2</param></joint>\n"),
-           warnings);
+  const RobotModel model = read(
+      block(
+          "<joint name=\"one\"><command_interface name=\"velocity\"/><state_interface "
+          "name=\"velocity\"/><param name=\"id\">1</param></joint>\n<joint name=\"one\"><command_interface "
+          "name=\"position\"/><command_interface name=\"velocity\"/><param name=\"id\">2</param></joint>\n"),
+      warnings);
   ASSERT_EQ(model.hardware.at(0).components.size(), 1u);
   const ComponentInfo& one = model.hardware[0].components[0];
   ASSERT_EQ(one.command_interfaces.size(), 2u);

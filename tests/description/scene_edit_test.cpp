@@ -22,7 +22,8 @@ std::vector<std::string> names(const std::string& text, const char* section) {
 TEST(SceneEdit, PutsAnEntryIntoEveryFormOfASection) {
   for (const std::string text :
        {"polyarm: scene/1\n", "polyarm: scene/1", "polyarm: scene/1\nfixtures:\n  table: {box: [1, 1, 1]}\n",
-        "polyarm: scene/1\nfixtures:\n    # first\n    table:\n      box: [1, 1, 1]\n    shelf: {box: [1, 1, 1]}\nfloor: false\n",
+        "polyarm: scene/1\nfixtures:\n    # first\n    table:\n      box: [1, 1, 1]\n    shelf: {box: [1, 1, "
+        "1]}\nfloor: false\n",
         "polyarm: scene/1\nfixtures: {table: {box: [1, 1, 1]}, shelf: {box: [1, 1, 1]}}\n",
         "fixtures: {\n  table: {box: [1, 1, 1]}}\npolyarm: scene/1\n"}) {
     const std::string out = with_mesh(text, "scene.yaml", entry());
@@ -39,14 +40,17 @@ TEST(SceneEdit, PutsAnEntryIntoEveryFormOfASection) {
 }
 
 TEST(SceneEdit, AMassMakesItAPart) {
-  const std::string out = with_mesh("polyarm: scene/1\nfixtures:\n  table: {box: [1, 1, 1]}\n", "scene.yaml", entry(0.2));
+  const std::string out =
+      with_mesh("polyarm: scene/1\nfixtures:\n  table: {box: [1, 1, 1]}\n", "scene.yaml", entry(0.2));
   EXPECT_EQ(names(out, "parts"), std::vector<std::string>{"block"});
   EXPECT_EQ(names(out, "fixtures"), std::vector<std::string>{"table"});
 }
 
 TEST(SceneEdit, RefusesWhatItCannotKeep) {
-  EXPECT_THROW(with_mesh("polyarm: scene/1\nparts: {block: {}}\n", "scene.yaml", entry()), Error) << "as a part already";
-  EXPECT_THROW(with_mesh("polyarm: scene/1\nfixtures:\n", "scene.yaml", entry()), Error) << "twice the same key";
+  EXPECT_THROW(with_mesh("polyarm: scene/1\nparts: {block: {}}\n", "scene.yaml", entry()), Error)
+      << "as a part already";
+  EXPECT_THROW(with_mesh("polyarm: scene/1\nfixtures:\n", "scene.yaml", entry()), Error)
+      << "twice the same key";
   EXPECT_THROW(with_mesh("polyarm: scene/1\nfixtures: [1, 2]\n", "scene.yaml", entry()), Error);
   for (const char* name : {"", "1st", "a b", "a: b", "a}", "ä", "-"}) {
     MeshEntry bad = entry();

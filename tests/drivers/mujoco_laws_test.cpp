@@ -434,7 +434,8 @@ description::Part angle(const std::string& name, const Vec3& at) {
   };
   description::Part out = cube(name, at);
   out.shape.kind = description::ShapeKind::mesh;
-  out.shape.pieces = {plate({0, -0.03, -0.01}, {0.1, 0.03, 0}), plate({-0.01, -0.03, -0.01}, {0, 0.03, 0.06})};
+  out.shape.pieces = {plate({0, -0.03, -0.01}, {0.1, 0.03, 0}),
+                      plate({-0.01, -0.03, -0.01}, {0, 0.03, 0.06})};
   out.mass = 0.2;
   return out;
 }
@@ -446,7 +447,8 @@ TEST(MujocoParts, OfAMeshRestOnTheirPiecesAndStayThere) {
   Rig rig = physics(stage);
   rig.run(1.5);
   EXPECT_NEAR(rig.part(0).pose.position.z, 0.01, 1e-3) << "its origin is on top of the lower plate";
-  EXPECT_NEAR(rig.part(1).pose.position.z, 0.01 + 0.02, 1e-3) << "between the plates, not on a hull around both";
+  EXPECT_NEAR(rig.part(1).pose.position.z, 0.01 + 0.02, 1e-3)
+      << "between the plates, not on a hull around both";
   EXPECT_TRUE(rig.part(0).asleep);
   rig.run(0.5);
   EXPECT_NEAR(rig.part(0).pose.position.z, 0.01, 1e-3) << "asleep it carries, too";
@@ -459,7 +461,7 @@ TEST(MujocoParts, OfOnePieceStandWhereThePieceIs) {
   scene.parts = {cube("ramp", {0, 0, 0.002})};
   description::Shape ramp;
   ramp.kind = description::ShapeKind::mesh;
-  const std::vector<Vec3> corners = {{0, -0.03, 0},   {0, 0.03, 0},     {0.1, -0.03, 0},
+  const std::vector<Vec3> corners = {{0, -0.03, 0},  {0, 0.03, 0},     {0.1, -0.03, 0},
                                      {0.1, 0.03, 0}, {0, -0.03, 0.06}, {0, 0.03, 0.06}};
   ramp.pieces = {corners};
   scene.parts[0].shape = ramp;
@@ -487,7 +489,8 @@ TEST(MujocoParts, OfManyPiecesHaveRoomForTheirContacts) {
   const Stage stage = only(scene);
   Rig rig = physics(stage);
   rig.run(0.3);
-  for (std::size_t i = 0; i < scene.parts.size(); ++i) EXPECT_NEAR(rig.part(i).pose.position.z, 0.01, 1e-3) << i;
+  for (std::size_t i = 0; i < scene.parts.size(); ++i)
+    EXPECT_NEAR(rig.part(i).pose.position.z, 0.01, 1e-3) << i;
 }
 
 TEST(MujocoParts, KeepTheirShapesWhicheverOfThemMove) {

@@ -8,7 +8,7 @@
 namespace polyarm::test::riding_test {
 namespace {
 
-constexpr double kHalfLength = 4;   // m
+constexpr double kHalfLength = 4;  // m
 constexpr double kNoJump = 0.005;  // m/s: a contact point more or less changes a part's velocity by less
 
 description::Scene belt() {
@@ -47,8 +47,9 @@ void put_parts(description::Scene& scene, double turn) {
     part.shape = shapes[i];
     part.mass = 0.05;
     const double height = shapes[i].kind == description::ShapeKind::box ? shapes[i].size.z : shapes[i].length;
-    part.start = {{0.01 * static_cast<double>(i), -kHalfLength + 0.3 + 0.15 * static_cast<double>(i), height / 2},
-                  from_axis_angle({0, 0, 1}, turn + 0.4 * static_cast<double>(i))};
+    part.start = {
+        {0.01 * static_cast<double>(i), -kHalfLength + 0.3 + 0.15 * static_cast<double>(i), height / 2},
+        from_axis_angle({0, 0, 1}, turn + 0.4 * static_cast<double>(i))};
     scene.parts.push_back(part);
   }
 }
@@ -96,8 +97,8 @@ TEST(Riding, TurnedCubesLieStillOnATable) {
   stage.robot = false;
   stage.scene = table();
   for (int i = 0; i < 60; ++i) {
-    description::Part part = cube("cube_" + std::to_string(i),
-                                  {-0.8 + 0.15 * (i % 10), -0.8 + 0.15 * (i / 10), 0.02});
+    description::Part part =
+        cube("cube_" + std::to_string(i), {-0.8 + 0.15 * (i % 10), -0.8 + 0.15 * (i / 10), 0.02});
     part.start.rotation = from_axis_angle({0, 0, 1}, 0.1 * i);
     stage.scene.parts.push_back(part);
   }

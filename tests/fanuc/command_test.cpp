@@ -109,7 +109,8 @@ TEST(FanucForwardExample, AFaultOfTheControllerEndsTheRunWithItsCause) {
   EXPECT_NE(ran.output.find("the fence of the controller"), std::string::npos) << ran.output;
 }
 
-/// The programs of the thesis, on a robot whose controller interpolates, with their parts in a simulated world.
+/// The programs of the thesis, on a robot whose controller interpolates, with their parts in a simulated
+/// world.
 struct ThesisCell {
   const char* example;
   std::size_t parts;
@@ -124,7 +125,8 @@ void give_forward_robot(const ExampleCopy& copy, const std::string& world) {
   std::string text = read_file(copy.file("cell.yaml"));
   replace(text, "polyarm: cell/1\n", "polyarm: cell/1\nrate: 125\n");
   replace(text, "model: universal_robots/ur3, hardware: mujoco",
-          "model: fanuc/lr_mate_200id, hardware: fanuc_fake, parameters: {motion: forward, world: " + world + "}");
+          "model: fanuc/lr_mate_200id, hardware: fanuc_fake, parameters: {motion: forward, world: " + world +
+              "}");
   write_file_atomically(copy.file("cell.yaml"), text);
 }
 
@@ -145,7 +147,8 @@ TEST_P(FanucForwardThesis, RunsUnchangedWithEveryPartInItsPlace) {
 TEST(FanucForwardBlends, TheProgramWithBlendsPlacesEveryPartToo) {
   const ExampleCopy copy("pick_and_place");
   give_forward_robot(copy, "mock");
-  const Finished ran = run_command({"run", copy.path(), "--program", "flowing", "--fast", "--json", "--no-socket"});
+  const Finished ran =
+      run_command({"run", copy.path(), "--program", "flowing", "--fast", "--json", "--no-socket"});
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   for (const auto& part : ran.result()["parts"]) EXPECT_EQ(part["state"], "placed") << part;
 }

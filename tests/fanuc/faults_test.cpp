@@ -2,8 +2,8 @@
 /// again.
 #include <thread>
 
-#include "tests/support/wire_faults.hpp"
 #include "tests/fanuc/rig.hpp"
+#include "tests/support/wire_faults.hpp"
 
 namespace polyarm {
 namespace {
@@ -35,7 +35,9 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(WhileMoving, IsNamedStandsAndDoesNotJumpWhenItIsRecovered) {
   FanucRig rig;
-  expect_fault_while_moving(rig, GetParam(), {.joint = "J3", .step = 0.003, .ramp = 40, .before = 60, .after = 400, .patience = 400}, mend);
+  expect_fault_while_moving(
+      rig, GetParam(),
+      {.joint = "J3", .step = 0.003, .ramp = 40, .before = 60, .after = 400, .patience = 400}, mend);
 }
 
 class BeforeItMoves : public testing::TestWithParam<FaultRow> {};

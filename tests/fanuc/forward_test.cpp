@@ -12,7 +12,8 @@ using hardware::ForwardFlow;
 using hardware::ForwardMove;
 using namespace test;
 
-/// rad: the interface has 0.001 degrees, and a robot that moves by less between two readings counts as standing.
+/// rad: the interface has 0.001 degrees, and a robot that moves by less between two readings counts as
+/// standing.
 constexpr double kStandsWithin = 2e-4;
 
 /// The driver on its simulated controller, with what the control loop would call in each cycle.
@@ -32,13 +33,15 @@ class ForwardRig : public FanucRig {
   }
   ::testing::AssertionResult passes(int cycles, double pace = 1) {
     for (int i = 0; i < cycles; ++i)
-      if (pass(pace) == ReturnType::error) return ::testing::AssertionFailure() << i << ": " << component.reason();
+      if (pass(pace) == ReturnType::error)
+        return ::testing::AssertionFailure() << i << ": " << component.reason();
     return ::testing::AssertionSuccess();
   }
   template <typename Until>
   ::testing::AssertionResult passes_until(Until until, double pace = 1, int most = 3000) {
     for (int i = 0; i < most; ++i) {
-      if (pass(pace) == ReturnType::error) return ::testing::AssertionFailure() << i << ": " << component.reason();
+      if (pass(pace) == ReturnType::error)
+        return ::testing::AssertionFailure() << i << ": " << component.reason();
       if (until()) return ::testing::AssertionSuccess();
     }
     return ::testing::AssertionFailure() << "not within " << most << " cycles";
@@ -85,7 +88,9 @@ class ForwardRig : public FanucRig {
       return out;
     });
   }
-  const kinematics::Chain& chain() { return *far().with([](fanuc::Machine& m) { return m.options().facts.chain; }); }
+  const kinematics::Chain& chain() {
+    return *far().with([](fanuc::Machine& m) { return m.options().facts.chain; });
+  }
   bool done() const { return moves->flow().done == id && moves->flow().idle && moves->flow().standing; }
 
   hardware::ForwardMoves* moves = nullptr;
@@ -252,11 +257,13 @@ TEST(FanucForward, ManyMovesPassThroughTheWindowInOrder) {
   ASSERT_TRUE(rig.passes(5));
   for (int i = 0; i < 30; ++i) ASSERT_TRUE(rig.moves->accept(rig.turn(i % 2 ? -0.05 : 0.06)));
   std::uint64_t last = 0;
-  ASSERT_TRUE(rig.passes_until([&] {
-    EXPECT_GE(rig.moves->flow().done, last);
-    last = rig.moves->flow().done;
-    return rig.done();
-  }, 1, 8000));
+  ASSERT_TRUE(rig.passes_until(
+      [&] {
+        EXPECT_GE(rig.moves->flow().done, last);
+        last = rig.moves->flow().done;
+        return rig.done();
+      },
+      1, 8000));
   EXPECT_EQ(last, 30u);
 }
 
@@ -317,7 +324,8 @@ TEST(FanucForward, OnAFreeClockMovesArriveAndTheLoopNeitherAllocatesNorLocks) {
     cycle.time += cycle.period;
     const RealtimeGuard guard;
     moves.set_pace(1);
-    fine = component.read(cycle, states) == ReturnType::ok && component.write(cycle, commands) == ReturnType::ok;
+    fine =
+        component.read(cycle, states) == ReturnType::ok && component.write(cycle, commands) == ReturnType::ok;
     accepted = accepted || moves.accept(move);
     const ForwardFlow flow = moves.flow();
     done = accepted && flow.idle && flow.standing && flow.done == 1;
@@ -397,8 +405,10 @@ class ForwardWhileMoving : public testing::TestWithParam<FaultRow> {};
 INSTANTIATE_TEST_SUITE_P(
     Faults, ForwardWhileMoving,
     testing::Values(FaultRow{"e_stop", Cause::emergency_stop, "release the button"},
-                    FaultRow{"fence_open", Cause::fence, "fence"}, FaultRow{"t1", Cause::teach_mode, "teach pendant"},
-                    FaultRow{"contact", Cause::contact, "contact"}, FaultRow{"alarm=65", Cause::alarm, "SRVO-065"},
+                    FaultRow{"fence_open", Cause::fence, "fence"},
+                    FaultRow{"t1", Cause::teach_mode, "teach pendant"},
+                    FaultRow{"contact", Cause::contact, "contact"},
+                    FaultRow{"alarm=65", Cause::alarm, "SRVO-065"},
                     FaultRow{"abort", Cause::program_stopped, "ended there without an alarm"},
                     FaultRow{"hold", Cause::program_stopped, "held by hand"},
                     FaultRow{"mute", Cause::rmi_silent, "does not answer"},
@@ -436,8 +446,8 @@ TEST_P(ForwardWhileMoving, IsNamedStandsAndMovesNothingWhenItIsRecovered) {
 
 /// Faults drawn at random, before, during and after moves, pauses and clears.
 TEST(FanucForwardFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumpsOrGoesOnByItself) {
-  constexpr const char* kOrders[] = {"e_stop", "fence_open", "t1",        "t2",        "contact",  "motn=610",
-                                     "alarm=65", "abort",    "hold", "terminate", "close_rmi", "power_off"};
+  constexpr const char* kOrders[] = {"e_stop",   "fence_open", "t1",   "t2",        "contact",   "motn=610",
+                                     "alarm=65", "abort",      "hold", "terminate", "close_rmi", "power_off"};
   Draw draw(30);
   ForwardRig rig(Parameters{{"connect_timeout", "1"}});
   int named = 0;

@@ -39,7 +39,8 @@ ForwardMove move(ForwardMove::Kind kind) {
 }
 
 RmiMessage line(const ForwardMove& of, const InstructionFrame& in = frame(), bool fine = false) {
-  const auto parsed = fanuc::parse_rmi(instruction_of(of, in, 7, fine, Configuration{{1, 1, 0, 0, 0, -1, 0}}).line());
+  const auto parsed =
+      fanuc::parse_rmi(instruction_of(of, in, 7, fine, Configuration{{1, 1, 0, 0, 0, -1, 0}}).line());
   EXPECT_TRUE(parsed);
   return parsed.value_or(RmiMessage{});
 }
@@ -57,7 +58,8 @@ TEST(FanucInstructions, AJointMoveHasAnglesWithJoint3AgainstTheHorizontal) {
   EXPECT_EQ(out.text("TermType"), "FINE");
   EXPECT_FALSE(out.has("ACC"));
   for (std::size_t i = 0; i < 6; ++i)
-    EXPECT_NEAR(fanuc::radians_of(fanuc::rmi_joints({1, 2, 3, 4, 5, 6}))[i], static_cast<double>(i + 1), 1e-12);
+    EXPECT_NEAR(fanuc::radians_of(fanuc::rmi_joints({1, 2, 3, 4, 5, 6}))[i], static_cast<double>(i + 1),
+                1e-12);
 }
 
 TEST(FanucInstructions, ALineHasMillimetresPerSecondOrItsTimeIfTheToolOnlyTurns) {

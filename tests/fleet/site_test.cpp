@@ -7,12 +7,12 @@
 #include <random>
 #include <thread>
 
+#include "polyarm/access/token.hpp"
 #include "polyarm/fleet/cell_client.hpp"
 #include "polyarm/fleet/deployment.hpp"
 #include "polyarm/fleet/site_page.hpp"
 #include "polyarm/fleet/site_watch.hpp"
 #include "polyarm/server/pendant.hpp"
-#include "polyarm/access/token.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "tests/support/damaged.hpp"
 #include "tests/support/lock_step_cell.hpp"
@@ -133,7 +133,8 @@ TEST(SiteStatus, ACellThatGoesAndComesBackIsSeenWithItsLastValuesMeanwhile) {
 }
 
 TEST(AnswersOfStrangers, AreReadWithoutWhatIsNestedTooDeep) {
-  const Json answer = parse_answer("{\"state\":\"running\",\"x\":" + std::string(1'000'000, '[') + std::string(1'000'000, ']') + "}");
+  const Json answer = parse_answer("{\"state\":\"running\",\"x\":" + std::string(1'000'000, '[') +
+                                   std::string(1'000'000, ']') + "}");
   EXPECT_EQ(answer["state"], "running");
   EXPECT_LT(Json(answer).dump().size(), 200u);
   EXPECT_FALSE(parse_answer("{\"state\":").is_object());
@@ -219,7 +220,10 @@ TEST(Difference, ShowsWhatGoesAndWhatComes) {
 }
 
 TEST(OeeFigures, AreSharesOfTimePassesAndParts) {
-  const Json summary{{"working_s", 60}, {"no_cell_s", 10}, {"state_s", {{"running", 80}, {"held", 10}}}, {"passes", 5},
+  const Json summary{{"working_s", 60},
+                     {"no_cell_s", 10},
+                     {"state_s", {{"running", 80}, {"held", 10}}},
+                     {"passes", 5},
                      {"parts", {{"good", 9}, {"bad", 1}}}};
   const Oee oee = oee_of(summary, 10);
   EXPECT_NEAR(*oee.availability, 0.6, 1e-12);
@@ -228,7 +232,8 @@ TEST(OeeFigures, AreSharesOfTimePassesAndParts) {
   EXPECT_NEAR(*oee.whole, 0.6 * 50 / 60 * 0.9, 1e-12);
   EXPECT_FALSE(oee_of(summary, 0).performance) << "performance needs an ideal cycle";
   EXPECT_FALSE(oee_of(Json(), 1).availability);
-  EXPECT_FALSE(oee_of(Json{{"working_s", "many"}, {"state_s", 3}, {"parts", Json::array()}, {"passes", -1}}, 1).whole);
+  EXPECT_FALSE(
+      oee_of(Json{{"working_s", "many"}, {"state_s", 3}, {"parts", Json::array()}, {"passes", -1}}, 1).whole);
 }
 
 class SiteFile : public ::testing::Test {
@@ -249,9 +254,12 @@ class SiteFile : public ::testing::Test {
 };
 
 TEST_F(SiteFile, NamesCellsTheirAddressesAndTokens) {
-  const Site site = read_site_file(folder.write(
-      "site.yaml", "polyarm: site/1\nname: hall\ncells:\n  a: {address: 'http://localhost:8765', token_file: token, ideal_cycle: 12s}\n"
-                   "  b: {address: 'https://[fe80::1]', token_file: token, fingerprint: '" + std::string(64, 'a') + "'}\n"));
+  const Site site =
+      read_site_file(folder.write("site.yaml",
+                                  "polyarm: site/1\nname: hall\ncells:\n  a: {address: "
+                                  "'http://localhost:8765', token_file: token, ideal_cycle: 12s}\n"
+                                  "  b: {address: 'https://[fe80::1]', token_file: token, fingerprint: '" +
+                                      std::string(64, 'a') + "'}\n"));
   ASSERT_EQ(site.cells.size(), 2u);
   EXPECT_EQ(site.cells[0].token, "abc_DEF-123");
   EXPECT_EQ(site.cells[0].ideal_cycle_s, 12);
@@ -263,7 +271,8 @@ TEST_F(SiteFile, NamesCellsTheirAddressesAndTokens) {
 
 TEST_F(SiteFile, WhatWouldShowATokenOrIsWrongIsRefused) {
   EXPECT_EQ(code("{address: 'http://10.0.0.5', token_file: token}"), "bad-site") << "in clear";
-  EXPECT_EQ(code("{address: 'http://127.example.org', token_file: token}"), "bad-site") << "no address of this machine";
+  EXPECT_EQ(code("{address: 'http://127.example.org', token_file: token}"), "bad-site")
+      << "no address of this machine";
   EXPECT_EQ(code("{address: 'https://10.0.0.5', token_file: token}"), "bad-site") << "no fingerprint";
   EXPECT_EQ(code("{address: 'ftp://x', token_file: token}"), "bad-site");
   EXPECT_EQ(code("{address: 'http://localhost:99999', token_file: token}"), "bad-site");
@@ -274,11 +283,14 @@ TEST_F(SiteFile, WhatWouldShowATokenOrIsWrongIsRefused) {
 }
 
 TEST_F(SiteFile, AnyTextIsReadOrRefused) {
-  const std::string good = "polyarm: site/1\nname: hall\ncells:\n  a: {address: 'http://localhost:8765', token_file: token, ideal_cycle: 12s}\n";
+  const std::string good =
+      "polyarm: site/1\nname: hall\ncells:\n  a: {address: 'http://localhost:8765', token_file: token, "
+      "ideal_cycle: 12s}\n";
   std::mt19937 random(3);
   for (int n = 0; n < 3000; ++n) {
     try {
-      read_site_file(folder.write("site.yaml", test::damaged(good, {"{", "[", ": ", "'", "https://", "\n  b: "}, 15, random)));
+      read_site_file(folder.write(
+          "site.yaml", test::damaged(good, {"{", "[", ": ", "'", "https://", "\n  b: "}, 15, random)));
     } catch (const Error&) {
     }
   }

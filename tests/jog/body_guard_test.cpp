@@ -70,7 +70,8 @@ struct Among {
   double kept(const GuardPair& pair) const {
     return pair.own || exact->is_hand(pair.a) || exact->is_hand(pair.b) ? 0.001 : kClearance;
   }
-  /// The smallest distance from an obstacle, and between links. Notes the pair that keeps the least of what it has to.
+  /// The smallest distance from an obstacle, and between links. Notes the pair that keeps the least of what
+  /// it has to.
   double distance() {
     exact->look(at(rig.joints()));
     double out = 1e9;
@@ -198,11 +199,10 @@ TEST_P(RandomJogs, AmongObstaclesKeepTheirMargin) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OfArms, RandomJogs,
-                         testing::Values("universal_robots/ur5e", "fanuc/lr_mate_200id", "universal_robots/ur3",
-                                         "franka/fer_panda", "mitsubishi_electric/rh_6frh5520", "gantry"),
-                         [](const auto& info) {
-                           return info.param.substr(info.param.find('/') + 1);
-                         });
+                         testing::Values("universal_robots/ur5e", "fanuc/lr_mate_200id",
+                                         "universal_robots/ur3", "franka/fer_panda",
+                                         "mitsubishi_electric/rh_6frh5520", "gantry"),
+                         [](const auto& info) { return info.param.substr(info.param.find('/') + 1); });
 
 /// An arm beside a wall and a ball of hundreds of boxes, as a point cloud is.
 TEST(BodyGuard, AnArmIsKeptOffAPointCloud) {
@@ -216,7 +216,8 @@ TEST(BodyGuard, AnArmIsKeptOffAPointCloud) {
     for (int i = 0; i < 500; ++i) {
       description::Shape box;
       const Vec3 way{even(engine), even(engine), even(engine)};
-      box.pose.position = i % 2 ? Vec3{0.5, 1.5 * way.x, 0.5 + way.y} : Vec3{-0.5, 0, 0.6} + (0.15 / norm(way)) * way;
+      box.pose.position =
+          i % 2 ? Vec3{0.5, 1.5 * way.x, 0.5 + way.y} : Vec3{-0.5, 0, 0.6} + (0.15 / norm(way)) * way;
       box.size = {0.02, 0.08, 0.08};
       cloud.shapes.push_back(box);
     }
@@ -346,8 +347,8 @@ TEST(BodyGuard, AFlatToolTiltsNowhereIntoATable) {
 TEST(BodyGuard, ABallThatIsTooNearToTwoWallsCanGoAlongThem) {
   Among arm("gantry", 1, 0);
   for (const double side : {-1.0, 1.0})
-    arm.scene.fixtures.push_back(
-        surroundings::fixture(side < 0 ? "below" : "above", {1, 0.2, 0.1}, {0, 0, side * (surroundings::kBall + 0.0504)}));
+    arm.scene.fixtures.push_back(surroundings::fixture(side < 0 ? "below" : "above", {1, 0.2, 0.1},
+                                                       {0, 0, side * (surroundings::kBall + 0.0504)}));
   arm.renew();
   arm.rig.start({0, 0, 0});
   arm.before = arm.rig.joints();

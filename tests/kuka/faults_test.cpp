@@ -3,8 +3,8 @@
 #include <set>
 #include <thread>
 
-#include "tests/support/wire_faults.hpp"
 #include "tests/kuka/rig.hpp"
+#include "tests/support/wire_faults.hpp"
 
 namespace polyarm {
 namespace {
@@ -99,8 +99,8 @@ TEST(KukaFaults, ARefusedActivationLeavesTheComponentReading) {
 
 TEST(KukaFaults, AControllerThatIsNotThereIsNamed) {
   expect_unreachable<kuka::KukaComponent>(
-      kuka_context({{"host", "127.0.0.1"}, {"eki_port", std::to_string(closed_port())}}),
-      Cause::unreachable, "");
+      kuka_context({{"host", "127.0.0.1"}, {"eki_port", std::to_string(closed_port())}}), Cause::unreachable,
+      "");
 }
 
 TEST(KukaFaults, ASecondClientIsNamed) {
@@ -275,8 +275,8 @@ TEST(KukaFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
       "old_rsi",   "seven",        "rsi_error", "refuse_start", "power_off",   "late=3",    "duplicate=3",
       "reorder=2", "refuse_drives"};
   KukaRig rig;
-  expect_random_faults_end_well(rig, kOrders, {.joint = "joint_6", .after = 90}, 60 * kDegree * 0.004 + 1e-7, mend,
-                                [](kuka::Machine& m) { m.step(); });
+  expect_random_faults_end_well(rig, kOrders, {.joint = "joint_6", .after = 90}, 60 * kDegree * 0.004 + 1e-7,
+                                mend, [](kuka::Machine& m) { m.step(); });
 }
 
 }  // namespace

@@ -49,14 +49,16 @@ cell: {modbus: server, port: PORT, tags: {Start: {coil: 0, direction: out}, Belt
     const std::string urdf = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
     write_file_atomically(folder / "cell.yaml",
                           "polyarm: cell/1\nrobots: {arm: {model: " + urdf +
-                              ", hardware: mock}}\nsignals: signals.yaml\nprogram: main.script\n" + cell_more);
+                              ", hardware: mock}}\nsignals: signals.yaml\nprogram: main.script\n" +
+                              cell_more);
     write_file_atomically(folder / "main.script", program);
     write_file_atomically(
         folder / "signals.yaml",
         "polyarm: signals/1\ntags:\n  Belt: {initial: 0, type: number, on_hold: 7, on_stop: 9, unit: "
         "m/s}\n  IsHeld: {state: cell/held}\n" +
             more + "links:\n  plc:\n    modbus: client\n    port: " + std::to_string(port) +
-            "\n    timeout: 2s\n" + link_more + "    tags: {Start: {coil: 0, direction: in}, Belt: {holding: 0, "
+            "\n    timeout: 2s\n" + link_more +
+            "    tags: {Start: {coil: 0, direction: in}, Belt: {holding: 0, "
             "direction: out}, Alive: {coil: 1, direction: out}, PlcAlive: {coil: 2, direction: in}, "
             "IsHeld: {coil: 3, direction: out}}\n");
     cell::CellOptions options;
@@ -103,8 +105,9 @@ cell: {modbus: server, port: PORT, tags: {Start: {coil: 0, direction: out}, Belt
 
 /// Its encoder is a tag of the link, which keeps its value when the link is lost.
 TEST_F(LinkedCell, ABeltWhoseEncoderComesOverALostLinkHoldsTheCellAndDoesNotStand) {
-  start_cell("set Belt = 3\nwhile true\n  let n = waiting_parts(\"line\")\n  wait 10ms\nend\n", "  Start: {initial: false}\n",
-             "belts:\n  line: {encoder: Start, from: 0, to: 1}\n", "    on_loss: go_on\n");
+  start_cell("set Belt = 3\nwhile true\n  let n = waiting_parts(\"line\")\n  wait 10ms\nend\n",
+             "  Start: {initial: false}\n", "belts:\n  line: {encoder: Start, from: 0, to: 1}\n",
+             "    on_loss: go_on\n");
   ASSERT_TRUE(becomes([&] { return plc_has("Belt", 3); })) << told;
   EXPECT_EQ(state(), RunState::running) << told;
   plc = nullptr;

@@ -1,7 +1,6 @@
 #include "links/mqtt/sparkplug.hpp"
 
 #include <gtest/gtest.h>
-
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -62,7 +61,8 @@ TEST(SparkplugPayload, HasTheBytesOfTheSpecification) {
 }
 
 TEST(SparkplugPayload, SignedWholeNumbersOfOthersAreRead) {
-  const auto payload = decoded(std::string("\x12\x0d\x20\x04\x58\xff\xff\xff\xff\xff\xff\xff\xff\xff\x01", 15));
+  const auto payload =
+      decoded(std::string("\x12\x0d\x20\x04\x58\xff\xff\xff\xff\xff\xff\xff\xff\xff\x01", 15));
   ASSERT_TRUE(payload);
   EXPECT_EQ(std::get<double>(payload->metrics.at(0).value), -1);
 }
@@ -71,7 +71,8 @@ TEST(SparkplugPayload, AnyBytesAreReadOrRefused) {
   const std::string good = encoded(sample());
   std::mt19937 random(7);
   for (int n = 0; n < 100'000; ++n) {
-    const auto payload = decoded(test::damaged(good, {"\x12\xff", "\xff\xff\xff\xff\x0f", std::string("\0", 1), "\x12"}, 20, random));
+    const auto payload = decoded(
+        test::damaged(good, {"\x12\xff", "\xff\xff\xff\xff\x0f", std::string("\0", 1), "\x12"}, 20, random));
     EXPECT_TRUE(!payload || payload->metrics.size() <= kMostMetrics);
   }
   SparkplugPayload many;
@@ -82,7 +83,8 @@ TEST(SparkplugPayload, AnyBytesAreReadOrRefused) {
 TEST(HostState, IsReadFromJson) {
   EXPECT_TRUE(host_state(R"({"online":true,"timestamp":12})")->online);
   EXPECT_EQ(host_state(R"({"online":false,"timestamp":12})")->time_ms, 12u);
-  for (const char* wrong : {"", "ONLINE", "[]", R"({"online":1})", "{\"online\":"}) EXPECT_FALSE(host_state(wrong)) << wrong;
+  for (const char* wrong : {"", "ONLINE", "[]", R"({"online":1})", "{\"online\":"})
+    EXPECT_FALSE(host_state(wrong)) << wrong;
 }
 
 /// A host application that keeps every message.
@@ -161,7 +163,8 @@ class SparkplugBroker : public ::testing::Test {
   }
   static std::string text(const std::string& more = "") {
     return "site: {mqtt: sparkplug, port: PORT, group: plant, node: cell1, timeout: 2s, " + more +
-           "tags: {State: {type: text, direction: out}, Speed: {device: arm, metric: speed, type: number, direction: both}, "
+           "tags: {State: {type: text, direction: out}, Speed: {device: arm, metric: speed, type: number, "
+           "direction: both}, "
            "Ready: {device: arm, direction: out}}}";
   }
   test::Folder folder;
@@ -225,7 +228,8 @@ TEST_F(SparkplugBroker, ACommandThatTheBrokerKeptIsNotCarriedOutAtTheNextConnect
   host.command("spBv1.0/plant/DCMD/cell1/arm", {"speed", {}, 10, {}, 0.5});
   EXPECT_TRUE(cell->comes("Speed", 0.5));
   EXPECT_FALSE(std::any_of(host.messages.begin(), host.messages.end(), [](const auto& each) {
-    return each.topic == "spBv1.0/plant/DDATA/cell1/arm" && each.payload.metrics.at(0).value == decltype(Metric::value)(0.9);
+    return each.topic == "spBv1.0/plant/DDATA/cell1/arm" &&
+           each.payload.metrics.at(0).value == decltype(Metric::value)(0.9);
   })) << "a value that was taken would be shown";
 }
 

@@ -24,8 +24,8 @@ std::string big_endian(std::uint32_t value) {
 
 /// The head of a PNG; its data are not looked at.
 std::string png(std::uint32_t width, std::uint32_t height) {
-  return std::string("\x89PNG\r\n\x1a\n", 8) + big_endian(13) + "IHDR" + big_endian(width) + big_endian(height) +
-         std::string("\x08\x02\x00\x00\x00", 5) + "CRC!" + "data";
+  return std::string("\x89PNG\r\n\x1a\n", 8) + big_endian(13) + "IHDR" + big_endian(width) +
+         big_endian(height) + std::string("\x08\x02\x00\x00\x00", 5) + "CRC!" + "data";
 }
 
 std::string jpeg(unsigned width, unsigned height) {
@@ -94,7 +94,8 @@ TEST(Images, APlaceThatIsNotThereCostsTheImageOnly) {
   text.replace(text.find("3/3"), 3, "3/9");
   std::string scene = collada();
   scene.replace(scene.find("0 0 1 1 2 2"), 11, "0 0 1 1 2 9");
-  for (const fs::path& file : {fs::path(folder.write("a.obj", text)), fs::path(folder.write("a.dae", scene))}) {
+  for (const fs::path& file :
+       {fs::path(folder.write("a.obj", text)), fs::path(folder.write("a.dae", scene))}) {
     Problems notes;
     const Mesh mesh = read_mesh(file, &notes);
     ASSERT_EQ(mesh.size(), 1u);
@@ -111,14 +112,17 @@ TEST(Images, AreWrittenOnceIntoAGlb) {
   Problems notes;
   const Mesh mesh = read_mesh(folder.write("a.obj", obj()), &notes);
   const std::string glb = write_glb({{"one", mesh}, {"two", mesh}});
-  const auto size = static_cast<std::size_t>(static_cast<unsigned char>(glb[12])) + 256 * static_cast<unsigned char>(glb[13]);
+  const auto size = static_cast<std::size_t>(static_cast<unsigned char>(glb[12])) +
+                    256 * static_cast<unsigned char>(glb[13]);
   const nlohmann::json json = nlohmann::json::parse(glb.substr(20, size));
   ASSERT_EQ(json["images"].size(), 1u);
   EXPECT_EQ(json["images"][0]["mimeType"], "image/png");
   EXPECT_EQ(json["materials"].size(), 1u);
   EXPECT_EQ(json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"], 0);
   const auto& view = json["bufferViews"][json["images"][0]["bufferView"].get<int>()];
-  EXPECT_EQ(glb.substr(28 + size + view["byteOffset"].get<std::size_t>(), view["byteLength"].get<std::size_t>()), png(64, 32));
+  EXPECT_EQ(
+      glb.substr(28 + size + view["byteOffset"].get<std::size_t>(), view["byteLength"].get<std::size_t>()),
+      png(64, 32));
   EXPECT_TRUE(json["meshes"][0]["primitives"][0]["attributes"].contains("TEXCOORD_0"));
 }
 
@@ -133,8 +137,9 @@ TEST(Images, OutsideThePackageAreNotRead) {
   EXPECT_TRUE(read_image(mesh, "..\\textures\\wood.png", notes)) << "as Windows writes it";
   EXPECT_TRUE(notes.list().empty());
   fs::create_symlink(folder.path() / "wood.png", folder.path() / "package/meshes/link.png");
-  for (const std::string& name : {std::string("../../wood.png"), (folder.path() / "wood.png").string(),
-                                  "file://" + (folder.path() / "wood.png").string(), std::string("link.png")}) {
+  for (const std::string& name :
+       {std::string("../../wood.png"), (folder.path() / "wood.png").string(),
+        "file://" + (folder.path() / "wood.png").string(), std::string("link.png")}) {
     Problems refused;
     EXPECT_FALSE(read_image(mesh, name, refused)) << name;
     ASSERT_EQ(refused.list().size(), 1u) << name;

@@ -157,16 +157,19 @@ std::string step_block() {
   };
   const auto ref = [](int id) { return "#" + std::to_string(id); };
   const auto point = [&](double x, double y, double z) {
-    return add("CARTESIAN_POINT('',(" + std::to_string(x) + "," + std::to_string(y) + "," + std::to_string(z) + "))");
+    return add("CARTESIAN_POINT('',(" + std::to_string(x) + "," + std::to_string(y) + "," +
+               std::to_string(z) + "))");
   };
   const auto direction = [&](double x, double y, double z) {
-    return add("DIRECTION('',(" + std::to_string(x) + "," + std::to_string(y) + "," + std::to_string(z) + "))");
+    return add("DIRECTION('',(" + std::to_string(x) + "," + std::to_string(y) + "," + std::to_string(z) +
+               "))");
   };
   const double size[3] = {10, 20, 30};
   int vertices[8];
   const auto coordinate = [&](int corner, int k) { return corner >> k & 1 ? size[k] : 0.0; };
   for (int i = 0; i < 8; ++i)
-    vertices[i] = add("VERTEX_POINT(''," + ref(point(coordinate(i, 0), coordinate(i, 1), coordinate(i, 2))) + ")");
+    vertices[i] =
+        add("VERTEX_POINT(''," + ref(point(coordinate(i, 0), coordinate(i, 1), coordinate(i, 2))) + ")");
   std::map<std::pair<int, int>, int> edges;
   const auto edge = [&](int a, int b) {
     const std::pair<int, int> key{std::min(a, b), std::max(a, b)};
@@ -176,11 +179,13 @@ std::string step_block() {
       const int from = point(coordinate(key.first, 0), coordinate(key.first, 1), coordinate(key.first, 2));
       const int vector = add("VECTOR(''," + ref(direction(way[0], way[1], way[2])) + ",1.)");
       const int line = add("LINE(''," + ref(from) + "," + ref(vector) + ")");
-      edges[key] = add("EDGE_CURVE(''," + ref(vertices[key.first]) + "," + ref(vertices[key.second]) + "," + ref(line) + ",.T.)");
+      edges[key] = add("EDGE_CURVE(''," + ref(vertices[key.first]) + "," + ref(vertices[key.second]) + "," +
+                       ref(line) + ",.T.)");
     }
     return add("ORIENTED_EDGE('',*,*," + ref(edges[key]) + (a < b ? ",.T.)" : ",.F.)"));
   };
-  const int faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  const int faces[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                           {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
   const double normals[6][3] = {{0, 0, -1}, {0, 0, 1}, {0, -1, 0}, {0, 1, 0}, {-1, 0, 0}, {1, 0, 0}};
   std::string list;
   for (int f = 0; f < 6; ++f) {
@@ -189,23 +194,32 @@ std::string step_block() {
     const int bound = add("FACE_OUTER_BOUND(''," + ref(add("EDGE_LOOP('',(" + loop + "))")) + ",.T.)");
     const int c = faces[f][0];
     const double* n = normals[f];
-    const int axis = add("AXIS2_PLACEMENT_3D(''," + ref(point(coordinate(c, 0), coordinate(c, 1), coordinate(c, 2))) + "," +
-                         ref(direction(n[0], n[1], n[2])) + "," + ref(n[0] != 0 ? direction(0, 1, 0) : direction(1, 0, 0)) + ")");
-    list += (f ? "," : "") + ref(add("ADVANCED_FACE('',(" + ref(bound) + ")," + ref(add("PLANE(''," + ref(axis) + ")")) + ",.T.)"));
+    const int axis =
+        add("AXIS2_PLACEMENT_3D(''," + ref(point(coordinate(c, 0), coordinate(c, 1), coordinate(c, 2))) +
+            "," + ref(direction(n[0], n[1], n[2])) + "," +
+            ref(n[0] != 0 ? direction(0, 1, 0) : direction(1, 0, 0)) + ")");
+    list += (f ? "," : "") + ref(add("ADVANCED_FACE('',(" + ref(bound) + ")," +
+                                     ref(add("PLANE(''," + ref(axis) + ")")) + ",.T.)"));
   }
   const int solid = add("MANIFOLD_SOLID_BREP(''," + ref(add("CLOSED_SHELL('',(" + list + "))")) + ")");
   return "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME('','',(''),(''),'','','');\n"
          "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));\nENDSEC;\nDATA;\n"
-         "#1=APPLICATION_CONTEXT('');\n#2=PRODUCT_CONTEXT('',#1,'mechanical');\n#3=PRODUCT('block','block','',(#2));\n"
-         "#4=PRODUCT_DEFINITION_FORMATION('','',#3);\n#5=PRODUCT_DEFINITION_CONTEXT('part definition',#1,'design');\n"
+         "#1=APPLICATION_CONTEXT('');\n#2=PRODUCT_CONTEXT('',#1,'mechanical');\n#3=PRODUCT('block','block',''"
+         ",(#2));\n"
+         "#4=PRODUCT_DEFINITION_FORMATION('','',#3);\n#5=PRODUCT_DEFINITION_CONTEXT('part "
+         "definition',#1,'design');\n"
          "#6=PRODUCT_DEFINITION('design','',#4,#5);\n#7=PRODUCT_DEFINITION_SHAPE('','',#6);\n"
-         "#8=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));\n#9=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));\n"
+         "#8=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));\n#9=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_"
+         "UNIT($,.RADIAN.));\n"
          "#10=(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT());\n"
          "#11=UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(1.E-07),#8,'distance_accuracy_value','');\n"
-         "#12=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#11))GLOBAL_UNIT_ASSIGNED_CONTEXT((#8,#9,#10))"
-         "REPRESENTATION_CONTEXT('',''));\n#13=CARTESIAN_POINT('',(0.,0.,0.));\n#14=DIRECTION('',(0.,0.,1.));\n"
+         "#12=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#11))GLOBAL_UNIT_"
+         "ASSIGNED_CONTEXT((#8,#9,#10))"
+         "REPRESENTATION_CONTEXT('',''));\n#13=CARTESIAN_POINT('',(0.,0.,0.));\n#14=DIRECTION('',(0.,0.,1.));"
+         "\n"
          "#15=DIRECTION('',(1.,0.,0.));\n#16=AXIS2_PLACEMENT_3D('',#13,#14,#15);\n" +
-         data + "#17=ADVANCED_BREP_SHAPE_REPRESENTATION('',(#16," + ref(solid) + "),#12);\n#18=SHAPE_DEFINITION_REPRESENTATION(#7,#17);\n"
+         data + "#17=ADVANCED_BREP_SHAPE_REPRESENTATION('',(#16," + ref(solid) +
+         "),#12);\n#18=SHAPE_DEFINITION_REPRESENTATION(#7,#17);\n"
          "ENDSEC;\nEND-ISO-10303-21;\n";
 }
 

@@ -336,7 +336,8 @@ TEST(Simplify, KeepsTheFormOfAMeshWithFewerTriangles) {
     for (int k = 0; k <= kFields; ++k) {
       const double up = std::numbers::pi * i / kFields, around = 2 * std::numbers::pi * k / kFields;
       ball.positions.push_back({static_cast<float>(std::sin(up) * std::cos(around)),
-                                static_cast<float>(std::sin(up) * std::sin(around)), static_cast<float>(std::cos(up))});
+                                static_cast<float>(std::sin(up) * std::sin(around)),
+                                static_cast<float>(std::cos(up))});
     }
   for (std::uint32_t i = 0; i < kFields; ++i)
     for (std::uint32_t k = 0; k < kFields; ++k) {
@@ -353,7 +354,8 @@ TEST(Simplify, KeepsTheFormOfAMeshWithFewerTriangles) {
   EXPECT_LT(moved, 0.2);
   for (const MeshPart& part : mesh) {
     ASSERT_EQ(part.normals.size(), part.positions.size());
-    for (const auto& p : part.positions) EXPECT_NEAR(std::hypot(p[0], p[1], p[2]), 1, 1e-5) << "corners are kept, not moved";
+    for (const auto& p : part.positions)
+      EXPECT_NEAR(std::hypot(p[0], p[1], p[2]), 1, 1e-5) << "corners are kept, not moved";
   }
   Mesh small = {ball};
   EXPECT_EQ(simplify(small, 100'000), 0);
@@ -477,7 +479,8 @@ TEST(RobotMeshes, LinksBeyondTheTrianglesOfARobotAreShownByWhatTheyCollideWith) 
 
 TEST(RobotMeshes, AreSimplifiedForThePictureAndSayHowFar) {
   Folder folder;
-  const auto model = robot(folder.write("base.stl", Cube().binary_stl()), folder.write("arm.obj", Cube().obj()));
+  const auto model =
+      robot(folder.write("base.stl", Cube().binary_stl()), folder.write("arm.obj", Cube().obj()));
   const auto made = robot_meshes(model, folder.path() / "cache", 1000, 20);
   EXPECT_TRUE(made.warnings.empty());
   ASSERT_EQ(made.notes.size(), 1u) << "12 triangles a cube is what each link may keep at the least";

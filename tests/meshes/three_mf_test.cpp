@@ -46,18 +46,20 @@ std::string zip(const std::vector<File>& files) {
   bool stored = false;
   for (const File& file : files) {
     const std::string data = stored ? file.text : deflated(file.text);
-    const auto sum = crc32(0, reinterpret_cast<const Bytef*>(file.text.data()), static_cast<uInt>(file.text.size()));
+    const auto sum =
+        crc32(0, reinterpret_cast<const Bytef*>(file.text.data()), static_cast<uInt>(file.text.size()));
     const std::size_t size = file.said_size ? file.said_size : file.text.size();
-    const std::string facts = little_endian(0, 2) + little_endian(stored ? 0 : 8, 2) + little_endian(0, 4) + little_endian(sum, 4) +
-                              little_endian(data.size(), 4) + little_endian(size, 4) + little_endian(file.name.size(), 2) +
-                              little_endian(0, 2);
-    list += "PK\x01\x02" + little_endian(20, 2) + little_endian(20, 2) + facts + little_endian(0, 2) + little_endian(0, 4) +
-            little_endian(0, 4) + little_endian(out.size(), 4) + file.name;
+    const std::string facts = little_endian(0, 2) + little_endian(stored ? 0 : 8, 2) + little_endian(0, 4) +
+                              little_endian(sum, 4) + little_endian(data.size(), 4) + little_endian(size, 4) +
+                              little_endian(file.name.size(), 2) + little_endian(0, 2);
+    list += "PK\x01\x02" + little_endian(20, 2) + little_endian(20, 2) + facts + little_endian(0, 2) +
+            little_endian(0, 4) + little_endian(0, 4) + little_endian(out.size(), 4) + file.name;
     out += "PK\x03\x04" + little_endian(20, 2) + facts + file.name + data;
     stored = !stored;
   }
-  return out + list + "PK\x05\x06" + little_endian(0, 4) + little_endian(files.size(), 2) + little_endian(files.size(), 2) +
-         little_endian(list.size(), 4) + little_endian(out.size(), 4) + little_endian(0, 2);
+  return out + list + "PK\x05\x06" + little_endian(0, 4) + little_endian(files.size(), 2) +
+         little_endian(files.size(), 2) + little_endian(list.size(), 4) + little_endian(out.size(), 4) +
+         little_endian(0, 2);
 }
 
 const char* kRelationships =
@@ -69,7 +71,8 @@ const char* kTetrahedron =
     R"(<mesh><vertices><vertex x="0" y="0" z="0"/><vertex x="1" y="0" z="0"/><vertex x="0" y="2" z="0"/><vertex x="0" y="0" z="3"/></vertices>
 <triangles><triangle v1="0" v2="2" v3="1"/><triangle v1="0" v2="1" v3="3" pid="5" p1="1"/><triangle v1="0" v2="3" v3="2"/><triangle v1="1" v2="2" v3="3"/></triangles></mesh>)";
 
-std::string model(const std::string& unit, const std::string& more = {}, const std::string& items = R"(<item objectid="1"/>)") {
+std::string model(const std::string& unit, const std::string& more = {},
+                  const std::string& items = R"(<item objectid="1"/>)") {
   return R"(<?xml version="1.0" encoding="UTF-8"?><model unit=")" + unit +
          R"(" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><!-- > --><resources>
 <basematerials id="5"><base name="a" displaycolor="#FF0000"/><base name="b" displaycolor="#00FF0080"/></basematerials>
@@ -100,10 +103,12 @@ std::string refusal(const std::string& bytes) {
 
 TEST(ThreeMf, ComesInMetresOfItsUnitWithItsColours) {
   Folder folder;
-  for (const auto& [unit, metres] : {std::pair{"millimeter", 1e-3}, {"inch", 0.0254}, {"meter", 1.0}, {"micron", 1e-6}}) {
+  for (const auto& [unit, metres] :
+       {std::pair{"millimeter", 1e-3}, {"inch", 0.0254}, {"meter", 1.0}, {"micron", 1e-6}}) {
     const Mesh mesh = read_mesh(folder.write("a.3MF", archive(model(unit))));
     const auto size = upper_corner(mesh);
-    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(size[k], (1.0 + static_cast<double>(k)) * metres, 1e-6 * metres) << unit;
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_NEAR(size[k], (1.0 + static_cast<double>(k)) * metres, 1e-6 * metres) << unit;
     ASSERT_EQ(mesh.size(), 2u) << "one part for each colour";
     EXPECT_EQ(mesh[0].color, (std::array<float, 4>{1, 0, 0, 1}));
     EXPECT_NEAR(mesh[1].color[3], 128 / 255.0, 1e-6);
@@ -114,9 +119,12 @@ TEST(ThreeMf, ComesInMetresOfItsUnitWithItsColours) {
 TEST(ThreeMf, ComponentsStandWhereTheirTransformsSay) {
   const std::string twice =
       R"(<object id="2"><components><component objectid="1"/><component objectid="1" transform="1 0 0 0 1 0 0 0 1 10 20 30"/></components></object>
-<object id="3" type="support">)" + std::string(kTetrahedron) + "</object>";
+<object id="3" type="support">)" +
+      std::string(kTetrahedron) + "</object>";
   const Mesh mesh = read_3mf(
-      archive(model("millimeter", twice, R"(<item objectid="2" transform="0 1 0 -1 0 0 0 0 1 0 0 0"/><item objectid="3"/>)")), "a");
+      archive(model("millimeter", twice,
+                    R"(<item objectid="2" transform="0 1 0 -1 0 0 0 0 1 0 0 0"/><item objectid="3"/>)")),
+      "a");
   std::size_t triangles = 0;
   for (const MeshPart& part : mesh) triangles += part.triangles.size() / 3;
   EXPECT_EQ(triangles, 8u) << "what supports others is left out";
@@ -139,14 +147,17 @@ TEST(ThreeMf, AMirroredItemIsNotInsideOut) {
     return out;
   };
   EXPECT_NEAR(volume(read_3mf(archive(model("meter")), "a")), 1, 1e-5);
-  EXPECT_NEAR(volume(read_3mf(archive(model("meter", "", R"(<item objectid="1" transform="-1 0 0 0 1 0 0 0 1 0 0 0"/>)")), "a")), 1,
-              1e-5);
+  EXPECT_NEAR(
+      volume(read_3mf(
+          archive(model("meter", "", R"(<item objectid="1" transform="-1 0 0 0 1 0 0 0 1 0 0 0"/>)")), "a")),
+      1, 1e-5);
 }
 
 TEST(ThreeMf, ComponentsMayBeInOtherFilesOfTheArchive) {
   const std::string root =
       R"(<model unit="meter"><resources/><build><item objectid="1" p:path="/3D/Objects/b.model"/></build></model>)";
-  const std::string bytes = zip({{"_rels/.rels", kRelationships}, {"3D/part.model", root}, {"3D/Objects/b.model", model("inch")}});
+  const std::string bytes =
+      zip({{"_rels/.rels", kRelationships}, {"3D/part.model", root}, {"3D/Objects/b.model", model("inch")}});
   EXPECT_NEAR(upper_corner(read_3mf(bytes, "a"))[2], 3, 1e-6) << "the unit of the first model holds";
 }
 
@@ -158,10 +169,15 @@ TEST(ThreeMf, WhatIsDamagedOrHostileIsRefusedWithASentence) {
   EXPECT_NE(refusal(archive("")), "");
   EXPECT_NE(refusal(archive(model("parsec"))).find("unit"), std::string::npos);
   EXPECT_NE(refusal(archive(model("meter", "", R"(<item objectid="9"/>)"))).find("'9'"), std::string::npos);
-  EXPECT_NE(refusal(archive(model("meter", "", R"(<item objectid="1" transform="1 2 3"/>)"))).find("twelve"), std::string::npos);
+  EXPECT_NE(refusal(archive(model("meter", "", R"(<item objectid="1" transform="1 2 3"/>)"))).find("twelve"),
+            std::string::npos);
   EXPECT_NE(refusal(archive(model("meter", "", ""))).find("builds nothing"), std::string::npos);
-  EXPECT_NE(refusal(archive(R"(<model><resources><object id="1"><mesh><vertices/><triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh></object></resources></model>)"))
-                .find("corner"), std::string::npos);
+  EXPECT_NE(
+      refusal(
+          archive(
+              R"(<model><resources><object id="1"><mesh><vertices/><triangles><triangle v1="0" v2="1" v3="2"/></triangles></mesh></object></resources></model>)"))
+          .find("corner"),
+      std::string::npos);
   const std::string entities =
       R"(<?xml version="1.0"?><!DOCTYPE lolz [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]><model>&b;</model>)";
   EXPECT_NE(refusal(archive(entities)).find("document type"), std::string::npos);
@@ -174,10 +190,12 @@ TEST(ThreeMf, ObjectsThatUnfoldAreRefused) {
     for (int k = 0; k < 10; ++k) more += "<component objectid=\"" + std::to_string(i - 1) + "\"/>";
     more += "</components></object>";
   }
-  EXPECT_NE(refusal(archive(model("meter", more, R"(<item objectid="11"/>)"))).find("more than 10,000 parts"), std::string::npos);
+  EXPECT_NE(refusal(archive(model("meter", more, R"(<item objectid="11"/>)"))).find("more than 10,000 parts"),
+            std::string::npos);
   const std::string circle =
       R"(<object id="2"><components><component objectid="3"/></components></object><object id="3"><components><component objectid="2"/></components></object>)";
-  EXPECT_NE(refusal(archive(model("meter", circle, R"(<item objectid="2"/>)"))).find("too deep"), std::string::npos);
+  EXPECT_NE(refusal(archive(model("meter", circle, R"(<item objectid="2"/>)"))).find("too deep"),
+            std::string::npos);
 }
 
 TEST(ThreeMf, AnArchiveThatUnpacksToMoreThanAMeshMayHaveIsRefused) {

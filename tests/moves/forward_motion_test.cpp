@@ -43,9 +43,7 @@ class Robot : public hardware::ForwardMoves {
     ++clears;
     begun = count = 0;
   }
-  hardware::ForwardFlow flow() const noexcept override {
-    return {done, begun == count, moves_now == 0};
-  }
+  hardware::ForwardFlow flow() const noexcept override { return {done, begun == count, moves_now == 0}; }
   void step(double dt) {
     moves_now = 0;
     if (begun == count || pace == 0) return;
@@ -129,7 +127,8 @@ TEST(ForwardMotion, MovesGoOutAsMovesAndArriveInOrder) {
   ASSERT_EQ(rig.robot.got.size(), 3u);
   EXPECT_EQ(rig.robot.got[0].kind, ForwardMove::Kind::line);
   EXPECT_EQ(rig.robot.got[2].kind, ForwardMove::Kind::joint);
-  EXPECT_LE(norm(rig.robot.got[0].at.position - up.position), 1e-6) << "the corner, which the path does not pass";
+  EXPECT_LE(norm(rig.robot.got[0].at.position - up.position), 1e-6)
+      << "the corner, which the path does not pass";
   EXPECT_LE(norm(rig.robot.got[1].at.position - aside.position), 1e-6);
   EXPECT_FALSE(rig.robot.got[0].stops);
   EXPECT_DOUBLE_EQ(rig.robot.got[0].blend, 0.02);
@@ -288,7 +287,8 @@ TEST(ForwardMotion, WhatTheControllerCannotDoIsRefused) {
   through.through = true;
   EXPECT_THROW(rig.motion->queue(through), Error);
   EXPECT_THROW(rig.motion->queue(joint(rig.from, "together"), nullptr, std::make_shared<InStep>(2)), Error);
-  EXPECT_THROW(rig.controller.controller().receive("joint_trajectory", controllers::TrajectoryMessage{}), Error);
+  EXPECT_THROW(rig.controller.controller().receive("joint_trajectory", controllers::TrajectoryMessage{}),
+               Error);
   EXPECT_TRUE(rig.motion->idle());
 }
 

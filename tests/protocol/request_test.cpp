@@ -89,9 +89,12 @@ TEST(Requests, TakeNoNameWithControlCharacters) {
         for (const Member& other : type->arguments->members())  // what is needed beside it
           if (other.needed) {
             const std::string kind = other.type->word();
-            fields[other.name] = kind == "number" ? Json(1) : kind == "flag" ? Json(true) : kind == "map" ? Json::object()
+            fields[other.name] = kind == "number"                     ? Json(1)
+                                 : kind == "flag"                     ? Json(true)
+                                 : kind == "map"                      ? Json::object()
                                  : other.type->shape() == "[x, y, z]" ? Json::array({0, 0, 0})
-                                 : kind == "names" || kind == "list" ? Json::array() : Json("a");
+                                 : kind == "names" || kind == "list"  ? Json::array()
+                                                                      : Json("a");
           }
         fields[member.name] = shape == "[text]" ? Json::array({bad}) : Json(bad);
         std::string what;
@@ -186,8 +189,7 @@ TEST(Requests, AreTheSameAfterTheWire) {
         if (!member.needed && random() % 2) continue;
         fields[member.name] = draw(*member.type);
         const bool whole = type->facts->session || member.name == "offset";  // of a file
-        if (member.type->typescript() == "number" && whole)
-          fields[member.name] = random() % 100;
+        if (member.type->typescript() == "number" && whole) fields[member.name] = random() % 100;
       }
       const Request first = read_request(*type, Any(fields));
       const std::string line = request_line(first, Any(round));

@@ -13,8 +13,8 @@
 #include <random>
 #include <string>
 
-#include "polyarm/process/channel.hpp"
 #include "polyarm/participant/dds_exchange.hpp"
+#include "polyarm/process/channel.hpp"
 #include "polyarm/ros2/wire.hpp"
 #include "tests/ros2/client.hpp"
 

@@ -36,8 +36,8 @@ ParticipantOptions here() {
   return out;
 }
 
-/// Two participants of one process may crash in Fast DDS 2.9 when one of them ends (intraprocess_gap). From now on
-/// they communicate as those of two processes do.
+/// Two participants of one process may crash in Fast DDS 2.9 when one of them ends (intraprocess_gap). From
+/// now on they communicate as those of two processes do.
 void as_in_two_processes() {
 #ifdef FAST_DDS_2
   eprosima::fastrtps::LibrarySettingsAttributes settings;

@@ -1,5 +1,5 @@
-/// Nodes of plugins on the graph: a package in ROS's style is built without ROS, and a client of the graph hears its
-/// topics, publishes to it and calls its service.
+/// Nodes of plugins on the graph: a package in ROS's style is built without ROS, and a client of the graph
+/// hears its topics, publishes to it and calls its service.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -24,21 +24,22 @@ namespace fs = std::filesystem;
 /// What the package's own message says; its type is known to the package only.
 struct WearListener {
   WearListener(Participant& participant, const std::string& topic) : participant_{participant} {
-    id_ = participant.add_reader("rt" + topic, "two_joints::msg::dds_::Wear_", {}, "", [this](const Sample& sample) {
-      messages::CdrReader in(sample.payload);
-      std::int32_t seconds = 0;
-      std::uint32_t rest = 0;
-      std::string frame;
-      in.read(seconds), in.read(rest), in.read(frame);
-      std::vector<double> turns(in.read_length(sizeof(double)));
-      in.read_all(std::span<double>(turns));
-      std::uint8_t state = 9;
-      in.read(state);
-      in.finish();
-      const std::lock_guard lock(mutex_);
-      if (!in || turns.size() != 2) return void(broken = true);
-      latest_ = turns[0], state_ = state, heard_ = true;
-    });
+    id_ = participant.add_reader("rt" + topic, "two_joints::msg::dds_::Wear_", {}, "",
+                                 [this](const Sample& sample) {
+                                   messages::CdrReader in(sample.payload);
+                                   std::int32_t seconds = 0;
+                                   std::uint32_t rest = 0;
+                                   std::string frame;
+                                   in.read(seconds), in.read(rest), in.read(frame);
+                                   std::vector<double> turns(in.read_length(sizeof(double)));
+                                   in.read_all(std::span<double>(turns));
+                                   std::uint8_t state = 9;
+                                   in.read(state);
+                                   in.finish();
+                                   const std::lock_guard lock(mutex_);
+                                   if (!in || turns.size() != 2) return void(broken = true);
+                                   latest_ = turns[0], state_ = state, heard_ = true;
+                                 });
   }
   ~WearListener() { participant_.remove(id_); }
   bool heard() const {

@@ -81,7 +81,8 @@ TEST(NodePorts, SayWhatANodeOffersAndCloseWithIt) {
   {
     const auto node = std::make_shared<rclcpp::Node>("driver", "/arm");
     const auto publisher = node->create_publisher<std_msgs::msg::String>("~/state", rclcpp::SensorDataQoS());
-    const auto absolute = node->create_publisher<std_msgs::msg::String>("/alarm", rclcpp::QoS(3).transient_local());
+    const auto absolute =
+        node->create_publisher<std_msgs::msg::String>("/alarm", rclcpp::QoS(3).transient_local());
     const auto state = port_of("/arm/driver/state"), alarm = port_of("/alarm");
     ASSERT_TRUE(state && alarm);
     EXPECT_EQ(state->facts.type, "std_msgs/msg/String");
@@ -134,10 +135,9 @@ TEST(NodePorts, BringMessagesAndRequestsToTheCallbacks) {
       "switch", [](const std::shared_ptr<rmw_request_id_t>, const std::shared_ptr<SetBool::Request> request,
                    std::shared_ptr<SetBool::Response> response) { response->success = request->data; });
   std::shared_ptr<rmw_request_id_t> open;
-  const auto later = node->create_service<SetBool>(
-      "later", [&](const std::shared_ptr<rmw_request_id_t> header, const std::shared_ptr<SetBool::Request>) {
-        open = header;
-      });
+  const auto later =
+      node->create_service<SetBool>("later", [&](const std::shared_ptr<rmw_request_id_t> header,
+                                                 const std::shared_ptr<SetBool::Request>) { open = header; });
   const auto words = port_of("/words"), call = port_of("/switch"), slow = port_of("/later");
   ASSERT_TRUE(words && call && slow);
   EXPECT_EQ(call->facts.type, "std_srvs/srv/SetBool");

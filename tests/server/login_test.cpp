@@ -6,9 +6,9 @@
 #include <memory>
 #include <thread>
 
-#include "polyarm/protocol/request.hpp"
 #include "polyarm/access/gate.hpp"
 #include "polyarm/access/logins.hpp"
+#include "polyarm/protocol/request.hpp"
 #include "polyarm/server/pendant.hpp"
 #include "polyarm/server/sessions.hpp"
 #include "polyarm/setup/cell_file.hpp"
@@ -81,7 +81,9 @@ TEST(Logins, EndByTimeByLogOutAndWhenTheUserIsChanged) {
   const auto file = folder.path() / "users";
   add_users(file);
   Logins logins(file);
-  const auto log_in = [&](const std::string& name, double now) { return logins.log_in(name, "right password", name, now); };
+  const auto log_in = [&](const std::string& name, double now) {
+    return logins.log_in(name, "right password", name, now);
+  };
   const auto idle = log_in("otto", 0);
   EXPECT_TRUE(logins.find(idle.token, Logins::kIdle_s - 1));
   EXPECT_TRUE(logins.find(idle.token, 2 * Logins::kIdle_s - 2)) << "it was used";
@@ -93,7 +95,8 @@ TEST(Logins, EndByTimeByLogOutAndWhenTheUserIsChanged) {
   for (double t = 0; t < Logins::kLongest_s; t += 1000) EXPECT_TRUE(logins.find(old.token, now + t));
   EXPECT_FALSE(logins.find(old.token, now + Logins::kLongest_s + 1));
   now = 200'000;
-  const auto out = log_in("otto", now), removed = log_in("vera", now), changed = log_in("petra", now), kept = log_in("ada", now);
+  const auto out = log_in("otto", now), removed = log_in("vera", now), changed = log_in("petra", now),
+             kept = log_in("ada", now);
   logins.log_out(out.token);
   EXPECT_FALSE(logins.find(out.token, now));
   users::change_users(file, [](users::UserList& list) {
@@ -123,7 +126,8 @@ TEST(Logins, HaveABoundForEachUser) {
 TEST(Credentials, AreReadFromBasicOnly) {
   EXPECT_EQ(basic_credentials("Basic b3R0bzphOmI=")->first, "otto");
   EXPECT_EQ(basic_credentials("basic b3R0bzphOmI=")->second, "a:b");
-  for (const char* wrong : {"", "Basic", "Basic ", "Basic !!!!", "Basic b3R0", "Bearer b3R0bzphOmI=", "Basic b3R0bzphOmI", "Basic OmE="})
+  for (const char* wrong : {"", "Basic", "Basic ", "Basic !!!!", "Basic b3R0",
+                            "Bearer b3R0bzphOmI=", "Basic b3R0bzphOmI", "Basic OmE="})
     EXPECT_FALSE(basic_credentials(wrong)) << wrong;
   EXPECT_FALSE(basic_credentials("Basic " + std::string(4000, 'a')));
 }
@@ -155,11 +159,13 @@ class UsersOfACell : public ::testing::Test {
       std::uint32_t bits = 0;
       for (std::size_t k = 0; k < 3; ++k)
         bits = (bits << 8) | (i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0u);
-      for (std::size_t k = 0; k < 4; ++k) out += i + k <= text.size() ? letters[(bits >> (18 - 6 * k)) & 63] : '=';
+      for (std::size_t k = 0; k < 4; ++k)
+        out += i + k <= text.size() ? letters[(bits >> (18 - 6 * k)) & 63] : '=';
     }
     return out;
   }
-  std::string log_in(const std::string& name, const std::string& password, std::vector<std::string> more = {}) {
+  std::string log_in(const std::string& name, const std::string& password,
+                     std::vector<std::string> more = {}) {
     more.push_back("Authorization: Basic " + base64(name + ":" + password));
     return WebPeer::fetch(pendant->port(), "/api/login", more, "POST");
   }
@@ -189,12 +195,15 @@ class UsersOfACell : public ::testing::Test {
     return peer.answer(id);
   }
   static std::string code(const Json& answer) {
-    return answer.is_null() ? "none" : answer.value("ok", false) ? "ok" : answer["error"]["code"].get<std::string>();
+    return answer.is_null()            ? "none"
+           : answer.value("ok", false) ? "ok"
+                                       : answer["error"]["code"].get<std::string>();
   }
   std::vector<Json> log() {
     audit->flush();
     std::vector<Json> out;
-    users::read_audit(folder.path() / "audit", [&](const std::string& line) { out.push_back(Json::parse(line)); });
+    users::read_audit(folder.path() / "audit",
+                      [&](const std::string& line) { out.push_back(Json::parse(line)); });
     return out;
   }
 
@@ -221,7 +230,8 @@ TEST_F(UsersOfACell, MaySendWhatTheirRoleAllowsAndNothingElse) {
       if (type->facts->role <= role) continue;
       EXPECT_EQ(code(ask(*peer, request)), "no-role") << name << ": " << type->facts->name;
     }
-    EXPECT_EQ(code(ask(*peer, {{"request", "control.override"}, {"percent", 50}})), role == Role::watch ? "no-role" : "ok");
+    EXPECT_EQ(code(ask(*peer, {{"request", "control.override"}, {"percent", 50}})),
+              role == Role::watch ? "no-role" : "ok");
     ask(*peer, {{"request", "session.release"}});
   }
 }
@@ -325,7 +335,8 @@ TEST_F(UsersOfACell, EveryChangeAndEveryRefusalIsLoggedWithTheName) {
   EXPECT_TRUE(has("otto", "log-in", "done"));
   EXPECT_TRUE(has("otto", "session.take", "done"));
   EXPECT_TRUE(has("otto", "files.write", "no-role"));
-  EXPECT_FALSE(std::any_of(entries.begin(), entries.end(), [](const Json& each) { return each["request"] == "health"; }));
+  EXPECT_FALSE(std::any_of(entries.begin(), entries.end(),
+                           [](const Json& each) { return each["request"] == "health"; }));
   for (const Json& each : entries) {
     EXPECT_EQ(each.dump().find("right password"), std::string::npos);
     EXPECT_EQ(each.dump().find("wrong password"), std::string::npos);

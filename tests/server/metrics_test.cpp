@@ -31,7 +31,8 @@ TEST(MetricsText, EscapesLabelsAndWritesNumbersAsPrometheusReadsThem) {
   out.sample(2, {{"x", "a\"b\\c\nd"}, {"y", "z"}});
   out.sample(std::numeric_limits<double>::quiet_NaN());
   out.sample(std::numeric_limits<double>::infinity());
-  EXPECT_EQ(out.text().find("# HELP a_total help\n# TYPE a_total counter\na_total{x=\"a\\\"b\\\\c"), 0u) << out.text();
+  EXPECT_EQ(out.text().find("# HELP a_total help\n# TYPE a_total counter\na_total{x=\"a\\\"b\\\\c"), 0u)
+      << out.text();
   EXPECT_NE(out.text().find("\",y=\"z\"} 2\na_total NaN\na_total +Inf\n"), std::string::npos) << out.text();
 }
 
@@ -53,7 +54,8 @@ class MetricsOfACell : public ::testing::Test {
   void TearDown() override {
     if (pendant) pendant->detach();
   }
-  std::string fetch(std::uint16_t port, const std::string& target, const std::vector<std::string>& headers = {}) {
+  std::string fetch(std::uint16_t port, const std::string& target,
+                    const std::vector<std::string>& headers = {}) {
     std::string answer;
     std::atomic<bool> done{false};
     std::thread peer([&] {
@@ -124,9 +126,11 @@ TEST_F(MetricsOfACell, NothingElseIsServedThere) {
 
 TEST_F(MetricsOfACell, AStopAndAFaultAreCountedAndWithoutACellTheyStay) {
   begin(PendantOptions::Metrics{"127.0.0.1", 0});
-  lock_step->cell().view().requests().ask(protocol::ControlStop{}, [](const protocol::Reply&) { return true; });
+  lock_step->cell().view().requests().ask(protocol::ControlStop{},
+                                          [](const protocol::Reply&) { return true; });
   lock_step->run(0.2);
-  const Json summary = Json::parse(body(fetch(pendant->port(), "/api/summary", {"Authorization: Bearer secret"})));
+  const Json summary =
+      Json::parse(body(fetch(pendant->port(), "/api/summary", {"Authorization: Bearer secret"})));
   EXPECT_EQ(summary["state"], "held");
   EXPECT_NE(summary["cause"]["what"], "");
   EXPECT_EQ(summary["robots"][0], "arm");

@@ -157,7 +157,8 @@ TEST_F(PendantTest, TheWayOfAMoveIsToldWithWhereItGoes) {
   const Pose tcp = cell->cell().tcp(0);
   EXPECT_NEAR(path[0][0].get<double>(), tcp.position.x, 0.05) << "it begins where the robot was";
   EXPECT_TRUE(heard(*peer, "plan", [&](const Json& plan) {
-    return plan["plans"].contains("arm") && plan["plans"]["arm"].value("clear", Json::array()).size() == path.size();
+    return plan["plans"].contains("arm") &&
+           plan["plans"]["arm"].value("clear", Json::array()).size() == path.size();
   })) << "the distances along it follow";
   EXPECT_TRUE(heard(*peer, "plan", [&](const Json& plan) { return target(plan, "joint_1") > 0.49; }));
   EXPECT_TRUE(heard(*peer, "plan", [](const Json& plan) { return plan["plans"].empty(); }))

@@ -11,9 +11,9 @@
 #include <random>
 #include <thread>
 
+#include "polyarm/access/tls.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/server/http_text.hpp"
-#include "polyarm/access/tls.hpp"
 #include "tests/support/folder.hpp"
 #include "tests/support/web_peer.hpp"
 

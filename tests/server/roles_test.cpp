@@ -6,12 +6,12 @@
 #include <set>
 #include <thread>
 
+#include "polyarm/access/token.hpp"
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/protocol/request.hpp"
 #include "polyarm/server/pendant.hpp"
 #include "polyarm/server/sessions.hpp"
-#include "polyarm/access/token.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "tests/support/lock_step_cell.hpp"
 #include "tests/support/web_peer.hpp"

@@ -7,8 +7,8 @@
 #include <chrono>
 #include <thread>
 
-#include "polyarm/base/bounds.hpp"
 #include "polyarm/access/gate.hpp"
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/server/pendant.hpp"
 #include "polyarm/server/stream.hpp"
 #include "tests/support/lock_step_cell.hpp"

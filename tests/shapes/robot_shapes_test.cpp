@@ -171,8 +171,8 @@ TEST(RobotShapes, NeighboursTouchInEveryPose) {
 }
 
 TEST(RobotShapes, TheFlangeEndsWhereToolsBegin) {
-  for (const char* name :
-       {"universal_robots/ur5e", "fanuc/lr_mate_200id", "kuka/lbr_iiwa_7_r800", "abb/irb_120", "the_robot_studio/so_101"}) {
+  for (const char* name : {"universal_robots/ur5e", "fanuc/lr_mate_200id", "kuka/lbr_iiwa_7_r800",
+                           "abb/irb_120", "the_robot_studio/so_101"}) {
     const RobotModel model = catalogue().load(name);
     const std::vector<Pose> at = poses(model, model.start());
     const Pose& tool = at[static_cast<std::size_t>(model.tool_link())];

@@ -1,6 +1,7 @@
 #pragma once
-/// What every fault must end in, the same for each maker: the cause is named, the robot stands, nothing moves it again,
-/// and a recovery does not jump. `Rig` is a WireRig. `mend(far)` is what a person does at the controller.
+/// What every fault must end in, the same for each maker: the cause is named, the robot stands, nothing moves
+/// it again, and a recovery does not jump. `Rig` is a WireRig. `mend(far)` is what a person does at the
+/// controller.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -122,10 +123,11 @@ void expect_refused_activation_keeps_reading(Rig& rig, const char* refuse, const
   EXPECT_TRUE(rig.activate()) << rig.component.reason();
 }
 
-/// Drives that are off are switched on by activating; or not, with `parameter` false; or the controller refuses.
+/// Drives that are off are switched on by activating; or not, with `parameter` false; or the controller
+/// refuses.
 template <class Rig, class Cause>
-void expect_drives_are_switched_on(const char* off_order, const char* refuse_order, const char* parameter, Cause off_cause,
-                                   Cause refused_cause) {
+void expect_drives_are_switched_on(const char* off_order, const char* refuse_order, const char* parameter,
+                                   Cause off_cause, Cause refused_cause) {
   Rig on;
   on.far().order(off_order);
   EXPECT_TRUE(on.start()) << on.component.reason();
@@ -154,8 +156,9 @@ void expect_words_for_every_cause(Cause last, Sentence sentence, Name name, std:
   EXPECT_GE(seen.size(), least);
 }
 
-/// Faults drawn at random, in every state. `motion.after`: cycles with a fault. `most_jump`: rad. `step(machine)` is a
-/// cycle of the controller; it stands after `rest` of them. POLYARM_FAULT_ROUNDS: more rounds than 20.
+/// Faults drawn at random, in every state. `motion.after`: cycles with a fault. `most_jump`: rad.
+/// `step(machine)` is a cycle of the controller; it stands after `rest` of them. POLYARM_FAULT_ROUNDS: more
+/// rounds than 20.
 template <class Rig, class Mend, class Step>
 void expect_random_faults_end_well(Rig& rig, std::span<const char* const> orders, const FaultMotion& motion,
                                    double most_jump, Mend mend, Step step, int rest = 200) {
@@ -172,13 +175,16 @@ void expect_random_faults_end_well(Rig& rig, std::span<const char* const> orders
     if (rig.start()) {
       const double from = rig.command(joint);
       const double way = draw(2) ? motion.step : -motion.step;
-      const auto move = [&](int i) { rig.command(joint) = from + travel(std::min(i, 200), way, motion.ramp); };
+      const auto move = [&](int i) {
+        rig.command(joint) = from + travel(std::min(i, 200), way, motion.ramp);
+      };
       const int before = static_cast<int>(draw(60));
       bool alive = true;
       int i = 0;
       for (; alive && i < before; ++i) move(i), alive = rig.cycle_once() == ReturnType::ok;
       if (alive && !early) rig.far().order(order);
-      for (int k = 0; alive && k < motion.after; ++k, ++i) move(i), alive = rig.cycle_once() == ReturnType::ok;
+      for (int k = 0; alive && k < motion.after; ++k, ++i)
+        move(i), alive = rig.cycle_once() == ReturnType::ok;
     }
     if (static_cast<int>(rig.component.cause()) != 0) {
       ++named;
@@ -206,7 +212,8 @@ inline int closed_port() {
 }
 
 template <class Component, class Cause>
-void expect_unreachable(const hardware::ComponentContext& context, Cause unreachable, const std::string& words) {
+void expect_unreachable(const hardware::ComponentContext& context, Cause unreachable,
+                        const std::string& words) {
   Component component;
   component.on_init(context);
   EXPECT_EQ(component.on_configure(), CallbackReturn::failure);

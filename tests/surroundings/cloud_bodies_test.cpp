@@ -34,8 +34,10 @@ struct Cell {
       : model(description::Catalogue({POLYARM_SOURCE_DIR "/robots"}).load("universal_robots/ur5e")) {
     cloud = a_cloud(random, count, turn);
     whole.floor = apart.floor = false;
-    whole.fixtures.push_back({"cloud", cloud, {{0.02, 0.01, 0}, from_axis_angle({0, 0, 1}, 0.3 * turn)}, {}, 0.8, {}});
-    for (const Shape& shape : cloud) apart.fixtures.push_back({"box", {shape}, whole.fixtures[0].pose, {}, 0.8, {}});
+    whole.fixtures.push_back(
+        {"cloud", cloud, {{0.02, 0.01, 0}, from_axis_angle({0, 0, 1}, 0.3 * turn)}, {}, 0.8, {}});
+    for (const Shape& shape : cloud)
+      apart.fixtures.push_back({"box", {shape}, whole.fixtures[0].pose, {}, 0.8, {}});
     robot.name = "arm";
     robot.model = &model;
     robot.body = robot_body(robot);
@@ -107,13 +109,14 @@ TEST(CloudBodies, TheCheckerMissesNoContact) {
       }
       if (i % 20 == 0 && least < 0.2) {
         const collision::Contact contact = probe.nearest(q);
-        if (contact.second == "fixture cloud" && contact.distance > 0) ASSERT_NEAR(contact.distance, least, 1e-6);
+        if (contact.second == "fixture cloud" && contact.distance > 0)
+          ASSERT_NEAR(contact.distance, least, 1e-6);
       }
     }
     EXPECT_GT(touching, 50);
     EXPECT_GT(free, 50);
-    std::printf("%d states touch, %d of %d free ones are false alarms of spheres or of the robot itself\n", touching,
-                alarms, free);
+    std::printf("%d states touch, %d of %d free ones are false alarms of spheres or of the robot itself\n",
+                touching, alarms, free);
   }
 }
 

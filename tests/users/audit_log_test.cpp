@@ -110,7 +110,8 @@ TEST(AuditLog, RotatesAndKeepsABoundedNumberOfFiles) {
   EXPECT_LE(bytes, 6000u);
   const auto read = entries(folder.path() / "audit");
   EXPECT_EQ(read.back()["who"], "user199");
-  for (std::size_t i = 1; i < read.size(); ++i) EXPECT_LE(read[i - 1]["time"], read[i]["time"]) << "oldest first";
+  for (std::size_t i = 1; i < read.size(); ++i)
+    EXPECT_LE(read[i - 1]["time"], read[i]["time"]) << "oldest first";
 }
 
 TEST(AuditLog, WhatCouldNotBeWrittenIsCountedLater) {
@@ -138,7 +139,9 @@ TEST(AuditLog, ADamagedLineIsCountedAndTheOthersAreRead) {
     AuditLog log(folder.path() / "audit");
     log.add(entry("tags.set"));
   }
-  std::ofstream(folder.path() / "audit" / "audit.jsonl", std::ios::app) << "{\"time\": \n" << R"({"time":"x"})" << "\n";
+  std::ofstream(folder.path() / "audit" / "audit.jsonl", std::ios::app) << "{\"time\": \n"
+                                                                        << R"({"time":"x"})"
+                                                                        << "\n";
   std::size_t lines = 0;
   EXPECT_EQ(read_audit(folder.path() / "audit", [&](const std::string&) { ++lines; }), 1u);
   EXPECT_EQ(lines, 2u);
@@ -163,11 +166,12 @@ TEST(AuditedRequests, AreThoseThatChangeSomething) {
 }
 
 TEST(AuditedRequests, ShowNoSecretsAndNoLongTexts) {
-  const std::string text = arguments_text(protocol::Any(Json{{"request", "x"},
-                                                             {"id", 3},
-                                                             {"name", "work.script"},
-                                                             {"text", std::string(5000, 'a')},
-                                                             {"values", {{"password", "hunter2"}, {"api_token", "t"}}}}));
+  const std::string text =
+      arguments_text(protocol::Any(Json{{"request", "x"},
+                                        {"id", 3},
+                                        {"name", "work.script"},
+                                        {"text", std::string(5000, 'a')},
+                                        {"values", {{"password", "hunter2"}, {"api_token", "t"}}}}));
   EXPECT_EQ(text.find("hunter2"), std::string::npos);
   EXPECT_EQ(text.find("\"t\""), std::string::npos);
   EXPECT_EQ(text.find("aaaa"), std::string::npos);

@@ -71,8 +71,9 @@ TEST(UserList, WrongNamesRolesAndLinesAreRefused) {
   EXPECT_EQ(code_of([&] { list.add({"anna", Role::watch, kHash}); }), "bad-user") << "twice";
   EXPECT_EQ(code_of([&] { list.remove("ana"); }), "unknown-user");
   EXPECT_EQ(code_of([] { role_of_word("root"); }), "bad-role");
-  for (const char* text : {"users\n", "polyarm users 2\n", "polyarm users 1\nanna operate\n",
-                           "polyarm users 1\nanna boss $y$j9T$a$b\n", "polyarm users 1\nanna operate plainpassword\n"})
+  for (const char* text :
+       {"users\n", "polyarm users 2\n", "polyarm users 1\nanna operate\n",
+        "polyarm users 1\nanna boss $y$j9T$a$b\n", "polyarm users 1\nanna operate plainpassword\n"})
     EXPECT_EQ(code_of([&] { parse_users(text); }), "bad-users") << text;
 }
 
@@ -96,8 +97,8 @@ TEST(UserList, AnyTextIsReadOrRefused) {
   for (int i = 0; i < 5; ++i) list.add({"user" + std::to_string(i), Role::operate, kHash});
   std::mt19937 random(5);
   for (int n = 0; n < 20'000; ++n) {
-    const std::string text =
-        test::damaged(list.text(), {"\n", " ", "$", "anna operate ", std::string("\0", 1), "\xff"}, 30, random);
+    const std::string text = test::damaged(
+        list.text(), {"\n", " ", "$", "anna operate ", std::string("\0", 1), "\xff"}, 30, random);
     try {
       const UserList read = parse_users(text);
       for (const User& user : read.all()) require_good_name(user.name);

@@ -118,7 +118,8 @@ TEST(YaskawaFaults, ARefusedActivationLeavesTheComponentReading) {
 
 TEST(YaskawaFaults, AControllerThatIsNotThereIsNamed) {
   expect_unreachable<yaskawa::YaskawaComponent>(
-      yaskawa_context({{"host", "127.0.0.1"}, {"hses", "false"}, {"state_port", std::to_string(closed_port())}}),
+      yaskawa_context(
+          {{"host", "127.0.0.1"}, {"hses", "false"}, {"state_port", std::to_string(closed_port())}}),
       Cause::unreachable, "MotoROS must be loaded");
 }
 
@@ -288,8 +289,9 @@ TEST(YaskawaFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
                                      "close_io",    "locked_outputs", "hses_nonsense", "hses_refuse",
                                      "hses_twice",  "late=3",         "refuse_servo",  "push"};
   YaskawaRig rig;
-  expect_random_faults_end_well(rig, kOrders, {.joint = "joint_6", .after = 90}, 60 * kDegree * 0.004 + kPulse, mend,
-                                [](Machine& m) { m.step(); }, 300);
+  expect_random_faults_end_well(
+      rig, kOrders, {.joint = "joint_6", .after = 90}, 60 * kDegree * 0.004 + kPulse, mend,
+      [](Machine& m) { m.step(); }, 300);
 }
 
 }  // namespace

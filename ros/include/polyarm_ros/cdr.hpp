@@ -1,6 +1,7 @@
 #pragma once
-/// Messages as payloads of ROS 2 and back: CDR, version 1, plain. For messages that `polyarm plugin` made from
-/// their .msg, .srv and .action files; others have no type on the graph. In C++17, as code of packages is.
+/// Messages as payloads of ROS 2 and back: CDR, version 1, plain. For messages that `polyarm plugin` made
+/// from their .msg, .srv and .action files; others have no type on the graph. In C++17, as code of packages
+/// is.
 #include <array>
 #include <cstddef>
 #include <cstdint>

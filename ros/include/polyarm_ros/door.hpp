@@ -1,6 +1,6 @@
 #pragma once
-/// What of a plugin's nodes leads nowhere: clients, actions that wires.hpp does not connect, and messages that were
-/// not made from a definition. The first use of each name is logged.
+/// What of a plugin's nodes leads nowhere: clients, actions that wires.hpp does not connect, and messages
+/// that were not made from a definition. The first use of each name is logged.
 #include <mutex>
 #include <set>
 #include <string>

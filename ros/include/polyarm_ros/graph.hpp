@@ -1,6 +1,6 @@
 #pragma once
-/// Topics and services of a module on the ROS 2 graph. A port carries payloads between a node and the command's
-/// door (polyarm/hardware/node_graph.hpp). Without a graph in the program there are no ports.
+/// Topics and services of a module on the ROS 2 graph. A port carries payloads between a node and the
+/// command's door (polyarm/hardware/node_graph.hpp). Without a graph in the program there are no ports.
 #include <memory>
 #include <string>
 #include <utility>

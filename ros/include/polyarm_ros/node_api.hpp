@@ -73,7 +73,8 @@ class NodeApi {
   std::shared_ptr<Publisher> make_publisher(const std::string& topic, const rclcpp::QoS& qos) {
     using Message = typename Publisher::MessageType;
     auto speaker = std::make_shared<Speaker>(topic, &typeid(Message), find_topic(full(topic)));
-    speaker->port = open_port<Message>(PortKind::publisher, get_fully_qualified_name(), topic, full(topic), qos);
+    speaker->port =
+        open_port<Message>(PortKind::publisher, get_fully_qualified_name(), topic, full(topic), qos);
     note("topic", topic, speaker->port);
     core_->wires.add(speaker);
     return std::make_shared<Publisher>(std::move(speaker));

@@ -1,7 +1,7 @@
 #pragma once
-/// Topics between the nodes of one module, and to the ROS 2 graph (graph.hpp). A publisher hands a copy of its message
-/// to each subscription of its topic and type; the node's executor calls them. A topic without subscriptions costs
-/// two looks at a number.
+/// Topics between the nodes of one module, and to the ROS 2 graph (graph.hpp). A publisher hands a copy of
+/// its message to each subscription of its topic and type; the node's executor calls them. A topic without
+/// subscriptions costs two looks at a number.
 #include <atomic>
 #include <cstddef>
 #include <deque>

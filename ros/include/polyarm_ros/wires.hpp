@@ -1,7 +1,7 @@
 #pragma once
-/// Where the topics and actions of a controller's node end: the wrapper of the controller delivers messages to
-/// its subscriptions, takes what it publishes, and hands goals to its action servers. Other topics and services lead to
-/// nodes of the module and to the ROS 2 graph (topics.hpp); other actions lead nowhere.
+/// Where the topics and actions of a controller's node end: the wrapper of the controller delivers messages
+/// to its subscriptions, takes what it publishes, and hands goals to its action servers. Other topics and
+/// services lead to nodes of the module and to the ROS 2 graph (topics.hpp); other actions lead nowhere.
 #include <cstdint>
 #include <functional>
 #include <memory>

@@ -13,7 +13,8 @@ class Node : public polyarm_ros::NodeApi, public std::enable_shared_from_this<No
       : NodeApi(name, name_space, options) {}
 
   template <typename Message, typename... Rest>
-  typename Publisher<Message>::SharedPtr create_publisher(const std::string& topic, const QoS& qos, Rest&&...) {
+  typename Publisher<Message>::SharedPtr create_publisher(const std::string& topic, const QoS& qos,
+                                                          Rest&&...) {
     return make_publisher<Publisher<Message>>(topic, qos);
   }
 };

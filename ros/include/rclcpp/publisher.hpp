@@ -52,8 +52,8 @@ class LoanedMessage {
   Message message_;
 };
 
-/// Publishes to the wrapper of a controller, to subscriptions of the same module and to the ROS 2 graph. Without
-/// these it allocates nothing and waits for nothing.
+/// Publishes to the wrapper of a controller, to subscriptions of the same module and to the ROS 2 graph.
+/// Without these it allocates nothing and waits for nothing.
 template <typename Message, typename Allocator = std::allocator<void>>
 class Publisher : public PublisherBase {
  public:

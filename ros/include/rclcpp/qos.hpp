@@ -84,9 +84,7 @@ class QoS {
   QoS& lifespan(const Duration&) { return *this; }
   QoS& liveliness(LivelinessPolicy) { return *this; }
   std::size_t depth() const { return profile_.depth; }
-  bool polyarm_reliable() const {
-    return profile_.reliability != RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT;
-  }
+  bool polyarm_reliable() const { return profile_.reliability != RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT; }
   bool polyarm_transient_local() const {
     return profile_.durability == RMW_QOS_POLICY_DURABILITY_TRANSIENT_LOCAL;
   }

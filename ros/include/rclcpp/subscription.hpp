@@ -31,7 +31,8 @@ class SubscriptionBase {
   std::shared_ptr<polyarm_ros::Listener> listener_;
 };
 
-/// Called by the wrapper of a controller, and with what nodes of the same module or of the ROS 2 graph publish.
+/// Called by the wrapper of a controller, and with what nodes of the same module or of the ROS 2 graph
+/// publish.
 template <typename Message, typename Allocator = std::allocator<void>>
 class Subscription : public SubscriptionBase {
  public:

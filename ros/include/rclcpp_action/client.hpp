@@ -28,8 +28,9 @@ class ClientBase {
   std::string name_;
 };
 
-/// Of an action that nobody offers: its goals are never accepted. The future of a goal does not become ready before
-/// the next goal or the end of the client, which break its promise: get() throws std::future_error then.
+/// Of an action that nobody offers: its goals are never accepted. The future of a goal does not become ready
+/// before the next goal or the end of the client, which break its promise: get() throws std::future_error
+/// then.
 template <typename Action>
 class Client : public ClientBase {
  public:

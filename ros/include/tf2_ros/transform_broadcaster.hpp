@@ -10,8 +10,8 @@
 
 namespace tf2_ros {
 
-/// Publishes on a topic of the node, which may be a node, a pointer to one, or one of its views. A view has no topics:
-/// then it sends to nobody.
+/// Publishes on a topic of the node, which may be a node, a pointer to one, or one of its views. A view has
+/// no topics: then it sends to nobody.
 class TransformSender {
  public:
   using Message = tf2_msgs::msg::TFMessage;
@@ -32,11 +32,13 @@ class TransformSender {
   template <typename Pointer, typename = void>
   struct MakesPublishers : std::false_type {};
   template <typename Pointer>
-  struct MakesPublishers<Pointer, std::void_t<decltype(std::declval<Pointer>()->template create_publisher<Message>(
-                                      std::declval<const char*>(), std::declval<const rclcpp::QoS&>()))>>
+  struct MakesPublishers<Pointer,
+                         std::void_t<decltype(std::declval<Pointer>()->template create_publisher<Message>(
+                             std::declval<const char*>(), std::declval<const rclcpp::QoS&>()))>>
       : std::true_type {};
   template <typename Node>
-  static typename rclcpp::Publisher<Message>::SharedPtr make(Node& node, const char* topic, const rclcpp::QoS& qos) {
+  static typename rclcpp::Publisher<Message>::SharedPtr make(Node& node, const char* topic,
+                                                             const rclcpp::QoS& qos) {
     return node.template create_publisher<Message>(topic, qos);
   }
   rclcpp::Publisher<Message>::SharedPtr publisher_;

@@ -187,8 +187,8 @@ class NodeCore {
     const std::lock_guard lock(mutex_);
     timers_.push_back(timer);
   }
-  /// Runs what is due: timers, messages that wait for subscriptions, requests that wait for services. False if
-  /// nothing was.
+  /// Runs what is due: timers, messages that wait for subscriptions, requests that wait for services. False
+  /// if nothing was.
   bool run_due() {
     bool any = run_timers();
     for (const auto& listener : wires.listeners()) any = listener->run() || any;

@@ -34,7 +34,8 @@ void TwoJoints::open_topics() {
   const rclcpp::Node::SharedPtr node = get_node();
   tells_wear_ = std::make_shared<realtime_tools::RealtimePublisher<two_joints::msg::Wear>>(
       node->create_publisher<two_joints::msg::Wear>("~/wear", rclcpp::SystemDefaultsQoS()));
-  tells_last_ = node->create_publisher<std_msgs::msg::Float64>("/last_turns", rclcpp::QoS(1).transient_local());
+  tells_last_ =
+      node->create_publisher<std_msgs::msg::Float64>("/last_turns", rclcpp::QoS(1).transient_local());
   sets_turns_ = node->create_subscription<std_msgs::msg::Float64>(
       "~/set_turns", rclcpp::SensorDataQoS(), [this](const std_msgs::msg::Float64::SharedPtr message) {
         set_turns_ = message->data;
