@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "polyarm/base/error.hpp"
+#include "polyarm/protocol/session.hpp"
+#include "polyarm/protocol/wire.hpp"
+
 namespace polyarm::server {
 
 namespace {
@@ -28,6 +32,39 @@ std::optional<Client::Urgent> Client::urgent_of(const std::string& line) {
   if (name == "control.stop" || name == "control.hold") return Urgent{true, false};
   if (name == "jog.end") return Urgent{false, !request.contains("jog")};
   return name == "jog.beat" ? std::optional(Urgent{}) : std::nullopt;
+}
+
+std::string Client::shown_name(const std::string& given) const {
+  if (!login) return given;
+  return given.empty() ? login->user : login->user + " (" + given + ")";
+}
+
+users::Actor Client::actor(const std::string& shown) const {
+  users::Actor out;
+  out.role = protocol::name(role);
+  out.name = login ? login->user : "link to " + out.role;
+  out.from = from;
+  out.door = "pendant";
+  if (shown != out.name && shown != from) out.client = shown;
+  return out;
+}
+
+void Client::require_role(protocol::Role needed, const std::string& request) const {
+  if (role >= needed) return;
+  throw Error("no-role",
+              "'" + request + "' is refused: this link allows to " + protocol::name(role) +
+                  ", and that needs the right to " + protocol::name(needed),
+              "open a link that allows it");
+}
+
+void Client::Line::require_not_overtaken(const protocol::RequestType& type,
+                                         const protocol::Any& arguments) const {
+  const bool jogs = type.facts == &protocol::JogBegin::kFacts || type.facts == &protocol::JogGoto::kFacts;
+  if (!before_stop && !(before_end && jogs)) return;
+  if (protocol::role_needed(type, arguments) != protocol::Role::operate) return;
+  throw Error("overtaken",
+              std::string("'") + type.facts->name + "' is refused: your later stop was handled first",
+              "send it again if you still want it");
 }
 
 Client::~Client() {

@@ -14,7 +14,9 @@
 #include "polyarm/access/logins.hpp"
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/protocol/facts.hpp"
+#include "polyarm/protocol/request.hpp"
 #include "polyarm/realtime/bell.hpp"
+#include "polyarm/users/audit_log.hpp"
 
 namespace polyarm::server {
 
@@ -62,6 +64,14 @@ class Client {
   const protocol::Role role;       ///< what its token allows
   const std::shared_ptr<Login> login;  ///< of a user; may be null
 
+  // --- who it is; any thread
+  /// What others see if the client calls itself `given`: the name of a user comes first.
+  std::string shown_name(const std::string& given) const;
+  /// For the audit log; `shown`: the name that others see.
+  users::Actor actor(const std::string& shown) const;
+  /// Throws Error("no-role") if its role is less than `needed` for the request.
+  void require_role(protocol::Role needed, const std::string& request) const;
+
   // --- I/O thread
   /// Queues the line; answers `busy` if the queue is full. Returns false if lines come too fast. All input is
   /// read at once, so a stop never waits behind earlier messages. `now`: s, of any steady clock.
@@ -80,6 +90,9 @@ class Client {
     std::string text;
     bool before_stop = false;  ///< a stop or hold came after this line and was taken first
     bool before_end = false;   ///< the same for the end of all jogs
+    /// Throws Error("overtaken") if the request was sent before a stop but is read after it, so that it
+    /// cannot move what was stopped.
+    void require_not_overtaken(const protocol::RequestType& type, const protocol::Any& arguments) const;
   };
   /// The next line that is not urgent.
   std::optional<Line> line();

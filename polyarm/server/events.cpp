@@ -342,4 +342,37 @@ Text alarm_event(const Journal::Alarm& alarm) {
                   {"severity", p.severity == Severity::error ? "error" : "warning"}});
 }
 
+bool is_due(double& last, double every, double now) {
+  if (now - last < every) return false;
+  last = now;
+  return true;
+}
+
+CellEvents::CellEvents(cell::CellView& cell)
+    : tags_(cell), parts_(cell), plans_(cell), near_(cell), program_(cell) {}
+
+void CellEvents::report(double now, const Broadcast& broadcast) {
+  constexpr double kTagsEvery = 0.1, kLookEvery = 1, kPartsEvery = 1.0 / 30, kPlansEvery = 0.05,
+                   kNearEvery = 0.1, kPointsEvery = 0.2;
+  if (is_due(sent_tags_, kTagsEvery, now))
+    broadcast(Kind::tags, tags_.changes(is_due(looked_, kLookEvery, now)), [this] { return tags_.full(); });
+  if (tags_.places_changed() && is_due(sent_points_, kPointsEvery, now)) {
+    tags_.take_places_changed();
+    broadcast(Kind::points, std::make_shared<const std::string>(R"({"event":"points"})"), {});
+  }
+  if (is_due(sent_parts_, kPartsEvery, now))
+    broadcast(Kind::parts, parts_.changes(), [this] { return parts_.full(); });
+  if (is_due(sent_plans_, kPlansEvery, now)) broadcast(Kind::plan, plans_.changes(), {});
+  if (is_due(sent_near_, kNearEvery, now)) broadcast(Kind::near, near_.changes(), {});
+  broadcast(Kind::program, program_.changes(now), {});
+}
+
+void CellEvents::greet(const std::function<void(Kind, const Text&)>& put) {
+  put(Kind::tags, tags_.full());
+  put(Kind::parts, parts_.full());
+  put(Kind::plan, plans_.full());
+  put(Kind::near, near_.full());
+  put(Kind::program, program_.full());
+}
+
 }  // namespace polyarm::server

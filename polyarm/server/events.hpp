@@ -1,5 +1,6 @@
 #pragma once
 /// Changes in a cell as JSON events. Cell thread.
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -125,5 +126,29 @@ class ProgramEvents {
 Text log_event(const Journal& journal, std::uint64_t after);
 /// {"event": "alarm", number, time, code, what, where: {file, line, column}, advice, facts, severity}
 Text alarm_event(const Journal::Alarm& alarm);
+
+/// All events of one running cell, each at its own rate. It lives as long as the cell is attached.
+class CellEvents {
+ public:
+  explicit CellEvents(cell::CellView& cell);
+  /// Gets an event for all clients, and what makes the full event for clients that missed one; empty: nothing
+  /// does.
+  using Broadcast = std::function<void(Kind, const Text&, const std::function<Text()>& whole)>;
+  /// Sends the changes that are due at `now`, s.
+  void report(double now, const Broadcast& broadcast);
+  /// Sends the full state to a new client.
+  void greet(const std::function<void(Kind, const Text&)>& put);
+
+ private:
+  TagEvents tags_;
+  PartEvents parts_;
+  PlanEvents plans_;
+  NearEvents near_;
+  ProgramEvents program_;
+  double sent_tags_ = 0, looked_ = 0, sent_points_ = 0, sent_parts_ = 0, sent_plans_ = 0, sent_near_ = 0;
+};
+
+/// Whether `every` (s) have passed since `last`, which becomes `now` then.
+bool is_due(double& last, double every, double now);
 
 }  // namespace polyarm::server

@@ -22,8 +22,7 @@ namespace polyarm::server {
 
 namespace {
 
-constexpr double kStatusEvery = 0.1, kTagsEvery = 0.1, kLookEvery = 1, kPartsEvery = 1.0 / 30,
-                 kPlansEvery = 0.05, kNearEvery = 0.1, kLogEvery = 0.1, kPointsEvery = 0.2;
+constexpr double kStatusEvery = 0.1, kLogEvery = 0.1;
 
 /// A connected client, as the cell thread sees it.
 struct Seat {
@@ -59,12 +58,8 @@ class Sessions::Work {
     cell_ = &cell;
     jogs_.emplace(cell.held_motions(), [this](std::uint64_t to, const std::string& line) { tell(to, line); });
     frames_.emplace(cell, ++layout_);
-    tags_.emplace(cell);
-    parts_.emplace(cell);
-    plans_.emplace(cell);
-    near_.emplace(cell);
+    events_.emplace(cell);
     status_.clear();
-    program_.emplace(cell);
     for (auto& [number, seat] : seats_) seat.greeted = false;
   }
 
@@ -75,11 +70,7 @@ class Sessions::Work {
     cell_ = nullptr;
     jogs_.reset();
     frames_.reset();
-    tags_.reset();
-    parts_.reset();
-    plans_.reset();
-    near_.reset();
-    program_.reset();
+    events_.reset();
     status_.clear();
   }
 
@@ -115,7 +106,7 @@ class Sessions::Work {
 
   std::optional<users::Actor> actor(const void* client) const {
     for (const auto& [number, seat] : seats_)
-      if (seat.client.get() == client) return actor_of(seat);
+      if (seat.client.get() == client) return seat.client->actor(seat.name);
     return std::nullopt;
   }
 
@@ -249,7 +240,7 @@ class Sessions::Work {
       type = protocol::find_request(name->get<std::string>());
       if (type) {
         require_may(seat, *type, fields);
-        require_not_overtaken(line, *type, fields);
+        line.require_not_overtaken(*type, fields);
       }
       if (type && (type->facts->session || !cell_)) {
         const protocol::Request request = protocol::read_request(*type, fields);
@@ -275,7 +266,7 @@ class Sessions::Work {
     if (!audit_ || !type || !users::is_audited(*type, fields)) return;
     users::AuditEntry entry;
     if (cell_) entry.cell = cell_->file().name;
-    entry.actor = actor_of(seat);
+    entry.actor = seat.client->actor(seat.name);
     entry.request = type->facts->name;
     entry.arguments = users::arguments_text(fields);
     entry.outcome = refused ? refused->problems().front().code : "done";
@@ -283,38 +274,13 @@ class Sessions::Work {
     audit_->add(std::move(entry));
   }
 
-  static users::Actor actor_of(const Seat& seat) {
-    const Client& client = *seat.client;
-    users::Actor out;
-    out.role = protocol::name(client.role);
-    out.name = client.login ? client.login->user : "link to " + out.role;
-    out.from = client.from;
-    out.door = "pendant";
-    if (seat.name != out.name && seat.name != client.from) out.client = seat.name;
-    return out;
-  }
-
   /// Reading needs no control. Any other request needs control, and a link whose role allows it.
   void require_may(const Seat& seat, const protocol::RequestType& type, const Any& fields) const {
     const std::string name = type.facts->name;
     const bool takes = type.facts == &protocol::SessionTake::kFacts;
     const Role needed = takes ? Role::operate : protocol::role_needed(type, fields);
-    if (seat.client->role < needed)
-      throw Error("no-role",
-                  "'" + name + "' is refused: this link allows to " + protocol::name(seat.client->role) +
-                      ", and that needs the right to " + protocol::name(needed),
-                  "open a link that allows it");
+    seat.client->require_role(needed, name);
     if (needed != Role::watch && !takes) require_control(seat, name);
-  }
-
-  /// Refuses a request that was sent before a stop but is read after it, so it cannot move what was stopped.
-  static void require_not_overtaken(const Client::Line& line, const protocol::RequestType& type, const Any& fields) {
-    const bool jogs = type.facts == &protocol::JogBegin::kFacts || type.facts == &protocol::JogGoto::kFacts;
-    if (!line.before_stop && !(line.before_end && jogs)) return;
-    if (protocol::role_needed(type, fields) != Role::operate) return;
-    throw Error("overtaken",
-                std::string("'") + type.facts->name + "' is refused: your later stop was handled first",
-                "send it again if you still want it");
   }
 
   void require_control(const Seat& seat, const std::string& what) const {
@@ -441,15 +407,8 @@ class Sessions::Work {
     return found == seats_.end() ? "a client that is gone" : found->second.name;
   }
 
-  /// A user's own name comes first: others see who has control, whatever the client calls itself.
-  static std::string name_for(const Client& client, const std::string& given) {
-    return !client.login   ? given
-           : given.empty() ? client.login->user
-                           : client.login->user + " (" + given + ")";
-  }
-
   protocol::SessionHello::Answer hello(Seat& seat, const protocol::SessionHello& request) {
-    if (request.name) seat.name = name_for(*seat.client, request.name->substr(0, bounds::kClientNameBytes));
+    if (request.name) seat.name = seat.client->shown_name(request.name->substr(0, bounds::kClientNameBytes));
     seat.listens = true;
     protocol::SessionHello::Answer out;
     out.client = seat.client->number;
@@ -559,12 +518,6 @@ class Sessions::Work {
     }
   }
 
-  bool due(double& last, double every) const {
-    if (now_ - last < every) return false;
-    last = now_;
-    return true;
-  }
-
   void broadcast(Kind kind, const Text& text, const std::function<Text()>& whole = {}) {
     if (!text) return;
     Text all;
@@ -597,7 +550,7 @@ class Sessions::Work {
     if (!anybody) return;
     const std::uint64_t key =
         cell_ ? (static_cast<std::uint64_t>(cell_->snapshot().state) << 8) + control_.holder() : ~0ull;
-    if (due(sent_status_, kStatusEvery) || key != status_key_) {
+    if (is_due(sent_status_, kStatusEvery, now_) || key != status_key_) {
       status_key_ = key;
       std::string text = status();
       if (text != status_) {
@@ -605,30 +558,19 @@ class Sessions::Work {
         broadcast(Kind::status, std::make_shared<const std::string>(status_));
       }
     }
-    if (due(sent_log_, kLogEvery) && journal.last_line() != lines_reported_) {
+    if (is_due(sent_log_, kLogEvery, now_) && journal.last_line() != lines_reported_) {
       broadcast(Kind::log, log_event(journal, lines_reported_));
       lines_reported_ = journal.last_line();
     }
     for (const Journal::Alarm& alarm : journal.alarms())
       if (alarm.number > alarms_sent_) broadcast(Kind::log, alarm_event(alarm));
     alarms_sent_ = journal.last_alarm();
-    if (cell_) report_cell_events();
+    if (events_)
+      events_->report(now_, [this](Kind kind, const Text& text, const std::function<Text()>& whole) {
+        broadcast(kind, text, whole);
+      });
     for (auto& [number, seat] : seats_)
       if (seat.listens && !std::exchange(seat.greeted, true)) greet(seat);
-  }
-
-  void report_cell_events() {
-    if (due(sent_tags_, kTagsEvery))
-      broadcast(Kind::tags, tags_->changes(due(looked_, kLookEvery)), [this] { return tags_->full(); });
-    if (tags_->places_changed() && due(sent_points_, kPointsEvery)) {
-      tags_->take_places_changed();
-      broadcast(Kind::points, std::make_shared<const std::string>(R"({"event":"points"})"));
-    }
-    if (due(sent_parts_, kPartsEvery))
-      broadcast(Kind::parts, parts_->changes(), [this] { return parts_->full(); });
-    if (due(sent_plans_, kPlansEvery)) broadcast(Kind::plan, plans_->changes());
-    if (!seats_.empty() && due(sent_near_, kNearEvery)) broadcast(Kind::near, near_->changes());
-    broadcast(Kind::program, program_->changes(now_));
   }
 
   /// Sends the full state to a client that has just connected.
@@ -641,11 +583,7 @@ class Sessions::Work {
     for (const Journal::Alarm& alarm : journal.alarms()) put(Kind::log, alarm_event(alarm));
     if (!cell_) return;
     if (seat.rate > 0) put(Kind::layout, frames_->layout());
-    put(Kind::tags, tags_->full());
-    put(Kind::parts, parts_->full());
-    put(Kind::plan, plans_->full());
-    put(Kind::near, near_->full());
-    put(Kind::program, program_->full());
+    events_->greet(put);
   }
 
   void send_frames() {
@@ -680,16 +618,11 @@ class Sessions::Work {
   Control control_;
   std::optional<JogWatch> jogs_;
   std::optional<StateFrames> frames_;
-  std::optional<TagEvents> tags_;
-  std::optional<PartEvents> parts_;
-  std::optional<PlanEvents> plans_;
-  std::optional<NearEvents> near_;
-  std::optional<ProgramEvents> program_;
+  std::optional<CellEvents> events_;
   std::uint16_t layout_ = 0;
   std::string status_;
   std::uint64_t status_key_ = 0, lines_reported_ = 0, alarms_sent_ = 0;
-  double sent_status_ = 0, sent_tags_ = 0, looked_ = 0, sent_parts_ = 0, sent_log_ = 0, sent_points_ = 0,
-         sent_plans_ = 0, sent_near_ = 0;
+  double sent_status_ = 0, sent_log_ = 0;
   std::uint64_t frames_sent_ = 0, omitted_frames_ = 0, omitted_events_ = 0;
 };
 
