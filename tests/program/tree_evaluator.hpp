@@ -200,7 +200,9 @@ class TreeEvaluator {
       throw;
     }
     frames_.pop_back();
-    return std::exchange(given_, {});
+    Maybe out = std::move(given_);
+    given_.reset();
+    return out;
   }
 
   // Statements.
