@@ -25,11 +25,13 @@ def forward_cell(test, driver="mock"):
     return folder / "cell.yaml"
 
 
-def wait_for_cell(test, process, name):
-    """Waits until the local socket of a cell takes connections; its file is there a little earlier."""
+def wait_for_cell(test, process, name, output=None):
+    """Waits until the local socket of a cell takes connections; its file is there a little earlier. `output`: the file
+    that the cell prints to, shown if it ends."""
     path = os.path.join(os.environ["XDG_RUNTIME_DIR"], "polyarm", name + ".sock")
     while True:
-        test.assertIsNone(process.poll(), "the cell has ended")
+        if process.poll() is not None:
+            test.fail("the cell has ended: " + (output.read_text() if output else f"exit code {process.returncode}"))
         with socket.socket(socket.AF_UNIX) as probe:
             try:
                 return probe.connect(path)

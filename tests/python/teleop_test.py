@@ -57,11 +57,13 @@ class RunningCell(unittest.IsolatedAsyncioTestCase):
         for name, content in files.items():
             (cell / f"{name}.yaml").write_text(content)
         shutil.copy(EXAMPLES / model, cell)
+        says = open(self.folder / "says.txt", "w")
+        self.addCleanup(says.close)
         self.cell = subprocess.Popen([COMMAND, "run", str(cell)], cwd=self.folder, text=True, stdin=subprocess.DEVNULL,
-                                     stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                                     stdout=says, stderr=says)
         self.addCleanup(self.cell.wait)
         self.addCleanup(self.cell.kill)
-        wait_for_cell(self, self.cell, "led")
+        wait_for_cell(self, self.cell, "led", self.folder / "says.txt")
 
     async def until(self, client, state):
         while True:
