@@ -4,12 +4,14 @@
 #include <cmath>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
+
 namespace polyarm::clouds {
 
 namespace {
 
 constexpr double kSmallestCell = 1e-3;
-constexpr std::size_t kFirstSlots = 1 << 12, kMostCells = 1 << 17;
+constexpr std::size_t kFirstSlots = 1 << 12, kMostCells = bounds::kCloudCells;
 
 std::array<std::int64_t, 3> indices_of(std::uint64_t key) {
   constexpr std::uint64_t kMask = (std::uint64_t{1} << CloudGrid::kBits) - 1;

@@ -7,14 +7,16 @@
 #include <cstdint>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/pose.hpp"
 
 namespace polyarm::clouds {
 
 /// Larger clouds and files are refused; a body with more boxes gets coarser cells.
-inline constexpr std::size_t kMostPoints = 20'000'000, kMostBoxes = 4000, kMostBytes = 512u << 20;
+inline constexpr std::size_t kMostPoints = bounds::kCloudPoints, kMostBoxes = bounds::kCloudBoxes,
+                             kMostBytes = bounds::kCloudBytes;
 /// Points farther from the origin than this are left out, m.
-inline constexpr double kFarthest = 1000;
+inline constexpr double kFarthest = bounds::kCloudMetres;
 
 struct CloudBox {
   Vec3 lower, upper;

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <string>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/fleet/cell_client.hpp"
 
@@ -15,7 +16,8 @@ using Json = nlohmann::json;
 
 namespace {
 
-constexpr std::size_t kMostSummary = 256 << 10;  // the page shows those of all cells again and again
+constexpr std::size_t kMostSummary =
+    bounds::kSiteSummaryBytes;  // the page shows those of all cells again and again
 
 double steady_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
