@@ -5,7 +5,7 @@ import { t } from '../i18n';
 import { Button } from '../ui/controls';
 
 /** What the cell says about log-ins: whether it has users, and who is logged in here. */
-const known = signal<{ users: boolean; name?: string }>({ users: false });
+const known = signal<{ users: boolean; name?: string; ended?: string; hours?: number }>({ users: false });
 
 async function look(): Promise<void> {
   try {
@@ -25,6 +25,14 @@ function basic(name: string, password: string): string {
 function refusal(answer: Response): string {
   if (answer.status === 429) return t('login.wait', { seconds: answer.headers.get('Retry-After') ?? '60' });
   return t(answer.status === 403 ? 'login.wrong' : 'login.failed');
+}
+
+/** Why this page's log-in has ended; empty if it had none. */
+function ending(): string {
+  const { ended, hours } = known.value;
+  if (ended === 'time') return t('login.endedTime', { hours: String(Math.round((hours ?? 0) * 100) / 100) });
+  if (ended === 'idle') return t('login.endedIdle');
+  return ended ? t('login.endedChanged') : '';
 }
 
 export function LogIn() {
@@ -50,6 +58,7 @@ export function LogIn() {
   return (
     <form class="stack" aria-label={t('login.title')} onSubmit={(event) => void submit(event)}>
       <strong>{t('login.title')}</strong>
+      {ending() && <p>{ending()}</p>}
       <label>
         {t('login.name')} <input name="name" autocomplete="username" value={name} onInput={(e) => setName(e.currentTarget.value)} />
       </label>

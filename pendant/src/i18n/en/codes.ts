@@ -203,6 +203,7 @@ export const codes = {
   'told.bad-xml': 'The XML cannot be read',
   // files and projects
   'told.changed-meanwhile': 'The file was changed meanwhile',
+  'told.no-space': 'The disk is full',
   'told.unwritable': 'The file cannot be written',
   'told.unreadable': 'The file cannot be read',
   'told.not-a-file': 'This is not an ordinary file',

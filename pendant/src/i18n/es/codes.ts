@@ -201,6 +201,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.bad-xml': 'No se puede leer el XML',
   // files and projects
   'told.changed-meanwhile': 'El archivo cambió mientras tanto',
+  'told.no-space': 'El disco está lleno',
   'told.unwritable': 'No se puede escribir el archivo',
   'told.unreadable': 'No se puede leer el archivo',
   'told.not-a-file': 'Esto no es un archivo normal',
