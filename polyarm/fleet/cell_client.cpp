@@ -17,6 +17,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::fleet {
@@ -47,10 +48,20 @@ std::string fingerprint_of(SSL* connection) {
   return good ? out : std::string{};
 }
 
+/// As the terminal of the cell prints it.
+std::string with_colons(const std::string& digits) {
+  std::string out;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && i % 2 == 0) out += ':';
+    out += digits[i];
+  }
+  return out;
+}
+
 }  // namespace
 
 Json parse_answer(const std::string& text) {
-  constexpr int kDeepest = 32;  // copies and dumps call themselves for each level
+  constexpr int kDeepest = bounds::kSiteNesting;  // copies and dumps call themselves for each level
   return Json::parse(
       text, [](int depth, Json::parse_event_t, Json&) { return depth < kDeepest; }, false);
 }
@@ -150,7 +161,7 @@ class CellClient::Work {
       stream.async_handshake(net::ssl::stream_base::client, [&result](Failure f) { result = f; });
     });
     const std::string shown = fingerprint_of(stream.native_handle());
-    if (shown != cell_.fingerprint) lose("has another certificate than the file of the site says: " + shown);
+    if (shown != cell_.fingerprint) lose("has another certificate than the file of the site says: " + with_colons(shown));
   }
 
   template <class Stream>
