@@ -204,7 +204,7 @@ class NodeCore {
     const std::size_t all = listeners.size() + callees.size();
     const std::int64_t until = polyarm_ros::steady_time() + budget;
     {
-      const polyarm_ros::WatchedCall mark(name_.c_str(), "node", "timers");
+      const polyarm_ros::WatchedCall mark(name_.c_str(), "timers of", name_);
       run_timers();
     }
     for (std::size_t n = 0; n < all && polyarm_ros::steady_time() < until; ++n) {
