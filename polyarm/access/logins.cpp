@@ -61,10 +61,21 @@ double Logins::wait_of(const std::string& key, double now) const {
   return found == tries_.end() ? 0 : std::max(0.0, found->second.until - now);
 }
 
-double Logins::level_of_name(const std::string& key, double now) const {
-  const auto found = tries_.find(key);
-  if (found == tries_.end()) return 0;
-  return std::max(0.0, found->second.level - (now - found->second.last) / kForgetEvery_s);
+double Logins::level_of_name(const std::string& name, double now) const {
+  const auto found = names_.find(name);
+  return found == names_.end()
+             ? 0
+             : std::max(0.0, found->second.wrong - (now - found->second.at) / kForgetEvery_s);
+}
+
+/// When there are too many names, the one with the fewest wrong passwords is forgotten: names that an
+/// attacker invents do not push out the one that is guessed.
+void Logins::set_level_of_name(const std::string& name, double level, double now) {
+  if (names_.size() >= kMostTracked && !names_.contains(name))
+    names_.erase(std::min_element(names_.begin(), names_.end(), [&](const auto& a, const auto& b) {
+      return level_of_name(a.first, now) < level_of_name(b.first, now);
+    }));
+  names_[name] = {level, now};
 }
 
 double Logins::wait_of(const Keys& keys, double now) const {
@@ -100,10 +111,7 @@ void Logins::note_try(const Keys& keys, double now) {
   note_try(keys.pair, kFreeTries, now);
   note_try(keys.address, kFreeOfAddress, now);
   if (const auto pair = tries_.find(keys.pair); pair != tries_.end() && pair->second.known) return;
-  const double level = level_of_name(keys.name, now) + 1;
-  Tries& name = tries_of(keys.name, now);
-  name.level = level;
-  name.last = now;
+  set_level_of_name(keys.name, level_of_name(keys.name, now) + 1, now);
 }
 
 /// Takes back what this name added to the count of the address, and no more: a log-in of one's own does not
@@ -113,10 +121,8 @@ void Logins::note_success(const Keys& keys, double now) {
   const int own = std::exchange(pair.wrong, 0);
   pair.until = 0;
   pair.last = now;
-  if (!std::exchange(pair.known, true)) {
-    Tries& name = tries_of(keys.name, now);
-    name.level = std::max(0.0, name.level - own);
-  }
+  if (!std::exchange(pair.known, true))
+    set_level_of_name(keys.name, std::max(0.0, level_of_name(keys.name, now) - own), now);
   Tries& address = tries_of(keys.address, now);
   address.wrong = std::max(0, address.wrong - own);
   if (address.wrong <= kFreeOfAddress) address.until = 0;
@@ -125,7 +131,7 @@ void Logins::note_success(const Keys& keys, double now) {
 Logins::Result Logins::log_in(const std::string& name, const std::string& password, const std::string& from,
                               double now) {
   const std::string shown = name.substr(0, users::kMostName), network = network_of(from);
-  const Keys keys{"at " + network + " " + shown, "from " + network, "user " + shown};
+  const Keys keys{"at " + network + " " + shown, "from " + network, shown};
   std::string hash = users::hash_of_nobody();
   protocol::Role role = protocol::Role::watch;
   bool known = false;

@@ -74,7 +74,6 @@ class Logins {
  private:
   struct Tries {
     int wrong = 0;
-    double level = 0;  ///< of a name: wrong passwords that are not forgotten
     double until = 0, last = 0;
     bool known = false;  ///< the user has logged in from this address
   };
@@ -91,7 +90,8 @@ class Logins {
   };
   double wait_of(const std::string& key, double now) const;
   double wait_of(const Keys& keys, double now) const;
-  double level_of_name(const std::string& key, double now) const;
+  double level_of_name(const std::string& name, double now) const;
+  void set_level_of_name(const std::string& name, double level, double now);
   Tries& tries_of(const std::string& key, double now);
   void note_try(const std::string& key, int free, double now);
   void note_try(const Keys& keys, double now);
@@ -113,7 +113,12 @@ class Logins {
     double at = 0;
   };
   std::map<std::string, Ended> ended_;  // the latest, by the SHA-256 of the token
-  std::map<std::string, Tries> tries_;  // by "at ADDRESS NAME", "from ADDRESS" and "user NAME"
+  std::map<std::string, Tries> tries_;  // by "at ADDRESS NAME" and "from ADDRESS"
+  struct Level {
+    double wrong = 0;  ///< passwords that are not forgotten
+    double at = 0;
+  };
+  std::map<std::string, Level> names_;  // by name
 };
 
 }  // namespace polyarm::server

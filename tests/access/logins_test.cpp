@@ -113,6 +113,21 @@ TEST(Logins, TriesAreForgottenFirstForAddressesWhereNobodyLoggedIn) {
   EXPECT_TRUE(logins.log_in("otto", "right password", "10.0.0.5", 21).login);
 }
 
+TEST(Logins, InventedNamesDoNotMakeGuessesFree) {
+  const test::Folder folder;
+  add_users(folder.path() / "users");
+  Logins logins(folder.path() / "users");
+  const auto guess = [&](const std::string& name, int n) {
+    const std::string from = "10." + std::to_string(n / 65536) + "." + std::to_string(n / 256 % 256) + "." +
+                             std::to_string(n % 256);
+    return logins.log_in(name, kWrong, from, 5).why;
+  };
+  int n = 0;
+  while (n < 200) guess("otto", n++);
+  for (std::size_t i = 0; i < 2 * Logins::kMostTracked; ++i) guess("invented" + std::to_string(i), n++);
+  EXPECT_EQ(guess("otto", n), "too-fast");
+}
+
 TEST(Logins, SayWhyTheyEndedToTheirOwnTokenOnly) {
   const test::Folder folder;
   add_users(folder.path() / "users");
