@@ -185,11 +185,15 @@ void Logins::remember_end(const std::string& token_hash, const char* why, double
   ended_[token_hash] = {why, now};
 }
 
-std::string Logins::why_ended(std::string_view token) const {
+std::string Logins::why_ended(std::string_view token, double now) const {
   if (token.empty() || token.size() > 100) return {};
   const std::lock_guard lock(mutex_);
-  const auto found = ended_.empty() ? ended_.end() : ended_.find(sha256(token));
-  return found == ended_.end() ? "" : found->second.why;
+  if (ended_.empty() && logins_.empty()) return {};
+  const std::string hash = sha256(token);
+  if (const auto found = ended_.find(hash); found != ended_.end()) return found->second.why;
+  const auto found = logins_.find(hash);  // tick() may not have ended it yet
+  const char* const why = found == logins_.end() ? nullptr : why_invalid(*found->second, now);
+  return why ? why : "";
 }
 
 /// Null: the log-in is valid.

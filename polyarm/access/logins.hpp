@@ -65,7 +65,7 @@ class Logins {
   void log_out(std::string_view token);
   /// Why the log-in of this token has ended: "time", "idle", "changed" (the user, or too many log-ins); empty
   /// for all other tokens.
-  std::string why_ended(std::string_view token) const;
+  std::string why_ended(std::string_view token, double now) const;
   double longest_s() const { return longest_s_; }
   /// Ends log-ins that are too old or idle, and those of users who were removed or changed.
   void tick(double now);

@@ -216,7 +216,8 @@ void PageSite::end_log_in(const std::string& from) {
 Json PageSite::who_may_log_in(const HttpRequest& request) {
   Json out{{"users", logins_.offered(steady_seconds())}};
   if (request.login) out["name"] = request.login->user;
-  if (const std::string why = request.login ? "" : logins_.why_ended(request.shown); !why.empty()) {
+  if (const std::string why = request.login ? "" : logins_.why_ended(request.shown, steady_seconds());
+      !why.empty()) {
     out["ended"] = why;
     out["hours"] = logins_.longest_s() / 3600;
   }

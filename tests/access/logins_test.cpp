@@ -138,11 +138,13 @@ TEST(Logins, SayWhyTheyEndedToTheirOwnTokenOnly) {
     ASSERT_TRUE(logins.find(old.token, t)) << "a page renews it";
     logins.tick(t);
   }
+  EXPECT_EQ(logins.why_ended(old.token, 2 * 3600), "");
+  EXPECT_EQ(logins.why_ended(old.token, 2 * 3600 + 1), "time") << "before the next tick, too";
   logins.tick(2 * 3600 + 1);
   EXPECT_TRUE(old.login->over) << "and it ends nevertheless";
-  EXPECT_EQ(logins.why_ended(old.token), "time");
-  EXPECT_EQ(logins.why_ended(idle.token), "idle");
-  EXPECT_EQ(logins.why_ended("guess"), "");
+  EXPECT_EQ(logins.why_ended(old.token, 2 * 3600 + 1), "time");
+  EXPECT_EQ(logins.why_ended(idle.token, 2 * 3600 + 1), "idle");
+  EXPECT_EQ(logins.why_ended("guess", 2 * 3600 + 1), "");
 }
 
 TEST(Networks, LeaveOutWhatAClientChoosesFreely) {

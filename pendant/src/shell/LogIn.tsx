@@ -2,6 +2,7 @@
 import { signal } from '@preact/signals';
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../i18n';
+import { link } from '../state/cell';
 import { Button } from '../ui/controls';
 
 /** What the cell says about log-ins: whether it has users, and who is logged in here. */
@@ -40,8 +41,9 @@ export function LogIn() {
   const [password, setPassword] = useState('');
   const [why, setWhy] = useState('');
   const [busy, setBusy] = useState(false);
-  useEffect(() => void look(), []);
-  if (!known.value.users) return null;
+  const state = link.value;
+  useEffect(() => void look(), [state]);
+  if (!known.value.users || known.value.name) return null;
   const submit = async (event: Event) => {
     event.preventDefault();
     setBusy(true);
