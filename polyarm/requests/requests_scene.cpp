@@ -10,12 +10,12 @@
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
-#include "polyarm/base/free_space.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/scene_edit.hpp"
 #include "polyarm/description/scene_file.hpp"
 #include "polyarm/inside/requests_later.hpp"
+#include "polyarm/io/free_space.hpp"
 #include "polyarm/meshes/mesh.hpp"
 #include "polyarm/protocol/scene.hpp"
 #include "polyarm/requests/families.hpp"

@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "polyarm/base/bounds.hpp"
-#include "polyarm/base/free_space.hpp"
 #include "polyarm/base/printable.hpp"
+#include "polyarm/io/free_space.hpp"
 #include "polyarm/meshes/robot_meshes.hpp"
 #include "polyarm/recording/foxglove_server.hpp"
 #include "polyarm/server/documents.hpp"
@@ -330,7 +330,7 @@ void PageSite::project(HttpRequest request, const Reply& reply) {
   post(
       [folder, name, zip = std::move(request.body)] {
         const std::filesystem::path into = place_beside(folder, name);
-        require_free_space(into.parent_path(), bounds::kUnzippedBytes);
+        cell::require_free_space(into.parent_path(), bounds::kUnzippedBytes);
         unzip_into(zip, into);
         return document(text_of(dump({{"folder", into.string()}})));
       },

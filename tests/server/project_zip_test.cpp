@@ -8,7 +8,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
-#include "polyarm/base/free_space.hpp"
+#include "polyarm/io/free_space.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm::server {
@@ -211,9 +211,9 @@ TEST(ProjectPlace, IsBesideTheCellHoweverItsFolderIsSpelled) {
 
 TEST(FreeSpace, IsLeftByUploads) {
   const test::Folder folder;
-  EXPECT_NO_THROW(require_free_space(folder.path(), 1, 0));
-  EXPECT_THROW(require_free_space(folder.path(), 1, std::uintmax_t{1} << 60), Error);
-  EXPECT_THROW(require_free_space(folder.path(), ~std::uintmax_t{0}, 1), Error);
+  EXPECT_NO_THROW(cell::require_free_space(folder.path(), 1, 0));
+  EXPECT_THROW(cell::require_free_space(folder.path(), 1, std::uintmax_t{1} << 60), Error);
+  EXPECT_THROW(cell::require_free_space(folder.path(), ~std::uintmax_t{0}, 1), Error);
 }
 
 TEST_F(ProjectZipTest, WhatIsDamagedLeavesNothing) {

@@ -8,7 +8,7 @@
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 
-namespace polyarm {
+namespace polyarm::cell {
 
 /// Throws Error("no-space") if so many more bytes in the folder would leave less than `least` bytes free. A
 /// file system that does not say how much is free has room.
@@ -23,4 +23,4 @@ inline void require_free_space(const std::filesystem::path& folder, std::uintmax
               "delete files that nobody needs");
 }
 
-}  // namespace polyarm
+}  // namespace polyarm::cell
