@@ -129,6 +129,14 @@ void Watches::watch_contacts() {
   if (inside) cell_.life.fail(std::move(*inside));
 }
 
+std::string Watches::contact_behind(control::StopCause cause) const {
+  if (cause != control::StopCause::jump && cause != control::StopCause::not_following) return {};
+  const ContactReport* deepest = nullptr;
+  for (const ContactReport& each : cell_.contacts.list())
+    if (each.now && (!deepest || each.depth > deepest->depth)) deepest = &each;
+  return deepest ? deepest->sentence() : "";
+}
+
 protocol::ContactState contact_state(const CellSetup& setup, const Machine& machine,
                                      const ContactWatch& contacts) {
   protocol::ContactState out;

@@ -125,8 +125,12 @@ std::string Watches::blame(Facts& facts) const {
   if (of_hardware && snapshot.event.component >= 0) {
     const auto component = static_cast<std::size_t>(snapshot.event.component);
     const hardware::Hardware& hardware = cell_.machine.hardware();
-    const std::string reason = hardware.diagnostics().reason(component);
+    std::string reason = hardware.diagnostics().reason(component);
     add_component(component, facts);
+    if (const std::string contact = contact_behind(cause); !contact.empty()) {
+      facts.push_back({"reason", contact});
+      reason += reason.empty() ? contact : "; " + contact;
+    }
     return " (" + hardware.component_name(component) + (reason.empty() ? "" : ": " + reason) + ")";
   }
   if (cause == Cause::limits && snapshot.event.interface >= 0) {

@@ -97,6 +97,8 @@ class Watches {
   Problem problem_of(const ContactReport& contact) const;
   void add_component(std::size_t component, Facts& facts) const;
   std::string blame(Facts& facts) const;
+  /// The deepest contact at present, if it may explain a fault of this cause; empty if there is none.
+  std::string contact_behind(control::StopCause cause) const;
   void watch_fault();
   void watch_groups();
   void report_group_fault(std::size_t component);
