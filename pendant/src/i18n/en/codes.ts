@@ -5,7 +5,7 @@
 export const codes = {
   // connection, roles, sessions
   'told.no-control': 'You only watch. Take control first.',
-  'told.no-role': 'This link does not allow it',
+  'told.no-role': 'Your role does not allow it',
   'told.no-answer': 'The cell did not answer in time',
   'told.not-connected': 'No connection to the cell',
   'told.no-cell': 'No cell is running',
@@ -77,6 +77,7 @@ export const codes = {
   'told.no-speed': 'The speed is 0 %',
   'told.unknown-profile': 'The profile is unknown',
   'told.no-loop': 'The loop does not exist',
+  'told.link-awaited': 'The programs wait for a link',
   'told.link-lost': 'A link is lost',
   'told.link-found': 'A link is back',
   'told.link-note': 'A link reports something',

@@ -31,6 +31,7 @@ export const told = {
   'with.in-contact': '{a} still touches {b}, {depth} deep',
   'with.moved-while-held': '{joint} was moved by {moved} during the hold',
   'with.held': 'The cell is held: {cause}',
+  'with.link-awaited': 'The programs begin when the link {link} is connected',
   'with.link-lost': 'The link {link} is lost',
   'with.link-found': 'The link {link} is back',
   'with.link-note': 'The link {link} reports something',
@@ -63,6 +64,7 @@ export const told = {
   'do.contact': 'Jog away slowly, then press Resume',
   'do.contact.start': 'Move the base of the robot, the obstacle, or the place where it starts',
   'do.in-contact': 'Jog away slowly, or step back',
+  'do.link-awaited': 'Start the other side of the link',
   'do.link-lost': 'Restore the link, then press Resume if the cell is held',
   'do.link-stale': 'Restore the link, then press Resume',
   'do.heartbeat': 'Restore the signal, then press Resume',
@@ -86,5 +88,5 @@ export const told = {
   'do.no-real-hardware': 'Name the hardware in the cell\'s file',
   'do.no-device': 'Plug it in',
   'do.no-cell': 'Open a cell on the page Cell',
-  'do.no-role': 'Open a link that allows it',
+  'do.no-role': 'Log in as another user, or open a link that allows it',
 } as const;

@@ -3,7 +3,7 @@ import type {codes as en} from '../en/codes';
 export const codes: Record<keyof typeof en, string> = {
   // connection, roles, sessions
   'told.no-control': 'Solo está mirando. Tome antes el control.',
-  'told.no-role': 'Este enlace no lo permite',
+  'told.no-role': 'Su rol no lo permite',
   'told.no-answer': 'La celda no respondió a tiempo',
   'told.not-connected': 'Sin conexión con la celda',
   'told.no-cell': 'Ninguna celda en marcha',
@@ -75,6 +75,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.no-speed': 'La velocidad es 0 %',
   'told.unknown-profile': 'El perfil no se conoce',
   'told.no-loop': 'El bucle no existe',
+  'told.link-awaited': 'Los programas esperan un enlace',
   'told.link-lost': 'Se perdió un enlace',
   'told.link-found': 'Un enlace volvió',
   'told.link-note': 'Un enlace informa de algo',

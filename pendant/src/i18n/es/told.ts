@@ -28,6 +28,7 @@ export const told: Record<keyof typeof en, string> = {
   'with.in-contact': '{a} todavía toca {b}, {depth} de profundidad',
   'with.moved-while-held': '{joint} se movió {moved} mientras estaba retenido',
   'with.held': 'La celda está retenida: {cause}',
+  'with.link-awaited': 'Los programas empiezan cuando el enlace {link} esté conectado',
   'with.link-lost': 'Se perdió el enlace {link}',
   'with.link-found': 'El enlace {link} volvió',
   'with.link-note': 'El enlace {link} informa de algo',
@@ -58,6 +59,7 @@ export const told: Record<keyof typeof en, string> = {
   'do.contact': 'Aléjese despacio en modo manual y pulse Reanudar',
   'do.contact.start': 'Mueva la base del robot, el obstáculo o el lugar donde empieza',
   'do.in-contact': 'Aléjese despacio en modo manual, o retroceda',
+  'do.link-awaited': 'Arranque el otro lado del enlace',
   'do.link-lost': 'Restablezca el enlace y pulse Reanudar si la celda está retenida',
   'do.link-stale': 'Restablezca el enlace y pulse Reanudar',
   'do.heartbeat': 'Restablezca la señal y pulse Reanudar',
@@ -81,5 +83,5 @@ export const told: Record<keyof typeof en, string> = {
   'do.no-real-hardware': 'Nombre los equipos en el archivo de la celda',
   'do.no-device': 'Conéctelo',
   'do.no-cell': 'Abra una celda en la página Celda',
-  'do.no-role': 'Abra un enlace que lo permita',
+  'do.no-role': 'Inicie sesión con otro usuario o abra un enlace que lo permita',
 };
