@@ -37,8 +37,10 @@ struct Layout {
   double yaw = 0;         ///< of the tool, rad
   double angle = 0.5;     ///< feeder to the left, tray to the right, rad from x
   double lift = 0.1;      ///< height above a position before and after it
-  /// The tool's yaw counts from the direction in which the point lies. For arms whose tool does not turn.
+  /// The tool's yaw counts from the direction in which the point lies, seen from the pivot. For arms whose tool
+  /// does not turn.
   bool facing = false;
+  double pivot_x = 0, pivot_y = 0;  ///< where the first axis stands
 
   double x() const { return round(distance * std::cos(angle)); }
   double y() const { return round(distance * std::sin(angle)); }
@@ -64,7 +66,8 @@ Sizes sizes_of(const description::RobotModel& model, double reach) {
 }
 
 Pose down(const Layout& l, double x, double y, double z) {
-  return {{x, y, z}, from_rpy(std::numbers::pi, 0, l.yaw + (l.facing ? std::atan2(y, x) : 0))};
+  const double way = l.facing ? std::atan2(y - l.pivot_y, x - l.pivot_x) : 0;
+  return {{x, y, z}, from_rpy(std::numbers::pi, 0, l.yaw + way)};
 }
 
 /// A pose of the program; the list is in program order.
@@ -192,10 +195,14 @@ constexpr const char* kSignals =
 /// A function of the program; see Layout::facing.
 std::string facing(const Layout& l) {
   const std::string turned = l.yaw == 0 ? "" : fmt::format(" + {:.0f}deg", l.yaw * 180 / std::numbers::pi);
+  const auto from = [](const char* name, double pivot) {
+    if (std::abs(pivot) < 1e-6) return std::string(name);
+    return fmt::format("{} {} {:.6g}mm", name, pivot < 0 ? '+' : '-', 1000 * std::abs(pivot));
+  };
   return "# The tool of this robot does not turn by itself: it faces the way in which the point lies.\n"
          "func facing(p)\n"
-         "  return p with rz = atan2(p.y, p.x)" +
-         turned + "\nend\n";
+         "  return p with rz = atan2(" +
+         from("p.y", l.pivot_y) + ", " + from("p.x", l.pivot_x) + ")" + turned + "\nend\n";
 }
 
 std::string script(const Layout& l, const Sizes& s) {
@@ -337,11 +344,13 @@ cell::CellRobots robot_with_tool(const NewCell& asked, const fs::path& folder, c
 
 /// Layouts to try, the most usual ones first; then those around `home`, the pose of the TCP where the robot
 /// starts.
-std::vector<Layout> layouts(const Sizes& sizes, const Pose& home) {
+std::vector<Layout> layouts(const Sizes& sizes, const Pose& home, const Vec3& pivot) {
   std::vector<Layout> out;
   const double reach = sizes.reach;
   Layout l;
   l.lift = std::clamp(Layout::round(0.12 * reach), 0.03, 0.2);
+  l.pivot_x = pivot.x;
+  l.pivot_y = pivot.y;
   for (const bool facing : {false, true})
     for (const double angle : {0.5, 0.35})
       for (const double table : {0.0, 0.15, -0.15, 0.3, -0.3})
@@ -355,7 +364,7 @@ std::vector<Layout> layouts(const Sizes& sizes, const Pose& home) {
             out.push_back(l);
           }
   const Vec3 tcp = home.position;
-  const double turn = to_rpy(home.rotation).z - std::atan2(tcp.y, tcp.x);
+  const double turn = to_rpy(home.rotation).z - std::atan2(tcp.y - pivot.y, tcp.x - pivot.x);
   l.yaw = std::round(turn * 180 / std::numbers::pi) * std::numbers::pi / 180;  // whole degrees, as in the program
   l.facing = true;
   for (const double lift : {l.lift, 0.02})
@@ -390,7 +399,7 @@ class LayoutsToTry {
   LayoutsToTry(const cell::CellRobot& robot, const Sizes& sizes)
       : robot_(robot),
         sizes_(sizes),
-        untried_(layouts(sizes, robot.facts->chain.forward(robot.start))),
+        untried_(layouts(sizes, robot.facts->chain.forward(robot.start), pivot_of(robot))),
         usual_(untried_.front()) {}
 
   /// The next one; nothing if there is none left.
@@ -408,6 +417,12 @@ class LayoutsToTry {
   const Layout& usual() const { return usual_; }
 
  private:
+  /// Where the first axis meets the ground, if it is vertical; else the origin.
+  static Vec3 pivot_of(const cell::CellRobot& robot) {
+    const auto axes = robot.facts->chain.axes();
+    const bool vertical = !axes.empty() && !axes.front().slides && std::abs(axes.front().direction.z) > 0.999;
+    return vertical ? axes.front().point : Vec3{};
+  }
   std::size_t resemblance(const Layout& layout) const {
     std::size_t out = 0;
     for (const Layout& other : tried_)
