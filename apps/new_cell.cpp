@@ -15,11 +15,11 @@
 #include "apps/options.hpp"
 #include "apps/scratch.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/cell/check.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/moves/move_plan.hpp"
 #include "polyarm/setup/robots.hpp"
-#include "polyarm/base/reach.hpp"
 
 namespace polyarm::apps {
 
@@ -37,8 +37,8 @@ struct Layout {
   double yaw = 0;         ///< of the tool, rad
   double angle = 0.5;     ///< feeder to the left, tray to the right, rad from x
   double lift = 0.1;      ///< height above a position before and after it
-  /// The tool's yaw counts from the direction in which the point lies, seen from the pivot. For arms whose tool
-  /// does not turn.
+  /// The tool's yaw counts from the direction in which the point lies, seen from the pivot. For arms whose
+  /// tool does not turn.
   bool facing = false;
   double pivot_x = 0, pivot_y = 0;  ///< where the first axis stands
 
@@ -365,7 +365,8 @@ std::vector<Layout> layouts(const Sizes& sizes, const Pose& home, const Vec3& pi
           }
   const Vec3 tcp = home.position;
   const double turn = to_rpy(home.rotation).z - std::atan2(tcp.y - pivot.y, tcp.x - pivot.x);
-  l.yaw = std::round(turn * 180 / std::numbers::pi) * std::numbers::pi / 180;  // whole degrees, as in the program
+  l.yaw =
+      std::round(turn * 180 / std::numbers::pi) * std::numbers::pi / 180;  // whole degrees, as in the program
   l.facing = true;
   for (const double lift : {l.lift, 0.02})
     for (const double angle : {0.35, 0.2})
@@ -405,7 +406,8 @@ class LayoutsToTry {
   /// The next one; nothing if there is none left.
   std::optional<Layout> next() {
     while (!untried_.empty()) {
-      const auto found = std::ranges::min_element(untried_, {}, [this](const Layout& l) { return resemblance(l); });
+      const auto found =
+          std::ranges::min_element(untried_, {}, [this](const Layout& l) { return resemblance(l); });
       const Layout layout = *found;
       untried_.erase(found);
       if (!can_move(*robot_.facts, robot_.start, layout, sizes_)) continue;
@@ -502,7 +504,8 @@ std::string reason_of(const Found& layout, const cell::CellRobot& robot) {
     return "Every place for feeder and tray that was tried has a problem, such as: " +
            layout.problems.front().what + ".";
   const std::size_t axes = robot.facts->chain.joints();
-  return "There are no feeder and no tray: no place was found where the tool of this robot points straight down, "
+  return "There are no feeder and no tray: no place was found where the tool of this robot points straight "
+         "down, "
          "both at a part and above it" +
          (axes < 6 ? fmt::format(" (it has {} axes)", axes) : std::string()) + ".";
 }

@@ -12,6 +12,7 @@ namespace polyarm::apps {
 /// File names with their texts. Every joint moves by at most `size` times 0.4 rad, or 0.4 of its range.
 /// `why`: a sentence in README.md.
 std::map<std::string, std::string> tour_files(const NewCell& asked, const cell::CellRobot& robot,
-                                              const std::string& hardware, const std::string& why, double size);
+                                              const std::string& hardware, const std::string& why,
+                                              double size);
 
 }  // namespace polyarm::apps

@@ -107,8 +107,7 @@ bool CellView::program_begun() const {
 }
 protocol::ProgramStatus CellView::program_status() const {
   return cell::program_status(
-      {inside_.setup, inside_.machine, *inside_.programs, *inside_.jogging, inside_.events,
-       inside_.data});
+      {inside_.setup, inside_.machine, *inside_.programs, *inside_.jogging, inside_.events, inside_.data});
 }
 protocol::OrNull<protocol::ProgramOverview> CellView::program_overview() const {
   protocol::OrNull<protocol::ProgramOverview> out;

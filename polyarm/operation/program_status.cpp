@@ -92,8 +92,7 @@ std::string name_in(const std::filesystem::path& folder, const std::string& file
 }
 }  // namespace
 
-ProgramOverview program_overview(const CellSetup& setup, const Task& task, bool begun,
-                                 const CellData& data) {
+ProgramOverview program_overview(const CellSetup& setup, const Task& task, bool begun, const CellData& data) {
   const program::Interpreter& interpreter = task.interpreter();
   const program::TaskStatus& status = task.status();
   ProgramOverview out;

@@ -264,9 +264,8 @@ Poll<ProgramStatus> program_stop(const ProgramOwners& cell, const ProgramStop&) 
     if (held && !ending.ended()) ending.tick();  // a held cell does not tick it
     const bool waits = !ending.ended() && cell.machine.now() - asked < kTimeout;
     return waits ? Stopped{}
-                 : Stopped::done(
-                       program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events,
-                                       cell.data}));
+                 : Stopped::done(program_status(
+                       {cell.setup, cell.machine, cell.programs, cell.jogging, cell.events, cell.data}));
   };
 }
 

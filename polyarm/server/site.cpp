@@ -283,8 +283,9 @@ void PageSite::post(std::function<HttpReply()> job, const Reply& reply) {
 void PageSite::project(HttpRequest request, const Reply& reply) {
   const protocol::Role needed = request.method == "GET" ? protocol::Role::program : protocol::Role::administer;
   if (request.role < needed)
-    return reply(plain(403, (request.login ? request.login->user : std::string("this link")) + " has the role " +
-                                protocol::name(request.role) + ", and this needs the role " + protocol::name(needed)));
+    return reply(plain(403, (request.login ? request.login->user : std::string("this link")) +
+                                " has the role " + protocol::name(request.role) +
+                                ", and this needs the role " + protocol::name(needed)));
   const std::filesystem::path folder = documents()->folder;
   if (folder.empty()) return reply(plain(503, "no cell is running now"));
   log(request, request.login ? request.login->user : std::string("link to ") + protocol::name(request.role),
