@@ -19,7 +19,7 @@ async function look(): Promise<void> {
 }
 
 effect(() => {
-  if (link.value !== 'open' && navigator.onLine) void look();
+  if (link.value !== 'open') void look();
 });
 
 /** True if the cell answers, has users, and nobody is logged in here: the page cannot connect until then. */
