@@ -393,8 +393,8 @@ bool can_move(const moves::RobotFacts& robot, const std::vector<double>& from, c
   }
 }
 
-/// The layouts that the robot can reach, in the order in which they are tried: the usual ones first, but none
-/// that resembles those that had problems before others are tried.
+/// The layouts that the robot can reach, in the order in which they are tried: the usual ones first. After some
+/// of them had problems, those come first that resemble them least.
 class LayoutsToTry {
  public:
   LayoutsToTry(const cell::CellRobot& robot, const Sizes& sizes)
@@ -407,7 +407,9 @@ class LayoutsToTry {
   std::optional<Layout> next() {
     while (!untried_.empty()) {
       const auto found =
-          std::ranges::min_element(untried_, {}, [this](const Layout& l) { return resemblance(l); });
+          tried_.size() < kUsual
+              ? untried_.begin()
+              : std::ranges::min_element(untried_, {}, [this](const Layout& l) { return resemblance(l); });
       const Layout layout = *found;
       untried_.erase(found);
       if (!can_move(*robot_.facts, robot_.start, layout, sizes_)) continue;
@@ -419,6 +421,8 @@ class LayoutsToTry {
   const Layout& usual() const { return usual_; }
 
  private:
+  static constexpr std::size_t kUsual = 8;
+
   /// Where the first axis meets the ground, if it is vertical; else the origin.
   static Vec3 pivot_of(const cell::CellRobot& robot) {
     const auto axes = robot.facts->chain.axes();
