@@ -400,8 +400,7 @@ class LayoutsToTry {
   LayoutsToTry(const cell::CellRobot& robot, const Sizes& sizes)
       : robot_(robot),
         sizes_(sizes),
-        untried_(layouts(sizes, robot.facts->chain.forward(robot.start), pivot_of(robot))),
-        usual_(untried_.front()) {}
+        untried_(layouts(sizes, robot.facts->chain.forward(robot.start), pivot_of(robot))) {}
 
   /// The next one; nothing if there is none left.
   std::optional<Layout> next() {
@@ -418,7 +417,6 @@ class LayoutsToTry {
     }
     return std::nullopt;
   }
-  const Layout& usual() const { return usual_; }
 
  private:
   static constexpr std::size_t kUsual = 8;
@@ -439,7 +437,6 @@ class LayoutsToTry {
   const cell::CellRobot& robot_;
   Sizes sizes_;
   std::vector<Layout> untried_;
-  Layout usual_;
   std::vector<Layout> tried_;
 };
 
@@ -488,7 +485,7 @@ std::vector<Problem> problems_of(const Files& files, const Scratch& scratch, con
 /// The layout with the fewest problems.
 Found find_layout(const NewCell& asked, const cell::CellRobot& robot, const Sizes& sizes,
                   const Scratch& scratch) {
-  constexpr int kMostTried = 16;
+  constexpr int kMostTried = 24;
   LayoutsToTry to_try(robot, sizes);
   Found best;
   for (int tried = 0; tried < kMostTried; ++tried) {
@@ -509,8 +506,7 @@ std::string reason_of(const Found& layout, const cell::CellRobot& robot) {
            layout.problems.front().what + ".";
   const std::size_t axes = robot.facts->chain.joints();
   return "There are no feeder and no tray: no place was found where the tool of this robot points straight "
-         "down, "
-         "both at a part and above it" +
+         "down, both at a part and above it" +
          (axes < 6 ? fmt::format(" (it has {} axes)", axes) : std::string()) + ".";
 }
 
