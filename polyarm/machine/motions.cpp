@@ -206,10 +206,10 @@ std::shared_ptr<moves::Obstacles> Motions::obstacles(std::size_t robot, surround
   return obstacles_around(bodies_, std::move(moment), robot, std::move(options));
 }
 
-std::vector<Vec3> Motions::tcps() const {
-  std::vector<Vec3> out;
-  for (std::size_t i = 0; i < setup_.robots.size(); ++i) out.push_back(tcp(i).position);
-  return out;
+std::span<const Vec3> Motions::tcps() const {
+  tcps_.resize(setup_.robots.size());
+  for (std::size_t i = 0; i < tcps_.size(); ++i) tcps_[i] = tcp(i).position;
+  return tcps_;
 }
 
 void Motions::end() {

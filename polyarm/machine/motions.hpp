@@ -55,7 +55,8 @@ class Motions {
   bool motion_left() const;
   /// T_world_tcp, computed as if the robot's base stood at its pose from the cell's file.
   Pose tcp(std::size_t robot) const;
-  std::vector<Vec3> tcps() const;
+  /// The positions of all TCPs, by robot; valid until the next call.
+  std::span<const Vec3> tcps() const;
 
   /// Where everything is now: joints as commanded, parts as a simulation tells.
   surroundings::Moment moment() const;
@@ -114,6 +115,7 @@ class Motions {
   std::vector<std::unique_ptr<moves::RobotMotion>> motions_;
   std::vector<std::unique_ptr<moves::BaseMotion>> bases_;
   std::vector<MovingBase> places_;
+  mutable std::vector<Vec3> tcps_;  // the answer of tcps(), which is called each tick
   std::vector<int> components_;  // of the robots' position commands; -1: none
   std::vector<int> movers_;  // index of the state of each mover of the scene; -1: none
   std::shared_ptr<SharedBodies> bodies_;
