@@ -293,6 +293,8 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file,
   narrow_ranges(entry.ranges, robot->model, problems);
   std::vector<moves::WorkspaceZone> zones = file.workspace;
   zones.insert(zones.end(), entry.workspace.begin(), entry.workspace.end());
+  robot->slow_zones = moves::Workspace(take_slow_zones(zones));
+  find_joints(zones, robot->model, problems);
   moves::Workspace workspace(std::move(zones));
   at_key(entry, "tool", [&] { robot->tool = description::find_tool(entry.tool, file.folder.string()); });
   refuse_overload(*robot, problems);
