@@ -131,8 +131,9 @@ std::optional<Guards::Near> CellView::near(std::size_t robot) const {
   return inside_.guards->near(robot);
 }
 
-void CellView::set_more_obstacles(std::vector<description::Fixture> more) {
-  inside_.guards->set_more(std::move(more));
+void CellView::set_more_obstacles(std::vector<description::Fixture> more,
+                                  std::vector<surroundings::AttachedThing> attached) {
+  inside_.guards->set_more(std::move(more), std::move(attached));
 }
 
 double CellView::pace(std::size_t robot) const {

@@ -94,7 +94,7 @@ void Watches::watch_faults_and_end() {
   watch_end();
 }
 
-void Watches::add_component(std::size_t component, Facts& facts) const {
+void Watches::add_component(std::size_t component, polyarm::Facts& facts) const {
   const hardware::Hardware& hardware = cell_.machine.hardware();
   facts.push_back({"component", hardware.component_name(component)});
   if (const std::string name = hardware.diagnostics().blamed_interface(component); !name.empty())
@@ -116,7 +116,7 @@ std::string range_left(const CellRobots& robots, const std::string& command, dou
 }  // namespace
 
 /// " (arm: the bus is silent)": the cause of the fault, if known; also added to `facts`.
-std::string Watches::blame(Facts& facts) const {
+std::string Watches::blame(polyarm::Facts& facts) const {
   using Cause = control::StopCause;
   const control::Snapshot& snapshot = cell_.machine.snapshot();
   const Cause cause = snapshot.cause;
@@ -150,7 +150,7 @@ void Watches::watch_fault() {
   const bool news = fault && !std::exchange(in_fault_, fault);
   in_fault_ = fault;
   if (!news) return;
-  Facts facts{{"cause", control::code(snapshot.cause)}};
+  polyarm::Facts facts{{"cause", control::code(snapshot.cause)}};
   const std::string blamed = blame(facts);
   Problem problem{"fault",         {},   std::string(control::name(snapshot.cause)) + blamed, {},
                   Severity::error, facts};
