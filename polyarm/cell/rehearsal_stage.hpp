@@ -100,6 +100,9 @@ class Stage : public program::Host {
   /// Nothing touches here: until conditions of force do not come.
   std::array<double, 6> wrench(const std::string&) override { return {}; }
   void zero_force(const std::string&) override {}
+  /// A robot without a sensor cannot yield.
+  void comply(const std::string& robot, const program::Compliance& how) override;
+  void stiff(const std::string&) override {}
   /// A part is always there, where robots begin to follow it.
   bool next_part(const std::string& belt, const std::string& robot) override;
   double waiting_parts(const std::string&) override { return 1; }

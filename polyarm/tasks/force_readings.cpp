@@ -11,6 +11,19 @@ namespace {
 constexpr std::array kAxes = {"force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z"};
 }  // namespace
 
+bool may_feel_force(const CellRobot& robot, const CellRobots& robots) {
+  if (robot.entry.force_sensor) return true;
+  for (const HardwareBlock& block : robot.blocks)
+    for (const description::ComponentInfo& component : block.info->components)
+      if (component.kind == "sensor" &&
+          std::any_of(component.state_interfaces.begin(), component.state_interfaces.end(),
+                      [](const auto& state) { return state.name == "force.x"; }))
+        return true;
+  const std::vector<NamedHardware> real = named_real_hardware(robots);
+  return std::any_of(real.begin(), real.end(),
+                     [&](const NamedHardware& each) { return each.robot == robot.entry.name; });
+}
+
 ForceReadings::Sensor& ForceReadings::sensor_of(const std::string& robot) {
   if (const auto at = sensors_.find(robot); at != sensors_.end()) return at->second;
   Sensor out;

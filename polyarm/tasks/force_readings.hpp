@@ -13,6 +13,9 @@ namespace polyarm::cell {
 /// Force in N and torque in Nm: x y z rx ry rz in the axes of the sensor.
 using Wrench = std::array<double, 6>;
 
+/// True if the robot has a force sensor, or may get one from hardware that only a run knows.
+bool may_feel_force(const CellRobot& robot, const CellRobots& robots);
+
 /// Cell thread. The references must outlive this object.
 class ForceReadings {
  public:
@@ -23,6 +26,8 @@ class ForceReadings {
   /// ROBOT/SENSOR/force.x is the sensor. Throws Error: no sensor, or it gives no numbers.
   Wrench wrench(const std::string& robot);
   void zero(const std::string& robot);
+  /// Of the newest wrench: cell time.
+  Nanoseconds time() const { return machine_.snapshot().cycle.time; }
 
  private:
   struct Sensor {

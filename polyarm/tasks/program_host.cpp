@@ -107,6 +107,14 @@ std::array<double, 6> ProgramHost::wrench(const std::string& robot) {
 }
 
 void ProgramHost::zero_force(const std::string& robot) {
+void ProgramHost::comply(const std::string& robot, const program::Compliance& how) {
+  c_.force ? moves().comply(robot, how, *c_.force) : Host::comply(robot, how);
+}
+
+void ProgramHost::stiff(const std::string& robot) {
+  if (c_.moves) c_.moves->stiff(robot);
+}
+
   c_.force ? c_.force->zero(moves().name_of(robot)) : Host::zero_force(robot);
 }
 

@@ -548,7 +548,7 @@ data::Value ProgramMoves::here_at(const std::string& robot, const std::string& t
   const Arm& arm = arms_[index];
   const Pose tcp = arm.robot.motion->robot().chain.forward(joints_of(index));
   Pose tool0 = tcp * inverse(arm.robot.robot->tool.tcp);
-  if (belt_of_frame(frame).empty()) tool0 = arm.robot.motion->ride_moved() * tool0;
+  if (belt_of_frame(frame).empty()) tool0 = arm.robot.motion->shifted() * tool0;
   return data::Point{inverse(frame_named(frame, arm, {})) * tool0 * tcp_of_tool(tool, arm, {}), true};
 }
 

@@ -15,6 +15,7 @@
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/setup/robots.hpp"
 #include "polyarm/tasks/belts.hpp"
+#include "polyarm/tasks/force_readings.hpp"
 #include "polyarm/vm/host.hpp"
 
 namespace polyarm::cell {
@@ -68,6 +69,14 @@ class ProgramMoves {
   void tick_rides();
   /// Robots that follow a belt come to rest.
   void end_rides();
+  /// The robot yields to forces until stiff(). Throws Error: without a sensor, on a belt, or a second time.
+  void comply(const std::string& robot, const program::Compliance& how, ForceReadings& force);
+  /// Throws Error if the compliance has ended by itself.
+  void stiff(const std::string& robot);
+  /// Call it in each tick, before the moves.
+  void tick_compliance(ForceReadings& force);
+  /// Robots that yield become stiff.
+  void end_compliance();
   /// In a rehearsal, as next_part().
   void suppose_part(const std::string& belt, const std::string& robot);
 
@@ -138,6 +147,12 @@ class ProgramMoves {
       bool ended = false;  ///< it has failed
     };
     std::optional<Ride> ride;
+    /// Of a robot that yields: the largest force, and why it has ended by itself.
+    struct Yielding {
+      double most = 0;
+      std::optional<Problem> failure;
+    };
+    std::optional<Yielding> yielding;
   };
   struct Moves {
     std::size_t arm = 0;
