@@ -31,6 +31,10 @@ struct Common {
   }
   Pose tcp_pose() const {
     if (tcp.size() == 3) return {{tcp[0], tcp[1], tcp[2]}, {}};
+    for (std::size_t i = 3; i < tcp.size(); ++i)
+      if (std::abs(tcp[i]) > 6.3)
+        throw WrongUse("bad-value", fmt::format("--tcp has {:g} radians, more than a turn", tcp[i]),
+                       fmt::format("write radians: {:.5g} for {:g} degrees", tcp[i] * M_PI / 180, tcp[i]));
     if (tcp.size() == 6) return pose_xyz_rpy({tcp[0], tcp[1], tcp[2]}, {tcp[3], tcp[4], tcp[5]});
     if (!tcp.empty()) throw WrongUse("bad-value", "--tcp takes 3 or 6 numbers", {});
     return description::find_tool(tool, ".").tcp;
@@ -128,6 +132,10 @@ Pose PoseQuestion::target() const {
     throw WrongUse("bad-value", "no position is given",
                    "write --xyz X Y Z, in metres in the frame of the base");
   Pose out{{xyz[0], xyz[1], xyz[2]}, {}};
+  for (const double angle : rpy)
+    if (std::abs(angle) > 2 * M_PI + 1e-3)
+      throw WrongUse("bad-value", fmt::format("--rpy has {:g} radians, more than a turn", angle),
+                     fmt::format("write radians: {:.5g} for {:g} degrees", angle * M_PI / 180, angle));
   if (rpy.size() == 3) out.rotation = from_rpy(rpy[0], rpy[1], rpy[2]);
   if (quaternion.size() != 4) return out;
   const Quaternion q{quaternion[0], quaternion[1], quaternion[2], quaternion[3]};

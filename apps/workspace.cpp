@@ -119,6 +119,10 @@ int run_workspace(int argc, char** argv) {
   const kinematics::Chain& chain = *subject.chain;
   const std::vector<double>& home = subject.home;
   question.allowed = subject.allowed;
+  for (const double angle : rpy)
+    if (std::abs(angle) > 2 * M_PI + 1e-3)
+      throw Error("bad-value", fmt::format("--rpy has {:g} radians, more than a turn", angle),
+                  fmt::format("write radians: {:.5g} for {:g} degrees", angle * M_PI / 180, angle));
   question.rotation = rotation_of(orientation, rpy, chain, home);
   const WorkspaceMap map = map_workspace(chain, home, question, tell_share);
   if (!image.empty())

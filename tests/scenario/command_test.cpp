@@ -135,6 +135,14 @@ TEST(Robots, AreAnArrayOfFacts) {
     EXPECT_TRUE(names.contains(name)) << name;
 }
 
+TEST(Kinematics, AnglesAboveATurnAreRefused) {
+  const Finished run =
+      run_command({"ik", "universal_robots/ur5e", "--xyz", "0.4", "0.1", "0.3", "--rpy", "180", "0", "0"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.output.find("--rpy has 180 radians, more than a turn"), std::string::npos) << run.output;
+  EXPECT_NE(run.output.find("3.1416 for 180 degrees"), std::string::npos) << run.output;
+}
+
 TEST(Kinematics, IkAndFkUndoEachOther) {
   const Finished ik = run_command(
       {"ik", "universal_robots/ur5e", "--xyz", "0.4", "0.1", "0.3", "--rpy", "3.1", "0.1", "0.2", "--json"});
