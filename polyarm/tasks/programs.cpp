@@ -49,12 +49,15 @@ void Programs::load(Problems& problems) {
     streams_ = std::make_unique<Streams>(
         setup_.file.streams,
         Streams::May{!setup_.options.lock_step || setup_.options.links, setup_.options.real});
-  if (!setup_.file.belts.empty())
-    collect(problems, [&] { belts_ = std::make_unique<Belts>(setup_.file.belts, machine_, data_.store); });
+  const auto connect = [&] {  // links bring tags, which may be encoders
+    data_.connect_links(problems);
+    if (!setup_.file.belts.empty())
+      collect(problems, [&] { belts_ = std::make_unique<Belts>(setup_.file.belts, machine_, data_.store); });
+  };
   for (const FileBreakpoints& each : setup_.options.breakpoints) keep_breakpoints(each);
   loaded_ = load_programs(
       setup_.file, data_.signals(), data_.files(), data_.store, problems,
-      [&] { data_.connect_links(problems); }, setup_.options.read);
+      connect, setup_.options.read);
   if (loaded_.plc) plc_ = std::make_unique<Task>("plc", std::move(*loaded_.plc), context("plc"));
 }
 
