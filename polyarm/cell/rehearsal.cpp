@@ -95,12 +95,26 @@ bool only_calculates(const program::Block& block) {
   return out;
 }
 
-/// Number of passes of the main loop to follow: kCountedPasses if its condition compares, because it may
-/// count to an end; otherwise kPasses. A comparing loop that only calculates has no limit here, until it
+/// True if a comparison decides about a `break` of the loop with this body.
+bool leaves_by_comparison(const program::Block& body) {
+  using Kind = program::Statement::Kind;
+  const auto breaks = [](const program::Block& block) {
+    return std::any_of(block.begin(), block.end(), [](const auto& s) { return s.kind == Kind::break_loop; });
+  };
+  return std::any_of(body.begin(), body.end(), [&](const program::Statement& s) {
+    return std::any_of(s.branches.begin(), s.branches.end(), [&](const auto& branch) {
+      return branch.condition && compares(*branch.condition) && breaks(branch.body);
+    });
+  });
+}
+
+/// Number of passes of the main loop to follow: kCountedPasses if its condition, or that of a `break`, compares,
+/// because it may count to an end; otherwise kPasses. A comparing loop that only calculates has no limit here, until it
 /// counts as endless.
 std::uint64_t passes_of(const program::Program& program) {
   for (const program::Statement& s : program.statements) {
-    if (s.kind != program::Statement::Kind::while_loop || !s.expression || !compares(*s.expression)) continue;
+    if (s.kind != program::Statement::Kind::while_loop || !s.expression) continue;
+    if (!compares(*s.expression) && !leaves_by_comparison(s.body)) continue;
     return only_calculates(s.body) ? std::numeric_limits<std::uint64_t>::max() : kCountedPasses;
   }
   return kPasses;

@@ -198,6 +198,14 @@ TEST(Rehearsal, ATimeOutIsTakenToo) {
   EXPECT_EQ(texts("wait Ready timeout 1s else\n  stop\nend\n"), "");
 }
 
+TEST(Rehearsal, ALoopIsFollowedUpToTheBreakOfItsCounter) {
+  const Found found = checked(kBend +
+                              "let n = 0\nwhile true\n  set n = n + 1\n  if n > 10\n    break\n  end\n"
+                              "  movel offset(start, z = -n * 1mm)\nend\nlog(10 / (n - 2))\n"
+                              "movel offset(start, z = (n - 11) * 1m)\n");
+  EXPECT_EQ(found.texts, "");
+}
+
 TEST(Rehearsal, ThePlcIsGoneThrough) {
   const auto texts = [](const std::string& plc) {
     return checked("wait Ready\nset Kind = 2\nmovej joints(0, 0, 0, 0, 0, 0)\n", kTags, "", plc)
