@@ -301,13 +301,13 @@ std::optional<Problem> lost_encoder(const std::vector<BeltEntry>& belts, const C
 
 void Programs::tick_belts_and_streams() {
   if (streams_) streams_->tick(machine_.now());
-  if (!belts_) return;
-  if (const auto lost = lost_encoder(setup_.file.belts, data_.links())) {
-    // Without a tick the belts' travel gets old, and robots that follow them come to rest.
   if (moves_ && force_) {
     if (!under_way()) moves_->end_compliance();
     moves_->tick_compliance(*force_);
   }
+  if (!belts_) return;
+  if (const auto lost = lost_encoder(setup_.file.belts, data_.links())) {
+    // Without a tick the belts' travel gets old, and robots that follow them come to rest.
     const bool runs = machine_.snapshot().state == control::RunState::running &&
                       machine_.supervisor().latch().requested() == realtime::StopKind::none;
     if (!under_way() && moves_) {  // nobody waits for the link: robots that followed the belt are free again
