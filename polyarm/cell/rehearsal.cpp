@@ -206,6 +206,9 @@ std::vector<std::vector<Supposition>> groups_of_suppositions(const Subject& subj
   program::for_each_statement(program.statements, [&](const program::Statement& s) {
     if (s.kind == program::Statement::Kind::wait && s.second)
       out.push_back({{.late = program.at(s.place).text()}});
+    if (std::any_of(s.clauses.begin(), s.clauses.end(),
+                    [](const program::Clause& c) { return c.kind == program::Clause::Kind::until; }))
+      out.push_back({{.until = program.at(s.place).text()}});
     if (s.kind == program::Statement::Kind::try_block)
       out.push_back({{.fails = program.at(s.handler_place).text()}});
   });

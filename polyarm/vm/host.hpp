@@ -156,6 +156,9 @@ class Host {
   /// what zero_force() took as zero. Throws Error if it has no sensor.
   virtual std::array<double, 6> wrench(const std::string& robot);
   virtual void zero_force(const std::string& robot);
+  /// For a rehearsal, in which nothing is measured: true if the condition of an `until`, whose move has reached its
+  /// end, counts as met there.
+  virtual bool supposes_met(const Location&, bool /*has_else*/) { return false; }
   /// From now on the tool of `robot` yields to forces, until stiff(). Throw Error: no sensor, or the reason why it ended.
   virtual void comply(const std::string& robot, const Compliance& how);
   virtual void stiff(const std::string& robot);
