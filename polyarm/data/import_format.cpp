@@ -519,6 +519,7 @@ ImportFile ImportFile::load(const std::string& path) {
   Problems problems;
   ImportFile out = parse(read_file(path, bounds::kDataBytes), path, problems);
   problems.throw_if_errors();
+  out.warnings_ = problems.list();
   return out;
 }
 
