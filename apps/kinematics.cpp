@@ -106,7 +106,9 @@ struct PoseQuestion {
 
   void add_to(CommandLine& app) {
     app.add_option("--xyz", xyz, "position, m; must be given")->expected(3);
-    Option* by_rpy = app.add_option("--rpy", rpy, "roll pitch yaw, rad (pi 0 0: tool down)")->expected(3);
+    Option* by_rpy = app.add_option("--rpy", rpy, "roll pitch yaw, rad or such as 180deg (180deg 0 0: tool down)")
+                         ->expected(3)
+                         ->angle();
     app.add_option("--quaternion", quaternion, "x y z w")->expected(4)->excludes(by_rpy);
     app.add_option("--seed", seed, "joint values to start from (home by default)")->expected(-1);
     app.add_flag("--all", all, "every solution, nearest to the seed first, and how they were found");
@@ -132,10 +134,6 @@ Pose PoseQuestion::target() const {
     throw WrongUse("bad-value", "no position is given",
                    "write --xyz X Y Z, in metres in the frame of the base");
   Pose out{{xyz[0], xyz[1], xyz[2]}, {}};
-  for (const double angle : rpy)
-    if (std::abs(angle) > 2 * M_PI + 1e-3)
-      throw WrongUse("bad-value", fmt::format("--rpy has {:g} radians, more than a turn", angle),
-                     fmt::format("write radians: {:.5g} for {:g} degrees", angle * M_PI / 180, angle));
   if (rpy.size() == 3) out.rotation = from_rpy(rpy[0], rpy[1], rpy[2]);
   if (quaternion.size() != 4) return out;
   const Quaternion q{quaternion[0], quaternion[1], quaternion[2], quaternion[3]};

@@ -98,7 +98,7 @@ int run_workspace(int argc, char** argv) {
   app.add_option("--tool", tool, "tool (none, suction_cup, parallel_gripper, or a file)");
   app.add_option("--orientation", orientation, "of the TCP: down (the default), home or any")
       ->one_of({"any", "down", "home"});
-  app.add_option("--rpy", rpy, "orientation as roll pitch yaw, rad")->expected(3);
+  app.add_option("--rpy", rpy, "orientation as roll pitch yaw, rad or such as 180deg")->expected(3)->angle();
   app.add_option("--image", image, "picture, .svg or .png");
   app.add_option("--data", data, "table, .csv: position, reached, manipulability, joint values");
   app.footer(examples(
@@ -119,10 +119,6 @@ int run_workspace(int argc, char** argv) {
   const kinematics::Chain& chain = *subject.chain;
   const std::vector<double>& home = subject.home;
   question.allowed = subject.allowed;
-  for (const double angle : rpy)
-    if (std::abs(angle) > 2 * M_PI + 1e-3)
-      throw Error("bad-value", fmt::format("--rpy has {:g} radians, more than a turn", angle),
-                  fmt::format("write radians: {:.5g} for {:g} degrees", angle * M_PI / 180, angle));
   question.rotation = rotation_of(orientation, rpy, chain, home);
   const WorkspaceMap map = map_workspace(chain, home, question, tell_share);
   if (!image.empty())

@@ -135,12 +135,16 @@ TEST(Robots, AreAnArrayOfFacts) {
     EXPECT_TRUE(names.contains(name)) << name;
 }
 
-TEST(Kinematics, AnglesAboveATurnAreRefused) {
-  const Finished run =
-      run_command({"ik", "universal_robots/ur5e", "--xyz", "0.4", "0.1", "0.3", "--rpy", "180", "0", "0"});
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_NE(run.output.find("--rpy has 180 radians, more than a turn"), std::string::npos) << run.output;
-  EXPECT_NE(run.output.find("3.1416 for 180 degrees"), std::string::npos) << run.output;
+TEST(Kinematics, AnglesAboveATurnNeedTheirUnit) {
+  const auto ik = [](const char* roll) {
+    return run_command({"ik", "universal_robots/ur5e", "--xyz", "0.4", "0.1", "0.3", "--rpy", roll, "0", "0"});
+  };
+  const Finished bare = ik("180"), degrees = ik("180deg"), radians = ik("3.141592653589793");
+  EXPECT_EQ(bare.exit_code, 2);
+  EXPECT_NE(bare.output.find("'180' radians are more than a turn; write 180deg or 180rad"), std::string::npos)
+      << bare.output;
+  EXPECT_EQ(degrees.exit_code, 0) << degrees.output;
+  EXPECT_EQ(degrees.output, radians.output);
 }
 
 TEST(Kinematics, IkAndFkUndoEachOther) {
