@@ -45,7 +45,7 @@ AdmittanceParameters parameters_of(const ComplianceSettings& settings) {
 Compliance::Compliance(const description::RobotModel& model, const kinematics::Chain& chain,
                        std::span<const trajectory::JointMotionLimits> limits)
     : model_(model), chain_(chain), limits_(limits.begin(), limits.end()) {
-  for (auto* values : {&last_, &shifted_, &put_}) values->assign(chain.joints(), 0.0);
+  for (auto* values : {&last_, &put_}) values->assign(chain.joints(), 0.0);
 }
 
 void Compliance::begin(const ComplianceSettings& settings, std::span<const double> at) {
@@ -75,7 +75,6 @@ void Compliance::start() noexcept {
 void Compliance::end() noexcept {
   if (running_.load(std::memory_order_relaxed)) std::copy(put_.begin(), put_.end(), last_.begin());
   standing_ = true;
-  offset_.write({});
   running_.store(false, std::memory_order_release);
 }
 
@@ -128,27 +127,18 @@ controllers::MotionShift::Outcome Compliance::apply(const Request& request, cons
   if (!rule_->update(put_, joints.position, wrench, request.period)) rule_->freeze();
   keep_within(joints, request.period);
   bool rests = true;
-  std::array<double, kMost>& out = offset_.draft();
   for (std::size_t j = 0; j < n; ++j) {
-    out[j] = offset[j];
     put_[j] = joints.position[j] + offset[j];
     rests = rests && std::abs(rule_->velocity()[j]) < kStands && std::abs(joints.velocity[j]) < kStands;
     joints.position[j] = put_[j];
     joints.velocity[j] += rule_->velocity()[j];
     joints.acceleration[j] += rule_->acceleration()[j];
   }
-  offset_.publish();
   standing_ = rests;
   if (wanted || !rests) return Outcome::shifted;
   for (std::size_t j = 0; j < n; ++j) joints.velocity[j] = joints.acceleration[j] = 0;
   end();
   return Outcome::ended;
-}
-
-Pose Compliance::moved(std::span<const double> path) {
-  offset_.fetch();
-  for (std::size_t j = 0; j < shifted_.size(); ++j) shifted_[j] = path[j] + offset_.value()[j];
-  return chain_.forward(shifted_) * inverse(chain_.forward(path));
 }
 
 }  // namespace polyarm::moves

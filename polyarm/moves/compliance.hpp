@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "polyarm/base/pose.hpp"
 #include "polyarm/base/time.hpp"
 #include "polyarm/force/admittance_rule.hpp"
 #include "polyarm/joint_control/motion_shift.hpp"
@@ -49,8 +48,6 @@ class Compliance : public controllers::MotionShift {
   bool stale() const noexcept { return stale_.load(std::memory_order_relaxed); }
   /// Where the joints stay. Valid when over().
   std::span<const double> joints() const noexcept { return last_; }
-  /// What has moved the TCP in the world from the path at these joints.
-  Pose moved(std::span<const double> path);
 
   // Control thread.
   bool active() const noexcept override {
@@ -76,13 +73,12 @@ class Compliance : public controllers::MotionShift {
   std::vector<trajectory::JointMotionLimits> limits_;
   std::unique_ptr<controllers::AdmittanceRule> rule_;  ///< made at the first begin()
   realtime::Latest<Felt> wrench_;
-  realtime::Latest<std::array<double, kMost>> offset_;
 
   // Written by the cell before wanted_.
   ComplianceSettings settings_;
   controllers::AdmittanceParameters yielding_, resting_;
   std::atomic<bool> wanted_{false}, running_{false}, at_bound_{false}, stale_{false};
-  std::vector<double> last_, shifted_;
+  std::vector<double> last_;
 
   // Control thread.
   std::vector<double> put_;  ///< the commanded joints of the last cycle

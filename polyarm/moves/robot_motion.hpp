@@ -120,8 +120,8 @@ class RobotMotion {
   bool ride_ends() const { return riding_ && ride_ends_; }
   /// True if the robot cannot follow any more; call fail_ride().
   bool ride_lost() const { return riding_ && ride_->lost(); }
-  /// What has moved the end of the planned paths in the world so far; identity without a ride or compliance.
-  Pose shifted() const { return riding_ ? ride_->moved() : complying_ ? comply_->moved(planned_) : Pose{}; }
+  /// What has moved the planned paths in the world so far; identity without a ride.
+  Pose ride_moved() const { return riding_ ? ride_->moved() : Pose{}; }
 
   /// From now on the robot yields to forces, at rest and on the paths of moves. Only at_end(), and not in a ride.
   /// Throws Error if it cannot.

@@ -1,6 +1,7 @@
 /// Robots of a program that yield to forces.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "polyarm/tasks/program_moves.hpp"
@@ -55,6 +56,12 @@ void ProgramMoves::tick_compliance(ForceReadings& force) {
     }
     motion->fail_compliance(*arm.yielding->failure);
   }
+}
+
+bool ProgramMoves::stands(const std::string& robot) const {
+  return std::all_of(arms_.begin(), arms_.end(), [&](const Arm& arm) {
+    return arm.robot.robot->entry.name != robot || !arm.robot.motion || arm.robot.motion->idle();
+  });
 }
 
 void ProgramMoves::end_compliance() {

@@ -84,6 +84,12 @@ void Programs::start(program::Program program) {
   program_.reset();
   moves_ = std::make_unique<ProgramMoves>("program", std::move(robots), setup_.file.motion, data_.store);
   moves_->set_belts(belts_.get(), [this] { return motions_.first_pass(); });
+  moves_->set_joints_now([this](std::size_t robot) {
+    std::vector<double> out;
+    for (const JointPlaces::Place& place : machine_.joint_places().of(robot))
+      out.push_back(JointPlaces::commanded(machine_.snapshot(), place));
+    return out;
+  });
   ProgramHost::Context context = this->context("program");
   context.moves = moves_.get();
   force_ = std::make_unique<ForceReadings>(setup_, machine_, observer_);
@@ -304,6 +310,7 @@ void Programs::tick_belts_and_streams() {
   if (moves_ && force_) {
     if (!under_way()) moves_->end_compliance();
     moves_->tick_compliance(*force_);
+    force_->tick([this](const std::string& robot) { return moves_->stands(robot); });
   }
   if (!belts_) return;
   if (const auto lost = lost_encoder(setup_.file.belts, data_.links())) {
