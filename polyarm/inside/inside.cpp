@@ -202,6 +202,7 @@ void CellInside::tick(Nanoseconds now) {
   machine.report_events();
   if (!started_ && arming->armed()) send_start_messages();
   watches->watch_contacts();  // must run before moves that a contact ended are removed
+  watches->watch_torques();
   watches->watch_stops();
   requests.tick();
   motions->follow_others();

@@ -37,6 +37,9 @@ struct CellRobot {
   std::vector<Problem> hardware_faults;  ///< errors in its <ros2_control>; planning does not need hardware
 };
 
+/// Its tool and its payload together.
+moves::Payload load_of(const CellRobot& robot);
+
 using CellRobots = std::vector<std::unique_ptr<CellRobot>>;
 
 /// Real hardware that the cell's file or a description names, whether it is driven or simulated.

@@ -178,6 +178,34 @@ std::vector<RangeEntry> read_ranges(const Yaml& yaml, Problems& problems) {
   return out;
 }
 
+std::vector<CollisionTorqueEntry> read_collision_torques(const Yaml& yaml, Problems& problems) {
+  std::vector<CollisionTorqueEntry> out;
+  if (!yaml.defined()) return out;
+  const auto read = [&](const std::string& joint, const Yaml& value) {
+    collect(problems, [&] {
+      const auto force = parse_quantity(value.text(), Dimension::force);
+      const double limit = force ? *force : value.number(Dimension::torque);
+      if (!(limit > 0) || !std::isfinite(limit))
+        throw Error(Problem{"bad-value", value.where(), "collision_torque is not above 0",
+                            "write such as 30Nm; for a joint that slides 100N"});
+      out.push_back({joint, limit, value.where()});
+    });
+  };
+  if (!yaml.is_map()) read({}, yaml);
+  for (const std::string& joint : yaml.keys()) read(joint, yaml[joint]);
+  return out;
+}
+
+void check_collision_torques(const std::vector<CollisionTorqueEntry>& torques, const description::RobotModel& model,
+                             Problems& problems) {
+  const std::vector<std::string> names = model.joint_names();
+  for (const CollisionTorqueEntry& each : torques)
+    if (!each.joint.empty() && std::find(names.begin(), names.end(), each.joint) == names.end())
+      problems.error("unknown-joint", each.where,
+                     "the robot has no joint '" + each.joint + "'" + did_you_mean(each.joint, names),
+                     "its joints are " + join(names, ", "));
+}
+
 void narrow_ranges(const std::vector<RangeEntry>& ranges, description::RobotModel& model,
                    Problems& problems) {
   const std::vector<std::string> names = model.joint_names();

@@ -38,6 +38,13 @@ struct RangeEntry {
   Location where;
 };
 
+/// `collision_torque` of a robot: the torque from outside at which it stops.
+struct CollisionTorqueEntry {
+  std::string joint;  ///< empty: every joint
+  double limit = 0;   ///< N m, or N where it slides
+  Location where;
+};
+
 /// The payload of a robot.
 struct PayloadEntry {
   double mass = 0;             ///< kg
@@ -66,6 +73,11 @@ std::vector<moves::WorkspaceZone> read_workspace(const Yaml& yaml, Problems& pro
 PayloadEntry read_payload(const Yaml& yaml, Problems& problems);
 /// `joint_ranges` of a robot.
 std::vector<RangeEntry> read_ranges(const Yaml& yaml, Problems& problems);
+/// `collision_torque` of a robot: one torque, or one for each joint.
+std::vector<CollisionTorqueEntry> read_collision_torques(const Yaml& yaml, Problems& problems);
+/// Reports joints that the robot does not have.
+void check_collision_torques(const std::vector<CollisionTorqueEntry>& torques, const description::RobotModel& model,
+                             Problems& problems);
 /// Narrows the model's limits for everything that uses the model. An unknown joint, or a range that is empty
 /// or wider than the robot's, is a problem with its location.
 void narrow_ranges(const std::vector<RangeEntry>& ranges, description::RobotModel& model, Problems& problems);

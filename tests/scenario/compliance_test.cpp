@@ -1,4 +1,4 @@
-/// Programs whose tools yield to forces: whole cells, in tests that the language itself describes.
+/// Programs whose tools yield to forces, and sensors with errors: whole cells, in tests that the language itself describes.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -97,6 +97,59 @@ TEST_F(InTheAir, ASecondComplyIsAnError) {
   expect_passes(std::string(kPress) + "try\n  comply(\"x\")\n  raise \"taken\"\non error e\n  stiff()\n"
                                       "  if not (find(e.text, \"already\") > 0)\n    raise\n  end\nend\n",
                 "  expect program.state == \"finished\" timeout 20s\n");
+}
+
+/// A sensor with noise, a bias and drift, at rest in the air of physics.
+TEST(NoisySensor, ZeroTakesTheBiasAndTheDriftAway) {
+  const test::Folder folder;
+  folder.write("cell.yaml",
+               "polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur5e, hardware: mujoco, tool: suction_cup, "
+               "force_sensor: {noise: 0.3N, bias: [2N, -1N, 3N, 0Nm, 0Nm, 0Nm], drift: 4N}}\nprogram: job.script\n");
+  folder.write("job.script",
+               "func level(n)\n  let sum = 0N\n  for i in 1 .. n\n    wait 4ms\n    set sum = sum + wrench().z\n  end\n"
+               "  return sum / n\nend\n"
+               "wait 300ms\nzero_force()\nlet first = level(50)\nwait 20s\nlet later = level(50)\nzero_force()\n"
+               "let again = level(50)\nlog(\"{first:.3N} {later:.3N} {again:.3N}\")\n"
+               "if abs(first) > 0.2N or abs(again) > 0.2N\n  raise \"the zero is wrong: {first:.2N} {again:.2N}\"\nend\n"
+               "if abs(later) < 0.25N\n  raise \"nothing has drifted: {later:.2N}\"\nend\n");
+  const Finished run = run_command({"run", folder.path(), "--fast"});
+  EXPECT_EQ(run.exit_code, 0) << run.output;
+}
+
+/// A wall in the way, with contacts allowed: the torques of the motors are left to find it.
+TEST(CollisionTorque, StopsARobotThatPushesAgainstAWall) {
+  const test::Folder folder;
+  const auto write = [&](const char* limit) {
+    folder.write("cell.yaml", std::string("polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur5e, hardware: "
+                                          "mujoco, tool: suction_cup, collision_torque: ") +
+                                  limit + "}\nscene: scene.yaml\nprogram: job.script\n");
+  };
+  folder.write("scene.yaml", "polyarm: scene/1\nfixtures:\n  wall: {box: [40mm, 400mm, 600mm], at: [0.62, 0, 0.3]}\n");
+  folder.write("job.script",
+               "movej pose(450mm, 0mm, 300mm, 180deg, 0deg, 0deg)\nmovel pose(500mm, 0mm, 300mm, 180deg, 0deg, 0deg)\n"
+               "movel pose(640mm, 0mm, 300mm, 180deg, 0deg, 0deg), speed 200mm/s\nlog(\"through\")\n");
+  const std::vector<std::string> line = {"run", folder.path(), "--fast", "--allow-contact"};
+  write("30Nm");
+  const Finished stopped = run_command(line);
+  EXPECT_EQ(stopped.exit_code, 1) << stopped.output;
+  EXPECT_NE(stopped.output.find("job.script:3:1: error: "), std::string::npos) << stopped.output;
+  EXPECT_NE(stopped.output.find("from outside, more than the 30 Nm of collision_torque"), std::string::npos)
+      << stopped.output;
+  write("{elbow: 30Nm}");
+  EXPECT_NE(run_command({"check", folder.path()}).output.find("the robot has no joint 'elbow'"), std::string::npos);
+}
+
+/// Fast moves in the air with a small limit: masses and motion are not taken for a collision.
+TEST(CollisionTorque, DoesNotStopFastMovesInTheAir) {
+  const test::Folder folder;
+  folder.write("cell.yaml",
+               "polyarm: cell/1\nrobots:\n  arm: {model: universal_robots/ur5e, hardware: mujoco, tool: suction_cup, "
+               "collision_torque: 12Nm}\nprogram: job.script\n");
+  folder.write("job.script",
+               "for i in 1 .. 3\n  movej pose(400mm, 300mm, 500mm, 180deg, 0deg, 0deg)\n"
+               "  movej pose(400mm, -300mm, 300mm, 180deg, 0deg, 0deg)\nend\n");
+  const Finished run = run_command({"run", folder.path(), "--fast"});
+  EXPECT_EQ(run.exit_code, 0) << run.output;
 }
 
 }  // namespace

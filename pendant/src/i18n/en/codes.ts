@@ -50,6 +50,7 @@ export const codes = {
   'told.held': 'The cell is held',
   'told.not-held': 'Nothing is held',
   'told.nothing-to-step-back': 'There is nothing to step back along',
+  'told.collision-torque': 'A joint felt a collision',
   'told.contact': 'Stopped after contact',
   'told.guard': 'Stopped before a contact',
   'told.guard-deadlock': 'Robots wait for each other',

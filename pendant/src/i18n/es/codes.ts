@@ -48,6 +48,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.held': 'La celda está retenida',
   'told.not-held': 'No hay nada retenido',
   'told.nothing-to-step-back': 'No hay nada por lo que retroceder',
+  'told.collision-torque': 'Una articulación notó una colisión',
   'told.contact': 'Parado tras un contacto',
   'told.guard': 'Parado antes de un contacto',
   'told.guard-deadlock': 'Los robots se esperan uno a otro',
