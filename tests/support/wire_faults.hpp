@@ -156,14 +156,19 @@ void expect_words_for_every_cause(Cause last, Sentence sentence, Name name, std:
   EXPECT_GE(seen.size(), least);
 }
 
+/// Rounds of a test with random faults: POLYARM_FAULT_ROUNDS, or the usual number.
+inline int fault_rounds(int usual) {
+  const char* const asked = std::getenv("POLYARM_FAULT_ROUNDS");
+  return asked ? std::atoi(asked) : usual;
+}
+
 /// Faults drawn at random, in every state. `motion.after`: cycles with a fault. `most_jump`: rad.
 /// `step(machine)` is a cycle of the controller; it stands after `rest` of them. POLYARM_FAULT_ROUNDS: more
 /// rounds than 20.
 template <class Rig, class Mend, class Step>
 void expect_random_faults_end_well(Rig& rig, std::span<const char* const> orders, const FaultMotion& motion,
                                    double most_jump, Mend mend, Step step, int rest = 200) {
-  const char* const asked = std::getenv("POLYARM_FAULT_ROUNDS");
-  const int rounds = asked ? std::atoi(asked) : 20;
+  const int rounds = fault_rounds(20);
   const std::string joint = std::string(motion.joint) + "/position";
   Draw draw(27);
   int named = 0;
