@@ -118,10 +118,11 @@ void Link::take_package(Bytes payload, Nanoseconds now) {
 }
 
 MoveReport Link::move_report() const {
-  MoveReport out{current_[kTimestamp],
-                 {},
-                 static_cast<int>(current_[kMoveEnded]),
-                 static_cast<int>(current_[kMoveHalted])};
+  const auto whole = [this](Field field) {
+    const double value = current_[field];
+    return std::abs(value) < 0x1p31 ? static_cast<int>(value) : 0;  // a conversion outside of it is undefined
+  };
+  MoveReport out{current_[kTimestamp], {}, whole(kMoveEnded), whole(kMoveHalted)};
   std::copy_n(current_.values.begin() + place_of(kPosition), 6, out.q.begin());
   return out;
 }
@@ -172,7 +173,7 @@ void Link::accept_stream() {
   commands_.fetch();  // what was commanded before counts no more
   if (moves_) {
     moves_->begin(move_report());
-    slider_before_ = current_[kSpeedSlider];
+    if (!slider_before_) slider_before_ = current_[kSpeedSlider];
     written_.speed_slider = std::numeric_limits<double>::quiet_NaN();
   }
   pacer_ = wire::Pacer(Nanoseconds{settings_.watchdog_ms} * 1'000'000);
@@ -323,8 +324,9 @@ void Link::end_at_the_controller() {
   if (!moves_) return;
   if (fault_.cause() == Cause::program_paused || fault_.cause() == Cause::not_reading)
     wire::send_frame(primary_.number(), "stop program\n");
-  if (fault_ || stream_ || inputs_.types.empty() || !rtde_) return;
-  moves_->leave_slider(slider_before_);
+  if (fault_ || stream_ || inputs_.types.empty() || !rtde_ || !slider_before_) return;
+  moves_->leave_slider(*slider_before_);
+  slider_before_.reset();
   send_outputs();
 }
 

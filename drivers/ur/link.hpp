@@ -200,8 +200,8 @@ class Link : public wire::LinkBase<Cause> {
   bool commanded_ = false;
   bool ending_ = false;
   double sent_sequence_ = 0, taken_sequence_ = 0;
-  double slider_before_ = 1;  // when the program began
-  unsigned long unread_ = 0;  // cycles in which the robot's program took no command
+  std::optional<double> slider_before_;  // until a program that changed it has ended in order
+  unsigned long unread_ = 0;             // cycles in which the robot's program took no command
   Nanoseconds heard_ = 0, closed_ = 0, ended_ = 0;
   std::atomic<bool> quit_{false};
   std::thread thread_;

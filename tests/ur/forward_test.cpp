@@ -188,6 +188,24 @@ TEST(UrForward, ThePaceIsTheSpeedSliderAndIsGivenBack) {
   EXPECT_LT(half, 2.3 * full);
 }
 
+TEST(UrForward, AfterAFaultInAHoldTheSliderIsGivenBackOnceAProgramEndsInOrder) {
+  ForwardRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.passes(5));
+  ASSERT_TRUE(rig.moves->accept(rig.turn(0.8)));
+  ASSERT_TRUE(rig.passes(200));
+  ASSERT_TRUE(rig.passes_until([&] { return rig.moves->flow().standing; }, 0, 500));
+  EXPECT_EQ(rig.slider(), 0);
+  rig.far().order("program_stop");
+  for (int i = 0; i < 100 && rig.component.cause() == Cause::none; ++i) rig.pass(0);
+  EXPECT_EQ(rig.component.cause(), Cause::program_stopped) << rig.component.reason();
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.passes(5, 0));
+  rig.component.on_deactivate();
+  rig.far().step();
+  EXPECT_EQ(rig.slider(), 1);
+}
+
 TEST(UrForward, ManyMovesPassThroughTheQueueInOrder) {
   ForwardRig rig;
   ASSERT_TRUE(rig.start()) << rig.component.reason();
