@@ -7,9 +7,11 @@
 #include <cctype>
 #include <cmath>
 #include <deque>
+#include <numbers>
 #include <utility>
 
 #include "apps/verb.hpp"
+#include "polyarm/base/quantity.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::apps {
@@ -195,6 +197,20 @@ Option* Option::positive() {
 }
 Option* Option::not_negative() {
   return bounded([](double n) { return n >= 0; }, "of at least 0");
+}
+Option* Option::angle() {
+  option_->transform(CLI::Validator(
+      [](std::string& value) -> std::string {
+        constexpr double kTurn = 2 * std::numbers::pi + 1e-3;  // also a turn that is rounded
+        if (const auto bare = parse_number(value))
+          return std::abs(*bare) <= kTurn ? std::string{}
+                                          : "'" + value + "' radians are more than a turn; write " + value + "deg or " +
+                                                value + "rad";
+        if (const auto radians = parse_quantity(value, Dimension::angle)) value = fmt::format("{:.17g}", *radians);
+        return {};
+      },
+      "", "angle"));
+  return this;
 }
 /// Only numbers get here; the option's type refuses other values first.
 Option* Option::bounded(const std::function<bool(double)>& fits, const std::string& which) {

@@ -39,6 +39,8 @@ class Option {
   Option* range(double low, double high);
   Option* positive();
   Option* not_negative();
+  /// Angles: radians, or with a unit such as 180deg. A bare number above 2 pi is refused.
+  Option* angle();
   Option* one_of(std::initializer_list<const char*> words);
   Option* existing_file();
   Option* existing_folder();

@@ -89,16 +89,16 @@ int run_far_side(int argc, char** argv) {
   if (maker != argv + argc && std::string(*maker) == "abb") return run_far_side_abb(argc, argv);
   if (maker != argv + argc && std::string(*maker) == "kuka") return run_far_side_kuka(argc, argv);
   if (maker != argv + argc && std::string(*maker) == "yaskawa") return run_far_side_yaskawa(argc, argv);
+  if (maker != argv + argc && std::string(*maker) == "xarm") return run_far_side_xarm(argc, argv);
   CommandLine app(
       "Simulates the controller of a robot byte for byte, for drivers and programs without a robot",
       "polyarm far-side");
   std::string name;
   app.add_option("maker", name,
-                 "ur: Universal Robots; fanuc: FANUC; abb: ABB; kuka: KUKA; yaskawa: Yaskawa; `polyarm "
-                 "far-side MAKER "
-                 "--help` has the rest")
+                 "ur: Universal Robots; fanuc: FANUC; abb: ABB; kuka: KUKA; yaskawa: Yaskawa; xarm: "
+                 "UFACTORY; `polyarm far-side MAKER --help` has the rest")
       ->required()
-      ->one_of({"ur", "fanuc", "abb", "kuka", "yaskawa"});
+      ->one_of({"ur", "fanuc", "abb", "kuka", "yaskawa", "xarm"});
   app.footer(examples({"polyarm far-side ur", "polyarm far-side abb --help"}));
   if (const auto code = app.parse(argc, argv)) return *code;
   return kOk;

@@ -106,6 +106,7 @@ int deploy(const fleet::Site& site, const FleetArguments& a) {
   const bool clean = std::all_of(all.begin(), all.end(), good);
   if (a.dry || (!clean && !a.despite)) {
     if (a.json) print_deployed(all, true, true);
+    std::fflush(stdout);
     if (!clean)
       fmt::print(stderr,
                  "nothing was written: see above, or --despite to write to the cells that are ready\n");

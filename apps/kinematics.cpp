@@ -31,6 +31,10 @@ struct Common {
   }
   Pose tcp_pose() const {
     if (tcp.size() == 3) return {{tcp[0], tcp[1], tcp[2]}, {}};
+    for (std::size_t i = 3; i < tcp.size(); ++i)
+      if (std::abs(tcp[i]) > 6.3)
+        throw WrongUse("bad-value", fmt::format("--tcp has {:g} radians, more than a turn", tcp[i]),
+                       fmt::format("write radians: {:.5g} for {:g} degrees", tcp[i] * M_PI / 180, tcp[i]));
     if (tcp.size() == 6) return pose_xyz_rpy({tcp[0], tcp[1], tcp[2]}, {tcp[3], tcp[4], tcp[5]});
     if (!tcp.empty()) throw WrongUse("bad-value", "--tcp takes 3 or 6 numbers", {});
     return description::find_tool(tool, ".").tcp;
@@ -102,7 +106,9 @@ struct PoseQuestion {
 
   void add_to(CommandLine& app) {
     app.add_option("--xyz", xyz, "position, m; must be given")->expected(3);
-    Option* by_rpy = app.add_option("--rpy", rpy, "roll pitch yaw, rad (pi 0 0: tool down)")->expected(3);
+    Option* by_rpy = app.add_option("--rpy", rpy, "roll pitch yaw, rad or such as 180deg (180deg 0 0: tool down)")
+                         ->expected(3)
+                         ->angle();
     app.add_option("--quaternion", quaternion, "x y z w")->expected(4)->excludes(by_rpy);
     app.add_option("--seed", seed, "joint values to start from (home by default)")->expected(-1);
     app.add_flag("--all", all, "every solution, nearest to the seed first, and how they were found");

@@ -5,19 +5,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <optional>
 #include <vector>
 
+#include "apps/new_cell_tour.hpp"
 #include "apps/options.hpp"
 #include "apps/scratch.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/reach.hpp"
 #include "polyarm/cell/check.hpp"
 #include "polyarm/hardware/driver_loader.hpp"
 #include "polyarm/moves/move_plan.hpp"
 #include "polyarm/setup/robots.hpp"
-#include "polyarm/base/reach.hpp"
 
 namespace polyarm::apps {
 
@@ -35,8 +37,10 @@ struct Layout {
   double yaw = 0;         ///< of the tool, rad
   double angle = 0.5;     ///< feeder to the left, tray to the right, rad from x
   double lift = 0.1;      ///< height above a position before and after it
-  /// The tool's yaw counts from the direction in which the point lies. For arms whose tool does not turn.
+  /// The tool's yaw counts from the direction in which the point lies, seen from the pivot. For arms whose
+  /// tool does not turn.
   bool facing = false;
+  double pivot_x = 0, pivot_y = 0;  ///< where the first axis stands
 
   double x() const { return round(distance * std::cos(angle)); }
   double y() const { return round(distance * std::sin(angle)); }
@@ -62,7 +66,8 @@ Sizes sizes_of(const description::RobotModel& model, double reach) {
 }
 
 Pose down(const Layout& l, double x, double y, double z) {
-  return {{x, y, z}, from_rpy(std::numbers::pi, 0, l.yaw + (l.facing ? std::atan2(y, x) : 0))};
+  const double way = l.facing ? std::atan2(y - l.pivot_y, x - l.pivot_x) : 0;
+  return {{x, y, z}, from_rpy(std::numbers::pi, 0, l.yaw + way)};
 }
 
 /// A pose of the program; the list is in program order.
@@ -190,10 +195,14 @@ constexpr const char* kSignals =
 /// A function of the program; see Layout::facing.
 std::string facing(const Layout& l) {
   const std::string turned = l.yaw == 0 ? "" : fmt::format(" + {:.0f}deg", l.yaw * 180 / std::numbers::pi);
+  const auto from = [](const char* name, double pivot) {
+    if (std::abs(pivot) < 1e-6) return std::string(name);
+    return fmt::format("{} {} {:.6g}mm", name, pivot < 0 ? '+' : '-', 1000 * std::abs(pivot));
+  };
   return "# The tool of this robot does not turn by itself: it faces the way in which the point lies.\n"
          "func facing(p)\n"
-         "  return p with rz = atan2(p.y, p.x)" +
-         turned + "\nend\n";
+         "  return p with rz = atan2(" +
+         from("p.y", l.pivot_y) + ", " + from("p.x", l.pivot_x) + ")" + turned + "\nend\n";
 }
 
 std::string script(const Layout& l, const Sizes& s) {
@@ -278,20 +287,30 @@ std::string readme(const NewCell& asked) {
       asked.name, asked.robot);
 }
 
-void write_files(const fs::path& folder, const NewCell& asked, const Layout& layout, const Sizes& sizes) {
-  const std::string hardware = hardware::driver_available("mujoco") ? "mujoco" : "mock";
-  write_file_atomically(folder / "cell.yaml", cell_yaml(asked, hardware));
-  write_file_atomically(folder / "scene.yaml", scene_yaml(layout, sizes));
-  write_file_atomically(folder / "tool.yaml", tool_yaml(sizes));
-  write_file_atomically(folder / "signals.yaml", kSignals);
-  write_file_atomically(folder / "points.points", points_file(points_of(layout, sizes)));
-  write_file_atomically(folder / "main.script", script(layout, sizes));
-  write_file_atomically(folder / "tests.script", kTests);
-  write_file_atomically(folder / "README.md", readme(asked));
+std::string hardware_of_simulation() {
+  return hardware::driver_available("mujoco") ? "mujoco" : "mock";
+}
+
+/// File names with their texts.
+using Files = std::map<std::string, std::string>;
+
+Files pick_files(const NewCell& asked, const Layout& layout, const Sizes& sizes) {
+  return {{"cell.yaml", cell_yaml(asked, hardware_of_simulation())},
+          {"scene.yaml", scene_yaml(layout, sizes)},
+          {"tool.yaml", tool_yaml(sizes)},
+          {"signals.yaml", kSignals},
+          {"points.points", points_file(points_of(layout, sizes))},
+          {"main.script", script(layout, sizes)},
+          {"tests.script", kTests},
+          {"README.md", readme(asked)}};
+}
+
+void write_files(const fs::path& folder, const Files& files) {
+  for (const auto& [name, text] : files) write_file_atomically(folder / name, text);
 }
 
 /// Leaves nothing behind if a file cannot be written, so that another attempt finds no half of a cell.
-void write_new_files(const fs::path& folder, const NewCell& asked, const Layout& layout, const Sizes& sizes) {
+void write_new_files(const fs::path& folder, const Files& files) {
   std::error_code error;
   const bool was_there = fs::exists(folder, error);
   fs::create_directories(folder, error);
@@ -299,7 +318,7 @@ void write_new_files(const fs::path& folder, const NewCell& asked, const Layout&
     throw Error("unwritable", "the folder " + folder.string() + " cannot be created: " + error.message(),
                 "choose a place where you may write with --folder DIR");
   try {
-    write_files(folder, asked, layout, sizes);
+    write_files(folder, files);
   } catch (const Error&) {
     for (const auto& entry : fs::directory_iterator(folder, error)) fs::remove_all(entry.path(), error);
     if (!was_there) fs::remove(folder, error);
@@ -323,23 +342,42 @@ cell::CellRobots robot_with_tool(const NewCell& asked, const fs::path& folder, c
   return out;
 }
 
-/// Layouts to try, the most usual ones first.
-std::vector<Layout> layouts(double reach) {
+/// Layouts to try, the most usual ones first; then those around `home`, the pose of the TCP where the robot
+/// starts.
+std::vector<Layout> layouts(const Sizes& sizes, const Pose& home, const Vec3& pivot) {
   std::vector<Layout> out;
+  const double reach = sizes.reach;
+  Layout l;
+  l.lift = std::clamp(Layout::round(0.12 * reach), 0.03, 0.2);
+  l.pivot_x = pivot.x;
+  l.pivot_y = pivot.y;
   for (const bool facing : {false, true})
     for (const double angle : {0.5, 0.35})
       for (const double table : {0.0, 0.15, -0.15, 0.3, -0.3})
         for (const double distance : {0.6, 0.5, 0.7, 0.4, 0.8})
           for (const int quarter : {0, 2, 1, 3}) {
-            Layout l;
             l.distance = Layout::round(distance * reach);
             l.table = Layout::round(table * reach);
             l.yaw = quarter * std::numbers::pi / 2;
             l.angle = angle;
             l.facing = facing;
-            l.lift = std::clamp(Layout::round(0.12 * reach), 0.03, 0.2);
             out.push_back(l);
           }
+  const Vec3 tcp = home.position;
+  const double turn = to_rpy(home.rotation).z - std::atan2(tcp.y - pivot.y, tcp.x - pivot.x);
+  l.yaw =
+      std::round(turn * 180 / std::numbers::pi) * std::numbers::pi / 180;  // whole degrees, as in the program
+  l.facing = true;
+  for (const double lift : {l.lift, 0.02})
+    for (const double angle : {0.35, 0.2})
+      for (const double below : {1.0, 0.5, 1.5, 0.0, 2.0})
+        for (const double distance : {1.0, 0.9, 1.1, 0.8, 1.2, 0.7, 1.3}) {
+          l.lift = lift;
+          l.angle = angle;
+          l.distance = Layout::round(distance * std::hypot(tcp.x, tcp.y));
+          l.table = Layout::round(tcp.z - below * lift - sizes.part - lift);
+          out.push_back(l);
+        }
   return out;
 }
 
@@ -354,6 +392,53 @@ bool can_move(const moves::RobotFacts& robot, const std::vector<double>& from, c
     return false;
   }
 }
+
+/// The layouts that the robot can reach, in the order in which they are tried: the usual ones first. After some
+/// of them had problems, those come first that resemble them least.
+class LayoutsToTry {
+ public:
+  LayoutsToTry(const cell::CellRobot& robot, const Sizes& sizes)
+      : robot_(robot),
+        sizes_(sizes),
+        untried_(layouts(sizes, robot.facts->chain.forward(robot.start), pivot_of(robot))) {}
+
+  /// The next one; nothing if there is none left.
+  std::optional<Layout> next() {
+    while (!untried_.empty()) {
+      const auto found =
+          tried_.size() < kUsual
+              ? untried_.begin()
+              : std::ranges::min_element(untried_, {}, [this](const Layout& l) { return resemblance(l); });
+      const Layout layout = *found;
+      untried_.erase(found);
+      if (!can_move(*robot_.facts, robot_.start, layout, sizes_)) continue;
+      tried_.push_back(layout);
+      return layout;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  static constexpr std::size_t kUsual = 8;
+
+  /// Where the first axis meets the ground, if it is vertical; else the origin.
+  static Vec3 pivot_of(const cell::CellRobot& robot) {
+    const auto axes = robot.facts->chain.axes();
+    const bool vertical = !axes.empty() && !axes.front().slides && std::abs(axes.front().direction.z) > 0.999;
+    return vertical ? axes.front().point : Vec3{};
+  }
+  std::size_t resemblance(const Layout& layout) const {
+    std::size_t out = 0;
+    for (const Layout& other : tried_)
+      out += (layout.table == other.table) + (layout.distance == other.distance) + (layout.yaw == other.yaw);
+    return out;
+  }
+
+  const cell::CellRobot& robot_;
+  Sizes sizes_;
+  std::vector<Layout> untried_;
+  std::vector<Layout> tried_;
+};
 
 /// The problems that `check` and `check --dry` find, including contacts.
 std::vector<Problem> found_in(const fs::path& folder) {
@@ -378,10 +463,90 @@ std::string in_folder(const std::string& file, const fs::path& from, const fs::p
   return file.starts_with(prefix) ? (to / file.substr(prefix.size())).string() : file;
 }
 
+/// A cell to write, and what is wrong with it.
+struct Found {
+  Files files;
+  std::vector<Problem> problems;
+  bool reached = false;  ///< the robot reaches all points of a layout
+};
+
+/// Writes `files` into an empty folder of `scratch`, and checks them. Problems name the files in `folder`.
+std::vector<Problem> problems_of(const Files& files, const Scratch& scratch, const fs::path& folder) {
+  const fs::path place = scratch.path() / "try";
+  std::error_code error;
+  fs::remove_all(place, error);
+  fs::create_directories(place, error);
+  write_files(place, files);
+  std::vector<Problem> out = found_in(place);
+  for (Problem& problem : out) problem.where.file = in_folder(problem.where.file, place, folder);
+  return out;
+}
+
+/// The layout with the fewest problems.
+Found find_layout(const NewCell& asked, const cell::CellRobot& robot, const Sizes& sizes,
+                  const Scratch& scratch) {
+  constexpr int kMostTried = 24;
+  LayoutsToTry to_try(robot, sizes);
+  Found best;
+  for (int tried = 0; tried < kMostTried; ++tried) {
+    const std::optional<Layout> layout = to_try.next();
+    if (!layout) break;
+    Found found{pick_files(asked, *layout, sizes), {}, true};
+    found.problems = problems_of(found.files, scratch, asked.folder);
+    if (!best.reached || found.problems.size() < best.problems.size()) best = std::move(found);
+    if (best.problems.empty()) break;
+  }
+  return best;
+}
+
+/// Why there is no feeder and no tray, as a sentence.
+std::string reason_of(const Found& layout, const cell::CellRobot& robot) {
+  if (layout.reached)
+    return "Every place for feeder and tray that was tried has a problem, such as: " +
+           layout.problems.front().what + ".";
+  const std::size_t axes = robot.facts->chain.joints();
+  return "There are no feeder and no tray: no place was found where the tool of this robot points straight "
+         "down, both at a part and above it" +
+         (axes < 6 ? fmt::format(" (it has {} axes)", axes) : std::string()) + ".";
+}
+
+/// A program that moves the joints; smaller moves if larger ones have problems.
+Found find_tour(const NewCell& asked, const cell::CellRobot& robot, const std::string& why,
+                const Scratch& scratch) {
+  Found out;
+  for (const double size : {1.0, 0.4, 0.1}) {
+    out.files = tour_files(asked, robot, hardware_of_simulation(), why, size);
+    out.problems = problems_of(out.files, scratch, asked.folder);
+    if (out.problems.empty()) break;
+  }
+  return out;
+}
+
+void print_next(const fs::path& folder) {
+  fmt::print("Next:\n  cd {}\n  polyarm run . --fast\n  polyarm run . --pendant\n  polyarm test .\n",
+             folder.string());
+}
+
+int write_tour(const NewCell& asked, const cell::CellRobot& robot, const Found& layout,
+               const Scratch& scratch) {
+  const std::string why = reason_of(layout, robot);
+  const Found tour = find_tour(asked, robot, why, scratch);
+  write_new_files(asked.folder, tour.files);
+  fmt::print("The cell '{}' is in {}: {}, and a program that moves between three places.\n{}\n", asked.name,
+             asked.folder.string(), asked.robot, why);
+  if (!tour.problems.empty()) {
+    fmt::print("Correct these:\n");
+    for (const Problem& problem : tour.problems) fmt::print("  {}\n", problem.text());
+    return kFailed;
+  }
+  fmt::print("Checked, and run once in simulation. ");
+  print_next(asked.folder);
+  return kOk;
+}
+
 }  // namespace
 
 int write_new_cell(const NewCell& asked) {
-  constexpr int kMostTried = 8;
   std::error_code error;
   const fs::path& folder = asked.folder;
   if (fs::exists(folder, error) && !(fs::is_directory(folder, error) && fs::is_empty(folder, error)))
@@ -399,34 +564,14 @@ int write_new_cell(const NewCell& asked) {
     throw Error("no-arm", "'" + asked.robot + "' has no arm that could take parts",
                 "name an arm: polyarm robots");
 
-  std::optional<Layout> best;
-  std::vector<Problem> why;
-  int tried = 0;
-  for (const Layout& layout : layouts(sizes.reach)) {
-    if (!can_move(*robot.facts, robot.start, layout, sizes)) continue;
-    fs::create_directories(scratch.path() / "try", error);
-    write_files(scratch.path() / "try", asked, layout, sizes);
-    std::vector<Problem> found = found_in(scratch.path() / "try");
-    for (Problem& problem : found)  // the reader finds the files in the cell's final folder
-      problem.where.file = in_folder(problem.where.file, scratch.path() / "try", folder);
-    if (!best || found.size() < why.size() || found.empty()) best = layout, why = found;
-    if (found.empty() || ++tried >= kMostTried) break;
-  }
-  write_new_files(folder, asked, best.value_or(layouts(sizes.reach).front()), sizes);
-  if (!best) why = found_in(folder);
-  fmt::print("The cell '{}' is in {}: {}, table, suction cup, feeder, tray and {} parts.\n", asked.name,
-             folder.string(), asked.robot, kParts);
-  if (!best || !why.empty()) {
-    fmt::print(
-        "No place was found that this robot reaches without trouble. Move these in points.points and "
-        "scene.yaml:\n");
-    for (const Problem& problem : why) fmt::print("  {}\n", problem.text());
-    return kFailed;
-  }
+  const Found found = find_layout(asked, robot, sizes, scratch);
+  if (!found.reached || !found.problems.empty()) return write_tour(asked, robot, found, scratch);
+  write_new_files(folder, found.files);
   fmt::print(
-      "Checked, and run once in simulation: every part comes into the tray. Next:\n  cd {}\n"
-      "  polyarm run . --fast\n  polyarm run . --pendant\n  polyarm test .\n",
-      folder.string());
+      "The cell '{}' is in {}: {}, table, suction cup, feeder, tray and {} parts.\n"
+      "Checked, and run once in simulation: every part comes into the tray. ",
+      asked.name, folder.string(), asked.robot, kParts);
+  print_next(folder);
   return kOk;
 }
 

@@ -11,9 +11,10 @@ struct NewCell {
   std::filesystem::path folder;
 };
 
-/// Finds a place for table, feeder and tray that the robot reaches with its tool pointing down, writes the
-/// cell, and runs `check` and `check --dry` on it. Returns the exit code of the verb; prints what the user
-/// still has to move. Throws Error if nothing was written.
+/// Finds a place for table, feeder and tray that the robot reaches with its tool pointing down, runs `check`
+/// and `check --dry` on the cell, and writes it. If there is no such place, the cell moves the joints
+/// instead, and the reason is printed. Returns the exit code of the verb. Throws Error if nothing was
+/// written.
 int write_new_cell(const NewCell& asked);
 
 }  // namespace polyarm::apps

@@ -99,12 +99,12 @@ class JsonOutput : public Output {
   }
   void on_line(Nanoseconds t, const std::string& task, const Location& where,
                const std::string& source) override {
-    put({{"event", "line"},
-         {"time_s", seconds(t)},
-         {"task", task},
-         {"file", where.file},
-         {"line", where.line},
-         {"source", source}});
+    line_event_["time_s"] = seconds(t);
+    line_event_["line"] = where.line;
+    line_task_ = task;
+    line_file_ = where.file;
+    line_source_ = source;
+    put(line_event_);
   }
   void on_tag(Nanoseconds t, const std::string& name, const std::string& value,
               const std::string& who) override {
@@ -161,6 +161,12 @@ class JsonOutput : public Output {
   Printer printer_;
   cell::TagRate tags_;
   Nanoseconds last_ = -1'000'000'000;
+  // The commonest event is made once and filled in place.
+  json line_event_ = {{"event", "line"}, {"time_s", 0.0}, {"task", ""},
+                      {"file", ""},      {"line", 0},     {"source", ""}};
+  std::string& line_task_ = line_event_["task"].get_ref<std::string&>();
+  std::string& line_file_ = line_event_["file"].get_ref<std::string&>();
+  std::string& line_source_ = line_event_["source"].get_ref<std::string&>();
 };
 
 json vector(const Vec3& v) {

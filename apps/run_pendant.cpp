@@ -102,6 +102,8 @@ void add_pendant_options(CommandLine& app, PendantArguments& a) {
   app.add_flag(
       "--in-clear", a.in_clear,
       "serve other machines without TLS: anyone on the network can read the token and move the robot");
+  app.add_option("--log-in-hours", a.log_in_hours, "every log-in of a user ends after so many hours (12)")
+      ->range(0.001, 720.0);
   app.add_flag("--role-links", a.links, "print a link for each role: watch, operate, program, administer");
   app.add_option_function(
          "--metrics",
@@ -163,6 +165,7 @@ std::unique_ptr<server::Pendant> open_pendant(const PendantArguments& a,
     options.fingerprint = certificate->fingerprint;
   }
   options.token = token_of_user();
+  options.log_in_hours = a.log_in_hours;
   options.users = users::users_file(data_of_user());
   options.audit = audit;
   if (!a.metrics.empty()) options.metrics = metrics_of(a.metrics);
@@ -193,7 +196,7 @@ void announce(const server::Pendant& pendant, const PendantArguments& a, cell::O
   }
   if (a.links)
     for (const protocol::Role role : {protocol::Role::watch, protocol::Role::operate, protocol::Role::program,
-                                  protocol::Role::administer})
+                                      protocol::Role::administer})
       observer.on_note(std::string("link to ") + protocol::name(role) + ": " + pendant.link_for(role));
   if (pendant.metrics_port() != 0)
     observer.on_note("metrics for Prometheus: port " + std::to_string(pendant.metrics_port()) +

@@ -11,6 +11,7 @@ namespace polyarm::apps {
 struct PendantArguments {
   bool on = false, open = false, listens = false, in_clear = false, links = false;
   int port = -1;  ///< default: 8765, or any free port if it is in use
+  double log_in_hours = bounds::kLoginHours;
   std::string listen, page, certificate, key, metrics;
 };
 void add_pendant_options(CommandLine& app, PendantArguments& arguments);

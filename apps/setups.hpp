@@ -6,5 +6,6 @@ namespace polyarm::apps {
 int run_setup_abb(int argc, char** argv);
 int run_setup_kuka(int argc, char** argv);
 int run_setup_yaskawa(int argc, char** argv);
+int run_setup_xarm(int argc, char** argv);
 
 }  // namespace polyarm::apps

@@ -98,7 +98,7 @@ int run_workspace(int argc, char** argv) {
   app.add_option("--tool", tool, "tool (none, suction_cup, parallel_gripper, or a file)");
   app.add_option("--orientation", orientation, "of the TCP: down (the default), home or any")
       ->one_of({"any", "down", "home"});
-  app.add_option("--rpy", rpy, "orientation as roll pitch yaw, rad")->expected(3);
+  app.add_option("--rpy", rpy, "orientation as roll pitch yaw, rad or such as 180deg")->expected(3)->angle();
   app.add_option("--image", image, "picture, .svg or .png");
   app.add_option("--data", data, "table, .csv: position, reached, manipulability, joint values");
   app.footer(examples(

@@ -188,6 +188,19 @@ std::size_t WorkspaceMap::reached() const {
       std::count_if(cells.begin(), cells.end(), [](const WorkspaceCell& c) { return c.reached(); }));
 }
 
+namespace {
+/// True if the TCP may be there in the full profile. How the tool tilts there is not known yet.
+bool may_be_at(const moves::Workspace& workspace, const Vec3& place) {
+  for (std::size_t i = 0; i < workspace.boundaries(); ++i) {
+    const moves::ZoneKind kind = workspace.zones()[workspace.zone_of(i)].kind;
+    if (kind == moves::ZoneKind::cone || kind == moves::ZoneKind::range || !workspace.counts(i, false))
+      continue;
+    if (workspace.distance(i, {place, {}}, {}).distance < 0) return false;
+  }
+  return true;
+}
+}  // namespace
+
 WorkspaceMap map_workspace(const Chain& chain, const std::vector<double>& home,
                            const WorkspaceQuestion& question, const std::function<void(double)>& progress) {
   const std::array<int, 3> axes = axes_of(question.plane);
@@ -217,7 +230,7 @@ WorkspaceMap map_workspace(const Chain& chain, const std::vector<double>& home,
       cell.position = placed(axes, out.left + (static_cast<double>(column) + 0.5) * out.cell,
                              out.top - (row + 0.5) * out.cell, question.at);
       const bool near = norm(cell.position - chain.reach_center()) <= chain.reach() * 1.001;
-      if (near && !question.allowed.check(cell.position)) {
+      if (near && may_be_at(question.allowed, cell.position)) {
         asked.push_back(out.cells.size());
         places.push_back(cell.position);
         seeds.push_back(above[column]);

@@ -1,12 +1,12 @@
 # Files that go into the kit for plugins one by one (sdk.cmake) stand alone.
 set(POLYARM_ROOMS_TOGETHER yaml xacro catalogue language vm launch joint_control wheels broadcasters io setup machine tasks operation inside requests cell control controllers data doctor hardware meshes messages plugins program realtime
-    server signals apps description recording ros2 ros_files paths timing trajectory)
+    server signals sweeps users fleet apps description recording ros2 ros_files paths timing trajectory)
 # Test programs: so many files at a time, in all but these (whose files include headers with ROS's names).
 set(POLYARM_TESTS_AT_A_TIME 10)
 set(POLYARM_TESTS_ALONE ros_packages)
 # So many at a time that each takes a compiler some seconds.
 set(POLYARM_BY_SIX polyarm polyarm_io polyarm_setup polyarm_machine polyarm_tasks polyarm_operation polyarm_inside polyarm_requests
-    polyarm_cell polyarm_server)
+    polyarm_cell polyarm_server polyarm_sweeps polyarm_fleet)
 function(polyarm_in_batches target batch)
   if(POLYARM_TOGETHER)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
@@ -93,6 +93,7 @@ function(polyarm_test name)
   endif()
   add_executable(test_${name} ${sources})
   target_link_libraries(test_${name} PRIVATE ${ARGN} GTest::gtest_main)
+  target_sources(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/own_home.cpp)
   polyarm_compiled_as_test(test_${name} ${name})
   if(NOT name IN_LIST POLYARM_TESTS_ALONE)
     polyarm_in_batches(test_${name} ${POLYARM_TESTS_AT_A_TIME})

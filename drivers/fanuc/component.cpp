@@ -139,7 +139,7 @@ CallbackReturn FanucComponent::on_configure() {
 
 CallbackReturn FanucComponent::on_activate() {
   if (!forward_) return StreamComponent::on_activate();
-  commanded_.fill(std::numeric_limits<double>::quiet_NaN());
+  watch_.begin();
   if (!forward_->start()) return CallbackReturn::failure;
   active_ = true;
   return CallbackReturn::success;

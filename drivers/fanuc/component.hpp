@@ -9,6 +9,7 @@
 
 #include "drivers/fanuc/forward_link.hpp"
 #include "drivers/fanuc/link.hpp"
+#include "drivers/wire/forward_watch.hpp"
 #include "drivers/wire/stream_component.hpp"
 
 namespace polyarm::fanuc {
@@ -58,8 +59,8 @@ class FanucComponent : public wire::StreamComponent<Link, Cause>, public hardwar
   hardware::ReturnType write_forward(std::span<const double> commands) noexcept;
 
   std::unique_ptr<ForwardLink> forward_;  ///< instead of link_, in forward mode
-  Six commanded_{};                       ///< the last commands of the joints; NaN: none
-  struct Reading {                        ///< the control thread's
+  wire::ForwardWatch watch_;
+  struct Reading {  ///< the control thread's
     std::uint64_t count = 0;
     Nanoseconds at = 0, span = 0;
     Six from{}, q{};

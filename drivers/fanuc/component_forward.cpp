@@ -13,14 +13,7 @@ using hardware::ReturnType;
 void FanucComponent::make_forward(const hardware::ComponentContext& context, hardware::DriverParameters& p) {
   const hardware::RobotInstance& robot = context.robots.front();
   paced_ = false;  // the interface has no clock
-  if (!robot.on.empty())
-    throw Error("bad-value",
-                "`motion: forward` is for robots that stand still; '" + robot.name + "' is carried",
-                "set `motion: stream`");
-  if (!robot.model || robot.model->joint_names() != joints_)
-    throw Error("bad-value",
-                "`motion: forward` needs a robot whose joints are the six of the controller, in their order",
-                "leave grippers with joints out of the description, or set `motion: stream`");
+  wire::check_forward(robot, joints_);
   const wire::AxisFacts axes = wire::axis_facts(*robot.model, "fanuc/crx_10ia_l", 1);
   ForwardSettings out;
   out.host = settings_.host;
@@ -94,22 +87,15 @@ ReturnType FanucComponent::read_forward(const hardware::Cycle& cycle, std::span<
   return forward_->cause() == Cause::none ? ReturnType::ok : ReturnType::error;
 }
 
-/// The controller that hands moves over commands the joints to be where they are measured; another one would
-/// command them away from there.
 ReturnType FanucComponent::write_forward(std::span<const double> commands) noexcept {
-  constexpr double kElsewhere = 0.1;  // rad
   if (forward_->cause() != Cause::none) return ReturnType::error;
   if (!active_) return ReturnType::ok;
   std::copy_n(commands.begin() + 6, settings_.outputs.count, outputs_.digital.begin());
   forward_->cycle(outputs_);
-  for (std::size_t j = 0; j < 6; ++j) {
-    const bool changed = std::isfinite(commands[j]) && commands[j] != commanded_[j];
-    commanded_[j] = commands[j];
-    if (!changed || std::abs(commands[j] - reading_.q[j]) < kElsewhere) continue;
-    forward_->fail(Cause::joint_commands, static_cast<int>(j));
-    return ReturnType::error;
-  }
-  return ReturnType::ok;
+  const auto joint = watch_.strays(commands, reading_.q);
+  if (!joint) return ReturnType::ok;
+  forward_->fail(Cause::joint_commands, *joint);
+  return ReturnType::error;
 }
 
 }  // namespace polyarm::fanuc

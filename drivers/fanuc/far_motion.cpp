@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/wire/arcs.hpp"
+
 namespace polyarm::fanuc {
 
 namespace {
@@ -48,12 +50,6 @@ std::array<double, 6> values_of(const RmiMessage& message, const std::string& gr
 
 bool sane(const std::array<double, 6>& values) {
   return std::ranges::all_of(values, [](double v) { return std::isfinite(v) && std::abs(v) < 1e5; });
-}
-
-Quaternion between(const Quaternion& a, const Quaternion& b, double t) {
-  const Vec3 turn = to_rotation_vector(b * inverse(a));
-  const double angle = norm(turn);
-  return angle > 0 ? from_axis_angle(normalized(turn), t * angle) * a : a;
 }
 
 }  // namespace
@@ -176,7 +172,7 @@ bool FarMotion::plan_line(const Six& from, const Six& to, Motion& out) const {
   out.path.assign(1, from);
   for (int i = 1; i <= steps; ++i) {
     const double t = static_cast<double>(i) / steps;
-    const Pose pose{a.position + t * (b.position - a.position), between(a.rotation, b.rotation, t)};
+    const Pose pose{a.position + t * (b.position - a.position), wire::between(a.rotation, b.rotation, t)};
     const auto joints = machine_.joints_for(pose, at);
     if (!joints) return false;
     for (std::size_t j = 0; j < 6; ++j)
@@ -188,23 +184,15 @@ bool FarMotion::plan_line(const Six& from, const Six& to, Motion& out) const {
 
 bool FarMotion::plan_circle(const Six& from, const Pose& via, const Pose& to, Motion& out) const {
   const Pose a = machine_.flange(from);
-  const Vec3 u = via.position - a.position, v = to.position - a.position, w = cross(u, v);
-  const double area = dot(w, w);
-  if (!(area > 1e-14)) return false;  // on one line
-  const Vec3 center = a.position + (1 / (2 * area)) * (dot(u, u) * cross(v, w) + dot(v, v) * cross(w, u));
-  const Vec3 axis = normalized(w), arm = a.position - center;
-  const auto angle_of = [&](const Vec3& point) {
-    const Vec3 p = point - center;
-    const double angle = std::atan2(dot(axis, cross(arm, p)), dot(arm, p));
-    return angle < 0 ? angle + 2 * std::numbers::pi : angle;
-  };
-  const double whole = angle_of(to.position), length = 1000 * whole * norm(arm);
+  const auto circle = wire::Circle::through(a.position, via.position, to.position);
+  if (!circle) return false;
+  const double whole = circle->angle_of(to.position), length = 1000 * whole * norm(circle->arm);
   const int steps = std::clamp(static_cast<int>(std::ceil(length / kStep)), 2, kMostSteps);
   Six at = from;
   out.path.assign(1, from);
   for (int i = 1; i <= steps; ++i) {
     const double t = static_cast<double>(i) / steps;
-    const Pose pose{center + from_axis_angle(axis, t * whole) * arm, between(a.rotation, to.rotation, t)};
+    const Pose pose{circle->point(t * whole), wire::between(a.rotation, to.rotation, t)};
     const auto joints = machine_.joints_for(pose, at);
     if (!joints) return false;
     out.path.push_back(at = *joints);

@@ -154,10 +154,7 @@ std::string sentence(Cause cause, int detail, const std::string& where, const st
              " is elsewhere: compare the angles here and at its teach pendant (joint 3 too), then recover "
              "here";
     case Cause::joint_commands:
-      return "a controller of this cell commands joint " + std::to_string(detail + 1) + " of " + where +
-             ", which takes only moves (`motion: forward`); the robot was stopped: stop that controller, or "
-             "set "
-             "`motion: stream`";
+      return wire::joint_commands_sentence(detail, where);
   }
   return {};
 }

@@ -8,6 +8,7 @@
 
 #include "drivers/kuka/words.hpp"
 #include "drivers/wire/shaper.hpp"
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/descriptor.hpp"
 #include "polyarm/base/time.hpp"
 
@@ -16,7 +17,7 @@ namespace polyarm::kuka {
 using wire::Six;
 
 inline constexpr int kProgramVersion = 1;  ///< of our KRL program and its messages
-inline constexpr std::size_t kMostSignals = 32;
+inline constexpr std::size_t kMostSignals = bounds::kSignalsOfController;
 
 /// The numbers are those of the KRL program.
 enum class EkiDo : std::uint8_t { state, start, stop, drives_on, speed_override, output };

@@ -73,6 +73,9 @@ CallbackReturn MujocoComponent::on_init(const hardware::ComponentContext& contex
     for (const ForceSensor& sensor : sensors)
       for (const char* axis : kWrenchNames)
         states_.push_back({facts.name + "/" + sensor.name + "/" + axis, 0.0});
+    if (std::any_of(sensors.begin(), sensors.end(), [](const ForceSensor& each) { return each.errors.any(); }))
+      for (const ForceSensor& sensor : sensors)
+        robot.errors.emplace_back(sensor.errors, robots_.size() * sensors.size() + robot.errors.size());
     for (auto* values : {&robot.position, &robot.velocity, &robot.effort}) values->assign(robot.joints, NAN);
     if (robot.gripper->suction() || robot.gripper->parallel()) {
       const std::string tool = facts.name + "/tool/";
@@ -265,7 +268,7 @@ void MujocoComponent::publish() noexcept {
 ReturnType MujocoComponent::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
   const mjtNum* wrench = view().d()->sensordata;
   for (std::size_t r = 0; r < robots_.size(); ++r) {
-    const Robot& robot = robots_[r];
+    Robot& robot = robots_[r];
     const ModelView::Robot& at = view().robots[r];
     for (std::size_t j = 0; j < robot.joints; ++j) {
       states[robot.first_state + 3 * j] = view().d()->qpos[at.qpos[j]];
@@ -282,6 +285,8 @@ ReturnType MujocoComponent::read(const hardware::Cycle& cycle, std::span<double>
     // do.
     for (std::size_t k = 0; k < 6 * robot.force_sensors; ++k)
       states[static_cast<std::size_t>(robot.force_state) + k] = -*wrench++;
+    for (std::size_t k = 0; k < robot.errors.size(); ++k)
+      robot.errors[k].add(seconds(cycle.period), &states[static_cast<std::size_t>(robot.force_state) + 6 * k]);
     if (robot.tool_state < 0) continue;
     states[static_cast<std::size_t>(robot.tool_state)] =
         robot.gripper->suction() ? robot.gripper->level() : robot.gripper->width(view());

@@ -11,6 +11,7 @@
 #include "drivers/mujoco/machines.hpp"
 #include "drivers/mujoco/model_set.hpp"
 #include "drivers/mujoco/parts.hpp"
+#include "drivers/mujoco/sensor_errors.hpp"
 #include "drivers/mujoco/servo.hpp"
 #include "polyarm/hardware/component.hpp"
 
@@ -52,6 +53,7 @@ class MujocoComponent : public hardware::Component {
     int base_state = -1;                             // for a free-standing robot: the first of seven
     int force_state = -1;                            // of six for each force sensor
     std::size_t force_sensors = 0;
+    std::vector<SensorErrors> errors;                // of each force sensor; none: all are exact
     std::vector<double> position, velocity, effort;  // commands, separated by kind
   };
   ModelView& view() noexcept { return models_->view(active_); }

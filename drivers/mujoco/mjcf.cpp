@@ -499,7 +499,7 @@ std::vector<ForceSensor> force_sensors(const hardware::RobotInstance& robot) {
   for (const description::HardwareInfo& block : robot.hardware)
     for (const description::ComponentInfo& component : block.components) {
       const int link = hardware::force_sensor_link(*robot.model, component);
-      if (link >= 0) out.push_back({component.name, link});
+      if (link >= 0) out.push_back({component.name, link, hardware::force_sensor_errors(component)});
     }
   return out;
 }

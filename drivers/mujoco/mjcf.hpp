@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "polyarm/hardware/component.hpp"
+#include "polyarm/hardware/force_sensor.hpp"
 
 namespace polyarm::drivers {
 
@@ -65,6 +66,7 @@ bool is_freestanding(const hardware::RobotInstance& robot);
 struct ForceSensor {
   std::string name;  ///< as the description has it
   int link = -1;     ///< its axes and its origin are those of this link, which is not the root
+  hardware::ForceSensorErrors errors{};
 };
 std::vector<ForceSensor> force_sensors(const hardware::RobotInstance& robot);
 

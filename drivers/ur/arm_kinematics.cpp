@@ -54,6 +54,23 @@ ArmAxes axes_of(const Kinematics& kinematics) {
   return out;
 }
 
+Pose flange_jacobian(const Kinematics& kinematics, const std::array<double, 6>& q,
+                     std::array<double, 36>& J) {
+  std::array<Vec3, 6> directions, points;
+  Pose at;
+  for (std::size_t i = 0; i < 6; ++i) {
+    directions[i] = at.rotation * Vec3{0, 0, 1};
+    points[i] = at.position;
+    at = at * behind(kinematics, i, q[i]);
+  }
+  for (std::size_t i = 0; i < 6; ++i) {
+    const Vec3 rate = cross(directions[i], at.position - points[i]);
+    const double column[] = {rate.x, rate.y, rate.z, directions[i].x, directions[i].y, directions[i].z};
+    for (std::size_t row = 0; row < 6; ++row) J[6 * row + i] = column[row];
+  }
+  return at;
+}
+
 Kinematics read_kinematics(const std::string& host, int port, Nanoseconds timeout) {
   std::string why;
   const Descriptor socket = wire::connect_tcp(host, port, timeout, why);

@@ -28,6 +28,8 @@ struct ArmAxes {
   Pose flange;
 };
 ArmAxes axes_of(const Kinematics& kinematics);
+/// The flange in the controller's base, and its Jacobian: 6 x 6 by rows, rates of position, then of rotation.
+Pose flange_jacobian(const Kinematics& kinematics, const std::array<double, 6>& q, std::array<double, 36>& J);
 
 /// Reads the geometry over the primary interface. Waits at most `timeout` ns. Throws Error("unreachable") or
 /// Error("no-answer") with what to check.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "polyarm/base/error.hpp"
@@ -43,6 +44,10 @@ constexpr DriverParameter kParameters[] = {
     {"acceleration", number, "15", "rad/s², of velocity commands", 0.5, 40},
     {"max_step", number, "0.1",
      "rad, between two position commands; beyond it nothing is sent and the robot stops", 0.001, 0.6},
+    {"motion", text, "stream",
+     "stream: this computer interpolates and streams commands; forward: the controller makes the moves",
+     -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), "stream forward"},
+    {"line_acceleration", number, "1.2", "forward: m/s² of lines and arcs", 0.05, 20},
 };
 constexpr hardware::DriverFacts kFacts = {"system",
                                           "robots of Universal Robots: CB3 from 3.5, e-Series, PolyScope X",
@@ -138,6 +143,8 @@ CallbackReturn UrComponent::on_init(const hardware::ComponentContext& context) {
   steps_ = wire::StepCheck(p.number("max_step"));
   find_joints(context, p.problems());
   p.problems().throw_if_errors();
+  settings_.forward.reset();
+  if (p.text("motion") == "forward") make_forward(context, p);
   mode_ = positions_ ? Mode::position : Mode::velocity;
   outputs_ = written_ = Outputs();
   link_ = std::make_unique<Link>(settings_);
@@ -168,7 +175,7 @@ std::vector<hardware::InterfaceDescription> UrComponent::command_interfaces() co
   if (positions_ && velocities_)
     for (const std::string& joint : joints_) out.push_back({robot_ + "/" + joint + "/velocity"});
   if (!settings_.io) return out;
-  out.push_back({robot_ + "/controller/speed_slider"});
+  if (!settings_.forward) out.push_back({robot_ + "/controller/speed_slider"});
   for (std::size_t i = 0; i < Outputs::kDigital; ++i)
     out.push_back({robot_ + "/io/digital_out_" + std::to_string(i)});
   for (std::size_t i = 0; i < Outputs::kAnalog; ++i)
@@ -209,6 +216,7 @@ CallbackReturn UrComponent::on_configure() {
 
 CallbackReturn UrComponent::on_activate() {
   steps_.begin();
+  watch_.begin();
   last_command_ = 0;
   if (!link_->start()) return CallbackReturn::failure;
   active_ = true;
@@ -259,7 +267,7 @@ ReturnType UrComponent::read(const hardware::Cycle&, std::span<double> states) n
 
 void UrComponent::write_outputs(std::span<const double> commands) noexcept {
   std::size_t at = 0;
-  outputs_.speed_slider = commands[at++];
+  if (!settings_.forward) outputs_.speed_slider = commands[at++];
   for (double& value : outputs_.digital) value = commands[at++];
   for (double& value : outputs_.analog) value = commands[at++];
   const auto bytes = [](const Outputs& outputs) { return std::as_bytes(std::span(&outputs, 1)); };
@@ -275,6 +283,9 @@ ReturnType UrComponent::write(const hardware::Cycle&, std::span<const double> co
   const bool both = positions_ && velocities_;
   const auto joints = commands.subspan(both && mode == Mode::velocity ? 6 : 0, 6);
   if (settings_.io) write_outputs(commands.subspan(both ? 12 : 6));
+  wire::Six measured;
+  std::copy_n(link_->sample().values.begin() + place_of(kPosition), 6, measured.begin());
+  if (settings_.forward) return write_moves(joints, measured);
   std::array<double, 6> values{};
   for (std::size_t j = 0; j < 6; ++j) {
     if (!std::isfinite(joints[j])) {  // without a command for one joint the whole arm holds
@@ -286,8 +297,6 @@ ReturnType UrComponent::write(const hardware::Cycle&, std::span<const double> co
         mode == Mode::velocity ? std::clamp(joints[j], -velocity_limits_[j], velocity_limits_[j]) : joints[j];
   }
   if (mode == Mode::position) {
-    wire::Six measured;
-    std::copy_n(link_->sample().values.begin() + place_of(kPosition), 6, measured.begin());
     if (const auto joint = steps_.jumps(values, measured)) {
       link_->fail(Cause::jump, *joint);
       return ReturnType::error;
@@ -307,8 +316,8 @@ const hardware::DriverFacts* UrComponent::facts() const noexcept {
 
 std::string UrComponent::summary() const {
   if (!link_) return {};
-  std::string out = fmt::format("Universal Robots controller {} at {}, {:g} Hz", link_->version(),
-                                settings_.host, link_->rate());
+  std::string out = fmt::format("Universal Robots controller {} at {}, {:g} Hz{}", link_->version(),
+                                settings_.host, link_->rate(), settings_.forward ? ", its own motion" : "");
   if (const auto k = link_->kinematics(); k && described_.size() == 6) {
     const double off = flange_difference(*k, described_);
     out += off > 0.02

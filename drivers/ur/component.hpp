@@ -7,8 +7,10 @@
 
 #include "drivers/ur/arm_kinematics.hpp"
 #include "drivers/ur/link.hpp"
+#include "drivers/wire/forward_watch.hpp"
 #include "drivers/wire/six_axes.hpp"
 #include "polyarm/hardware/component.hpp"
+#include "polyarm/hardware/forward_moves.hpp"
 
 namespace polyarm::ur {
 
@@ -23,7 +25,10 @@ namespace polyarm::ur {
 /// Configuring connects, reads and moves nothing. Activating sends the program; the robot stands still until
 /// commands come, and the first one must be at the measured position. Deactivating ends the program: the
 /// robot stops and holds. When commands stop for any reason, the program on the robot stops the robot.
-class UrComponent : public hardware::Component {
+///
+/// In forward mode the commands of joints are not sent: moves come over ForwardMoves. The driver has the
+/// speed slider to itself then.
+class UrComponent : public hardware::Component, public hardware::TakesMoves {
  public:
   hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
   hardware::CallbackReturn on_configure() override;
@@ -45,6 +50,7 @@ class UrComponent : public hardware::Component {
   bool paces() const noexcept override { return paced_; }
   bool await_cycle(Nanoseconds timeout) noexcept override { return link_ && link_->await(timeout); }
   std::string reason() const override;
+  hardware::ForwardMoves* forward_moves(std::uint32_t layout) noexcept override;
   const hardware::DriverFacts* facts() const noexcept override;
   std::string summary() const override;
 
@@ -57,10 +63,13 @@ class UrComponent : public hardware::Component {
   LinkSettings& settings() noexcept { return settings_; }
   Link* link() noexcept { return link_.get(); }
   std::int32_t last_command() const noexcept { return last_command_; }
+  const std::vector<std::string>& joints() const { return joints_; }
   bool paced_ = true;
 
  private:
   void find_joints(const hardware::ComponentContext& context, Problems& problems);
+  void make_forward(const hardware::ComponentContext& context, hardware::DriverParameters& p);
+  hardware::ReturnType write_moves(std::span<const double> commands, const wire::Six& measured) noexcept;
   void write_outputs(std::span<const double> commands) noexcept;
 
   LinkSettings settings_;
@@ -75,6 +84,7 @@ class UrComponent : public hardware::Component {
   // the control thread's
   bool active_ = false;
   wire::StepCheck steps_;
+  wire::ForwardWatch watch_;
   Outputs outputs_, written_;
   std::int32_t last_command_ = 0;
 };

@@ -1,5 +1,5 @@
-/// Plays two programs as the controller would: the driver's own, and External Control of the maker's client
-/// library. Any other program only starts and ends: nothing here interprets URScript.
+/// Plays three programs as the controller would: the two of the driver, and External Control of the maker's
+/// client library. Any other program only starts and ends: nothing here interprets URScript.
 #include <algorithm>
 #include <cmath>
 
@@ -72,7 +72,10 @@ std::string FarProgram::start(const std::string& text) {
   const auto opens = [this](const std::string& name) {
     return std::any_of(opened_.begin(), opened_.end(), [&](const Opened& one) { return one.name == name; });
   };
-  kind_ = opens(kSocketName) ? Kind::own : opens("reverse_socket") ? Kind::external_control : Kind::other;
+  kind_ = opens(kSocketName)        ? Kind::own
+          : opens(kMoveSocketName)  ? Kind::moves
+          : opens("reverse_socket") ? Kind::external_control
+                                    : Kind::other;
   buffer_.clear();
   quiet_ = 0;
   sequence_ = 0;
@@ -84,9 +87,10 @@ std::string FarProgram::start(const std::string& text) {
   }
   machine_.set_register("output_int_register_24", 0);
   machine_.set_register("output_int_register_25", 0);
-  wait_limit_ = kind_ == Kind::own ? kFirstMessage : 0;
-  if (kind_ == Kind::own) {
-    if (open(kSocketName))
+  wait_limit_ = is_ours() ? kFirstMessage : 0;
+  if (kind_ == Kind::moves) moves_.begin();
+  if (is_ours()) {
+    if (open(kind_ == Kind::own ? kSocketName : kMoveSocketName))
       machine_.set_register("output_int_register_25", static_cast<int>(ScriptState::running));
     else
       ended_ = !faults_.unreachable;  // a blocked connection hangs in its attempt
@@ -100,6 +104,7 @@ void FarProgram::stop() {
   for (Descriptor* one : {&stream_, &trajectory_, &commands_}) *one = Descriptor();
   if (kind_ == Kind::none) return;
   kind_ = Kind::none;
+  moves_.forget();
   machine_.brake(kStop);
   machine_.program(Machine::Program::none);
 }
@@ -107,7 +112,16 @@ void FarProgram::stop() {
 void FarProgram::pause(bool on) {
   if (kind_ == Kind::none) return;
   machine_.program(on ? Machine::Program::paused : Machine::Program::playing);
+  moves_.interrupt();
   if (on) machine_.brake(kStop);
+}
+
+/// What the program still has to move ends, as when its reading fails.
+void FarProgram::close_stream() {
+  stream_ = Descriptor();
+  if (kind_ != Kind::moves) return;
+  moves_.forget();
+  machine_.brake(kStop);
 }
 
 void FarProgram::play() {
@@ -118,7 +132,8 @@ void FarProgram::play() {
 }
 
 void FarProgram::finish(ScriptState state) {
-  if (kind_ == Kind::own) machine_.set_register("output_int_register_25", static_cast<int>(state));
+  if (is_ours()) machine_.set_register("output_int_register_25", static_cast<int>(state));
+  moves_.forget();
   machine_.brake(kStop);
   ended_ = true;
 }
@@ -135,6 +150,19 @@ void FarProgram::take_own(Bytes bytes) {
   for (std::size_t i = 0; i < 6; ++i)
     if (std::abs(message.values[i] - machine_.q()[i]) > 0.63) return finish(ScriptState::jumped);
   machine_.servo(message.values, lookahead_);
+}
+
+void FarProgram::take_moves(Bytes bytes) {
+  const MoveMessage message =
+      decode_move(std::span<const std::uint8_t, kMoveBytes>(bytes.data(), kMoveBytes));
+  sequence_ = message.sequence;
+  wait_limit_ = std::max(message.timeout_ms, 0) / 1000.0;
+  machine_.set_register("output_int_register_24", sequence_);
+  if (static_cast<int>(message.work) < 0 || !moves_.take(message)) finish(ScriptState::ended);
+}
+
+std::size_t FarProgram::message_bytes() const {
+  return kind_ == Kind::own ? kMessageBytes : kind_ == Kind::moves ? kMoveBytes : kExternalBytes;
 }
 
 void FarProgram::take_external(Bytes bytes) {
@@ -159,12 +187,13 @@ void FarProgram::take(Bytes message) {
   quiet_ = 0;
   ++messages_;
   if (machine_.program() != Machine::Program::playing) return;
-  kind_ == Kind::own ? take_own(message) : take_external(message);
+  if (kind_ == Kind::own) return take_own(message);
+  kind_ == Kind::moves ? take_moves(message) : take_external(message);
 }
 
 bool FarProgram::serve() {
   if (kind_ == Kind::none) return false;
-  const std::size_t size = kind_ == Kind::own ? kMessageBytes : kExternalBytes;
+  const std::size_t size = message_bytes();
   std::array<std::uint8_t, 4096> bytes;
   while (stream_ && !ended_ && !faults_.deaf && machine_.program() == Machine::Program::playing) {
     const wire::Received got = wire::receive(stream_.number(), bytes);
@@ -191,6 +220,7 @@ bool FarProgram::serve() {
 }
 
 void FarProgram::step(double dt) {
+  if (kind_ == Kind::moves && !ended_ && machine_.program() == Machine::Program::playing) moves_.step(dt);
   if (!runs() || ended_ || !stream_ || faults_.deaf || machine_.program() != Machine::Program::playing)
     return;
   quiet_ += dt;

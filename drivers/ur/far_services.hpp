@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/ur/far_moves.hpp"
 #include "drivers/ur/machine.hpp"
 #include "drivers/ur/rtde.hpp"
 #include "drivers/ur/script.hpp"
@@ -78,7 +79,7 @@ class FarRtde {
 /// The program that runs on the controller.
 class FarProgram {
  public:
-  FarProgram(Machine& machine, FarFaults& faults) : machine_(machine), faults_(faults) {}
+  FarProgram(Machine& machine, FarFaults& faults) : machine_(machine), faults_(faults), moves_(machine) {}
   /// Starts the program in place of the present one. Returns the text of a runtime exception, or "".
   std::string start(const std::string& text);
   void stop();
@@ -92,11 +93,11 @@ class FarProgram {
   std::int32_t last_sequence() const { return sequence_; }
   std::uint64_t messages() const { return messages_; }
   void descriptors(std::vector<int>& out) const;
-  void close_stream() { stream_ = Descriptor(); }
+  void close_stream();
   const std::string& name() const { return name_; }
 
  private:
-  enum class Kind : std::uint8_t { none, own, external_control, other };
+  enum class Kind : std::uint8_t { none, own, moves, external_control, other };
   struct Opened {
     std::string host, name;
     int port = 0;
@@ -106,10 +107,14 @@ class FarProgram {
   void take(Bytes message);
   void take_external(Bytes message);
   void take_own(Bytes message);
+  void take_moves(Bytes message);
+  bool is_ours() const { return kind_ == Kind::own || kind_ == Kind::moves; }
+  std::size_t message_bytes() const;
   void finish(ScriptState state);
 
   Machine& machine_;
   FarFaults& faults_;
+  FarMoves moves_;
   Kind kind_ = Kind::none;
   std::string text_, name_;
   std::vector<Opened> opened_;

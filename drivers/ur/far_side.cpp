@@ -41,7 +41,7 @@ constexpr wire::OrderKind kKinds[] = {
     {"close_rtde", "the controller closes RTDE"},
     {"dead", "the controller closes all connections"},
     {"script_error", "the next program ends with an error"},
-    {"healthy", "ends wrong_version, second_client, unreachable, deaf and silent"},
+    {"healthy", "ends every fault of the wires, also those that are still to come"},
 };
 
 }  // namespace
@@ -116,9 +116,7 @@ void FarSide::order(const std::string& fault) {
     primary_.secondary().drop_all();
     dashboard_.service().drop_all();
   }
-  if (is("healthy"))
-    faults_.wrong_version = faults_.second_client = faults_.unreachable = faults_.deaf = faults_.silent =
-        false;
+  if (is("healthy")) faults_ = {};
   report("ordered: " + fault);
 }
 

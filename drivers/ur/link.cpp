@@ -15,7 +15,7 @@ namespace polyarm::ur {
 namespace {
 constexpr Nanoseconds kGrace = 200'000'000;  // for other wires to say why the program closed its connection
 constexpr Nanoseconds kLook = 20'000'000;    // between two judgements without an event
-constexpr double kTimeout = 25;  // cycles beyond the watchdog's, for the program to take a command
+constexpr double kTimeout = 25;   // cycles beyond the watchdog's, for the program to take a command
 constexpr double kMostGap = 100;  // cycles; a larger gap in the controller's time is a restart
 }  // namespace
 
@@ -111,9 +111,27 @@ void Link::take_package(Bytes payload, Nanoseconds now) {
     taken_sequence_ = current_[kSequence];
     if (current_.count == 1 || current_[kRuntimeState] != state) changed_.notify_all();
   }
+  take_moves();
   samples_.write(current_);
   pacer_.cycle();
   begin_cycle();
+}
+
+MoveReport Link::move_report() const {
+  const auto whole = [this](Field field) {
+    const double value = current_[field];
+    return std::abs(value) < 0x1p31 ? static_cast<int>(value) : 0;  // a conversion outside of it is undefined
+  };
+  MoveReport out{current_[kTimestamp], {}, whole(kMoveEnded), whole(kMoveHalted)};
+  std::copy_n(current_.values.begin() + place_of(kPosition), 6, out.q.begin());
+  return out;
+}
+
+/// Before the loop hears of the cycle: what it then reads of the moves belongs to this one.
+void Link::take_moves() {
+  if (!moves_ || !stream_) return;
+  moves_->take(move_report());
+  if (const auto joint = moves_->off_target()) note(Cause::off_target, *joint);
 }
 
 void Link::take_primary() {
@@ -153,6 +171,11 @@ void Link::accept_stream() {
   closed_ = 0;
   unread_ = 0;
   commands_.fetch();  // what was commanded before counts no more
+  if (moves_) {
+    moves_->begin(move_report());
+    if (!slider_before_) slider_before_ = current_[kSpeedSlider];
+    written_.speed_slider = std::numeric_limits<double>::quiet_NaN();
+  }
   pacer_ = wire::Pacer(Nanoseconds{settings_.watchdog_ms} * 1'000'000);
   pacer_.begin(realtime::monotonic_now());
   changed_.notify_all();
@@ -171,9 +194,28 @@ void Link::take_stream() {
 }
 
 void Link::send_command(const Command& command) {
+  if (moves_) {
+    MoveMessage message = commanded_ ? moves_->next() : MoveMessage{};
+    hold_slider();
+    message.sequence = command.sequence;
+    message.timeout_ms = settings_.watchdog_ms;
+    send(command.sequence, encode(message));
+  } else {
+    send(command.sequence,
+         encode(Message{command.sequence, settings_.watchdog_ms, command.mode, command.values}));
+  }
+}
+
+void Link::send_end() {
+  if (moves_)
+    send(0, encode(MoveMessage{0, settings_.watchdog_ms, Work::end}));
+  else
+    send(0, encode(Message{0, settings_.watchdog_ms, Mode::end, {}}));
+}
+
+void Link::send(std::int32_t sequence, std::span<const std::uint8_t> bytes) {
   if (!stream_) return;
-  const auto bytes = encode(Message{command.sequence, settings_.watchdog_ms, command.mode, command.values});
-  sent_sequence_ = command.sequence;
+  sent_sequence_ = sequence;
   if (wire::send_frame(stream_.number(), bytes)) return;
   pollfd one{stream_.number(), 0, 0};
   ::poll(&one, 1, 0);
@@ -181,8 +223,18 @@ void Link::send_command(const Command& command) {
   note(Cause::not_reading);
 }
 
+/// The slider goes out before the message: a move begins at its pace. Somebody at the pendant may move it
+/// while the robot slows down to rest; then it is sent again.
+void Link::hold_slider() {
+  constexpr std::uint64_t kAgain = 25;  // cycles
+  if (moves_->slider() == 0 && current_[kSpeedSlider] > 1e-3 && current_.count % kAgain == 0)
+    written_.speed_slider = std::numeric_limits<double>::quiet_NaN();
+  send_outputs();
+}
+
 void Link::send_outputs() {
   Outputs wanted = outputs_.value();
+  if (moves_) wanted.speed_slider = moves_->slider().value_or(std::numeric_limits<double>::quiet_NaN());
   const auto only_changed = [](double& now, double& before) {
     const double last = std::exchange(before, now);
     if (now == last) now = std::numeric_limits<double>::quiet_NaN();
@@ -266,9 +318,22 @@ void Link::judge_program(Nanoseconds now) {
   if (commanded_ && stream_ && pacer_.silent(now)) return note(Cause::loop_silent);
 }
 
+/// A program that does not read its messages would go on with the moves that it has; one that came to its end
+/// leaves the slider to other programs.
+void Link::end_at_the_controller() {
+  if (!moves_) return;
+  if (fault_.cause() == Cause::program_paused || fault_.cause() == Cause::not_reading)
+    wire::send_frame(primary_.number(), "stop program\n");
+  if (fault_ || stream_ || inputs_.types.empty() || !rtde_ || !slider_before_) return;
+  moves_->leave_slider(*slider_before_);
+  slider_before_.reset();
+  send_outputs();
+}
+
 /// The robot's program stops the robot at the command `end`, and when its connection closes.
 void Link::end_stream() {
-  send_command(Command{0, Mode::end, {}});
+  send_end();
+  end_at_the_controller();
   stream_ = Descriptor();
   const std::lock_guard lock(mutex_);
   phase_ = Phase::idle;
@@ -282,7 +347,7 @@ void Link::finish_stopping(Nanoseconds now) {
   const bool starting = phase_ == Phase::starting;
   lock.unlock();
   if (!ending_ && stream_) {
-    send_command(Command{0, Mode::end, {}});
+    send_end();
     ending_ = true;
     ended_ = now;
   }

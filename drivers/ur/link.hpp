@@ -12,6 +12,7 @@
 #include <string>
 #include <thread>
 
+#include "drivers/ur/move_queue.hpp"
 #include "drivers/ur/primary.hpp"
 #include "drivers/ur/rtde.hpp"
 #include "drivers/ur/script.hpp"
@@ -44,6 +45,8 @@ enum Field : std::size_t {
   kAnalogOut1,
   kSequence,
   kScriptState,
+  kMoveEnded,  ///< registers of the program that makes moves
+  kMoveHalted,
   kTorque,   ///< optional: software 5.23 and newer
   kPayload,  ///< optional: e-Series
   kFields
@@ -82,6 +85,7 @@ struct LinkSettings {
   Nanoseconds silence = 200'000'000;  ///< without a package, until the link counts as lost
   int watchdog_ms = 100;              ///< without a command, until the robot's program stops the robot
   ScriptSettings script;
+  std::optional<MoveFrame> forward;  ///< the controller makes moves; nothing: it follows commands
 };
 
 /// The on_… calls come from one thread at a time and may wait; the calls marked control thread do not.
@@ -110,6 +114,9 @@ class Link : public wire::LinkBase<Cause> {
   /// What the outputs shall be. Only what changed is sent: somebody at the pendant may have switched the
   /// others. Call it before command(): then the outputs arrive before that command.
   void outputs(const Outputs& outputs) noexcept;
+  /// In forward mode; else null. command() is the sign of life of the loop then, and its values count
+  /// nothing.
+  MoveQueue* moves() noexcept { return moves_.get(); }
 
   /// The controller's rate, Hz; valid after open().
   double rate() const { return rate_; }
@@ -147,6 +154,12 @@ class Link : public wire::LinkBase<Cause> {
   void accept_stream();
   void take_commands(Nanoseconds now);
   void send_command(const Command& command);
+  void send_end();
+  void send(std::int32_t sequence, std::span<const std::uint8_t> bytes);
+  MoveReport move_report() const;
+  void take_moves();
+  void hold_slider();
+  void end_at_the_controller();
   void send_outputs();
   void judge(Nanoseconds now);
   void judge_program(Nanoseconds now);
@@ -176,6 +189,8 @@ class Link : public wire::LinkBase<Cause> {
   bool stop_wanted_ = false;
   std::string exception_, refusal_;  // of the primary interface since start()
 
+  std::unique_ptr<MoveQueue> moves_;
+
   // the thread's
   Sample current_;
   Outputs written_;  // what was sent of the outputs, or was wanted before
@@ -185,7 +200,8 @@ class Link : public wire::LinkBase<Cause> {
   bool commanded_ = false;
   bool ending_ = false;
   double sent_sequence_ = 0, taken_sequence_ = 0;
-  unsigned long unread_ = 0;  // cycles in which the robot's program took no command
+  std::optional<double> slider_before_;  // until a program that changed it has ended in order
+  unsigned long unread_ = 0;             // cycles in which the robot's program took no command
   Nanoseconds heard_ = 0, closed_ = 0, ended_ = 0;
   std::atomic<bool> quit_{false};
   std::thread thread_;

@@ -35,6 +35,8 @@ constexpr FieldRow kRows[kFields] = {{"timestamp", 1, false},
                                      {"standard_analog_output1", 1, false},
                                      {"output_int_register_24", 1, false},
                                      {"output_int_register_25", 1, false},
+                                     {"output_int_register_26", 1, false},
+                                     {"output_int_register_27", 1, false},
                                      {"actual_current_as_torque", 6, true},
                                      {"payload", 1, true}};
 
@@ -59,7 +61,9 @@ std::size_t place_of(Field field) noexcept {
 }
 
 Link::Link(LinkSettings settings)
-    : LinkBase("the controller at " + settings.host), settings_(std::move(settings)), pacer_(0) {}
+    : LinkBase("the controller at " + settings.host), settings_(std::move(settings)), pacer_(0) {
+  if (settings_.forward) moves_ = std::make_unique<MoveQueue>(*settings_.forward);
+}
 
 void Link::drop() {
   for (Descriptor* one : {&rtde_, &primary_, &listener_, &stream_}) *one = Descriptor();
@@ -297,7 +301,7 @@ bool Link::start() {
   stop_wanted_ = false;
   phase_ = Phase::starting;
   lock.unlock();
-  if (!wire::send_frame(primary_.number(), program_text(script)))
+  if (!wire::send_frame(primary_.number(), moves_ ? move_program_text(script) : program_text(script)))
     return refuse(Cause::unreachable, 0, "it does not take the program");
   lock.lock();
   const auto decided = [this] {

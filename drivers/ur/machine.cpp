@@ -14,6 +14,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kStopDeceleration = 30;  // rad/s², of the stops that the controller makes by itself
 constexpr double kServoAcceleration = 40;
+constexpr double kOverspeed = 1.1;  // of a joint's limit: the controller makes a protective stop
 constexpr double kEndless = 200;    // rad, of a joint without limits
 constexpr double kUnlockAfter = 5;  // s
 
@@ -99,6 +100,14 @@ void Machine::speed(const Six& velocity, double acceleration) {
   rate_ = acceleration;
 }
 
+void Machine::follow(const Six& next) {
+  if (!may_move()) return;
+  for (std::size_t i = 0; i < 6; ++i) jump_ = std::max(jump_, std::abs(next[i] - q_[i]));
+  motion_ = Motion::path;
+  servoing_ = false;
+  target_ = next;
+}
+
 void Machine::brake(double deceleration) {
   motion_ = Motion::brake;
   servoing_ = false;
@@ -123,6 +132,12 @@ void Machine::step(double dt) {
       wanted = std::clamp(target_[i] * scale, -most, most);
     }
     qd_[i] += std::clamp(wanted - qd_[i], -change, change);
+    if (motion_ == Motion::path) {
+      const double fastest = kOverspeed * options_.facts.velocity[i];
+      const double speed = (target_[i] - q_[i]) / dt;
+      qd_[i] = std::clamp(speed, -fastest, fastest);
+      if (speed != qd_[i]) safety(protective_stop);
+    }
     q_[i] += qd_[i] * dt;
     if (q_[i] < options_.facts.lower[i] || q_[i] > options_.facts.upper[i]) safety(protective_stop);
   }

@@ -48,6 +48,7 @@ class Machine {
   void servo(const Six& target, double lookahead);
   void speed(const Six& velocity, double acceleration);
   void brake(double deceleration);
+  void follow(const Six& next);  ///< to this place in the next step
   bool still() const;
 
   // By the pendant and the dashboard. Each returns false if the robot refuses.
@@ -95,7 +96,7 @@ class Machine {
   void forget_jumps() { jump_ = 0; }
 
  private:
-  enum class Motion : std::uint8_t { brake, servo, speed };
+  enum class Motion : std::uint8_t { brake, servo, speed, path };
 
   MachineOptions options_;
   Six q_, qd_{}, target_{};

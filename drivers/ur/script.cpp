@@ -132,26 +132,29 @@ Message decode_message(std::span<const std::uint8_t, kMessageBytes> bytes) noexc
   return out;
 }
 
+std::string filled(std::string program, std::initializer_list<std::pair<const char*, std::string>> values) {
+  for (const auto& [name, value] : values) {
+    const std::string mark = "{" + std::string(name) + "}";
+    for (std::size_t at = program.find(mark); at != std::string::npos;
+         at = program.find(mark, at + value.size()))
+      program.replace(at, mark.size(), value);
+  }
+  return program;
+}
+
 std::string program_text(const ScriptSettings& settings) {
-  std::string out = kProgram;
-  const auto fill = [&out](const std::string& name, const std::string& value) {
-    const std::string mark = "{" + name + "}";
-    for (std::size_t at = out.find(mark); at != std::string::npos; at = out.find(mark, at + value.size()))
-      out.replace(at, mark.size(), value);
-  };
-  fill("host", settings.host);
-  fill("port", std::to_string(settings.port));
-  fill("socket", kSocketName);
-  fill("lookahead", fmt::format("{:.4f}", settings.lookahead));
-  fill("gain", fmt::format("{:.0f}", settings.gain));
-  fill("deceleration", fmt::format("{:.3f}", settings.stop_deceleration));
-  fill("acceleration", fmt::format("{:.3f}", settings.acceleration));
-  fill("speed_limit", fmt::format("{:.3f}", settings.speed_limit));
-  fill("scale", fmt::format("{:.1f}", kScale));
-  fill("numbers", std::to_string(kMessageNumbers));
-  fill("sequence_register", std::to_string(kSequenceRegister));
-  fill("state_register", std::to_string(kStateRegister));
-  return out;
+  return filled(kProgram, {{"host", settings.host},
+                           {"port", std::to_string(settings.port)},
+                           {"socket", kSocketName},
+                           {"lookahead", fmt::format("{:.4f}", settings.lookahead)},
+                           {"gain", fmt::format("{:.0f}", settings.gain)},
+                           {"deceleration", fmt::format("{:.3f}", settings.stop_deceleration)},
+                           {"acceleration", fmt::format("{:.3f}", settings.acceleration)},
+                           {"speed_limit", fmt::format("{:.3f}", settings.speed_limit)},
+                           {"scale", fmt::format("{:.1f}", kScale)},
+                           {"numbers", std::to_string(kMessageNumbers)},
+                           {"sequence_register", std::to_string(kSequenceRegister)},
+                           {"state_register", std::to_string(kStateRegister)}});
 }
 
 }  // namespace polyarm::ur

@@ -2,8 +2,10 @@
 /// The program that the driver sends to the controller, and the messages that it reads from the driver.
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "polyarm/base/time.hpp"
 
@@ -42,5 +44,7 @@ struct ScriptSettings {
 };
 /// The program in URScript.
 std::string program_text(const ScriptSettings& settings);
+/// A program in which each `{NAME}` is replaced by its value.
+std::string filled(std::string program, std::initializer_list<std::pair<const char*, std::string>> values);
 
 }  // namespace polyarm::ur

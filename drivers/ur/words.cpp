@@ -2,6 +2,8 @@
 
 #include <iterator>
 
+#include "drivers/wire/words.hpp"
+
 namespace polyarm::ur {
 
 const char* robot_mode_name(int mode) {
@@ -36,7 +38,7 @@ const char* name(Cause cause) {
       "emergency-stop", "safety-fault",   "program-stopped", "program-paused",  "script-error",
       "no-answer-back", "reverse-closed", "commands-late",   "loop-silent",     "jump",
       "rtde-silent",    "rtde-closed",    "bad-data",        "not-reading",     "other-program",
-      "wrong-rate"};
+      "wrong-rate",     "off-target",     "joint-commands"};
   return kNames[static_cast<std::size_t>(cause)];
 }
 
@@ -160,6 +162,11 @@ std::string sentence(Cause cause, int detail, const std::string& where, const st
       return where + " runs at " + std::to_string(detail) +
              " Hz, and the cell at another rate: write `rate: " + std::to_string(detail) +
              "` into the cell, or set `pace: false`";
+    case Cause::off_target:
+      return where + " reports the end of a move, but joint " + std::to_string(detail + 1) +
+             " is elsewhere: compare the angles here and at its pendant, then recover here";
+    case Cause::joint_commands:
+      return wire::joint_commands_sentence(detail, where);
   }
   return {};
 }

@@ -60,9 +60,11 @@ enum class Cause : std::uint8_t {
   rtde_silent,
   rtde_closed,
   bad_data,
-  not_reading,    ///< the robot's program does not read its commands
-  other_program,  ///< another program runs on the controller; detail: RuntimeState
-  wrong_rate,     ///< detail: Hz of the controller
+  not_reading,     ///< the robot's program does not read its commands
+  other_program,   ///< another program runs on the controller; detail: RuntimeState
+  wrong_rate,      ///< detail: Hz of the controller
+  off_target,      ///< forward: a move ended elsewhere; detail: joint
+  joint_commands,  ///< forward: a controller here commanded a joint; detail: joint
 };
 const char* name(Cause cause);
 

@@ -12,7 +12,7 @@ namespace polyarm::wire {
 
 namespace {
 
-constexpr std::size_t kMostHeaders = 64;
+constexpr std::size_t kMostHeaders = bounds::kHttpHeaders;
 
 char lower(char c) {
   return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;

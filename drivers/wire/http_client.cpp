@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::wire {
@@ -11,7 +12,7 @@ namespace polyarm::wire {
 namespace {
 
 constexpr const char* kClosed = "it closed the connection";
-constexpr std::size_t kMostCookies = 16, kMostCookieBytes = 4096;
+constexpr std::size_t kMostCookies = bounds::kHttpCookies, kMostCookieBytes = bounds::kHttpCookieBytes;
 
 std::string random_text() {
   std::array<unsigned char, 8> bytes{};

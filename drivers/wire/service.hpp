@@ -15,8 +15,9 @@ namespace polyarm::wire {
 /// Reads of one client in one turn: a client that never stops sending holds up no other one.
 inline constexpr int kReadsInTurn = 64;
 
-/// At most bounds::kFarSideClients clients; a further one is closed. `Client` has the members `socket` and
-/// `gone`.
+/// At most bounds::kFarSideClients clients. A further one takes the place of the oldest that has never sent
+/// anything, so that idle connections keep nobody away; it is closed if all have. `Client` has the members
+/// `socket` and `gone`.
 template <typename Client>
 class Service {
  public:
@@ -34,23 +35,39 @@ class Service {
   template <typename Arrived, typename Take>
   void serve(Arrived arrived, Take take) {
     while (Descriptor socket = accept_tcp(listener_.number()))
-      if (clients_.size() < bounds::kFarSideClients) {
+      if (make_room()) {
         clients_.push_back(std::make_unique<Client>());
         clients_.back()->socket = std::move(socket);
+        silent_.push_back(clients_.back().get());
         arrived(*clients_.back());
       }
     for (auto& client : clients_) client->gone = client->gone || !read(*client, take);
-    std::erase_if(clients_, [](const auto& client) { return client->gone; });
+    drop_gone();
   }
-  void drop_all() { clients_.clear(); }
+  void drop_all() {
+    silent_.clear();
+    clients_.clear();
+  }
 
  private:
+  void drop_gone() {
+    std::erase_if(silent_, [](const Client* client) { return client->gone; });
+    std::erase_if(clients_, [](const auto& client) { return client->gone; });
+  }
+  bool make_room() {
+    if (clients_.size() < bounds::kFarSideClients) return true;
+    if (silent_.empty()) return false;
+    silent_.front()->gone = true;
+    drop_gone();
+    return true;
+  }
   template <typename Take>
-  static bool read(Client& client, Take& take) {
+  bool read(Client& client, Take& take) {
     std::array<std::uint8_t, 4096> buffer;
     for (int turn = 0; turn < kReadsInTurn; ++turn) {
       const Received got = receive(client.socket.number(), buffer);
       if (got.got == Got::nothing) return true;
+      if (got.got == Got::bytes) std::erase(silent_, &client);
       if (got.got != Got::bytes || !take(client, Bytes(buffer).first(got.count)) || client.gone) return false;
     }
     return true;
@@ -58,6 +75,7 @@ class Service {
   Descriptor listener_;
   int local_port_ = 0;
   std::vector<std::unique_ptr<Client>> clients_;
+  std::vector<Client*> silent_;  ///< those that have never sent anything, the oldest first
 };
 
 }  // namespace polyarm::wire

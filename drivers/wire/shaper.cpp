@@ -14,7 +14,8 @@ constexpr double kStill = 1e-6;      // degrees/s
 
 }  // namespace
 
-void Shaper::begin(const Six& at) noexcept {
+template <std::size_t N>
+void ShaperOf<N>::begin(const Axes& at) noexcept {
   at_ = wanted_ = at;
   velocity_ = acceleration_ = desired_velocity_ = {};
   behind_ = 0;
@@ -22,7 +23,8 @@ void Shaper::begin(const Six& at) noexcept {
   shaped_ = 0;
 }
 
-bool Shaper::allows(std::size_t axis, double target, const AxisLimits& limits) noexcept {
+template <std::size_t N>
+bool ShaperOf<N>::allows(std::size_t axis, double target, const Limits& limits) noexcept {
   const double velocity = (target - at_[axis]) / period_;
   const double acceleration = (velocity - velocity_[axis]) / period_;
   const double jerk = (acceleration - acceleration_[axis]) / period_;
@@ -37,7 +39,8 @@ bool Shaper::allows(std::size_t axis, double target, const AxisLimits& limits) n
 
 /// One period along the fastest motion to a target that moves on as it did, seen from that target; then cut
 /// so that no difference exceeds its limit.
-double Shaper::steer(std::size_t axis, const Moving& moving, const AxisLimits& limits) noexcept {
+template <std::size_t N>
+double ShaperOf<N>::steer(std::size_t axis, const Moving& moving, const Limits& limits) noexcept {
   const double v = limits.at(LimitKind::velocity, axis), a = limits.at(LimitKind::acceleration, axis),
                j = limits.at(LimitKind::jerk, axis);
   const trajectory::MotionState start{at_[axis] - moving.position, velocity_[axis] - moving.velocity,
@@ -60,7 +63,9 @@ double Shaper::steer(std::size_t axis, const Moving& moving, const AxisLimits& l
 }
 
 /// How the target moves; one that jumps counts as at rest.
-Shaper::Moving Shaper::motion_of(std::size_t axis, double wanted, const AxisLimits& limits) const noexcept {
+template <std::size_t N>
+typename ShaperOf<N>::Moving ShaperOf<N>::motion_of(std::size_t axis, double wanted,
+                                                    const Limits& limits) const noexcept {
   const double velocity = (wanted - wanted_[axis]) / period_;
   const double acceleration = (velocity - desired_velocity_[axis]) / period_;
   const double v = kSteady * limits.at(LimitKind::velocity, axis),
@@ -69,17 +74,19 @@ Shaper::Moving Shaper::motion_of(std::size_t axis, double wanted, const AxisLimi
   return {wanted_[axis], desired_velocity_[axis], std::abs(acceleration) > a ? 0 : acceleration, false};
 }
 
-void Shaper::advance(std::size_t axis, double position) noexcept {
+template <std::size_t N>
+void ShaperOf<N>::advance(std::size_t axis, double position) noexcept {
   const double velocity = (position - at_[axis]) / period_;
   acceleration_[axis] = (velocity - velocity_[axis]) / period_;
   velocity_[axis] = velocity;
   at_[axis] = position;
 }
 
-Six Shaper::next(const Six& wanted, const AxisLimits& limits) noexcept {
+template <std::size_t N>
+std::array<double, N> ShaperOf<N>::next(const Axes& wanted, const Limits& limits) noexcept {
   behind_ = 0;
   bool all = true;
-  for (std::size_t i = 0; i < 6; ++i) {
+  for (std::size_t i = 0; i < N; ++i) {
     double target = wanted[i];
     if (!allows(i, target, limits)) {
       target = steer(i, motion_of(i, wanted[i], limits), limits);
@@ -91,14 +98,15 @@ Six Shaper::next(const Six& wanted, const AxisLimits& limits) noexcept {
       axis_behind_ = i;
     }
   }
-  for (std::size_t i = 0; i < 6; ++i) desired_velocity_[i] = (wanted[i] - wanted_[i]) / period_;
+  for (std::size_t i = 0; i < N; ++i) desired_velocity_[i] = (wanted[i] - wanted_[i]) / period_;
   wanted_ = wanted;
   if (!all) ++shaped_;
   return at_;
 }
 
-Six Shaper::brake(const AxisLimits& limits) noexcept {
-  for (std::size_t i = 0; i < 6; ++i) {
+template <std::size_t N>
+std::array<double, N> ShaperOf<N>::brake(const Limits& limits) noexcept {
+  for (std::size_t i = 0; i < N; ++i) {
     double target = at_[i];  // at once, where that is within the limits
     if (!allows(i, target, limits)) target = steer(i, {at_[i], 0, 0, true}, limits);
     advance(i, target);
@@ -109,10 +117,14 @@ Six Shaper::brake(const AxisLimits& limits) noexcept {
   return at_;
 }
 
-bool Shaper::still() const noexcept {
-  for (std::size_t i = 0; i < 6; ++i)
+template <std::size_t N>
+bool ShaperOf<N>::still() const noexcept {
+  for (std::size_t i = 0; i < N; ++i)
     if (std::abs(velocity_[i]) > kStill || std::abs(acceleration_[i]) * period_ > kStill) return false;
   return true;
 }
+
+template class ShaperOf<6>;
+template class ShaperOf<7>;
 
 }  // namespace polyarm::wire

@@ -8,6 +8,20 @@ namespace {
 
 constexpr std::array<const char*, 3> kFlangeNames{"flange", "tool0", "faceplate"};
 
+std::string list(std::span<const char* const> words) {
+  std::string out;
+  for (const char* word : words) (out += out.empty() ? "" : " or ") += word;
+  return out;
+}
+
+std::string count_of(std::size_t least, std::size_t most) {
+  constexpr const char* kWords[] = {"none", "one", "two", "three", "four", "five", "six", "seven"};
+  const std::string last = kWords[most];
+  return least == most ? last : kWords[least] + std::string(" to ") + last;
+}
+
+}  // namespace
+
 int flange_link(const description::RobotModel& model, int last) {
   for (const char* wanted : kFlangeNames)
     for (std::size_t i = 0; i < model.links.size(); ++i)
@@ -15,17 +29,9 @@ int flange_link(const description::RobotModel& model, int last) {
   return last;
 }
 
-std::string list(std::span<const char* const> words) {
-  std::string out;
-  for (const char* word : words) (out += out.empty() ? "" : " or ") += word;
-  return out;
-}
-
-}  // namespace
-
 std::vector<std::string> driven_joints(const hardware::ComponentContext& context,
                                        std::span<const char* const> takes, const std::string& whose,
-                                       Problems& problems) {
+                                       Problems& problems, std::size_t least, std::size_t most) {
   std::vector<std::string> out;
   if (context.robots.size() != 1) {
     problems.error("bad-hardware", {}, "'" + context.name + "' drives one robot",
@@ -45,25 +51,33 @@ std::vector<std::string> driven_joints(const hardware::ComponentContext& context
     }
   if (robot.model && out.empty()) {
     out = robot.model->joint_names();
-    if (out.size() > 6) out.resize(6);  // a gripper behind the arm has its own hardware
+    if (out.size() > most) out.resize(most);  // a gripper behind the arm has its own hardware
   }
-  if (out.size() != 6)
+  if (out.size() < least || out.size() > most)
     problems.error("bad-hardware", {},
                    "'" + context.name + "' has " + std::to_string(out.size()) +
-                       " joints; this driver takes " + whose + " with six",
+                       " joints; this driver takes " + whose + " with " + count_of(least, most),
                    "name them in the order from base to tool");
   return out;
 }
 
-std::array<const description::Joint*, 6> six_revolute_joints(const description::RobotModel& model,
-                                                             const std::string& example) {
+std::vector<const description::Joint*> revolute_joints(const description::RobotModel& model,
+                                                       std::size_t least, std::size_t most,
+                                                       const std::string& example) {
   std::vector<const description::Joint*> joints;
   for (const int i : model.actuated) joints.push_back(&model.joints[static_cast<std::size_t>(i)]);
-  if (joints.size() != 6 || std::any_of(joints.begin(), joints.end(), [](const auto* j) {
+  const bool counts = joints.size() >= least && joints.size() <= most;
+  if (!counts || std::any_of(joints.begin(), joints.end(), [](const auto* j) {
         return j->type != description::JointType::revolute && j->type != description::JointType::continuous;
       }))
-    throw Error("bad-model", "'" + model.name + "' has not six revolute joints",
+    throw Error("bad-model", "'" + model.name + "' has not " + count_of(least, most) + " revolute joints",
                 "choose another robot, for example " + example);
+  return joints;
+}
+
+std::array<const description::Joint*, 6> six_revolute_joints(const description::RobotModel& model,
+                                                             const std::string& example) {
+  const auto joints = revolute_joints(model, 6, 6, example);
   std::array<const description::Joint*, 6> out{};
   std::copy(joints.begin(), joints.end(), out.begin());
   return out;
@@ -82,12 +96,6 @@ AxisFacts axis_facts(const description::RobotModel& model, const std::string& ex
   }
   out.flange = flange_link(model, joints.back()->child_link);
   return out;
-}
-
-Six start_position(const hardware::RobotInstance& robot, Six otherwise, double scale) {
-  for (std::size_t i = 0; i < std::min<std::size_t>(6, robot.initial_positions.size()); ++i)
-    otherwise[i] = robot.initial_positions[i] * scale;
-  return otherwise;
 }
 
 }  // namespace polyarm::wire

@@ -1,6 +1,7 @@
 #pragma once
-/// What drivers of robots with six axes share: which joints they drive, the limits that the description has,
-/// and the check of each command. Any thread.
+/// What drivers of robot arms share, most of which have six axes: which joints they drive, the limits that
+/// the description has, and the check of each command. Any thread.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -16,10 +17,17 @@ namespace polyarm::wire {
 
 /// The joints that a component with one robot of six axes drives, from base to tool: those of its
 /// <ros2_control> block, else the first six of the model. Commands must be among `takes`; what is wrong goes
-/// to `problems`. `whose`: "robots of ABB".
+/// to `problems`. `whose`: "robots of ABB"; a maker with other arms says how many axes they have.
 std::vector<std::string> driven_joints(const hardware::ComponentContext& context,
                                        std::span<const char* const> takes, const std::string& whose,
-                                       Problems& problems);
+                                       Problems& problems, std::size_t least = 6, std::size_t most = 6);
+/// The revolute joints of a model in a chain, `least` to `most` of them. Throws Error("bad-model");
+/// `example`: "abb/irb_120".
+std::vector<const description::Joint*> revolute_joints(const description::RobotModel& model,
+                                                       std::size_t least, std::size_t most,
+                                                       const std::string& example);
+/// The link of one of the usual names of a flange, else `last`.
+int flange_link(const description::RobotModel& model, int last);
 /// The six revolute joints of a model in a chain. Throws Error("bad-model"); `example`: "abb/irb_120".
 std::array<const description::Joint*, 6> six_revolute_joints(const description::RobotModel& model,
                                                              const std::string& example);
@@ -32,18 +40,26 @@ struct AxisFacts {
 /// Throws as six_revolute_joints() does.
 AxisFacts axis_facts(const description::RobotModel& model, const std::string& example, double scale);
 /// The positions where a cell begins, times `scale`; `otherwise` for those that it does not have.
-Six start_position(const hardware::RobotInstance& robot, Six otherwise, double scale);
+template <std::size_t N>
+std::array<double, N> start_position(const hardware::RobotInstance& robot, std::array<double, N> otherwise,
+                                     double scale) {
+  for (std::size_t i = 0; i < std::min(N, robot.initial_positions.size()); ++i)
+    otherwise[i] = robot.initial_positions[i] * scale;
+  return otherwise;
+}
 
 /// Finds commands that are too far from the last one, or at the beginning from the measured position. rad.
 /// Control thread.
-class StepCheck {
+template <std::size_t N>
+class StepCheckOf {
  public:
+  using Axes = std::array<double, N>;
   static constexpr double kFirstStep = 0.01;
-  explicit StepCheck(double most = 0.1) noexcept : most_(most) {}
+  explicit StepCheckOf(double most = 0.1) noexcept : most_(most) {}
   void begin() noexcept { first_ = true; }
   /// The first joint that jumps; nothing if none does, and then `joints` count as sent.
-  std::optional<int> jumps(const Six& joints, const Six& measured) noexcept {
-    for (std::size_t j = 0; j < 6; ++j)
+  std::optional<int> jumps(const Axes& joints, const Axes& measured) noexcept {
+    for (std::size_t j = 0; j < N; ++j)
       if (std::abs(joints[j] - (first_ ? measured[j] : sent_[j])) > (first_ ? kFirstStep : most_))
         return static_cast<int>(j);
     sent_ = joints;
@@ -54,7 +70,8 @@ class StepCheck {
  private:
   double most_;
   bool first_ = true;
-  Six sent_{};
+  Axes sent_{};
 };
+using StepCheck = StepCheckOf<6>;
 
 }  // namespace polyarm::wire

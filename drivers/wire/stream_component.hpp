@@ -1,5 +1,5 @@
 #pragma once
-/// What components share that stream joint positions to one robot of six axes.
+/// What components share that stream joint positions to one robot of at most N axes.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -15,7 +15,7 @@ namespace polyarm::wire {
 /// Configuring opens the link, activating starts it, and every end stops it. A derived class makes the link
 /// in on_init(). `Link` is a wire::LinkBase<Cause> with open(), close(), start(), stop(), rate(),
 /// command(move, joints) and sample().q; `Cause` has jump and wrong_rate.
-template <class Link, class Cause>
+template <class Link, class Cause, std::size_t N = 6>
 class StreamComponent : public hardware::Component {
  public:
   hardware::CallbackReturn on_configure() override {
@@ -64,11 +64,11 @@ class StreamComponent : public hardware::Component {
 
  protected:
   Link* link() noexcept { return link_.get(); }
-  /// Hands the six positions that `commands` begins with to the link, unless one of them jumps. Control
-  /// thread.
-  hardware::ReturnType write_joints(std::span<const double> commands) noexcept {
-    Six joints;
-    std::copy_n(commands.begin(), 6, joints.begin());
+  /// Hands the positions of the joints, with which `commands` begins, to the link, unless one of them jumps.
+  /// Control thread.
+  hardware::ReturnType write_joints(std::span<const double> commands, std::size_t count = N) noexcept {
+    std::array<double, N> joints{};
+    std::copy_n(commands.begin(), count, joints.begin());
     if (std::any_of(joints.begin(), joints.end(), [](double q) { return !std::isfinite(q); })) {
       link_->command(false, {});  // without a command for one joint the whole arm holds
       steps_.begin();
@@ -87,7 +87,7 @@ class StreamComponent : public hardware::Component {
   Nanoseconds period_ = 0;
   std::unique_ptr<Link> link_;
   std::atomic<bool> active_{false};  ///< the control thread's
-  StepCheck steps_;
+  StepCheckOf<N> steps_;
 };
 
 }  // namespace polyarm::wire

@@ -24,4 +24,10 @@ std::string jump_sentence(int joint, const std::string& where) {
          "limits";
 }
 
+std::string joint_commands_sentence(int joint, const std::string& where) {
+  return "a controller of this cell commands joint " + std::to_string(joint + 1) + " of " + where +
+         ", which takes only moves (`motion: forward`); the robot was stopped: stop that controller, or set "
+         "`motion: stream`";
+}
+
 }  // namespace polyarm::wire

@@ -13,5 +13,7 @@ std::string too_fast_sentence(int detail, const std::string& where);
 std::string loop_silent_sentence(const std::string& where);
 /// `joint` counts from 0.
 std::string jump_sentence(int joint, const std::string& where);
+/// In forward mode a controller of the cell commands the joint, which counts from 0.
+std::string joint_commands_sentence(int joint, const std::string& where);
 
 }  // namespace polyarm::wire

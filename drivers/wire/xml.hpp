@@ -8,13 +8,17 @@
 #include <string>
 #include <string_view>
 
+#include "polyarm/base/bounds.hpp"
+
 namespace polyarm::wire {
 
 /// One document: elements with attributes and text, in their order. No entities, comments, DTDs or sections
 /// of CDATA; a declaration (`<?xml …?>`) may precede the root. The texts are parts of what was read.
 class XmlDocument {
  public:
-  static constexpr std::size_t kMostElements = 48, kMostAttributes = 160, kMostDepth = 4;
+  static constexpr std::size_t kMostElements = bounds::kWireXmlElements,
+                               kMostAttributes = bounds::kWireXmlAttributes,
+                               kMostDepth = bounds::kWireXmlNesting;
   enum class Result : std::uint8_t { whole, incomplete, bad };
 
   /// Reads the first document of `text`. Only a whole document is kept.

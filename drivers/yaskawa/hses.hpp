@@ -9,6 +9,7 @@
 
 #include "drivers/wire/ordered_bytes.hpp"
 #include "drivers/yaskawa/words.hpp"
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/descriptor.hpp"
 #include "polyarm/base/time.hpp"
 
@@ -17,7 +18,9 @@ namespace polyarm::yaskawa {
 using wire::Bytes;
 
 inline constexpr int kHsesPort = 10040;
-inline constexpr std::size_t kHsesHeader = 32, kHsesPayload = 479;  ///< bytes; the protocol allows no more
+inline constexpr std::size_t kHsesHeader = 32,
+                             kHsesPayload =
+                                 bounds::kHsesPayloadBytes;  ///< bytes; the protocol allows no more
 inline constexpr std::uint32_t kLastBlock = 0x80000000;
 
 /// What a request does with its command's data.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/realtime/periodic.hpp"
 
 namespace polyarm::yaskawa {
@@ -22,8 +23,8 @@ constexpr double kStillSpeed = 0.01;         // rad/s
 constexpr int kRestAfter = 600'000;          // ms of a trajectory: the next rest begins a new one
 constexpr int kRest = 500;                   // ms of such a rest
 constexpr int kMostTime = 14'000'000;        // ms of a trajectory; MotoROS takes 4 h
-constexpr std::size_t kMostPoints = 64;      // that wait for the controller
-constexpr int kPointsPerCheck = 10;          // between two looks at the controller's buffer
+constexpr std::size_t kMostPoints = bounds::kMotoPoints;  // that wait for the controller
+constexpr int kPointsPerCheck = 10;                       // between two looks at the controller's buffer
 constexpr int kMostBrakeCycles = 4000;
 constexpr int kHalfMillisecond = 500;  // µs: the controller cuts the time to ms
 

@@ -11,6 +11,7 @@
 #include "drivers/wire/ordered_bytes.hpp"
 #include "drivers/wire/tcp.hpp"
 #include "drivers/yaskawa/words.hpp"
+#include "polyarm/base/bounds.hpp"
 
 namespace polyarm::yaskawa {
 
@@ -20,7 +21,8 @@ using wire::Bytes;
 inline constexpr int kMotionPort = 50240, kStatePort = 50241, kIoPort = 50242;
 inline constexpr std::size_t kMotoAxes = 10, kMotoGroups = 4;
 /// Of a message without its length: the head alone, and a point for all groups.
-inline constexpr std::size_t kLeastMessage = 12, kLongestMessage = 12 + 8 + kMotoGroups * 132;
+inline constexpr std::size_t kLeastMessage = 12, kLongestMessage = bounds::kMotoMessageBytes;
+static_assert(kLongestMessage == 12 + 8 + kMotoGroups * 132);
 
 enum class MotoType : std::int32_t {
   ping = 1,
@@ -221,6 +223,6 @@ constexpr std::uint32_t input_address(int number) {
 constexpr std::uint32_t output_address(int number) {
   return 10000 + input_address(number);
 }
-inline constexpr int kMostSignals = 32;
+inline constexpr int kMostSignals = bounds::kSignalsOfController;
 
 }  // namespace polyarm::yaskawa

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "importers/importer.hpp"
+#include "polyarm/base/bounds.hpp"
 
 namespace polyarm::meshes {
 namespace {
@@ -125,6 +126,6 @@ Mesh read(const std::string& bytes, const std::string& kind) {
 }  // namespace polyarm::meshes
 
 int main(int argc, char** argv) {
-  constexpr std::size_t kMostMemory = std::size_t{2} << 30;  // bytes
+  constexpr std::size_t kMostMemory = polyarm::bounds::kMeshImportMemory;  // bytes
   return polyarm::meshes::run_importer(argc, argv, kMostMemory, polyarm::meshes::read);
 }

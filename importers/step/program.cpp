@@ -27,6 +27,7 @@
 #include <vector>
 
 #include "importers/importer.hpp"
+#include "polyarm/base/bounds.hpp"
 
 namespace polyarm::meshes {
 namespace {
@@ -135,6 +136,6 @@ Mesh read(const std::string& bytes, const std::string&) {
 }  // namespace polyarm::meshes
 
 int main(int argc, char** argv) {
-  constexpr std::size_t kMostMemory = std::size_t{3} << 30;  // bytes
+  constexpr std::size_t kMostMemory = polyarm::bounds::kStepImportMemory;  // bytes
   return polyarm::meshes::run_importer(argc, argv, kMostMemory, polyarm::meshes::read);
 }

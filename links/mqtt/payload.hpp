@@ -3,12 +3,13 @@
 #include <optional>
 #include <string>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/signals/link.hpp"
 
 namespace polyarm::mqtt {
 
 /// Largest payload, bytes; a longer one is refused.
-inline constexpr std::size_t kLongestMessage = 65536;
+inline constexpr std::size_t kLongestMessage = bounds::kMqttMessageBytes;
 
 /// The payload for `value`.
 std::string payload_of(const signals::LinkTag& tag, const data::Value& value);

@@ -7,9 +7,13 @@
 #include <variant>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
+
 namespace polyarm::mqtt {
 
-inline constexpr std::size_t kMostMetrics = 1000, kMostMetricName = 512, kMostMetricText = 65536;
+inline constexpr std::size_t kMostMetrics = bounds::kSparkplugMetrics,
+                             kMostMetricName = bounds::kSparkplugNameBytes,
+                             kMostMetricText = bounds::kSparkplugTextBytes;
 
 /// Data types of the specification that are used here; a received metric may have any.
 enum class MetricType : std::uint32_t {

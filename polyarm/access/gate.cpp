@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "polyarm/access/token.hpp"
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::server {
@@ -178,8 +179,8 @@ std::string shown_text(const Head& head, const GateRules& rules) {
 
 std::optional<std::pair<std::string, std::string>> basic_credentials(std::string_view authorization) {
   constexpr std::string_view kBasic = "basic ";
-  constexpr std::size_t kMost = 1024;
-  if (lower(authorization.substr(0, kBasic.size())) != kBasic || authorization.size() > kMost)
+  if (lower(authorization.substr(0, kBasic.size())) != kBasic ||
+      authorization.size() > bounds::kCredentialsBytes)
     return std::nullopt;
   const std::optional<std::string> text = from_base64(trim(authorization.substr(kBasic.size())));
   if (!text) return std::nullopt;

@@ -18,6 +18,8 @@
 #include <memory>
 #include <optional>
 
+#include "polyarm/access/file_lock.hpp"
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 
 namespace polyarm::server {
@@ -28,7 +30,7 @@ namespace {
 
 constexpr long kDays = 820, kDay_s = 86400;  // browsers refuse certificates that last longer than 825 days
 constexpr long kRenew_s = 30 * kDay_s;
-constexpr std::size_t kLargestFile = 1 << 20;
+constexpr std::size_t kLargestFile = bounds::kPemBytes;
 
 struct Free {
   void operator()(BIO* bio) const { ::BIO_free(bio); }
@@ -154,13 +156,14 @@ Certificate read_certificate(const fs::path& chain, const fs::path& key) {
 
 Certificate kept_certificate(const fs::path& folder, const std::string& host_name) {
   const fs::path chain = folder / "pendant-certificate.pem", key = folder / "pendant-key.pem";
+  std::error_code error;
+  fs::create_directories(folder, error);
+  const FileLock lock(chain);  // another process may be creating it
   auto kept_chain = text_in(chain, true), kept_key = text_in(key, true);
   if (kept_chain && kept_key) {
     Certificate out{std::move(*kept_chain), std::move(*kept_key), {}};
     if (judge(out, true).empty()) return out;
   }
-  std::error_code error;
-  fs::create_directories(folder, error);
   const Certificate made = make_certificate(host_name.empty() ? "localhost" : host_name);
   write_private(key, made.key);
   write_private(chain, made.chain);

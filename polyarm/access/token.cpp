@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "polyarm/access/file_lock.hpp"
 #include "polyarm/base/error.hpp"
 
 namespace polyarm::server {
@@ -39,7 +40,7 @@ std::string base64url(const std::array<std::uint8_t, kBytes>& bytes) {
 
 /// The content of a file that only this user can read; else empty.
 std::string read_private(const std::filesystem::path& file) {
-  const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
   if (fd < 0) return {};
   struct stat status {};
   std::array<char, kCharacters + 1> text{};
@@ -85,6 +86,8 @@ bool same_token(std::string_view a, std::string_view b) noexcept {
 
 std::string kept_token(const std::filesystem::path& file) {
   if (const std::string kept = read_private(file); is_token(kept)) return kept;
+  const FileLock lock(file);
+  if (const std::string kept = read_private(file); is_token(kept)) return kept;  // of another process
   ::unlink(file.c_str());
   const std::string token = make_token();
   const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);

@@ -507,6 +507,7 @@ class Checker {
       const auto say = [&](Problem& problem) {
         if (problem.where.line != stop.where.line || !is_same_pair(problem, stop)) return;
         problem.what += "; in a run guards stop " + std::get<std::string>(stop.facts[0].value) + " before it";
+        problem.severity = stop.severity;  // the run fails there, also where the check alone would warn
         is_known = true;
       };
       for (std::size_t i = 0; i < swept; ++i) say(found[i]);

@@ -95,12 +95,26 @@ bool only_calculates(const program::Block& block) {
   return out;
 }
 
-/// Number of passes of the main loop to follow: kCountedPasses if its condition compares, because it may
-/// count to an end; otherwise kPasses. A comparing loop that only calculates has no limit here, until it
+/// True if a comparison decides about a `break` of the loop with this body.
+bool leaves_by_comparison(const program::Block& body) {
+  using Kind = program::Statement::Kind;
+  const auto breaks = [](const program::Block& block) {
+    return std::any_of(block.begin(), block.end(), [](const auto& s) { return s.kind == Kind::break_loop; });
+  };
+  return std::any_of(body.begin(), body.end(), [&](const program::Statement& s) {
+    return std::any_of(s.branches.begin(), s.branches.end(), [&](const auto& branch) {
+      return branch.condition && compares(*branch.condition) && breaks(branch.body);
+    });
+  });
+}
+
+/// Number of passes of the main loop to follow: kCountedPasses if its condition, or that of a `break`, compares,
+/// because it may count to an end; otherwise kPasses. A comparing loop that only calculates has no limit here, until it
 /// counts as endless.
 std::uint64_t passes_of(const program::Program& program) {
   for (const program::Statement& s : program.statements) {
-    if (s.kind != program::Statement::Kind::while_loop || !s.expression || !compares(*s.expression)) continue;
+    if (s.kind != program::Statement::Kind::while_loop || !s.expression) continue;
+    if (!compares(*s.expression) && !leaves_by_comparison(s.body)) continue;
     return only_calculates(s.body) ? std::numeric_limits<std::uint64_t>::max() : kCountedPasses;
   }
   return kPasses;
@@ -192,6 +206,9 @@ std::vector<std::vector<Supposition>> groups_of_suppositions(const Subject& subj
   program::for_each_statement(program.statements, [&](const program::Statement& s) {
     if (s.kind == program::Statement::Kind::wait && s.second)
       out.push_back({{.late = program.at(s.place).text()}});
+    if (std::any_of(s.clauses.begin(), s.clauses.end(),
+                    [](const program::Clause& c) { return c.kind == program::Clause::Kind::until; }))
+      out.push_back({{.until = program.at(s.place).text()}});
     if (s.kind == program::Statement::Kind::try_block)
       out.push_back({{.fails = program.at(s.handler_place).text()}});
   });

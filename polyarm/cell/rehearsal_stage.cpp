@@ -170,7 +170,7 @@ ProgramMoves& Stage::moves_of_program() const {
 
 std::vector<double> Stage::joints_now(std::size_t arm) const {
   const Location last = arms_[arm].went.empty() ? Location{} : arms_[arm].went.back().asked.where;
-  if (!helped_.empty()) here_known_ = here_known_ && start_known(arms_[arm], last);
+  if (!helped_.empty() || supposed_met_) here_known_ = here_known_ && start_known(arms_[arm], last);
   return arms_[arm].at;
 }
 
@@ -195,6 +195,24 @@ data::List Stage::rows_of(const std::string& file) {
 
 std::string Stage::next_line(const std::string& stream) {
   throw Error("nobody-there", "check knows no lines of the stream '" + stream + "'");
+}
+
+bool Stage::supposes_met(const Location& where, bool has_else) {
+  const bool met = has_else != (supposed_.until == where.text());
+  if (!met) return false;
+  supposed_met_ = true;
+  arrive();
+  for (Arm& arm : arms_)
+    if (!arm.went.empty() && arm.went.back().asked.where.text() == where.text()) arm.went.back().guessed = true;
+  return true;
+}
+
+void Stage::comply(const std::string& robot, const program::Compliance&) {
+  const std::string& name = moves_of_program().name_of(robot);
+  for (const auto& each : cell_.setup.robots)
+    if (each->entry.name == name && !may_feel_force(*each, cell_.setup.robots))
+      throw Error("signal", "'" + name + "' has no force sensor, so it cannot yield to forces",
+                  "write `force_sensor: true` at the robot in cell.yaml, for physics, or use hardware with a sensor");
 }
 
 bool Stage::next_part(const std::string& belt, const std::string& robot) {

@@ -30,6 +30,7 @@ struct Supposition {
   bool only_tried = false;                ///< the value is only a guess; nothing in the cell states it
   std::optional<NamedValue> answer = {};  ///< answer to a question, by answer_name()
   std::string late = {};                  ///< location of a wait that times out
+  std::string until = {};                 ///< location of a move whose `until` ends otherwise than usual
   std::string fails = {};                 ///< location of an `on error`; something before it fails once
 };
 
@@ -100,6 +101,11 @@ class Stage : public program::Host {
   /// Nothing touches here: until conditions of force do not come.
   std::array<double, 6> wrench(const std::string&) override { return {}; }
   void zero_force(const std::string&) override {}
+  /// With an `else` it is usually met, without one not; the other case is another pass.
+  bool supposes_met(const Location& where, bool has_else) override;
+  /// A robot without a sensor cannot yield.
+  void comply(const std::string& robot, const program::Compliance& how) override;
+  void stiff(const std::string&) override {}
   /// A part is always there, where robots begin to follow it.
   bool next_part(const std::string& belt, const std::string& robot) override;
   double waiting_parts(const std::string&) override { return 1; }
@@ -160,7 +166,9 @@ class Stage : public program::Host {
   void fail_as_supposed(const Location& where);
   void raise_pending();
   bool report_passed_on(const Problem& problem);
-  bool supposes() const { return !helped_.empty() || supposed_.answer || !supposed_.fails.empty(); }
+  bool supposes() const {
+    return !helped_.empty() || supposed_.answer || !supposed_.fails.empty() || !supposed_.until.empty() || supposed_met_;
+  }
   void check_on_the_way(const Arm& arm, const moves::RobotFacts& facts, const moves::PlannedMotion& motion);
   void keep_paths(const Arm& arm, const moves::RobotFacts& facts, const moves::MovePlan& plan);
   static void note_made(Arm& arm, std::size_t count);
@@ -187,6 +195,7 @@ class Stage : public program::Host {
   std::map<std::string, data::Value> before_;
   Supposition supposed_;
   bool has_failed_ = false;         ///< the supposed error was raised
+  bool supposed_met_ = false;       ///< an `until` counted as met: the robot is not certainly where it is planned
   std::optional<Problem> pending_;  ///< an error of a move, to be raised in the program
   std::vector<Caught> caught_;
   mutable std::map<std::string, Question> questions_;

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
+
 namespace polyarm::clouds {
 
 namespace {
 
 constexpr double kSmallestCell = 1e-3;
-constexpr std::size_t kFirstSlots = 1 << 12, kMostCells = 1 << 17;
+constexpr std::size_t kFirstSlots = 1 << 12, kMostCells = bounds::kCloudCells;
 
 std::array<std::int64_t, 3> indices_of(std::uint64_t key) {
   constexpr std::uint64_t kMask = (std::uint64_t{1} << CloudGrid::kBits) - 1;
@@ -17,6 +19,11 @@ std::array<std::int64_t, 3> indices_of(std::uint64_t key) {
     return static_cast<std::int64_t>((key >> (axis * CloudGrid::kBits)) & kMask) - CloudGrid::kMiddle;
   };
   return {index(0), index(1), index(2)};
+}
+/// The cell twice as large that contains the cell.
+std::uint64_t coarser(std::uint64_t key) {
+  const std::array<std::int64_t, 3> index = indices_of(key);
+  return CloudGrid::key_of(index[0] >> 1, index[1] >> 1, index[2] >> 1);
 }
 std::size_t mix(std::uint64_t key) {
   key *= 0x9E3779B97F4A7C15u;
@@ -61,85 +68,80 @@ void join_along(int axis, std::vector<Block>& blocks) {
 
 CloudGrid::CloudGrid(double cell)
     : cell_(std::isfinite(cell) ? std::max(cell, kSmallestCell) : kSmallestCell), per_cell_(1 / cell_) {
-  keys_.assign(kFirstSlots, 0);
-  extents_.resize(kFirstSlots);
+  slots_.resize(kFirstSlots);
 }
 
-std::size_t CloudGrid::find(std::uint64_t key) {
-  const std::size_t mask = keys_.size() - 1;
+CloudGrid::Slot& CloudGrid::find(std::uint64_t key) {
+  const std::size_t mask = slots_.size() - 1;
   std::size_t slot = mix(key) & mask;
-  while (keys_[slot] != 0 && keys_[slot] != key) slot = (slot + 1) & mask;
-  return slot;
+  while (slots_[slot].key != 0 && slots_[slot].key != key) slot = (slot + 1) & mask;
+  return slots_[slot];
 }
 
 void CloudGrid::put(std::uint64_t key, const Extent& extent) {
-  const std::size_t slot = find(key);
-  Extent& own = extents_[slot];
-  if (keys_[slot] == 0) {
-    keys_[slot] = key;
-    own = extent;
+  Slot& slot = find(key);
+  if (slot.key == 0) {
+    slot = {key, extent};
     ++cells_;
     return;
   }
-  for (int k = 0; k < 3; ++k) {
-    own.lower[k] = std::min(own.lower[k], extent.lower[k]);
-    own.upper[k] = std::max(own.upper[k], extent.upper[k]);
-  }
+  slot.extent.include(extent.lower);
+  slot.extent.include(extent.upper);
 }
 
 void CloudGrid::add_to(std::uint64_t key, const float (&p)[3]) {
-  const std::size_t slot = find(key);
-  if (keys_[slot] != 0) {
-    last_key_ = key;
-    last_ = &extents_[slot];
-    return last_->include(p);
-  }
-  put(key, {{p[0], p[1], p[2]}, {p[0], p[1], p[2]}});
+  Slot& slot = waiting_[waiting_count_++];
+  slot = {key, {{p[0], p[1], p[2]}, {p[0], p[1], p[2]}}};
+  last_key_ = key;
+  last_ = &slot.extent;
+  __builtin_prefetch(&slots_[mix(key) & (slots_.size() - 1)], 1);
+  if (waiting_count_ == waiting_.size()) put_waiting();
+}
+
+void CloudGrid::put_waiting() {
+  const std::size_t count = std::exchange(waiting_count_, 0);
   last_key_ = 0;
-  if (cells_ > kMostCells)
-    coarsen();
-  else if (2 * cells_ > keys_.size())
-    grow();
+  for (std::size_t i = 0; i < count; ++i) {
+    put(waiting_[i].key, waiting_[i].extent);
+    if (cells_ > kMostCells) {
+      coarsen();
+      for (std::size_t k = i + 1; k < count; ++k) waiting_[k].key = coarser(waiting_[k].key);
+    } else if (2 * cells_ > slots_.size()) {
+      grow();
+    }
+  }
 }
 
 void CloudGrid::grow() {
-  std::vector<std::uint64_t> keys(2 * keys_.size(), 0);
-  std::vector<Extent> extents(keys.size());
-  keys_.swap(keys);
-  extents_.swap(extents);
+  std::vector<Slot> before(2 * slots_.size());
+  before.swap(slots_);
   cells_ = 0;
-  last_key_ = 0;
-  for (std::size_t i = 0; i < keys.size(); ++i)
-    if (keys[i] != 0) put(keys[i], extents[i]);
+  for (const Slot& slot : before)
+    if (slot.key != 0) put(slot.key, slot.extent);
 }
 
 void CloudGrid::coarsen() {
-  std::vector<std::uint64_t> keys(keys_.size(), 0);
-  std::vector<Extent> extents(extents_.size());
-  keys_.swap(keys);
-  extents_.swap(extents);
+  std::vector<Slot> before(slots_.size());
+  before.swap(slots_);
   cells_ = 0;
-  last_key_ = 0;
   cell_ *= 2;
   per_cell_ = 1 / cell_;
-  for (std::size_t i = 0; i < keys.size(); ++i)
-    if (keys[i] != 0) {
-      const std::array<std::int64_t, 3> index = indices_of(keys[i]);
-      put(key_of(index[0] >> 1, index[1] >> 1, index[2] >> 1), extents[i]);
-    }
+  for (const Slot& slot : before)
+    if (slot.key != 0) put(coarser(slot.key), slot.extent);
 }
 
 Cloud CloudGrid::boxes(double radius, std::size_t most) {
+  put_waiting();
   std::vector<Block> blocks;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> cells;  // by key: along x first
   for (;; coarsen()) {
     blocks.clear();
     cells.clear();
-    for (std::size_t i = 0; i < keys_.size(); ++i)
-      if (keys_[i] != 0) cells.emplace_back(keys_[i], static_cast<std::uint32_t>(i));
+    for (std::size_t i = 0; i < slots_.size(); ++i)
+      if (slots_[i].key != 0) cells.emplace_back(slots_[i].key, static_cast<std::uint32_t>(i));
     std::sort(cells.begin(), cells.end());
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      const Extent& own = extents_[cells[i].second];
+      const Extent& own = slots_[cells[i].second].extent;
       Block block;
       block.first = block.last = indices_of(cells[i].first);
       for (int k = 0; k < 3; ++k) block.lower[k] = own.lower[k], block.upper[k] = own.upper[k];

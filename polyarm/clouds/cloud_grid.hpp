@@ -7,14 +7,16 @@
 #include <cstdint>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/pose.hpp"
 
 namespace polyarm::clouds {
 
 /// Larger clouds and files are refused; a body with more boxes gets coarser cells.
-inline constexpr std::size_t kMostPoints = 20'000'000, kMostBoxes = 4000, kMostBytes = 512u << 20;
+inline constexpr std::size_t kMostPoints = bounds::kCloudPoints, kMostBoxes = bounds::kCloudBoxes,
+                             kMostBytes = bounds::kCloudBytes;
 /// Points farther from the origin than this are left out, m.
-inline constexpr double kFarthest = 1000;
+inline constexpr double kFarthest = bounds::kCloudMetres;
 
 struct CloudBox {
   Vec3 lower, upper;
@@ -34,6 +36,8 @@ class CloudGrid {
   /// `cell`: edge of a cell, m, at least 1 mm; it doubles whenever the cloud fills more cells than the grid
   /// holds.
   explicit CloudGrid(double cell);
+  CloudGrid(const CloudGrid&) = delete;
+  CloudGrid& operator=(const CloudGrid&) = delete;
   void add(double x, double y, double z) {
     // False for NaN, too.
     if (!(std::abs(x) <= kFarthest && std::abs(y) <= kFarthest && std::abs(z) <= kFarthest)) {
@@ -72,22 +76,29 @@ class CloudGrid {
       }
     }
   };
+  struct Slot {
+    std::uint64_t key = 0;  // 0: empty
+    Extent extent = {};
+  };
   static std::int64_t floor_of(double value) {
     const auto whole = static_cast<std::int64_t>(value);
     return whole - (static_cast<double>(whole) > value);
   }
   void add_to(std::uint64_t key, const float (&p)[3]);
-  std::size_t find(std::uint64_t key);
+  Slot& find(std::uint64_t key);
   void put(std::uint64_t key, const Extent& extent);
+  void put_waiting();
   void grow();
   void coarsen();
 
   double cell_, per_cell_;
-  std::vector<std::uint64_t> keys_;  // by slot; 0: empty
-  std::vector<Extent> extents_;
+  std::vector<Slot> slots_;
   std::size_t cells_ = 0, points_ = 0, dropped_ = 0;
+  // The last points wait here until there are enough of them: meanwhile the processor fetches their slots.
+  std::array<Slot, 32> waiting_;
+  std::size_t waiting_count_ = 0;
   std::uint64_t last_key_ = 0;  // of `last_`; 0: none
-  Extent* last_ = nullptr;
+  Extent* last_ = nullptr;      // in `waiting_`
 };
 
 }  // namespace polyarm::clouds

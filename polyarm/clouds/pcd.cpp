@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/clouds/cloud_file.hpp"
 #include "polyarm/clouds/text_points.hpp"
@@ -12,7 +13,8 @@ namespace polyarm::clouds {
 
 namespace {
 
-constexpr std::size_t kMostFields = 200, kMostHeaderLines = 200, kMostElements = 100'000;
+constexpr std::size_t kMostFields = bounds::kCloudFields, kMostHeaderLines = 200,
+                      kMostElements = bounds::kCloudElements;
 
 struct Field {
   std::string name;

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/clouds/cloud_file.hpp"
 #include "polyarm/clouds/text_points.hpp"
@@ -11,7 +12,7 @@ namespace polyarm::clouds {
 
 namespace {
 
-constexpr std::size_t kMostProperties = 200, kMostHeaderLines = 2000;
+constexpr std::size_t kMostProperties = bounds::kCloudFields, kMostHeaderLines = bounds::kCloudHeaderLines;
 
 struct Property {
   std::string name;

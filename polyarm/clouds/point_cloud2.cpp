@@ -4,6 +4,7 @@
 #include <cstring>
 #include <optional>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/clouds/cloud_file.hpp"
 
@@ -11,7 +12,7 @@ namespace polyarm::clouds {
 
 namespace {
 
-constexpr std::uint32_t kMostFields2 = 200;
+constexpr std::uint32_t kMostFields2 = bounds::kCloudFields;
 
 /// Reads values of CDR in order. After the end everything is zero and `whole` is false.
 class CdrWords {

@@ -429,9 +429,13 @@ std::vector<Problem> ControllerManager::findings(const std::string& name) const 
 
 std::vector<std::string> ControllerManager::active_names() const {
   std::vector<std::string> out;
-  for (const auto& s : slots_)
-    if (s->state.load() == LifecycleState::active) out.push_back(s->name);
+  for_each_active([&out](const std::string& name) { out.push_back(name); });
   return out;
+}
+
+void ControllerManager::for_each_active(const std::function<void(const std::string&)>& call) const {
+  for (const auto& s : slots_)
+    if (s->state.load() == LifecycleState::active) call(s->name);
 }
 
 void ControllerManager::post_schedule() {

@@ -2,6 +2,7 @@
 /// The controllers of one loop: their life cycle, switching between them, and their updates.
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <set>
 #include <span>
@@ -121,6 +122,8 @@ class ControllerManager {
   /// Names of the loaded controllers, for hints.
   std::vector<std::string> names() const;
   std::vector<std::string> active_names() const;
+  /// Calls `call` with the name of each active controller; allocates nothing.
+  void for_each_active(const std::function<void(const std::string&)>& call) const;
   std::string name_of(int id) const;
   /// Id of the controller that the control thread is updating; -1: none. Any thread.
   int in_call() const noexcept { return in_call_.load(std::memory_order_relaxed); }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <unordered_map>
 
 #include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
@@ -461,6 +462,13 @@ class ImportReader {
       return error(line, trim(line), "no-name", "this value has no name", "write a line `Name: …` before it");
     const int column = column_of(line, line.find_first_not_of(" \t"));
     const bool known = out_.values_.find(name_) != nullptr;
+    if (const auto [at, is_new] = named_.try_emplace(name_, name_line_); !is_new && at->second != name_line_) {
+      problems_.warning("duplicate-name", {out_.file_, static_cast<int>(name_line_) + 1, 1},
+                        quote(name_) + " is defined twice, here and in line " + std::to_string(at->second + 1) +
+                            "; the value here counts",
+                        "rename one of them, or take it away");
+      at->second = name_line_;
+    }
     out_.values_.set(name_, std::move(value), place(column));
     if (!known) out_.slots_.push_back({name_, line_, format_, {}});
     ImportFile::Slot& slot = *out_.slot_of(name_);
@@ -495,6 +503,7 @@ class ImportReader {
   std::shared_ptr<const Taught> taught_;  ///< of the present point
   std::string name_, group_;
   std::vector<std::size_t> groups_;  ///< group lines of the name, before its value
+  std::unordered_map<std::string, std::size_t> named_;  ///< the last line `Name:` of each name with a value
   std::size_t name_line_ = 0, line_ = 0, count_ = 0;
   bool name_used_ = false;
 };
@@ -510,6 +519,7 @@ ImportFile ImportFile::load(const std::string& path) {
   Problems problems;
   ImportFile out = parse(read_file(path, bounds::kDataBytes), path, problems);
   problems.throw_if_errors();
+  out.warnings_ = problems.list();
   return out;
 }
 

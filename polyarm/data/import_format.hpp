@@ -39,6 +39,8 @@ class ImportFile {
   static ImportFile load(const std::string& path);
 
   const std::string& file() const { return file_; }
+  /// What load() found that is probably a mistake.
+  const std::vector<Problem>& warnings() const { return warnings_; }
   /// The values that parse() would read from text().
   const DataSet& values() const { return values_; }
   /// Changes the line of `name`, or appends name and value. Does nothing if the value is equal. Throws
@@ -75,6 +77,7 @@ class ImportFile {
   std::vector<Slot> slots_;
   PointFormat last_format_;
   DataSet values_;
+  std::vector<Problem> warnings_;
 };
 
 /// Throws Error("cannot-keep") if the format cannot hold this name or value.

@@ -8,16 +8,15 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl/context.hpp>
-#include <boost/asio/ssl/stream.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
-#include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket.hpp>
-#include <boost/beast/websocket/ssl.hpp>
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/fleet/cell_stream.hpp"
 
 namespace polyarm::fleet {
 
@@ -31,8 +30,7 @@ using Json = nlohmann::json;
 
 namespace {
 
-using Plain = beast::tcp_stream;
-using Secure = beast::ssl_stream<beast::tcp_stream>;
+using Socket = ws::stream<CellStream>;
 
 std::string fingerprint_of(SSL* connection) {
   X509* const certificate = ::SSL_get1_peer_certificate(connection);
@@ -47,10 +45,20 @@ std::string fingerprint_of(SSL* connection) {
   return good ? out : std::string{};
 }
 
+/// As the terminal of the cell prints it.
+std::string with_colons(const std::string& digits) {
+  std::string out;
+  for (std::size_t i = 0; i < digits.size(); ++i) {
+    if (i > 0 && i % 2 == 0) out += ':';
+    out += digits[i];
+  }
+  return out;
+}
+
 }  // namespace
 
 Json parse_answer(const std::string& text) {
-  constexpr int kDeepest = 32;  // copies and dumps call themselves for each level
+  constexpr int kDeepest = bounds::kSiteNesting;  // copies and dumps call themselves for each level
   return Json::parse(
       text, [](int depth, Json::parse_event_t, Json&) { return depth < kDeepest; }, false);
 }
@@ -64,25 +72,19 @@ class CellClient::Work {
     http::request<http::empty_body> request{http::verb::get, path, 11};
     request.set(http::field::host, host());
     request.set(http::field::authorization, "Bearer " + cell_.token);
-    if (!cell_.tls) {
-      Plain stream(context_);
-      connect(stream);
-      return exchange(stream, stream, request);
-    }
-    Secure stream(context_, tls_);
-    connect(beast::get_lowest_layer(stream));
-    shake_hands(stream);
-    return exchange(stream, beast::get_lowest_layer(stream), request);
+    CellStream stream(context_);
+    connect(stream);
+    return exchange(stream, request);
   }
 
   Json ask(Json request) {
     context_.restart();
-    if (!plain_ && !secure_) open();
+    if (!socket_) open();
     const std::uint64_t id = ++last_id_;
     request["id"] = id;
     const std::string text = request.dump(-1, ' ', false, Json::error_handler_t::replace);
     try {
-      return plain_ ? converse(*plain_, text, id) : converse(*secure_, text, id);
+      return converse(text, id);
     } catch (const Error& e) {
       if (e.problems().front().code == kLost) close();
       throw;
@@ -92,17 +94,14 @@ class CellClient::Work {
   void close() noexcept {
     try {
       context_.restart();
-      const auto end = [&](auto& socket) {
-        beast::get_lowest_layer(socket).expires_after(std::chrono::seconds(1));
-        socket.async_close(ws::close_code::normal, [](Failure) {});
+      if (socket_) {
+        beast::get_lowest_layer(*socket_).expires_after(std::chrono::seconds(1));
+        socket_->async_close(ws::close_code::normal, [](Failure) {});
         context_.run();
-      };
-      if (plain_) end(*plain_);
-      if (secure_) end(*secure_);
+      }
     } catch (...) {  // the connection is gone already
     }
-    plain_.reset();
-    secure_.reset();
+    socket_.reset();
   }
 
  private:
@@ -123,7 +122,7 @@ class CellClient::Work {
 
   /// Runs until the operation that was begun has ended; the stream's own time limit ends it.
   template <class Begin>
-  void run(Plain& lowest, const char* what, Begin begin) {
+  void run(CellStream::Tcp& lowest, const char* what, Begin begin) {
     Failure result;
     lowest.expires_after(limit());
     begin(result);
@@ -132,29 +131,32 @@ class CellClient::Work {
     check(result, what);
   }
 
-  void connect(Plain& stream) {
+  void connect(CellStream& stream) {
     Failure failed;
     tcp::resolver resolver(context_);
     const auto found = resolver.resolve(cell_.host, std::to_string(cell_.port), failed);
     check(failed, "has no address");
-    run(stream, "cannot be reached", [&](Failure& result) {
-      stream.async_connect(found, [&result](Failure f, const tcp::endpoint&) { result = f; });
+    CellStream::Tcp& lowest = stream.next_layer();
+    run(lowest, "cannot be reached", [&](Failure& result) {
+      lowest.async_connect(found, [&result](Failure f, const tcp::endpoint&) { result = f; });
     });
-    stream.socket().set_option(tcp::no_delay(true), failed);
+    lowest.socket().set_option(tcp::no_delay(true), failed);
+    if (cell_.tls) shake_hands(stream);
   }
 
   /// The certificate is known by its fingerprint, as the terminal of the cell prints it; no authority is
   /// asked.
-  void shake_hands(Secure& stream) {
-    run(beast::get_lowest_layer(stream), "speaks no TLS", [&](Failure& result) {
-      stream.async_handshake(net::ssl::stream_base::client, [&result](Failure f) { result = f; });
+  void shake_hands(CellStream& stream) {
+    CellStream::Tls& tls = stream.begin_tls(tls_);
+    run(stream.next_layer(), "speaks no TLS", [&](Failure& result) {
+      tls.async_handshake(net::ssl::stream_base::client, [&result](Failure f) { result = f; });
     });
-    const std::string shown = fingerprint_of(stream.native_handle());
-    if (shown != cell_.fingerprint) lose("has another certificate than the file of the site says: " + shown);
+    const std::string shown = fingerprint_of(tls.native_handle());
+    if (shown != cell_.fingerprint) lose("has another certificate than the file of the site says: " + with_colons(shown));
   }
 
-  template <class Stream>
-  std::string exchange(Stream& stream, Plain& lowest, const http::request<http::empty_body>& request) {
+  std::string exchange(CellStream& stream, const http::request<http::empty_body>& request) {
+    CellStream::Tcp& lowest = stream.next_layer();
     run(lowest, "takes no request", [&](Failure& result) {
       http::async_write(stream, request, [&result](Failure f, std::size_t) { result = f; });
     });
@@ -174,7 +176,6 @@ class CellClient::Work {
     return std::move(parser.get().body());
   }
 
-  template <class Socket>
   void upgrade(Socket& socket) {
     // The lowest layer's time limit is used for each step; the WebSocket's own is off.
     socket.set_option(ws::stream_base::timeout{ws::stream_base::none(), ws::stream_base::none(), false});
@@ -188,23 +189,15 @@ class CellClient::Work {
   }
 
   void open() {
-    if (cell_.tls) {
-      auto made = std::make_unique<ws::stream<Secure>>(context_, tls_);
-      connect(beast::get_lowest_layer(*made));
-      shake_hands(made->next_layer());
-      upgrade(*made);
-      secure_ = std::move(made);
-    } else {
-      auto made = std::make_unique<ws::stream<Plain>>(context_);
-      connect(beast::get_lowest_layer(*made));
-      upgrade(*made);
-      plain_ = std::move(made);
-    }
+    auto made = std::make_unique<Socket>(context_);
+    connect(made->next_layer());
+    upgrade(*made);
+    socket_ = std::move(made);
   }
 
-  template <class Socket>
-  Json converse(Socket& socket, const std::string& text, std::uint64_t id) {
-    Plain& lowest = beast::get_lowest_layer(socket);
+  Json converse(const std::string& text, std::uint64_t id) {
+    Socket& socket = *socket_;
+    CellStream::Tcp& lowest = beast::get_lowest_layer(socket);
     socket.text(true);
     run(lowest, "takes no request", [&](Failure& result) {
       socket.async_write(net::buffer(text), [&result](Failure f, std::size_t) { result = f; });
@@ -233,8 +226,7 @@ class CellClient::Work {
   const double timeout_s_;
   net::io_context context_{1};
   net::ssl::context tls_{net::ssl::context::tls_client};
-  std::unique_ptr<ws::stream<Plain>> plain_;
-  std::unique_ptr<ws::stream<Secure>> secure_;
+  std::unique_ptr<Socket> socket_;
   std::uint64_t last_id_ = 0;
 };
 

@@ -5,11 +5,12 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/fleet/site_file.hpp"
 
 namespace polyarm::fleet {
 
-inline constexpr std::size_t kMostAnswer = 4 << 20;  ///< bytes of one document or message
+inline constexpr std::size_t kMostAnswer = bounds::kSiteAnswerBytes;  ///< bytes of one document or message
 
 /// JSON of a stranger: what is nested deeper than a cell nests it is left out. A discarded value if it is no
 /// JSON.

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/fleet/cell_client.hpp"
 
@@ -14,8 +15,8 @@ using Json = nlohmann::json;
 
 namespace {
 
-constexpr std::size_t kMostCompared = 4'000'000;  // pairs of lines
-constexpr std::size_t kMostProblems = 50;
+constexpr std::size_t kMostCompared = bounds::kSiteLinePairs;  // pairs of lines
+constexpr std::size_t kMostProblems = bounds::kSiteProblems;
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> out;

@@ -5,11 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 
 namespace polyarm::fleet {
 
-inline constexpr std::size_t kMostCells = 500;
+inline constexpr std::size_t kMostCells = bounds::kSiteCells;
 
 struct SiteCell {
   std::string name, host;

@@ -1,60 +1,12 @@
 #include "polyarm/fleet/site_page.hpp"
 
 #include "polyarm/access/token.hpp"
+#include "polyarm/fleet/site_page_files.hpp"
 #include "polyarm/server/port.hpp"
 
 namespace polyarm::fleet {
 
 namespace {
-
-constexpr const char* kPage = R"(<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
-<title>Polyarm site</title>
-<style>
-:root { color-scheme: light dark; --bad: #b3261e; --good: #1b7f3b; --wait: #9a6700; --line: #8884; }
-body { font: 16px system-ui, sans-serif; margin: 1.5rem; }
-table { border-collapse: collapse; width: 100%; }
-th, td { text-align: left; padding: .5rem .75rem; border-bottom: 1px solid var(--line); vertical-align: top; }
-td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; }
-.state { font-weight: 600; } .running { color: var(--good); } .held, .stopping, .backing { color: var(--wait); }
-.fault, .silent { color: var(--bad); }
-</style></head><body>
-<h1 id="name">Site</h1><p id="sum" role="status"></p>
-<table><thead><tr><th>Cell<th>State<th>Program<th class="number">Passes<th class="number">Availability<th class="number">Performance
-<th class="number">Quality<th class="number">OEE<th>Version<th>What is wrong</tr></thead><tbody id="cells"></tbody></table>
-<script src="/site.js"></script></body></html>
-)";
-
-constexpr const char* kScript = R"(
-const percent = (share) => (share === null ? '–' : (100 * share).toFixed(1) + ' %');
-function row(cell) {
-  const summary = cell.summary ?? {}, state = cell.answers ? summary.state : 'silent';
-  const tr = document.createElement('tr');
-  const add = (text, kind = '') => { const td = tr.insertCell(); td.textContent = text ?? ''; td.className = kind; };
-  add(cell.name);
-  add(state, 'state ' + String(state).replace(/[^a-z]/g, ''));
-  add(cell.answers && summary.program ? `${summary.program.name}: ${summary.program.state}` : '');
-  add(summary.passes ?? '', 'number');
-  for (const key of ['availability', 'performance', 'quality', 'oee']) add(percent(cell.oee[key]), 'number');
-  add(summary.version);
-  add(cell.words + (cell.answers || !cell.summary ? '' : ` (last values ${Math.round(cell.age_s)} s old)`));
-  return tr;
-}
-async function look() {
-  const sum = document.getElementById('sum');
-  try {
-    const site = await (await fetch('/api/site', { cache: 'no-store' })).json();
-    document.getElementById('name').textContent = site.name;
-    document.title = site.name;
-    sum.textContent = `${site.cells.filter((each) => each.answers).length} of ${site.cells.length} cells answer`;
-    document.getElementById('cells').replaceChildren(...site.cells.map(row));
-  } catch {
-    sum.textContent = 'polyarm fleet does not answer: the values are old';
-  }
-  setTimeout(look, 1000);
-}
-look();
-)";
 
 server::HttpReply reply_of(std::string text, const char* type) {
   server::HttpReply out;

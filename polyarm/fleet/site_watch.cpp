@@ -6,6 +6,7 @@
 #include <chrono>
 #include <string>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/printable.hpp"
 #include "polyarm/fleet/cell_client.hpp"
 
@@ -15,7 +16,8 @@ using Json = nlohmann::json;
 
 namespace {
 
-constexpr std::size_t kMostSummary = 256 << 10;  // the page shows those of all cells again and again
+constexpr std::size_t kMostSummary =
+    bounds::kSiteSummaryBytes;  // the page shows those of all cells again and again
 
 double steady_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -26,7 +28,7 @@ std::string address_of(const SiteCell& cell) {
 }
 
 /// A text of a stranger's JSON, printable and short.
-std::string text_at(const Json& map, const char* key) {
+std::string short_text_at(const Json& map, const char* key) {
   if (!map.is_object()) return {};
   const auto found = map.find(key);
   if (found == map.end() || !found->is_string()) return {};
@@ -44,9 +46,9 @@ std::string percent(const std::optional<double>& share) {
 /// What a person needs to know: why it does not answer, or why it does not run.
 std::string words_of(const CellReport& report) {
   if (!report.answers) return report.trouble;
-  if (const std::string failure = text_at(report.summary, "failure"); !failure.empty()) return failure;
-  const std::string cause = text_at(part_of(report.summary, "cause"), "what");
-  const std::string problem = text_at(part_of(report.summary, "program"), "problem");
+  if (const std::string failure = short_text_at(report.summary, "failure"); !failure.empty()) return failure;
+  const std::string cause = short_text_at(part_of(report.summary, "cause"), "what");
+  const std::string problem = short_text_at(part_of(report.summary, "program"), "problem");
   return !cause.empty() ? cause : problem;
 }
 
@@ -136,10 +138,10 @@ std::string table_of(const std::vector<CellReport>& reports) {
                             ? each.summary["passes"].get<std::uint64_t>()
                             : 0;
     out += fmt::format("{:<20} {:<9} {:<10} {:>7} {:>6} {:>6} {:>6} {:>6}  {:<10} {}\n", each.name,
-                       each.answers ? text_at(each.summary, "state") : "silent",
-                       each.answers ? text_at(program, "state") : "", passes, percent(each.oee.availability),
+                       each.answers ? short_text_at(each.summary, "state") : "silent",
+                       each.answers ? short_text_at(program, "state") : "", passes, percent(each.oee.availability),
                        percent(each.oee.performance), percent(each.oee.quality), percent(each.oee.whole),
-                       text_at(each.summary, "version"), words_of(each));
+                       short_text_at(each.summary, "version"), words_of(each));
   }
   return out + fmt::format("{} of {} cells answer\n", answer, reports.size());
 }

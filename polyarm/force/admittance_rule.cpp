@@ -51,7 +51,9 @@ AdmittanceRule::AdmittanceRule(const description::RobotModel& model, const Admit
 void AdmittanceRule::set(const AdmittanceParameters& parameters) noexcept {
   parameters_ = parameters;
   for (std::size_t i = 0; i < 6; ++i)
-    damping_[i] = parameters.damping_ratio[i] * 2 * std::sqrt(parameters.mass[i] * parameters.stiffness[i]);
+    damping_[i] = parameters.damping ? (*parameters.damping)[i]
+                                     : parameters.damping_ratio[i] * 2 *
+                                           std::sqrt(parameters.mass[i] * parameters.stiffness[i]);
 }
 
 SixVector AdmittanceRule::damping() const noexcept {

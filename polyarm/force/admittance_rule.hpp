@@ -3,6 +3,7 @@
 /// the motion becomes offsets of joints. The equations are those of ros2_control's admittance_controller. SI
 /// units; six-vectors are linear x y z, then angular.
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,7 +16,8 @@ using SixVector = std::array<double, 6>;
 struct AdmittanceParameters {
   std::array<bool, 6> axes{};  ///< which axes of the control frame comply
   SixVector mass{1, 1, 1, 1, 1, 1}, damping_ratio{1, 1, 1, 1, 1, 1}, stiffness{};
-  double joint_damping = 5;  ///< 1/s
+  std::optional<SixVector> damping;  ///< N s/m, N m s/rad, instead of that of the ratios
+  double joint_damping = 5;          ///< 1/s
   double filter = 0.05;      ///< share of the newest wrench; 1: no filter
   double weight = 0;         ///< N, of everything behind the sensor
   Vec3 cog;                  ///< m, its centre in the frame `gravity`

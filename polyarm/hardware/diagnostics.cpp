@@ -50,9 +50,7 @@ std::string found(const HostedComponent& hosted, const InterfaceTable& table) {
 
 std::string Diagnostics::own_reason(std::size_t i) const {
   const HostedComponent& hosted = *hosting_.all[i];
-  std::string own = hosted.pending ? "" : because(*hosted.component);
-  if (!own.empty()) own.erase(0, 2);  // ": "
-  return own;
+  return hosted.pending ? hosted.reason_before : reason_of(*hosted.component);
 }
 
 std::string Diagnostics::blamed_interface(std::size_t i) const {

@@ -1,6 +1,9 @@
 #pragma once
-/// The force/torque sensors that physics measures. Standard types only.
+/// The force/torque sensors that physics measures, and how far their readings are wrong.
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string>
 
 #include "polyarm/description/robot_model.hpp"
 
@@ -17,5 +20,21 @@ inline int force_sensor_link(const description::RobotModel& model,
   const int link = model.find_link(frame->second);
   return link == model.root ? -1 : link;
 }
+
+/// Errors of a simulated sensor. N and N m; the parameters of the `<sensor>` have these names.
+struct ForceSensorErrors {
+  double noise = 0, torque_noise = 0;  ///< standard deviation of each reading
+  double drift = 0, torque_drift = 0;  ///< standard deviation of the change of the zero within a minute
+  std::array<double, 6> bias{};        ///< of force x y z, then torque x y z
+  std::uint32_t seed = 1;
+  bool any() const {
+    return noise > 0 || torque_noise > 0 || drift > 0 || torque_drift > 0 ||
+           std::any_of(bias.begin(), bias.end(), [](double each) { return each != 0; });
+  }
+};
+
+/// Reads and writes them as parameters. Throws Error("bad-value") that names the parameter.
+ForceSensorErrors force_sensor_errors(const description::ComponentInfo& component);
+void set_force_sensor_errors(const ForceSensorErrors& errors, description::ComponentInfo& component);
 
 }  // namespace polyarm::hardware

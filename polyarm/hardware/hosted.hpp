@@ -59,6 +59,7 @@ struct HostedComponent {
   std::atomic<StopCause> failed_by{StopCause::none};  // cause of the last failure found by the loop
   std::atomic<int> failed_at{-1};                     // the interface that showed it
   std::shared_ptr<Transition> pending;                // shared with the thread that runs it
+  std::string reason_before;                          // its reason when `pending` began; cell thread
   std::atomic<bool> busy{false};                      // the same, for the control thread
   std::unique_ptr<realtime::PartHealth> part = std::make_unique<realtime::PartHealth>();
 

@@ -48,13 +48,16 @@ class Hardware::Letting : public realtime::Job {
   bool reading_, writing_;
 };
 
-std::string because(const Component& component) {
-  std::string reason;
+std::string reason_of(const Component& component) {
   try {
-    reason = component.reason();
+    return component.reason();
   } catch (...) {
-    reason = "its reason function threw: " + what_was_thrown();
+    return "its reason function threw: " + what_was_thrown();
   }
+}
+
+std::string because(const Component& component) {
+  const std::string reason = reason_of(component);
   return reason.empty() ? reason : ": " + reason;
 }
 
@@ -219,6 +222,7 @@ std::shared_ptr<Transition> Hardware::pend(std::size_t i, Step step) {
     if (hosted.own_clock) out->exchanging_ = hosted.own_clock->exchanging();
     if (hosted.runner) out->exchanging_ = hosted.runner->busy();
   }
+  hosted.reason_before = reason_of(*hosted.component);
   hosted.busy.store(true, std::memory_order_release);
   hosted.pending = out;
   return out;

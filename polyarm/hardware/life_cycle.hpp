@@ -10,6 +10,8 @@ namespace polyarm::hardware {
 
 struct HostedComponent;
 
+/// The component's own reason; may be empty. If its function throws, that is the reason.
+std::string reason_of(const Component& component);
 /// ": " and the component's own reason, or empty.
 std::string because(const Component& component);
 /// Throws Error("busy") while the component is in a callback.

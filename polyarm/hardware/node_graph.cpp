@@ -2,7 +2,14 @@
 
 #include <mutex>
 
+#include "polyarm/base/bounds.hpp"
+
 namespace polyarm::hardware {
+
+// Plugins include the header without the command's other headers.
+static_assert(LetterQueue::kMost == bounds::kNodePayloads);
+static_assert(LetterQueue::kLargest == bounds::kNodePayloadBytes);
+static_assert(NodeGraph::kMostPorts == bounds::kNodePorts);
 
 namespace {
 thread_local int off_graph = 0;

@@ -45,6 +45,7 @@ CellInside::CellInside(const CellFile& file, const description::Catalogue& catal
   data.offer_named_states();
   collect(problems, [&] { make_programs(problems); });
   teleoperation->build(problems);
+  profile_choice->build(problems);
   problems.throw_if_errors();
   for (const Problem& problem : problems.list()) events.on_problem(0, problem);
   data.end_building();
@@ -63,6 +64,7 @@ void CellInside::make_owners() {
   jogging.emplace(setup, machine, *arming, *motions, *programs, events);
   held_motions.emplace(JogOwners{setup, machine, data, contacts, *motions, *programs, *jogging}, worker);
   teleoperation.emplace(Teleoperation::Owners{setup, machine, data, *jogging, events});
+  profile_choice.emplace(ProfileChoice::Owners{setup, machine, data, *motions, events});
   life.emplace(machine, *motions, events);
   watches.emplace(Watches::Owners{setup, machine, data, *motions, *programs, *jogging, *arming, *life,
                                   contacts, *parts, worker, events});
@@ -202,11 +204,13 @@ void CellInside::tick(Nanoseconds now) {
   machine.report_events();
   if (!started_ && arming->armed()) send_start_messages();
   watches->watch_contacts();  // must run before moves that a contact ended are removed
+  watches->watch_torques();
   watches->watch_stops();
   requests.tick();
   motions->follow_others();
   read_outside(now);
   programs->tick_belts_and_streams();
+  profile_choice->tick();
   tick_motions();
   guards->prepare();
   run_programs();

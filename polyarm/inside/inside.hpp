@@ -16,6 +16,7 @@
 #include "polyarm/operation/guards.hpp"
 #include "polyarm/operation/held_motions.hpp"
 #include "polyarm/operation/jogging.hpp"
+#include "polyarm/operation/profile_choice.hpp"
 #include "polyarm/operation/teleoperation.hpp"
 #include "polyarm/operation/watches.hpp"
 #include "polyarm/setup/cell_setup.hpp"
@@ -62,6 +63,7 @@ struct CellInside {
   std::optional<Jogging> jogging;
   std::optional<HeldMotions> held_motions;
   std::optional<Teleoperation> teleoperation;
+  std::optional<ProfileChoice> profile_choice;
   std::optional<LifeCycle> life;
   std::optional<Watches> watches;
   std::optional<Guards> guards;

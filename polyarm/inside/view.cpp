@@ -107,17 +107,17 @@ bool CellView::program_begun() const {
 }
 protocol::ProgramStatus CellView::program_status() const {
   return cell::program_status(
-      {inside_.setup, inside_.machine, *inside_.programs, *inside_.jogging, inside_.events});
+      {inside_.setup, inside_.machine, *inside_.programs, *inside_.jogging, inside_.events, inside_.data});
 }
 protocol::OrNull<protocol::ProgramOverview> CellView::program_overview() const {
   protocol::OrNull<protocol::ProgramOverview> out;
   if (const Task* task = program())
-    out.emplace(cell::program_overview(inside_.setup, *task, program_begun()));
+    out.emplace(cell::program_overview(inside_.setup, *task, program_begun(), inside_.data));
   return out;
 }
 protocol::OrNull<protocol::ProgramOverview> CellView::plc_overview() const {
   protocol::OrNull<protocol::ProgramOverview> out;
-  if (const Task* task = plc()) out.emplace(cell::program_overview(inside_.setup, *task, true));
+  if (const Task* task = plc()) out.emplace(cell::program_overview(inside_.setup, *task, true, inside_.data));
   return out;
 }
 protocol::ContactState CellView::contacts() const {
@@ -131,8 +131,9 @@ std::optional<Guards::Near> CellView::near(std::size_t robot) const {
   return inside_.guards->near(robot);
 }
 
-void CellView::set_more_obstacles(std::vector<description::Fixture> more) {
-  inside_.guards->set_more(std::move(more));
+void CellView::set_more_obstacles(std::vector<description::Fixture> more,
+                                  std::vector<surroundings::AttachedThing> attached) {
+  inside_.guards->set_more(std::move(more), std::move(attached));
 }
 
 double CellView::pace(std::size_t robot) const {

@@ -86,8 +86,10 @@ class CellView {
   /// from everything else with the joints at `q`.
   std::optional<Guards::Near> near(std::size_t robot) const;
   double pace(std::size_t robot) const;
-  /// Things that guards keep robots off in addition to the scene (Guards::set_more).
-  void set_more_obstacles(std::vector<description::Fixture> more);
+  /// Things that guards keep robots off in addition to the scene, and things that robots hold
+  /// (Guards::set_more).
+  void set_more_obstacles(std::vector<description::Fixture> more,
+                          std::vector<surroundings::AttachedThing> attached = {});
   std::optional<double> clearance_at(std::size_t robot, std::span<const double> q) const;
   const MovingBase& base(std::size_t robot) const;
   /// Where everything is now, for plans around obstacles: joints as commanded.

@@ -112,7 +112,14 @@ void DataFiles::bind(const data::ImportFile& file, const data::DataSet& own, con
   store_.load(set, file.values(), who);
 }
 
+void DataFiles::note_warnings(const data::ImportFile& own) {
+  for (const Problem& each : own.warnings())
+    if (noted_.insert(each.text()).second) warnings_.push_back(each);
+}
+
 void DataFiles::adopt(Load& load) {
+  note_warnings(load.own.data);
+  for (const data::ImportFile& points : load.own.points) note_warnings(points);
   bind(load.files.data, load.own.data.values(), "load " + load.name);
   for (const data::ImportFile& points : load.files.points) {
     const auto same = [&](const data::ImportFile& each) { return name_of(each) == name_of(points); };

@@ -83,6 +83,7 @@ class DataFiles {
     std::unique_ptr<signals::FileMailbox> box;  ///< null in lock-step, unless the set is live
   };
   void adopt(Load& load);
+  void note_warnings(const data::ImportFile& own);
   void bind(const data::ImportFile& file, const data::DataSet& own, const std::string& who);
   void post(const std::shared_ptr<Load>& load);
   bool caught_up(const Load& load) const;
@@ -96,6 +97,7 @@ class DataFiles {
   bool lock_step_;
   std::map<std::string, Bound> files_;  ///< by set
   std::vector<Problem> warnings_;
+  std::set<std::string> noted_;  ///< warnings of data files, each reported once
   PoseCheck check_pose_;
   std::set<std::string> dirty_;
   std::map<std::int64_t, std::shared_ptr<Load>> loads_;

@@ -151,8 +151,9 @@ ReturnType JogController::update(const hardware::Cycle& cycle, const controllers
     step_done_ = step_begun_;
   }
   JogLimits now = limits();
-  if (touching_) now = {std::min(now.joint_share, kOut.joint_share), std::min(now.tcp_speed, kOut.tcp_speed),
-                        std::min(now.tcp_turning, kOut.tcp_turning)};
+  if (touching_)
+    now = {std::min(now.joint_share, kOut.joint_share), std::min(now.tcp_speed, kOut.tcp_speed),
+           std::min(now.tcp_turning, kOut.tcp_turning), now.reduced};
   generator_->step(wish, now);
   standing_ = !(good && wish.kind != Kind::rest) && generator_->standing();
   if (good && command_.by && step_done_ != step_begun_) {

@@ -84,8 +84,11 @@ class JogController : public controllers::Controller {
     joint_share_.store(limits.joint_share, std::memory_order_relaxed);
     tcp_speed_.store(limits.tcp_speed, std::memory_order_relaxed);
     tcp_turning_.store(limits.tcp_turning, std::memory_order_relaxed);
+    reduced_.store(limits.reduced, std::memory_order_relaxed);
   }
-  JogLimits limits() const noexcept { return {joint_share_.load(), tcp_speed_.load(), tcp_turning_.load()}; }
+  JogLimits limits() const noexcept {
+    return {joint_share_.load(), tcp_speed_.load(), tcp_turning_.load(), reduced_.load()};
+  }
 
  private:
   struct Joint {
@@ -119,6 +122,7 @@ class JogController : public controllers::Controller {
   realtime::Latest<Barriers> barriers_;
   std::atomic<std::uint32_t> release_now_{0};
   std::atomic<double> joint_share_{1}, tcp_speed_{1e9}, tcp_turning_{1e9};
+  std::atomic<bool> reduced_{false};
 };
 
 }  // namespace polyarm::jog

@@ -31,8 +31,8 @@ constexpr double kReturn = 5, kAstray = 5e-4;
 constexpr double kTargetSpeed = 1, kTargetTurning = 3;
 /// Shares of speed limits, so that rounding and curves stay below them.
 constexpr double kBelow = 0.93, kAtMost = 0.95;
-/// Distance kept from the boundaries of the workspace, m, by slowing down and by the guard.
-constexpr double kKeepFree = 2e-3, kKeepFreeAtLeast = 1.5e-3;
+/// Distance that the guard keeps from the boundaries of the workspace, m or rad.
+constexpr double kKeepFreeAtLeast = 1.5e-3;
 /// What curved motion along a barrier may take of its room, m.
 constexpr double kBeside = 3e-4;
 /// Where more is taken already, what one cycle may take: a body between two others can go along them, slowly.
@@ -232,7 +232,7 @@ void JogGenerator::setpoint_tcp(const JogSetpoint& wish, const JogLimits& limits
     for (double& x : wanted) x /= over;
     note(JogHold::speed, 0);
   }
-  if (barriers_ && wish.kind == JogSetpoint::Kind::tcp_velocity) slide_tcp(wanted);
+  if (wish.kind == JogSetpoint::Kind::tcp_velocity) slide_tcp(wanted);
   const TcpLead::Target target = target_of(wish, limits);
   if (wish.kind == JogSetpoint::Kind::tcp_target) wanted = lead_.way_to(target);
   std::array<double, kMostJogJoints> velocity;
@@ -311,26 +311,13 @@ double JogGenerator::throttle(const JogLimits& limits, Before before, bool commo
         rates[j] > 0 ? axes_[j].upper - state_[j].position : state_[j].position - axes_[j].lower;
     slow(stopping_speed(room / r, a, jerk), JogHold::joint_limit, j);
   }
-  if (barriers_) {
-    const JogValues q = positions();
-    for (std::size_t i = 0; i < barriers_->count; ++i)
-      slow(barrier_share(i, {q.data(), axes_.size()}, {rates.data(), axes_.size()}, a, jerk), JogHold::body,
-           static_cast<std::size_t>(barriers_->which(i)));
-  }
-  const Twist twist = solver_.twist_of({rates.data(), axes_.size()});
-  const double speed = linear(twist);
-  if (speed < 1e-9) {
-    for (double& r : rates) r *= share;
-    return share;
-  }
-  slow(kBelow * limits.tcp_speed / speed, JogHold::speed, 0);
-  for (std::size_t i = 0; i < workspace_.boundaries(); ++i) {
-    const moves::Workspace::Distance d = workspace_.distance(i, solver_.position());
-    const double closing = -dot(d.away, {twist[0], twist[1], twist[2]});
-    if (closing > 1e-4 * speed)
-      slow(stopping_speed((d.distance - kKeepFree) / closing, a, jerk), JogHold::workspace,
-           workspace_.zone_of(i));
-  }
+  const JogValues q = positions();
+  Limit limit;
+  for (std::size_t i = 0; i < near_limits(); ++i)
+    if (find_limit(i, q, limit))
+      slow(share_before(limit, {rates.data(), axes_.size()}, a, jerk), limit.hold, limit.which);
+  const double speed = linear(solver_.twist_of({rates.data(), axes_.size()}));
+  if (speed >= 1e-9) slow(kBelow * limits.tcp_speed / speed, JogHold::speed, 0);
   for (double& r : rates) r *= share;
   return share;
 }
@@ -346,8 +333,8 @@ void JogGenerator::follow(const JogValues& rates, const JogLimits& limits, State
   }
 }
 
-/// The prediction while every joint brakes: the smallest distance of the TCP from each boundary, and its
-/// speed.
+/// The prediction while every joint brakes: the smallest distance from each boundary that counts, and the
+/// speed of the TCP.
 struct JogGenerator::Ahead {
   std::array<double, moves::Workspace::kMostBoundaries> distance;
   std::array<double, Barriers::kMost + 1> room;
@@ -381,10 +368,11 @@ void JogGenerator::look_ahead(const States& from, bool looks_at_tcp, Ahead& out)
       for (std::size_t i = 0; i <= barriers_->count; ++i)
         out.room[i] = std::min(out.room[i], barriers_->room(i, {q.data(), n}));
     if (!looks_at_tcp) continue;
-    const Vec3 at = chain_.forward({q.data(), n}).position;
+    const Pose at = chain_.forward({q.data(), n});
     for (std::size_t i = 0; i < workspace_.boundaries(); ++i)
-      out.distance[i] = std::min(out.distance[i], workspace_.distance(i, at).distance);
-    out.speed = std::max(out.speed, norm(chain_.forward({soon.data(), n}).position - at) / kMoment);
+      if (workspace_.counts(i, reduced_))
+        out.distance[i] = std::min(out.distance[i], workspace_.distance(i, at, {q.data(), n}).distance);
+    out.speed = std::max(out.speed, norm(chain_.forward({soon.data(), n}).position - at.position) / kMoment);
     if (k == 0) out.at_once = out.speed;
   }
 }
@@ -413,7 +401,7 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
   look_ahead(braked, looks_at_tcp, now);
   std::array<double, kMostJogJoints> q{};
   for (std::size_t j = 0; j < n; ++j) q[j] = state_[j].position;
-  const Vec3 here = chain_.forward({q.data(), n}).position;
+  const Pose place = chain_.forward({q.data(), n});
   std::size_t worst = 0;
   std::int32_t near_body = -1;  // that a barrier belongs to
   const auto safe = [&](const States& states) {
@@ -421,7 +409,7 @@ void JogGenerator::guard(const JogLimits& limits, States& next) noexcept {
     for (std::size_t i = 0; i < workspace_.boundaries(); ++i) {
       // If the TCP comes too near even while braking, it must brake or move away.
       const bool near = now.distance[i] < kKeepFreeAtLeast;
-      const double least = near ? workspace_.distance(i, here).distance : kKeepFreeAtLeast;
+      const double least = near ? workspace_.distance(i, place, {q.data(), n}).distance : kKeepFreeAtLeast;
       worst = i;
       if (then.distance[i] < std::min(kKeepFreeAtLeast, least) - 1e-12) return false;
     }
@@ -470,6 +458,7 @@ void JogGenerator::step(const JogSetpoint& wish, const JogLimits& limits) noexce
   hold_ = JogHold::none;
   which_ = -1;
   arrived_ = false;
+  reduced_ = limits.reduced;
   if (wish.kind == Kind::rest && standing()) {
     lead_.end();
     rates_hold_ = false;
@@ -493,7 +482,7 @@ void JogGenerator::step(const JogSetpoint& wish, const JogLimits& limits) noexce
   bool planned = false;
   if (wish.kind == Kind::joint_velocity) {
     setpoint_joints(wish, limits, rates);
-    if (barriers_) slide_joints(rates);
+    slide_joints(rates);
     throttle(limits, kFirmly, false, rates);
   } else if (wish.kind == Kind::joint_target) {
     planned = step_to_joints(wish, limits, next);

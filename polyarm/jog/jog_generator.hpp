@@ -54,6 +54,7 @@ struct JogLimits {
   double joint_share = 1;    ///< fraction of the joints' velocity limits, (0, 1]
   double tcp_speed = 1e9;    ///< m/s
   double tcp_turning = 1e9;  ///< rad/s, for requested TCP motion
+  bool reduced = false;      ///< zones of the reduced profile count, not those of the full one
 };
 
 /// Call step() once in each cycle, then read the commanded joint values. Use from one thread. start(), step()
@@ -110,8 +111,20 @@ class JogGenerator {
   double throttle(const JogLimits& limits, Before before, bool common, JogValues& rates) noexcept;
   void follow(const JogValues& rates, const JogLimits& limits, States& next) noexcept;
   void guard(const JogLimits& limits, States& next) noexcept;
-  double barrier_share(std::size_t barrier, std::span<const double> q, std::span<const double> rates, double a,
-                       double jerk) const noexcept;
+  /// What a motion may come near to: a barrier, or a boundary of the workspace.
+  struct Limit {
+    double room = 0;       ///< m, rad
+    JogValues gradient{};  ///< of the room, by joint
+    JogHold hold = JogHold::none;
+    std::size_t which = 0;
+  };
+  std::size_t near_limits() const noexcept {
+    return (barriers_ ? barriers_->count : 0) + workspace_.boundaries();
+  }
+  bool find_limit(std::size_t i, const JogValues& q, Limit& out) const noexcept;
+  double share_before(const Limit& limit, std::span<const double> rates, double a,
+                      double jerk) const noexcept;
+  double closing_of(const Limit& limit, std::span<const double> rates) const noexcept;
   void slide_joints(JogValues& rates) noexcept;
   void slide_tcp(Twist& wanted) noexcept;
   struct Pull {
@@ -143,6 +156,7 @@ class JogGenerator {
   JogHold hold_ = JogHold::none;
   std::int32_t which_ = -1;
   bool arrived_ = false;
+  bool reduced_ = false;  // JogLimits::reduced of this cycle
   double tcp_speed_ = 0;
 };
 

@@ -1,4 +1,5 @@
-/// The part of the jog generator that keeps motions off barriers and lets them slide along.
+/// The part of the jog generator that keeps motions off barriers and off the boundaries of the workspace, and
+/// lets them slide along.
 #include <algorithm>
 #include <cmath>
 
@@ -7,8 +8,9 @@
 namespace polyarm::jog {
 
 namespace {
-/// Room that is left before barriers, m, by slowing down; passes in which rates slide along them.
-constexpr double kKeepOff = 5e-4;
+/// Room that is left before barriers and before boundaries of the workspace, m or rad, by slowing down.
+constexpr double kKeepOff = 5e-4, kKeepFree = 2e-3;
+/// Passes in which rates slide along them.
 constexpr int kSlides = 6;
 /// Motion that closes in on a barrier by less than this share of what the joints do there goes along it.
 constexpr double kAlong = 1e-3;
@@ -31,46 +33,74 @@ JogValues JogGenerator::positions() const noexcept {
   return out;
 }
 
-/// The share of `rates` with which the joints can still stop before a barrier.
-double JogGenerator::barrier_share(std::size_t i, std::span<const double> q, std::span<const double> rates,
-                                   double a, double jerk) const noexcept {
-  const double closing = barriers_->closing(i, rates);
-  double size = 0;
-  for (std::size_t j = 0; j < rates.size(); ++j) size += std::abs(barriers_->all[i].gradient[j] * rates[j]);
-  if (closing <= kAlong * size + 1e-6) return 1;
-  return stopping_speed(std::max(0.0, barriers_->room(i, q) - kKeepOff) / closing, a, jerk);
+/// False for a boundary that does not count in the present profile.
+bool JogGenerator::find_limit(std::size_t i, const JogValues& q, Limit& out) const noexcept {
+  const std::size_t n = axes_.size(), bodies = barriers_ ? barriers_->count : 0;
+  if (i < bodies) {
+    out.room = barriers_->room(i, {q.data(), n}) - kKeepOff;
+    std::copy_n(barriers_->all[i].gradient.begin(), n, out.gradient.begin());
+    out.hold = JogHold::body;
+    out.which = static_cast<std::size_t>(barriers_->which(i));
+    return true;
+  }
+  i -= bodies;
+  if (!workspace_.counts(i, reduced_)) return false;
+  const moves::Workspace::Distance d = workspace_.distance(i, tcp(), {q.data(), n});
+  out.room = d.distance - kKeepFree;
+  solver_.gradient_of({d.away.x, d.away.y, d.away.z, d.turn.x, d.turn.y, d.turn.z}, out.gradient);
+  if (d.joint >= 0) out.gradient[static_cast<std::size_t>(d.joint)] += d.sign;
+  out.hold = JogHold::workspace;
+  out.which = workspace_.zone_of(i);
+  return true;
 }
 
-/// Joints of which the wish moves several go on along a barrier: each is reduced by what it adds to closing
-/// in.
+double JogGenerator::closing_of(const Limit& limit, std::span<const double> rates) const noexcept {
+  double out = 0;
+  for (std::size_t j = 0; j < rates.size(); ++j) out -= limit.gradient[j] * rates[j];
+  return out;
+}
+
+/// The share of `rates` with which the joints can still stop before a limit.
+double JogGenerator::share_before(const Limit& limit, std::span<const double> rates, double a,
+                                  double jerk) const noexcept {
+  const double closing = closing_of(limit, rates);
+  double size = 0;
+  for (std::size_t j = 0; j < rates.size(); ++j) size += std::abs(limit.gradient[j] * rates[j]);
+  if (closing <= kAlong * size + 1e-6) return 1;
+  return stopping_speed(std::max(0.0, limit.room) / closing, a, jerk);
+}
+
+/// Joints of which the wish moves several go on along a limit: each is reduced by what it adds to closing in.
 void JogGenerator::slide_joints(JogValues& rates) noexcept {
   const std::size_t n = axes_.size();
   const JogValues q = positions();
+  Limit limit;
   for (int pass = 0; pass < kSlides; ++pass) {
     bool changed = false;
-    for (std::size_t i = 0; i < barriers_->count; ++i) {
+    for (std::size_t i = 0; i < near_limits(); ++i) {
+      if (!find_limit(i, q, limit)) continue;
       const auto [a, jerk] = pull_of({rates.data(), n}, kFirmly);
-      const double share = barrier_share(i, {q.data(), n}, {rates.data(), n}, a, jerk);
+      const double share = share_before(limit, {rates.data(), n}, a, jerk);
       if (share >= 1) continue;
-      const double closing = barriers_->closing(i, {rates.data(), n});
+      const double closing = closing_of(limit, {rates.data(), n});
       double adds = 0;
-      for (std::size_t j = 0; j < n; ++j) adds += std::max(0.0, -barriers_->all[i].gradient[j] * rates[j]);
+      for (std::size_t j = 0; j < n; ++j) adds += std::max(0.0, -limit.gradient[j] * rates[j]);
       const double keep = std::max(0.0, 1 - (1 - share) * closing / adds);
       for (std::size_t j = 0; j < n; ++j)
-        if (-barriers_->all[i].gradient[j] * rates[j] > 0) rates[j] *= keep;
-      note(JogHold::body, static_cast<std::size_t>(barriers_->which(i)));
+        if (-limit.gradient[j] * rates[j] > 0) rates[j] *= keep;
+      note(limit.hold, limit.which);
       changed = true;
     }
     if (!changed) return;
   }
 }
 
-/// A twist that closes in on a barrier loses that part and keeps what goes along it. A pure translation stays
+/// A twist that closes in on a limit loses that part and keeps what goes along it. A pure translation stays
 /// one.
 void JogGenerator::slide_tcp(Twist& wanted) noexcept {
   const std::size_t n = axes_.size();
   const double speed = linear(wanted), turning = angular(wanted);
-  if (barriers_->count == 0 || (speed == 0 && turning == 0)) return;
+  if (near_limits() == 0 || (speed == 0 && turning == 0)) return;
   std::array<JogValues, 6> unit;  // joint velocities for each part of a twist
   for (std::size_t k = 0; k < 6; ++k) {
     Twist one{};
@@ -79,28 +109,30 @@ void JogGenerator::slide_tcp(Twist& wanted) noexcept {
   }
   const JogValues q = positions();
   JogValues rates;
+  Limit limit;
   for (int pass = 0; pass < kSlides; ++pass) {
     bool changed = false;
-    for (std::size_t i = 0; i < barriers_->count; ++i) {
+    for (std::size_t i = 0; i < near_limits(); ++i) {
+      if (!find_limit(i, q, limit)) continue;
       for (std::size_t j = 0; j < n; ++j) {
         rates[j] = 0;
         for (std::size_t k = 0; k < 6; ++k) rates[j] += wanted[k] * unit[k][j];
       }
       const auto [a, jerk] = pull_of({rates.data(), n}, kGently);
-      const double share = barrier_share(i, {q.data(), n}, {rates.data(), n}, a, jerk);
+      const double share = share_before(limit, {rates.data(), n}, a, jerk);
       if (share >= 0.999) continue;
       Twist along{};  // how the room grows with each part of the twist, weighed
       double size = 0;
       for (std::size_t k = 0; k < 6; ++k) {
         const double weight = k < 3 ? (speed > 0 ? 1 : 0) : (turning > 0 ? 1 / (length_ * length_) : 0);
-        const double grows = -barriers_->closing(i, {unit[k].data(), n});
+        const double grows = -closing_of(limit, {unit[k].data(), n});
         along[k] = weight * grows;
         size += weight * grows * grows;
       }
       if (size < 1e-6) continue;
-      const double excess = (1 - share) * barriers_->closing(i, {rates.data(), n});
+      const double excess = (1 - share) * closing_of(limit, {rates.data(), n});
       for (std::size_t k = 0; k < 6; ++k) wanted[k] += along[k] * excess / size;
-      note(JogHold::body, static_cast<std::size_t>(barriers_->which(i)));
+      note(limit.hold, limit.which);
       changed = true;
     }
     if (!changed) break;

@@ -208,6 +208,13 @@ Twist TwistSolver::twist_of(std::span<const double> rates) const noexcept {
   return out;
 }
 
+void TwistSolver::gradient_of(const Twist& row, JogValues& out) const noexcept {
+  std::fill_n(out.begin(), joints_, 0.0);
+  const std::span<const double> J = arm_.J();
+  for (std::size_t c = 0; c < columns_; ++c)
+    for (std::size_t r = 0; r < 6; ++r) out[arm_.joints()[c]] += J[6 * c + r] * row[r];
+}
+
 namespace {
 double projection(const std::array<double, 6>& u, const std::array<double, 6>& wish, std::size_t rows) {
   double out = 0;

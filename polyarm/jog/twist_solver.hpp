@@ -49,6 +49,9 @@ class TwistSolver {
   /// The TCP's velocity for joint velocities.
   Twist twist_of(std::span<const double> rates) const noexcept;
 
+  /// How a value that grows with each part of the TCP's velocity by `row` grows with the joint velocities.
+  void gradient_of(const Twist& row, JogValues& out) const noexcept;
+
   struct Solution {
     JogValues rates{};  ///< of all joints of the chain
     double share = 1;   ///< fraction of the requested speed along the direction

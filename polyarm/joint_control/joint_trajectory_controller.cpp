@@ -123,6 +123,8 @@ void JointTrajectoryController::retire(std::size_t i, bool finished) noexcept {
   (finished ? status_.finished : status_.discarded).store(track.goal->id, std::memory_order_release);
   if (status_.active.load(std::memory_order_relaxed) == track.goal->id)
     status_.active.store(0, std::memory_order_release);
+  if (leading_.load(std::memory_order_relaxed) == track.goal)
+    leading_.store(nullptr, std::memory_order_release);
   inbox_.put_back(track.goal);
   track = {};
   while (tracks_used_ > 0 && !tracks_[tracks_used_ - 1].goal) --tracks_used_;
@@ -263,6 +265,8 @@ void JointTrajectoryController::begin(TrajectoryGoal* goal, double into) noexcep
   for (std::size_t k = 0; k < count; ++k)
     leader_[goal->joints.empty() ? k : goal->joints[k]] = static_cast<int>(free);
   status_.active.store(goal->id, std::memory_order_release);
+  const auto leads = std::count_if(tracks().begin(), tracks().end(), [](const Track& t) { return t.goal; });
+  leading_.store(!goal->planned && leads == 1 ? goal : nullptr, std::memory_order_release);
   over_since_ = -1;
   timed_out_ = false;
 }

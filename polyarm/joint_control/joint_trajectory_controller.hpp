@@ -58,6 +58,9 @@ class JointTrajectoryController : public Controller {
   /// Cell thread. False when the inbox is full; the goal stays with the caller.
   bool follow(std::unique_ptr<TrajectoryGoal>& goal) { return inbox_.give(goal); }
   const GoalStatus& status() const noexcept { return status_; }
+  /// Cell thread: the trajectory that alone leads joints now, for looking ahead; null: a path, none, or more
+  /// than one. It stays valid until this thread gives the controller another goal.
+  const TrajectoryGoal* leading() const noexcept { return leading_.load(std::memory_order_acquire); }
   /// Cell thread, at most once: a motion that is added to that of the paths while it is active. It must shift
   /// all joints of the controller, in their order.
   void set_shift(std::shared_ptr<MotionShift> shift) {
@@ -217,6 +220,7 @@ class JointTrajectoryController : public Controller {
   std::atomic<double> requested_factor_{1};
   std::atomic<Nanoseconds> now_{0};
   GoalStatus status_;
+  std::atomic<const TrajectoryGoal*> leading_{nullptr};
   std::shared_ptr<MotionShift> owned_shift_;
   std::atomic<MotionShift*> shift_{nullptr};
   std::atomic<hardware::ForwardMoves*> forward_{nullptr};

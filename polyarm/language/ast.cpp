@@ -104,16 +104,19 @@ std::vector<std::string> names_read(const Expression& expression) {
 }
 
 Location Program::at(Place place) const {
-  const auto index = static_cast<std::size_t>(place.file);
-  const std::string& name = index == 0 || index > included.size() ? file : included[index - 1].file;
-  return {name, place.line, place.column};
+  return {file_of(place), place.line, place.column};
 }
 
-std::string Program::source(Place place) const {
+const std::string& Program::file_of(Place place) const {
+  const auto index = static_cast<std::size_t>(place.file);
+  return index == 0 || index > included.size() ? file : included[index - 1].file;
+}
+
+std::string_view Program::line_of(Place place) const {
   const auto index = static_cast<std::size_t>(place.file);
   const auto& text = index == 0 || index > included.size() ? lines : included[index - 1].lines;
   const auto line = static_cast<std::size_t>(place.line);
-  return place.line < 1 || line > text.size() ? std::string{} : std::string(trim(text[line - 1]));
+  return place.line < 1 || line > text.size() ? std::string_view{} : trim(text[line - 1]);
 }
 
 namespace {

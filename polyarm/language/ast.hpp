@@ -220,8 +220,10 @@ struct Program {
   bool lacks_included = false;     ///< an included file could not be read
 
   Location at(Place place) const;
+  const std::string& file_of(Place place) const;
   /// The source line, trimmed; empty if the line does not exist.
-  std::string source(Place place) const;
+  std::string source(Place place) const { return std::string(line_of(place)); }
+  std::string_view line_of(Place place) const;
 };
 
 /// The statements that load data, each file once, in text order.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <optional>
 
 #include "polyarm/base/text.hpp"
@@ -29,6 +30,25 @@ std::vector<std::string> clause_words() {
   return out;
 }
 
+/// What to write instead of a clause of URScript (v=0.25), RAPID (v200, z50, fine), KRL (C_DIS) or TP (CNT50).
+std::string clause_instead_of(const std::string& word, bool assigned) {
+  const bool numbered = word.size() > 1 && std::all_of(word.begin() + 1, word.end(), [](unsigned char c) {
+    return std::isdigit(c) != 0;
+  });
+  const std::string number = numbered ? word.substr(1) : std::string{};
+  if (word == "fine") return "write `exact`, or no blend";
+  if (word == "c_dis" || word == "c_vel" || word == "c_ori" || word.starts_with("cnt"))
+    return "write a length: `blend 20mm`";
+  if (numbered && word[0] == 'v') return "write `speed " + number + "mm/s`";
+  if (numbered && word[0] == 'z') return "write `blend " + number + "mm`";
+  if (!assigned) return {};
+  if (word == "v") return "write such as `speed 250mm/s`";
+  if (word == "a") return "write such as `accel 1m/s2`";
+  if (word == "r") return "write such as `blend 20mm`";
+  if (word == "t") return "write such as `duration 2s`";
+  return {};
+}
+
 [[noreturn]] void refuse_clause(const TokenCursor& cursor, bool after_comma) {
   const Token& token = cursor.peek();
   refuse_bad(token);
@@ -36,7 +56,12 @@ std::vector<std::string> clause_words() {
   const std::vector<std::string> words = clause_words();
   const bool word = token.kind == TokenKind::name;
   std::string advice = "clauses are " + join(words, ", ");
-  if (after_comma && token.kind != TokenKind::end && (!word || !nearest_name(token.text, words)))
+  const std::string instead = word ? clause_instead_of(lower(token.text), cursor.is_symbol("=", 1)) : "";
+  if (!instead.empty())
+    throw SyntaxError{after_comma ? "no-clause" : "unexpected", token.place, shown(token) + " is not a clause", instead};
+  if (after_comma && cursor.is_word("else"))
+    advice = "write `else` without a comma before it";
+  else if (after_comma && token.kind != TokenKind::end && (!word || !nearest_name(token.text, words)))
     advice = "a path through several points is a list: [A, B]";
   throw SyntaxError{after_comma ? "no-clause" : "unexpected", token.place,
                     (after_comma ? "a clause was expected after ',', here is " + shown(token)

@@ -161,7 +161,7 @@ void TokenCursor::expect_end(const std::string& statement) const {
   refuse_bad(peek());
   if (is_symbol("="))
     throw SyntaxError{"unexpected", peek().place, "'=' compares nothing here", "write == to compare"};
-  if (peek().kind == TokenKind::name && (peek().text == "then" || peek().text == "do"))
+  if (is_word("then") || is_word("do"))
     throw SyntaxError{"unexpected", peek().place, "'" + peek().text + "' is not written here",
                       "the block begins on the next line"};
   refuse_lone_unit(*this);
@@ -234,6 +234,9 @@ ExpressionPtr TokenCursor::postfix() {
     auto index = node(Expression::Kind::index, open.place);
     adopt(*index, std::move(out));
     adopt(*index, expression());
+    if (is_symbol(","))
+      throw SyntaxError{"unexpected", peek().place, "',' is not expected here: an index is one number",
+                        "a pose is written pose(400mm, 0mm, 300mm, 180deg, 0deg, 0deg)"};
     if (!take_symbol("]"))
       throw SyntaxError{"unclosed", open.place, "this '[' is not closed before " + shown(peek()), "add ']'"};
     out = std::move(index);
@@ -340,6 +343,11 @@ std::string TokenCursor::loop_name() {
 
 void TokenCursor::refuse_unclosed(const Token& open, std::string_view close) const {
   refuse_bad(peek());
+  if (is_symbol("="))
+    throw SyntaxError{"unexpected", peek().place, "'=' is not expected here",
+                      open.text == "(" ? "write == to compare; clauses of a move follow its point without brackets: "
+                                         "`movel P, speed 250mm/s`"
+                                       : "write == to compare"};
   throw SyntaxError{"unclosed", open.place, "this " + shown(open) + " is not closed before " + shown(peek()),
                     "add '" + std::string(close) + "'"};
 }

@@ -29,6 +29,8 @@ enum class Live {
   zero_force,
   met,
   travelled,
+  comply,
+  stiff,
   next_part,
   waiting_parts,
   missed_parts,

@@ -78,6 +78,20 @@ func push_with_wiggle(reach = 20mm, stop_force = 20N, turn_by = 3deg, tries = 10
   return false
 end
 
+# Presses ahead with a constant force until the tool is deeper by `deep`, or the time is over. True: it is deeper.
+func push_ahead(push_force = 20N, deep = 2mm, longest = 3s)
+  let begin = here()
+  let over = clock() + longest
+  let deeper = false
+  comply("z", force = push_force, reach = deep + 2mm, most = 5 * push_force)
+  while clock() < over and not deeper
+    wait 10ms
+    set deeper = distance(here(), begin) >= deep
+  end
+  stiff()
+  return deeper
+end
+
 # Towards `goal` until the force is reached, and again whenever what it presses on gives way, until the tool is `deep` farther or
 # the time is over. True: it is farther.
 func push_towards(goal, push_force = 20N, deep = 2mm, longest = 5s, pace = 5mm/s)

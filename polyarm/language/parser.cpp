@@ -8,6 +8,7 @@
 #include "polyarm/base/text.hpp"
 #include "polyarm/data/file_lookup.hpp"
 #include "polyarm/data/import_format.hpp"
+#include "polyarm/language/foreign_words.hpp"
 #include "polyarm/language/lexer.hpp"
 #include "polyarm/language/libraries.hpp"
 #include "polyarm/language/statement_parser.hpp"
@@ -67,6 +68,7 @@ std::string keyword_of(const Token& token, bool& misspelt) {
   const auto& words = statement_words();
   if (is_statement_word(word)) return word;
   misspelt = true;
+  if (const ForeignWord* foreign = foreign_word(word)) return std::string(foreign->keyword);
   return nearest_name(word, words).value_or("");
 }
 
@@ -197,7 +199,8 @@ class Parser {
       if (file_ > 0 && open_.empty() && made.kind != Kind::function && made.kind != Kind::let)
         throw SyntaxError{"not-included", made.place, "an included file holds only 'func' and 'let'", ""};
     } catch (const SyntaxError& e) {
-      error(e);
+      const bool refused = line.misspelt && foreign_word(line.source.tokens.front().text);
+      if (!refused) error(e);  // one error is enough for a line of another language
       if (!opens && made.kind != Kind::let) return;
     }
     if (opens) parse_body(line, made);
@@ -268,6 +271,8 @@ class Parser {
       return error("unknown-word", first.place, "no statement begins with " + shown(first),
                    "to change it write `set " + first.text.substr(0, 40) + " = " + first.text.substr(0, 40) + " " +
                        second.text + " …`");
+    if (const ForeignWord* foreign = foreign_word(first.text); foreign && first.kind == TokenKind::name)
+      return error("unknown-word", first.place, "no statement begins with " + shown(first), foreign->instead);
     error("unknown-word", first.place,
           "no statement begins with " + shown(first) + did_you_mean(first.text, statement_words()), "");
   }

@@ -66,6 +66,10 @@ const std::map<std::string_view, std::string_view>& function_examples() {
       {"travelled",
        "# given P: point 0.4 0 0.1\nmovel P, until false\nlog(travelled())                         # expect: "
        "1m"},
+      {"comply",
+       "# given P: point 0.4 0 0.1\ncomply(\"z\", force = 20N)                # the tool presses with 20 N\n"
+       "movel P, speed 20mm/s, touch             # expect move: line P speed 0.02m/s touch exact\nstiff()"},
+      {"stiff", "comply(\"x y\", stiffness = 500)           # N/m\nlog(stiff())                              # expect: True"},
       {"next_part",
        "wait next_part(\"line\")\nmovel pose(0, 0, 5mm), frame \"line\"      # expect move: line pose(0, …) frame line "
        "exact"},

@@ -141,6 +141,9 @@ void parse_wait(TokenCursor& cursor, Statement& out) {
     cursor.take();
     out.explicit_variable = true;
   }
+  if ((cursor.is_word("sec") || cursor.is_word("for")) && begins_value(cursor, 1))
+    throw SyntaxError{"unknown-word", cursor.peek().place, shown(cursor.peek()) + " is not written here",
+                      "write `wait 500ms`, or `wait NAME` for a condition"};
   // A value after a name can only belong to one of these words.
   const std::vector<std::string> words = {"time", "var"};
   if (cursor.peek().kind == TokenKind::name && !out.explicit_variable &&

@@ -130,7 +130,7 @@ bool Arming::stands(double fastest, std::span<const double> commands) {
   return unchanged && fastest < kStandingTcp;
 }
 
-void Arming::govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<const double> commands,
+void Arming::govern(Nanoseconds now, std::span<const Vec3> tcps, std::span<const double> commands,
                     bool passed, bool planned) {
   if (!reduced()) return;
   if (passed && reduced_) {
@@ -145,7 +145,7 @@ void Arming::govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<co
   double fastest = 0;
   for (std::size_t i = 0; i < tcps_before_.size(); ++i)
     fastest = std::max(fastest, norm(tcps[i] - tcps_before_[i]) / seconds(since));
-  tcps_before_ = tcps;
+  tcps_before_.assign(tcps.begin(), tcps.end());
   before_ = now;
   const double tcp = std::min(reduced_ ? kReducedTcp : kNone, profile_reduced_ ? profile_tcp_ : kNone);
   const bool standing = stands(fastest, commands);

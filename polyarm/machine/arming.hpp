@@ -59,7 +59,7 @@ class Arming {
   /// `tcps`: TCP positions in the world, m. `commands`: of a snapshot. `passed`: the program has completed
   /// one pass, which ends reduced speed. `planned`: the motion was planned within these limits and runs
   /// unchanged unless a TCP is still too fast.
-  void govern(Nanoseconds now, const std::vector<Vec3>& tcps, std::span<const double> commands, bool passed,
+  void govern(Nanoseconds now, std::span<const Vec3> tcps, std::span<const double> commands, bool passed,
               bool planned);
 
  private:

@@ -145,9 +145,14 @@ const std::optional<Problem>& CellData::watch_links(Nanoseconds now) {
     links_ready_ = links_->ready();
     if (!links_ready_ && now > 1'000'000'000 && !std::exchange(reported_waiting_, true))
       for (const CellLinks::Status& link : links_->status())
-        if (!link.state.was_up)
-          observer_.on_note("the programs begin when the link '" + link.entry->name +
-                            "' is connected: " + link.state.reason);
+        if (!link.state.was_up && link.entry->on_loss == signals::LinkEntry::OnLoss::hold)
+          observer_.on_problem(now, {"link-awaited",
+                                     {},
+                                     "the programs begin when the link '" + link.entry->name +
+                                         "' is connected: " + link.state.reason,
+                                     "start the other side; polyarm tags shows every link and tag",
+                                     Severity::warning,
+                                     {{"link", link.entry->name}, {"reason", link.state.reason}}});
   }
   const std::optional<Problem> lost = links_->lost();
   missing_ = lost ? lost : heartbeats_->stopped();

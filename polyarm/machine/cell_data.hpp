@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,7 @@ struct OwnStates {
   double passes = 0;
   int line = 0;
   bool running = false, held = false, fault = false;
-  std::vector<Vec3> tcps;  ///< by robot, in the world, m
+  std::span<const Vec3> tcps;  ///< by robot, in the world, m
 };
 
 /// Cell thread.

@@ -119,7 +119,7 @@ void Machine::report_events() {
   report_overruns();
   report_threads();
   // Controllers of ROS run their timers here, also while no client follows a goal.
-  for (const std::string& name : controllers().active_names()) goal_events(name);
+  controllers().for_each_active([this](const std::string& name) { goal_events(name); });
 }
 
 void Machine::report_loop_event(const control::LoopEvent& event) {

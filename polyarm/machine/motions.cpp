@@ -67,6 +67,13 @@ hardware::ForwardMoves* Motions::forward_moves(std::size_t robot) const {
   return component < 0 ? nullptr : machine_.hardware().forward_moves(static_cast<std::size_t>(component));
 }
 
+std::optional<Motions::Points> Motions::points(std::size_t robot) const {
+  const controllers::JointTrajectoryController* const follower = followers_[robot];
+  const controllers::TrajectoryGoal* const goal = follower ? follower->leading() : nullptr;
+  if (!goal || !idle(robot)) return std::nullopt;
+  return Points{goal, follower, follower->status().time.load(std::memory_order_relaxed)};
+}
+
 /// A component that is replaced may offer another object, or none.
 void Motions::note_forward(std::size_t robot) {
   moves::RobotMotion* const motion = motions_[robot].get();
@@ -206,10 +213,10 @@ std::shared_ptr<moves::Obstacles> Motions::obstacles(std::size_t robot, surround
   return obstacles_around(bodies_, std::move(moment), robot, std::move(options));
 }
 
-std::vector<Vec3> Motions::tcps() const {
-  std::vector<Vec3> out;
-  for (std::size_t i = 0; i < setup_.robots.size(); ++i) out.push_back(tcp(i).position);
-  return out;
+std::span<const Vec3> Motions::tcps() const {
+  tcps_.resize(setup_.robots.size());
+  for (std::size_t i = 0; i < tcps_.size(); ++i) tcps_[i] = tcp(i).position;
+  return tcps_;
 }
 
 void Motions::end() {
@@ -238,13 +245,23 @@ void Motions::set_profile(const std::string& name) {
   if (std::find(known.begin(), known.end(), name) == known.end())
     throw Error("unknown-profile", "there is no limits profile '" + name + "'" + did_you_mean(name, known),
                 "reduced or full");
-  profile_ = name;
+  asked_ = name;
+  choose_profile();
+}
+
+void Motions::set_reduced(bool reduced) {
+  reduced_ = reduced;
+  choose_profile();
+}
+
+void Motions::choose_profile() {
+  profile_ = reduced_ ? "reduced" : asked_;
   const bool slower = limits().tcp_speed < kNoTcpLimit || limits().joint_speed < 1;
   arming_.set_profile(slower, limits().tcp_speed, limits().joint_speed);
 }
 
 jog::JogLimits Motions::jog_limits() const {
-  jog::JogLimits out{limits().joint_speed, limits().tcp_speed, limits().tcp_turning};
+  jog::JogLimits out{limits().joint_speed, limits().tcp_speed, limits().tcp_turning, profile_ == "reduced"};
   if (contacts_.touching()) {  // move slowly out of the contact
     constexpr double kJointShare = 0.05, kSpeed = 0.02, kTurning = 0.1;
     out.joint_share = std::min(out.joint_share, kJointShare);
@@ -259,8 +276,9 @@ jog::JogLimits Motions::jog_limits() const {
 }
 
 moves::MovePlanOptions Motions::plan_options() const {
-  if (arming_.first_pass()) return {};
-  return {limits().tcp_speed < kNoTcpLimit ? limits().tcp_speed : 0, limits().joint_speed};
+  const bool reduced = profile_ == "reduced";
+  if (arming_.first_pass()) return {0, 1, reduced};
+  return {limits().tcp_speed < kNoTcpLimit ? limits().tcp_speed : 0, limits().joint_speed, reduced};
 }
 
 bool Motions::planned_as_now() const {

@@ -42,6 +42,14 @@ class Motions {
   moves::RobotMotion* motion(std::size_t robot) const { return motions_[robot].get(); }
   /// The robot's own controller, if it interpolates (`motion: forward`); null otherwise.
   hardware::ForwardMoves* forward_moves(std::size_t robot) const;
+  /// A trajectory of points that moves a robot, as other programs send them. Valid in this tick.
+  struct Points {
+    const controllers::TrajectoryGoal* goal;
+    const controllers::JointTrajectoryController* controller;
+    double time;  ///< s into it
+  };
+  /// Empty if none does, or several at once move parts of the robot.
+  std::optional<Points> points(std::size_t robot) const;
   /// Null if the robot has no driven wheels.
   moves::BaseMotion* wheels(std::size_t robot) const { return bases_[robot].get(); }
   /// The pose of the robot's base.
@@ -55,7 +63,8 @@ class Motions {
   bool motion_left() const;
   /// T_world_tcp, computed as if the robot's base stood at its pose from the cell's file.
   Pose tcp(std::size_t robot) const;
-  std::vector<Vec3> tcps() const;
+  /// The positions of all TCPs, by robot; valid until the next call.
+  std::span<const Vec3> tcps() const;
 
   /// Where everything is now: joints as commanded, parts as a simulation tells.
   surroundings::Moment moment() const;
@@ -75,9 +84,12 @@ class Motions {
   /// Call when a person has armed the cell: moves begin at the robots' present positions.
   void begin_where_robots_are();
 
-  /// The limits profile: "reduced" or "full". set_profile() throws Error("unknown-profile").
+  /// The limits profile that holds: "reduced" or "full".
   const std::string& profile() const { return profile_; }
+  /// The profile that somebody asks for. Throws Error("unknown-profile").
   void set_profile(const std::string& name);
+  /// `reduced`: the reduced profile holds, whatever was asked for.
+  void set_reduced(bool reduced);
   /// Present limits of jogging: those of the profile, reduced speed if arming requires it, slow during a
   /// contact.
   jog::JogLimits jog_limits() const;
@@ -101,6 +113,7 @@ class Motions {
 
  private:
   const ProfileEntry& limits() const;
+  void choose_profile();
   void note_forward(std::size_t robot);
   /// Sets where the next motion of a joint begins, for each joint with a finite value in `values`. `index`
   /// selects the joint's index in `values`.
@@ -114,12 +127,14 @@ class Motions {
   std::vector<std::unique_ptr<moves::RobotMotion>> motions_;
   std::vector<std::unique_ptr<moves::BaseMotion>> bases_;
   std::vector<MovingBase> places_;
+  mutable std::vector<Vec3> tcps_;  // the answer of tcps(), which is called each tick
   std::vector<int> components_;  // of the robots' position commands; -1: none
   std::vector<int> movers_;  // index of the state of each mover of the scene; -1: none
   std::shared_ptr<SharedBodies> bodies_;
   std::vector<controllers::JointTrajectoryController*> followers_;
   std::set<std::string> reported_;  // warnings of moves, reported once even in a loop
-  std::string profile_ = "full";
+  std::string asked_ = "full", profile_ = "full";
+  bool reduced_ = false;
 };
 
 }  // namespace polyarm::cell

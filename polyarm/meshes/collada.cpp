@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/xml_bounds.hpp"
@@ -21,9 +22,9 @@ namespace {
 
 using Element = tinyxml2::XMLElement;
 using Color = std::array<float, 4>;
-constexpr int kDeepest = 64;
+constexpr int kDeepest = bounds::kColladaNesting;
 /// Limits: an element costs some hundred bytes, and other nodes may instantiate a node repeatedly.
-constexpr std::size_t kMostElements = 1'000'000, kMostNodes = 20'000;
+constexpr std::size_t kMostElements = bounds::kColladaElements, kMostNodes = bounds::kColladaNodes;
 /// Limits for one list, and for all together.
 constexpr std::size_t kMostInList = 12 * kMostTriangles, kMostNumbers = 8 * kMostInList;
 
@@ -194,7 +195,9 @@ class ColladaReader {
     if (!e) refuse("there is no source '" + id + "'");
     Source out;
     auto& values = floats_[e];  // many faces share one
-    if (!values) values = std::make_shared<const std::vector<float>>(numbers<float>(e->FirstChildElement("float_array")));
+    if (!values)
+      values =
+          std::make_shared<const std::vector<float>>(numbers<float>(e->FirstChildElement("float_array")));
     out.values = values;
     out.offset = offset;
     out.there = true;

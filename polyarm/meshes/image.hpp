@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 
 namespace polyarm::meshes {
@@ -14,9 +15,10 @@ namespace polyarm::meshes {
 using Image = std::shared_ptr<const std::string>;
 
 /// Limits of one image; larger ones are left out.
-inline constexpr std::size_t kMostImageBytes = 8 << 20, kMostImagePixels = 4096;  // pixels in each direction
+inline constexpr std::size_t kMostImageBytes = bounds::kImageBytes,
+                             kMostImagePixels = bounds::kImagePixels;  // pixels in each direction
 /// Images of one mesh; further ones are left out.
-inline constexpr std::size_t kMostImages = 32;
+inline constexpr std::size_t kMostImages = bounds::kImages;
 
 /// "image/png" or "image/jpeg".
 const char* media_type(std::string_view image);

@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <chrono>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/descriptor.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
@@ -38,7 +39,7 @@ constexpr struct {
                 {".ply", "PLY", kAssimp},
                 {".step", "STEP", kOpenCascade},
                 {".stp", "", kOpenCascade}};
-constexpr std::size_t kMostParts = 10'000;
+constexpr std::size_t kMostParts = bounds::kImportParts;
 constexpr int kBusyMachine = 10;  // wall time for each second of processor time
 
 [[noreturn]] void fail(const std::string& name, const std::string& why) {

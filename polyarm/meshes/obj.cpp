@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/meshes/mesh.hpp"
@@ -23,7 +24,7 @@ std::optional<T> number(std::string_view text) {
   return out;
 }
 
-constexpr std::size_t kMostInLine = 1 << 20, kMostWords = 100'000;
+constexpr std::size_t kMostInLine = bounds::kObjLineBytes, kMostWords = bounds::kObjWords;
 
 /// Calls `take` with the words of each line; a backslash at the end continues a line. Throws
 /// Error("bad-mesh") for an unreasonably long line.

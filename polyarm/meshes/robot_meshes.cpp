@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/cache.hpp"
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
@@ -24,9 +25,9 @@ namespace {
 
 /// Change it to invalidate all cached meshes.
 constexpr const char* kFormat = "meshes/2";
-constexpr std::size_t kMostCached = 32;
+constexpr std::size_t kMostCached = bounds::kCachedMeshes;
 /// All images of a robot, bytes.
-constexpr std::size_t kMostRobotImages = 48 << 20;
+constexpr std::size_t kMostRobotImages = bounds::kRobotImageBytes;
 
 /// Leaves out images beyond kMostRobotImages bytes together.
 class ImageBudget {

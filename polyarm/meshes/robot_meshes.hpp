@@ -22,7 +22,7 @@ struct RobotMeshes {
 };
 
 /// Triangles of a robot that are drawn; more are simplified.
-inline constexpr std::size_t kDrawnTriangles = 400'000;
+inline constexpr std::size_t kDrawnTriangles = bounds::kDrawnTriangles;
 
 /// True if a link has a visual mesh. Its node in the GLB then holds all its visual meshes.
 bool has_mesh(const description::Link& link);

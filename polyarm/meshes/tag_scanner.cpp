@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/printable.hpp"
 
@@ -12,7 +13,7 @@ namespace polyarm::meshes {
 namespace {
 
 constexpr std::string_view kSpaces = " \t\r\n";
-constexpr std::size_t kMostAttributes = 64;
+constexpr std::size_t kMostAttributes = bounds::kTagAttributes;
 
 std::string_view without_prefix(std::string_view name) {
   const std::size_t colon = name.rfind(':');

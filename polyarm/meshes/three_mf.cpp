@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/meshes/affine.hpp"
@@ -21,10 +22,11 @@ namespace polyarm::meshes {
 namespace {
 
 using Rgba = std::array<float, 4>;
-constexpr int kDeepestObject = 16;
-constexpr std::size_t kMostObjects = 20'000, kMostModels = 1'000, kMostColors = 100'000;
-constexpr std::size_t kMostFinishes = 256;  // of one object; further ones get no colour
-constexpr std::size_t kMostColoredParts = 10'000;
+constexpr int kDeepestObject = bounds::kThreeMfNesting;
+constexpr std::size_t kMostObjects = bounds::kThreeMfObjects, kMostModels = bounds::kThreeMfModels,
+                      kMostColors = bounds::kThreeMfColors;
+constexpr std::size_t kMostFinishes = bounds::kThreeMfFinishes;  // of one object; further ones get no colour
+constexpr std::size_t kMostColoredParts = bounds::kThreeMfParts;
 
 /// "#RRGGBB" or "#RRGGBBAA"
 std::optional<Rgba> color_of(std::string_view text) {

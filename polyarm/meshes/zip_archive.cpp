@@ -2,6 +2,7 @@
 
 #include <zip.h>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/printable.hpp"
 
@@ -9,7 +10,7 @@ namespace polyarm::meshes {
 
 namespace {
 
-constexpr zip_int64_t kMostEntries = 10'000;
+constexpr zip_int64_t kMostEntries = bounds::kArchiveFiles;
 
 struct Close {
   void operator()(zip_file_t* file) const { zip_fclose(file); }

@@ -389,6 +389,20 @@ std::vector<description::Fixture> fixtures_of(const SceneState& state) {
   return out;
 }
 
+std::vector<surroundings::AttachedThing> attached_of(const SceneState& state) {
+  std::vector<surroundings::AttachedThing> out;
+  for (const auto& [id, attached] : state.attached) {
+    if (state.allowed.contains(id)) continue;
+    for (const description::Shape& shape : attached.object.shapes) {
+      surroundings::AttachedThing thing{id, shape, attached.robot, attached.link,
+                                        attached.object.pose * shape.pose};
+      thing.shape.pose = {};
+      out.push_back(std::move(thing));
+    }
+  }
+  return out;
+}
+
 std::unique_ptr<surroundings::Surroundings> compiled(const Around& around, std::span<const double> q,
                                                      double clearance) {
   description::Scene scene = *around.bodies.scene;

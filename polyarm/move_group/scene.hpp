@@ -77,6 +77,8 @@ void apply(const Around& around, const msg::AttachedCollisionObject& message, Sc
 
 /// The objects that nobody holds, as fixtures of the cell; those that everything may touch are left out.
 std::vector<description::Fixture> fixtures_of(const SceneState& state);
+/// The shapes of objects that robots hold; those that everything may touch are left out.
+std::vector<surroundings::AttachedThing> attached_of(const SceneState& state);
 
 /// The scene as clients read it: objects of clients, and the fixtures and parts of the cell. `components`:
 /// bits of PlanningSceneComponents; 0: all.

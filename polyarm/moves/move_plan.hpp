@@ -97,6 +97,8 @@ struct MovePlanOptions {
   double tcp_ceiling = 0;
   /// The fraction of the robot's joint velocity limits that applies, (0, 1].
   double joint_share = 1;
+  /// Zones of the reduced profile count, not those of the full one.
+  bool reduced = false;
   bool operator==(const MovePlanOptions&) const = default;
 };
 

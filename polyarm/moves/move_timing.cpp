@@ -162,7 +162,7 @@ class MoveTimer {
 
   /// Checks the workspace.
   void check_place(const Path& path, const PlannedMotion& motion) const {
-    const auto found = first_violation(r_.robot.workspace, r_.robot.chain, path);
+    const auto found = first_violation(r_.robot.workspace, r_.robot.chain, path, r_.options.reduced);
     if (!found) return;
     const auto [move, share] = place_of(motion, found->at);
     throw MoveError(leaves_workspace(*found, "the move to " + r_.moves[move].end().name, share), move);

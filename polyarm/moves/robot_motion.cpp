@@ -46,8 +46,15 @@ RobotMotion::RobotMotion(const RobotFacts& robot, controllers::JointTrajectoryCo
     : robot_(robot),
       controller_(controller),
       post_(std::move(post)),
-      ride_(std::make_shared<FrameRide>(robot.chain, robot.limits)) {
-  controller_.set_shift(ride_);
+      ride_(std::make_shared<FrameRide>(robot.chain, robot.limits)),
+      comply_(std::make_shared<Compliance>(*robot.model, robot.chain, robot.limits)) {
+  struct Both : EitherShift {  // the controller may outlive this object
+    Both(std::shared_ptr<FrameRide> ride, std::shared_ptr<Compliance> comply)
+        : EitherShift(*ride, *comply), ride_(std::move(ride)), comply_(std::move(comply)) {}
+    std::shared_ptr<FrameRide> ride_;
+    std::shared_ptr<Compliance> comply_;
+  };
+  controller_.set_shift(std::make_shared<Both>(ride_, comply_));
 }
 
 std::uint64_t RobotMotion::queue(Move move, std::shared_ptr<const RobotFacts> with,
@@ -79,6 +86,7 @@ void RobotMotion::close() {
 void RobotMotion::tick(Nanoseconds now) {
   watch();
   look_at_ride();
+  look_at_compliance();
   look_at_return();
   collect();
   plan();
@@ -88,7 +96,7 @@ void RobotMotion::tick(Nanoseconds now) {
 }
 
 bool RobotMotion::idle() const {
-  return !apart_ && !riding_ && at_end();
+  return !apart_ && !riding_ && !complying_ && at_end();
 }
 
 bool RobotMotion::is_far_ahead() const {

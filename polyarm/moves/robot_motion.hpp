@@ -13,6 +13,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/joint_control/joint_trajectory_controller.hpp"
+#include "polyarm/moves/compliance.hpp"
 #include "polyarm/moves/frame_ride.hpp"
 #include "polyarm/moves/move_plan.hpp"
 #include "polyarm/moves/obstacles.hpp"
@@ -121,6 +122,19 @@ class RobotMotion {
   bool ride_lost() const { return riding_ && ride_->lost(); }
   /// What has moved the planned paths in the world so far; identity without a ride.
   Pose ride_moved() const { return riding_ ? ride_->moved() : Pose{}; }
+
+  /// From now on the robot yields to forces, at rest and on the paths of moves. Only at_end(), and not in a ride.
+  /// Throws Error if it cannot.
+  void begin_compliance(const ComplianceSettings& settings);
+  /// In each tick of it, before tick().
+  void feed_wrench(const controllers::SixVector& wrench, Nanoseconds time) { comply_->feed(wrench, time); }
+  /// The robot stays where it is, after the moves that are queued. complying() becomes false then.
+  void end_compliance() { compliance_ends_ = true; }
+  /// Ends it at once: the moves that are left fail with this problem.
+  void fail_compliance(const Problem& why);
+  bool complying() const { return complying_; }
+  bool compliance_ends() const { return complying_ && compliance_ends_; }
+  const Compliance& compliance() const { return *comply_; }
   /// True if no move is present: the robot has arrived, in the moving frame during a ride.
   bool at_end() const { return goal_ == 0 && ready_.empty() && !job_ && waiting_.empty(); }
 
@@ -237,6 +251,8 @@ class RobotMotion {
   void go_on_from(Ready& ready, double time);
   void look_at_return();
   void look_at_ride();
+  void look_at_compliance();
+  void fail_rest(const Problem& why);
   void give_up_apart();
   bool is_far_ahead() const;
   void plan();
@@ -272,6 +288,8 @@ class RobotMotion {
   std::optional<Problem> return_failure_;
   std::shared_ptr<FrameRide> ride_;  ///< shared with the controller
   bool riding_ = false, ride_ends_ = false;
+  std::shared_ptr<Compliance> comply_;
+  bool complying_ = false, compliance_ends_ = false;
 };
 
 }  // namespace polyarm::moves

@@ -72,11 +72,16 @@ Payload joined(const Payload& a, const Payload& b) {
   return {mass, (1 / mass) * (a.mass * a.center + b.mass * b.center)};
 }
 
+kinematics::Dynamics loaded_dynamics(const description::RobotModel& model, const Pose& T_world_base,
+                                     const Payload& payload) {
+  return dynamics_of(carrying(model, payload), T_world_base);
+}
+
 TorqueLimits::TorqueLimits(const description::RobotModel& model, const Pose& T_world_base,
                            const Payload& payload, std::vector<double> effort)
     : payload_(payload),
       effort_(std::move(effort)),
-      loaded_(dynamics_of(carrying(model, payload), T_world_base)),
+      loaded_(loaded_dynamics(model, T_world_base, payload)),
       bare_(dynamics_of(model, T_world_base)) {
   if (bare_.tree().velocities() != effort_.size() || bare_.tree().positions() != effort_.size())
     throw Error("bad-model", "torques are checked only for joints with one value each");

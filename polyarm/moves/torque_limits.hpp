@@ -23,6 +23,10 @@ struct Payload {
 /// The sum of two loads.
 Payload joined(const Payload& a, const Payload& b);
 
+/// The dynamics of a robot with a point mass at its tool link. Throws as kinematics::Tree does.
+kinematics::Dynamics loaded_dynamics(const description::RobotModel& model, const Pose& T_world_base,
+                                     const Payload& payload);
+
 /// Checks joint torques against effort limits, by inverse dynamics of rigid bodies: no friction, no inertia
 /// of motors and gears. Const after construction: any thread; judge() allocates.
 class TorqueLimits {

@@ -5,11 +5,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "polyarm/base/time.hpp"
 #include "polyarm/jog/jog_axis.hpp"
+#include "polyarm/machine/motions.hpp"
 #include "polyarm/moves/move_plan.hpp"
 #include "polyarm/moves/robot_facts.hpp"
 #include "polyarm/setup/cell_setup.hpp"
@@ -37,6 +40,120 @@ class PathOfMove : public surroundings::PlannedWay {
   const moves::PlannedMotion* motion_ = nullptr;
   std::size_t hint_ = 0;
   std::vector<double> acceleration_;
+};
+
+/// A trajectory of points that moves a robot. What it does not lead stays where it is.
+class PathOfPoints : public surroundings::PlannedWay {
+ public:
+  void set(const controllers::TrajectoryGoal& goal, std::span<const double> joints,
+           std::span<const jog::AxisLimits> axes) {
+    still(goal);
+    rest_.assign(joints.begin(), joints.end());
+    led_.assign(goal.trajectory.joints(), 0);
+    rates_.assign(led_.size(), 0);
+    acceleration_.clear();
+    for (const jog::AxisLimits& axis : axes) acceleration_.push_back(axis.acceleration);
+    // Its points may ask for more than the robot's limits, and for jumps of the velocity.
+    constexpr int kPlaces = 256;
+    const double h = std::max(duration() / kPlaces, 1e-3);
+    std::vector<double> before(led_.size(), 0.0);
+    for (int k = 0; k <= kPlaces; ++k) {
+      goal.trajectory.sample(h * k, led_, rates_, {}, hint_);
+      for (std::size_t i = 0; i < led_.size(); ++i) {
+        double& most = acceleration_[joint(i)];
+        most = std::max(most, std::abs(rates_[i] - before[i]) / h);
+      }
+      before = rates_;
+    }
+    hint_ = 0;
+  }
+  /// The same trajectory in a later tick.
+  void still(const controllers::TrajectoryGoal& goal) { goal_ = &goal; }
+  double duration() const noexcept override { return goal_->trajectory.duration(); }
+  void at(double time, std::span<double> position, std::span<double> velocity) noexcept override {
+    goal_->trajectory.sample(time, led_, rates_, {}, hint_);
+    std::copy(rest_.begin(), rest_.end(), position.begin());
+    std::fill(velocity.begin(), velocity.end(), 0.0);
+    for (std::size_t i = 0; i < led_.size(); ++i) {
+      position[joint(i)] = led_[i];
+      if (!velocity.empty()) velocity[joint(i)] = rates_[i];
+    }
+  }
+  std::span<const double> acceleration() const noexcept override { return acceleration_; }
+
+ private:
+  std::size_t joint(std::size_t i) const noexcept { return goal_->joints.empty() ? i : goal_->joints[i]; }
+
+  const controllers::TrajectoryGoal* goal_ = nullptr;
+  std::size_t hint_ = 0;
+  std::vector<double> rest_, led_, rates_, acceleration_;
+};
+
+/// Until when a way stays in the workspace. It is looked at piece by piece, each place once.
+class ZonesAhead {
+ public:
+  /// A new way, or none.
+  void begin() { until_ = -1; }
+  /// The time at which the way leaves the workspace, at most `until`; infinite: it does not. What is outside
+  /// when the look begins may return, not go deeper.
+  double look(const moves::Workspace& workspace, const kinematics::Chain& chain,
+              surroundings::PlannedWay& way, double now, double until, bool reduced) {
+    if (until_ < 0 || reduced_ != reduced) {
+      leaves_ = std::numeric_limits<double>::infinity();
+      reduced_ = reduced;
+      until_ = now;
+      q_.assign(chain.joints(), 0);
+      find(workspace, chain, way, now);
+      allowed_.clear();
+      for (const double distance : distances_) allowed_.push_back(std::min(0.0, distance));
+    }
+    until = std::min(until, way.duration());
+    while (until_ < until && !std::isfinite(leaves_)) {
+      const double next = std::min(until, until_ + kStep);
+      if (crossed(workspace, chain, way, next) >= 0) refine(workspace, chain, way, until_, next);
+      until_ = next;
+    }
+    return leaves_;
+  }
+  const std::string& crossing() const { return crossing_; }
+
+ private:
+  static constexpr double kStep = 0.004;  // s
+  static constexpr double kTolerance = 1e-6;
+
+  void find(const moves::Workspace& workspace, const kinematics::Chain& chain, surroundings::PlannedWay& way,
+            double time) {
+    way.at(time, q_, {});
+    tcp_ = chain.forward(q_);
+    distances_.assign(workspace.boundaries(), 0);
+    for (std::size_t i = 0; i < distances_.size(); ++i)
+      distances_[i] = workspace.counts(i, reduced_) ? workspace.distance(i, tcp_, q_).distance : 0;
+  }
+  /// The boundary that is crossed at a time; -1: none.
+  int crossed(const moves::Workspace& workspace, const kinematics::Chain& chain,
+              surroundings::PlannedWay& way, double time) {
+    find(workspace, chain, way, time);
+    for (std::size_t i = 0; i < distances_.size(); ++i)
+      if (distances_[i] < allowed_[i] - kTolerance) return static_cast<int>(i);
+    return -1;
+  }
+  void refine(const moves::Workspace& workspace, const kinematics::Chain& chain,
+              surroundings::PlannedWay& way, double inside, double outside) {
+    for (int i = 0; i < 12; ++i) {
+      const double middle = (inside + outside) / 2;
+      (crossed(workspace, chain, way, middle) >= 0 ? outside : inside) = middle;
+    }
+    leaves_ = inside;
+    crossing_ =
+        workspace.crossing(static_cast<std::size_t>(crossed(workspace, chain, way, outside)), tcp_, q_);
+  }
+
+  double until_ = -1;  // it was looked at as far as this; < 0: not at all
+  double leaves_ = 0;
+  bool reduced_ = false;
+  std::string crossing_;
+  Pose tcp_;
+  std::vector<double> q_, distances_, allowed_;
 };
 
 /// How the braking of a path grows with its speed: at pace p it takes less than `square` p² + `plain` p
@@ -127,12 +244,22 @@ inline std::vector<jog::AxisLimits> axes_of(const CellRobot& robot) {
   return out;
 }
 
-/// The zones that count for bodies.
-inline std::vector<surroundings::GuardZone> zones_of(const CellSetup& setup) {
+/// True if zones of bodies depend on the profile.
+inline bool has_zones_of_profiles(const CellSetup& setup) {
+  for (const auto& robot : setup.robots)
+    for (const moves::WorkspaceZone& zone : robot->facts->workspace.zones())
+      if (zone.bodies && zone.profile != moves::ZoneProfile::any) return true;
+  return false;
+}
+
+/// The zones that count for bodies in a profile.
+inline std::vector<surroundings::GuardZone> zones_of(const CellSetup& setup, bool reduced) {
   std::vector<surroundings::GuardZone> out;
   for (std::size_t r = 0; r < setup.robots.size(); ++r)
     for (const moves::WorkspaceZone& zone : setup.robots[r]->facts->workspace.zones()) {
       if (!zone.bodies) continue;
+      if (zone.profile != moves::ZoneProfile::any && (zone.profile == moves::ZoneProfile::reduced) != reduced)
+        continue;
       const int robot = static_cast<int>(r);
       if (zone.kind == moves::ZoneKind::plane)
         out.push_back({zone.name, robot, false, zone.point, zone.normal, {}, {}});

@@ -3,14 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <limits>
 #include <utility>
 
-#include "polyarm/jog/body_guard.hpp"
-#include "polyarm/operation/guard_parts.hpp"
+#include "polyarm/operation/guard_work.hpp"
 #include "polyarm/operation/watches.hpp"
-#include "polyarm/surroundings/look_ahead.hpp"
 
 namespace polyarm::cell {
 
@@ -28,57 +26,12 @@ constexpr double kStop = 0.02, kGoOn = 0.06;
 constexpr Nanoseconds kForThings = 1'000'000'000, kForEachOther = 1'000'000'000, kForRobots = 30'000'000'000;
 /// Robots in step that were slowed down come together again at this rate, 1/s.
 constexpr double kCatchUp = 4;
+/// A trajectory of points does not come to rest faster, s of its own time.
+constexpr double kStopOfPoints = 0.06;
 constexpr std::size_t kSamples = 8;  // of the velocities ahead
 /// More robots have no guards: their bodies alone would take long to make.
 constexpr std::size_t kMostRobots = 100;
 }  // namespace
-
-/// One robot.
-struct Guards::Of {
-  std::unique_ptr<LookAhead> ahead;
-  std::unique_ptr<jog::BodyGuard> jogged;
-  std::vector<jog::AxisLimits> axes;
-  PathOfMove way;
-  std::uint64_t goal = 0;  // of the motion that is followed; 0: none
-  double time = 0, speed = 1;
-  const moves::InStep* step = nullptr;
-  double duration = 0;
-  Braking braking;
-  double pace = 1, wanted = 1;
-  bool slowed = false;  // during this motion
-  bool anew = false;    // the bodies are new: the motion is looked at from its present place
-  LookAhead::Answer ahead_of;
-  std::vector<double> velocity, before, q, v, last, step_size, braking_way;
-  double stopped_way = 0;  ///< largest joint way of the braking that a guard began; 0: the way is free
-  Nanoseconds stands_since = -1;
-  bool reported = false;
-  std::optional<JointRates> rates;
-  std::optional<Pose> base;  // when it was first seen
-  bool drove = false;
-};
-
-struct Guards::Work {
-  std::shared_ptr<const ContactBodies> models;
-  std::shared_ptr<const description::Scene> scene;  // of `bodies`
-  std::vector<description::Fixture> more;
-  bool has_news = false;  // `more` is not in `bodies` yet
-  std::unique_ptr<GuardBodies> bodies;
-  std::vector<Of> robots;
-  std::vector<std::vector<double>> stopping;
-  surroundings::Moment moment;
-  Nanoseconds seen = -1;
-  std::vector<Problem> would_stop;
-  // made on the planning thread
-  struct Making {
-    std::shared_ptr<const ContactBodies> models;
-    std::shared_ptr<const description::Scene> scene;
-    std::unique_ptr<GuardBodies> bodies;
-    std::string failed;
-    std::atomic<bool> done{false};
-  };
-  std::shared_ptr<Making> making;
-  bool off = false;
-};
 
 Guards::Guards(const Owners& cell) : cell_(cell), work_(std::make_unique<Work>()) {
   const CellOptions& options = cell.setup.options;
@@ -95,6 +48,8 @@ Guards::Guards(const Owners& cell) : cell_(cell), work_(std::make_unique<Work>()
   cell_.jogging.set_barrier_names([this](std::size_t robot, std::int32_t which) {
     return which < 0 ? std::string() : obstacle_of(robot, static_cast<std::size_t>(which));
   });
+  cell_.jogging.set_base_guard(
+      [this](std::size_t robot, double ahead, double turn) { return share_of_base(robot, ahead, turn); });
 }
 
 Guards::~Guards() = default;
@@ -146,7 +101,7 @@ bool Guards::listens() const {
 /// True if a planned path that stands in the world, or a person who jogs, moves the robot.
 bool Guards::is_planned(std::size_t r) const {
   const moves::RobotMotion* motion = cell_.motions.motion(r);
-  return (motion && !motion->idle() && !motion->riding()) || cell_.jogging.engaged(r);
+  return (motion && !motion->idle() && !motion->riding()) || cell_.jogging.engaged(r) || points(r);
 }
 
 /// True if something else moves the robot, and that is guarded: another program, or a belt.
@@ -158,7 +113,7 @@ bool Guards::needed() const {
   for (std::size_t r = 0; r < work_->robots.size(); ++r) {
     const moves::RobotMotion* motion = cell_.motions.motion(r);
     if ((motion && !motion->idle() && cell_.setup.file.guards.moves) || cell_.jogging.engaged(r) ||
-        is_unplanned(r))
+        points(r) || is_unplanned(r) || base_drives(r))
       return true;
   }
   return false;
@@ -170,23 +125,32 @@ void Guards::prepare() {
   if (!work_->off && !work_->bodies && !work_->making && !cell_.setup.options.lock_step) begin_bodies();
 }
 
-void Guards::set_more(std::vector<description::Fixture> more) {
+void Guards::set_more(std::vector<description::Fixture> more,
+                      std::vector<surroundings::AttachedThing> attached) {
   if (work_->off) return;
   work_->more = std::move(more);
+  work_->attached = std::move(attached);
   work_->has_news = true;
 }
 
 void Guards::begin_bodies() {
   work_->making = std::make_shared<Work::Making>();
+  work_->making->reduced = is_reduced();
+  work_->making->attached = work_->attached;
   work_->has_news = false;
   cell_.planner.post([making = work_->making, shared = cell_.motions.bodies(), robots = work_->robots.size(),
-                      zones = zones_of(cell_.setup), more = work_->more] {
+                      zones = zones_of(cell_.setup, is_reduced()), more = work_->more] {
     try {
       if (robots > kMostRobots)
         throw Error("too-many-bodies", fmt::format("{} robots are more than guards can follow", robots));
       making->models = shared->get();
       auto scene = std::make_shared<description::Scene>(making->models->scene);
       scene->fixtures.insert(scene->fixtures.end(), more.begin(), more.end());
+      for (const surroundings::AttachedThing& thing : making->attached) {
+        scene->parts.emplace_back();
+        scene->parts.back().name = thing.name;
+        scene->parts.back().shape = thing.shape;
+      }
       making->bodies = std::make_unique<GuardBodies>(making->models->robots, *scene, zones);
       making->scene = std::move(scene);
     } catch (const std::exception& why) {
@@ -220,6 +184,8 @@ bool Guards::take_bodies() {
 void Guards::take_more() {
   Work& work = *work_;
   if (!work.bodies) return;
+  if (work.reduced != is_reduced() && !work.making && has_zones_of_profiles(cell_.setup))
+    work.has_news = true;
   if (work.making) {
     if (!work.making->done.load(std::memory_order_acquire)) return;
     if (work.making->failed.empty()) return begin_guards();
@@ -236,6 +202,8 @@ void Guards::begin_guards() {
   work.bodies = std::move(work.making->bodies);
   work.scene = std::move(work.making->scene);
   work.models = std::move(work.making->models);
+  work.reduced = work.making->reduced;
+  work.held = std::move(work.making->attached);
   work.making.reset();
   work.stopping.clear();
   const GuardsEntry& entry = cell_.setup.file.guards;
@@ -263,6 +231,7 @@ void Guards::tick() {
   const bool is_needed = needed();
   if ((!is_needed && (work_->bodies || cell_.setup.options.lock_step)) || !take_bodies() || !is_needed)
     return;
+  see_attached();
   work_->bodies->look(work_->moment);
   for (std::size_t r = 0; r < work_->robots.size(); ++r) see(r);
   for (std::size_t r = 0; r < work_->robots.size(); ++r) find_stopping(r);
@@ -275,6 +244,12 @@ void Guards::tick() {
   for (std::size_t r = 0; r < work_->robots.size(); ++r) fill_barriers(r);
   for (std::size_t r = 0; r < work_->robots.size(); ++r) judge(r);
   for (std::size_t r = 0; r < work_->robots.size(); ++r) look_at_braking(r);
+  for (std::size_t r = 0; r < work_->robots.size(); ++r) look_at_base(r);
+}
+
+/// True in the reduced profile.
+bool Guards::is_reduced() const {
+  return cell_.motions.profile() == "reduced";
 }
 
 /// Where everything is, and how fast the joints move.
@@ -297,21 +272,6 @@ void Guards::see_moment() {
   }
 }
 
-/// Says once that nothing guards a base that drives.
-void Guards::see_base(std::size_t r) {
-  Of& of = work_->robots[r];
-  constexpr double kMoved = 2e-3;  // m, rad
-  const Pose& base = work_->moment.robots[r].base;
-  if (!of.base) of.base = base;
-  if (of.drove || !cell_.setup.robots[r]->entry.on.empty()) return;
-  if (norm(base.position - of.base->position) < kMoved &&
-      angle_between(base.rotation, of.base->rotation) < kMoved)
-    return;
-  of.drove = true;
-  cell_.observer.on_note(cell_.setup.robots[r]->entry.name +
-                         " drives: guards do not watch a base that moves by itself");
-}
-
 /// The motion of a robot.
 void Guards::see(std::size_t r) {
   Of& of = work_->robots[r];
@@ -320,12 +280,18 @@ void Guards::see(std::size_t r) {
   // (is_unplanned).
   const bool planned = motion && !motion->riding() && cell_.setup.file.guards.moves;
   const auto now = planned ? motion->under_way() : std::nullopt;
+  if (!now && see_points(r)) return;
+  of.by_points = false;
   if (!now) {
     of.goal = 0;
     of.pace = of.wanted = 1;
+    of.zones.begin();
     return;
   }
+  of.along = &of.way;
   of.way.set(*now->motion, *now->robot);
+  const moves::MovePlanOptions* const with = motion->options_under_way();
+  of.looks_at_zones = with && with->reduced != is_reduced();
   of.step = now->step;
   of.time = now->begun ? now->time : 0;
   of.speed = now->begun ? std::abs(now->speed) : 1;
@@ -337,6 +303,7 @@ void Guards::see(std::size_t r) {
     of.pace = 1;
     of.slowed = of.reported = false;
     of.stands_since = -1;
+    of.zones.begin();
   }
   if (!of.ahead) return;
   std::vector<double> ends;
@@ -378,7 +345,7 @@ void Guards::find_stopping(std::size_t r) {
   }
   longest += of.braking.plain;
   for (std::size_t k = 0; k <= kSamples; ++k) {
-    of.way.at(of.time + longest * static_cast<double>(k) / kSamples, of.q, of.v);
+    of.along->at(of.time + longest * static_cast<double>(k) / kSamples, of.q, of.v);
     for (std::size_t j = 0; j < n; ++j)
       of.braking.square = std::max(of.braking.square, std::abs(of.v[j]) / of.axes[j].acceleration);
   }
@@ -386,12 +353,12 @@ void Guards::find_stopping(std::size_t r) {
   if (work_->robots.size() == 1) return;  // nobody asks where it will be
   const double h = of.braking.at(std::max(of.speed, of.pace)) / kPlaces;
   std::fill(stopping.begin(), stopping.end(), 0.0);
-  of.way.at(of.time, of.q, of.v);
+  of.along->at(of.time, of.q, of.v);
   std::vector<double>& from = of.q;
   of.last = from;
   for (std::size_t k = 1; k <= kPlaces; ++k) {
     std::vector<double>& to = of.v;
-    of.way.at(of.time + h * static_cast<double>(k), to, {});
+    of.along->at(of.time + h * static_cast<double>(k), to, {});
     for (std::size_t j = 0; j < n; ++j) {
       const double bend = of.axes[j].acceleration * h * h / 8;
       stopping[j] = std::max(stopping[j], std::abs(to[j] - from[j]) + bend);
@@ -405,11 +372,22 @@ void Guards::find_stopping(std::size_t r) {
 void Guards::look_along(std::size_t r) {
   Of& of = work_->robots[r];
   of.wanted = 1;
-  if (of.goal == 0 || !of.ahead) return;
-  const double slow = std::max(of.ahead->speed(), 0.05);  // m per s of the plan, of the last look
-  const double longer = std::min(1.0, cell_.setup.file.guards.slow_from / slow);
-  of.ahead_of = of.ahead->look(of.way, of.time, of.time + of.braking.at(1) + longer, work_->stopping);
+  of.crossing.clear();
+  if (of.goal == 0) return;
+  const double slow =
+      std::max(of.ahead ? of.ahead->speed() : 0, 0.05);  // m per s of the plan, of the last look
+  const double longer =
+      of.by_points ? kStopOfPoints : std::min(1.0, cell_.setup.file.guards.slow_from / slow);
+  const double until = of.time + of.braking.at(1) + longer;
+  of.ahead_of = of.ahead ? of.ahead->look(*of.along, of.time, until, work_->stopping)
+                         : LookAhead::Answer{std::numeric_limits<double>::infinity()};
+  look_at_zones(r, until);
   if (!std::isfinite(of.ahead_of.free_until)) return;
+  if (of.by_points) {
+    const bool known = of.ahead_of.pair >= 0 || !of.crossing.empty();
+    of.wanted = known && of.ahead_of.free_until < until ? 0 : 1;
+    return;
+  }
   of.wanted = of.braking.pace_for(of.ahead_of.free_until - of.time, longer);
   if (of.wanted < (of.pace > 0 ? kStop : kGoOn)) of.wanted = 0;
 }
@@ -419,7 +397,7 @@ void Guards::set_paces() {
   std::vector<Of>& robots = work_->robots;
   for (std::size_t r = 0; r < robots.size(); ++r) {
     Of& of = robots[r];
-    if (of.goal == 0) continue;
+    if (of.goal == 0 || of.by_points) continue;
     double pace = of.wanted, behind = of.time;
     for (const Of& other : robots) {
       if (!of.step || other.goal == 0 || other.step != of.step) continue;
@@ -488,9 +466,11 @@ Problem Guards::problem_of(std::size_t r, const char* code, const std::string& t
   const Of& of = work_->robots[r];
   Problem problem{
       code,
-      motion && of.goal != 0 ? cell_.programs.place_of(*motion, motion->move_under_way()) : Location{},
+      motion && of.goal != 0 && !of.by_points ? cell_.programs.place_of(*motion, motion->move_under_way())
+                                              : Location{},
       text,
-      "clear the way and resume, or move the points or the obstacle",
+      of.crossing.empty() ? "clear the way and resume, or move the points or the obstacle"
+                          : "change the profile or 'workspace' in the cell file, or move the points",
       Severity::error,
       {{"robot", cell_.setup.robots[r]->entry.name}}};
   if (of.ahead_of.pair >= 0) {
@@ -541,7 +521,6 @@ void Guards::note_stop(std::size_t r) {
   if (!pair.own && pair.other_than(static_cast<int>(r)) >= 0) return;  // it waits
   Problem problem = problem_of(
       r, "guard", cell_.setup.robots[r]->entry.name + " would be stopped before a contact: " + text_of(r));
-  problem.severity = Severity::warning;
   problem.advice = "move the points or the obstacle, or let the move go around it: `around true`";
   problem.facts.push_back({"at_s", seconds(cell_.machine.now())});
   const auto is_same = [&](const Problem& other) {
@@ -556,7 +535,7 @@ void Guards::note_stop(std::size_t r) {
 void Guards::judge(std::size_t r) {
   Of& of = work_->robots[r];
   const Nanoseconds now = cell_.machine.now();
-  const bool blocked = runs() && of.goal != 0 && of.wanted == 0 && of.speed == 0;
+  const bool blocked = runs() && of.goal != 0 && of.wanted == 0 && (of.by_points || of.speed == 0);
   if (!blocked) {
     of.stands_since = -1;
     of.reported = false;
@@ -565,6 +544,9 @@ void Guards::judge(std::size_t r) {
   if (of.stands_since < 0) of.stands_since = now;
   const Nanoseconds stands = now - of.stands_since;
   const std::string& name = cell_.setup.robots[r]->entry.name;
+  if (!of.crossing.empty())
+    return stop_before(r, "guard", name + " stopped before it leaves the workspace: " + of.crossing);
+  if (of.by_points) return stop_before(r, "guard", name + " stopped before a contact: " + text_of(r));
   if (of.ahead_of.pair < 0) {  // more is near than one tick can measure
     const std::string text = name + " stands: more bodies are near its path than a guard can measure in a tick";
     if (stands >= kForThings && !std::exchange(of.reported, true)) cell_.observer.on_note(text);

@@ -43,9 +43,10 @@ class Guards {
   void tick();
   /// The pace at which the guard lets a robot's move go on, 0 to 1.
   double pace(std::size_t robot) const;
-  /// More things that robots are kept off, in addition to the scene: objects of MoveIt's clients. They
-  /// replace those before; the guards know them some ticks later.
-  void set_more(std::vector<description::Fixture> more);
+  /// More things that robots are kept off, in addition to the scene, and things that robots hold: objects of
+  /// MoveIt's clients. They replace those before; the guards know them some ticks later.
+  void set_more(std::vector<description::Fixture> more,
+                std::vector<surroundings::AttachedThing> attached = {});
   /// What is nearest to a robot that moves, for people: names of both bodies and the places between which it
   /// is.
   struct Near {
@@ -60,7 +61,7 @@ class Guards {
   static constexpr double kFarthest = 0.15;
   std::optional<double> clearance_at(std::size_t robot, std::span<const double> q) const;
   /// In a cell whose contacts are listed instead of stopping it (CellOptions::contact_errors): where the
-  /// guards would have stopped a robot, once for each pair in a line; warnings "guard" {robot, a, b,
+  /// guards would have stopped a robot, once for each pair in a line; errors "guard" {robot, a, b,
   /// distance_m, clearance_m, at_s}.
   const std::vector<Problem>& would_stop() const;
   /// Exact distances of convex pieces that were computed so far.
@@ -71,8 +72,20 @@ class Guards {
   struct Of;
   bool needed() const;
   bool listens() const;
+  bool is_reduced() const;
   void see_moment();
+  void see_attached();
   void see_base(std::size_t robot);
+  bool base_drives(std::size_t robot) const;
+  BaseShare share_of_base(std::size_t robot, double ahead, double turn);
+  struct NearBase;
+  NearBase near_base(std::size_t robot, const Vec3& velocity, double turning, double braking,
+                     double latency) const;
+  double braking_of_base(std::size_t robot) const;
+  void look_at_base(std::size_t robot);
+  std::optional<Motions::Points> points(std::size_t robot) const;
+  bool see_points(std::size_t robot);
+  void look_at_zones(std::size_t robot, double until);
   bool is_planned(std::size_t robot) const;
   bool is_unplanned(std::size_t robot) const;
   void begin_bodies();

@@ -79,6 +79,7 @@ struct HeldMotions::Motion {
   struct Twist {
     std::string controller;
     double ahead = 0, turn = 0;  // m/s, rad/s
+    double share = 1;            // that a guard leaves
   };
   std::uint64_t number = 0;
   std::size_t robot = 0;
@@ -262,7 +263,9 @@ void HeldMotions::take_plan(Motion& motion) {
 
 void HeldMotions::start(Motion& motion) {
   if (motion.twist) {
-    push(motion, 1);
+    motion.twist->share =
+        cell_.jogging.base_share(motion.robot, motion.twist->ahead, motion.twist->turn).share;
+    push(motion, motion.twist->share);
     motion.session = 1;
   } else {
     if (!cell_.jogging.engage(motion.robot)) return;
@@ -303,12 +306,28 @@ void HeldMotions::report_hold(Motion& motion, const jog::JogStatus& status) {
 void HeldMotions::follow(Motion& motion) {
   if (motion.twist) {
     if (cell_.machine.snapshot().state != control::RunState::running)
-      finish(motion, "stopped", "something stopped it: press again");
-    return;
+      return finish(motion, "stopped", "something stopped it: press again");
+    return follow_base(motion);
   }
   const jog::JogStatus status = cell_.jogging.status(motion.robot);
   if (status.ended >= motion.session) return finish(motion, "stopped", "something stopped it: press again");
   if (is_there(motion, status)) finish(motion, "arrived", "");
+}
+
+/// A base slows down and stops before what is in its way.
+void HeldMotions::follow_base(Motion& motion) {
+  const BaseShare now = cell_.jogging.base_share(motion.robot, motion.twist->ahead, motion.twist->turn);
+  if (now.share < 1 || motion.twist->share < 1) push(motion, now.share);
+  motion.twist->share = now.share;
+  Motion::HeldBack held;
+  if (!now.near.empty()) held = {word_of(jog::JogHold::body), "near " + now.near, now.near};
+  if (motion.reported == held) return;
+  motion.reported = held;
+  HeldEvent out = event(motion, HeldEvent::What::held_back);
+  out.why = held.why;
+  out.text = held.text;
+  out.which = held.which;
+  events_.push_back(std::move(out));
 }
 
 void HeldMotions::advance(Motion& motion) {
@@ -328,7 +347,7 @@ void HeldMotions::renew(std::uint64_t number) {
   motion->dead_man.renew(cell_.machine.now(), nanoseconds(kSilence));
   if (motion->phase != Motion::Phase::moving) return;
   try {
-    if (motion->twist) return push(*motion, 1);
+    if (motion->twist) return push(*motion, motion->twist->share);
     cell_.jogging.require_allowed(motion->robot);
     cell_.jogging.session(motion->robot, motion->session);  // throws if the session has ended
     cell_.jogging.send(motion->robot, motion->session, motion->command);

@@ -79,6 +79,7 @@ class HeldMotions {
   void advance(Motion& motion);
   void start(Motion& motion);
   void follow(Motion& motion);
+  void follow_base(Motion& motion);
   void report_hold(Motion& motion, const jog::JogStatus& status);
   bool is_there(const Motion& motion, const jog::JogStatus& status) const;
   void finish(Motion& motion, const std::string& why, const std::string& text,

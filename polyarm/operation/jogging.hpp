@@ -21,6 +21,12 @@ class Arming;
 class Motions;
 class Programs;
 
+/// The share of a wanted twist with which a base can still stop in time, 0 to 1.
+struct BaseShare {
+  double share = 1;
+  std::string near;  ///< what holds it back; empty: nothing
+};
+
 /// Cell thread. A jog controller is created for a robot at its first jog request. Between two cycles it takes
 /// the joint commands over from the controllers that hold them. It gives them back when no session is alive
 /// and the robot is at rest (decision 0012).
@@ -71,6 +77,14 @@ class Jogging {
     return barrier_names_ ? barrier_names_(robot, which) : std::string();
   }
 
+  /// How fast a base may be driven now, and what holds it back.
+  using BaseGuard = std::function<BaseShare(std::size_t robot, double ahead, double turn)>;
+  void set_base_guard(BaseGuard guard) { base_guard_ = std::move(guard); }
+  /// `ahead`: m/s, `turn`: rad/s that are asked of the base of a robot.
+  BaseShare base_share(std::size_t robot, double ahead, double turn) const {
+    return base_guard_ ? base_guard_(robot, ahead, turn) : BaseShare{};
+  }
+
   JogPhase state(std::size_t robot) const;
   /// True if a session is alive or a robot is not back with its usual controllers.
   bool engaged() const;
@@ -103,6 +117,7 @@ class Jogging {
   std::uint32_t steps_ = 0;
   bool was_held_ = false;
   BarrierNames barrier_names_;
+  BaseGuard base_guard_;
 };
 
 }  // namespace polyarm::cell

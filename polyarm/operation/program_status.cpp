@@ -27,6 +27,18 @@ std::vector<NamedText> named_texts(const std::vector<program::VariableValue>& va
 
 namespace {
 
+/// The link whose first connection all programs wait for; empty if they may run.
+std::string awaited_link(const CellData& data) {
+  if (data.links_ready()) return {};
+  for (const CellLinks::Status& link : data.links().status())
+    if (!link.state.was_up && link.entry->on_loss == signals::LinkEntry::OnLoss::hold)
+      return link.entry->name;
+  return {};
+}
+
+/// What a program that has begun shows while it waits for its links.
+const char* const kWaiting = program::name(program::TaskState::waiting);
+
 const char* waits_for(program::WaitKind kind) {
   static constexpr const char* kNames[] = {"",     "time",   "condition", "move",  "person",
                                            "load", "motion", "room",      "until", "meet",
@@ -80,7 +92,7 @@ std::string name_in(const std::filesystem::path& folder, const std::string& file
 }
 }  // namespace
 
-ProgramOverview program_overview(const CellSetup& setup, const Task& task, bool begun) {
+ProgramOverview program_overview(const CellSetup& setup, const Task& task, bool begun, const CellData& data) {
   const program::Interpreter& interpreter = task.interpreter();
   const program::TaskStatus& status = task.status();
   ProgramOverview out;
@@ -97,6 +109,8 @@ ProgramOverview program_overview(const CellSetup& setup, const Task& task, bool 
   if (const auto took = task.last_pass()) out.last_pass_s = seconds(*took);
   if (const auto& problem = status.problem)
     out.problem.emplace(problem_facts(*problem));
+  if (const std::string link = awaited_link(data); begun && !out.ended && !link.empty())
+    out.state = kWaiting, out.sentence = "waits for the link '" + link + "'";
   return out;
 }
 
@@ -104,9 +118,13 @@ ProgramStatus program_status(const StatusOwners& cell) {
   ProgramStatus out = surroundings(cell);
   if (!cell.programs.program()) return out;
   const Task& task = *cell.programs.program();
-  static_cast<ProgramOverview&>(out) = program_overview(cell.setup, task, cell.programs.begun());
+  static_cast<ProgramOverview&>(out) = program_overview(cell.setup, task, cell.programs.begun(), cell.data);
   for (const program::TaskStatus& each : task.interpreter().status())
     out.tasks.push_back(facts_of(task.interpreter(), each));
+  if (const std::string link = awaited_link(cell.data); cell.programs.begun() && !link.empty())
+    for (TaskFacts& each : out.tasks)
+      if (each.state == program::name(program::TaskState::running))
+        each.state = kWaiting, each.waits_for = "link", each.text = link;
   const program::Waiting& waiting = task.status().waiting;
   if (cell.programs.begun() && waiting.kind == program::WaitKind::user)
     out.question = waiting.text + (waiting.note.empty() ? "" : "\n" + waiting.note);

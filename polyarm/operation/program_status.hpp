@@ -17,10 +17,12 @@ struct StatusOwners {
   const Programs& programs;
   const Jogging& jogging;
   const EventLog& events;
+  const CellData& data;
 };
 protocol::ProgramStatus program_status(const StatusOwners& cell);
-/// Overview of the program or the PLC. `begun`: it was started.
-protocol::ProgramOverview program_overview(const CellSetup& setup, const Task& task, bool begun);
+/// Overview of the program or the PLC. `begun`: it was started. `data`: its links may still keep it waiting.
+protocol::ProgramOverview program_overview(const CellSetup& setup, const Task& task, bool begun,
+                                           const CellData& data);
 
 protocol::FileLine file_line(const Location& where);
 std::vector<protocol::FileLine> file_lines(const std::vector<Location>& places);

@@ -1,5 +1,8 @@
 /// Reactions to contacts in physics, and their causes.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "polyarm/operation/watches.hpp"
@@ -127,6 +130,41 @@ void Watches::watch_contacts() {
     }
   }
   if (inside) cell_.life.fail(std::move(*inside));
+}
+
+std::string Watches::contact_behind(control::StopCause cause) const {
+  if (cause != control::StopCause::jump && cause != control::StopCause::not_following) return {};
+  const ContactReport* deepest = nullptr;
+  for (const ContactReport& each : cell_.contacts.list())
+    if (each.now && (!deepest || each.depth > deepest->depth)) deepest = &each;
+  return deepest ? deepest->sentence() : "";
+}
+
+void Watches::watch_torques() {
+  if (!torques_) {
+    std::vector<std::string> notes;
+    torques_.emplace(cell_.setup, cell_.machine, notes);
+    for (const std::string& note : notes) cell_.observer.on_note(note);
+  }
+  const std::optional<TorqueWatch::Found> found = torques_->tick();
+  if (!found || cell_.life.failure()) return;
+  const moves::RobotMotion* const motion = cell_.motions.motion(found->robot);
+  const bool meant = motion && (motion->complying() || !cell_.programs.touch_of(*motion).file.empty());
+  if (meant && !cell_.jogging.engaged(found->robot)) return;
+  const std::string joint = cell_.setup.robots[found->robot]->entry.name + "/" + found->joint;
+  const char* const unit = found->slides ? "N" : "Nm";
+  Problem problem{"collision-torque",
+                  motion && motion->under_way() ? cell_.programs.place_of(*motion, motion->move_under_way()) : Location{},
+                  fmt::format("{:.0f} {} act on {} from outside, more than the {:g} {} of collision_torque",
+                              std::abs(found->torque), unit, joint, found->limit, unit),
+                  "remove what the robot touches, then polyarm control resume; or allow more torque in cell.yaml",
+                  Severity::error,
+                  {{"joint", joint}, {"torque", fmt::format("{:.1f} {}", std::abs(found->torque), unit)}}};
+  const bool stops = cell_.machine.supervisor().contact_stop() != control::ContactStop::none;
+  if (stops) cell_.machine.supervisor().stop_for_contact();
+  if (!cell_.programs.waits()) return cell_.life.fail(std::move(problem));
+  cell_.observer.on_problem(cell_.machine.now(), problem);
+  if (!stops) cell_.machine.hold_for(std::move(problem));  // contacts are allowed, this torque is not
 }
 
 protocol::ContactState contact_state(const CellSetup& setup, const Machine& machine,

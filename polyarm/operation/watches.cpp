@@ -94,7 +94,7 @@ void Watches::watch_faults_and_end() {
   watch_end();
 }
 
-void Watches::add_component(std::size_t component, Facts& facts) const {
+void Watches::add_component(std::size_t component, polyarm::Facts& facts) const {
   const hardware::Hardware& hardware = cell_.machine.hardware();
   facts.push_back({"component", hardware.component_name(component)});
   if (const std::string name = hardware.diagnostics().blamed_interface(component); !name.empty())
@@ -116,7 +116,7 @@ std::string range_left(const CellRobots& robots, const std::string& command, dou
 }  // namespace
 
 /// " (arm: the bus is silent)": the cause of the fault, if known; also added to `facts`.
-std::string Watches::blame(Facts& facts) const {
+std::string Watches::blame(polyarm::Facts& facts) const {
   using Cause = control::StopCause;
   const control::Snapshot& snapshot = cell_.machine.snapshot();
   const Cause cause = snapshot.cause;
@@ -125,8 +125,12 @@ std::string Watches::blame(Facts& facts) const {
   if (of_hardware && snapshot.event.component >= 0) {
     const auto component = static_cast<std::size_t>(snapshot.event.component);
     const hardware::Hardware& hardware = cell_.machine.hardware();
-    const std::string reason = hardware.diagnostics().reason(component);
+    std::string reason = hardware.diagnostics().reason(component);
     add_component(component, facts);
+    if (const std::string contact = contact_behind(cause); !contact.empty()) {
+      facts.push_back({"reason", contact});
+      reason += reason.empty() ? contact : "; " + contact;
+    }
     return " (" + hardware.component_name(component) + (reason.empty() ? "" : ": " + reason) + ")";
   }
   if (cause == Cause::limits && snapshot.event.interface >= 0) {
@@ -150,7 +154,7 @@ void Watches::watch_fault() {
   const bool news = fault && !std::exchange(in_fault_, fault);
   in_fault_ = fault;
   if (!news) return;
-  Facts facts{{"cause", control::code(snapshot.cause)}};
+  polyarm::Facts facts{{"cause", control::code(snapshot.cause)}};
   const std::string blamed = blame(facts);
   Problem problem{"fault",         {},   std::string(control::name(snapshot.cause)) + blamed, {},
                   Severity::error, facts};

@@ -11,6 +11,7 @@
 #include "polyarm/machine/fault_record.hpp"
 #include "polyarm/machine/stops.hpp"
 #include "polyarm/operation/jogging.hpp"
+#include "polyarm/operation/torque_watch.hpp"
 #include "polyarm/tasks/programs.hpp"
 
 namespace polyarm::cell {
@@ -69,6 +70,8 @@ class Watches {
   /// Call before moves that a contact ended are removed.
   void watch_contacts();
   bool is_meant(const ContactReport& contact) const;
+  /// Stops the robots when a motor exerts more torque than `collision_torque` allows.
+  void watch_torques();
   void watch_stops();
   /// `missing`: why the cell may not run now. Holds the cell while it is set; a resume meanwhile is held
   /// again.
@@ -97,6 +100,8 @@ class Watches {
   Problem problem_of(const ContactReport& contact) const;
   void add_component(std::size_t component, Facts& facts) const;
   std::string blame(Facts& facts) const;
+  /// The deepest contact at present, if it may explain a fault of this cause; empty if there is none.
+  std::string contact_behind(control::StopCause cause) const;
   void watch_fault();
   void watch_groups();
   void report_group_fault(std::size_t component);
@@ -112,6 +117,7 @@ class Watches {
   bool recovered_by_others() const { return cell::recovered_by_others(cell_.setup, cell_.programs); }
 
   Owners cell_;
+  std::optional<TorqueWatch> torques_;  ///< made in the first tick
   StopWatch stop_watch_;
   HeldPlace held_place_;
   std::vector<StopReport> stops_;

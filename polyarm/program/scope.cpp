@@ -7,6 +7,8 @@
 
 #include "polyarm/base/text.hpp"
 #include "polyarm/base/unit_advice.hpp"
+#include "polyarm/language/foreign_words.hpp"
+#include "polyarm/language/libraries.hpp"
 #include "polyarm/language/text_functions.hpp"
 #include "polyarm/program/code.hpp"
 
@@ -155,7 +157,10 @@ std::string Scope::where_made(const std::string& name, Place seen_from) const {
 
 void Scope::declare(const std::string& name, Place place, Type type) {
   if (name.empty()) return;
-  if (local(name) || names.contains(name))
+  // The names in a library are its own: a program and its data may have the same.
+  const bool in_library =
+      place.file > 0 && program_.included[static_cast<std::size_t>(place.file) - 1].file.starts_with(kLibraryPrefix);
+  if (!in_library && (local(name) || names.contains(name)))
     error("shadowing", place, "there is a '" + name + "' already" + where_made(name, place),
           "choose another name, or change it with `set`");
   used.emplace(name, place);
@@ -340,6 +345,10 @@ void Scope::refuse_pair(const Expression& e, const Type& a, const Type& b) {
   const auto boolean_for_number = [&](const Type& one, const Expression& part, const Type& other) {
     return one.kind == Kind::boolean && other.kind == Kind::number && is_name_of_cell(part);
   };
+  const bool joins = e.op == Operator::add && (a.kind == Kind::text || b.kind == Kind::text);
+  if (joins)
+    return error("bad-type", e.place, "'+' cannot take " + described(a) + " and " + described(b),
+                 "a value stands in a text in braces, \"count {n}\"; or write text(…)");
   const bool tag = boolean_for_number(a, *e.parts[0], b) || boolean_for_number(b, *e.parts[1], a);
   error("bad-type", e.place,
         std::string("'") + spelling(e.op) + "' cannot take " + described(a) + " and " + described(b),
@@ -387,28 +396,14 @@ std::optional<Dimension> Scope::dimension_of(const Expression& e, const Type& a,
   return out;
 }
 
-namespace {
-/// What to write instead of functions of other languages; null for other names.
-const char* instead_of(std::string_view function) {
-  static constexpr std::pair<std::string_view, const char*> kInstead[] = {
-      {"print", "a line is printed with `log(…)`"},       {"printf", "a line is printed with `log(…)`"},
-      {"echo", "a line is printed with `log(…)`"},        {"sleep", "a time is waited with `wait 500ms`"},
-      {"delay", "a time is waited with `wait 500ms`"},    {"range", "write `for i in 1 .. 5`"},
-      {"input", "a person answers to `ask(\"How many?\", 4)`"}, {"len", "it is called `length(…)`"}};
-  const auto at = std::find_if(std::begin(kInstead), std::end(kInstead),
-                               [&](const auto& each) { return each.first == function; });
-  return at == std::end(kInstead) ? nullptr : at->second;
-}
-}  // namespace
-
 Type Scope::infer_call(const Expression& e) {
   const std::vector<Type> arguments = infer_all(e);
   const Statement* own = function(e.name);
   const Function* builtin = own ? nullptr : find_function(e.name);
   if (!own && !builtin) {
     if (program_.lacks_included) return kUnknown;
-    if (const char* instead = instead_of(e.name)) {
-      error("unknown-function", e.place, "there is no function '" + e.name + "'", instead);
+    if (const ForeignWord* foreign = foreign_word(e.name)) {
+      error("unknown-function", e.place, "there is no function '" + e.name + "'", foreign->instead);
       return kUnknown;
     }
     std::vector<std::string> all;

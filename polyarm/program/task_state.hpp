@@ -40,6 +40,15 @@ struct Waiting {
   std::string
       text;  ///< for a move the point, for a load the file, for a user the question, for a meeting its name
   std::string note = {};  ///< for a question: the answer of Enter, and why the latest answer was refused
+
+  /// Becomes a wait of this kind with nothing else set; its texts keep their memory.
+  void begin(WaitKind of) {
+    kind = of;
+    until.reset();
+    names.clear();
+    text.clear();
+    note.clear();
+  }
 };
 
 /// A variable, or a temporary value of an expression. If it is not set, its value is False.

@@ -4,13 +4,15 @@
 #include <map>
 #include <system_error>
 
+#include "polyarm/base/bounds.hpp"
+
 namespace polyarm::recording {
 
 namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::uintmax_t kLargest = 1'000'000, kMost = 10'000'000;
+constexpr std::uintmax_t kLargest = bounds::kAttachmentBytes, kMost = bounds::kAttachmentsBytes;
 
 bool belongs(const fs::path& path) {
   const std::string name = path.filename().string();

@@ -12,7 +12,9 @@
 #include <thread>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/base/secrets.hpp"
 #include "polyarm/base/text.hpp"
 #include "polyarm/description/urdf.hpp"
 #include "polyarm/inside/view.hpp"
@@ -21,7 +23,6 @@
 #include "polyarm/recording/cell_channels.hpp"
 #include "polyarm/recording/file_sink.hpp"
 #include "polyarm/recording/mcap_writer.hpp"
-#include "polyarm/base/secrets.hpp"
 
 namespace polyarm::recording {
 
@@ -29,11 +30,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr Nanoseconds kChunk = 1'000'000'000;     // longest time that a message waits for the file, ns
-constexpr Nanoseconds kInterfaces = 10'000'000;   // shortest time between two messages of
-                                                  // /dynamic_joint_states, ns
-constexpr std::size_t kMostEvents = 8u << 20;     // bytes queued for the thread
-constexpr std::size_t kMostRowBytes = 64u << 20;  // bytes of cycles queued for the thread
+constexpr Nanoseconds kChunk = 1'000'000'000;    // longest time that a message waits for the file, ns
+constexpr Nanoseconds kInterfaces = 10'000'000;  // shortest time between two messages of
+                                                 // /dynamic_joint_states, ns
+constexpr std::size_t kMostEvents = bounds::kRecorderEventBytes;    // bytes queued for the thread
+constexpr std::size_t kMostRowBytes = bounds::kRecorderCycleBytes;  // bytes of cycles queued for the thread
 constexpr auto kNap = std::chrono::milliseconds(50);
 
 std::int64_t system_time() {

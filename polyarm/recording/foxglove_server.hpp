@@ -21,6 +21,7 @@
 #include <string_view>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/recording/channel.hpp"
 
 namespace polyarm::recording {
@@ -100,14 +101,14 @@ class FoxgloveServer {
 /// same channel, so it gets fewer. All members belong to the thread of its connection.
 class FoxgloveClient : public std::enable_shared_from_this<FoxgloveClient> {
  public:
-  static constexpr std::size_t kMostSubscriptions = 1000;
+  static constexpr std::size_t kMostSubscriptions = bounds::kViewerSubscriptions;
   /// Queued bytes above which newer messages replace queued ones, and above which only channel lists are
   /// queued.
-  static constexpr std::size_t kComfortable = 256 << 10, kMostWaiting = 8 << 20;
+  static constexpr std::size_t kComfortable = 256 << 10, kMostWaiting = bounds::kViewerWaitingBytes;
   /// Limit of assets that are being read for the client.
   static constexpr int kMostAssets = 16;
   /// Limits of requests for assets that wait until the client has read enough, and of their URIs.
-  static constexpr std::size_t kMostLater = 64, kLongestUri = 4096;
+  static constexpr std::size_t kMostLater = 64, kLongestUri = bounds::kViewerUriBytes;
   /// Queued bytes beyond kMostWaiting up to which further requests for assets get a refusal.
   static constexpr std::size_t kRefusals = 64 << 10;
 

@@ -153,7 +153,7 @@ Poll<ProgramLoad::Answer> program_load(const LoadOwners& cell, const ProgramLoad
     if (!done(cell, loading, posted, &Loading::check)) return Loaded{};
     cell.programs.put(std::move(*loading->program));
     ProgramLoad::Answer out{
-        program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events}), {}};
+        program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events, cell.data}), {}};
     for (const Problem& problem : loading->problems.list()) out.warnings.push_back(problem.text());
     return Loaded::done(std::move(out));
   };
@@ -232,7 +232,7 @@ ProgramStatus program_start(const LoadOwners& cell, const ProgramStart& request)
   if (request.paused) interpreter.pause_here();
   cell.programs.program()->refresh();
   cell.programs.let_begin();
-  return program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events});
+  return program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events, cell.data});
 }
 
 Asked program_answer(const LoadOwners& cell, const ProgramAnswer& request) {

@@ -57,7 +57,7 @@ Poll<ProgramStatus> until_paused(const ProgramOwners& cell, bool at_once) {
     if (!at_once && on_its_way && !why_no_statement(cell.machine, cell.arming, cell.life))
       return Progress<ProgramStatus>{};
     return Progress<ProgramStatus>::done(
-        program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events}));
+        program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events, cell.data}));
   };
 }
 
@@ -86,7 +86,7 @@ ProgramFrom::Answer assumed(const ProgramOwners& cell, const program::StartRepor
 
 ProgramState::Answer program_state(const ProgramOwners& cell, const ProgramState& request) {
   ProgramState::Answer out{
-      program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events}), {}};
+      program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events, cell.data}), {}};
   if (!request.data) return out;
   out.data.emplace();
   for (const std::string& name : cell.data.store.names())
@@ -101,7 +101,8 @@ Poll<ProgramStatus> program_watch(const ProgramOwners& cell, const ProgramWatch&
   return [cell, between, next = Nanoseconds{0}, reported = Any{}]() mutable {
     if (cell.machine.now() < next) return Progress<ProgramStatus>{};
     next = cell.machine.now() + between;
-    ProgramStatus now = program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events});
+    ProgramStatus now =
+        program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events, cell.data});
     Any as_any = any_of(now);
     if (as_any == reported) return Progress<ProgramStatus>{};
     reported = std::move(as_any);
@@ -123,7 +124,7 @@ ProgramStatus program_go(const ProgramOwners& cell, const ProgramGo&) {
     throw Error("not-paused", "the program is not paused", "a hold is left by polyarm control resume");
   if (const auto why = why_no_statement(cell.machine, cell.arming, cell.life)) throw Error(*why);
   task.interpreter().resume();
-  return program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events});
+  return program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events, cell.data});
 }
 
 Poll<ProgramStatus> program_step(const ProgramOwners& cell, const ProgramStep& request) {
@@ -263,8 +264,8 @@ Poll<ProgramStatus> program_stop(const ProgramOwners& cell, const ProgramStop&) 
     if (held && !ending.ended()) ending.tick();  // a held cell does not tick it
     const bool waits = !ending.ended() && cell.machine.now() - asked < kTimeout;
     return waits ? Stopped{}
-                 : Stopped::done(
-                       program_status({cell.setup, cell.machine, cell.programs, cell.jogging, cell.events}));
+                 : Stopped::done(program_status(
+                       {cell.setup, cell.machine, cell.programs, cell.jogging, cell.events, cell.data}));
   };
 }
 

@@ -15,6 +15,7 @@
 #include "polyarm/description/scene_edit.hpp"
 #include "polyarm/description/scene_file.hpp"
 #include "polyarm/inside/requests_later.hpp"
+#include "polyarm/io/free_space.hpp"
 #include "polyarm/meshes/mesh.hpp"
 #include "polyarm/protocol/scene.hpp"
 #include "polyarm/requests/families.hpp"
@@ -34,7 +35,7 @@ struct SceneOwners {
   LongWorker& long_worker;  ///< reads meshes
 };
 
-constexpr std::size_t kLongestName = 100, kLargestMtl = 1 << 20;
+constexpr std::size_t kLongestName = bounds::kSceneFileNameBytes, kLargestMtl = bounds::kMtlBytes;
 constexpr double kLargeNumber = 10;  // sizes from here on are hardly metres
 
 bool among(const std::string& ending, const std::vector<std::string>& list) {
@@ -125,14 +126,28 @@ OrNull<MeshFacts> check_content(const fs::path& file) {
   return out;
 }
 
+struct Stored {
+  std::size_t count = 0;
+  std::uint64_t bytes = 0;
+};
+
+/// Files of a folder, and their bytes. Links and devices count as files without bytes.
+Stored files_of(const fs::path& folder) {
+  Stored out;
+  std::error_code error;
+  for (const auto& each : fs::directory_iterator(folder, error)) {
+    ++out.count;
+    const bool regular = fs::is_regular_file(each.symlink_status(error));
+    const std::uint64_t size = regular ? each.file_size(error) : 0;
+    if (!error) out.bytes += size;
+  }
+  return out;
+}
+
 /// Moves a complete upload into the folder of meshes. The same file may be there already.
 std::string keep(const fs::path& folder, const fs::path& part, const std::string& name) {
   const fs::path target = meshes_folder(folder) / name;
   std::error_code error;
-  constexpr int kMostMeshes = 500;
-  if (std::distance(fs::directory_iterator(target.parent_path(), error), fs::directory_iterator()) >=
-      kMostMeshes)
-    throw Error("too-many", "the folder meshes has 500 files", "delete some of them");
   if (fs::exists(fs::symlink_status(target, error))) {
     if (fs::is_regular_file(fs::symlink_status(target, error)) &&
         read_file(target, meshes::kLargestFile) == read_file(part, meshes::kLargestFile)) {
@@ -148,24 +163,50 @@ std::string keep(const fs::path& folder, const fs::path& part, const std::string
 
 /// Removes an earlier upload of this name, and all if they are many: those that nobody completed.
 void make_room(const fs::path& part) {
-  constexpr int kMostUploads = 8;
   std::error_code error;
-  const auto count =
-      std::distance(fs::directory_iterator(part.parent_path(), error), fs::directory_iterator());
-  fs::remove_all(count >= kMostUploads ? part.parent_path() : part, error);
+  const bool many = files_of(part.parent_path()).count >= bounds::kSceneUploads;
+  fs::remove_all(many ? part.parent_path() : part, error);
   fs::create_directories(part.parent_path(), error);
+}
+
+/// Throws if the cell would store more than its bounds allow.
+void require_room(const fs::path& folder, const fs::path& uploads, const std::string& name,
+                  std::size_t more) {
+  const Stored kept = files_of(meshes_folder(folder)), coming = files_of(uploads);
+  std::error_code error;
+  if (kept.count >= bounds::kSceneFiles && !fs::exists(meshes_folder(folder) / name, error))
+    throw Error("too-many", fmt::format("the folder meshes has {} files", kept.count), "delete some of them");
+  if (kept.bytes + coming.bytes + more > bounds::kSceneFilesBytes)
+    throw Error("too-large",
+                fmt::format("the files in the folder meshes and unfinished uploads may have {} MiB together",
+                            bounds::kSceneFilesBytes >> 20),
+                "delete meshes that the scene does not use");
+  require_free_space(folder, more);
+}
+
+/// The folder for uploads. A cell of a stranger may have links there, which would lead elsewhere.
+fs::path uploads_folder(const fs::path& folder) {
+  std::error_code error;
+  const fs::path out = folder / ".state" / "uploads";
+  for (const fs::path& each : {out.parent_path(), out})
+    if (fs::is_symlink(fs::symlink_status(each, error)))
+      throw Error("bad-path", each.string() + " is a link", "make it a folder of the cell");
+  fs::create_directories(out, error);
+  return out;
 }
 
 SceneUpload::Answer stored(const fs::path& folder, const SceneUpload& request) {
   check_name(request.name);
   const std::string bytes = decoded(request.data);
   // With its own ending, so that it is read as what it is.
-  const fs::path part = folder / ".state" / "uploads" / request.name;
+  const fs::path part = uploads_folder(folder) / request.name;
   std::error_code error;
   keep_out_of_git(folder);
-  fs::create_directories(part.parent_path(), error);
   if (request.offset == 0) make_room(part);
-  const std::uint64_t there = fs::exists(part, error) ? fs::file_size(part, error) : 0;
+  const fs::file_status status = fs::symlink_status(part, error);
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    throw Error("bad-path", part.string() + " is not a file", "begin the upload again, from 0 on");
+  const std::uint64_t there = fs::exists(status) ? fs::file_size(part, error) : 0;
   if (there != request.offset)
     throw Error("bad-offset",
                 fmt::format("{} bytes of '{}' are here, but this piece begins at {}", there, request.name,
@@ -177,12 +218,15 @@ SceneUpload::Answer stored(const fs::path& folder, const SceneUpload& request) {
                 fmt::format("'{}' has more than {} MB", request.name, meshes::kLargestFile >> 20),
                 "simplify it: some thousand triangles are enough to draw it");
   }
+  require_room(folder, part.parent_path(), request.name, bytes.size());
   std::ofstream file(part, std::ios::binary | std::ios::app);
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();
-  if (!file)
+  if (!file) {
+    fs::remove(part, error);
     throw Error("unwritable", "'" + request.name + "' cannot be stored",
                 "look at the free space of the disk");
+  }
   SceneUpload::Answer out{there + bytes.size(), {}, {}};
   if (!request.last) return out;
   try {

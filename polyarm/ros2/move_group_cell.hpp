@@ -98,11 +98,11 @@ struct MoveGroupCell {
   std::shared_ptr<cell::SharedBodies> bodies;
   LongWork work;
   std::uint64_t guarded = 0;  ///< version of the scene that the guards know
-  /// Call each tick: guards keep robots off the objects of clients.
+  /// Call each tick: guards keep robots, and the objects that they hold, off the objects of clients.
   void tell_guards() {
     const auto now = scene->now();
     if (std::exchange(guarded, now->version) != now->version)
-      bridge.cell().set_more_obstacles(move_group::fixtures_of(*now));
+      bridge.cell().set_more_obstacles(move_group::fixtures_of(*now), move_group::attached_of(*now));
   }
   /// Set when the door closes: work that is under way ends early.
   std::shared_ptr<std::atomic<bool>> closing = std::make_shared<std::atomic<bool>>(false);

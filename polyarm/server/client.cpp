@@ -52,9 +52,9 @@ users::Actor Client::actor(const std::string& shown) const {
 void Client::require_role(protocol::Role needed, const std::string& request) const {
   if (role >= needed) return;
   throw Error("no-role",
-              "'" + request + "' is refused: this link allows to " + protocol::name(role) +
-                  ", and that needs the right to " + protocol::name(needed),
-              "open a link that allows it");
+              "'" + request + "' is refused: " + (login ? login->user : "this link") + " has the role " +
+                  protocol::name(role) + ", and that needs the role " + protocol::name(needed),
+              login ? "log in as a user who may do it" : "open a link that allows it");
 }
 
 void Client::Line::require_not_overtaken(const protocol::RequestType& type,

@@ -82,7 +82,7 @@ class Pendant::Work {
  public:
   Work(PendantOptions options, cell::Observer& next)
       : options_(std::move(options)),
-        logins_(options_.users),
+        logins_(options_.users, 3600 * options_.log_in_hours),
         sessions(next, options_.version, options_.audit),
         viewers_(options_.version),
         metrics_(options_.version),

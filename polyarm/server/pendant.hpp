@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/inside/view.hpp"
 #include "polyarm/protocol/facts.hpp"
 #include "polyarm/setup/door.hpp"
@@ -15,13 +16,14 @@
 namespace polyarm::server {
 
 struct PendantOptions {
-  std::uint16_t port = 8765;                          ///< 0: any free port
-  std::optional<std::string> listen;                  ///< address to listen on beyond loopback; "" means all
-  std::string certificate, key;                       ///< PEM, for other machines; empty: no TLS
-  std::string fingerprint;                            ///< of that certificate, shown to the user
-  std::string token;                                  ///< every client must send it
-  std::filesystem::path users;                        ///< list of users who may log in; empty: none
-  users::AuditLog* audit = nullptr;                   ///< outlives this; null: nothing is logged
+  std::uint16_t port = 8765;                  ///< 0: any free port
+  std::optional<std::string> listen;          ///< address to listen on beyond loopback; "" means all
+  std::string certificate, key;               ///< PEM, for other machines; empty: no TLS
+  std::string fingerprint;                    ///< of that certificate, shown to the user
+  std::string token;                          ///< every client must send it
+  std::filesystem::path users;                ///< list of users who may log in; empty: none
+  double log_in_hours = bounds::kLoginHours;  ///< every log-in of a user ends after this time
+  users::AuditLog* audit = nullptr;           ///< outlives this; null: nothing is logged
   /// Where GET /metrics is served without a token; nothing: nowhere.
   struct Metrics {
     std::string address = "127.0.0.1";

@@ -172,6 +172,18 @@ void write(const fs::path& file, const std::string& text, const std::string& nam
 
 }  // namespace
 
+fs::path place_beside(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  const fs::path whole = fs::weakly_canonical(fs::absolute(folder), error);  // "." has no parent, "a/" is "a"
+  const fs::path beside = (whole.has_filename() ? whole : whole.parent_path()).parent_path();
+  std::size_t folders = 0;
+  for (const auto& each : fs::directory_iterator(beside, error)) folders += each.is_directory(error) ? 1 : 0;
+  if (folders >= bounds::kProjects)
+    throw Error("too-many", "there are " + std::to_string(folders) + " folders beside that of the cell",
+                "delete projects that nobody needs");
+  return beside / name;
+}
+
 std::string zip_of(const fs::path& folder) {
   Source target = buffer(nullptr, 0);
   Zip zip = open(target.get(), ZIP_TRUNCATE);

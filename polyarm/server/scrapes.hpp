@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/server/port.hpp"
 
 namespace polyarm::server {
@@ -13,7 +14,7 @@ namespace polyarm::server {
 /// Any thread.
 class Scrapes {
  public:
-  static constexpr std::size_t kMostWaiting = 32;
+  static constexpr std::size_t kMostWaiting = bounds::kScrapes;
   enum class Kind { prometheus, summary };
   using Reply = std::function<void(HttpReply)>;
 

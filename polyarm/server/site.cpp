@@ -4,7 +4,9 @@
 #include <cctype>
 #include <filesystem>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/printable.hpp"
+#include "polyarm/io/free_space.hpp"
 #include "polyarm/meshes/robot_meshes.hpp"
 #include "polyarm/recording/foxglove_server.hpp"
 #include "polyarm/server/documents.hpp"
@@ -22,7 +24,7 @@ constexpr std::string_view kCatalogue = "/api/catalogue", kProject = "/api/proje
 constexpr int kMostWaiting = bounds::kSlowJobs;
 constexpr std::string_view kLogin = "/api/login", kLogout = "/api/logout";
 /// Log-ins that wait to be checked; further ones are refused.
-constexpr int kMostLoginsWaiting = 8;
+constexpr std::size_t kMostLoginsWaiting = bounds::kLoginsWaiting;
 
 constexpr const char* kNoPage =
     "<!doctype html><meta charset=utf-8><title>Polyarm</title><body "
@@ -177,9 +179,8 @@ void PageSite::log_in(const HttpRequest& request, const Reply& reply) {
   if (request.method == "GET") return reply(document(text_of(dump(who_may_log_in(request)))));
   const auto credentials = basic_credentials(request.authorization);
   if (!credentials) return reply(plain(400, "send name and password as Authorization: Basic"));
-  if (logins_waiting_ >= kMostLoginsWaiting || !login_worker_)
+  if (!login_worker_ || !begin_log_in(network_of(request.from)))
     return reply(plain(503, "too many log in at once: try again"));
-  ++logins_waiting_;
   login_worker_->post([this, request, reply, name = credentials->first, password = credentials->second] {
     HttpReply out;
     try {
@@ -187,15 +188,39 @@ void PageSite::log_in(const HttpRequest& request, const Reply& reply) {
     } catch (...) {
       out = plain(500, what_was_thrown());
     }
-    --logins_waiting_;
+    end_log_in(network_of(request.from));
     reply(std::move(out));
   });
 }
 
-/// The name only for a client that is logged in.
+/// False if too many wait already, of all or of this address.
+bool PageSite::begin_log_in(const std::string& from) {
+  const std::lock_guard lock(mutex_);
+  std::size_t all = 0;
+  for (const auto& [network, count] : logins_waiting_) all += count;
+  const auto own = logins_waiting_.find(from);
+  if (all >= kMostLoginsWaiting ||
+      (own != logins_waiting_.end() && own->second >= bounds::kLoginsWaitingOfAddress))
+    return false;
+  ++logins_waiting_[from];
+  return true;
+}
+
+void PageSite::end_log_in(const std::string& from) {
+  const std::lock_guard lock(mutex_);
+  if (const auto own = logins_waiting_.find(from); own != logins_waiting_.end() && --own->second == 0)
+    logins_waiting_.erase(own);
+}
+
+/// The name only for a client that is logged in; why it ended for one that was.
 Json PageSite::who_may_log_in(const HttpRequest& request) {
   Json out{{"users", logins_.offered(steady_seconds())}};
   if (request.login) out["name"] = request.login->user;
+  if (const std::string why = request.login ? "" : logins_.why_ended(request.shown, steady_seconds());
+      !why.empty()) {
+    out["ended"] = why;
+    out["hours"] = logins_.longest_s() / 3600;
+  }
   return out;
 }
 
@@ -281,10 +306,12 @@ void PageSite::post(std::function<HttpReply()> job, const Reply& reply) {
 
 /// GET: sends a backup of the cell's folder. PUT: unpacks a project beside that folder.
 void PageSite::project(HttpRequest request, const Reply& reply) {
-  const protocol::Role needed = request.method == "GET" ? protocol::Role::program : protocol::Role::administer;
+  const protocol::Role needed =
+      request.method == "GET" ? protocol::Role::program : protocol::Role::administer;
   if (request.role < needed)
-    return reply(plain(403, std::string("this link allows to ") + protocol::name(request.role) +
-                                ": open one that allows to " + protocol::name(needed)));
+    return reply(plain(403, (request.login ? request.login->user : std::string("this link")) +
+                                " has the role " + protocol::name(request.role) +
+                                ", and this needs the role " + protocol::name(needed)));
   const std::filesystem::path folder = documents()->folder;
   if (folder.empty()) return reply(plain(503, "no cell is running now"));
   log(request, request.login ? request.login->user : std::string("link to ") + protocol::name(request.role),
@@ -303,8 +330,8 @@ void PageSite::project(HttpRequest request, const Reply& reply) {
     return reply(plain(400, "?name= must be letters, digits, _ and -"));
   post(
       [folder, name, zip = std::move(request.body)] {
-        const std::filesystem::path into =
-            std::filesystem::absolute(folder).lexically_normal().parent_path() / name;
+        const std::filesystem::path into = place_beside(folder, name);
+        cell::require_free_space(into.parent_path(), bounds::kUnzippedBytes);
         unzip_into(zip, into);
         return document(text_of(dump({{"folder", into.string()}})));
       },

@@ -95,7 +95,9 @@ class PageSite : public Site {
   std::unique_ptr<cell::Worker> worker_;
   std::atomic<int> waiting_{0};
   std::unique_ptr<cell::Worker> login_worker_;  // passwords are checked one after another
-  std::atomic<int> logins_waiting_{0};
+  bool begin_log_in(const std::string& from);
+  void end_log_in(const std::string& from);
+  std::map<std::string, std::size_t> logins_waiting_;  ///< by network; guarded by mutex_
 };
 
 }  // namespace polyarm::server

@@ -42,7 +42,7 @@ class ViewerStream : public Stream {
   void leave() override { gone_.store(true, std::memory_order_release); }
 
  private:
-  static constexpr double kASecond = 200, kBurst = 2000;
+  static constexpr double kASecond = 200, kBurst = bounds::kViewerMessages;
   std::shared_ptr<recording::FoxgloveClient> client_;
   double allowance_ = kBurst, bytes_ = bounds::kViewerBurstBytes, seen_ = 0;
   std::atomic<bool> gone_{false};

@@ -73,6 +73,38 @@ void read_on_fault(const Yaml& yaml, RobotEntry& robot, Problems& problems) {
                    "cell: a fault of its hardware stops everything; group: this robot alone");
 }
 
+/// Parses `force_sensor: true`, or a map of its errors.
+void read_force_sensor(const Yaml& yaml, RobotEntry& robot, Problems& problems) {
+  if (!yaml.defined()) return;
+  if (!yaml.is_map()) return collect(problems, [&] { robot.force_sensor = yaml.boolean(false); });
+  robot.force_sensor = true;
+  hardware::ForceSensorErrors& out = robot.sensor_errors;
+  yaml.check_keys({"noise", "torque_noise", "bias", "drift", "torque_drift", "seed"}, problems);
+  const std::pair<const char*, std::pair<double*, Dimension>> deviations[] = {
+      {"noise", {&out.noise, Dimension::force}},
+      {"torque_noise", {&out.torque_noise, Dimension::torque}},
+      {"drift", {&out.drift, Dimension::force}},
+      {"torque_drift", {&out.torque_drift, Dimension::torque}}};
+  for (const auto& [key, to] : deviations) {
+    if (!yaml.has(key)) continue;
+    collect(problems, [&, place = to.first, dimension = to.second] { *place = yaml[key].number(dimension); });
+    if (!(*to.first >= 0) || !std::isfinite(*to.first))
+      problems.error("bad-value", yaml[key].where(), std::string(key) + " of the force sensor is below zero",
+                     "write a standard deviation, such as 0.2N or 0.01Nm");
+  }
+  out.seed = static_cast<std::uint32_t>(whole(yaml, "seed", 1, 0, 2'000'000'000, problems));
+  if (!yaml.has("bias")) return;
+  collect(problems, [&] {
+    const std::vector<Yaml> items = yaml["bias"].items();
+    if (items.size() != out.bias.size())
+      throw Error(Problem{"bad-value", yaml["bias"].where(),
+                          "the bias of the force sensor has " + std::to_string(items.size()) + " values, 6 were expected",
+                          "write force x y z, then torque x y z: [1N, 0N, -2N, 0Nm, 0.1Nm, 0Nm]"});
+    for (std::size_t i = 0; i < items.size(); ++i)
+      out.bias[i] = items[i].number(i < 3 ? Dimension::force : Dimension::torque);
+  });
+}
+
 /// Parses `on:`. An empty value is an error; a robot on the ground has no such key.
 std::string read_carrier(const std::string& name, const Yaml& yaml) {
   const std::vector<std::string> keys = yaml.keys();
@@ -99,11 +131,12 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
                    "quaternion",   "hardware",  "tool",   "parameters", "accept_unverified",
                    "budget",       "rate",      "thread", "on_fault",   "workspace",
                    "joint_ranges", "payload",   "tip",    "on",         "force_sensor",
-                   "calibration"},
+                   "calibration",  "collision_torque"},
                   problems);
   robot.payload = read_payload(yaml["payload"], problems);
   robot.workspace = read_workspace(yaml["workspace"], problems);
   robot.ranges = read_ranges(yaml["joint_ranges"], problems);
+  robot.collision_torques = read_collision_torques(yaml["collision_torque"], problems);
   for (const std::string& key : yaml["arguments"].keys())
     collect(problems, [&] { robot.arguments[key] = yaml["arguments"][key].text(); });
   collect(problems, [&] { robot.model = yaml.required("model").text(); });
@@ -126,7 +159,7 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
                      "the rate of '" + name + "' does not lie above zero and at most at 10000 Hz",
                      "write how often per second it is read and commanded, Hz");
   });
-  collect(problems, [&] { robot.force_sensor = yaml["force_sensor"].boolean(false); });
+  read_force_sensor(yaml["force_sensor"], robot, problems);
   robot.budget = read_budget(yaml["budget"], problems);
   for (const std::string& key : yaml["parameters"].keys())
     collect(problems, [&] { robot.parameters[key] = yaml["parameters"][key].text(); });

@@ -12,6 +12,7 @@
 #include "polyarm/base/reach.hpp"
 #include "polyarm/base/time.hpp"
 #include "polyarm/control/control_loop.hpp"
+#include "polyarm/hardware/force_sensor.hpp"
 #include "polyarm/io/stream_entries.hpp"
 #include "polyarm/moves/robot_facts.hpp"
 #include "polyarm/setup/belts.hpp"
@@ -56,6 +57,8 @@ struct RobotEntry {
   std::vector<RangeEntry> ranges;               ///< joint ranges narrower than the robot's
   std::string calibration;    ///< file with the measured geometry of the arm; empty: that of the description
   bool force_sensor = false;  ///< physics measures the wrench between robot and tool
+  hardware::ForceSensorErrors sensor_errors;
+  std::vector<CollisionTorqueEntry> collision_torques;
   std::string text;           ///< the description itself, if `model` is the file that contains it
   Location where;
   std::map<std::string, Location> places;  ///< of its keys in the file

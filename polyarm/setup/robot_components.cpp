@@ -129,6 +129,7 @@ class Components {
     sensor.parameters["frame_id"] = robot.model.links[static_cast<std::size_t>(link)].name;
     for (const char* axis : {"force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z"})
       sensor.state_interfaces.push_back({axis});
+    hardware::set_force_sensor_errors(robot.entry.sensor_errors, sensor);
     description::HardwareInfo block;
     block.components.push_back(std::move(sensor));
     made.hardware.push_back(std::move(block));

@@ -147,11 +147,8 @@ std::unique_ptr<moves::RobotFacts> motion_facts(const CellRobot& robot, const mo
   auto solver = std::make_unique<const ik::InverseKinematics>(chain);
   std::vector<double> effort;
   for (const controllers::JointFacts& joint : robot.joints) effort.push_back(joint.effort);
-  auto torques = moves::torque_limits_of(
-      robot.model, robot.entry.base,
-      moves::joined({robot.tool.mass, robot.tool.center},
-                    {robot.entry.payload.mass, robot.entry.payload.center.value_or(robot.tool.tcp.position)}),
-      std::move(effort));
+  auto torques =
+      moves::torque_limits_of(robot.model, robot.entry.base, load_of(robot), std::move(effort));
   return std::make_unique<moves::RobotFacts>(moves::RobotFacts{robot.entry.name,
                                                                &robot.model,
                                                                std::move(chain),
@@ -291,8 +288,11 @@ std::unique_ptr<CellRobot> resolve(const CellFile& file,
   description::set_tip(robot->model, entry.tip, entry.where);
   at_key(entry, "calibration", [&] { calibrate(file, entry, robot->model, notes); });
   narrow_ranges(entry.ranges, robot->model, problems);
+  check_collision_torques(entry.collision_torques, robot->model, problems);
   std::vector<moves::WorkspaceZone> zones = file.workspace;
   zones.insert(zones.end(), entry.workspace.begin(), entry.workspace.end());
+  robot->slow_zones = moves::Workspace(take_slow_zones(zones));
+  find_joints(zones, robot->model, problems);
   moves::Workspace workspace(std::move(zones));
   at_key(entry, "tool", [&] { robot->tool = description::find_tool(entry.tool, file.folder.string()); });
   refuse_overload(*robot, problems);
@@ -432,6 +432,11 @@ std::vector<std::string> names_of_component(const CellRobots& robots, const std:
   for (const PlayedBlock& played : played_by_physics(robots))
     if (std::find(out.begin(), out.end(), played.info->name) == out.end()) out.push_back(played.info->name);
   return out;
+}
+
+moves::Payload load_of(const CellRobot& robot) {
+  return moves::joined({robot.tool.mass, robot.tool.center},
+                       {robot.entry.payload.mass, robot.entry.payload.center.value_or(robot.tool.tcp.position)});
 }
 
 }  // namespace polyarm::cell

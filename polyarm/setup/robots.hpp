@@ -34,8 +34,12 @@ struct CellRobot {
   std::vector<double> start;                    ///< joint state at the start of a run
   std::vector<controllers::JointFacts> joints;  ///< actuated joints, full names
   std::unique_ptr<moves::RobotFacts> facts;
+  moves::Workspace slow_zones;           ///< beyond their boundaries the profile is reduced
   std::vector<Problem> hardware_faults;  ///< errors in its <ros2_control>; planning does not need hardware
 };
+
+/// Its tool and its payload together.
+moves::Payload load_of(const CellRobot& robot);
 
 using CellRobots = std::vector<std::unique_ptr<CellRobot>>;
 

@@ -14,7 +14,11 @@ namespace {
 
 void read_profile(const Yaml& yaml, ProfileEntry& out, Problems& problems) {
   if (!yaml.defined()) return;
-  yaml.check_keys({"tcp_speed", "tcp_turning", "joint_speed"}, problems);
+  yaml.check_keys({"tcp_speed", "tcp_turning", "joint_speed", "while"}, problems);
+  if (yaml.has("while")) {
+    collect(problems, [&] { out.tag = yaml["while"].text(); });
+    out.tag_place = yaml["while"].where();
+  }
   const auto read = [&](const char* key, Dimension dimension, double& value, double most, const char* what) {
     if (!yaml.has(key)) return;
     collect(problems, [&] {
@@ -32,11 +36,59 @@ void read_profile(const Yaml& yaml, ProfileEntry& out, Problems& problems) {
        "a share of the joints' limits, above 0 and at most 1 (100%)");
 }
 
+RangeEntry read_range(const std::string& joint, const Yaml& yaml) {
+  const std::vector<Yaml> ends = yaml.items();
+  if (ends.size() != 2)
+    throw Error(Problem{"bad-value", yaml.where(), "the range of '" + joint + "' has no two ends",
+                        "[-90deg, 90deg]; of a joint that slides [0mm, 100mm]"});
+  const auto end = [](const Yaml& value) {
+    if (const auto angle = parse_quantity(value.text(), Dimension::angle)) return *angle;
+    return value.number(Dimension::length);
+  };
+  const RangeEntry out{joint, end(ends[0]), end(ends[1]), yaml.where()};
+  if (!(out.lower < out.upper))
+    throw Error(
+        Problem{"bad-value", yaml.where(),
+                fmt::format("the range of '{}' is empty: {:.6g} to {:.6g}", joint, out.lower, out.upper),
+                "the lower end comes first"});
+  return out;
+}
+
+/// An axis of the tool: x, y, z, or -x, -y, -z.
+Vec3 axis_of(const Yaml& yaml) {
+  const std::string text = yaml.text();
+  const double sign = text.starts_with("-") ? -1 : 1;
+  const std::string name = sign < 0 ? text.substr(1) : text;
+  if (name == "x") return {sign, 0, 0};
+  if (name == "y") return {0, sign, 0};
+  if (name == "z") return {0, 0, sign};
+  throw Error(
+      Problem{"bad-value", yaml.where(), "the tool has no axis '" + text + "'", "x, y, z, -x, -y or -z"});
+}
+
 moves::WorkspaceZone read_zone(const std::string& name, const Yaml& yaml, Problems& problems) {
   moves::WorkspaceZone out;
   out.name = name;
   out.where = yaml.where();
-  yaml.check_keys({"plane", "normal", "inside", "outside", "of"}, problems);
+  yaml.check_keys({"plane", "normal", "inside", "outside", "of", "cone", "within", "axis", "joint", "range",
+                   "profile", "beyond"},
+                  problems);
+  if (yaml.has("beyond")) {
+    out.slows = yaml["beyond"].text() == "reduced";
+    if (!out.slows || yaml.has("of") || yaml.has("profile") || yaml.has("joint"))
+      throw Error(Problem{
+          "bad-value", yaml["beyond"].where(), "the zone '" + name + "' has beyond: " + yaml["beyond"].text(),
+          "`beyond: reduced` of a plane, a box or a cone, without 'of' and 'profile': beyond the "
+          "boundary the cell has the reduced profile"});
+  }
+  if (yaml.has("profile")) {
+    const std::string profile = yaml["profile"].text();
+    out.profile = profile == "reduced" ? moves::ZoneProfile::reduced : moves::ZoneProfile::full;
+    if (profile != "reduced" && profile != "full")
+      throw Error(Problem{"bad-value", yaml["profile"].where(),
+                          "the zone '" + name + "' is of the profile '" + profile + "'",
+                          "reduced or full; without it the zone counts in both"});
+  }
   if (yaml.has("of")) {
     const std::string of = yaml["of"].text();
     out.bodies = of == "bodies";
@@ -44,12 +96,32 @@ moves::WorkspaceZone read_zone(const std::string& name, const Yaml& yaml, Proble
       throw Error(Problem{"bad-value", yaml["of"].where(), "the zone '" + name + "' is of '" + of + "'",
                           "tcp: of the TCP alone; bodies: also of the links, the tool and what it holds"});
   }
-  const int kinds = yaml.has("plane") + yaml.has("inside") + yaml.has("outside");
+  const int kinds =
+      yaml.has("plane") + yaml.has("inside") + yaml.has("outside") + yaml.has("cone") + yaml.has("joint");
   if (kinds != 1)
     throw Error(Problem{"bad-value", out.where,
                         "the zone '" + name + "' has " + (kinds == 0 ? "none" : "more than one") +
-                            " of plane, inside and outside",
-                        "{plane: [x, y, z], normal: [0, 0, 1]} or {inside: [[x, y, z], [x, y, z]]}"});
+                            " of plane, inside, outside, cone and joint",
+                        "{plane: [x, y, z], normal: [0, 0, 1]}, {inside: [[x, y, z], [x, y, z]]}, "
+                        "{cone: [0, 0, -1], within: 15deg} or {joint: NAME, range: [-90deg, 90deg]}"});
+  if (out.bodies && (yaml.has("cone") || yaml.has("joint")))
+    throw Error(Problem{"bad-value", yaml["of"].where(), "the zone '" + name + "' is of bodies",
+                        "a cone and a range have no 'of'"});
+  if (yaml.has("cone")) {
+    out.kind = moves::ZoneKind::cone;
+    out.normal = yaml["cone"].vec3(Dimension::none);
+    out.within = yaml.required("within").number(Dimension::angle);
+    if (yaml.has("axis")) out.axis = axis_of(yaml["axis"]);
+    return out;
+  }
+  if (yaml.has("joint")) {
+    out.kind = moves::ZoneKind::range;
+    out.joint = yaml["joint"].text();
+    const RangeEntry range = read_range(out.joint, yaml.required("range"));
+    out.lower = range.lower;
+    out.upper = range.upper;
+    return out;
+  }
   if (yaml.has("plane")) {
     out.point = yaml["plane"].vec3();
     out.normal = yaml.required("normal").vec3(Dimension::none);
@@ -102,7 +174,7 @@ GuardsEntry read_guards(const Yaml& yaml, double clearance_of_contacts, Problems
                      "off, on, or {clearance: 5mm, moves: true, slow_from: 60mm, others: false}");
     return out;
   }
-  yaml.check_keys({"clearance", "moves", "slow_from", "others"}, problems);
+  yaml.check_keys({"clearance", "moves", "slow_from", "others", "bases"}, problems);
   const auto length = [&](const char* key, double& value) {
     if (!yaml.has(key)) return;
     collect(problems, [&] { value = yaml[key].number(Dimension::length); });
@@ -114,6 +186,7 @@ GuardsEntry read_guards(const Yaml& yaml, double clearance_of_contacts, Problems
   length("slow_from", out.slow_from);
   collect(problems, [&] { out.moves = yaml["moves"].boolean(true); });
   collect(problems, [&] { out.others = yaml["others"].boolean(false); });
+  collect(problems, [&] { out.bases = yaml["bases"].boolean(true); });
   return out;
 }
 
@@ -128,6 +201,9 @@ ProfileEntries read_profiles(const Yaml& cell, Problems& problems) {
   cell["profiles"].check_keys(known, problems);
   read_profile(cell["profiles"]["reduced"], out.reduced, problems);
   read_profile(cell["profiles"]["full"], out.full, problems);
+  if (!out.full.tag.empty())
+    problems.error("bad-value", out.full.tag_place, "'while' is for the reduced profile",
+                   "reduced: {while: TAG}; without it the profile is the one that is asked for");
   return out;
 }
 
@@ -139,6 +215,14 @@ std::vector<moves::WorkspaceZone> read_workspace(const Yaml& yaml, Problems& pro
       const moves::Workspace checked({zone});
       out.push_back(zone);
     });
+  return out;
+}
+
+std::vector<moves::WorkspaceZone> take_slow_zones(std::vector<moves::WorkspaceZone>& zones) {
+  std::vector<moves::WorkspaceZone> out;
+  for (const moves::WorkspaceZone& zone : zones)
+    if (zone.slows) out.push_back(zone);
+  std::erase_if(zones, [](const moves::WorkspaceZone& zone) { return zone.slows; });
   return out;
 }
 
@@ -159,23 +243,53 @@ PayloadEntry read_payload(const Yaml& yaml, Problems& problems) {
 std::vector<RangeEntry> read_ranges(const Yaml& yaml, Problems& problems) {
   std::vector<RangeEntry> out;
   for (const std::string& joint : yaml.keys())
-    collect(problems, [&] {
-      const std::vector<Yaml> ends = yaml[joint].items();
-      if (ends.size() != 2)
-        throw Error(Problem{"bad-value", yaml[joint].where(), "the range of '" + joint + "' has no two ends",
-                            "[-90deg, 90deg]; of a joint that slides [0mm, 100mm]"});
-      const auto end = [](const Yaml& value) {
-        if (const auto angle = parse_quantity(value.text(), Dimension::angle)) return *angle;
-        return value.number(Dimension::length);
-      };
-      out.push_back({joint, end(ends[0]), end(ends[1]), yaml[joint].where()});
-      if (!(out.back().lower < out.back().upper))
-        throw Error(Problem{"bad-value", yaml[joint].where(),
-                            fmt::format("the range of '{}' is empty: {:.6g} to {:.6g}", joint,
-                                        out.back().lower, out.back().upper),
-                            "the lower end comes first"});
-    });
+    collect(problems, [&] { out.push_back(read_range(joint, yaml[joint])); });
   return out;
+}
+
+void find_joints(std::vector<moves::WorkspaceZone>& zones, const description::RobotModel& model,
+                 Problems& problems) {
+  const std::vector<std::string> names = model.joint_names();
+  for (moves::WorkspaceZone& zone : zones) {
+    if (zone.kind != moves::ZoneKind::range) continue;
+    const auto found = std::find(names.begin(), names.end(), zone.joint);
+    if (found == names.end())
+      problems.error("unknown-joint", zone.where,
+                     "the zone '" + zone.name + "': " + model.name + " has no joint '" + zone.joint + "'" +
+                         did_you_mean(zone.joint, names),
+                     "it has: " + join(names, ", ") +
+                         "; a zone of one robot belongs into the 'workspace' of that robot");
+    else
+      zone.index = static_cast<int>(found - names.begin());
+  }
+}
+
+std::vector<CollisionTorqueEntry> read_collision_torques(const Yaml& yaml, Problems& problems) {
+  std::vector<CollisionTorqueEntry> out;
+  if (!yaml.defined()) return out;
+  const auto read = [&](const std::string& joint, const Yaml& value) {
+    collect(problems, [&] {
+      const auto force = parse_quantity(value.text(), Dimension::force);
+      const double limit = force ? *force : value.number(Dimension::torque);
+      if (!(limit > 0) || !std::isfinite(limit))
+        throw Error(Problem{"bad-value", value.where(), "collision_torque is not above 0",
+                            "write such as 30Nm; for a joint that slides 100N"});
+      out.push_back({joint, limit, value.where()});
+    });
+  };
+  if (!yaml.is_map()) read({}, yaml);
+  for (const std::string& joint : yaml.keys()) read(joint, yaml[joint]);
+  return out;
+}
+
+void check_collision_torques(const std::vector<CollisionTorqueEntry>& torques, const description::RobotModel& model,
+                             Problems& problems) {
+  const std::vector<std::string> names = model.joint_names();
+  for (const CollisionTorqueEntry& each : torques)
+    if (!each.joint.empty() && std::find(names.begin(), names.end(), each.joint) == names.end())
+      problems.error("unknown-joint", each.where,
+                     "the robot has no joint '" + each.joint + "'" + did_you_mean(each.joint, names),
+                     "its joints are " + join(names, ", "));
 }
 
 void narrow_ranges(const std::vector<RangeEntry>& ranges, description::RobotModel& model,

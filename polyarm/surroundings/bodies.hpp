@@ -39,6 +39,15 @@ struct Moment {
   std::vector<double> movers;    ///< m along the axis; empty: at the start
 };
 
+/// A thing that is attached to a link of a robot, and is no part of the scene.
+struct AttachedThing {
+  std::string name;
+  description::Shape shape;  ///< its pose is the identity
+  std::size_t robot = 0;     ///< index of a robot
+  int link = -1;             ///< of its model: the tool link, or one that is rigid with it
+  Pose pose;                 ///< T_link_shape
+};
+
 /// The moment at which a scene begins: parts that no feeder brings lie at their start, movers are at zero.
 Moment start_of(const description::Scene& scene);
 

@@ -41,9 +41,9 @@ Measures::Measures(const cell::CellInside& cell) : cell_(cell) {
 void Measures::look(Nanoseconds now) {
   look_at_joints(cell_.machine.snapshot());
   look_at_passes(now);
-  const std::vector<Vec3> tcps = cell_.motions->tcps();
+  const std::span<const Vec3> tcps = cell_.motions->tcps();
   for (std::size_t i = 0; i < tcps.size() && i < tcps_.size(); ++i) path_ += norm(tcps[i] - tcps_[i]);
-  tcps_ = tcps;
+  tcps_.assign(tcps.begin(), tcps.end());
 }
 
 void Measures::look_at_joints(const control::Snapshot& snapshot) {

@@ -141,8 +141,9 @@ std::string map_of(const Summary::Map& map, const Quantity& quantity, const Rang
   for (const double y : ys)
     out +=
         text_at(kMargin - 6, kHead + height - kCell * (static_cast<double>(i++) + 0.5) + 3, number(y), "end");
-  out += text_at(kMargin + width / 2, kHead + height + 30, "x of the base, m");
-  const double middle = kHead + height / 2;
+  // A map of few squares is smaller than its legend and its labels.
+  out += text_at(kMargin + width / 2, kHead + std::max(height, 60.0) + 30, "x of the base, m");
+  const double middle = kHead + std::max(height / 2, 20.0);
   out += fmt::format(
       "<text x=\"14\" y=\"{0:.1f}\" text-anchor=\"middle\" transform=\"rotate(-90 14 {0:.1f})\">y of "
       "the base, m</text>",

@@ -18,7 +18,7 @@ namespace {
 constexpr double kMostShards = 100'000;
 
 /// For a shell, in single quotes.
-std::string quoted(const std::string& text) {
+std::string shell_quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return out + "'";
@@ -55,8 +55,8 @@ std::string slurm_script(const SlurmJob& job) {
       "#SBATCH --open-mode=append\n"
       "#SBATCH --output=polyarm-{0}-%a.log\n"
       "exec {3} sweep {4} --out {5} --shard \"$SLURM_ARRAY_TASK_ID/{6}\" --jobs {2}\n",
-      plain(job.name), job.shards - 1, job.jobs, quoted(job.command), quoted(job.sweep.string()),
-      quoted(job.out.string()), job.shards);
+      plain(job.name), job.shards - 1, job.jobs, shell_quoted(job.command), shell_quoted(job.sweep.string()),
+      shell_quoted(job.out.string()), job.shards);
 }
 
 fs::path results_file(const fs::path& out, const Shard& shard) {

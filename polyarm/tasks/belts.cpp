@@ -59,7 +59,9 @@ Belts::Signal Belts::signal_of(const std::string& name, const char* what, const 
       Problem{"unknown-signal", entry.where,
               fmt::format("the {} of the belt '{}' is '{}', which is no state of the hardware and no tag{}",
                           what, entry.name, name, did_you_mean(name, known)),
-              "write such as scene/belt/position, or a tag of signals.yaml"});
+              fmt::format("write such as scene/belt/position; or add the tag, `{}: {{initial: 0}}`, below `tags:` "
+                          "of signals.yaml, or to a link",
+                          name)});
 }
 
 std::optional<double> Belts::read(const Signal& signal) const {

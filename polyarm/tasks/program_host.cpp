@@ -6,6 +6,7 @@
 
 #include "polyarm/base/file.hpp"
 #include "polyarm/base/text.hpp"
+#include "polyarm/data/file_lookup.hpp"
 #include "polyarm/data/rows.hpp"
 
 namespace polyarm::cell {
@@ -106,6 +107,14 @@ std::array<double, 6> ProgramHost::wrench(const std::string& robot) {
   return c_.force ? c_.force->wrench(moves().name_of(robot)) : Host::wrench(robot);
 }
 
+void ProgramHost::comply(const std::string& robot, const program::Compliance& how) {
+  c_.force ? moves().comply(robot, how, *c_.force) : Host::comply(robot, how);
+}
+
+void ProgramHost::stiff(const std::string& robot) {
+  if (c_.moves) c_.moves->stiff(robot);
+}
+
 void ProgramHost::zero_force(const std::string& robot) {
   c_.force ? c_.force->zero(moves().name_of(robot)) : Host::zero_force(robot);
 }
@@ -136,6 +145,13 @@ data::List ProgramHost::rows_of(const std::string& file) {
 }
 
 data::List rows_in(const std::filesystem::path& folder, const std::string& file) {
+  std::error_code unknown;
+  if (!file.empty() && !std::filesystem::exists(folder / file, unknown) && !unknown)
+    throw Error("no-file",
+                "there is no file '" + file + "'" +
+                    did_you_mean(std::filesystem::path(file).filename().string(),
+                                 data::file_names_in((folder / file).parent_path())),
+                "rows_of() reads a table in the folder of the cell");
   return data::read_rows(read_file(folder / file, data::kMostRowBytes), file);
 }
 

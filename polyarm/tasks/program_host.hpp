@@ -111,6 +111,8 @@ class ProgramHost : public program::Host {
                       const std::string& frame) const override;
   std::array<double, 6> wrench(const std::string& robot) override;
   void zero_force(const std::string& robot) override;
+  void comply(const std::string& robot, const program::Compliance& how) override;
+  void stiff(const std::string& robot) override;
   bool next_part(const std::string& belt, const std::string& robot) override;
   double waiting_parts(const std::string& belt) override;
   double missed_parts(const std::string& belt) override;

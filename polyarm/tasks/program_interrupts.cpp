@@ -16,7 +16,9 @@ void ProgramMoves::note_touch(Arm& arm, const Moves& moves, bool touch, const Lo
   while (arm.touches.size() > kMost) arm.touches.pop_front();
 }
 
+/// A tool that yields is meant to touch, at rest and in every move.
 Location ProgramMoves::touch_of(const moves::RobotMotion& motion) const {
+  if (motion.complying()) return {"comply()"};
   const std::uint64_t now = motion.move_under_way();
   return touch_of(motion, now != 0 ? now : motion.last_id());
 }

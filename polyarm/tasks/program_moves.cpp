@@ -500,11 +500,22 @@ void ProgramMoves::end(program::Handle handle) {
 
 data::Value ProgramMoves::here(const std::string& robot, const std::string& tool,
                                const std::string& frame) const {
-  return here_at(robot, tool, frame, [this](std::size_t arm) { return arms_[arm].robot.motion->planned(); });
+  return here_at(robot, tool, frame, [this](std::size_t arm) { return present_joints(arm); },
+                 is_on_its_way(arm_of(robot, {})));
+}
+
+/// True while the robot is not at the end of what is planned: conditions are evaluated then, too.
+bool ProgramMoves::is_on_its_way(std::size_t arm) const {
+  const moves::RobotMotion& motion = *arms_[arm].robot.motion;
+  return joints_now_ && (!motion.at_end() || motion.complying());
+}
+
+std::vector<double> ProgramMoves::present_joints(std::size_t arm) const {
+  return is_on_its_way(arm) ? joints_now_(arm) : arms_[arm].robot.motion->planned();
 }
 
 data::JointState ProgramMoves::here_joints(const std::string& robot) const {
-  return here_joints(robot, [this](std::size_t arm) { return arms_[arm].robot.motion->planned(); });
+  return here_joints(robot, [this](std::size_t arm) { return present_joints(arm); });
 }
 
 data::JointState ProgramMoves::here_joints(const std::string& robot, const JointsOf& joints_of) const {
@@ -543,12 +554,15 @@ data::Value ProgramMoves::pose_at(const data::JointState& joints, const std::str
 }
 
 data::Value ProgramMoves::here_at(const std::string& robot, const std::string& tool, const std::string& frame,
-                                  const JointsOf& joints_of) const {
+                                  const JointsOf& joints_of, bool shifted) const {
   const std::size_t index = arm_of(robot, {});
   const Arm& arm = arms_[index];
   const Pose tcp = arm.robot.motion->robot().chain.forward(joints_of(index));
   Pose tool0 = tcp * inverse(arm.robot.robot->tool.tcp);
-  if (belt_of_frame(frame).empty()) tool0 = arm.robot.motion->ride_moved() * tool0;
+  if (const bool on_belt = !belt_of_frame(frame).empty(); on_belt == shifted) {
+    const Pose moved = arm.robot.motion->ride_moved();
+    tool0 = (shifted ? inverse(moved) : moved) * tool0;
+  }
   return data::Point{inverse(frame_named(frame, arm, {})) * tool0 * tcp_of_tool(tool, arm, {}), true};
 }
 

@@ -15,6 +15,7 @@
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/setup/robots.hpp"
 #include "polyarm/tasks/belts.hpp"
+#include "polyarm/tasks/force_readings.hpp"
 #include "polyarm/vm/host.hpp"
 
 namespace polyarm::cell {
@@ -57,6 +58,9 @@ class ProgramMoves {
   data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
                       const std::string& frame) const;
 
+  /// Where the joints of a robot are commanded to be now, by its index in the robots of the constructor. Without
+  /// it they are where the planned moves end.
+  void set_joints_now(std::function<std::vector<double>(std::size_t)> joints) { joints_now_ = std::move(joints); }
   /// Null: the cell has no belts. They must outlive this object. `first_pass`: true while the speed of TCPs
   /// is reduced; null: never.
   void set_belts(Belts* belts, std::function<bool()> first_pass = {}) {
@@ -68,6 +72,16 @@ class ProgramMoves {
   void tick_rides();
   /// Robots that follow a belt come to rest.
   void end_rides();
+  /// The robot yields to forces until stiff(). Throws Error: without a sensor, on a belt, or a second time.
+  void comply(const std::string& robot, const program::Compliance& how, ForceReadings& force);
+  /// Throws Error if the compliance has ended by itself.
+  void stiff(const std::string& robot);
+  /// Call it in each tick, before the moves.
+  void tick_compliance(ForceReadings& force);
+  /// True if nothing moves the robot with this name.
+  bool stands(const std::string& robot) const;
+  /// Robots that yield become stiff.
+  void end_compliance();
   /// In a rehearsal, as next_part().
   void suppose_part(const std::string& belt, const std::string& robot);
 
@@ -91,8 +105,9 @@ class ProgramMoves {
   std::size_t base_of(const program::Move& move, const Location& where) const;
   /// here(), here_joints() and joints_at() for the present joints that `joints_of` returns.
   using JointsOf = std::function<std::vector<double>(std::size_t arm)>;
+  /// `shifted`: they contain what a belt has added to the planned paths.
   data::Value here_at(const std::string& robot, const std::string& tool, const std::string& frame,
-                      const JointsOf& joints_of) const;
+                      const JointsOf& joints_of, bool shifted = false) const;
   data::JointState here_joints(const std::string& robot, const JointsOf& joints_of) const;
   data::JointState joints_at(const data::Value& place, const data::JointState* near, const std::string& robot,
                              const std::string& tool, const std::string& frame, const JointsOf& joints_of);
@@ -138,6 +153,12 @@ class ProgramMoves {
       bool ended = false;  ///< it has failed
     };
     std::optional<Ride> ride;
+    /// Of a robot that yields: the largest force, and why it has ended by itself.
+    struct Yielding {
+      double most = 0;
+      std::optional<Problem> failure;
+    };
+    std::optional<Yielding> yielding;
   };
   struct Moves {
     std::size_t arm = 0;
@@ -146,6 +167,8 @@ class ProgramMoves {
   };
   using Asked = std::vector<Moves>;
 
+  bool is_on_its_way(std::size_t arm) const;
+  std::vector<double> present_joints(std::size_t arm) const;
   std::size_t robot_of(const std::string& robot, const Location& where) const;
   std::size_t arm_of(const std::string& robot, const Location& where) const;
   program::Handle start_base(const program::Move& move, const Location& where);
@@ -187,6 +210,7 @@ class ProgramMoves {
   std::string task_;
   std::vector<Arm> arms_;
   std::function<bool(std::size_t)> busy_;
+  std::function<std::vector<double>(std::size_t)> joints_now_;
   MotionEntry pace_;
   const data::DataStore& store_;
   Belts* belts_ = nullptr;

@@ -68,9 +68,11 @@ void ProgramMoves::suppose_part(const std::string& belt, const std::string& robo
 }
 
 bool ProgramMoves::ready_for(const program::Move& move, const Location& where) {
-  if (move.of_base() || !belts_) return true;
+  if (move.of_base()) return true;
   Arm& arm = arms_[arm_of(move.robot, where)];
   moves::RobotMotion& motion = *arm.robot.motion;
+  if (motion.compliance_ends()) return false;
+  if (!belts_) return true;
   const std::string belt = belt_of(move, where);
   if (motion.riding() ? !belt.empty() && !motion.ride_ends() && follows(arm, belt) : belt.empty())
     return true;
@@ -97,6 +99,9 @@ bool ProgramMoves::is_too_fast(const std::string& belt, const BeltPart& part, co
 void ProgramMoves::begin_ride(const program::Move& move, Arm& arm, const Location& where) {
   const std::string belt = belt_of(move, where);
   if (belt.empty() || arm.robot.motion->riding()) return;
+  if (arm.robot.motion->complying())
+    throw Error(Problem{"bad-move", where, "a robot that yields to forces cannot follow the belt '" + belt + "'",
+                        "write stiff() before this move"});
   const BeltPart& part = belts_->part(belt, arm.robot.robot->entry.name);
   const BeltEntry& entry = belts_->entry(belt);
   if (belts_->place(belt, part) > entry.start_by) {

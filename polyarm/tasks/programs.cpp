@@ -49,12 +49,15 @@ void Programs::load(Problems& problems) {
     streams_ = std::make_unique<Streams>(
         setup_.file.streams,
         Streams::May{!setup_.options.lock_step || setup_.options.links, setup_.options.real});
-  if (!setup_.file.belts.empty())
-    collect(problems, [&] { belts_ = std::make_unique<Belts>(setup_.file.belts, machine_, data_.store); });
+  const auto connect = [&] {  // links bring tags, which may be encoders
+    data_.connect_links(problems);
+    if (!setup_.file.belts.empty())
+      collect(problems, [&] { belts_ = std::make_unique<Belts>(setup_.file.belts, machine_, data_.store); });
+  };
   for (const FileBreakpoints& each : setup_.options.breakpoints) keep_breakpoints(each);
   loaded_ = load_programs(
       setup_.file, data_.signals(), data_.files(), data_.store, problems,
-      [&] { data_.connect_links(problems); }, setup_.options.read);
+      connect, setup_.options.read);
   if (loaded_.plc) plc_ = std::make_unique<Task>("plc", std::move(*loaded_.plc), context("plc"));
 }
 
@@ -81,6 +84,12 @@ void Programs::start(program::Program program) {
   program_.reset();
   moves_ = std::make_unique<ProgramMoves>("program", std::move(robots), setup_.file.motion, data_.store);
   moves_->set_belts(belts_.get(), [this] { return motions_.first_pass(); });
+  moves_->set_joints_now([this](std::size_t robot) {
+    std::vector<double> out;
+    for (const JointPlaces::Place& place : machine_.joint_places().of(robot))
+      out.push_back(JointPlaces::commanded(machine_.snapshot(), place));
+    return out;
+  });
   ProgramHost::Context context = this->context("program");
   context.moves = moves_.get();
   force_ = std::make_unique<ForceReadings>(setup_, machine_, observer_);
@@ -298,6 +307,11 @@ std::optional<Problem> lost_encoder(const std::vector<BeltEntry>& belts, const C
 
 void Programs::tick_belts_and_streams() {
   if (streams_) streams_->tick(machine_.now());
+  if (moves_ && force_) {
+    if (!under_way()) moves_->end_compliance();
+    moves_->tick_compliance(*force_);
+    force_->tick([this](const std::string& robot) { return moves_->stands(robot); });
+  }
   if (!belts_) return;
   if (const auto lost = lost_encoder(setup_.file.belts, data_.links())) {
     // Without a tick the belts' travel gets old, and robots that follow them come to rest.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <utility>
 
 #include "polyarm/base/text.hpp"
 
@@ -22,10 +23,10 @@ Task::Task(std::string name, program::Program program, ProgramHost::Context cont
 }
 
 void Task::look() {
-  const std::uint64_t cycles = status_.cycles;
-  const program::Waiting before = std::move(status_.waiting);
-  status_ = interpreter_.overview();
-  if (status_.waiting.kind != before.kind || status_.waiting.names != before.names) {
+  std::swap(status_, before_);
+  interpreter_.overview(status_);
+  const std::uint64_t cycles = before_.cycles;
+  if (status_.waiting.kind != before_.waiting.kind || status_.waiting.names != before_.waiting.names) {
     waits_since_.reset();
     if (status_.waiting.kind != program::WaitKind::none) waits_since_ = *now_;
   }

@@ -55,7 +55,7 @@ class Task {
   const Nanoseconds* now_;
   ProgramHost host_;
   program::Interpreter interpreter_;
-  program::TaskStatus status_;
+  program::TaskStatus status_, before_;  // before_: the status before, whose memory the next one takes
   Location shown_;
   program::Place seen_;
   std::optional<Nanoseconds> pass_ended_, last_pass_, waits_since_, busy_since_;

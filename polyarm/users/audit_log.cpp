@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/sha256.hpp"
 #include "polyarm/base/text.hpp"
@@ -32,7 +33,7 @@ using Json = nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kMergeFor = std::chrono::seconds(1);
-constexpr std::size_t kLongestLine = 64 << 10;
+constexpr std::size_t kLongestLine = bounds::kAuditLineBytes;
 
 std::string utc_now() {
   const auto now = std::chrono::system_clock::now().time_since_epoch();

@@ -7,15 +7,17 @@
 #include <memory>
 #include <string>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/protocol/request.hpp"
 
 namespace polyarm::users {
 
-inline constexpr std::size_t kAuditFileBytes = 8 << 20, kAuditFiles = 16, kAuditQueue = 4096,
-                             kAuditArguments = 2048, kAuditText = 200;
+inline constexpr std::size_t kAuditFileBytes = bounds::kAuditFileBytes, kAuditFiles = bounds::kAuditFiles,
+                             kAuditQueue = bounds::kAuditQueue, kAuditArguments = bounds::kAuditArguments,
+                             kAuditText = bounds::kAuditText;
 /// Refusals that are written: so many a second, after a burst. Who may nothing cannot push the log of others
 /// out of its files.
-inline constexpr double kRefusalsASecond = 2, kRefusalsAtOnce = 500;
+inline constexpr double kRefusalsASecond = 2, kRefusalsAtOnce = bounds::kAuditRefusals;
 
 struct Actor {
   std::string name;              ///< of the user; else of the link or the local user

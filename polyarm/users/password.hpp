@@ -2,10 +2,12 @@
 /// Hashes of passwords: yescrypt, computed by libcrypt. Any thread; a hash takes tens of milliseconds.
 #include <string>
 
+#include "polyarm/base/bounds.hpp"
+
 namespace polyarm::users {
 
-inline constexpr std::size_t kLeastPassword = 8, kMostPassword = 256;  ///< bytes
-inline constexpr std::size_t kMostHash = 384;                          ///< bytes
+inline constexpr std::size_t kLeastPassword = 8, kMostPassword = bounds::kPasswordBytes;  ///< bytes
+inline constexpr std::size_t kMostHash = bounds::kPasswordHashBytes;
 
 /// Throws Error("bad-password") if the password is too short or too long, or has control characters.
 void require_good_password(const std::string& password);

@@ -8,11 +8,13 @@
 #include <string_view>
 #include <vector>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/protocol/facts.hpp"
 
 namespace polyarm::users {
 
-inline constexpr std::size_t kMostUsers = 1000, kMostName = 32, kMostListBytes = 512 << 10;
+inline constexpr std::size_t kMostUsers = bounds::kUsers, kMostName = bounds::kUserNameBytes,
+                             kMostListBytes = bounds::kUserListBytes;
 
 struct User {
   std::string name;

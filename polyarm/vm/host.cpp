@@ -41,6 +41,12 @@ void Host::zero_force(const std::string&) {
   refuse_at({}, "this cell has no force sensor");
 }
 
+void Host::comply(const std::string&, const Compliance&) {
+  refuse_at({}, "this cell has no force sensor");
+}
+
+void Host::stiff(const std::string&) {}
+
 namespace {
 [[noreturn]] void refuse_belt() {
   refuse_at({}, "this cell has no belts");

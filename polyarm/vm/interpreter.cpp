@@ -106,10 +106,19 @@ void Interpreter::forget_arrived(Task& task) const {
   while (!task.moves.empty() && !is_open(task.moves.front())) task.moves.pop_front();
 }
 
-TaskStatus Interpreter::status_of(const Task& task) const {
+void Interpreter::status_of(const Task& task, TaskStatus& out) const {
   const Place place = place_of(task);
-  return {task.name,   task.state,      program_.at(place), program_.source(place), task.waiting,
-          task.passes, cycles_of(task), task.problem,       paused_ == task.id};
+  out.name = task.name;
+  out.state = task.state;
+  out.where.file = program_.file_of(place);
+  out.where.line = place.line;
+  out.where.column = place.column;
+  out.source = program_.line_of(place);
+  out.waiting = task.waiting;
+  out.passes = task.passes;
+  out.cycles = cycles_of(task);
+  out.problem = task.problem;
+  out.paused = paused_ == task.id;
 }
 
 /// A pass counts when the robot has finished it: while a move is under way, or was given up, only the passes
@@ -130,7 +139,7 @@ std::uint64_t Interpreter::cycles() const {
 std::vector<TaskStatus> Interpreter::status() const {
   std::vector<TaskStatus> out;
   for (const auto& task : tasks_)
-    if (task->shown) out.push_back(status_of(*task));
+    if (task->shown) status_of(*task, out.emplace_back());
   return out;
 }
 
@@ -146,11 +155,16 @@ const Interpreter::Task& Interpreter::shown_task() const {
 }
 
 TaskStatus Interpreter::overview() const {
-  TaskStatus out = status_of(shown_task());
+  TaskStatus out;
+  overview(out);
+  return out;
+}
+
+void Interpreter::overview(TaskStatus& out) const {
+  status_of(shown_task(), out);
   out.state = state();
   for (const auto& task : tasks_) out.passes = std::max(out.passes, task->passes);
   out.cycles = cycles();
-  return out;
 }
 
 // Running.

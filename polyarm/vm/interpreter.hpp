@@ -80,6 +80,8 @@ class Interpreter {
   std::vector<TaskStatus> status() const;
   /// The most important task: one that failed, else the first that has not ended.
   TaskStatus overview() const;
+  /// The same into a status that keeps its memory from call to call.
+  void overview(TaskStatus& out) const;
   const Program& program() const { return program_; }
   const std::shared_ptr<Compiled>& compiled() const { return compiled_; }
 
@@ -174,7 +176,7 @@ class Interpreter {
   void unwind(Task& task, const Problem& problem);
   void fail(Task& task, Problem problem);
   std::string called_from(const Task& task) const;
-  TaskStatus status_of(const Task& task) const;
+  void status_of(const Task& task, TaskStatus& out) const;
   std::uint64_t cycles_of(const Task& task) const;
   const Task& shown_task() const;
   Place place_of(const Task& task) const;
@@ -201,7 +203,7 @@ class Interpreter {
   std::string why_stuck(const Task& task) const;
   bool deadline_passed(const Task& task) const;
   void time_out(Task& task);
-  void wait_for(Task& task, WaitKind kind, std::string text = {});
+  void wait_for(Task& task, WaitKind kind, std::string_view text = {});
   void go_on(Task& task);
   bool arrived(Task& task);
   void begin_look(Task& task, const Step& step, WaitKind kind);

@@ -14,16 +14,17 @@ std::string read_by(const std::vector<std::string>& names) {
 }
 }  // namespace
 
-void Interpreter::wait_for(Task& task, WaitKind kind, std::string text) {
+void Interpreter::wait_for(Task& task, WaitKind kind, std::string_view text) {
   if (task.apart && kind != WaitKind::turn)
     fail_at(code_.sources[task.pc].line, "waits", "a 'when' or 'on stop' block cannot wait or move",
             "set a tag here and let a task do it");
-  task.waiting = {kind, {}, {}, std::move(text)};
+  task.waiting.begin(kind);
+  task.waiting.text = text;
   task.state = TaskState::waiting;
 }
 
 void Interpreter::go_on(Task& task) {
-  task.waiting = {};
+  task.waiting.begin(WaitKind::none);
   task.state = TaskState::running;
 }
 

@@ -163,7 +163,8 @@ void Interpreter::until_step(Task& task, const Step& step) {
   }
   task.travelled = task.whole;
   task.measured.reset();
-  task.pc = step.c >= 0 ? static_cast<std::size_t>(step.c) : task.pc + 1;
+  task.until_met = host_.supposes_met(program_.at(source(step).line), step.c >= 0);
+  task.pc = step.c >= 0 && !task.until_met ? static_cast<std::size_t>(step.c) : task.pc + 1;
 }
 
 void Interpreter::ask(Task& task, const Step& step) {

@@ -87,14 +87,15 @@ TEST(Arrows, GoOneWay) {
 }
 
 /// The rooms of a cell, without `base` and the like.
-const std::set<std::string> kRoomsOfACell{"io", "setup", "machine", "tasks", "operation", "inside", "requests", "cell"};
+const std::set<std::string> kRoomsOfACell{"io",        "setup",  "machine",  "tasks",
+                                          "operation", "inside", "requests", "cell"};
 
 /// What others than the command may include of a cell: the view, its requests and what these answer with.
 TEST(Arrows, DoorsSeeTheViewOfACellAndNotItsOwners) {
   const std::set<std::string> allowed{"setup/cell_file",  "setup/door",    "setup/observer",
                                       "setup/recorder",   "setup/robots",  "operation/held_motions",
                                       "cell/known_cells", "machine/stops", "inside/view",
-                                      "io/worker",        "setup/bodies"};
+                                      "io/worker",        "io/free_space", "setup/bodies"};
   const std::string begin = "#include \"polyarm/";
   for (const char* room : {"server", "ros2", "recording"})
     for (const auto& entry : fs::recursive_directory_iterator(kRooms / room)) {

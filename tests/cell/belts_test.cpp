@@ -91,6 +91,22 @@ TEST_F(OnABelt, MistakesAreSaid) {
   EXPECT_EQ(failure("movel over, frame \"line\"\n"), "'arm' has no part on the belt 'line' yet");
 }
 
+TEST_F(OnABelt, ATagOfALinkIsItsEncoder) {
+  folder.write("signals.yaml",
+               "polyarm: signals/1\nlinks:\n  plc:\n    modbus: client\n    host: 127.0.0.1\n    port: 5020\n"
+               "    tags:\n      Travel: {input: 0, type: number, direction: in}\n      Seen: {discrete: 0, direction: in}\n");
+  folder.write("job.script", "log(waiting_parts(\"line\"))\n");
+  const test::LockStepCell cell(read_cell_file(folder.path()), {std::string(POLYARM_SOURCE_DIR) + "/robots"});
+  folder.write("signals.yaml", "polyarm: signals/1\n");
+  try {
+    const test::LockStepCell without(read_cell_file(folder.path()), {std::string(POLYARM_SOURCE_DIR) + "/robots"});
+    FAIL() << "an encoder that is not there";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("`Travel: {initial: 0}`, below `tags:` of signals.yaml"), std::string::npos)
+        << e.what();
+  }
+}
+
 TEST(TravelFilter, FollowsAConstantSpeedExactly) {
   TravelFilter filter;
   for (int i = 0; i < 500; ++i) filter.add(0.3 * 0.002 * i, 2'000'000LL * i);

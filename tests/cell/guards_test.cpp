@@ -138,6 +138,22 @@ TEST_F(GuardsTest, ThingsThatComeLaterStopAMoveToo) {
   EXPECT_LE(x(), kFace - kBall - 0.004);
 }
 
+/// As for objects that MoveIt's clients attach.
+TEST_F(GuardsTest, WhatIsAttachedToARobotStopsBeforeTheWall) {
+  build("wait 1s\nmovej joints(0.9rad, 0rad, 0rad)\n");  // where the rod would be behind the wall
+  const description::RobotModel& model = cell->cell().in().setup.robots[0]->model;
+  surroundings::AttachedThing rod{"rod", {}, 0, model.tool_link(), {{0.1, 0, 0}, {}}};
+  rod.shape.size = {0.2, 0.02, 0.02};
+  cell->run(0.2);
+  view().set_more_obstacles({}, {rod});
+  for (int i = 0; i < 3000 && failure().empty(); ++i) cell->tick();
+  ASSERT_EQ(failure(), "guard");
+  EXPECT_NE(cell->cell().failure()->problem.what.find("part rod would come within"), std::string::npos)
+      << cell->cell().failure()->problem.what;
+  EXPECT_LE(x(), kFace - 0.2 - 0.004);
+  EXPECT_GE(x(), kFace - 0.2 - 0.015);
+}
+
 TEST_F(GuardsTest, AMoveGoesOnWhenThingsThatCameLaterAreTakenAway) {
   fixtures = "  far: {box: [0.1, 0.1, 0.1], at: [9, 0, 0]}\n";
   build("movej joints(0.9rad, 0rad, 0rad)\n", "", true);
@@ -258,7 +274,7 @@ TEST_F(GuardsTest, AStreamedTargetBehindTheWallIsFollowedUpToIt) {
 }
 
 TEST_F(GuardsTest, ATrajectoryOfPointsStopsBeforeTheWall) {
-  build("", "guards: {others: true}\n", true);
+  build("", "", true);
   const Json answer = send({{0.9, 0, 0}}, 2);
   ASSERT_TRUE(answer["ok"].get<bool>()) << answer;
   double most = 0;
@@ -282,14 +298,105 @@ TEST_F(GuardsTest, ATrajectoryOfPointsStopsBeforeTheWall) {
 }
 
 TEST_F(GuardsTest, ATrajectoryOfPointsThatStaysClearGoesToItsEnd) {
-  for (const bool others : {false, true}) {
-    const double there = others ? 0.3 : 0.9;  // without others it is not guarded
-    build("", others ? "guards: {others: true}\n" : "", true);
+  for (const bool moves : {false, true}) {
+    const double there = moves ? 0.42 : 0.9;  // without moves it is not guarded
+    build("", moves ? "" : "guards: {moves: false}\n", true);
     ASSERT_TRUE(send({{there, 0, 0}, {there, 0.8, 0.1}}, 1)["ok"].get<bool>());
     cell->run(3);
     EXPECT_NEAR(x(), there, 1e-6);
     EXPECT_EQ(state(), "running");
   }
+}
+
+TEST_F(GuardsTest, ATrajectoryOfPointsThatReplacesAnotherStopsToo) {
+  build("", "", true);
+  ASSERT_TRUE(send({{0.3, 0, 0}}, 1)["ok"].get<bool>());
+  cell->run(0.5);
+  double most = 0;
+  ASSERT_TRUE(send({{0.35, 0, 0}, {0.9, 0, 0}, {0.9, 0.5, 0}}, 1)["ok"].get<bool>());
+  for (int i = 0; i < 2000; ++i) {
+    cell->tick();
+    most = std::max(most, x());
+  }
+  EXPECT_EQ(state(), "held");
+  EXPECT_LT(most, kFace - kBall);
+}
+
+/// A zone of the reduced profile holds a robot that was planned in the full one.
+TEST_F(GuardsTest, AMoveThatWasPlannedInAnotherProfileStopsBeforeAZoneOfThisOne) {
+  const std::string zone = "workspace:\n  near: {plane: [0.3, 0, 0], normal: [-1, 0, 0], profile: reduced}\n";
+  build("movej joints(0.4rad, 0rad, 0rad)\n", zone, true);
+  cell->run(4);
+  EXPECT_NEAR(x(), 0.4, 1e-6) << "in the full profile it goes there";
+  build("movej joints(0.4rad, 0rad, 0rad), duration 2s\n", zone, true);
+  cell->run(0.6);
+  EXPECT_LT(x(), 0.2);
+  EXPECT_GT(x(), 0.001);
+  cell->result({{"request", "profile"}, {"name", "reduced"}});
+  cell->run(8);
+  EXPECT_EQ(state(), "held");
+  EXPECT_LE(x(), 0.3);
+  EXPECT_GT(x(), 0.28);
+  EXPECT_NE(
+      cell->cell().stop_cause().what.find("left stopped before it leaves the workspace: the TCP, at (0.3000"),
+      std::string::npos)
+      << cell->cell().stop_cause().what;
+  cell->result({{"request", "profile"}, {"name", "full"}});
+  EXPECT_TRUE(cell->ask({{"request", "control.resume"}})["ok"].get<bool>());
+  cell->run(3);
+  EXPECT_NEAR(x(), 0.4, 1e-6);
+}
+
+TEST_F(GuardsTest, AMoveIntoAZoneOfItsProfileIsRefused) {
+  build("movej joints(0.4rad, 0rad, 0rad)\n",
+        "profile: reduced\nworkspace:\n  near: {plane: [0.3, 0, 0], normal: [-1, 0, 0], profile: reduced}\n");
+  cell->run(1);
+  EXPECT_EQ(failure(), "workspace");
+  EXPECT_EQ(x(), 0);
+}
+
+TEST_F(GuardsTest, AZoneOfBodiesMayBelongToAProfile) {
+  fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
+  build("movej joints(0rad, 0rad, 0.29rad), duration 2s\n",
+        "workspace:\n  roof: {plane: [0, 0, 0.3], normal: [0, 0, -1], of: bodies, profile: reduced}\n", true);
+  cell->run(0.5);
+  cell->result({{"request", "profile"}, {"name", "reduced"}});
+  cell->run(8);
+  EXPECT_EQ(state(), "held");
+  EXPECT_LE(z(), 0.3 - kBall + 1e-3);
+  EXPECT_NE(cell->cell().stop_cause().what.find("zone roof"), std::string::npos)
+      << cell->cell().stop_cause().what;
+}
+
+TEST_F(GuardsTest, ATrajectoryOfPointsStopsBeforeABoundaryOfTheWorkspace) {
+  build("", "workspace:\n  near: {plane: [0.3, 0, 0], normal: [-1, 0, 0]}\n", true);
+  ASSERT_TRUE(send({{0.4, 0, 0}}, 2)["ok"].get<bool>());
+  cell->run(4);
+  EXPECT_EQ(state(), "held");
+  EXPECT_LE(x(), 0.3);
+  EXPECT_GT(x(), 0.2);
+  EXPECT_NE(cell->cell().stop_cause().what.find("crosses 'near'"), std::string::npos)
+      << cell->cell().stop_cause().what;
+}
+
+TEST_F(GuardsTest, BeyondABoundaryTheProfileIsReduced) {
+  fixtures = "  post: {box: [0.1, 0.1, 0.1], at: [5, 0, 0]}\n";
+  build("movej joints(0.4rad, 0rad, 0rad)\nwait 1s\nmovej joints(0rad, 0rad, 0rad)\nwait 2s\n",
+        "workspace:\n  desk: {plane: [0.2, 0, 0], normal: [-1, 0, 0], beyond: reduced}\n", true);
+  EXPECT_EQ(view().profile(), "full");
+  double fastest = 0, before = 0;
+  bool was_reduced = false;
+  for (int i = 0; i < 8000 && !cell->cell().finished(); ++i) {
+    before = x();
+    cell->tick();
+    was_reduced = was_reduced || view().profile() == "reduced";
+    if (x() > 0.3) fastest = std::max(fastest, (x() - before) / 0.002);
+  }
+  EXPECT_TRUE(was_reduced);
+  EXPECT_LT(fastest, 0.26);
+  EXPECT_EQ(cell->told("reduced profile: left is beyond 'desk'"), 1);
+  EXPECT_EQ(cell->told("profile full again"), 1);
+  EXPECT_EQ(view().profile(), "full");
 }
 
 TEST_F(GuardsTest, WhereContactsAreListedItSaysWhereItWouldStopAndStopsNothing) {
@@ -298,7 +405,7 @@ TEST_F(GuardsTest, WhereContactsAreListedItSaysWhereItWouldStopAndStopsNothing) 
   EXPECT_NEAR(x(), 0.9, 1e-6);
   const std::vector<Problem>& found = cell->cell().in().guards->would_stop();
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].severity, Severity::warning);
+  EXPECT_EQ(found[0].severity, Severity::error) << "the run fails there";
   EXPECT_EQ(found[0].where.line, 2);
   EXPECT_NE(found[0].what.find("left would be stopped before a contact: left/ball would"), std::string::npos)
       << found[0].what;

@@ -300,6 +300,23 @@ TEST(JogCellFile, WhatIsWrongIsToldWithItsPlace) {
             std::string::npos);
   EXPECT_NE(told("workspace: {box: {inside: [[1, 1, 1], [0, 0, 0]]}}\n").find("without room"),
             std::string::npos);
+  EXPECT_NE(told("workspace: {up: {cone: [0, 0, 0], within: 9deg}}\n").find("direction of length zero"),
+            std::string::npos);
+  EXPECT_NE(told("workspace: {up: {cone: [0, 0, 1], within: 0deg}}\n").find("an angle of 0 degrees"),
+            std::string::npos);
+  EXPECT_NE(told("workspace: {up: {cone: [0, 0, 1], within: 9deg, axis: w}}\n").find("no axis 'w'"),
+            std::string::npos);
+  EXPECT_NE(told("workspace: {low: {joint: joint_9, range: [0, 1]}}\n").find("no joint 'joint_9'"),
+            std::string::npos);
+  EXPECT_NE(told("workspace: {low: {joint: joint_1, range: [1, 0]}}\n").find("is empty: 1 to 0"),
+            std::string::npos);
+  EXPECT_NE(told("workspace: {up: {cone: [0, 0, 1], within: 9deg, profile: fast}}\n").find("profile 'fast'"),
+            std::string::npos);
+  EXPECT_NE(
+      told("workspace: {up: {plane: [0, 0, 1], normal: [0, 0, 1], beyond: full}}\n").find("beyond: full"),
+      std::string::npos);
+  EXPECT_NE(told("profiles: {reduced: {while: door}}\n").find("no tag or variable 'door'"),
+            std::string::npos);
   EXPECT_NE(told("", ", joint_ranges: {joint_7: [0, 1]}").find("joint_7"), std::string::npos);
   EXPECT_NE(told("", ", joint_ranges: {joint_1: [-9, 1]}").find("wider"), std::string::npos);
   EXPECT_NE(told("profiles: {reduced: {joint_speed: 300%}}\n").find("share"), std::string::npos);

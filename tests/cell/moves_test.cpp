@@ -138,6 +138,46 @@ TEST(Moves, AProgramThatLeavesTheWorkspaceFailsAtItsLineBeforeItMoves) {
   EXPECT_GT(lowest, 1.5);
 }
 
+/// The place and the text with which a program of two lines fails that turns the hand by `by` in the second.
+std::string failure_of_turn(const std::string& by, const std::string& more) {
+  const test::Folder folder;
+  LockStepCell run(with_program(folder,
+                                "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\n"
+                                "moveto joints(0, -30deg, 60deg, 0, 60deg + " +
+                                    by + ", 0)\n",
+                                more));
+  while (!run.cell().program()->ended() && run.cell().loop().cycle().time < nanoseconds(30.0)) run.tick();
+  const Problem why = run.cell().program()->status().problem.value_or(Problem{});
+  return run.cell().program()->failed() ? why.code + " " + std::to_string(why.where.line) + " " + why.what
+                                        : "none";
+}
+
+TEST(Moves, AMoveThatTiltsTheToolTooFarIsRefusedAtItsLine) {
+  const test::Folder folder;
+  LockStepCell there(with_program(folder, "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\n", ""));
+  while (!there.cell().finished() && there.cell().loop().cycle().time < nanoseconds(30.0)) there.tick();
+  const Vec3 axis = there.cell().tcp(0).rotation * Vec3{0, 0, 1};
+  const auto zone = [&](const std::string& profile) {
+    return "workspace:\n  upright: {cone: [" + std::to_string(axis.x) + ", " + std::to_string(axis.y) + ", " +
+           std::to_string(axis.z) + "], within: 90deg, profile: " + profile + "}\n";
+  };
+  EXPECT_EQ(failure_of_turn("-20deg", zone("full")), "none");
+  const std::string why = failure_of_turn("-100deg", zone("full"));
+  EXPECT_TRUE(why.starts_with("workspace 2 ")) << why;
+  EXPECT_NE(why.find("leaves 'upright', 90.0 degrees are permitted"), std::string::npos) << why;
+  EXPECT_EQ(failure_of_turn("-100deg", zone("reduced")), "none");
+  EXPECT_NE(failure_of_turn("-100deg", zone("reduced") + "profile: reduced\n"), "none");
+}
+
+TEST(Moves, ARangeOfTheWorkspaceIsKeptByMoves) {
+  const std::string zone = "workspace: {low: {joint: joint_5, range: [-10deg, 80deg]}}\n";
+  EXPECT_EQ(failure_of_turn("-20deg", zone), "none");
+  const std::string why = failure_of_turn("30deg", zone);
+  EXPECT_TRUE(why.starts_with("workspace 2 ")) << why;
+  EXPECT_NE(why.find("joint_5, at 1.396"), std::string::npos) << why;
+  EXPECT_NE(why.find("leaves 'low', -0.1745 to 1.3963"), std::string::npos) << why;
+}
+
 TEST(Moves, AtReducedSpeedProgramsArePlannedForIt) {
   const test::Folder folder;
   const std::string program =
@@ -274,6 +314,24 @@ TEST(Moves, AtAVelocityItIsNoFasterAndEndsWhereAConditionIsTrue) {
   EXPECT_GT(fastest, 0.0499);
   EXPECT_GT(highest - lowest, 0.1);
   EXPECT_LT(highest - lowest, 0.11);
+}
+
+TEST(Moves, InAConditionHereIsWhereTheToolIsNow) {
+  const test::Folder folder;
+  folder.write("d.data", "Name: Lamp\nBool: False\n");
+  LockStepCell run(with_program(folder,
+                                "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\n"
+                                "let from = here()\n"
+                                "movel offset(from, z = -200mm), speed 100mm/s, until here().z < from.z - 80mm else\n"
+                                "  raise \"it went the whole way\"\n"
+                                "end\n"
+                                "if here().z > from.z - 80mm or here().z < from.z - 95mm\n"
+                                "  raise \"it stopped at {from.z - here().z:.2mm}\"\n"
+                                "end\n",
+                                ""));
+  run.run(30);
+  EXPECT_FALSE(run.cell().program()->failed())
+      << run.cell().program()->status().problem.value_or(Problem{}).text();
 }
 
 /// A trap stops the line, moves the robot aside and lets it go on: the TCP is on the line before and afterwards.

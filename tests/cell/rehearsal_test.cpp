@@ -198,6 +198,29 @@ TEST(Rehearsal, ATimeOutIsTakenToo) {
   EXPECT_EQ(texts("wait Ready timeout 1s else\n  stop\nend\n"), "");
 }
 
+TEST(Rehearsal, BehindASearchTheProgramIsFollowed) {
+  const std::string search = "movel offset(start, z = -50mm), until Ready else\n  raise \"nothing\"\nend\n";
+  EXPECT_EQ(checked(kBend + search + "movel start\n").texts, "");
+  EXPECT_NE(checked(kBend + search + "movel offset(start, x = 9m)\n").texts.find("E6 "), std::string::npos);
+  // Where the search ends is not known: a way from there is a warning.
+  const Found from_there = checked(kBend + search + "movel offset(here(), x = 9m)\n");
+  EXPECT_NE(from_there.texts.find("W6 "), std::string::npos) << from_there.texts;
+  const Found otherwise = checked(kBend +
+                                  "movel offset(start, z = -50mm), until Ready else\n  movel offset(start, x = 9m)\nend\n"
+                                  "movel offset(start, z = -50mm), until Ready\n"
+                                  "if met()\n  movel offset(start, x = 9m)\nend\n");
+  EXPECT_NE(otherwise.texts.find("4 unreachable"), std::string::npos) << otherwise.texts;
+  EXPECT_NE(otherwise.texts.find("8 unreachable"), std::string::npos) << otherwise.texts;
+}
+
+TEST(Rehearsal, ALoopIsFollowedUpToTheBreakOfItsCounter) {
+  const Found found = checked(kBend +
+                              "let n = 0\nwhile true\n  set n = n + 1\n  if n > 10\n    break\n  end\n"
+                              "  movel offset(start, z = -n * 1mm)\nend\nlog(10 / (n - 2))\n"
+                              "movel offset(start, z = (n - 11) * 1m)\n");
+  EXPECT_EQ(found.texts, "");
+}
+
 TEST(Rehearsal, ThePlcIsGoneThrough) {
   const auto texts = [](const std::string& plc) {
     return checked("wait Ready\nset Kind = 2\nmovej joints(0, 0, 0, 0, 0, 0)\n", kTags, "", plc)

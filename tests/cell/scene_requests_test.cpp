@@ -3,7 +3,9 @@
 
 #include <filesystem>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/file.hpp"
 #include "polyarm/description/scene_file.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "tests/support/lock_step_cell.hpp"
@@ -132,6 +134,40 @@ TEST_F(SceneRequests, AMeshIsWrittenIntoTheSceneBesideWhatIsThere) {
   begin(now);  // the cell runs with it
   EXPECT_EQ(cell->ask({{"request", "files.versions"}, {"name", "scene.yaml"}})["result"]["versions"].size(),
             2u);
+}
+
+TEST_F(SceneRequests, ACellStoresNoMoreThanItsBounds) {
+  fs::create_directories(folder.path() / "meshes");
+  const auto fill = [&](const std::string& name, std::uintmax_t bytes) {
+    folder.write("meshes/" + name, "");
+    fs::resize_file(folder.path() / "meshes" / name, bytes);
+  };
+  fill("large.stl", bounds::kSceneFilesBytes - 10);
+  EXPECT_EQ(code(upload("block.stl", kBlock)), "too-large") << "all of them together";
+  EXPECT_FALSE(fs::exists(folder.path() / "meshes/block.stl"));
+  fill("large.stl", 0);
+  ASSERT_EQ(code(upload("block.stl", kBlock)), "ok");
+  fs::create_directories(folder.path() / ".state/uploads");
+  folder.write(".state/uploads/other.stl", "");
+  fs::resize_file(folder.path() / ".state/uploads/other.stl", bounds::kSceneFilesBytes);
+  EXPECT_EQ(code(upload("b.stl", kBlock)), "too-large") << "unfinished ones, too";
+  fs::remove(folder.path() / ".state/uploads/other.stl");
+  for (std::size_t n = 0; n < bounds::kSceneFiles; ++n) fill("m" + std::to_string(n) + ".stl", 0);
+  EXPECT_EQ(code(upload("b.stl", kBlock)), "too-many");
+  EXPECT_EQ(code(upload("block.stl", kBlock)), "ok") << "it is there";
+}
+
+TEST_F(SceneRequests, LinksInTheFolderOfUploadsLeadNowhere) {
+  const fs::path state = folder.path() / ".state";
+  folder.write("elsewhere/kept.stl", "kept");
+  fs::create_directories(state / "uploads");
+  fs::create_symlink(folder.path() / "elsewhere/kept.stl", state / "uploads/a.stl");
+  EXPECT_EQ(code(upload("a.stl", "more", 4, false)), "bad-path");
+  EXPECT_EQ(read_file(folder.path() / "elsewhere/kept.stl"), "kept");
+  fs::remove_all(state / "uploads");
+  fs::create_directory_symlink(folder.path() / "elsewhere", state / "uploads");
+  EXPECT_EQ(code(upload("kept.stl", kBlock)), "bad-path");
+  EXPECT_EQ(read_file(folder.path() / "elsewhere/kept.stl"), "kept");
 }
 
 TEST_F(SceneRequests, ACellWithoutASceneGetsOneWithItsFloor) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "polyarm/protocol/session.hpp"
 #include "polyarm/setup/cell_file.hpp"
 #include "polyarm/wheels/base_controller.hpp"
 #include "tests/support/folder.hpp"
@@ -79,6 +80,35 @@ class WheeledBases : public ::testing::Test {
                  "controllers: controllers.yaml\nprogram: go\n");
     cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()));
   }
+  /// A base with a body, 0.4 m long, before a wall at x = 1 m.
+  void start_before_a_wall(const std::string& program, const std::string& guards = "") {
+    std::string description = urdf({"right", "left"}, {"front"});
+    const std::string empty = "<link name=\"base_link\"/>";
+    description.replace(description.find(empty), empty.size(),
+                        "<link name=\"base_link\"><collision><origin xyz=\"0 0 0.3\"/><geometry><box "
+                        "size=\"0.4 0.3 0.2\"/></geometry></collision></link>");
+    for (const std::string wheel : {"right", "left", "front"}) {
+      const std::string link = "<link name=\"" + wheel + "_link\"/>";
+      description.replace(
+          description.find(link), link.size(),
+          "<link name=\"" + wheel +
+              "_link\"><collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>");
+    }
+    folder.write("base.urdf", description);
+    folder.write("controllers.yaml", kTricycle);
+    folder.write("go.script", program);
+    folder.write("scene.yaml",
+                 "polyarm: scene/1\nfloor: {height: -0.1}\nfixtures:\n"
+                 "  wall: {box: [0.2, 2, 1], at: [1.1, 0, 0.5]}\n");
+    folder.write("cell.yaml",
+                 "polyarm: cell/1\nrobots:\n  base: {model: base.urdf, hardware: mock}\nscene: scene.yaml\n"
+                 "controllers: controllers.yaml\nprogram: go\n" +
+                     guards);
+    CellOptions options;
+    options.waits = true;
+    cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()), options);
+    cell->run(0.1);
+  }
   void start_tricycle(const std::string& program) {
     start(urdf({"right", "left"}, {"front"}), kTricycle, program);
   }
@@ -105,6 +135,57 @@ TEST_F(WheeledBases, ABaseThatSteersDrivesStraightBothWays) {
   EXPECT_NEAR(place().x(), 0.5, 0.003);
   EXPECT_NEAR(place().y(), 0, 0.003);
   EXPECT_NEAR(place().heading(), 0, 0.01);
+}
+
+TEST_F(WheeledBases, ABaseStopsBeforeAWall) {
+  start_before_a_wall("drive 1500mm\n");
+  ASSERT_TRUE(cell->ask({{"request", "program.start"}})["ok"].get<bool>());
+  double most = 0;
+  for (int i = 0; i < 4000; ++i) {
+    cell->tick();
+    most = std::max(most, place().x());
+  }
+  EXPECT_EQ(cell->result({{"request", "health"}})["state"], "held");
+  EXPECT_NE(cell->cell().stop_cause().what.find("fixture wall"), std::string::npos)
+      << cell->cell().stop_cause().what;
+  EXPECT_LT(most, 0.8) << "its front is 0.2 m before its middle";
+  EXPECT_GT(most, 0.6);
+}
+
+TEST_F(WheeledBases, WithoutGuardsOfBasesItDrivesOn) {
+  start_before_a_wall("drive 1500mm\n", "guards: {bases: false}\n");
+  ASSERT_TRUE(cell->ask({{"request", "program.start"}})["ok"].get<bool>());
+  cell->run(8);
+  EXPECT_NEAR(place().x(), 1.5, 0.01);
+}
+
+/// Keys: the base slows down, stands before the wall, may turn away and drive back.
+TEST_F(WheeledBases, ABaseThatIsDrivenByKeysStandsBeforeAWallAndSaysWhich) {
+  start_before_a_wall("wait 1s\n");
+  HeldMotions& held = *cell->cell().in().held_motions;
+  std::string near;
+  const auto drive = [&](double share, double seconds) {
+    protocol::JogBegin request;
+    request.mode = "drive";
+    request.axis = protocol::Any(0);
+    request.direction = share;
+    const std::uint64_t motion = held.begin(request);
+    for (double t = 0; t < seconds; t += 0.05) {
+      held.renew(motion);
+      cell->run(0.05);
+      for (const HeldEvent& event : held.take_events())
+        if (event.what == HeldEvent::What::held_back && !event.which.empty()) near = event.which;
+    }
+    held.end(motion, "released");
+    cell->run(0.5);
+  };
+  drive(1, 8);
+  EXPECT_EQ(near, "fixture wall");
+  EXPECT_EQ(cell->result({{"request", "health"}})["state"], "running") << "it is not held";
+  EXPECT_LT(place().x(), 0.8);
+  EXPECT_GT(place().x(), 0.7);
+  drive(-1, 2);
+  EXPECT_LT(place().x(), 0.5) << "it drives back";
 }
 
 TEST_F(WheeledBases, ABaseThatSteersRefusesToTurnOnTheSpot) {

@@ -283,5 +283,15 @@ TEST(ImportFormat, SurvivesFiveThousandDamagedFiles) {
   }
 }
 
+TEST(ImportFormat, ANameThatComesTwiceIsAWarningWithBothLines) {
+  Problems problems;
+  const ImportFile file = ImportFile::parse(
+      "Name: Pick\nNum: 1\nNum: 2\n\nName: Place\nNum: 3\nName: Pick\nNum: 4\n", "d.data", problems);
+  ASSERT_EQ(problems.list().size(), 1u) << "a second value below the same name replaces the first";
+  EXPECT_EQ(problems.list()[0].text().substr(0, 67),
+            "d.data:7:1: warning: 'Pick' is defined twice, here and in line 1; t");
+  EXPECT_EQ(file.values().value("Pick")->as_number()->value, 4);
+}
+
 }  // namespace
 }  // namespace polyarm::data

@@ -26,7 +26,8 @@ description::ComponentInfo sensor(const std::string& frame) {
 struct Pressing {
   Stage stage;
   std::unique_ptr<Rig> rig;
-  explicit Pressing(const std::string& frame = "tool0", description::Scene scene = {}) {
+  explicit Pressing(const std::string& frame = "tool0", description::Scene scene = {},
+                    const std::map<std::string, std::string>& errors = {}) {
     stage.model = gantry();
     stage.model.links[4].inertial =
         description::Inertial{kTool, {0.02, 0, 0.05}, {1e-3, 0, 0, 1e-3, 0, 1e-3}};
@@ -35,6 +36,7 @@ struct Pressing {
     hardware::ComponentContext context = stage.context(1'000'000);
     description::HardwareInfo block;
     block.components = {sensor(frame)};
+    for (const auto& [name, value] : errors) block.components[0].parameters[name] = value;
     context.robots[0].hardware = {block};
     rig = std::make_unique<Rig>(std::make_unique<drivers::MujocoComponent>(), context);
   }
@@ -111,6 +113,72 @@ TEST(MujocoForceSensor, IsMeasuredOnlyAtALinkThatIsThere) {
   description::ComponentInfo other = sensor("tool0");
   other.state_interfaces.clear();
   EXPECT_EQ(hardware::force_sensor_link(gantry(), other), -1);
+}
+
+/// Readings of `axis` of an arm at rest, one in each cycle.
+std::vector<double> readings(Pressing& arm, const char* axis, int count) {
+  std::vector<double> out;
+  for (int k = 0; k < count; ++k) {
+    EXPECT_EQ(arm.rig->cycle(), hardware::ReturnType::ok);
+    out.push_back(arm.measured(axis));
+  }
+  return out;
+}
+
+std::pair<double, double> mean_and_deviation(const std::vector<double>& values) {
+  double sum = 0, squares = 0;
+  for (const double each : values) sum += each;
+  const double mean = sum / static_cast<double>(values.size());
+  for (const double each : values) squares += (each - mean) * (each - mean);
+  return {mean, std::sqrt(squares / static_cast<double>(values.size() - 1))};
+}
+
+TEST(MujocoForceSensor, NoiseAndBiasAreThoseThatWereAskedFor) {
+  Pressing arm("tool0", {}, {{"noise", "0.2"}, {"torque_noise", "0.01"}, {"bias", "1 0 0 0 0.5 0"}});
+  arm.rig->run(0.5);
+  const auto [force, of_force] = mean_and_deviation(readings(arm, "force.x", 4000));
+  EXPECT_NEAR(force, 1, 0.02);
+  EXPECT_NEAR(of_force, 0.2, 0.01);
+  const auto [torque, of_torque] = mean_and_deviation(readings(arm, "torque.y", 4000));
+  EXPECT_NEAR(torque, 0.5 - 0.02 * kTool * kGravity, 2e-3);
+  EXPECT_NEAR(of_torque, 0.01, 5e-4);
+}
+
+TEST(MujocoForceSensor, TheZeroDriftsAsFarAsItIsSaid) {
+  double squares = 0;
+  constexpr int kSeeds = 40;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    Pressing arm("tool0", {}, {{"drift", "2"}, {"seed", std::to_string(seed)}});
+    arm.rig->run(1.5);
+    squares += arm.measured("force.x") * arm.measured("force.x");
+  }
+  EXPECT_NEAR(std::sqrt(squares / kSeeds), 2 * std::sqrt(1.5 / 60), 0.1);
+}
+
+TEST(MujocoForceSensor, TheSameSeedGivesTheSameReadings) {
+  const auto with_seed = [](const char* seed) {
+    Pressing arm("tool0", {}, {{"noise", "0.2"}, {"drift", "1"}, {"seed", seed}});
+    return readings(arm, "force.y", 50);
+  };
+  EXPECT_EQ(with_seed("7"), with_seed("7"));
+  EXPECT_NE(with_seed("7"), with_seed("8"));
+}
+
+TEST(MujocoForceSensor, WrongErrorsAreRefused) {
+  description::ComponentInfo one = sensor("tool0");
+  for (const auto& [name, value] : {std::pair{"noise", "much"}, std::pair{"noise", "-1"}, std::pair{"bias", "1 2 3"},
+                                    std::pair{"drift", "nan"}, std::pair{"seed", "1.5"}}) {
+    one.parameters = {{name, value}};
+    EXPECT_THROW(hardware::force_sensor_errors(one), Error) << name << ' ' << value;
+  }
+  hardware::ForceSensorErrors errors;
+  errors.noise = 0.25, errors.bias[4] = -0.1, errors.seed = 9;
+  one.parameters.clear();
+  hardware::set_force_sensor_errors(errors, one);
+  const hardware::ForceSensorErrors again = hardware::force_sensor_errors(one);
+  EXPECT_EQ(again.noise, errors.noise);
+  EXPECT_EQ(again.bias, errors.bias);
+  EXPECT_EQ(again.seed, 9u);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include "polyarm/base/text.hpp"
 #include "tests/fanuc/rig.hpp"
+#include "tests/support/forward_calls.hpp"
 #include "tests/support/realtime_guard.hpp"
 
 namespace polyarm {
@@ -16,36 +17,10 @@ using namespace test;
 /// standing.
 constexpr double kStandsWithin = 2e-4;
 
-/// The driver on its simulated controller, with what the control loop would call in each cycle.
-class ForwardRig : public FanucRig {
+/// The driver on its simulated controller, with moves for it.
+class ForwardRig : public ForwardCalls<FanucRig> {
  public:
-  explicit ForwardRig(Parameters parameters = {}) : FanucRig(forward(std::move(parameters))) {
-    moves = component.forward_moves(hardware::kForwardLayout);
-  }
-  /// One cycle; the commands are the measured joints, as the trajectory controller commands them.
-  ReturnType pass(double pace = 1) {
-    moves->set_pace(pace);
-    ReturnType result = read();
-    hold();
-    if (result == ReturnType::ok) result = component.write(cycle, commands);
-    if (result == ReturnType::error) component.on_error();
-    return result;
-  }
-  ::testing::AssertionResult passes(int cycles, double pace = 1) {
-    for (int i = 0; i < cycles; ++i)
-      if (pass(pace) == ReturnType::error)
-        return ::testing::AssertionFailure() << i << ": " << component.reason();
-    return ::testing::AssertionSuccess();
-  }
-  template <typename Until>
-  ::testing::AssertionResult passes_until(Until until, double pace = 1, int most = 3000) {
-    for (int i = 0; i < most; ++i) {
-      if (pass(pace) == ReturnType::error)
-        return ::testing::AssertionFailure() << i << ": " << component.reason();
-      if (until()) return ::testing::AssertionSuccess();
-    }
-    return ::testing::AssertionFailure() << "not within " << most << " cycles";
-  }
+  using ForwardCalls::ForwardCalls;
   /// A joint move to where the robot is, with joint 1 moved by so much.
   ForwardMove turn(double by, double blend = 0) {
     ForwardMove out;
@@ -91,17 +66,8 @@ class ForwardRig : public FanucRig {
   const kinematics::Chain& chain() {
     return *far().with([](fanuc::Machine& m) { return m.options().facts.chain; });
   }
-  bool done() const { return moves->flow().done == id && moves->flow().idle && moves->flow().standing; }
 
-  hardware::ForwardMoves* moves = nullptr;
   std::optional<Six> target;
-  std::uint64_t id = 0;
-
- private:
-  static Parameters forward(Parameters parameters) {
-    parameters["motion"] = "forward";
-    return parameters;
-  }
 };
 
 void expect_standing_alone(FarSide& far) {

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <atomic>
+#include <iterator>
 #include <memory>
 #include <random>
 #include <thread>
 
+#include "polyarm/access/tls.hpp"
 #include "polyarm/access/token.hpp"
 #include "polyarm/fleet/cell_client.hpp"
 #include "polyarm/fleet/deployment.hpp"
@@ -26,7 +29,7 @@ using Json = nlohmann::json;
 /// A cell with its port, served by a thread until the end.
 class ServedCell {
  public:
-  explicit ServedCell(const std::string& program = "while 1 == 1\n  wait 1s\nend\n") {
+  explicit ServedCell(const std::string& program = "while 1 == 1\n  wait 1s\nend\n", bool tls = false) {
     const std::string arm = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
     folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + arm + ", hardware: mock}\n");
     folder.write("work.script", program);
@@ -34,6 +37,13 @@ class ServedCell {
     options.port = 0;
     options.token = "secret";
     options.version = "7";
+    if (tls) {
+      const server::Certificate made = server::kept_certificate(home_.path(), "press");
+      options.certificate = made.chain;
+      options.key = made.key;
+      std::copy_if(made.fingerprint.begin(), made.fingerprint.end(), std::back_inserter(fingerprint_),
+                   [](char c) { return c != ':'; });
+    }
     pendant = std::make_unique<server::Pendant>(options, nobody);
     port = pendant->port();
     thread_ = std::thread([this] {
@@ -58,6 +68,8 @@ class ServedCell {
     out.port = port;
     out.token = "secret";
     out.ideal_cycle_s = 1;
+    out.tls = !fingerprint_.empty();
+    out.fingerprint = fingerprint_;
     return out;
   }
   std::string text(const std::string& file = "work.script") const { return read_file(folder.path() / file); }
@@ -70,6 +82,8 @@ class ServedCell {
   std::atomic<bool> frozen{false};
 
  private:
+  test::Folder home_;
+  std::string fingerprint_;
   std::atomic<bool> over_{false};
   std::thread thread_;
 };
@@ -102,6 +116,27 @@ TEST(SiteStatus, ShowsWhatEachCellDoesAndNamesTheSilentOne) {
   EXPECT_TRUE(reports[2].answers);
   const std::string table = table_of(reports);
   EXPECT_NE(table.find("2 of 3 cells answer"), std::string::npos) << table;
+}
+
+TEST(SiteOverTls, ACellIsKnownByItsCertificateAndAnotherOneGetsNothing) {
+  const std::string work = "while 1 == 1\n  wait 1s\nend\n", changed = "wait 2s\n";
+  const ServedCell press(work, true);
+  EXPECT_TRUE(look({"hall", {press.entry("press")}})[0].answers);
+  SiteCell wrong = press.entry("press");
+  wrong.fingerprint[0] = wrong.fingerprint[0] == '0' ? '1' : '0';
+  const auto reports = look({"hall", {wrong}});
+  EXPECT_FALSE(reports[0].answers);
+  EXPECT_NE(reports[0].trouble.find("has another certificate"), std::string::npos) << reports[0].trouble;
+  EXPECT_NE(reports[0].trouble.find(":" + wrong.fingerprint.substr(2, 2) + ":"), std::string::npos)
+      << "as the cell prints it: " << reports[0].trouble;
+  auto planned = plan({wrong}, "work.script", changed, 20);
+  EXPECT_EQ(planned[0].state, Deployed::State::refused);
+  write({wrong}, planned, "work.script", changed, true, 20);
+  EXPECT_EQ(press.text(), work);
+  planned = plan({press.entry("press")}, "work.script", changed, 20);
+  write({press.entry("press")}, planned, "work.script", changed, false, 20);
+  EXPECT_EQ(planned[0].state, Deployed::State::written) << planned[0].why;
+  EXPECT_EQ(press.text(), changed);
 }
 
 TEST(SiteStatus, AWrongTokenIsARefusalInWords) {
@@ -154,6 +189,9 @@ TEST(SitePageOfCells, ShowsAllCellsToThisMachineOnly) {
   EXPECT_EQ(json["cells"][0]["answers"], true);
   EXPECT_EQ(json["cells"][1]["answers"], false);
   EXPECT_EQ(answer.find("secret"), std::string::npos) << "no token is shown";
+  const std::string script = WebPeer::fetch(page.port(), "/site.js");
+  EXPECT_EQ(WebPeer::status(script), 200);
+  EXPECT_EQ(script.find("innerHTML"), std::string::npos) << "words of cells stay text";
   EXPECT_EQ(WebPeer::status(WebPeer::fetch(page.port(), "/", {"Host: evil.example"})), 421);
   EXPECT_NE(WebPeer::status(WebPeer::fetch(page.port(), "/", {}, "POST")), 200);
 }

@@ -142,6 +142,30 @@ TEST(Hardware, NamesTheComponentThatFails) {
   EXPECT_EQ(hardware.component_name(static_cast<std::size_t>(fault.component)), "left");
 }
 
+/// Knows why it failed.
+class Speaking : public Echo {
+ public:
+  std::string reason() const override { return fail ? "the bus is silent" : ""; }
+};
+
+TEST(Hardware, SaysWhyItFailedWhileItIsFreedFromItsError) {
+  InterfaceTable table;
+  realtime::Jobs jobs;
+  Hardware hardware(table, jobs);
+  hardware.add(std::make_unique<Speaking>(), named("arm"));
+  hardware.configure_and_activate();
+  Echo::fail = true;
+  EXPECT_TRUE(read(hardware));
+  const auto freeing = hardware.begin(0, Step::error);
+  Echo::fail = false;  // its thread may change what it would say now
+  ASSERT_TRUE(hardware.pending(0));
+  EXPECT_EQ(hardware.diagnostics().own_reason(0), "the bus is silent");
+  EXPECT_EQ(hardware.diagnostics().reason(0), "the bus is silent");
+  freeing->run();
+  hardware.finish(*freeing);
+  EXPECT_EQ(hardware.diagnostics().own_reason(0), "");
+}
+
 TEST(Hardware, DeactivatesOnEveryWayOut) {
   Echo::active = 0;
   {

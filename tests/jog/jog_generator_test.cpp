@@ -259,6 +259,89 @@ TEST(JogGenerator, SaysWhatAScaraCannotDo) {
   EXPECT_GT(angle_between(rig.tcp().rotation, start.rotation), 0.1);
 }
 
+moves::WorkspaceZone cone_around(const JogRig& rig, const std::vector<double>& q, double within) {
+  moves::WorkspaceZone out;
+  out.name = "upright";
+  out.kind = moves::ZoneKind::cone;
+  out.normal = rig.chain.forward(q).rotation * Vec3{0, 0, 1};
+  out.within = within;
+  return out;
+}
+
+moves::WorkspaceZone range_of(int joint, double lower, double upper) {
+  moves::WorkspaceZone out;
+  out.name = "narrow";
+  out.kind = moves::ZoneKind::range;
+  out.joint = "joint";
+  out.index = joint;
+  out.lower = lower;
+  out.upper = upper;
+  return out;
+}
+
+/// Random motion keeps the tool within its cone and a joint in its range, and every limit of the joints.
+TEST(JogGenerator, KeepsConesAndRangesWhateverIsWished) {
+  for (const std::string& arm : kArms) {
+    std::mt19937_64 engine(8);
+    std::uniform_real_distribution<double> even(0, 1);
+    for (int k = 0; k < 4; ++k) {
+      const JogRig plain(arm);
+      const std::vector<double> middle = plain.middle();
+      moves::WorkspaceZone range = range_of(1, middle[1] - 0.3, middle[1] + 0.2);
+      range.profile = moves::ZoneProfile::full;
+      JogRig rig(arm, moves::Workspace({cone_around(plain, middle, 0.15 + 0.2 * even(engine)), range}));
+      rig.start(middle);
+      for (int i = 0; i < 40; ++i)
+        ASSERT_TRUE(rig.run(random_setpoint(rig, engine), 0.05 + 0.4 * even(engine)))
+            << arm << " " << rig.broken;
+      EXPECT_GT(rig.nearest, 0) << arm;
+    }
+  }
+}
+
+TEST(JogGenerator, AToolStopsAtItsConeAndSlidesAlong) {
+  const JogRig plain("universal_robots/ur5e");
+  const std::vector<double> start{0.3, -1.2, 1.6, -1.9708, -1.5708, 0.5};  // the tool looks down
+  JogRig rig("universal_robots/ur5e", moves::Workspace({cone_around(plain, start, 0.2)}));
+  const auto tilt = [&] { return rig.generator.workspace().distance(0, rig.tcp(), {}).distance; };
+  rig.start(start);
+  ASSERT_TRUE(rig.run(tcp_setpoint({0, 0, 0, 0.5, 0, 0}), 2)) << rig.broken;
+  EXPECT_EQ(rig.generator.hold(), JogHold::workspace);
+  EXPECT_EQ(rig.generator.which(), 0);
+  EXPECT_GT(tilt(), 0);
+  EXPECT_LT(tilt(), 0.01);
+  const Vec3 axis = rig.tcp().rotation * Vec3{0, 0, 1};
+  ASSERT_TRUE(rig.run(tcp_setpoint({0, 0, 0, 0.5, 0.5, 0}), 0.7)) << rig.broken;
+  EXPECT_GT(norm(rig.tcp().rotation * Vec3{0, 0, 1} - axis), 0.05) << "it goes on along the border";
+  EXPECT_GT(tilt(), 0);
+  const Vec3 place = rig.tcp().position;
+  ASSERT_TRUE(rig.run(tcp_setpoint({0, 0.1, 0, 0, 0, 0}), 1)) << rig.broken;
+  EXPECT_GT(norm(rig.tcp().position - place), 0.05) << "it moves freely";
+  ASSERT_TRUE(rig.run(tcp_setpoint({0, 0, 0, -0.5, -0.5, 0}), 0.4)) << rig.broken;
+  EXPECT_GT(tilt(), 0.05) << "and comes back";
+}
+
+TEST(JogGenerator, ARangeHoldsWhileItsProfileDoes) {
+  const std::vector<double> start{0.3, -1.2, 1.6, -1.9708, -1.5708, 0.5};
+  moves::WorkspaceZone range = range_of(0, 0, 0.5);
+  range.profile = moves::ZoneProfile::reduced;
+  JogRig narrow("universal_robots/ur5e", moves::Workspace({range}));
+  narrow.start(start);
+  ASSERT_TRUE(narrow.run(joint_setpoint(0, 0.5), 2)) << narrow.broken;
+  EXPECT_GT(narrow.joints()[0], 0.8);
+  narrow.limits.reduced = true;  // it is outside now: it stops, and may only come back
+  ASSERT_TRUE(narrow.run(joint_setpoint(0, 0.5), 1)) << narrow.broken;
+  const double there = narrow.joints()[0];
+  ASSERT_TRUE(narrow.run(joint_setpoint(0, 0.5), 1)) << narrow.broken;
+  EXPECT_NEAR(narrow.joints()[0], there, 1e-6);
+  EXPECT_EQ(narrow.generator.hold(), JogHold::workspace);
+  ASSERT_TRUE(narrow.run(joint_setpoint(0, -0.5), 2)) << narrow.broken;
+  EXPECT_LT(narrow.joints()[0], 0.4);
+  ASSERT_TRUE(narrow.run(joint_setpoint(0, 0.5), 2)) << narrow.broken;
+  EXPECT_LT(narrow.joints()[0], 0.5);
+  EXPECT_GT(narrow.joints()[0], 0.49);
+}
+
 TEST(JogGenerator, AllocatesAndLocksNothing) {
   std::mt19937_64 engine(3);
   for (const std::string& arm : kArms) {

@@ -75,10 +75,9 @@ class JogRig {
     for (std::size_t j = 0; j < chain.joints(); ++j) judge_joint(j);
     const Vec3 before = std::exchange(tcp_, tcp().position);
     fastest = std::max(fastest, norm(tcp_ - before) / dt);
-    for (std::size_t i = 0; i < generator.workspace().boundaries(); ++i) {
-      const double d = generator.workspace().distance(i, tcp_).distance;
-      nearest = std::min(nearest, d);
-    }
+    for (std::size_t i = 0; i < generator.workspace().boundaries(); ++i)
+      if (generator.workspace().counts(i, limits.reduced))
+        nearest = std::min(nearest, generator.workspace().distance(i, tcp(), joints()).distance);
     (void)began;
     return broken.empty();
   }

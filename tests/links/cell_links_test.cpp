@@ -135,6 +135,23 @@ TEST_F(LinkedCell, AProgramThatWaitsIsHeldWhenItsLinkIsLostAndGoesOnWhenAPersonR
   EXPECT_TRUE(becomes([&] { return plc_has("Belt", 4); }));
 }
 
+TEST_F(LinkedCell, AProgramWhoseLinkWasNeverConnectedSaysThatItWaitsForIt) {
+  plc = nullptr;
+  start_cell(kWaits);
+  ASSERT_TRUE(test::eventually([&] {
+    tick();
+    return says("the programs begin when the link 'plc' is connected: modbus at 127.0.0.1");
+  })) << told;
+  const Json waits = ask({{"request", "program"}});
+  EXPECT_EQ(waits["state"], "waiting") << waits;
+  EXPECT_EQ(waits["sentence"], "waits for the link 'plc'");
+  EXPECT_EQ(waits["tasks"][0]["waits_for"], "link");
+  EXPECT_EQ(waits["tasks"][0]["text"], "plc");
+  start_plc();
+  ASSERT_TRUE(becomes([&] { return plc_has("Belt", 3); })) << told;
+  EXPECT_EQ(ask({{"request", "program"}})["tasks"][0]["waits_for"], "condition");
+}
+
 TEST_F(LinkedCell, AProcessOfALinkThatIsKilledIsALossLikeAnyOther) {
   start_cell(kWaits);
   ASSERT_TRUE(becomes([&] { return plc_has("Belt", 3); }));

@@ -137,6 +137,8 @@ class FakeHost : public Host {
   }
   std::array<double, 6> wrench(const std::string&) override { return {0, 0, 30 - zero_force_}; }
   void zero_force(const std::string&) override { zero_force_ = 30; }
+  void comply(const std::string&, const Compliance&) override {}
+  void stiff(const std::string&) override {}
   bool next_part(const std::string&, const std::string&) override { return true; }
   double waiting_parts(const std::string&) override { return 1; }
   double missed_parts(const std::string&) override { return 0; }

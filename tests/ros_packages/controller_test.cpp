@@ -1,10 +1,13 @@
 /// The wrapper that makes a controller of ros2_control one of Polyarm: its numbers, parameters, messages, stops.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "polyarm/controllers/controller_rig.hpp"
 #include "polyarm_ros/controller.hpp"
+#include "std_msgs/msg/string.hpp"
 #include "urdf/model.hpp"
 #include "tests/ros_packages/two_joints/src/scale.cpp"
 #include "tests/support/realtime_guard.hpp"
@@ -76,6 +79,34 @@ class Listening : public controller_interface::ControllerInterface {
   rclcpp::Subscription<geometry_msgs::msg::TwistStamped>::SharedPtr subscription_;
 };
 
+/// Sleeps in the callback of its subscription.
+class Dozing : public controller_interface::ControllerInterface {
+ public:
+  static inline int called = 0, sleep_ms = 0;
+  CallbackReturn on_init() override { return CallbackReturn::SUCCESS; }
+  InterfaceConfiguration command_interface_configuration() const override {
+    return {interface_configuration_type::INDIVIDUAL, {"elbow/position"}};
+  }
+  InterfaceConfiguration state_interface_configuration() const override {
+    return {interface_configuration_type::NONE, {}};
+  }
+  CallbackReturn on_configure(const rclcpp_lifecycle::State&) override {
+    publisher_ = get_node()->create_publisher<std_msgs::msg::String>("~/words", 10);
+    subscription_ = get_node()->create_subscription<std_msgs::msg::String>(
+        "~/words", rclcpp::QoS(10), [](const std_msgs::msg::String&) {
+          ++called;
+          std::this_thread::sleep_for(std::chrono::milliseconds(sleep_ms));
+        });
+    for (int i = 0; i < 4; ++i) publisher_->publish(std_msgs::msg::String());
+    return CallbackReturn::SUCCESS;
+  }
+  return_type update(const rclcpp::Time&, const rclcpp::Duration&) override { return return_type::OK; }
+
+ private:
+  rclcpp::Publisher<std_msgs::msg::String>::SharedPtr publisher_;
+  rclcpp::Subscription<std_msgs::msg::String>::SharedPtr subscription_;
+};
+
 /// Takes a reference from others and exports a state.
 class Follower : public controller_interface::ChainableControllerInterface {
  public:
@@ -111,6 +142,7 @@ class Follower : public controller_interface::ChainableControllerInterface {
 
 PLUGINLIB_EXPORT_CLASS(wrapped_controllers::Mover, controller_interface::ControllerInterface)
 PLUGINLIB_EXPORT_CLASS(wrapped_controllers::Listening, controller_interface::ControllerInterface)
+PLUGINLIB_EXPORT_CLASS(wrapped_controllers::Dozing, controller_interface::ControllerInterface)
 PLUGINLIB_EXPORT_CLASS(wrapped_controllers::Follower, controller_interface::ChainableControllerInterface)
 
 namespace polyarm_ros {
@@ -294,6 +326,37 @@ TEST(RosController, WhatItThrowsIsAnError) {
   ASSERT_TRUE(arm.start());
   Mover::throws = true;
   EXPECT_EQ(arm.update(), Return::error);
+}
+
+/// The cell waits for these callbacks: after one that takes long, the next one waits for the next tick.
+TEST(RosController, CallbacksShareTheCellsThreadAndSlowOnesAreNamed) {
+  wrapped_controllers::Dozing::called = 0, wrapped_controllers::Dozing::sleep_ms = 120;
+  ControllerRig arm = rig("wrapped_controllers::Dozing");
+  ASSERT_TRUE(arm.start());
+  const int before = wrapped_controllers::Dozing::called;
+  ::testing::internal::CaptureStderr();
+  arm.controller().next_goal_event();
+  EXPECT_EQ(wrapped_controllers::Dozing::called, before + 1);
+  arm.controller().next_goal_event();
+  EXPECT_EQ(wrapped_controllers::Dozing::called, before + 2);
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  EXPECT_NE(log.find("its subscription '~/words' took "), std::string::npos) << log;
+}
+
+TEST(CallWatch, NamesACallThatDoesNotReturn) {
+  CallWatch watch;
+  ::testing::internal::CaptureStderr();
+  CallWatch::Call* const call = watch.begin("arm_driver", "service", "/arm_driver/reset");
+  ASSERT_TRUE(call);
+  watch.look();
+  std::this_thread::sleep_for(std::chrono::nanoseconds(CallWatch::kStuck));
+  watch.look();
+  watch.look();
+  watch.end(*call);
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  const auto first = log.find("[arm_driver]: its service '/arm_driver/reset' has not returned");
+  ASSERT_NE(first, std::string::npos) << log;
+  EXPECT_EQ(log.find("has not returned", first + 60), std::string::npos) << "once: " << log;
 }
 
 TEST(RosController, ReferencesAndStatesOfAChainAreNamedAfterIt) {

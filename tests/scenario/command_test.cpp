@@ -135,6 +135,18 @@ TEST(Robots, AreAnArrayOfFacts) {
     EXPECT_TRUE(names.contains(name)) << name;
 }
 
+TEST(Kinematics, AnglesAboveATurnNeedTheirUnit) {
+  const auto ik = [](const char* roll) {
+    return run_command({"ik", "universal_robots/ur5e", "--xyz", "0.4", "0.1", "0.3", "--rpy", roll, "0", "0"});
+  };
+  const Finished bare = ik("180"), degrees = ik("180deg"), radians = ik("3.141592653589793");
+  EXPECT_EQ(bare.exit_code, 2);
+  EXPECT_NE(bare.output.find("'180' radians are more than a turn; write 180deg or 180rad"), std::string::npos)
+      << bare.output;
+  EXPECT_EQ(degrees.exit_code, 0) << degrees.output;
+  EXPECT_EQ(degrees.output, radians.output);
+}
+
 TEST(Kinematics, IkAndFkUndoEachOther) {
   const Finished ik = run_command(
       {"ik", "universal_robots/ur5e", "--xyz", "0.4", "0.1", "0.3", "--rpy", "3.1", "0.1", "0.2", "--json"});

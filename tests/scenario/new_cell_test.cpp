@@ -33,12 +33,31 @@ TEST_P(NewCell, ChecksRunsAndPassesItsTest) {
   EXPECT_EQ(tested.exit_code, 0) << tested.output;
 }
 
-INSTANTIATE_TEST_SUITE_P(Robots, NewCell,
-                         ::testing::Values("universal_robots/ur3e", "universal_robots/ur10e",
-                                           "fanuc/lr_mate_200id", "abb/irb_120",
-                                           // With four and five axes.
-                                           "denso/hsr065a1_n32", "fanuc/lr_mate_200ic_5f",
-                                           "trossen_robotics/rx200", "the_robot_studio/so_101"));
+INSTANTIATE_TEST_SUITE_P(
+    Robots, NewCell,
+    ::testing::Values("universal_robots/ur3e", "universal_robots/ur10e", "fanuc/lr_mate_200id", "abb/irb_120",
+                      // With four and five axes.
+                      "denso/hsr065a1_n32", "fanuc/lr_mate_200ic_5f", "trossen_robotics/rx200",
+                      "the_robot_studio/so_101",
+                      // Its first axis stands beside the origin, and its joints leave little room.
+                      "robotis/open_manipulator_x",
+                      // Its tool is low at home, where a table would be.
+                      "kuka/lbr_iiwa_7_r800"));
+
+TEST(NewCellCommand, AnArmThatCannotTakePartsFromAboveMovesItsJoints) {
+  const test::Folder folder;
+  const std::string cell = (folder.path() / "mine").string();
+  const Finished made = run_command({"new", "cell", "mine", "--robot", "kinova/m1n4s200", "--folder", cell});
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  EXPECT_NE(made.output.find("no place was found where the tool of this robot points straight down"),
+            std::string::npos)
+      << made.output;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "mine/scene.yaml"))
+      << "no rest of a layout that failed";
+  EXPECT_EQ(run_command({"check", cell, "--dry"}).exit_code, 0);
+  EXPECT_EQ(run_command({"run", cell, "--fast", "--quiet"}).exit_code, 0);
+  EXPECT_EQ(run_command({"test", cell}).exit_code, 0);
+}
 
 TEST(NewCellCommand, WritesOverNothing) {
   const test::Folder folder;

@@ -8,6 +8,7 @@
 
 #include "polyarm/base/error.hpp"
 #include "polyarm/base/file.hpp"
+#include "polyarm/io/free_space.hpp"
 #include "tests/support/lock_step_cell.hpp"
 
 namespace polyarm::server {
@@ -106,7 +107,8 @@ TEST_F(ProjectZipTest, ANameThatIsAFileAndAFolderIsNamed) {
   write_file_atomically(project() / "f.txt", "a file");
   std::string zip = zip_of(project());
   const std::string is = "sub/a.script", as = "f.txt/script";
-  for (std::size_t at = zip.find(is); at != std::string::npos; at = zip.find(is, at)) zip.replace(at, as.size(), as);
+  for (std::size_t at = zip.find(is); at != std::string::npos; at = zip.find(is, at))
+    zip.replace(at, as.size(), as);
   try {
     unzip_into(zip, folder.path() / "out");
     FAIL() << "f.txt is both";
@@ -191,6 +193,27 @@ TEST_F(ProjectZipTest, AListOfTooManyFilesIsNotEvenRead) {
   large.insert(end, "PK\6\7" + std::string(16, '\0'));
   EXPECT_NE(why(large).find("too many files"), std::string::npos) << why(large);
   EXPECT_EQ(why(zip), "taken");
+}
+
+TEST(ProjectPlace, IsBesideTheCellHoweverItsFolderIsSpelled) {
+  const test::Folder folder;
+  const fs::path top = fs::canonical(folder.path());
+  fs::create_directories(top / "cell");
+  for (const char* spelling : {"cell", "cell/", "cell/.", "./cell/../cell/"})
+    EXPECT_EQ(place_beside(folder.path() / spelling, "new"), top / "new") << spelling;
+  const fs::path before = fs::current_path();
+  fs::current_path(top / "cell");
+  EXPECT_EQ(place_beside(".", "new"), top / "new");
+  fs::current_path(before);
+  for (std::size_t n = 0; n < bounds::kProjects; ++n) fs::create_directory(top / std::to_string(n));
+  EXPECT_THROW(place_beside(top / "cell", "new"), Error);
+}
+
+TEST(FreeSpace, IsLeftByUploads) {
+  const test::Folder folder;
+  EXPECT_NO_THROW(cell::require_free_space(folder.path(), 1, 0));
+  EXPECT_THROW(cell::require_free_space(folder.path(), 1, std::uintmax_t{1} << 60), Error);
+  EXPECT_THROW(cell::require_free_space(folder.path(), ~std::uintmax_t{0}, 1), Error);
 }
 
 TEST_F(ProjectZipTest, WhatIsDamagedLeavesNothing) {

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstdint>
 #include <cstdlib>
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -53,6 +54,12 @@ bool RealtimeGuard::watches() {
 #else
   return true;
 #endif
+}
+
+std::uint64_t RealtimeGuard::allocations() {
+  std::uint64_t out = 0;
+  for (const Forbidden one : {kMalloc, kCalloc, kRealloc, kAlign}) out += counts[one];
+  return out;
 }
 
 std::string RealtimeGuard::violations() const {

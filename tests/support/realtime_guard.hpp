@@ -16,6 +16,8 @@ class RealtimeGuard {
   static bool watches();
   /// The violations since construction: "malloc x3, pthread_mutex_lock x1"; "" if there are none.
   std::string violations() const;
+  /// How often memory was allocated since construction.
+  static std::uint64_t allocations();
 };
 
 }  // namespace polyarm::test

@@ -53,18 +53,18 @@ void expect_fault_while_moving(Rig& rig, const Row& row, const FaultMotion& moti
   ASSERT_TRUE(rig.configure()) << rig.component.reason();
   EXPECT_EQ(static_cast<int>(rig.component.cause()), 0);
   expect_standing(rig);  // nor does a new connection
-  const Six before = rig.q();
+  const auto before = rig.q();
   rig.forget_jumps();
   ASSERT_TRUE(rig.activate()) << rig.component.reason();
   ASSERT_TRUE(rig.runs(50, [](int) {}));
   EXPECT_LE(rig.largest_jump(), 1e-6) << "the first command is the measured position";
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(rig.q()[j], before[j], 1e-6);
+  for (std::size_t j = 0; j < before.size(); ++j) EXPECT_NEAR(rig.q()[j], before[j], 1e-6);
 }
 
 /// `comes_back`: what was mended can be started here.
 template <class Rig, class Row, class Mend>
 void expect_fault_before_motion(Rig& rig, const Row& row, Mend mend, bool comes_back = true) {
-  const Six before = rig.q();
+  const auto before = rig.q();
   rig.far().order(row.order);
   ASSERT_FALSE(rig.start());
   expect_named(rig, row);
@@ -75,8 +75,8 @@ void expect_fault_before_motion(Rig& rig, const Row& row, Mend mend, bool comes_
     ASSERT_TRUE(rig.runs(5, [](int) {}));
     rig.component.on_cleanup();
   }
-  const Six after = rig.q();
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(after[j], before[j], 1e-6) << "joint " << j;
+  const auto after = rig.q();
+  for (std::size_t j = 0; j < before.size(); ++j) EXPECT_NEAR(after[j], before[j], 1e-6) << "joint " << j;
 }
 
 /// `fifth`: the name of joint 5.
@@ -156,14 +156,19 @@ void expect_words_for_every_cause(Cause last, Sentence sentence, Name name, std:
   EXPECT_GE(seen.size(), least);
 }
 
+/// Rounds of a test with random faults: POLYARM_FAULT_ROUNDS, or the usual number.
+inline int fault_rounds(int usual) {
+  const char* const asked = std::getenv("POLYARM_FAULT_ROUNDS");
+  return asked ? std::atoi(asked) : usual;
+}
+
 /// Faults drawn at random, in every state. `motion.after`: cycles with a fault. `most_jump`: rad.
 /// `step(machine)` is a cycle of the controller; it stands after `rest` of them. POLYARM_FAULT_ROUNDS: more
 /// rounds than 20.
 template <class Rig, class Mend, class Step>
 void expect_random_faults_end_well(Rig& rig, std::span<const char* const> orders, const FaultMotion& motion,
                                    double most_jump, Mend mend, Step step, int rest = 200) {
-  const char* const asked = std::getenv("POLYARM_FAULT_ROUNDS");
-  const int rounds = asked ? std::atoi(asked) : 20;
+  const int rounds = fault_rounds(20);
   const std::string joint = std::string(motion.joint) + "/position";
   Draw draw(27);
   int named = 0;

@@ -53,7 +53,7 @@ inline hardware::ComponentContext wire_context(const description::RobotModel& mo
 
 /// `Fake` is a driver on its simulated controller, whose machine counts in degrees. `kStates`: states of each
 /// joint, the position first.
-template <class Fake, std::size_t kStates = 2>
+template <class Fake, std::size_t kStates = 2, std::size_t kJoints = 6>
 class WireRig {
  public:
   explicit WireRig(const hardware::ComponentContext& context) {
@@ -83,7 +83,7 @@ class WireRig {
   }
   /// As the loop does it after a start: the commands begin where the robot is measured.
   void hold() {
-    for (std::size_t j = 0; j < 6; ++j) commands[j] = states[kStates * j];
+    for (std::size_t j = 0; j < kJoints; ++j) commands[j] = states[kStates * j];
   }
   ReturnType cycle_once() {
     ReturnType result = read();
@@ -113,8 +113,8 @@ class WireRig {
   double& command(const std::string& name) { return commands.at(place(command_names, "arm/" + name)); }
   auto& far() { return component.far_side(); }
   /// rad
-  Six q() {
-    Six out = far().with([](auto& machine) { return machine.q(); });
+  auto q() {
+    auto out = far().with([](auto& machine) { return machine.q(); });
     for (double& one : out) one *= kDegree;
     return out;
   }
@@ -159,10 +159,10 @@ std::string fault_name(const testing::TestParamInfo<FaultOf<Cause>>& info) {
 template <class Rig>
 void expect_standing(Rig& rig, int cycles = 300) {
   for (int i = 0; i < cycles; ++i) rig.far().step();
-  const Six at = rig.q();
+  const auto at = rig.q();
   for (int i = 0; i < 100; ++i) rig.far().step();
-  const Six later = rig.q();
-  for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(later[j], at[j], 1e-6) << "joint " << j;
+  const auto later = rig.q();
+  for (std::size_t j = 0; j < at.size(); ++j) EXPECT_NEAR(later[j], at[j], 1e-6) << "joint " << j;
 }
 
 /// Draws the same numbers in every run.

@@ -183,6 +183,18 @@ TEST(FarSide, AWrongFaultIsRefusedWithTheRightNames) {
   EXPECT_THROW(far.order("late=x"), Error);
 }
 
+TEST(FarSide, IdleConnectionsKeepNoDriverAway) {
+  UrRig rig;
+  std::vector<Client> idle;
+  FarSide& far = rig.far();
+  for (std::uint32_t i = 0; i < bounds::kFarSideClients; ++i)
+    for (const int port : {far.rtde_port(), far.primary_port(), far.secondary_port(), far.dashboard_port()})
+      idle.emplace_back(port);
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.runs(20, [](int) {}));
+  EXPECT_EQ(Client(far.dashboard_port()).line(), "Connected: Universal Robots Dashboard Server");
+}
+
 TEST(FarSide, APortThatIsTakenIsNamed) {
   FarSide far(any_ports());
   ur::FarSideOptions second = any_ports();

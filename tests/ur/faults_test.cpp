@@ -3,6 +3,7 @@
 #include <regex>
 #include <thread>
 
+#include "tests/support/wire_faults.hpp"
 #include "tests/ur/rig.hpp"
 
 namespace polyarm {
@@ -43,11 +44,6 @@ void expect_standing(UrRig& rig) {
   for (int i = 0; i < 200; ++i) rig.far().step();
   const ur::Six later = rig.q();
   for (std::size_t j = 0; j < 6; ++j) EXPECT_EQ(later[j], at[j]) << "joint " << j;
-}
-
-/// What a person does at the pendant.
-void mend(FarSide& far) {
-  for (const char* order : {"normal", "power_on", "healthy", "program_stop", "remote"}) far.order(order);
 }
 
 TEST_P(WhileMoving, IsNamedStandsAndDoesNotJumpWhenItIsRecovered) {
@@ -104,6 +100,10 @@ TEST_P(BeforeItMoves, StartingIsRefusedInWordsAndWorksOnceItIsMended) {
   rig.component.on_cleanup();
   const ur::Six after = rig.q();
   for (std::size_t j = 0; j < 6; ++j) EXPECT_EQ(after[j], before[j]) << "joint " << j;
+}
+
+TEST(UrFaults, EveryCauseHasItsOwnWords) {
+  expect_words_for_every_cause(Cause::joint_commands, ur::sentence, ur::name, 27);
 }
 
 TEST(UrFaults, WithoutRemoteControlThePortItselfRefuses) {
@@ -260,6 +260,7 @@ TEST(UrFaults, AConnectionThatNobodyExpectsIsClosed) {
 }
 
 /// Faults drawn at random, in every state: always named, always standing, never a jump.
+/// POLYARM_FAULT_ROUNDS: more rounds.
 TEST(UrFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
   constexpr const char* kOrders[] = {"protective_stop", "safeguard_stop", "emergency_stop", "violation",
                                      "power_off",       "program_stop",   "program_pause",  "close_rtde",
@@ -272,7 +273,8 @@ TEST(UrFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
   };
   UrRig rig;
   int named = 0;
-  for (int round = 0; round < 25; ++round) {
+  const int rounds = fault_rounds(25);
+  for (int round = 0; round < rounds; ++round) {
     const char* order = kOrders[draw(std::size(kOrders))];
     if (!rig.configure()) {
       ADD_FAILURE() << round << " " << rig.component.reason();
@@ -300,7 +302,7 @@ TEST(UrFaults, DrawnAtRandomTheyAreAlwaysNamedAndNothingJumps) {
     mend(rig.far());
     expect_standing(rig);
   }
-  EXPECT_GT(named, 15);
+  EXPECT_GT(named, rounds / 2);
 }
 
 }  // namespace

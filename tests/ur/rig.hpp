@@ -45,6 +45,11 @@ inline hardware::ComponentContext ur_context(std::map<std::string, std::string> 
   return context;
 }
 
+/// What a person does at the pendant.
+inline void mend(FarSide& far) {
+  for (const char* order : {"normal", "power_on", "healthy", "program_stop", "remote"}) far.order(order);
+}
+
 /// The driver on its simulated controller, called as a cell calls it.
 class UrRig {
  public:

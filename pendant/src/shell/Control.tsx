@@ -3,8 +3,8 @@
  * when another client asks for it.
  */
 import { useEffect, useState } from 'preact/hooks';
-import { t } from '../i18n';
-import { answerQuestion, asked, connected, holder, releaseControl, takeControl, waiting, youHold } from '../state/cell';
+import { t, word } from '../i18n';
+import { answerQuestion, asked, connected, holder, mayAs, mayTake, releaseControl, role, takeControl, waiting, youHold } from '../state/cell';
 import { settings } from '../state/settings';
 import { open } from '../ui/ask';
 import { Button, Field } from '../ui/controls';
@@ -21,7 +21,7 @@ const askedWords = (name: string, seconds: number) => t('control.asking', { name
 
 function shortWords(): string {
   if (waiting.value) return t('control.askingShort');
-  return t(youHold.value ? 'control.youShort' : holder.value ? 'control.otherShort' : 'control.freeShort');
+  return t(youHold.value ? 'control.youShort' : holder.value || !mayTake.value ? 'control.otherShort' : 'control.freeShort');
 }
 
 export function ControlButton() {
@@ -41,10 +41,27 @@ export function ControlButton() {
   );
 }
 
-/** A strip on pages that move the robot: says that this page has no control, and how to take it. */
-export function WatchOnly() {
-  if (!connected.value || youHold.value) return null;
-  return <Watching />;
+/**
+ * A strip on pages that change something: says that this page has no control, and how to take it; or that its
+ * role is too low for what the page changes.
+ */
+export function WatchOnly({ needs = 'operate' }: { needs?: 'operate' | 'program' | 'administer' }) {
+  if (!connected.value) return null;
+  if (!mayTake.value) return <Role title={t('control.roleWatch')} />;
+  if (!youHold.value) return <Watching />;
+  return mayAs(needs) ? null : <Role title={t('control.roleLow', { role: word('role', role.value), needed: word('role', needs) })} />;
+}
+
+function Role({ title }: { title: string }) {
+  return (
+    <div class="banner" role="status">
+      <Icon name="eye" />
+      <div>
+        <strong>{title}</strong>
+        <p>{t('control.roleMore')}</p>
+      </div>
+    </div>
+  );
 }
 
 function Watching() {
@@ -73,7 +90,7 @@ function ControlDialog({ onClose }: { onClose: () => void }) {
         youHold.value ? (
           <Button label={t('control.give')} onClick={() => (onClose(), void releaseControl())} />
         ) : (
-          <Button label={t('control.take')} tone="primary" disabled={!connected.value || wait !== null} title={connected.value ? undefined : t('why.offline')} onClick={() => void takeControl(false)} />
+          <Button label={t('control.take')} tone="primary" disabled={!connected.value || !mayTake.value || wait !== null} title={!connected.value ? t('why.offline') : mayTake.value ? undefined : t('control.roleWatch')} onClick={() => void takeControl(false)} />
         )
       }
     >
@@ -82,7 +99,7 @@ function ControlDialog({ onClose }: { onClose: () => void }) {
         <strong>{words()}</strong>
       </p>
       {wait && <p role="status">{t('control.wait', { name: wait.name || t('control.someone'), seconds: left })}</p>}
-      <p>{t('control.text')}</p>
+      <p>{mayTake.value ? t('control.text') : `${t('control.roleWatch')}. ${t('control.roleMore')}`}</p>
       <Field
         label={t('control.name')}
         value={settings.clientName.value}

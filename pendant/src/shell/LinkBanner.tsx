@@ -2,7 +2,7 @@ import { t } from '../i18n';
 import { link } from '../state/cell';
 import { signal } from '@preact/signals';
 import { Icon } from '../ui/Icon';
-import { LogIn } from './LogIn';
+import { LogIn, mustLogIn } from './LogIn';
 
 /** True after the time that a first connection normally takes. Later losses are shown immediately. */
 const late = signal(false);
@@ -12,6 +12,7 @@ setTimeout(() => (late.value = true), 1500);
 export function LinkBanner() {
   const state = link.value;
   if (state === 'open' || (state === 'connecting' && !late.value)) return null;
+  if (mustLogIn.value) return <LogIn />;
   const refused = state === 'refused';
   return (
     <div class="banner bad" role="alert">
@@ -19,7 +20,6 @@ export function LinkBanner() {
       <div>
         <strong>{t(refused ? 'link.refused' : 'link.lost')}</strong>
         <p>{t(refused ? 'link.refusedWhy' : 'link.lostWhy')}</p>
-        <LogIn />
       </div>
     </div>
   );

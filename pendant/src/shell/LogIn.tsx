@@ -1,11 +1,13 @@
 /** Log-in with name and password, where the cell has users. The password is sent once and not kept. */
-import { signal } from '@preact/signals';
+import { computed, effect, signal } from '@preact/signals';
 import { useEffect, useState } from 'preact/hooks';
 import { t } from '../i18n';
-import { Button } from '../ui/controls';
+import { link } from '../state/cell';
+import { Button, Field } from '../ui/controls';
+import { Icon } from '../ui/Icon';
 
 /** What the cell says about log-ins: whether it has users, and who is logged in here. */
-const known = signal<{ users: boolean; name?: string }>({ users: false });
+const known = signal<{ users: boolean; name?: string; ended?: string; hours?: number }>({ users: false });
 
 async function look(): Promise<void> {
   try {
@@ -15,6 +17,13 @@ async function look(): Promise<void> {
     // The cell does not answer: the banner says so.
   }
 }
+
+effect(() => {
+  if (link.value !== 'open') void look();
+});
+
+/** True if the cell answers, has users, and nobody is logged in here: the page cannot connect until then. */
+export const mustLogIn = computed(() => link.value !== 'open' && known.value.users && !known.value.name);
 
 function basic(name: string, password: string): string {
   let bytes = '';
@@ -27,13 +36,19 @@ function refusal(answer: Response): string {
   return t(answer.status === 403 ? 'login.wrong' : 'login.failed');
 }
 
+/** Why this page's log-in has ended; empty if it had none. */
+function ending(): string {
+  const { ended, hours } = known.value;
+  if (ended === 'time') return t('login.endedTime', { hours: String(Math.round((hours ?? 0) * 100) / 100) });
+  if (ended === 'idle') return t('login.endedIdle');
+  return ended ? t('login.endedChanged') : '';
+}
+
 export function LogIn() {
   const [name, setName] = useState('');
   const [password, setPassword] = useState('');
   const [why, setWhy] = useState('');
   const [busy, setBusy] = useState(false);
-  useEffect(() => void look(), []);
-  if (!known.value.users) return null;
   const submit = async (event: Event) => {
     event.preventDefault();
     setBusy(true);
@@ -48,16 +63,18 @@ export function LogIn() {
     setBusy(false);
   };
   return (
-    <form class="stack" aria-label={t('login.title')} onSubmit={(event) => void submit(event)}>
-      <strong>{t('login.title')}</strong>
-      <label>
-        {t('login.name')} <input name="name" autocomplete="username" value={name} onInput={(e) => setName(e.currentTarget.value)} />
-      </label>
-      <label>
-        {t('login.password')}{' '}
-        <input name="password" type="password" autocomplete="current-password" value={password} onInput={(e) => setPassword(e.currentTarget.value)} />
-      </label>
-      {why && <p role="alert">{why}</p>}
+    <form class="log-in stack" aria-label={t('login.title')} onSubmit={(event) => void submit(event)}>
+      <h2>
+        <Icon name="lock" /> {t('login.title')}
+      </h2>
+      <p class="note">{ending() || t('login.why')}</p>
+      <Field label={t('login.name')} login={{ name: 'name', type: 'text', autocomplete: 'username' }} value={name} onInput={setName} />
+      <Field label={t('login.password')} login={{ name: 'password', type: 'password', autocomplete: 'current-password' }} value={password} onInput={setPassword} />
+      {why && (
+        <p class="problem-text" role="alert">
+          {why}
+        </p>
+      )}
       <button type="submit" class="button primary" disabled={busy || !name || !password}>
         {t('login.enter')}
       </button>

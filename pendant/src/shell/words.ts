@@ -3,6 +3,7 @@ import { type Key, t } from '../i18n';
 import { causeWords } from '../i18n/told';
 import { link, pausing, status } from '../state/cell';
 import { afterContact } from './AlarmStrip';
+import { mustLogIn } from './LogIn';
 import type { IconName } from '../ui/Icon';
 
 export interface StateWord {
@@ -16,6 +17,7 @@ export interface StateWord {
 export function stateWord(): StateWord {
   const now = status.value;
   if (!now) {
+    if (mustLogIn.value) return { text: t('login.title'), tone: 'off', icon: 'lock', why: '' };
     const text = t({ connecting: 'link.connecting', open: 'link.connecting', lost: 'state.reconnecting', refused: 'link.refused' }[link.value] as Key);
     return { text, tone: 'off', icon: 'link', why: '' };
   }

@@ -22,7 +22,7 @@ import type {
   Status,
   TagValue,
 } from '../wire/types';
-import type { Requests } from '../wire/requests';
+import type { Requests, SessionHelloAnswer } from '../wire/requests';
 import { readAlarm, readCell, readHolder, readJog, readPart, readNear, readPlans, readStatus } from '../wire/read';
 import { forgetFrames, takeFrame, takeLayout } from './live';
 import { withLines } from './log';
@@ -62,6 +62,12 @@ export const robot = computed<RobotInfo | null>(() => {
   const robots = cell.value?.robots ?? [];
   return robots.find((r) => r.name === robotName.value) ?? robots[0] ?? null;
 });
+/** What this page's link or user allows. */
+export const role = signal<SessionHelloAnswer['role']>('administer');
+const kRoles = ['watch', 'operate', 'program', 'administer'] as const;
+export const mayAs = (needed: SessionHelloAnswer['role']): boolean => kRoles.indexOf(role.value) >= kRoles.indexOf(needed);
+/** The role watch never gets control. */
+export const mayTake = computed(() => mayAs('operate'));
 export const connected = computed(() => link.value === 'open' && status.value !== null);
 /** True if this page may move the robot now. */
 export const mayMove = computed(() => connected.value && youHold.value);
@@ -125,7 +131,7 @@ export function complain(error: unknown): void {
     const told = problemWords(error.problem);
     toast({
       kind: control ? 'warning' : 'error',
-      text: control ? t('control.needed') : told.text,
+      text: control ? t(mayTake.value ? 'control.needed' : 'control.roleWatch') : told.text,
       detail: control ? '' : [told.detail, placeOf(error.problem.where), told.advice].filter(Boolean).join(' · '),
     });
   } else toast({ kind: 'error', text: String(error) });
@@ -172,13 +178,14 @@ async function greet(): Promise<void> {
     client.value = Number(hello.client ?? -1);
     version.value = String(hello.version ?? '');
     holder.value = readHolder(hello.holder);
+    role.value = hello.role;
     mayForce.value = hello.local === true;
     youHold.value = hello.you_hold === true;
     await request('session.watch', { rate: kFrameRate });
     greeted = true;
     // A page takes control when it opens if no client has it; otherwise it only watches. After a lost
     // connection the page that had control takes it again, and the others only watch.
-    if (!holder.value && settings.takeWhenFree.value && (!again || hadControl)) await takeControl(false);
+    if (!holder.value && mayTake.value && settings.takeWhenFree.value && (!again || hadControl)) await takeControl(false);
     settled.value = true;
   } catch (error) {
     if (isLate(error)) return greet();

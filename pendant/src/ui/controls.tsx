@@ -151,6 +151,8 @@ export function Search(props: { label: string; value: string; class?: string; on
 }
 
 interface FieldProps {
+  /** Of a log-in, so that the browser can fill it in. */
+  login?: { name: string; type: 'text' | 'password'; autocomplete: string };
   label: string;
   value: string;
   unit?: string;
@@ -171,12 +173,13 @@ export function Field(props: FieldProps) {
       <div class="box">
         <input
           id={id}
-          type="text"
+          type={(props.login?.type ?? 'text') as 'text'}
+          name={props.login?.name}
           value={props.value}
           placeholder={props.placeholder}
           disabled={props.disabled}
           inputMode={props.numeric ? 'decimal' : undefined}
-          autocomplete="off"
+          autocomplete={props.login?.autocomplete ?? 'off'}
           spellcheck={false}
           aria-invalid={props.problem ? true : undefined}
           aria-describedby={props.problem ? `${id}-problem` : undefined}

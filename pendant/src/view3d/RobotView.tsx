@@ -38,7 +38,7 @@ export function RobotView() {
   const [failed, setFailed] = useState(!canDraw);
   return (
     <section class="view" aria-label={t('view.label')}>
-      {!connected.value && <p class="view-old">{t('link.oldPicture')}</p>}
+      {!connected.value && cell.value && <p class="view-old">{t('link.oldPicture')}</p>}
       {failed ? <FlatView /> : <Picture onFail={() => setFailed(true)} />}
       <Slowed />
     </section>

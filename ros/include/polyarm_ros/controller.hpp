@@ -89,6 +89,7 @@ class RosController : public pc::Controller, public pc::RobotUser {
   std::uint64_t receive(const std::string& port, const pc::Input& message, bool goal) override;
   bool cancel(std::uint64_t goal) override {
     if (!node_) return false;
+    const WatchedCall mark(name_.c_str(), "callback for", "cancel");
     for (const auto& action : wires().actions())
       if (action->cancel(goal)) return true;
     return false;
@@ -105,12 +106,15 @@ class RosController : public pc::Controller, public pc::RobotUser {
     if (!node_) return "it is not configured";
     std::vector<rclcpp::Parameter> all;  // all or none
     for (const pc::ParameterChange& change : changes) all.push_back(values_.parameter(change));
+    const WatchedCall mark(name_.c_str(), "callback for", "parameters");
     const auto result = node_->set_parameters_atomically(all);
     if (result.successful) return {};
     return result.reason.empty() ? "it does not say why" : result.reason;
   }
 
  private:
+  /// In each tick of the cell no callback begins after this time, ns; the next tick goes on.
+  static constexpr std::int64_t kCallbacks = 5'000'000;
   struct InCycle {
     InCycle() { in_cycle() = true; }
     ~InCycle() { in_cycle() = false; }
@@ -170,7 +174,7 @@ class RosController : public pc::Controller, public pc::RobotUser {
   /// Timers, and what has come from the ROS 2 graph.
   void run_node() {
     guarded("a callback of its node", [&] {
-      node_->get_node_base_interface()->run_due();
+      node_->get_node_base_interface()->run_due_within(kCallbacks);
       return ci::CallbackReturn::SUCCESS;
     });
   }
@@ -460,7 +464,8 @@ inline std::vector<pc::InputPort> RosController::inputs() const {
 inline std::uint64_t RosController::receive(const std::string& port, const pc::Input& message, bool) {
   if (!node_) throw polyarm::Error("wrong-state", "the controller '" + name_ + "' is not configured");
   try {
-    node_->get_node_base_interface()->run_due();
+    node_->get_node_base_interface()->run_due_within(kCallbacks);
+    const WatchedCall mark(name_.c_str(), "callback for", port);
     const std::uint64_t goal = hand_over(port, message);
     moves_ = true;
     return goal;

@@ -44,6 +44,8 @@ class LogRing {
     if (reader_.joinable()) reader_.join();
     drain();
   }
+  /// Called by the reader every 20 ms; null: nothing.
+  std::atomic<void (*)()> look{nullptr};
   /// Starts the reader. Not during a cycle.
   void start() {
     if (!started_.exchange(true)) reader_ = std::thread([this] { run(); });
@@ -77,6 +79,7 @@ class LogRing {
   void run() {
     while (!stop_.load()) {
       drain();
+      if (void (*const call)() = look) call();
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
   }

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "polyarm_ros/cell_clock.hpp"
 #include "polyarm_ros/graph.hpp"
 
 namespace polyarm_ros {
@@ -80,8 +81,8 @@ struct Listener {
     waiting_.pop_front();
     return out;
   }
-  /// Delivers what was waiting at the call; false if nothing was.
-  bool run() {
+  /// Delivers what was waiting at the call, until the steady time `until` (ns; 0: all); false if nothing was.
+  bool run(std::int64_t until = 0) {
     pull();
     std::size_t left = 0;
     {
@@ -89,8 +90,10 @@ struct Listener {
       left = waiting_.size();
     }
     bool any = false;
-    for (; left > 0; --left)
+    for (; left > 0; --left) {
+      if (any && until > 0 && steady_time() >= until) break;
       if (const auto message = next()) deliver(message.get()), any = true;
+    }
     return any;
   }
   int publishers() const { return on_->speakers; }
@@ -104,7 +107,11 @@ struct Listener {
  private:
   void pull() {
     if (!port || !take_from_port) return;
-    while (auto message = take_from_port(*port)) take(std::move(message));
+    for (std::size_t n = 0; n < polyarm::hardware::LetterQueue::kMost; ++n) {  // others go on sending
+      auto message = take_from_port(*port);
+      if (!message) break;
+      take(std::move(message));
+    }
   }
   std::shared_ptr<Topic> on_;
   std::size_t keep_;

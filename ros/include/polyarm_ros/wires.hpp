@@ -26,10 +26,12 @@ struct ActionPort {
   std::function<bool(std::uint64_t)> cancel;
 };
 
-/// A service of a node. Its callbacks run in `run`; false if nothing waited.
+/// A service of a node. Its callbacks run in `run`, until the steady time `until` (ns; 0: for all that waits);
+/// false if nothing waited.
 struct Callee {
   virtual ~Callee() = default;
-  virtual bool run() = 0;
+  virtual bool run(std::int64_t until) = 0;
+  virtual std::string title() const = 0;
 };
 
 /// Of one node. Any thread.

@@ -24,6 +24,7 @@ class ServiceBase : public polyarm_ros::Callee {
   RCLCPP_SMART_PTR_DEFINITIONS(ServiceBase)
   ServiceBase(std::string name, polyarm_ros::Port port) : port_(std::move(port)), name_(std::move(name)) {}
   const char* get_service_name() const { return name_.c_str(); }
+  std::string title() const override { return name_; }
 
  protected:
   polyarm_ros::Port port_;
@@ -55,11 +56,14 @@ class Service : public ServiceBase, public std::enable_shared_from_this<Service<
         port_->to_graph.put(static_cast<std::uint64_t>(header.sequence_number), true,
                             [&](polyarm_ros::Payload& out) { polyarm_ros::encode(response, out); });
   }
-  bool run() override {
+  bool run(std::int64_t until) override {
     bool any = false;
     if constexpr (polyarm_ros::HasFields<Request>::value) {
       polyarm::hardware::Letter letter;
-      while (port_ && port_->from_graph.take(letter)) {
+      // No more than the queue holds: clients go on sending.
+      for (std::size_t n = 0; n < polyarm::hardware::LetterQueue::kMost && port_; ++n) {
+        if (any && until > 0 && polyarm_ros::steady_time() >= until) break;
+        if (!port_->from_graph.take(letter)) break;
         any = true;
         auto request = std::make_shared<Request>();
         if (!polyarm_ros::decode(letter.payload, *request)) continue;

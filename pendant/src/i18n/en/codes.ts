@@ -5,7 +5,7 @@
 export const codes = {
   // connection, roles, sessions
   'told.no-control': 'You only watch. Take control first.',
-  'told.no-role': 'This link does not allow it',
+  'told.no-role': 'Your role does not allow it',
   'told.no-answer': 'The cell did not answer in time',
   'told.not-connected': 'No connection to the cell',
   'told.no-cell': 'No cell is running',
@@ -50,6 +50,7 @@ export const codes = {
   'told.held': 'The cell is held',
   'told.not-held': 'Nothing is held',
   'told.nothing-to-step-back': 'There is nothing to step back along',
+  'told.collision-torque': 'A joint felt a collision',
   'told.contact': 'Stopped after contact',
   'told.guard': 'Stopped before a contact',
   'told.guard-deadlock': 'Robots wait for each other',
@@ -77,6 +78,7 @@ export const codes = {
   'told.no-speed': 'The speed is 0 %',
   'told.unknown-profile': 'The profile is unknown',
   'told.no-loop': 'The loop does not exist',
+  'told.link-awaited': 'The programs wait for a link',
   'told.link-lost': 'A link is lost',
   'told.link-found': 'A link is back',
   'told.link-note': 'A link reports something',
@@ -203,6 +205,7 @@ export const codes = {
   'told.bad-xml': 'The XML cannot be read',
   // files and projects
   'told.changed-meanwhile': 'The file was changed meanwhile',
+  'told.no-space': 'The disk is full',
   'told.unwritable': 'The file cannot be written',
   'told.unreadable': 'The file cannot be read',
   'told.not-a-file': 'This is not an ordinary file',

@@ -44,6 +44,7 @@ export const run = {
   'wait.room': 'the robot to catch up',
   'wait.until': 'a condition on the way',
   'wait.meet': 'another task',
+  'wait.link': 'the link',
   'wait.lock': 'a lock',
   'wait.tasks': 'its tasks',
   'wait.next turn': 'its next turn',

@@ -3,7 +3,7 @@ import type {codes as en} from '../en/codes';
 export const codes: Record<keyof typeof en, string> = {
   // connection, roles, sessions
   'told.no-control': 'Solo está mirando. Tome antes el control.',
-  'told.no-role': 'Este enlace no lo permite',
+  'told.no-role': 'Su rol no lo permite',
   'told.no-answer': 'La celda no respondió a tiempo',
   'told.not-connected': 'Sin conexión con la celda',
   'told.no-cell': 'Ninguna celda en marcha',
@@ -48,6 +48,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.held': 'La celda está retenida',
   'told.not-held': 'No hay nada retenido',
   'told.nothing-to-step-back': 'No hay nada por lo que retroceder',
+  'told.collision-torque': 'Una articulación notó una colisión',
   'told.contact': 'Parado tras un contacto',
   'told.guard': 'Parado antes de un contacto',
   'told.guard-deadlock': 'Los robots se esperan uno a otro',
@@ -75,6 +76,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.no-speed': 'La velocidad es 0 %',
   'told.unknown-profile': 'El perfil no se conoce',
   'told.no-loop': 'El bucle no existe',
+  'told.link-awaited': 'Los programas esperan un enlace',
   'told.link-lost': 'Se perdió un enlace',
   'told.link-found': 'Un enlace volvió',
   'told.link-note': 'Un enlace informa de algo',
@@ -201,6 +203,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.bad-xml': 'No se puede leer el XML',
   // files and projects
   'told.changed-meanwhile': 'El archivo cambió mientras tanto',
+  'told.no-space': 'El disco está lleno',
   'told.unwritable': 'No se puede escribir el archivo',
   'told.unreadable': 'No se puede leer el archivo',
   'told.not-a-file': 'Esto no es un archivo normal',

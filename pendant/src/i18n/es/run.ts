@@ -47,6 +47,7 @@ export const run: Record<keyof typeof en, string> = {
   'wait.room': 'a que el robot avance',
   'wait.until': 'una condición en el camino',
   'wait.meet': 'a otra tarea',
+  'wait.link': 'el enlace',
   'wait.lock': 'un cierre',
   'wait.tasks': 'sus tareas',
   'wait.next turn': 'su próximo turno',

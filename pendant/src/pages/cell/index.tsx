@@ -16,7 +16,7 @@ export const tab = signal<Tab>('cell');
 export default function Page() {
   return (
     <div class="cell-page">
-      <WatchOnly />
+      <WatchOnly needs="administer" />
       <Segmented<Tab>
         label={t('cell.shown')}
         value={tab.value}

@@ -44,7 +44,7 @@ export function Hardware() {
   const list = hardware.value;
   return (
     <>
-      <WatchOnly />
+      <WatchOnly needs="administer" />
       {list.length === 0 && <Empty icon="health" text={t('health.noHardware')} />}
       <ul class="health-list">
         {list.map((each) => (
@@ -94,7 +94,7 @@ export function Controllers() {
   const list = controllers.value;
   return (
     <>
-      <WatchOnly />
+      <WatchOnly needs="administer" />
       {list.length === 0 && <Empty icon="health" text={t('health.noControllers')} />}
       {list.length > 0 && (
         <div class="row">

@@ -4,7 +4,7 @@
  */
 import { computed } from '@preact/signals';
 import { t } from '../../i18n';
-import { connected, jogBlocked, robot } from '../../state/cell';
+import { connected, jogBlocked, mayTake, robot } from '../../state/cell';
 import { heldBack, jogMode } from '../../state/jog';
 import { beat, valueNow } from '../../state/live';
 import { chain, jointValues } from '../../state/models';
@@ -38,7 +38,7 @@ interface Condition {
 
 function condition(): Condition {
   if (!connected.value) return { tone: 'off', text: '–' };
-  if (jogBlocked.value === 'why.control') return { tone: 'off', text: t('control.needed') };
+  if (jogBlocked.value === 'why.control') return { tone: 'off', text: t(mayTake.value ? 'control.needed' : 'control.roleWatch') };
   const blocked = blockedWords(jogBlocked.value);
   if (blocked) return { tone: 'warn', text: blocked };
   const held = heldWords();

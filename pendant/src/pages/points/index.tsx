@@ -34,7 +34,7 @@ export default function Page() {
   }, []);
   return (
     <div class={`points-page ${chosen.value.length ? 'has-choice' : ''}`}>
-      <WatchOnly />
+      <WatchOnly needs="program" />
       <div class="points-left">
         <Teach />
         <Bar />

@@ -11,6 +11,7 @@ import { open } from '../../ui/ask';
 import { Button, Field, Segmented, Select } from '../../ui/controls';
 import { Dialog } from '../../ui/Dialog';
 import { Icon, type IconName } from '../../ui/Icon';
+import { type Compliance, kComplianceValues, parseCompliance, writeCompliance } from './compliance';
 import { type Comparison, type Condition, parseCondition, writeCondition } from './condition';
 import * as doc from './documents';
 import { appendStatement, freeName, insertAfter, replaceStatement } from './edits';
@@ -38,6 +39,8 @@ const kKinds: Kind[] = [
   { label: 'step.kElse', icon: 'layers', first: () => `if ${firstFlag()}\nelse\nend` },
   { label: 'step.kAsk', icon: 'hand', first: () => 'wait user "Go on?"' },
   { label: 'step.kHold', icon: 'pause', first: () => 'hold "Look at the part"' },
+  { label: 'step.kComply', icon: 'hand', first: () => 'comply("z", force = 20N)' },
+  { label: 'step.kStiff', icon: 'hand', first: () => 'stiff()' },
   { label: 'step.kLog', icon: 'edit', first: () => 'log "here"' },
   { label: 'step.kUse', icon: 'settings', first: () => 'use speed 50%' },
   { label: 'step.kLoad', icon: 'folder', first: () => 'load cycledata' },
@@ -145,7 +148,25 @@ function FormFor({ line, onChange }: FormProps) {
   const said = /^(log|hold)\s*\(?\s*"([^"]*)"\s*\)?$/i.exec(text) ?? /^(wait user)\s*"([^"]*)"$/i.exec(text);
   if (said)
     return <Field label={t('step.says')} value={said[2]!} onInput={(words) => onChange(`${said[1]} "${words.replaceAll('"', "'")}"`)} />;
+  const compliance = parseCompliance(text);
+  if (compliance) return <ComplianceForm compliance={compliance} onChange={(next) => onChange(writeCompliance(next))} />;
   return null;
+}
+
+// --- forces
+
+function ComplianceForm({ compliance, onChange }: { compliance: Compliance; onChange: (compliance: Compliance) => void }) {
+  const put = (name: string, value: string) => onChange({ ...compliance, values: { ...compliance.values, [name]: value } });
+  return (
+    <>
+      <Field label={t('step.axes')} value={compliance.axes} onInput={(axes) => onChange({ ...compliance, axes: axes.replaceAll('"', '') })} />
+      <div class="program-two">
+        {kComplianceValues.map((name) => (
+          <Field key={name} label={t(`step.c_${name}` as Key)} value={compliance.values[name] ?? ''} placeholder={t('step.usual')} onInput={(value) => put(name, value)} />
+        ))}
+      </div>
+    </>
+  );
 }
 
 // --- moves

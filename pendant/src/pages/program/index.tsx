@@ -28,7 +28,7 @@ export default function Page() {
   }, []);
   return (
     <div class={`program-page show-${side.value}`}>
-      <WatchOnly />
+      <WatchOnly needs="program" />
       <Bar />
       <div class="program-tabs">
         <Segmented

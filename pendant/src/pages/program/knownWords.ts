@@ -33,6 +33,6 @@ export const knownWords: Language = {
     ...'and or not mod true false'.split(' ').map(word('reserved')),
   ],
   functions: ('length abs min max round floor ceil sqrt sin cos tan asin acos atan atan2 pose quat joints offset tool_offset ' +
-    'with inverse distance interpolate pallet here ask here_joints ik fk random clock force wrench zero_force met travelled next_part waiting_parts missed_parts add_part rows_of is_connected has_line next_line send_text format text number is_number split join ' +
+    'with inverse distance interpolate pallet here ask here_joints ik fk random clock force wrench zero_force met travelled comply stiff next_part waiting_parts missed_parts add_part rows_of is_connected has_line next_line send_text format text number is_number split join ' +
     'trim upper lower find replace slice').split(' ').map((name) => ({ name, signature: `${name}(…)`, meaning: '', in_tests: false })),
 };

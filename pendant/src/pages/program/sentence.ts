@@ -1,6 +1,7 @@
 /** Describes a statement in words, for the list of steps. */
 import { type Key, t } from '../../i18n';
 import type { IconName } from '../../ui/Icon';
+import { type Compliance, parseCompliance } from './compliance';
 import { kMoveWords, kSpeedWords, parseMove, type Statement } from './statements';
 
 export interface Sentence {
@@ -51,6 +52,11 @@ const kMoves: Record<string, Key> = {
   speedj: 'step.speedj',
   speedl: 'step.speedl',
 };
+/** Calls of functions that read as statements. */
+const kCalls: Record<string, [IconName, Key]> = {
+  comply: ['hand', 'step.comply'],
+  stiff: ['hand', 'step.stiff'],
+};
 /** Every statement that has a sentence here. */
 export const kSaid = [...Object.keys(kPlain), ...Object.keys(kMoves), 'wait', 'on'];
 
@@ -68,7 +74,15 @@ export function sentenceOf(statement: Statement): Sentence {
   if (word === 'on') return { icon: 'alarm', text: t(/^stop/i.test(rest) ? 'step.onStop' : 'step.onError'), chips: [] };
   const plain = kPlain[word];
   if (plain) return { icon: plain[0], text: t(plain[1], { rest: tidy(word, rest) }), chips: [] };
+  const call = kCalls[word];
+  const compliance = word === 'comply' ? parseCompliance(text) : null;
+  if (call && (compliance || word === 'stiff'))
+    return { icon: call[0], text: t(call[1], { axes: compliance?.axes ?? '' }), chips: chipsOf(compliance) };
   return { icon: 'program', text: t('step.call', { rest: text }), chips: [] };
+}
+
+function chipsOf(compliance: Compliance | null): string[] {
+  return Object.entries(compliance?.values ?? {}).map(([name, value]) => `${name} ${value}`);
 }
 
 function tidy(word: string, rest: string): string {

@@ -72,13 +72,16 @@ interface TaskLine {
   where?: { line?: number };
   source: string;
   waits_for: string;
+  text?: string;
   paused: boolean;
 }
 
 function waits(task: TaskLine): string {
   if (task.paused) return t('program.paused');
   // A held or faulted cell waits for a person, whatever its program waits for.
-  return task.waits_for && status.value?.state === 'running' ? t('run.waitsFor', { what: word('wait', task.waits_for) }) : '';
+  if (!task.waits_for || status.value?.state !== 'running') return '';
+  const what = word('wait', task.waits_for);
+  return t('run.waitsFor', { what: task.waits_for === 'link' ? `${what} ${task.text ?? ''}` : what });
 }
 
 /** What the task waits for. With several tasks, one line for each. */

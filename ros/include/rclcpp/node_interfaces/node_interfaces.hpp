@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "polyarm_ros/call_watch.hpp"
 #include "polyarm_ros/wires.hpp"
 #include "rclcpp/callback_group.hpp"
 #include "rclcpp/clock.hpp"
@@ -192,8 +193,31 @@ class NodeCore {
   bool run_due() {
     bool any = run_timers();
     for (const auto& listener : wires.listeners()) any = listener->run() || any;
-    for (const auto& callee : wires.callees()) any = callee->run() || any;
+    for (const auto& callee : wires.callees()) any = callee->run(0) || any;
     return any;
+  }
+  /// The same for a thread that waits for the callbacks: begins none after `budget` ns, and goes on there at
+  /// the next call; names those that take long.
+  void run_due_within(std::int64_t budget) {
+    const auto listeners = wires.listeners();
+    const auto callees = wires.callees();
+    const std::size_t all = listeners.size() + callees.size();
+    const std::int64_t until = polyarm_ros::steady_time() + budget;
+    {
+      const polyarm_ros::WatchedCall mark(name_.c_str(), "timers of", name_);
+      run_timers();
+    }
+    for (std::size_t n = 0; n < all && polyarm_ros::steady_time() < until; ++n) {
+      const std::size_t at = next_source_++ % all;
+      if (at < listeners.size()) {
+        const polyarm_ros::WatchedCall mark(name_.c_str(), "subscription", listeners[at]->topic);
+        listeners[at]->run(until);
+      } else {
+        const auto& callee = callees[at - listeners.size()];
+        const polyarm_ros::WatchedCall mark(name_.c_str(), "service", callee->title());
+        callee->run(until);
+      }
+    }
   }
   /// Runs the timers that are due; false if there was none.
   bool run_timers() {
@@ -219,6 +243,7 @@ class NodeCore {
   std::vector<std::weak_ptr<OnSetParametersCallbackHandle>> callbacks_;
   std::vector<std::weak_ptr<PostSetParametersCallbackHandle>> after_;
   std::vector<TimerBase::WeakPtr> timers_;
+  std::size_t next_source_ = 0;  ///< of run_due_within; its thread only
 };
 using NodeBaseInterface = NodeCore;
 using NodeClockInterface = NodeCore;

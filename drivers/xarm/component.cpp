@@ -1,0 +1,221 @@
+#include "drivers/xarm/component.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/pose.hpp"
+
+namespace polyarm::xarm {
+
+using hardware::CallbackReturn;
+using hardware::ReturnType;
+
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+// The controller follows its targets as they are; these shares of the description's limits are for braking,
+// and for commands that jump.
+constexpr double kAcceleration = 2, kJerk = 8;
+constexpr double kAccelerationElse = 600, kJerkElse = 20000;  // degrees, seconds; without limits there
+constexpr double kSlowest = 0.05;                             // s, between two servo commands
+
+using hardware::DriverParameter;
+using enum hardware::ParameterKind;
+constexpr DriverParameter kParameters[] = {
+    {"host", text, nullptr, "address of the controller"},
+    {"command_port", number, "502", "TCP port for commands", 1, 65535},
+    {"report_port", number, "30003", "TCP port for reports at a high rate", 1, 65535},
+    {"servo_ms", number, "4", "ms between two servo commands at least", 4, 50},
+    {"clear_errors", boolean, "true", "activating clears an error whose cause is gone"},
+    {"digital_in", text, "", "numbers of inputs of the control box that are read, such as 0-7; up to 15"},
+    {"digital_out", text, "",
+     "numbers of outputs of the control box that the driver writes while it is active; up to 15"},
+    {"tool_io", boolean, "false", "two inputs and two outputs of the tool are read and written"},
+    {"force_sensor", boolean, "false", "the reports have forces of the maker's sensor"},
+    {"max_speed", number, "60", "degrees/s of each joint", 0.1, 360},
+    {"max_behind", number, "0.05", "rad that the sent command may be behind the loop's", 0.0001, 0.2},
+    {"max_step", number, "0.1",
+     "rad, between two position commands; beyond it nothing is sent and the robot stops", 0.001, 0.6},
+    {"silence_ms", number, "300", "ms without a report until the link ends", 50, 10000},
+    {"loop_silence_ms", number, "100", "ms without a command of the loop until the link ends", 10, 10000},
+    {"connect_timeout", number, "2", "s for each connection and answer", 0.05, 60},
+    {"start_timeout", number, "10", "s for motors, mode and state", 0.05, 600},
+};
+constexpr hardware::DriverFacts kFacts = {"system", "robots of UFACTORY: xArm 5, 6 and 7, Lite 6, 850",
+                                          "a controller of our own, byte for byte, with faults on both "
+                                          "wires, which the maker's client accepts; see "
+                                          "docs/driver-xarm.md; never on hardware",
+                                          kParameters};
+
+constexpr const char* kPoseNames[] = {"position.x",    "position.y",    "position.z",   "orientation.x",
+                                      "orientation.y", "orientation.z", "orientation.w"};
+constexpr const char* kWrenchNames[] = {"force.x", "force.y", "force.z", "torque.x", "torque.y", "torque.z"};
+constexpr const char* kControllerStates[] = {"state",  "mode",   "ready",  "error",   "warning",
+                                             "queued", "behind", "shaped", "replaced"};
+
+/// Roll, pitch, yaw turn about the fixed axes x, y, z.
+std::array<double, 7> pose_of(const Six& pose) noexcept {
+  const Quaternion q = from_rpy(pose[3], pose[4], pose[5]);
+  return {pose[0] * 1e-3, pose[1] * 1e-3, pose[2] * 1e-3, q.x, q.y, q.z, q.w};
+}
+
+double bit(std::uint32_t word, int number) noexcept {
+  return word >> number & 1 ? 1.0 : 0.0;
+}
+
+}  // namespace
+
+int cycles_of_command(Nanoseconds period, double least_ms) {
+  const double cycle = seconds(period);
+  if (cycle > kSlowest)
+    throw Error("bad-value", "the loop is too slow for servo mode", "choose a rate of 100 to 250 Hz");
+  return std::max(1, static_cast<int>(std::ceil(least_ms / 1000 / cycle - 1e-6)));
+}
+
+void XarmComponent::find_limits(const hardware::RobotInstance& robot, double max_speed) {
+  auto& [velocity, acceleration, jerk] = settings_.limits.of;
+  velocity.fill(max_speed);
+  acceleration.fill(kAccelerationElse);
+  jerk.fill(kJerkElse);
+  if (!robot.model) return;
+  for (std::size_t i = 0; i < joints_.size(); ++i)
+    for (const description::Joint& joint : robot.model->joints)
+      if (joint.name == joints_[i]) {
+        if (const auto a = joint.limits.acceleration) acceleration[i] = kAcceleration * *a * kDegrees;
+        if (const auto j = joint.limits.jerk) jerk[i] = kJerk * *j * kDegrees;
+      }
+}
+
+CallbackReturn XarmComponent::on_init(const hardware::ComponentContext& context) {
+  period_ = context.period;
+  paced_ = false;  // reports come at 100 Hz at most: too slow a clock for a loop
+  hardware::DriverParameters p(kFacts, context);
+  settings_.host = p.text("host");
+  settings_.command_port = static_cast<int>(p.number("command_port"));
+  settings_.report_port = static_cast<int>(p.number("report_port"));
+  settings_.clear_errors = p.boolean("clear_errors");
+  settings_.tool_inputs = settings_.tool_outputs = p.boolean("tool_io");
+  force_sensor_ = p.boolean("force_sensor");
+  settings_.stepped = stepped_link_;
+  settings_.most_behind = p.number("max_behind");
+  settings_.silence = nanoseconds(p.number("silence_ms") / 1000);
+  settings_.loop_silence = nanoseconds(p.number("loop_silence_ms") / 1000);
+  settings_.timeout = nanoseconds(p.number("connect_timeout"));
+  settings_.start_timeout = nanoseconds(p.number("start_timeout"));
+  steps_ = wire::StepCheckOf<kWireJoints>(p.number("max_step"));
+  const double servo_ms = p.number("servo_ms");
+  constexpr const char* kTakes[] = {"position"};
+  joints_ = wire::driven_joints(context, kTakes, "robots of UFACTORY", p.problems(), 5, kWireJoints);
+  p.problems().throw_if_errors();
+  settings_.axes = joints_.size();
+  settings_.cycles = cycles_of_command(period_, servo_ms);
+  settings_.period = seconds(period_) * settings_.cycles;
+  if (stepped_link_) settings_.report_period = seconds(period_);
+  robot_ = context.robots.front().name;
+  find_limits(context.robots.front(), p.number("max_speed"));
+  const auto signals = [&](const char* parameter) {
+    return wire::signal_range(parameter, p.text(parameter), kMostSignals - 1, 0);
+  };
+  settings_.inputs = signals("digital_in");
+  settings_.outputs = signals("digital_out");
+  link_ = std::make_unique<Link>(settings_);
+  return CallbackReturn::success;
+}
+
+void XarmComponent::add_signals(std::vector<hardware::InterfaceDescription>& out, bool inputs) const {
+  const auto add = [&](const char* name, int number) {
+    out.push_back({robot_ + "/io/" + name + std::to_string(number)});
+  };
+  if (inputs)
+    for (int i = 0; i < settings_.inputs.count; ++i) add("digital_in_", settings_.inputs.first + i);
+  for (int i = 0; i < settings_.outputs.count; ++i) add("digital_out_", settings_.outputs.first + i);
+  if (!settings_.tool_outputs) return;
+  if (inputs)
+    for (int i = 0; i < kMostToolSignals; ++i) add("tool_in_", i);
+  for (int i = 0; i < kMostToolSignals; ++i) add("tool_out_", i);
+}
+
+std::vector<hardware::InterfaceDescription> XarmComponent::state_interfaces() const {
+  std::vector<hardware::InterfaceDescription> out;
+  const auto add = [&](const std::string& name) { out.push_back({robot_ + "/" + name}); };
+  for (const std::string& joint : joints_)
+    for (const char* one : {"/position", "/velocity", "/effort"}) add(joint + one);
+  for (const char* one : kPoseNames) add(std::string("tcp_pose/") + one);
+  for (const char* one : kControllerStates) add(std::string("controller/") + one);
+  if (force_sensor_)
+    for (const char* one : kWrenchNames) add(std::string("tcp_wrench/") + one);
+  add_signals(out, true);
+  return out;
+}
+
+std::vector<hardware::InterfaceDescription> XarmComponent::command_interfaces() const {
+  std::vector<hardware::InterfaceDescription> out;
+  for (const std::string& joint : joints_) out.push_back({robot_ + "/" + joint + "/position"});
+  add_signals(out, false);
+  return out;
+}
+
+ReturnType XarmComponent::read(const hardware::Cycle&, std::span<double> states) noexcept {
+  link_->fetch();
+  const Sample& sample = link_->sample();
+  const Report& report = sample.report;
+  const Panel& panel = link_->panel();
+  std::size_t at = 0;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    states[at++] = sample.q[j];
+    states[at++] = sample.dq[j];
+    states[at++] = report.torque[j];
+  }
+  for (const double value : pose_of(report.pose)) states[at++] = value;
+  const bool ready = report.mode == Mode::servo && report.state <= State::standing;
+  for (const double value :
+       {static_cast<double>(report.state), static_cast<double>(report.mode), ready ? 1.0 : 0.0,
+        static_cast<double>(panel.error), static_cast<double>(panel.warning),
+        static_cast<double>(report.queued), sample.behind, static_cast<double>(sample.shaped),
+        static_cast<double>(sample.replaced)})
+    states[at++] = value;
+  if (force_sensor_)
+    for (const double value : report.force) states[at++] = report.has_force ? value : kNaN;
+  for (int i = 0; i < settings_.inputs.count; ++i)
+    states[at++] = bit(panel.inputs, settings_.inputs.first + i);
+  for (int i = 0; i < settings_.outputs.count; ++i)
+    states[at++] = bit(panel.outputs, settings_.outputs.first + i);
+  if (settings_.tool_inputs)
+    for (int i = 0; i < kMostToolSignals; ++i) states[at++] = bit(panel.tool_inputs, i);
+  if (settings_.tool_outputs)
+    for (int i = 0; i < kMostToolSignals; ++i) states[at++] = bit(panel.tool_outputs, i);
+  return link_->cause() == Cause::none ? ReturnType::ok : ReturnType::error;
+}
+
+ReturnType XarmComponent::write(const hardware::Cycle&, std::span<const double> commands) noexcept {
+  if (link_->cause() != Cause::none) return ReturnType::error;
+  if (!active_) return ReturnType::ok;
+  Outputs outputs;
+  std::size_t at = joints_.size();
+  for (int i = 0; i < settings_.outputs.count; ++i)
+    outputs.digital[static_cast<std::size_t>(settings_.outputs.first + i)] = commands[at++];
+  if (settings_.tool_outputs)
+    for (std::size_t i = 0; i < kMostToolSignals; ++i) outputs.digital[kMostSignals + i] = commands[at++];
+  link_->outputs(outputs);
+  return write_joints(commands, joints_.size());
+}
+
+const hardware::DriverFacts* XarmComponent::facts() const noexcept {
+  return &kFacts;
+}
+
+std::string XarmComponent::summary() const {
+  if (!link_) return {};
+  const Version& version = link_->version();
+  return fmt::format("UFACTORY controller at {}{}, {} axes, a servo command every {:g} ms", settings_.host,
+                     version.text.empty() ? "" : ", firmware " + version.firmware(), settings_.axes,
+                     settings_.period * 1000);
+}
+
+}  // namespace polyarm::xarm

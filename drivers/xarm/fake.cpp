@@ -1,0 +1,72 @@
+#include "drivers/xarm/fake.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "drivers/wire/signals.hpp"
+#include "polyarm/base/error.hpp"
+#include "polyarm/base/text.hpp"
+
+namespace polyarm::xarm {
+
+using hardware::CallbackReturn;
+
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr Nanoseconds kAnswer = 5'000'000'000;
+constexpr std::uint64_t kServices = 12;  // cycles between two exchanges: about 20 a second
+
+MachineOptions machine_of(const hardware::RobotInstance& robot, Nanoseconds period) {
+  MachineOptions out;
+  if (robot.model) out.facts = facts_of(*robot.model);
+  out.start = wire::start_position(robot, out.start, kDegrees);
+  const double ms = seconds(period) * 1000;
+  out.cycle_ms = static_cast<int>(std::lround(ms));
+  if (out.cycle_ms < 4 || out.cycle_ms > 20 || std::abs(out.cycle_ms - ms) > 1e-3)
+    throw Error("bad-value", "the simulated controller has cycles of whole milliseconds, 4 to 20",
+                "write `rate: 250` into the cell");
+  return out;
+}
+
+}  // namespace
+
+CallbackReturn FakeXarm::on_init(const hardware::ComponentContext& context) {
+  if (context.robots.size() != 1) return XarmComponent::on_init(context);
+  FarSideOptions options;
+  options.machine = machine_of(context.robots.front(), context.period);
+  options.ports = {0, 0, 0, 0};
+  options.real_ms = options.machine.cycle_ms;
+  far_ = std::make_unique<FarSide>(options);
+  for (const std::string& text : split_words(wire::given(context, "wires"), " ,;")) {
+    const auto [output, input] = wire::signal_wire(text, kMostSignals - 1, 0);
+    far_->with([&, output = output, input = input](Machine& machine) { machine.wire_output(output, input); });
+  }
+  faults_ = wire::DueOrders(wire::parse_timed_orders(wire::given(context, "faults"), "e_stop@3"));
+  hardware::ComponentContext own = wire::beside_its_controller(context);
+  own.parameters["command_port"] = std::to_string(far_->ports().command);
+  own.parameters["report_port"] = std::to_string(far_->ports().real);
+  return XarmComponent::on_init(own);
+}
+
+CallbackReturn FakeXarm::on_activate() {
+  const CallbackReturn done = SimulatedComponent::on_activate();
+  if (done == CallbackReturn::success) cycles_ = 0;
+  return done;
+}
+
+/// The controller moves on when it has every command, and the loop when the driver has its report.
+hardware::ReturnType FakeXarm::read(const hardware::Cycle& cycle, std::span<double> states) noexcept {
+  if (active_) link()->settle(kAnswer);
+  step(seconds(cycle.period));
+  if (active_) link()->settle(kAnswer);
+  if (cycles_++ % kServices == 0) link()->serve_services();
+  return XarmComponent::read(cycle, states);
+}
+
+std::string FakeXarm::summary() const {
+  return "simulated controller, port " + std::to_string(far_->ports().command) + ": " +
+         XarmComponent::summary();
+}
+
+}  // namespace polyarm::xarm

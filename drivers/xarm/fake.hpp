@@ -1,0 +1,27 @@
+#pragma once
+/// The driver with a simulated controller of its own: `hardware: xarm_fake` drives it over the real wires.
+#include <string>
+
+#include "drivers/wire/simulated_component.hpp"
+#include "drivers/xarm/component.hpp"
+#include "drivers/xarm/far_side.hpp"
+
+namespace polyarm::xarm {
+
+/// The driver's parameters apply, except host and ports. `wires: 0=0 2=5` connects outputs to inputs, as
+/// OUTPUT=INPUT. `faults: KIND@SECOND …` orders faults of FarSide, in seconds since the first activation.
+/// While the component is active, one cycle of the controller is one cycle of the loop, a report comes in
+/// each of them, and the rest is exchanged every 12 cycles.
+class FakeXarm : public wire::SimulatedComponent<XarmComponent, FarSide> {
+ public:
+  FakeXarm() { stepped_link_ = true; }
+  hardware::CallbackReturn on_init(const hardware::ComponentContext& context) override;
+  hardware::CallbackReturn on_activate() override;
+  hardware::ReturnType read(const hardware::Cycle& cycle, std::span<double> states) noexcept override;
+  std::string summary() const override;
+
+ private:
+  std::uint64_t cycles_ = 0;
+};
+
+}  // namespace polyarm::xarm

@@ -1,0 +1,3 @@
+#include "drivers/xarm/fake.hpp"
+
+POLYARM_DRIVER(polyarm::xarm::FakeXarm)

@@ -1,0 +1,157 @@
+#include "drivers/xarm/far_side.hpp"
+
+#include <algorithm>
+
+#include "drivers/wire/orders.hpp"
+#include "drivers/xarm/words.hpp"
+
+namespace polyarm::xarm {
+
+namespace {
+
+constexpr Nanoseconds kPatience = 20'000'000;
+constexpr wire::OrderKind kKinds[] = {
+    {"e_stop", "somebody presses an emergency stop; 1: control box, 2: its input, 3: enabling switch (1)"},
+    {"release", "it is released; the error stays"},
+    {"error", "an error with this number (31: a collision)"},
+    {"warning", "a warning with this number (14)"},
+    {"clear", "somebody clears the error in UFACTORY Studio"},
+    {"pause", "somebody pauses"},
+    {"stop", "somebody presses stop"},
+    {"ready", "somebody sets the state to ready"},
+    {"teach", "somebody switches manual mode on"},
+    {"mode", "another program chooses this mode (0)"},
+    {"motors_off", "the motors are switched off"},
+    {"push", "somebody moves the first joint by so many degrees (5)"},
+    {"other_moves", "something else moves the robot"},
+    {"refuse_enable", "the motors do not switch on"},
+    {"refuse_mode", "servo mode is not taken"},
+    {"refuse_state", "it does not become ready"},
+    {"refuse_servo", "servo commands are invalid"},
+    {"locked_outputs", "outputs cannot be written"},
+    {"other_axes", "the version names an arm with so many axes (7)"},
+    {"silent", "no reports"},
+    {"late", "so many reports come late and together (10)"},
+    {"nonsense", "one report is none"},
+    {"short_report", "one report has a length that is too small"},
+    {"not_a_number", "one report has a position that is NaN"},
+    {"mute", "no answers"},
+    {"late_answers", "the answers of so many cycles come late and together (5)"},
+    {"bad_answer", "one answer is no frame"},
+    {"other_register", "one answer is that to another request"},
+    {"twice", "each answer comes twice"},
+    {"close_command", "the connections for commands close"},
+    {"close_report", "the same for reports"},
+    {"power_off", "the controller loses its power"},
+    {"healthy", "ends all of these that are not people's doing"},
+};
+
+}  // namespace
+
+FarSide::FarSide(FarSideOptions options)
+    : options_(std::move(options)),
+      machine_(options_.machine),
+      ux_(machine_, faults_, std::max(1, options_.real_ms / options_.machine.cycle_ms),
+          std::max(1, options_.slow_ms / options_.machine.cycle_ms)),
+      clock_(0) {
+  ux_.listen(options_.address, options_.ports);
+  clock_.start(nanoseconds(machine_.period()),
+               {[this](std::vector<int>& open) { ux_.descriptors(open); }, [this] { serve(); },
+                [] { return false; }, [this] { ux_.cycle(); }});
+}
+
+std::string FarSide::kinds() {
+  return wire::order_list(kKinds);
+}
+
+void FarSide::report(const std::string& text) const {
+  if (options_.report) options_.report(text);
+}
+
+void FarSide::order(const std::string& fault) {
+  const auto [kind, given] = wire::parse_order(fault, kKinds);
+  const auto lock = clock_.lock();
+  order_by_hand(kind, given);
+  order_on_wires(kind, given);
+  report("ordered: " + fault);
+}
+
+void FarSide::order_by_hand(const std::string& kind, int number) {
+  const auto is = [&](const char* name) { return kind == name; };
+  const auto given = [&](int otherwise) { return number >= 0 ? number : otherwise; };
+  if (is("e_stop")) machine_.emergency(std::clamp(given(1), 1, 3), true);
+  if (is("release")) machine_.emergency(0, false);
+  if (is("error")) machine_.raise_error(std::clamp(given(31), 1, 255));
+  if (is("warning")) machine_.raise_warning(std::clamp(given(14), 1, 255));
+  if (is("clear")) machine_.answer({0, kPrivateProtocol, Register::clean_error, {}});
+  if (is("pause")) machine_.set_state(static_cast<int>(State::paused));
+  if (is("stop")) machine_.set_state(static_cast<int>(State::stopped));
+  if (is("ready")) machine_.set_state(0);
+  if (is("teach")) machine_.set_mode(static_cast<int>(Mode::joint_teach));
+  if (is("mode")) machine_.set_mode(std::clamp(given(0), 0, 7));
+  if (is("motors_off")) machine_.switch_motors(false);
+  if (is("push")) machine_.push_by_hand({static_cast<double>(given(5)), 0, 0, 0, 0, 0, 0});
+}
+
+void FarSide::order_on_wires(const std::string& kind, int number) {
+  const auto is = [&](const char* name) { return kind == name; };
+  const std::pair<const char*, bool*> kSwitches[] = {{"other_moves", &machine_.other_moves},
+                                                     {"refuse_enable", &machine_.refuse_enable},
+                                                     {"refuse_mode", &machine_.refuse_mode},
+                                                     {"refuse_state", &machine_.refuse_state},
+                                                     {"refuse_servo", &machine_.refuse_servo},
+                                                     {"locked_outputs", &machine_.locked_outputs},
+                                                     {"silent", &faults_.silent},
+                                                     {"nonsense", &faults_.nonsense},
+                                                     {"short_report", &faults_.short_report},
+                                                     {"not_a_number", &faults_.not_a_number},
+                                                     {"mute", &faults_.mute},
+                                                     {"bad_answer", &faults_.bad_answer},
+                                                     {"other_register", &faults_.other_register},
+                                                     {"twice", &faults_.twice},
+                                                     {"power_off", &faults_.power_off}};
+  for (const auto& [name, flag] : kSwitches)
+    if (is(name)) *flag = true;
+  const auto given = [&](int otherwise) { return number >= 0 ? number : otherwise; };
+  if (is("other_axes")) machine_.other_axes = std::clamp(given(7), 1, 7);
+  if (is("late")) faults_.late = given(10);
+  if (is("late_answers")) faults_.late_answers = given(5);
+  if (is("close_command")) ux_.drop_commands();
+  if (is("close_report")) ux_.drop_reports();
+  if (is("power_off")) {
+    machine_.switch_motors(false);
+    ux_.drop_all();
+  }
+  if (is("healthy")) make_healthy();
+}
+
+void FarSide::make_healthy() {
+  faults_ = {};
+  machine_.other_moves = machine_.refuse_enable = machine_.refuse_mode = machine_.refuse_state =
+      machine_.refuse_servo = machine_.locked_outputs = false;
+  machine_.other_axes = 0;
+}
+
+bool FarSide::step(Nanoseconds patience) {
+  return clock_.step(std::min(patience, kPatience), [this] { return !machine_.awaits_target(); });
+}
+
+std::pair<std::uint64_t, std::uint64_t> FarSide::sent() {
+  const auto lock = clock_.lock();
+  return {ux_.reports(), ux_.newest()};
+}
+
+std::uint64_t FarSide::requests() {
+  const auto lock = clock_.lock();
+  return ux_.requests();
+}
+
+void FarSide::serve() {
+  ux_.serve();
+  const bool ready = machine_.is_ready();
+  if (ready == ready_) return;
+  ready_ = ready;
+  report(ready ? "ready for motion" : "not ready for motion");
+}
+
+}  // namespace polyarm::xarm

@@ -1,0 +1,212 @@
+#pragma once
+/// The driver's end of the wires to one controller of UFACTORY. While the link is open, one thread reads the
+/// reports and sends servo commands; another one asks for errors and signals over a connection of its own,
+/// because the answers of a device at the tool take long.
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "drivers/wire/link_base.hpp"
+#include "drivers/wire/shaper.hpp"
+#include "drivers/wire/signals.hpp"
+#include "drivers/xarm/report.hpp"
+#include "drivers/xarm/ux_port.hpp"
+#include "polyarm/realtime/latest.hpp"
+#include "polyarm/realtime/queue.hpp"
+
+namespace polyarm::xarm {
+
+inline constexpr int kMostSignals = 16;  ///< digital inputs and outputs of the control box: CI0–7, DI0–7
+inline constexpr int kMostToolSignals = 2;  ///< of the tool
+
+/// What the controller reports. rad, rad/s.
+struct Sample {
+  Seven q{}, dq{};
+  Report report;
+  std::uint64_t sequence = 0;  ///< reports since the connection; 0: nothing came
+  double behind = 0;           ///< rad, of the sent command behind the loop's
+  std::uint64_t shaped = 0;    ///< commands that were not as the loop gave them
+  std::uint64_t replaced = 0;  ///< commands that a newer one replaced before they were sent
+};
+
+/// What the second connection shows.
+struct Panel {
+  int error = 0, warning = 0;
+  std::uint32_t inputs = 0, outputs = 0, tool_inputs = 0, tool_outputs = 0;
+};
+
+/// NaN: stays as it is. The signals of the control box, then those of the tool.
+struct Outputs {
+  std::array<double, kMostSignals + kMostToolSignals> digital;
+  Outputs() noexcept;
+};
+
+struct LinkSettings {
+  std::string host;
+  int command_port = kCommandPort, report_port = kRealPort;
+  std::size_t axes = 6;
+  double period = 0.004;     ///< s, between two servo commands
+  int cycles = 1;            ///< of the loop, for one of them
+  double report_period = 0;  ///< s, between two reports; 0: by the clock of this computer
+  bool clear_errors = true;  ///< activating clears an error that is not there any more
+  bool stepped = false;      ///< the controller's clock waits; serve_services() asks for the rest
+  wire::SignalRange inputs, outputs;
+  bool tool_inputs = false, tool_outputs = false;
+  wire::AxisLimitsOf<7> limits;  ///< degrees, of commands
+  Nanoseconds timeout = 2'000'000'000, start_timeout = 10'000'000'000;
+  Nanoseconds silence = 300'000'000;       ///< without a report
+  Nanoseconds loop_silence = 100'000'000;  ///< without a command of the loop, until the robot is braked
+  double most_behind = 0.05;               ///< rad, that the shaper may be behind
+};
+
+/// open(), close(), start() and stop() come from one thread at a time and may wait; the calls marked control
+/// thread do not.
+class Link : public wire::LinkBase<Cause> {
+ public:
+  explicit Link(LinkSettings settings);
+  ~Link() { close(); }
+  Link(const Link&) = delete;
+  Link& operator=(const Link&) = delete;
+
+  /// Connects and reads reports. Nothing moves. False: see reason().
+  bool open();
+  void close();
+  /// Clears errors, switches motors and servo mode on; the robot stands still. False: see reason().
+  bool start();
+  /// Brakes the robot; it is stopped, in position mode.
+  void stop();
+  /// One exchange of errors and signals. For simulated controllers, whose clock waits.
+  void serve_services();
+  /// Waits until every command is with the controller. For the same.
+  void settle(Nanoseconds timeout);
+
+  // --- control thread; nothing waits, locks or allocates ---
+  bool fetch() noexcept {
+    panels_.fetch();
+    return samples_.fetch();
+  }
+  const Sample& sample() const noexcept { return samples_.value(); }
+  const Panel& panel() const noexcept { return panels_.value(); }
+  /// The command of a cycle, rad. Without `move` the robot comes to rest.
+  void command(bool move, const Seven& joints) noexcept;
+  void outputs(const Outputs& outputs) noexcept { outputs_.write(outputs); }
+
+  /// Hz that the loop must have; this link takes any.
+  double rate() const { return 1 / (settings_.period / settings_.cycles); }
+  /// Valid after open().
+  const Version& version() const { return version_; }
+
+ private:
+  struct Wanted {
+    bool move = false;
+    Seven joints{};  ///< degrees
+  };
+  enum class Phase : std::uint8_t { idle, streaming, ending };
+  struct ErrorCodes {
+    int error = 0, warning = 0;
+  };
+
+  // how it begins and ends; link_setup.cpp
+  bool refuse_port(const UxPort& port);
+  bool connect_reports();
+  bool identify();
+  std::optional<UxReply> ask(Register reg, const std::vector<std::uint8_t>& data = {});
+  std::optional<ErrorCodes> ask_error();
+  bool clear_error();
+  bool set(Register reg, unsigned value);
+  bool await_report(Nanoseconds timeout, bool (Link::*seen)() const);
+  bool has_report() const { return reports_seen_ > 0; }
+  bool stands_still() const { return still_reports_ >= kStillReports; }
+  bool in_servo_mode() const { return mode_ == static_cast<int>(Mode::servo); }
+  bool is_ready() const { return in_servo_mode() && ready_state(state_); }
+  static bool ready_state(int state) { return state <= static_cast<int>(State::standing); }
+  bool set_up_motion();
+  void begin_streaming();
+
+  // the second connection; link_services.cpp
+  void run_services();
+  bool serve_round();
+  bool ask_service(Register reg, const std::vector<std::uint8_t>& data, std::optional<UxReply>& reply);
+  bool write_outputs();
+  bool write_output(std::size_t at, bool on);
+  bool read_signals();
+  bool read_tool();
+  struct Why {
+    Cause cause;
+    int detail;
+  };
+  Why explain_stop();
+
+  // the thread of reports and commands; link.cpp
+  void run();
+  void wait();
+  void take_reports(Nanoseconds now);
+  bool receive_reports();
+  void take_report(const Report& report, Nanoseconds now);
+  void judge_report(const Report& report);
+  void judge_doubt();
+  void take_commands(Nanoseconds now);
+  void feed(const Wanted& wanted);
+  void take_answers();
+  void send_next(Nanoseconds now);
+  void end_with(Cause cause, int detail);
+  void judge(Nanoseconds now);
+  void end(Nanoseconds now);
+  void brake_on(Nanoseconds now);
+  void bridge_gap(Nanoseconds now);
+  void note_settled();
+  bool owns_motion() const noexcept { return phase_ != Phase::idle && !stands_; }
+  bool follows_reports() const noexcept { return settings_.stepped && report_socket_; }
+  bool can_send() const noexcept { return owns_motion() && !lost_ && !stopped_; }
+
+  static constexpr int kStillReports = 3;
+
+  LinkSettings settings_;
+  Version version_;
+  Descriptor services_wake_;
+  UxPort motion_;
+  Descriptor report_socket_;
+  ReportReader report_reader_;
+
+  std::recursive_mutex services_mutex_;  // second connection, of any thread but the control thread
+  UxPort services_port_;
+  bool open_ = false;
+  Outputs wanted_, written_;
+  Panel current_panel_;
+
+  realtime::Latest<Sample> samples_;
+  realtime::Latest<Panel> panels_;
+  realtime::Queue<Wanted> commands_{256};
+  realtime::Latest<Outputs> outputs_;
+  std::atomic<std::uint64_t> pushed_{0};  ///< commands
+
+  std::atomic<Phase> phase_{Phase::idle};  // changed with mutex_
+  std::atomic<bool> renew_{false};         // the thread begins a session
+  std::atomic<bool> stands_{true};         // what is ending stands, or is out of reach
+  std::atomic<bool> lost_{false};          // the connection for motion is of no use
+  std::atomic<bool> stopped_{false};       // the controller stopped by itself, or somebody else did it
+  std::atomic<std::uint64_t> reports_seen_{0};
+  std::atomic<int> still_reports_{0}, mode_{0}, state_{0};
+  std::uint64_t settled_commands_ = 0, settled_reports_ = 0;  // with mutex_
+
+  // the thread of reports and commands
+  Sample current_;
+  wire::ShaperOf<7> shaper_;
+  Nanoseconds asked_at_ = 0, heard_ = 0, commanded_at_ = 0, ending_since_ = 0, brake_due_ = 0;
+  bool asked_ = false;    ///< a command waits for its answer
+  bool pending_ = false;  ///< a command waits to be sent
+  bool begun_ = false;
+  int since_ = 0;  ///< cycles since the last command
+  std::uint64_t taken_ = 0, braked_report_ = 0;
+  Cause doubt_ = Cause::none;  ///< of a command that was not taken
+  int doubtful_reports_ = 0;
+
+  std::atomic<bool> quit_{false};
+  std::thread thread_, services_;
+};
+
+}  // namespace polyarm::xarm

@@ -1,0 +1,3 @@
+#include "drivers/xarm/component.hpp"
+
+POLYARM_DRIVER(polyarm::xarm::XarmComponent)

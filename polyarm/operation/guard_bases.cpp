@@ -1,0 +1,147 @@
+/// Guards of bases that drive: a base slows down and stops before it, or what it carries, touches something.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "polyarm/operation/guard_work.hpp"
+
+namespace polyarm::cell {
+
+using surroundings::GuardGap;
+using surroundings::GuardPair;
+
+namespace {
+/// Before a base begins to brake, s: while somebody drives it by keys, and when the cell is held.
+constexpr double kLatencyOfKeys = 0.15, kLatencyOfHold = 0.08;
+/// Odometry comes less often than ticks: its velocity is taken over this time, and it stands when nothing has
+/// come for the second one, ns.
+constexpr Nanoseconds kBetween = 40'000'000, kSilentBase = 100'000'000;
+/// Somebody who drives a base asks again within this time, ns.
+constexpr Nanoseconds kDriverAsks = 300'000'000;
+/// A smaller share of what is asked does not move it.
+constexpr double kLeastShare = 0.02;
+/// Slower than this a base stands, m/s and rad/s; below kClosesIn it does not come nearer, m/s.
+constexpr double kBaseStands = 2e-3, kClosesIn = 2e-3;
+/// No point of a base and of what it carries is farther from its middle, m.
+constexpr double kFarthestPoint = 3;
+/// Where a controller states no deceleration, m/s².
+constexpr double kDeceleration = 1;
+}  // namespace
+
+/// What is nearest in the way of a base.
+struct Guards::NearBase {
+  double share = 1;  ///< of the velocity with which it can still stop in time
+  int pair = -1;
+  GuardGap gap;
+};
+
+/// Sees how a base moves. Says once that nothing guards the arm on a base that drives.
+void Guards::see_base(std::size_t r) {
+  Of& of = work_->robots[r];
+  constexpr double kMoved = 2e-3;  // m, rad
+  const Pose& base = work_->moment.robots[r].base;
+  const Nanoseconds now = cell_.machine.now();
+  if (!of.base) of.base = of.base_before = of.base_seen = base;
+  const bool changed = !(of.base_seen == base);
+  of.base_seen = base;
+  if (changed) of.base_changed = now;
+  const bool silent = now - of.base_changed > kSilentBase;
+  if (silent || (changed && now - of.base_since >= kBetween)) {
+    const double dt = seconds(now - of.base_since);
+    of.base_velocity = silent ? Vec3{} : (1 / dt) * (base.position - of.base_before.position);
+    of.base_turning =
+        silent ? 0 : to_rotation_vector(base.rotation * inverse(of.base_before.rotation)).z / dt;
+    of.base_before = base;
+    of.base_since = now;
+  }
+  if (of.drove || !cell_.setup.robots[r]->entry.on.empty()) return;
+  if (norm(base.position - of.base->position) < kMoved &&
+      angle_between(base.rotation, of.base->rotation) < kMoved)
+    return;
+  of.drove = true;
+  const bool guarded = cell_.motions.wheels(r) && cell_.setup.file.guards.bases;
+  const std::string& name = cell_.setup.robots[r]->entry.name;
+  cell_.observer.on_note(
+      guarded ? name + " drives: guards stop its base before contacts, and do not watch its arm"
+              : name + " drives: guards do not watch a base that moves by itself");
+}
+
+/// True while a base with wheels moves, or somebody drives it by keys.
+bool Guards::base_drives(std::size_t r) const {
+  const Of& of = work_->robots[r];
+  if (!cell_.setup.file.guards.bases || !cell_.motions.wheels(r)) return false;
+  const bool is_asked = of.base_asked >= 0 && cell_.machine.now() - of.base_asked < kDriverAsks;
+  return is_asked || norm(of.base_velocity) > kBaseStands || std::abs(of.base_turning) > kBaseStands;
+}
+
+double Guards::braking_of_base(std::size_t r) const {
+  const controllers::SpeedLimits& limits = cell_.motions.wheels(r)->controller().linear_limits();
+  for (const double limit : {limits.max_deceleration, limits.max_acceleration})
+    if (std::isfinite(limit) && limit != 0) return std::abs(limit);
+  return kDeceleration;
+}
+
+/// `velocity`: of the base in the world, `turning`: about the vertical.
+Guards::NearBase Guards::near_base(std::size_t r, const Vec3& velocity, double turning, double braking,
+                                   double latency) const {
+  NearBase out;
+  surroundings::GuardBodies& bodies = *work_->bodies;
+  const Vec3 middle = work_->moment.robots[r].base.position;
+  const auto is_carried = [&](int robot) {
+    for (std::size_t steps = 0; robot >= 0 && steps < work_->robots.size(); ++steps) {
+      if (robot == static_cast<int>(r)) return true;
+      const std::string& on = cell_.setup.robots[static_cast<std::size_t>(robot)]->entry.on;
+      robot = -1;
+      for (std::size_t k = 0; k < work_->robots.size() && !on.empty(); ++k)
+        if (cell_.setup.robots[k]->entry.name == on) robot = static_cast<int>(k);
+    }
+    return false;
+  };
+  using Kind = surroundings::BodyKind;
+  const double fastest = norm(velocity) + std::abs(turning) * kFarthestPoint;
+  const double clearance = cell_.setup.file.guards.clearance;
+  const double within = clearance + fastest * fastest / (2 * braking) + fastest * latency;
+  for (std::size_t i = 0; i < bodies.pairs().size(); ++i) {
+    const GuardPair& pair = bodies.pairs()[i];
+    if (!pair.active || pair.own || pair.of_part || pair.slack >= within) continue;
+    const bool a = is_carried(pair.robot_a), b = is_carried(pair.robot_b);
+    if (a == b || bodies.kind(a ? pair.b : pair.a) == Kind::floor) continue;
+    const GuardGap gap = bodies.gap_of(pair, within);
+    if (gap.distance >= within) continue;
+    const Vec3 point = a ? gap.on_a : gap.on_b, away = a ? gap.normal : -gap.normal;
+    const Vec3 moves = velocity + cross(Vec3{0, 0, turning}, point - middle);
+    const double closing = -dot(moves, away);
+    if (closing < kClosesIn) continue;
+    const double room = std::max(0.0, gap.distance - clearance);
+    const double most = braking * (std::sqrt(latency * latency + 2 * room / braking) - latency);
+    if (most >= out.share * closing) continue;
+    out = {most / closing, static_cast<int>(i), gap};
+  }
+  return out;
+}
+
+BaseShare Guards::share_of_base(std::size_t r, double ahead, double turn) {
+  Of& of = work_->robots[r];
+  of.base_asked = cell_.machine.now();
+  const bool knows = work_->bodies && work_->bodies->has_looked() && work_->seen >= 0;
+  if (work_->off || !knows || !cell_.setup.file.guards.bases || !cell_.motions.wheels(r)) return {};
+  const Vec3 velocity = work_->moment.robots[r].base.rotation * Vec3{ahead, 0, 0};
+  const NearBase found = near_base(r, velocity, turn, braking_of_base(r) / 2, kLatencyOfKeys);
+  if (found.pair < 0) return {};
+  const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(found.pair)];
+  const double share = found.share < kLeastShare ? 0 : found.share;
+  return {share, work_->bodies->name(pair.robot_a == static_cast<int>(r) ? pair.b : pair.a)};
+}
+
+/// Holds the cell when a base that drives could hardly stop before a contact.
+void Guards::look_at_base(std::size_t r) {
+  Of& of = work_->robots[r];
+  if (!base_drives(r) || !runs()) return;
+  const Vec3 velocity{of.base_velocity.x, of.base_velocity.y, 0};
+  const NearBase found = near_base(r, velocity, of.base_turning, braking_of_base(r), kLatencyOfHold);
+  if (found.pair < 0) return;
+  of.ahead_of = {0, found.pair, found.gap, cell_.setup.file.guards.clearance};
+  stop_before(r, "guard", cell_.setup.robots[r]->entry.name + " stopped before a contact: " + text_of(r));
+}
+
+}  // namespace polyarm::cell

@@ -1,0 +1,93 @@
+/// The example, `polyarm far-side xarm` and `polyarm setup xarm`, as users start them.
+#include "tests/support/command.hpp"
+
+#include <gtest/gtest.h>
+
+#include "polyarm/base/file.hpp"
+#include "tests/support/wire_rig.hpp"
+
+namespace polyarm {
+namespace {
+
+using test::Command;
+using test::ExampleCopy;
+using test::Finished;
+using test::number_behind;
+using test::run_command;
+
+constexpr const char* kAnyPorts[] = {"--port",      "0", "--normal-port", "0",
+                                     "--rich-port", "0", "--report-port", "0"};
+
+std::vector<std::string> far_side(std::vector<std::string> more = {}) {
+  std::vector<std::string> out{"far-side", "xarm"};
+  out.insert(out.end(), std::begin(kAnyPorts), std::end(kAnyPorts));
+  out.insert(out.end(), more.begin(), more.end());
+  return out;
+}
+
+/// `polyarm setup xarm` for a far side, from the line with its ports.
+std::vector<std::string> setup(const std::string& line) {
+  const std::string rich = line.substr(line.find("(normal), ") + 10);
+  const std::string motion = line.substr(line.find("(rich) and ") + 11);
+  return {"setup",         "xarm",
+          "--host",        "127.0.0.1",
+          "--port",        number_behind(line, "commands at port"),
+          "--rich-port",   rich.substr(0, rich.find(' ')),
+          "--report-port", motion.substr(0, motion.find(' '))};
+}
+
+TEST(XarmExample, PlacesOverTheControllersWiresAndRepeatsItself) {
+  const ExampleCopy copy("xarm_far_side");
+  const std::vector<std::string> line{"run", copy.path(), "--fast", "--json", "--no-socket"};
+  const Finished first = run_command(line);
+  ASSERT_EQ(first.exit_code, 0) << first.output;
+  EXPECT_EQ(first.result()["result"], "completed");
+  EXPECT_NE(first.output.find("a servo command every 4 ms"), std::string::npos) << first.output;
+  EXPECT_EQ(run_command(line).result()["trace_hash"], first.result()["trace_hash"]);
+}
+
+TEST(XarmExample, AFaultOfTheControllerEndsTheRunWithItsCause) {
+  const ExampleCopy copy("xarm_far_side");
+  std::string text = read_file(copy.file("cell.yaml"));
+  ASSERT_NE(text.find("wires: 0=0"), std::string::npos);
+  text.replace(text.find("wires: 0=0"), 10, "faults: error=31@2\n      wires: 0=0");
+  write_file_atomically(copy.file("cell.yaml"), text);
+  const Finished ran = run_command({"run", copy.path(), "--fast", "--json", "--no-socket"});
+  EXPECT_EQ(ran.exit_code, 1);
+  EXPECT_NE(ran.output.find("stopped for a collision (C31)"), std::string::npos) << ran.output;
+  EXPECT_NE(ran.output.find("clear the space"), std::string::npos) << "says what to do";
+}
+
+TEST(XarmSetup, FindsTheControllerAndShowsItsSettings) {
+  Command far(far_side({"--robot", "ufactory/xarm_7", "--firmware", "2.5.0"}));
+  const Finished done = run_command(setup(far.line_with("commands at port")));
+  EXPECT_EQ(done.exit_code, 0) << done.output;
+  EXPECT_NE(done.output.find("an arm with 7 axes"), std::string::npos) << done.output;
+  EXPECT_NE(done.output.find("firmware 2.5.0"), std::string::npos) << done.output;
+  EXPECT_NE(done.output.find("motors on"), std::string::npos) << done.output;
+  EXPECT_NE(done.output.find("sensitivity to collisions 3 of 5"), std::string::npos) << done.output;
+  EXPECT_NE(done.output.find("reports for motion"), std::string::npos) << done.output;
+  far.signal(SIGTERM);
+  EXPECT_EQ(far.wait().exit_code, 0);
+}
+
+TEST(XarmSetup, SaysWhatIsNotReady) {
+  Command far(far_side({"--order", "e_stop"}));
+  const Finished wrong = run_command(setup(far.line_with("commands at port")));
+  EXPECT_EQ(wrong.exit_code, 1) << wrong.output;
+  EXPECT_NE(wrong.output.find("button at the control box is pressed"), std::string::npos) << wrong.output;
+  far.signal(SIGTERM);
+  far.wait();
+}
+
+TEST(XarmFarSide, WrongOptionsAreRefused) {
+  EXPECT_EQ(run_command(far_side({"--cycle", "0"})).exit_code, 2);
+  EXPECT_EQ(run_command(far_side({"--start", "1 2 3"})).exit_code, 2);
+  EXPECT_EQ(run_command(far_side({"--wire", "0=16"})).exit_code, 2);
+  EXPECT_NE(run_command(far_side({"--robot", "agilex/ranger"})).exit_code, 0);
+  EXPECT_NE(run_command(far_side({"--order", "storm"})).exit_code, 0);
+  EXPECT_EQ(run_command({"setup", "xarm"}).exit_code, 2) << "the address is on the label of the control box";
+}
+
+}  // namespace
+}  // namespace polyarm
