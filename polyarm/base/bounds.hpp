@@ -37,7 +37,7 @@
   X(kSocketLinesATick, 16, "requests", "requests taken in one tick (2 ms)", "taken in the next tick")
 
 #define POLYARM_BOUNDS_PAGE(X)                                                                                \
-  X(kPageClients, 100, "connections", "pages and programs that are connected",                                \
+  X(kPageClients, 200, "connections", "pages and programs that are connected",                                \
     "status 503, except for clients that may take control")                                                         \
   X(kControlSeats, 8, "connections", "additional places for clients that may take control",                            \
     "status 503")                                                                                             \
