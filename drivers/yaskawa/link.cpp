@@ -344,7 +344,8 @@ void Link::note_settled() {
 }
 
 void Link::settle(Nanoseconds timeout) {
-  const std::uint64_t states = samples_.value().sequence;
+  // A sample of an earlier connection has another count.
+  const std::uint64_t states = std::min(samples_.value().sequence, states_seen_.load());
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, std::chrono::nanoseconds(timeout),
                     [&] { return fault_ || (settled_commands_ == pushed_ && settled_states_ >= states); });

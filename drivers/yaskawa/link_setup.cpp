@@ -71,6 +71,7 @@ bool Link::open() {
   const std::lock_guard lock(services_mutex_);
   fault_.clear();
   refused_.clear();
+  outputs_.fetch();  // what an earlier session wanted counts no more
   written_ = wanted_ = Outputs();
   current_ = {};
   current_panel_ = {};
