@@ -204,9 +204,10 @@ Option* Option::angle() {
         constexpr double kTurn = 2 * std::numbers::pi + 1e-3;  // also a turn that is rounded
         if (const auto bare = parse_number(value))
           return std::abs(*bare) <= kTurn ? std::string{}
-                                          : "'" + value + "' radians are more than a turn; write " + value + "deg or " +
-                                                value + "rad";
-        if (const auto radians = parse_quantity(value, Dimension::angle)) value = fmt::format("{:.17g}", *radians);
+                                          : "'" + value + "' radians are more than a turn; write " + value +
+                                                "deg or " + value + "rad";
+        if (const auto radians = parse_quantity(value, Dimension::angle))
+          value = fmt::format("{:.17g}", *radians);
         return {};
       },
       "", "angle"));

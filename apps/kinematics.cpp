@@ -106,9 +106,10 @@ struct PoseQuestion {
 
   void add_to(CommandLine& app) {
     app.add_option("--xyz", xyz, "position, m; must be given")->expected(3);
-    Option* by_rpy = app.add_option("--rpy", rpy, "roll pitch yaw, rad or such as 180deg (180deg 0 0: tool down)")
-                         ->expected(3)
-                         ->angle();
+    Option* by_rpy =
+        app.add_option("--rpy", rpy, "roll pitch yaw, rad or such as 180deg (180deg 0 0: tool down)")
+            ->expected(3)
+            ->angle();
     app.add_option("--quaternion", quaternion, "x y z w")->expected(4)->excludes(by_rpy);
     app.add_option("--seed", seed, "joint values to start from (home by default)")->expected(-1);
     app.add_flag("--all", all, "every solution, nearest to the seed first, and how they were found");

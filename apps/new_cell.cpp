@@ -393,8 +393,8 @@ bool can_move(const moves::RobotFacts& robot, const std::vector<double>& from, c
   }
 }
 
-/// The layouts that the robot can reach, in the order in which they are tried: the usual ones first. After some
-/// of them had problems, those come first that resemble them least.
+/// The layouts that the robot can reach, in the order in which they are tried: the usual ones first. After
+/// some of them had problems, those come first that resemble them least.
 class LayoutsToTry {
  public:
   LayoutsToTry(const cell::CellRobot& robot, const Sizes& sizes)

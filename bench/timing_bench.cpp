@@ -1,6 +1,6 @@
-/// How long a timing pass takes: 10, 50 and 200 waypoints, 6 axes, jerk-limited; and a change of override in the
-/// control cycle. No peer that plans with limited jerk on a given path is open and local. TOPP-RA, without
-/// jerk and with limits kept at its grid only, is measured on the same paths and limits where it is
+/// How long a timing pass takes: 10, 50 and 200 waypoints, 6 axes, jerk-limited; and a change of override in
+/// the control cycle. No peer that plans with limited jerk on a given path is open and local. TOPP-RA,
+/// without jerk and with limits kept at its grid only, is measured on the same paths and limits where it is
 /// installed; what is not installed stands in the head of the output with the figure of the reference, marked
 /// as not measured here. Counters: s of motion, nodes, the solver's iterations, and by how much any limit is
 /// exceeded. That durations are short is the question of shortest_bench.

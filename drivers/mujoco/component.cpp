@@ -73,7 +73,8 @@ CallbackReturn MujocoComponent::on_init(const hardware::ComponentContext& contex
     for (const ForceSensor& sensor : sensors)
       for (const char* axis : kWrenchNames)
         states_.push_back({facts.name + "/" + sensor.name + "/" + axis, 0.0});
-    if (std::any_of(sensors.begin(), sensors.end(), [](const ForceSensor& each) { return each.errors.any(); }))
+    if (std::any_of(sensors.begin(), sensors.end(),
+                    [](const ForceSensor& each) { return each.errors.any(); }))
       for (const ForceSensor& sensor : sensors)
         robot.errors.emplace_back(sensor.errors, robots_.size() * sensors.size() + robot.errors.size());
     for (auto* values : {&robot.position, &robot.velocity, &robot.effort}) values->assign(robot.joints, NAN);
@@ -286,7 +287,8 @@ ReturnType MujocoComponent::read(const hardware::Cycle& cycle, std::span<double>
     for (std::size_t k = 0; k < 6 * robot.force_sensors; ++k)
       states[static_cast<std::size_t>(robot.force_state) + k] = -*wrench++;
     for (std::size_t k = 0; k < robot.errors.size(); ++k)
-      robot.errors[k].add(seconds(cycle.period), &states[static_cast<std::size_t>(robot.force_state) + 6 * k]);
+      robot.errors[k].add(seconds(cycle.period),
+                          &states[static_cast<std::size_t>(robot.force_state) + 6 * k]);
     if (robot.tool_state < 0) continue;
     states[static_cast<std::size_t>(robot.tool_state)] =
         robot.gripper->suction() ? robot.gripper->level() : robot.gripper->width(view());

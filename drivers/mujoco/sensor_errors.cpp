@@ -26,9 +26,11 @@ void SensorErrors::add(double dt, double* wrench) noexcept {
   const double step = std::sqrt(dt / 60);  // of a random walk, as a share of its deviation after a minute
   for (std::size_t i = 0; i < zero_.size(); ++i) {
     const bool force = i < 3;
-    if (const double drift = force ? errors_.drift : errors_.torque_drift; drift > 0) zero_[i] += drift * step * normal();
+    if (const double drift = force ? errors_.drift : errors_.torque_drift; drift > 0)
+      zero_[i] += drift * step * normal();
     wrench[i] += zero_[i];
-    if (const double noise = force ? errors_.noise : errors_.torque_noise; noise > 0) wrench[i] += noise * normal();
+    if (const double noise = force ? errors_.noise : errors_.torque_noise; noise > 0)
+      wrench[i] += noise * normal();
   }
 }
 

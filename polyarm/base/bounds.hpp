@@ -36,67 +36,66 @@
   X(kSocketUnreadBytes, 16 << 20, "bytes", "answers that a client has not read", "the connection is closed")  \
   X(kSocketLinesATick, 16, "requests", "requests taken in one tick (2 ms)", "taken in the next tick")
 
-#define POLYARM_BOUNDS_PAGE(X)                                                                                \
-  X(kPageClients, 200, "connections", "pages and programs that are connected",                                \
-    "status 503, except for clients that may take control")                                                         \
-  X(kControlSeats, 8, "connections", "additional places for clients that may take control",                            \
-    "status 503")                                                                                             \
-  X(kControlSeat_ms, 10000, "ms", "time in which such a client must take control or ask for it",                  \
-    "the connection is closed")                                                                               \
-  X(kConnections, 256, "connections", "connections that have sent a token", "status 503")                    \
-  X(kUnauthenticated, 64, "connections", "connections that have not sent a token yet",                                    \
-    "the oldest of the address with the most is closed")                                                      \
-  X(kHead_ms, 10000, "ms", "time for the head of a request, the TLS handshake with it",                       \
-    "the connection is closed")                                                                               \
-  X(kHeadBytes, 16 << 10, "bytes", "head of an HTTP request", "status 400")                                   \
-  X(kUrgentLines, 64, "requests", "stops, holds and heartbeats of one client that wait",                      \
-    "the oldest heartbeat is left out; else the connection is closed")                                        \
-  X(kUrgentBytes, 512, "bytes", "a stop, hold or heartbeat that is read before all others",                   \
-    "read in its turn")                                                                                       \
-  X(kClientInBytes, 4 << 20, "bytes", "requests of one client that wait", "refused: busy")                    \
-  X(kAllInBytes, 64 << 20, "bytes", "the same of all clients", "refused: busy")                               \
-  X(kWatcherRequestBytes, 128 << 10, "bytes", "a request of a client without control",                        \
-    "refused: too-long")                                                                                      \
-  X(kLinesATick, 48, "requests", "requests taken in one tick (2 ms), one of each client in turn",             \
-    "taken in the next tick")                                                                                 \
-  X(kTakeTime_us, 1000, "µs", "time that this may take", "taken in the next tick")                            \
-  X(kClientOutMessages, 4096, "messages", "answers and events that a client has not read",                    \
-    "events are left out from half of it on; then the connection is closed")                                  \
-  X(kClientOutBytes, 16 << 20, "bytes", "the same, in bytes", "the same")                                     \
-  X(kAllOutBytes, 128 << 20, "bytes", "the same of all clients",                                              \
-    "clients with more than 1 MiB unread are disconnected")                                                               \
-  X(kClientLinesASecond, 500, "requests/s", "requests of one client, after a burst",                          \
-    "the connection is closed")                                                                               \
-  X(kClientBurst, 2000, "requests", "requests of one client at once", "the connection is closed")             \
-  X(kClientBytesASecond, 4 << 20, "bytes", "requests of one client in a second, after a burst",               \
-    "the connection is closed")                                                                               \
-  X(kClientBurstBytes, 32 << 20, "bytes", "requests of one client at once", "the connection is closed")       \
-  X(kClientNameBytes, 60, "bytes", "the name of a client", "cut")                                             \
-  X(kAccepted, 200, "connections/s", "new connections, after a burst",                                        \
-    "they wait; existing connections are served first")                                                               \
-  X(kAcceptBurst, 100, "connections", "new connections at once", "the same")                                  \
-  X(kViewerRequestBytes, 64 << 10, "bytes", "a message of Foxglove and its like",                              \
-    "the connection is closed")                                                                               \
-  X(kViewerBytesASecond, 256 << 10, "bytes", "messages of one of these in a second, after a burst",            \
-    "the connection is closed")                                                                               \
-  X(kViewerBurstBytes, 1 << 20, "bytes", "messages of one of these at once", "the connection is closed")      \
+#define POLYARM_BOUNDS_PAGE(X)                                                                              \
+  X(kPageClients, 200, "connections", "pages and programs that are connected",                              \
+    "status 503, except for clients that may take control")                                                 \
+  X(kControlSeats, 8, "connections", "additional places for clients that may take control", "status 503")   \
+  X(kControlSeat_ms, 10000, "ms", "time in which such a client must take control or ask for it",            \
+    "the connection is closed")                                                                             \
+  X(kConnections, 256, "connections", "connections that have sent a token", "status 503")                   \
+  X(kUnauthenticated, 64, "connections", "connections that have not sent a token yet",                      \
+    "the oldest of the address with the most is closed")                                                    \
+  X(kHead_ms, 10000, "ms", "time for the head of a request, the TLS handshake with it",                     \
+    "the connection is closed")                                                                             \
+  X(kHeadBytes, 16 << 10, "bytes", "head of an HTTP request", "status 400")                                 \
+  X(kUrgentLines, 64, "requests", "stops, holds and heartbeats of one client that wait",                    \
+    "the oldest heartbeat is left out; else the connection is closed")                                      \
+  X(kUrgentBytes, 512, "bytes", "a stop, hold or heartbeat that is read before all others",                 \
+    "read in its turn")                                                                                     \
+  X(kClientInBytes, 4 << 20, "bytes", "requests of one client that wait", "refused: busy")                  \
+  X(kAllInBytes, 64 << 20, "bytes", "the same of all clients", "refused: busy")                             \
+  X(kWatcherRequestBytes, 128 << 10, "bytes", "a request of a client without control", "refused: too-long") \
+  X(kLinesATick, 48, "requests", "requests taken in one tick (2 ms), one of each client in turn",           \
+    "taken in the next tick")                                                                               \
+  X(kTakeTime_us, 1000, "µs", "time that this may take", "taken in the next tick")                          \
+  X(kClientOutMessages, 4096, "messages", "answers and events that a client has not read",                  \
+    "events are left out from half of it on; then the connection is closed")                                \
+  X(kClientOutBytes, 16 << 20, "bytes", "the same, in bytes", "the same")                                   \
+  X(kAllOutBytes, 128 << 20, "bytes", "the same of all clients",                                            \
+    "clients with more than 1 MiB unread are disconnected")                                                 \
+  X(kClientLinesASecond, 500, "requests/s", "requests of one client, after a burst",                        \
+    "the connection is closed")                                                                             \
+  X(kClientBurst, 2000, "requests", "requests of one client at once", "the connection is closed")           \
+  X(kClientBytesASecond, 4 << 20, "bytes", "requests of one client in a second, after a burst",             \
+    "the connection is closed")                                                                             \
+  X(kClientBurstBytes, 32 << 20, "bytes", "requests of one client at once", "the connection is closed")     \
+  X(kClientNameBytes, 60, "bytes", "the name of a client", "cut")                                           \
+  X(kAccepted, 200, "connections/s", "new connections, after a burst",                                      \
+    "they wait; existing connections are served first")                                                     \
+  X(kAcceptBurst, 100, "connections", "new connections at once", "the same")                                \
+  X(kViewerRequestBytes, 64 << 10, "bytes", "a message of Foxglove and its like",                           \
+    "the connection is closed")                                                                             \
+  X(kViewerBytesASecond, 256 << 10, "bytes", "messages of one of these in a second, after a burst",         \
+    "the connection is closed")                                                                             \
+  X(kViewerBurstBytes, 1 << 20, "bytes", "messages of one of these at once", "the connection is closed")    \
   X(kAssetBytes, 128 << 20, "bytes", "meshes that all viewers have requested and not read",                 \
-    "refused with a text")                                                                                    \
-  X(kSlowJobs, 64, "jobs", "pictures, meshes and backups that wait to be made", "status 503")                 \
-  X(kZipBytes, 64 << 20, "bytes", "a project's zip", "refused: too-large; status 413")                        \
-  X(kUploads, 2, "bodies", "bodies that are received at a time", "status 503")                                \
-  X(kUnzippedBytes, 256 << 20, "bytes", "a project, unpacked", "refused: too-large")                          \
-  X(kZipFiles, 5000, "files", "files of a project's zip", "refused: too-large") \
-  X(kProjects, 200, "folders", "folders beside that of the cell, when a project is uploaded",  \
-    "refused: too-many") \
-  X(kFreeBytes, 512 << 20, "bytes", "space that uploads leave free on the disk, at least", "refused: no-space") \
-  X(kScrapes, 32, "questions", "questions for metrics and summaries that wait", "status 503") \
-  X(kViewerSubscriptions, 1000, "subscriptions", "subscriptions of one viewer (Foxglove)", \
-    "refused with a text") \
-  X(kViewerMessages, 2000, "messages", "messages of one viewer at once; then 200 a second", \
-    "the connection is closed") \
-  X(kViewerWaitingBytes, 8 << 20, "bytes", "messages that one viewer has not read", \
-    "it gets no further ones") \
+    "refused with a text")                                                                                  \
+  X(kSlowJobs, 64, "jobs", "pictures, meshes and backups that wait to be made", "status 503")               \
+  X(kZipBytes, 64 << 20, "bytes", "a project's zip", "refused: too-large; status 413")                      \
+  X(kUploads, 2, "bodies", "bodies that are received at a time", "status 503")                              \
+  X(kUnzippedBytes, 256 << 20, "bytes", "a project, unpacked", "refused: too-large")                        \
+  X(kZipFiles, 5000, "files", "files of a project's zip", "refused: too-large")                             \
+  X(kProjects, 200, "folders", "folders beside that of the cell, when a project is uploaded",               \
+    "refused: too-many")                                                                                    \
+  X(kFreeBytes, 512 << 20, "bytes", "space that uploads leave free on the disk, at least",                  \
+    "refused: no-space")                                                                                    \
+  X(kScrapes, 32, "questions", "questions for metrics and summaries that wait", "status 503")               \
+  X(kViewerSubscriptions, 1000, "subscriptions", "subscriptions of one viewer (Foxglove)",                  \
+    "refused with a text")                                                                                  \
+  X(kViewerMessages, 2000, "messages", "messages of one viewer at once; then 200 a second",                 \
+    "the connection is closed")                                                                             \
+  X(kViewerWaitingBytes, 8 << 20, "bytes", "messages that one viewer has not read",                         \
+    "it gets no further ones")                                                                              \
   X(kViewerUriBytes, 4096, "bytes", "the address of a mesh that a viewer requests", "refused with a text")
 
 #define POLYARM_BOUNDS_ROS2(X)                                                                               \
@@ -112,61 +111,61 @@
     "the oldest are left out when it is started again")                                                      \
   X(kDdsMemory, 1 << 30, "bytes", "memory of the process that speaks DDS", "it ends, and is started again")
 
-#define POLYARM_BOUNDS_LINKS(X)                                                                               \
-  X(kModbusClients, 16, "connections", "connections to a Modbus server",                                      \
-    "the one that was silent for longest is closed")                                                          \
-  X(kModbusFrame_ms, 1000, "ms", "time for one request to a Modbus server, from its first byte to its last",    \
-    "the connection is closed")                                                                               \
-  X(kLinkMemory, 256 << 20, "bytes", "memory of the process that speaks a link's protocol",                   \
-    "it ends, and is started again")                                                                          \
-  X(kLinkRoundBytes, 4 << 20, "bytes", "texts that are taken or handed over in one round of a link",          \
-    "taken in the next round")                                                                                \
-  X(kLinkRoundValues, 10000, "values", "messages that are taken in one round of a link",                      \
-    "taken in the next round")                                                                                \
-  X(kLinkEvents, 10000, "values", "values of a link that wait for the cell", "the latest of each tag is kept") \
-  X(kLinkRefusals, 10, "values", "refused values of one link that are reported in a second",                  \
-    "counted") \
-  X(kMqttMessageBytes, 65536, "bytes", "one message of MQTT", "refused") \
-  X(kSparkplugMetrics, 1000, "metrics", "metrics of one Sparkplug message", "refused") \
-  X(kSparkplugNameBytes, 512, "bytes", "the name of a metric", "refused") \
+#define POLYARM_BOUNDS_LINKS(X)                                                                              \
+  X(kModbusClients, 16, "connections", "connections to a Modbus server",                                     \
+    "the one that was silent for longest is closed")                                                         \
+  X(kModbusFrame_ms, 1000, "ms", "time for one request to a Modbus server, from its first byte to its last", \
+    "the connection is closed")                                                                              \
+  X(kLinkMemory, 256 << 20, "bytes", "memory of the process that speaks a link's protocol",                  \
+    "it ends, and is started again")                                                                         \
+  X(kLinkRoundBytes, 4 << 20, "bytes", "texts that are taken or handed over in one round of a link",         \
+    "taken in the next round")                                                                               \
+  X(kLinkRoundValues, 10000, "values", "messages that are taken in one round of a link",                     \
+    "taken in the next round")                                                                               \
+  X(kLinkEvents, 10000, "values", "values of a link that wait for the cell",                                 \
+    "the latest of each tag is kept")                                                                        \
+  X(kLinkRefusals, 10, "values", "refused values of one link that are reported in a second", "counted")      \
+  X(kMqttMessageBytes, 65536, "bytes", "one message of MQTT", "refused")                                     \
+  X(kSparkplugMetrics, 1000, "metrics", "metrics of one Sparkplug message", "refused")                       \
+  X(kSparkplugNameBytes, 512, "bytes", "the name of a metric", "refused")                                    \
   X(kSparkplugTextBytes, 65536, "bytes", "a text of a metric", "refused")
 
-#define POLYARM_BOUNDS_CONTROLLERS(X)                                                                     \
-  X(kRtdeFrameBytes, 1 << 16, "bytes", "one package of RTDE (Universal Robots)",                          \
-    "its length has no more bits; what does not decode ends the connection")                              \
-  X(kRtdeNames, 512, "names", "values that one RTDE recipe names", "refused")                             \
-  X(kPrimaryBytes, 1 << 20, "bytes", "one package of the primary interface (Universal Robots)",           \
-    "the connection is closed")                                                                           \
-  X(kRmiLineBytes, 1 << 16, "bytes", "one line of the Remote Motion Interface (FANUC)",                   \
-    "the connection is closed")                                                                           \
-  X(kRmiNesting, 8, "levels", "brackets in such a line", "answered as unknown; the driver ignores it")    \
-  X(kRmiInstructions, 8, "instructions", "instructions that a simulated FANUC controller keeps",          \
-    "refused: 2556956")                                                                                   \
-  X(kStreamPacketBytes, 1024, "bytes", "one packet of Stream Motion (FANUC)",                             \
-    "the link ends; dropped by a simulated controller")                                                   \
-  X(kFarSideScriptBytes, 1 << 20, "bytes", "a program that a simulated UR controller takes",              \
-    "the connection is closed")                                                                           \
-  X(kEgmDatagramBytes, 2048, "bytes", "one datagram of EGM (ABB)",                                        \
-    "the link ends; dropped by a simulated controller")                                                   \
-  X(kRsiDatagramBytes, 2048, "bytes", "one datagram of RSI (KUKA)",                                       \
-    "the link ends; dropped by a simulated controller")                                                   \
-  X(kEkiMessageBytes, 4096, "bytes", "one XML message of EthernetKRL (KUKA)", "the connection is closed") \
-  X(kHttpHeadBytes, 1 << 14, "bytes", "the head of an HTTP message of a controller",                      \
-    "the connection is closed")                                                                           \
-  X(kHttpBodyBytes, 1 << 20, "bytes", "the body of such a message", "the connection is closed")           \
-  X(kEventLogEntries, 50, "entries", "entries of a controller's event log that are read at once (ABB)",   \
-    "the older ones are left out")                                                                        \
-  X(kFarSideClients, 16, "connections", "connections to one service of a simulated controller", "closed") \
-  X(kMotoMessageBytes, 548, "bytes", "one message of MotoROS (Yaskawa)", "the connection is closed") \
-  X(kMotoPoints, 64, "points", "points that wait for the controller (Yaskawa)", "the robot is stopped") \
+#define POLYARM_BOUNDS_CONTROLLERS(X)                                                                      \
+  X(kRtdeFrameBytes, 1 << 16, "bytes", "one package of RTDE (Universal Robots)",                           \
+    "its length has no more bits; what does not decode ends the connection")                               \
+  X(kRtdeNames, 512, "names", "values that one RTDE recipe names", "refused")                              \
+  X(kPrimaryBytes, 1 << 20, "bytes", "one package of the primary interface (Universal Robots)",            \
+    "the connection is closed")                                                                            \
+  X(kRmiLineBytes, 1 << 16, "bytes", "one line of the Remote Motion Interface (FANUC)",                    \
+    "the connection is closed")                                                                            \
+  X(kRmiNesting, 8, "levels", "brackets in such a line", "answered as unknown; the driver ignores it")     \
+  X(kRmiInstructions, 8, "instructions", "instructions that a simulated FANUC controller keeps",           \
+    "refused: 2556956")                                                                                    \
+  X(kStreamPacketBytes, 1024, "bytes", "one packet of Stream Motion (FANUC)",                              \
+    "the link ends; dropped by a simulated controller")                                                    \
+  X(kFarSideScriptBytes, 1 << 20, "bytes", "a program that a simulated UR controller takes",               \
+    "the connection is closed")                                                                            \
+  X(kEgmDatagramBytes, 2048, "bytes", "one datagram of EGM (ABB)",                                         \
+    "the link ends; dropped by a simulated controller")                                                    \
+  X(kRsiDatagramBytes, 2048, "bytes", "one datagram of RSI (KUKA)",                                        \
+    "the link ends; dropped by a simulated controller")                                                    \
+  X(kEkiMessageBytes, 4096, "bytes", "one XML message of EthernetKRL (KUKA)", "the connection is closed")  \
+  X(kHttpHeadBytes, 1 << 14, "bytes", "the head of an HTTP message of a controller",                       \
+    "the connection is closed")                                                                            \
+  X(kHttpBodyBytes, 1 << 20, "bytes", "the body of such a message", "the connection is closed")            \
+  X(kEventLogEntries, 50, "entries", "entries of a controller's event log that are read at once (ABB)",    \
+    "the older ones are left out")                                                                         \
+  X(kFarSideClients, 16, "connections", "connections to one service of a simulated controller", "closed")  \
+  X(kMotoMessageBytes, 548, "bytes", "one message of MotoROS (Yaskawa)", "the connection is closed")       \
+  X(kMotoPoints, 64, "points", "points that wait for the controller (Yaskawa)", "the robot is stopped")    \
   X(kHsesPayloadBytes, 479, "bytes", "the data of one packet of the high-speed Ethernet server (Yaskawa)", \
-    "ignored") \
-  X(kSignalsOfController, 32, "signals", "signals of one kind (Yaskawa, KUKA)", "refused") \
+    "ignored")                                                                                             \
+  X(kSignalsOfController, 32, "signals", "signals of one kind (Yaskawa, KUKA)", "refused")                 \
   X(kHttpHeaders, 64, "headers", "headers of an HTTP message of a controller", "the connection is closed") \
-  X(kHttpCookies, 16, "cookies", "cookies that a controller sets", "ignored") \
-  X(kHttpCookieBytes, 4096, "bytes", "one of them", "ignored") \
-  X(kWireXmlElements, 48, "elements", "elements of an XML message of a controller", "ignored") \
-  X(kWireXmlAttributes, 160, "attributes", "attributes of all its elements", "ignored") \
+  X(kHttpCookies, 16, "cookies", "cookies that a controller sets", "ignored")                              \
+  X(kHttpCookieBytes, 4096, "bytes", "one of them", "ignored")                                             \
+  X(kWireXmlElements, 48, "elements", "elements of an XML message of a controller", "ignored")             \
+  X(kWireXmlAttributes, 160, "attributes", "attributes of all its elements", "ignored")                    \
   X(kWireXmlNesting, 4, "levels", "elements within elements", "ignored")
 
 #define POLYARM_BOUNDS_FILES(X)                                                                               \
@@ -232,112 +231,113 @@
 #define POLYARM_BOUNDS_LOOP(X) \
   X(kBlackBoxBytes, 512 << 20, "bytes", "the cycles that the black box keeps", "fewer than the last 10 s are kept")
 
-#define POLYARM_BOUNDS_USERS(X) \
-  X(kUsers, 1000, "users", "users of a list", "refused: too-many") \
-  X(kUserNameBytes, 32, "bytes", "the name of a user", "refused: bad-user") \
-  X(kUserListBytes, 512 << 10, "bytes", "the list of users", "nobody can log in") \
-  X(kPasswordBytes, 256, "bytes", "a password", "refused: bad-password") \
-  X(kPasswordHashBytes, 384, "bytes", "the hash of a password", "refused: bad-users") \
-  X(kCredentialsBytes, 1024, "bytes", "name and password of a log-in, as sent", "status 400") \
-  X(kLogins, 200, "log-ins", "log-ins at a time", "the oldest ends") \
-  X(kLoginsOfUser, 20, "log-ins", "log-ins of one user", "the oldest ends") \
-  X(kLoginsWaiting, 8, "log-ins", "log-ins that wait until their password is checked", "status 503") \
-  X(kLoginsWaitingOfAddress, 4, "log-ins", "the same of one address", "status 503") \
-  X(kLoginHours, 12, "hours", "a log-in, unless `--log-in-hours` says otherwise", "it ends") \
-  X(kLoginIdle_s, 3600, "s", "a log-in that nobody uses", "it ends") \
-  X(kWrongOfUserAtAddress, 4, "tries", "wrong passwords in a row for one name from one address", \
-    "the next one waits: 1 s, 2 s, 4 s, … 60 s") \
+#define POLYARM_BOUNDS_USERS(X)                                                                           \
+  X(kUsers, 1000, "users", "users of a list", "refused: too-many")                                        \
+  X(kUserNameBytes, 32, "bytes", "the name of a user", "refused: bad-user")                               \
+  X(kUserListBytes, 512 << 10, "bytes", "the list of users", "nobody can log in")                         \
+  X(kPasswordBytes, 256, "bytes", "a password", "refused: bad-password")                                  \
+  X(kPasswordHashBytes, 384, "bytes", "the hash of a password", "refused: bad-users")                     \
+  X(kCredentialsBytes, 1024, "bytes", "name and password of a log-in, as sent", "status 400")             \
+  X(kLogins, 200, "log-ins", "log-ins at a time", "the oldest ends")                                      \
+  X(kLoginsOfUser, 20, "log-ins", "log-ins of one user", "the oldest ends")                               \
+  X(kLoginsWaiting, 8, "log-ins", "log-ins that wait until their password is checked", "status 503")      \
+  X(kLoginsWaitingOfAddress, 4, "log-ins", "the same of one address", "status 503")                       \
+  X(kLoginHours, 12, "hours", "a log-in, unless `--log-in-hours` says otherwise", "it ends")              \
+  X(kLoginIdle_s, 3600, "s", "a log-in that nobody uses", "it ends")                                      \
+  X(kWrongOfUserAtAddress, 4, "tries", "wrong passwords in a row for one name from one address",          \
+    "the next one waits: 1 s, 2 s, 4 s, … 60 s")                                                          \
   X(kWrongOfAddress, 20, "tries", "wrong passwords in a row from one address, for all names", "the same") \
-  X(kWrongOfUser, 100, "tries", "wrong passwords for one name from all addresses; one a minute is forgotten", \
-    "status 429, except for addresses where this user has logged in") \
-  X(kLoginWait_s, 60, "s", "the wait after wrong passwords", "it does not grow further") \
-  X(kTriesTracked, 1024, "counts", "names and addresses whose wrong passwords are counted", \
-    "the one that was tried longest ago is forgotten") \
-  X(kPemBytes, 1 << 20, "bytes", "a certificate, or its key", "refused") \
-  X(kAuditFileBytes, 8 << 20, "bytes", "one file of the audit log", "the next file begins") \
-  X(kAuditFiles, 16, "files", "files of the audit log", "the oldest is deleted") \
-  X(kAuditQueue, 4096, "entries", "entries that wait to be written", "counted in a later line") \
-  X(kAuditArguments, 2048, "bytes", "arguments of one entry", "replaced by size and SHA-256") \
-  X(kAuditText, 200, "bytes", "one text in these arguments", "replaced by size and SHA-256") \
-  X(kAuditLineBytes, 64 << 10, "bytes", "one line that `polyarm audit` reads", "counted as damaged") \
+  X(kWrongOfUser, 100, "tries",                                                                           \
+    "wrong passwords for one name from all addresses; one a minute is forgotten",                         \
+    "status 429, except for addresses where this user has logged in")                                     \
+  X(kLoginWait_s, 60, "s", "the wait after wrong passwords", "it does not grow further")                  \
+  X(kTriesTracked, 1024, "counts", "names and addresses whose wrong passwords are counted",               \
+    "the one that was tried longest ago is forgotten")                                                    \
+  X(kPemBytes, 1 << 20, "bytes", "a certificate, or its key", "refused")                                  \
+  X(kAuditFileBytes, 8 << 20, "bytes", "one file of the audit log", "the next file begins")               \
+  X(kAuditFiles, 16, "files", "files of the audit log", "the oldest is deleted")                          \
+  X(kAuditQueue, 4096, "entries", "entries that wait to be written", "counted in a later line")           \
+  X(kAuditArguments, 2048, "bytes", "arguments of one entry", "replaced by size and SHA-256")             \
+  X(kAuditText, 200, "bytes", "one text in these arguments", "replaced by size and SHA-256")              \
+  X(kAuditLineBytes, 64 << 10, "bytes", "one line that `polyarm audit` reads", "counted as damaged")      \
   X(kAuditRefusals, 500, "entries", "refusals at once; then 2 a second", "counted in a later line")
 
-#define POLYARM_BOUNDS_FLEET(X) \
-  X(kSiteCells, 500, "cells", "cells of a site", "refused") \
+#define POLYARM_BOUNDS_FLEET(X)                                                                             \
+  X(kSiteCells, 500, "cells", "cells of a site", "refused")                                                 \
   X(kSiteAnswerBytes, 4 << 20, "bytes", "one document or message of a cell", "the cell is shown as silent") \
-  X(kSiteSummaryBytes, 256 << 10, "bytes", "the state of a cell", "the cell is shown as silent") \
-  X(kSiteNesting, 32, "levels", "brackets in an answer of a cell", "left out") \
-  X(kSiteLinePairs, 4'000'000, "pairs", "pairs of lines that are compared for a difference", \
-    "all lines are shown as replaced") \
+  X(kSiteSummaryBytes, 256 << 10, "bytes", "the state of a cell", "the cell is shown as silent")            \
+  X(kSiteNesting, 32, "levels", "brackets in an answer of a cell", "left out")                              \
+  X(kSiteLinePairs, 4'000'000, "pairs", "pairs of lines that are compared for a difference",                \
+    "all lines are shown as replaced")                                                                      \
   X(kSiteProblems, 50, "problems", "problems of one cell that are listed", "left out")
 
-#define POLYARM_BOUNDS_MESHES(X) \
-  X(kSceneFiles, 500, "files", "files in the folder meshes of a cell, when a request adds one", \
-    "refused: too-many") \
-  X(kSceneFilesBytes, 512 << 20, "bytes", "these files and unfinished uploads, together", \
-    "refused: too-large") \
-  X(kSceneUploads, 8, "files", "unfinished uploads", "the others are deleted when a new one begins") \
-  X(kSceneFileNameBytes, 100, "bytes", "the name of such a file", "refused: bad-path") \
-  X(kMtlBytes, 1 << 20, "bytes", "a file of materials (.mtl)", "refused: too-large") \
-  X(kImageBytes, 8 << 20, "bytes", "an image of a mesh", "left out") \
-  X(kImagePixels, 4096, "pixels", "an image, in each direction", "left out") \
-  X(kImages, 32, "images", "images of one mesh", "left out") \
-  X(kRobotImageBytes, 48 << 20, "bytes", "images of all meshes of a robot", "left out") \
-  X(kDrawnTriangles, 400'000, "triangles", "triangles of one robot that the page draws", "simplified") \
-  X(kCachedMeshes, 32, "files", "meshes that a cell caches", "the oldest is deleted") \
-  X(kArchiveFiles, 10'000, "files", "files of an archive (3MF)", "refused: bad-mesh") \
-  X(kThreeMfModels, 1'000, "models", "model files of a 3MF", "refused: bad-mesh") \
+#define POLYARM_BOUNDS_MESHES(X)                                                                          \
+  X(kSceneFiles, 500, "files", "files in the folder meshes of a cell, when a request adds one",           \
+    "refused: too-many")                                                                                  \
+  X(kSceneFilesBytes, 512 << 20, "bytes", "these files and unfinished uploads, together",                 \
+    "refused: too-large")                                                                                 \
+  X(kSceneUploads, 8, "files", "unfinished uploads", "the others are deleted when a new one begins")      \
+  X(kSceneFileNameBytes, 100, "bytes", "the name of such a file", "refused: bad-path")                    \
+  X(kMtlBytes, 1 << 20, "bytes", "a file of materials (.mtl)", "refused: too-large")                      \
+  X(kImageBytes, 8 << 20, "bytes", "an image of a mesh", "left out")                                      \
+  X(kImagePixels, 4096, "pixels", "an image, in each direction", "left out")                              \
+  X(kImages, 32, "images", "images of one mesh", "left out")                                              \
+  X(kRobotImageBytes, 48 << 20, "bytes", "images of all meshes of a robot", "left out")                   \
+  X(kDrawnTriangles, 400'000, "triangles", "triangles of one robot that the page draws", "simplified")    \
+  X(kCachedMeshes, 32, "files", "meshes that a cell caches", "the oldest is deleted")                     \
+  X(kArchiveFiles, 10'000, "files", "files of an archive (3MF)", "refused: bad-mesh")                     \
+  X(kThreeMfModels, 1'000, "models", "model files of a 3MF", "refused: bad-mesh")                         \
   X(kThreeMfObjects, 20'000, "objects", "objects of a 3MF, and those that it shows", "refused: bad-mesh") \
-  X(kThreeMfNesting, 16, "levels", "objects within objects", "refused: bad-mesh") \
-  X(kThreeMfColors, 100'000, "colours", "colours of a 3MF", "refused: bad-mesh") \
-  X(kThreeMfFinishes, 256, "colours", "colours of one object", "further triangles have no colour") \
-  X(kThreeMfParts, 10'000, "parts", "parts of one colour", "refused: bad-mesh") \
-  X(kTagAttributes, 64, "attributes", "attributes of one element of a 3MF", "refused: bad-mesh") \
-  X(kColladaElements, 1'000'000, "elements", "elements of a COLLADA file", "refused: bad-mesh") \
-  X(kColladaNodes, 20'000, "nodes", "nodes that it shows", "refused: bad-mesh") \
-  X(kColladaNesting, 64, "levels", "nodes within nodes", "refused: bad-mesh") \
-  X(kObjLineBytes, 1 << 20, "bytes", "one line of an OBJ", "refused: bad-mesh") \
-  X(kObjWords, 100'000, "words", "words of such a line", "refused: bad-mesh") \
-  X(kImportParts, 10'000, "parts", "parts of a mesh that a process reads (GLB, glTF, PLY, STEP)", \
-    "refused: bad-mesh") \
-  X(kMeshImportMemory, 2u << 30, "bytes", "memory of the process that reads GLB, glTF and PLY", \
-    "refused: bad-mesh") \
-  X(kStepImportMemory, 3u << 30, "bytes", "memory of the process that reads STEP", "refused: bad-mesh") \
-  X(kCloudBytes, 512 << 20, "bytes", "the file of a point cloud, also unpacked", "refused") \
-  X(kCloudPoints, 20'000'000, "points", "points of a cloud", "refused") \
-  X(kCloudBoxes, 4'000, "boxes", "boxes of a cloud", "its cells become larger") \
-  X(kCloudCells, 1 << 17, "cells", "cells that a cloud fills", "its cells become larger") \
-  X(kCloudMetres, 1000, "m", "distance of a point from the origin", "left out") \
-  X(kCloudFields, 200, "fields", "fields of a point", "refused: bad-cloud") \
-  X(kCloudElements, 100'000, "values", "values of one field of a point", "refused: bad-cloud") \
+  X(kThreeMfNesting, 16, "levels", "objects within objects", "refused: bad-mesh")                         \
+  X(kThreeMfColors, 100'000, "colours", "colours of a 3MF", "refused: bad-mesh")                          \
+  X(kThreeMfFinishes, 256, "colours", "colours of one object", "further triangles have no colour")        \
+  X(kThreeMfParts, 10'000, "parts", "parts of one colour", "refused: bad-mesh")                           \
+  X(kTagAttributes, 64, "attributes", "attributes of one element of a 3MF", "refused: bad-mesh")          \
+  X(kColladaElements, 1'000'000, "elements", "elements of a COLLADA file", "refused: bad-mesh")           \
+  X(kColladaNodes, 20'000, "nodes", "nodes that it shows", "refused: bad-mesh")                           \
+  X(kColladaNesting, 64, "levels", "nodes within nodes", "refused: bad-mesh")                             \
+  X(kObjLineBytes, 1 << 20, "bytes", "one line of an OBJ", "refused: bad-mesh")                           \
+  X(kObjWords, 100'000, "words", "words of such a line", "refused: bad-mesh")                             \
+  X(kImportParts, 10'000, "parts", "parts of a mesh that a process reads (GLB, glTF, PLY, STEP)",         \
+    "refused: bad-mesh")                                                                                  \
+  X(kMeshImportMemory, 2u << 30, "bytes", "memory of the process that reads GLB, glTF and PLY",           \
+    "refused: bad-mesh")                                                                                  \
+  X(kStepImportMemory, 3u << 30, "bytes", "memory of the process that reads STEP", "refused: bad-mesh")   \
+  X(kCloudBytes, 512 << 20, "bytes", "the file of a point cloud, also unpacked", "refused")               \
+  X(kCloudPoints, 20'000'000, "points", "points of a cloud", "refused")                                   \
+  X(kCloudBoxes, 4'000, "boxes", "boxes of a cloud", "its cells become larger")                           \
+  X(kCloudCells, 1 << 17, "cells", "cells that a cloud fills", "its cells become larger")                 \
+  X(kCloudMetres, 1000, "m", "distance of a point from the origin", "left out")                           \
+  X(kCloudFields, 200, "fields", "fields of a point", "refused: bad-cloud")                               \
+  X(kCloudElements, 100'000, "values", "values of one field of a point", "refused: bad-cloud")            \
   X(kCloudHeaderLines, 2000, "lines", "lines of a header (PLY; 200 in PCD)", "refused: bad-cloud")
 
-#define POLYARM_BOUNDS_PLUGINS(X) \
-  X(kNodePorts, 500, "ports", "topics and services of all plugins", "they stay off the graph") \
+#define POLYARM_BOUNDS_PLUGINS(X)                                                                \
+  X(kNodePorts, 500, "ports", "topics and services of all plugins", "they stay off the graph")   \
   X(kNodePayloads, 64, "messages", "messages of one of them that wait", "the oldest is dropped") \
   X(kNodePayloadBytes, 1 << 20, "bytes", "one of these messages", "dropped")
 
-#define POLYARM_BOUNDS_RECORDINGS(X) \
-  X(kRecorderEventBytes, 8 << 20, "bytes", "events that wait to be recorded", "left out and counted") \
+#define POLYARM_BOUNDS_RECORDINGS(X)                                                                   \
+  X(kRecorderEventBytes, 8 << 20, "bytes", "events that wait to be recorded", "left out and counted")  \
   X(kRecorderCycleBytes, 64 << 20, "bytes", "cycles that wait to be recorded", "left out and counted") \
-  X(kAttachmentBytes, 1'000'000, "bytes", "one file of the cell that a recording holds", "left out") \
+  X(kAttachmentBytes, 1'000'000, "bytes", "one file of the cell that a recording holds", "left out")   \
   X(kAttachmentsBytes, 10'000'000, "bytes", "these files together", "left out")
 
 /// Every list with its heading.
-#define POLYARM_BOUNDS(LIST)                         \
-  LIST("Requests", POLYARM_BOUNDS_REQUESTS)          \
-  LIST("The local socket", POLYARM_BOUNDS_SOCKET)    \
-  LIST("The page and its port", POLYARM_BOUNDS_PAGE) \
-  LIST("Users and the audit log", POLYARM_BOUNDS_USERS) \
-  LIST("The cells of a site", POLYARM_BOUNDS_FLEET) \
-  LIST("ROS 2", POLYARM_BOUNDS_ROS2)                 \
+#define POLYARM_BOUNDS(LIST)                                     \
+  LIST("Requests", POLYARM_BOUNDS_REQUESTS)                      \
+  LIST("The local socket", POLYARM_BOUNDS_SOCKET)                \
+  LIST("The page and its port", POLYARM_BOUNDS_PAGE)             \
+  LIST("Users and the audit log", POLYARM_BOUNDS_USERS)          \
+  LIST("The cells of a site", POLYARM_BOUNDS_FLEET)              \
+  LIST("ROS 2", POLYARM_BOUNDS_ROS2)                             \
   LIST("Topics and services of plugins", POLYARM_BOUNDS_PLUGINS) \
-  LIST("Links", POLYARM_BOUNDS_LINKS)                \
-  LIST("Robot controllers", POLYARM_BOUNDS_CONTROLLERS) \
-  LIST("Files", POLYARM_BOUNDS_FILES)                \
+  LIST("Links", POLYARM_BOUNDS_LINKS)                            \
+  LIST("Robot controllers", POLYARM_BOUNDS_CONTROLLERS)          \
+  LIST("Files", POLYARM_BOUNDS_FILES)                            \
   LIST("Meshes, images and point clouds", POLYARM_BOUNDS_MESHES) \
-  LIST("Programs and data", POLYARM_BOUNDS_PROGRAMS) \
-  LIST("Recordings", POLYARM_BOUNDS_RECORDINGS) \
+  LIST("Programs and data", POLYARM_BOUNDS_PROGRAMS)             \
+  LIST("Recordings", POLYARM_BOUNDS_RECORDINGS)                  \
   LIST("The control loop", POLYARM_BOUNDS_LOOP)
 
 namespace polyarm::bounds {

@@ -108,9 +108,9 @@ bool leaves_by_comparison(const program::Block& body) {
   });
 }
 
-/// Number of passes of the main loop to follow: kCountedPasses if its condition, or that of a `break`, compares,
-/// because it may count to an end; otherwise kPasses. A comparing loop that only calculates has no limit here, until it
-/// counts as endless.
+/// Number of passes of the main loop to follow: kCountedPasses if its condition, or that of a `break`,
+/// compares, because it may count to an end; otherwise kPasses. A comparing loop that only calculates has no
+/// limit here, until it counts as endless.
 std::uint64_t passes_of(const program::Program& program) {
   for (const program::Statement& s : program.statements) {
     if (s.kind != program::Statement::Kind::while_loop || !s.expression) continue;

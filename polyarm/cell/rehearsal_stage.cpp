@@ -203,7 +203,8 @@ bool Stage::supposes_met(const Location& where, bool has_else) {
   supposed_met_ = true;
   arrive();
   for (Arm& arm : arms_)
-    if (!arm.went.empty() && arm.went.back().asked.where.text() == where.text()) arm.went.back().guessed = true;
+    if (!arm.went.empty() && arm.went.back().asked.where.text() == where.text())
+      arm.went.back().guessed = true;
   return true;
 }
 
@@ -211,8 +212,9 @@ void Stage::comply(const std::string& robot, const program::Compliance&) {
   const std::string& name = moves_of_program().name_of(robot);
   for (const auto& each : cell_.setup.robots)
     if (each->entry.name == name && !may_feel_force(*each, cell_.setup.robots))
-      throw Error("signal", "'" + name + "' has no force sensor, so it cannot yield to forces",
-                  "write `force_sensor: true` at the robot in cell.yaml, for physics, or use hardware with a sensor");
+      throw Error(
+          "signal", "'" + name + "' has no force sensor, so it cannot yield to forces",
+          "write `force_sensor: true` at the robot in cell.yaml, for physics, or use hardware with a sensor");
 }
 
 bool Stage::next_part(const std::string& belt, const std::string& robot) {

@@ -167,7 +167,8 @@ class Stage : public program::Host {
   void raise_pending();
   bool report_passed_on(const Problem& problem);
   bool supposes() const {
-    return !helped_.empty() || supposed_.answer || !supposed_.fails.empty() || !supposed_.until.empty() || supposed_met_;
+    return !helped_.empty() || supposed_.answer || !supposed_.fails.empty() || !supposed_.until.empty() ||
+           supposed_met_;
   }
   void check_on_the_way(const Arm& arm, const moves::RobotFacts& facts, const moves::PlannedMotion& motion);
   void keep_paths(const Arm& arm, const moves::RobotFacts& facts, const moves::MovePlan& plan);
@@ -195,7 +196,7 @@ class Stage : public program::Host {
   std::map<std::string, data::Value> before_;
   Supposition supposed_;
   bool has_failed_ = false;         ///< the supposed error was raised
-  bool supposed_met_ = false;       ///< an `until` counted as met: the robot is not certainly where it is planned
+  bool supposed_met_ = false;  ///< an `until` counted as met: the robot is not certainly where it is planned
   std::optional<Problem> pending_;  ///< an error of a move, to be raised in the program
   std::vector<Caught> caught_;
   mutable std::map<std::string, Question> questions_;

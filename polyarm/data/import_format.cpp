@@ -462,10 +462,11 @@ class ImportReader {
       return error(line, trim(line), "no-name", "this value has no name", "write a line `Name: …` before it");
     const int column = column_of(line, line.find_first_not_of(" \t"));
     const bool known = out_.values_.find(name_) != nullptr;
-    if (const auto [at, is_new] = named_.try_emplace(name_, name_line_); !is_new && at->second != name_line_) {
+    if (const auto [at, is_new] = named_.try_emplace(name_, name_line_);
+        !is_new && at->second != name_line_) {
       problems_.warning("duplicate-name", {out_.file_, static_cast<int>(name_line_) + 1, 1},
-                        quote(name_) + " is defined twice, here and in line " + std::to_string(at->second + 1) +
-                            "; the value here counts",
+                        quote(name_) + " is defined twice, here and in line " +
+                            std::to_string(at->second + 1) + "; the value here counts",
                         "rename one of them, or take it away");
       at->second = name_line_;
     }

@@ -152,7 +152,8 @@ class CellClient::Work {
       tls.async_handshake(net::ssl::stream_base::client, [&result](Failure f) { result = f; });
     });
     const std::string shown = fingerprint_of(tls.native_handle());
-    if (shown != cell_.fingerprint) lose("has another certificate than the file of the site says: " + with_colons(shown));
+    if (shown != cell_.fingerprint)
+      lose("has another certificate than the file of the site says: " + with_colons(shown));
   }
 
   std::string exchange(CellStream& stream, const http::request<http::empty_body>& request) {

@@ -1,6 +1,6 @@
 #pragma once
-/// The files of the page of a site. It is in English or Spanish, as the browser prefers; cells in trouble come
-/// first. What cells say is shown as text, never as markup.
+/// The files of the page of a site. It is in English or Spanish, as the browser prefers; cells in trouble
+/// come first. What cells say is shown as text, never as markup.
 
 namespace polyarm::fleet {
 

@@ -137,11 +137,12 @@ std::string table_of(const std::vector<CellReport>& reports) {
                                 each.summary["passes"].is_number_unsigned()
                             ? each.summary["passes"].get<std::uint64_t>()
                             : 0;
-    out += fmt::format("{:<20} {:<9} {:<10} {:>7} {:>6} {:>6} {:>6} {:>6}  {:<10} {}\n", each.name,
-                       each.answers ? short_text_at(each.summary, "state") : "silent",
-                       each.answers ? short_text_at(program, "state") : "", passes, percent(each.oee.availability),
-                       percent(each.oee.performance), percent(each.oee.quality), percent(each.oee.whole),
-                       short_text_at(each.summary, "version"), words_of(each));
+    out +=
+        fmt::format("{:<20} {:<9} {:<10} {:>7} {:>6} {:>6} {:>6} {:>6}  {:<10} {}\n", each.name,
+                    each.answers ? short_text_at(each.summary, "state") : "silent",
+                    each.answers ? short_text_at(program, "state") : "", passes,
+                    percent(each.oee.availability), percent(each.oee.performance), percent(each.oee.quality),
+                    percent(each.oee.whole), short_text_at(each.summary, "version"), words_of(each));
   }
   return out + fmt::format("{} of {} cells answer\n", answer, reports.size());
 }

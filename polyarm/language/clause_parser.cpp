@@ -30,11 +30,11 @@ std::vector<std::string> clause_words() {
   return out;
 }
 
-/// What to write instead of a clause of URScript (v=0.25), RAPID (v200, z50, fine), KRL (C_DIS) or TP (CNT50).
+/// What to write instead of a clause of URScript (v=0.25), RAPID (v200, z50, fine), KRL (C_DIS) or TP
+/// (CNT50).
 std::string clause_instead_of(const std::string& word, bool assigned) {
-  const bool numbered = word.size() > 1 && std::all_of(word.begin() + 1, word.end(), [](unsigned char c) {
-    return std::isdigit(c) != 0;
-  });
+  const bool numbered = word.size() > 1 && std::all_of(word.begin() + 1, word.end(),
+                                                       [](unsigned char c) { return std::isdigit(c) != 0; });
   const std::string number = numbered ? word.substr(1) : std::string{};
   if (word == "fine") return "write `exact`, or no blend";
   if (word == "c_dis" || word == "c_vel" || word == "c_ori" || word.starts_with("cnt"))
@@ -58,7 +58,8 @@ std::string clause_instead_of(const std::string& word, bool assigned) {
   std::string advice = "clauses are " + join(words, ", ");
   const std::string instead = word ? clause_instead_of(lower(token.text), cursor.is_symbol("=", 1)) : "";
   if (!instead.empty())
-    throw SyntaxError{after_comma ? "no-clause" : "unexpected", token.place, shown(token) + " is not a clause", instead};
+    throw SyntaxError{after_comma ? "no-clause" : "unexpected", token.place,
+                      shown(token) + " is not a clause", instead};
   if (after_comma && cursor.is_word("else"))
     advice = "write `else` without a comma before it";
   else if (after_comma && token.kind != TokenKind::end && (!word || !nearest_name(token.text, words)))

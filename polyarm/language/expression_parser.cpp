@@ -345,9 +345,10 @@ void TokenCursor::refuse_unclosed(const Token& open, std::string_view close) con
   refuse_bad(peek());
   if (is_symbol("="))
     throw SyntaxError{"unexpected", peek().place, "'=' is not expected here",
-                      open.text == "(" ? "write == to compare; clauses of a move follow its point without brackets: "
-                                         "`movel P, speed 250mm/s`"
-                                       : "write == to compare"};
+                      open.text == "("
+                          ? "write == to compare; clauses of a move follow its point without brackets: "
+                            "`movel P, speed 250mm/s`"
+                          : "write == to compare"};
   throw SyntaxError{"unclosed", open.place, "this " + shown(open) + " is not closed before " + shown(peek()),
                     "add '" + std::string(close) + "'"};
 }

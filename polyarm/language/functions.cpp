@@ -352,7 +352,8 @@ std::vector<Function> all_functions() {
   out.back().series = &places_of_pallet;
   gives("here", "here()",
         "where the tool centre point is; waits until the robot has arrived. In the condition of "
-        "an `until` it is where the tool is now", {}, Kind::pose, {}, &here);
+        "an `until` it is where the tool is now",
+        {}, Kind::pose, {}, &here);
   out.push_back({"ask",
                  "ask(question, like)",
                  "what a person answers: a text, or where `like` says so a number in its unit, or yes or no; "

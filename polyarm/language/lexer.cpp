@@ -196,7 +196,8 @@ class LineLexer {
         {"\u2212", "; a minus sign is written -"},
         {"\u2013", "; a minus sign is written -"},
         {"\u00a0", ": it is a special blank; write a plain one"},
-        {"$", "; inputs and outputs are tags of signals.yaml, speeds are clauses such as `use speed 250mm/s`"},
+        {"$",
+         "; inputs and outputs are tags of signals.yaml, speeds are clauses such as `use speed 250mm/s`"},
         {";", "; a statement ends with its line"},
         {":", "; a block begins on the next line"},
         {"%", "; it stands right behind a number, and the rest of a division is `mod`"}};

@@ -69,9 +69,12 @@ const std::map<std::string_view, std::string_view>& function_examples() {
       {"comply",
        "# given P: point 0.4 0 0.1\ncomply(\"z\", force = 20N)                # the tool presses with 20 N\n"
        "movel P, speed 20mm/s, touch             # expect move: line P speed 0.02m/s touch exact\nstiff()"},
-      {"stiff", "comply(\"x y\", stiffness = 500)           # N/m\nlog(stiff())                              # expect: True"},
+      {"stiff",
+       "comply(\"x y\", stiffness = 500)           # N/m\nlog(stiff())                              # "
+       "expect: True"},
       {"next_part",
-       "wait next_part(\"line\")\nmovel pose(0, 0, 5mm), frame \"line\"      # expect move: line pose(0, …) frame line "
+       "wait next_part(\"line\")\nmovel pose(0, 0, 5mm), frame \"line\"      # expect move: line pose(0, …) "
+       "frame line "
        "exact"},
       {"waiting_parts", "log(waiting_parts(\"line\"))               # expect: 1"},
       {"missed_parts", "log(missed_parts(\"line\"))                # expect: 0"},

@@ -68,21 +68,21 @@ void add_force_functions(std::vector<Function>& out) {
            Live::met, false);
   measured("travelled", "travelled()", "how far the tool went in the last move with `until` of this task",
            Kind::number, Dimension::length, Live::travelled, false);
-  Function& comply =
-      add(out, "comply", "comply(axes, force, stiffness, damping, most, reach)",
-          "from now on the tool yields to forces along and about these axes of the flange, such as \"x y rz\"; waits "
-          "until the robot has arrived",
-          {{"axes", W::text, {}},
-           {"force", W::number, 0.0},
-           {"stiffness", W::scalar, 0.0},
-           {"damping", W::scalar, 1000.0},
-           {"most", W::number, 0.0},
-           {"reach", W::length, 0.02}},
-          Kind::boolean, {}, Live::comply);
+  Function& comply = add(out, "comply", "comply(axes, force, stiffness, damping, most, reach)",
+                         "from now on the tool yields to forces along and about these axes of the flange, "
+                         "such as \"x y rz\"; waits "
+                         "until the robot has arrived",
+                         {{"axes", W::text, {}},
+                          {"force", W::number, 0.0},
+                          {"stiffness", W::scalar, 0.0},
+                          {"damping", W::scalar, 1000.0},
+                          {"most", W::number, 0.0},
+                          {"reach", W::length, 0.02}},
+                         Kind::boolean, {}, Live::comply);
   comply.open = comply.waits = true;
   measured("stiff", "stiff()",
-           "the robot stays where the tool is and yields no more; waits until it has arrived", Kind::boolean, {},
-           Live::stiff, true);
+           "the robot stays where the tool is and yields no more; waits until it has arrived", Kind::boolean,
+           {}, Live::stiff, true);
 }
 
 /// Parts on belts.

@@ -14,15 +14,15 @@ using controllers::SixVector;
 
 namespace {
 constexpr Nanoseconds kOldWrench = 100'000'000;
-/// kg. On a hard contact the arm pushes with its own mass times the acceleration of this mass, and the answer comes
-/// some cycles later: a mass much below that of the arm would chatter.
+/// kg. On a hard contact the arm pushes with its own mass times the acceleration of this mass, and the answer
+/// comes some cycles later: a mass much below that of the arm would chatter.
 constexpr double kMass = 10;
 constexpr double kResponse = 0.01;    // s, in which the velocity that a force makes is reached, or more
 constexpr double kSmoothing = 0.004;  // s, of the wrench
-constexpr double kHeld = 2e4;          // N/m: axes that do not yield come back to the path
-constexpr double kJointDamping = 1;    // 1/s
+constexpr double kHeld = 2e4;         // N/m: axes that do not yield come back to the path
+constexpr double kJointDamping = 1;   // 1/s
 constexpr double kInverseDamping = 1e-6;
-constexpr double kStands = 1e-4;         // rad/s or m/s
+constexpr double kStands = 1e-4;        // rad/s or m/s
 constexpr double kShareOfLimits = 0.3;  // of the joints' velocities
 
 AdmittanceParameters parameters_of(const ComplianceSettings& settings) {
@@ -55,8 +55,8 @@ void Compliance::begin(const ComplianceSettings& settings, std::span<const doubl
     std::vector<std::size_t> joints(n);
     std::iota(joints.begin(), joints.end(), std::size_t{0});
     const int tool = model_.tool_link(), root = model_.root;
-    rule_ = std::make_unique<AdmittanceRule>(model_, controllers::AdmittanceFrames{tool, root, tool, root, root},
-                                             std::move(joints));
+    rule_ = std::make_unique<AdmittanceRule>(
+        model_, controllers::AdmittanceFrames{tool, root, tool, root, root}, std::move(joints));
   }
   settings_ = settings;
   yielding_ = resting_ = parameters_of(settings);
@@ -94,8 +94,8 @@ bool Compliance::feel(Nanoseconds now, SixVector& out) noexcept {
   return true;
 }
 
-/// The way that the tool yields is bounded, and so are the velocities of the joints. A joint that meets a limit of
-/// its range stays there.
+/// The way that the tool yields is bounded, and so are the velocities of the joints. A joint that meets a
+/// limit of its range stays there.
 void Compliance::keep_within(const Joints& path, double period) noexcept {
   const SixVector& x = rule_->displacement();
   const double gone = std::hypot(x[0], x[1], x[2]);

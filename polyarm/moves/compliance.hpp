@@ -1,6 +1,6 @@
 #pragma once
-/// A robot that yields to forces at its sensor while it moves along its paths, by the equation of admittance. SI units;
-/// six-vectors are linear x y z, then angular, in the axes of tool0.
+/// A robot that yields to forces at its sensor while it moves along its paths, by the equation of admittance.
+/// SI units; six-vectors are linear x y z, then angular, in the axes of tool0.
 #include <array>
 #include <atomic>
 #include <memory>
@@ -16,19 +16,19 @@
 
 namespace polyarm::moves {
 
-/// How a robot yields. In each chosen axis M a = F + push − D v − K x, with x from the path; the other axes stay on
-/// the path.
+/// How a robot yields. In each chosen axis M a = F + push − D v − K x, with x from the path; the other axes
+/// stay on the path.
 struct ComplianceSettings {
   std::array<bool, 6> axes{};
-  controllers::SixVector push{};       ///< N, N m: force with which the tool presses, along its axes
-  double stiffness = 0;                ///< K: N/m, of rotations times kRotation N m/rad
-  double damping = 1000;               ///< D: N s/m, of rotations times kRotation
-  double reach = 0.02;                 ///< m: the sensor's origin stays within this distance of the path
+  controllers::SixVector push{};  ///< N, N m: force with which the tool presses, along its axes
+  double stiffness = 0;           ///< K: N/m, of rotations times kRotation N m/rad
+  double damping = 1000;          ///< D: N s/m, of rotations times kRotation
+  double reach = 0.02;            ///< m: the sensor's origin stays within this distance of the path
   static constexpr double kRotation = 0.01;  ///< m²
 };
 
-/// Adds the motion of an admittance to the paths of one robot. The wrench comes from the cell thread, at its rate. A
-/// stop freezes the offset: the robot does not yield then.
+/// Adds the motion of an admittance to the paths of one robot. The wrench comes from the cell thread, at its
+/// rate. A stop freezes the offset: the robot does not yield then.
 class Compliance : public controllers::MotionShift {
  public:
   /// The model must outlive this object. `limits`: of its joints.

@@ -123,8 +123,8 @@ class RobotMotion {
   /// What has moved the planned paths in the world so far; identity without a ride.
   Pose ride_moved() const { return riding_ ? ride_->moved() : Pose{}; }
 
-  /// From now on the robot yields to forces, at rest and on the paths of moves. Only at_end(), and not in a ride.
-  /// Throws Error if it cannot.
+  /// From now on the robot yields to forces, at rest and on the paths of moves. Only at_end(), and not in a
+  /// ride. Throws Error if it cannot.
   void begin_compliance(const ComplianceSettings& settings);
   /// In each tick of it, before tick().
   void feed_wrench(const controllers::SixVector& wrench, Nanoseconds time) { comply_->feed(wrench, time); }

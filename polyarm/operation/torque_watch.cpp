@@ -7,8 +7,9 @@
 namespace polyarm::cell {
 
 namespace {
-constexpr double kSmoothing = 0.006;  // s: a velocity that is measured in two ticks gives a rough acceleration
-constexpr int kFirst = 25;            // ticks until the filter has settled
+constexpr double kSmoothing =
+    0.006;                  // s: a velocity that is measured in two ticks gives a rough acceleration
+constexpr int kFirst = 25;  // ticks until the filter has settled
 
 double limit_of(const RobotEntry& entry, const std::string& joint) {
   double out = 0;
@@ -49,8 +50,9 @@ TorqueWatch::TorqueWatch(const CellSetup& setup, const Machine& machine, std::ve
       measured = false;
     }
     if (!measured)
-      notes.push_back("'" + robot.entry.name +
-                      "': collision_torque has no effect: its hardware measures no torques, or its masses are unknown");
+      notes.push_back(
+          "'" + robot.entry.name +
+          "': collision_torque has no effect: its hardware measures no torques, or its masses are unknown");
   }
 }
 

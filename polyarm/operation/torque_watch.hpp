@@ -13,8 +13,8 @@ namespace polyarm::cell {
 /// Cell thread. The references must outlive this object.
 class TorqueWatch {
  public:
-  /// Watches the joints that `collision_torque` names, where the hardware measures position, velocity and effort;
-  /// `notes` gets a sentence for each robot that cannot be watched.
+  /// Watches the joints that `collision_torque` names, where the hardware measures position, velocity and
+  /// effort; `notes` gets a sentence for each robot that cannot be watched.
   TorqueWatch(const CellSetup& setup, const Machine& machine, std::vector<std::string>& notes);
 
   struct Found {
@@ -23,8 +23,8 @@ class TorqueWatch {
     double torque = 0, limit = 0;
     bool slides = false;
   };
-  /// Call it once in each tick. Returns the joint that exceeds its limit most, once until its torque is below half of
-  /// the limit.
+  /// Call it once in each tick. Returns the joint that exceeds its limit most, once until its torque is below
+  /// half of the limit.
   std::optional<Found> tick();
 
  private:

@@ -153,13 +153,14 @@ void Watches::watch_torques() {
   if (meant && !cell_.jogging.engaged(found->robot)) return;
   const std::string joint = cell_.setup.robots[found->robot]->entry.name + "/" + found->joint;
   const char* const unit = found->slides ? "N" : "Nm";
-  Problem problem{"collision-torque",
-                  motion && motion->under_way() ? cell_.programs.place_of(*motion, motion->move_under_way()) : Location{},
-                  fmt::format("{:.0f} {} act on {} from outside, more than the {:g} {} of collision_torque",
-                              std::abs(found->torque), unit, joint, found->limit, unit),
-                  "remove what the robot touches, then polyarm control resume; or allow more torque in cell.yaml",
-                  Severity::error,
-                  {{"joint", joint}, {"torque", fmt::format("{:.1f} {}", std::abs(found->torque), unit)}}};
+  Problem problem{
+      "collision-torque",
+      motion && motion->under_way() ? cell_.programs.place_of(*motion, motion->move_under_way()) : Location{},
+      fmt::format("{:.0f} {} act on {} from outside, more than the {:g} {} of collision_torque",
+                  std::abs(found->torque), unit, joint, found->limit, unit),
+      "remove what the robot touches, then polyarm control resume; or allow more torque in cell.yaml",
+      Severity::error,
+      {{"joint", joint}, {"torque", fmt::format("{:.1f} {}", std::abs(found->torque), unit)}}};
   const bool stops = cell_.machine.supervisor().contact_stop() != control::ContactStop::none;
   if (stops) cell_.machine.supervisor().stop_for_contact();
   if (!cell_.programs.waits()) return cell_.life.fail(std::move(problem));

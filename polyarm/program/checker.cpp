@@ -349,8 +349,9 @@ class Checker {
       if (scope_.made.contains(name) || program_.lacks_included) return;
       if (const std::string whole = name.substr(0, name.rfind('.'));
           whole != name && scope_.names.contains(whole) && scope_.variable_in(whole).empty())
-        return error("unknown-name", place, "'" + name + "' is a part of '" + whole + "', which is set as a whole",
-                     "write `set " + whole + " = " + whole + " with " + name.substr(whole.size() + 1) + " = …`");
+        return error(
+            "unknown-name", place, "'" + name + "' is a part of '" + whole + "', which is set as a whole",
+            "write `set " + whole + " = " + whole + " with " + name.substr(whole.size() + 1) + " = …`");
       return error("unknown-name", place,
                    "there is nothing called '" + name + "'" + did_you_mean(name, scope_.all_names()),
                    "write `let " + name + " = …` to make it");

@@ -159,7 +159,8 @@ void Scope::declare(const std::string& name, Place place, Type type) {
   if (name.empty()) return;
   // The names in a library are its own: a program and its data may have the same.
   const bool in_library =
-      place.file > 0 && program_.included[static_cast<std::size_t>(place.file) - 1].file.starts_with(kLibraryPrefix);
+      place.file > 0 &&
+      program_.included[static_cast<std::size_t>(place.file) - 1].file.starts_with(kLibraryPrefix);
   if (!in_library && (local(name) || names.contains(name)))
     error("shadowing", place, "there is a '" + name + "' already" + where_made(name, place),
           "choose another name, or change it with `set`");

@@ -97,9 +97,10 @@ void read_force_sensor(const Yaml& yaml, RobotEntry& robot, Problems& problems) 
   collect(problems, [&] {
     const std::vector<Yaml> items = yaml["bias"].items();
     if (items.size() != out.bias.size())
-      throw Error(Problem{"bad-value", yaml["bias"].where(),
-                          "the bias of the force sensor has " + std::to_string(items.size()) + " values, 6 were expected",
-                          "write force x y z, then torque x y z: [1N, 0N, -2N, 0Nm, 0.1Nm, 0Nm]"});
+      throw Error(Problem{
+          "bad-value", yaml["bias"].where(),
+          "the bias of the force sensor has " + std::to_string(items.size()) + " values, 6 were expected",
+          "write force x y z, then torque x y z: [1N, 0N, -2N, 0Nm, 0.1Nm, 0Nm]"});
     for (std::size_t i = 0; i < items.size(); ++i)
       out.bias[i] = items[i].number(i < 3 ? Dimension::force : Dimension::torque);
   });
@@ -127,11 +128,17 @@ RobotEntry read_robot(const std::string& name, const Yaml& yaml, Problems& probl
     return robot;
   }
   for (const std::string& key : yaml.keys()) robot.places[key] = yaml.key_location(key);
-  yaml.check_keys({"model",        "arguments", "at",     "xyz",        "rpy",
-                   "quaternion",   "hardware",  "tool",   "parameters", "accept_unverified",
-                   "budget",       "rate",      "thread", "on_fault",   "workspace",
-                   "joint_ranges", "payload",   "tip",    "on",         "force_sensor",
-                   "calibration",  "collision_torque"},
+  yaml.check_keys({"model",       "arguments",
+                   "at",          "xyz",
+                   "rpy",         "quaternion",
+                   "hardware",    "tool",
+                   "parameters",  "accept_unverified",
+                   "budget",      "rate",
+                   "thread",      "on_fault",
+                   "workspace",   "joint_ranges",
+                   "payload",     "tip",
+                   "on",          "force_sensor",
+                   "calibration", "collision_torque"},
                   problems);
   robot.payload = read_payload(yaml["payload"], problems);
   robot.workspace = read_workspace(yaml["workspace"], problems);

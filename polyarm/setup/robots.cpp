@@ -147,8 +147,7 @@ std::unique_ptr<moves::RobotFacts> motion_facts(const CellRobot& robot, const mo
   auto solver = std::make_unique<const ik::InverseKinematics>(chain);
   std::vector<double> effort;
   for (const controllers::JointFacts& joint : robot.joints) effort.push_back(joint.effort);
-  auto torques =
-      moves::torque_limits_of(robot.model, robot.entry.base, load_of(robot), std::move(effort));
+  auto torques = moves::torque_limits_of(robot.model, robot.entry.base, load_of(robot), std::move(effort));
   return std::make_unique<moves::RobotFacts>(moves::RobotFacts{robot.entry.name,
                                                                &robot.model,
                                                                std::move(chain),
@@ -435,8 +434,9 @@ std::vector<std::string> names_of_component(const CellRobots& robots, const std:
 }
 
 moves::Payload load_of(const CellRobot& robot) {
-  return moves::joined({robot.tool.mass, robot.tool.center},
-                       {robot.entry.payload.mass, robot.entry.payload.center.value_or(robot.tool.tcp.position)});
+  return moves::joined(
+      {robot.tool.mass, robot.tool.center},
+      {robot.entry.payload.mass, robot.entry.payload.center.value_or(robot.tool.tcp.position)});
 }
 
 }  // namespace polyarm::cell

@@ -282,8 +282,8 @@ std::vector<CollisionTorqueEntry> read_collision_torques(const Yaml& yaml, Probl
   return out;
 }
 
-void check_collision_torques(const std::vector<CollisionTorqueEntry>& torques, const description::RobotModel& model,
-                             Problems& problems) {
+void check_collision_torques(const std::vector<CollisionTorqueEntry>& torques,
+                             const description::RobotModel& model, Problems& problems) {
   const std::vector<std::string> names = model.joint_names();
   for (const CollisionTorqueEntry& each : torques)
     if (!each.joint.empty() && std::find(names.begin(), names.end(), each.joint) == names.end())

@@ -83,8 +83,8 @@ void find_joints(std::vector<moves::WorkspaceZone>& zones, const description::Ro
 /// `collision_torque` of a robot: one torque, or one for each joint.
 std::vector<CollisionTorqueEntry> read_collision_torques(const Yaml& yaml, Problems& problems);
 /// Reports joints that the robot does not have.
-void check_collision_torques(const std::vector<CollisionTorqueEntry>& torques, const description::RobotModel& model,
-                             Problems& problems);
+void check_collision_torques(const std::vector<CollisionTorqueEntry>& torques,
+                             const description::RobotModel& model, Problems& problems);
 /// Narrows the model's limits for everything that uses the model. An unknown joint, or a range that is empty
 /// or wider than the robot's, is a problem with its location.
 void narrow_ranges(const std::vector<RangeEntry>& ranges, description::RobotModel& model, Problems& problems);

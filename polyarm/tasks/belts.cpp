@@ -55,13 +55,13 @@ Belts::Signal Belts::signal_of(const std::string& name, const char* what, const 
   if (store_.find(name)) return {{}, name};
   std::vector<std::string> known = machine_.table().state_names();
   for (const std::string& tag : store_.names()) known.push_back(tag);
-  throw Error(
-      Problem{"unknown-signal", entry.where,
-              fmt::format("the {} of the belt '{}' is '{}', which is no state of the hardware and no tag{}",
-                          what, entry.name, name, did_you_mean(name, known)),
-              fmt::format("write such as scene/belt/position; or add the tag, `{}: {{initial: 0}}`, below `tags:` "
-                          "of signals.yaml, or to a link",
-                          name)});
+  throw Error(Problem{
+      "unknown-signal", entry.where,
+      fmt::format("the {} of the belt '{}' is '{}', which is no state of the hardware and no tag{}", what,
+                  entry.name, name, did_you_mean(name, known)),
+      fmt::format("write such as scene/belt/position; or add the tag, `{}: {{initial: 0}}`, below `tags:` "
+                  "of signals.yaml, or to a link",
+                  name)});
 }
 
 std::optional<double> Belts::read(const Signal& signal) const {

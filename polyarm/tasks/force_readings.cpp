@@ -35,7 +35,9 @@ const CellRobot* ForceReadings::find_robot(const std::string& name) const {
 std::optional<ForceReadings::Sensor> ForceReadings::find_sensor(const std::string& robot) const {
   Sensor out;
   const CellRobot* const entry = find_robot(robot);
-  const auto noise = [](const hardware::ForceSensorErrors& errors) { return errors.noise > 0 || errors.torque_noise > 0; };
+  const auto noise = [](const hardware::ForceSensorErrors& errors) {
+    return errors.noise > 0 || errors.torque_noise > 0;
+  };
   out.noisy = setup_.options.real || (entry && noise(entry->entry.sensor_errors));
   for (const std::string& name : machine_.table().state_names()) {
     if (!name.starts_with(robot + "/") || !name.ends_with("/force.x")) continue;
@@ -103,7 +105,8 @@ void ForceReadings::tick(const std::function<bool(const std::string&)>& stands) 
   constexpr std::size_t kKept = 25;  // 50 ms
   if (!std::exchange(looked_, true))
     for (const auto& robot : setup_.robots)
-      if (const auto found = find_sensor(robot->entry.name); found && found->noisy) sensors_[robot->entry.name] = *found;
+      if (const auto found = find_sensor(robot->entry.name); found && found->noisy)
+        sensors_[robot->entry.name] = *found;
   for (auto& [robot, sensor] : sensors_) {
     if (!sensor.noisy || sensor.simulated_as_zero) continue;
     if (!stands(robot)) {

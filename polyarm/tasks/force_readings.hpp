@@ -28,7 +28,8 @@ class ForceReadings {
   /// The newest wrench of the robot's sensor, less the one at the last zero(). The first of its states
   /// ROBOT/SENSOR/force.x is the sensor. Throws Error: no sensor, or it gives no numbers.
   Wrench wrench(const std::string& robot);
-  /// Takes the present wrench as zero; of a sensor with noise the mean of the last 50 ms in which the robot stood.
+  /// Takes the present wrench as zero; of a sensor with noise the mean of the last 50 ms in which the robot
+  /// stood.
   void zero(const std::string& robot);
   /// Call it in each tick. `stands`: true if the robot with this name is at rest.
   void tick(const std::function<bool(const std::string&)>& stands);

@@ -48,8 +48,8 @@ void ProgramMoves::tick_compliance(ForceReadings& force) {
       arm.yielding->failure =
           Problem{"limit",
                   {},
-                  fmt::format("the force at the tool of '{}' is {:.0f} N, more than the {:g} N of comply()", name,
-                              size, arm.yielding->most),
+                  fmt::format("the force at the tool of '{}' is {:.0f} N, more than the {:g} N of comply()",
+                              name, size, arm.yielding->most),
                   "move more slowly, or allow more: most = 200N"};
     } catch (const Error& e) {
       arm.yielding->failure = e.problems().front();

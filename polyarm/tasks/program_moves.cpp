@@ -500,8 +500,9 @@ void ProgramMoves::end(program::Handle handle) {
 
 data::Value ProgramMoves::here(const std::string& robot, const std::string& tool,
                                const std::string& frame) const {
-  return here_at(robot, tool, frame, [this](std::size_t arm) { return present_joints(arm); },
-                 is_on_its_way(arm_of(robot, {})));
+  return here_at(
+      robot, tool, frame, [this](std::size_t arm) { return present_joints(arm); },
+      is_on_its_way(arm_of(robot, {})));
 }
 
 /// True while the robot is not at the end of what is planned: conditions are evaluated then, too.

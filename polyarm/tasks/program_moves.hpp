@@ -58,9 +58,11 @@ class ProgramMoves {
   data::Value pose_at(const data::JointState& joints, const std::string& robot, const std::string& tool,
                       const std::string& frame) const;
 
-  /// Where the joints of a robot are commanded to be now, by its index in the robots of the constructor. Without
-  /// it they are where the planned moves end.
-  void set_joints_now(std::function<std::vector<double>(std::size_t)> joints) { joints_now_ = std::move(joints); }
+  /// Where the joints of a robot are commanded to be now, by its index in the robots of the constructor.
+  /// Without it they are where the planned moves end.
+  void set_joints_now(std::function<std::vector<double>(std::size_t)> joints) {
+    joints_now_ = std::move(joints);
+  }
   /// Null: the cell has no belts. They must outlive this object. `first_pass`: true while the speed of TCPs
   /// is reduced; null: never.
   void set_belts(Belts* belts, std::function<bool()> first_pass = {}) {

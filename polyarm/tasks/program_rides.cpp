@@ -100,7 +100,8 @@ void ProgramMoves::begin_ride(const program::Move& move, Arm& arm, const Locatio
   const std::string belt = belt_of(move, where);
   if (belt.empty() || arm.robot.motion->riding()) return;
   if (arm.robot.motion->complying())
-    throw Error(Problem{"bad-move", where, "a robot that yields to forces cannot follow the belt '" + belt + "'",
+    throw Error(Problem{"bad-move", where,
+                        "a robot that yields to forces cannot follow the belt '" + belt + "'",
                         "write stiff() before this move"});
   const BeltPart& part = belts_->part(belt, arm.robot.robot->entry.name);
   const BeltEntry& entry = belts_->entry(belt);

@@ -55,9 +55,8 @@ void Programs::load(Problems& problems) {
       collect(problems, [&] { belts_ = std::make_unique<Belts>(setup_.file.belts, machine_, data_.store); });
   };
   for (const FileBreakpoints& each : setup_.options.breakpoints) keep_breakpoints(each);
-  loaded_ = load_programs(
-      setup_.file, data_.signals(), data_.files(), data_.store, problems,
-      connect, setup_.options.read);
+  loaded_ = load_programs(setup_.file, data_.signals(), data_.files(), data_.store, problems, connect,
+                          setup_.options.read);
   if (loaded_.plc) plc_ = std::make_unique<Task>("plc", std::move(*loaded_.plc), context("plc"));
 }
 

@@ -75,11 +75,11 @@ struct Move {
 
 /// How the tool yields to forces: comply().
 struct Compliance {
-  std::array<bool, 6> axes{};  ///< x y z rx ry rz of the flange
-  std::array<double, 6> push{};  ///< N, with which the tool presses along its axes
+  std::array<bool, 6> axes{};         ///< x y z rx ry rz of the flange
+  std::array<double, 6> push{};       ///< N, with which the tool presses along its axes
   double stiffness = 0, damping = 0;  ///< N/m and N s/m
-  double most = 0;  ///< N: a larger force ends it with an error
-  double reach = 0;  ///< m
+  double most = 0;                    ///< N: a larger force ends it with an error
+  double reach = 0;                   ///< m
 };
 
 /// The progress of a move along its own path.
@@ -156,10 +156,11 @@ class Host {
   /// what zero_force() took as zero. Throws Error if it has no sensor.
   virtual std::array<double, 6> wrench(const std::string& robot);
   virtual void zero_force(const std::string& robot);
-  /// For a rehearsal, in which nothing is measured: true if the condition of an `until`, whose move has reached its
-  /// end, counts as met there.
+  /// For a rehearsal, in which nothing is measured: true if the condition of an `until`, whose move has
+  /// reached its end, counts as met there.
   virtual bool supposes_met(const Location&, bool /*has_else*/) { return false; }
-  /// From now on the tool of `robot` yields to forces, until stiff(). Throw Error: no sensor, or the reason why it ended.
+  /// From now on the tool of `robot` yields to forces, until stiff(). Throw Error: no sensor, or the reason
+  /// why it ended.
   virtual void comply(const std::string& robot, const Compliance& how);
   virtual void stiff(const std::string& robot);
   /// The functions of belts. Throw Error if there is no such belt, or its encoder gives no numbers.

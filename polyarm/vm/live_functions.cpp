@@ -28,7 +28,8 @@ double force_of(const Value& value, const char* name, double otherwise) {
   const data::Number n = *value.as_number();
   if (n.dimension == Dimension::none && n.value == 0) return otherwise;
   if (n.dimension != Dimension::force)
-    refuse(std::string("'") + name + "' of comply() is a force, here is " + described(value), "write such as 20N");
+    refuse(std::string("'") + name + "' of comply() is a force, here is " + described(value),
+           "write such as 20N");
   return n.value;
 }
 
@@ -42,7 +43,8 @@ std::array<bool, 6> axes_of(const std::string& text, std::size_t& first) {
     if (word.empty()) return;
     const auto at = static_cast<std::size_t>(std::find(kAxes.begin(), kAxes.end(), word) - kAxes.begin());
     if (at == kAxes.size())
-      refuse("comply() yields along x y z and about rx ry rz, here is '" + word + "'", "write such as \"x y rz\"");
+      refuse("comply() yields along x y z and about rx ry rz, here is '" + word + "'",
+             "write such as \"x y rz\"");
     if (first == kAxes.size()) first = at;
     out[at] = true;
     word.clear();
@@ -65,7 +67,8 @@ Compliance compliance_of(std::span<const Value> arguments) {
   out.axes = axes_of(*arguments[0].as_text(), first);
   const double force = force_of(arguments[1], "force", 0);
   if (force != 0 && first > 2)
-    refuse("comply() presses along x, y or z, and the first of its axes is a rotation", "name the axis first");
+    refuse("comply() presses along x, y or z, and the first of its axes is a rotation",
+           "name the axis first");
   if (first < 3) out.push[first] = force;
   out.stiffness = arguments[2].as_number()->value;
   out.damping = arguments[3].as_number()->value;

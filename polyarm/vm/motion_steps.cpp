@@ -128,8 +128,9 @@ void add_targets(Move& move, const Slot& slot, const Expression& e, bool may_be_
     const std::string each = written ? spelled(*e.parts[i]) : called + "[" + std::to_string(i + 1) + "]";
     if (!(*list)[i].is_place())
       throw Refused{e.place, "'" + each + "' is " + described((*list)[i]) + ", a point was expected",
-                    (*list)[i].as_number() ? "joint values are written joints(0deg, -90deg, …); a path is a list of places"
-                                           : "a path is a list of joint states and poses"};
+                    (*list)[i].as_number()
+                        ? "joint values are written joints(0deg, -90deg, …); a path is a list of places"
+                        : "a path is a list of joint states and poses"};
     move.targets.push_back({(*list)[i], each});
   }
 }

@@ -94,15 +94,18 @@ TEST_F(OnABelt, MistakesAreSaid) {
 TEST_F(OnABelt, ATagOfALinkIsItsEncoder) {
   folder.write("signals.yaml",
                "polyarm: signals/1\nlinks:\n  plc:\n    modbus: client\n    host: 127.0.0.1\n    port: 5020\n"
-               "    tags:\n      Travel: {input: 0, type: number, direction: in}\n      Seen: {discrete: 0, direction: in}\n");
+               "    tags:\n      Travel: {input: 0, type: number, direction: in}\n      Seen: {discrete: 0, "
+               "direction: in}\n");
   folder.write("job.script", "log(waiting_parts(\"line\"))\n");
   const test::LockStepCell cell(read_cell_file(folder.path()), {std::string(POLYARM_SOURCE_DIR) + "/robots"});
   folder.write("signals.yaml", "polyarm: signals/1\n");
   try {
-    const test::LockStepCell without(read_cell_file(folder.path()), {std::string(POLYARM_SOURCE_DIR) + "/robots"});
+    const test::LockStepCell without(read_cell_file(folder.path()),
+                                     {std::string(POLYARM_SOURCE_DIR) + "/robots"});
     FAIL() << "an encoder that is not there";
   } catch (const Error& e) {
-    EXPECT_NE(std::string(e.what()).find("`Travel: {initial: 0}`, below `tags:` of signals.yaml"), std::string::npos)
+    EXPECT_NE(std::string(e.what()).find("`Travel: {initial: 0}`, below `tags:` of signals.yaml"),
+              std::string::npos)
         << e.what();
   }
 }

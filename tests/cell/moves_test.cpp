@@ -319,16 +319,17 @@ TEST(Moves, AtAVelocityItIsNoFasterAndEndsWhereAConditionIsTrue) {
 TEST(Moves, InAConditionHereIsWhereTheToolIsNow) {
   const test::Folder folder;
   folder.write("d.data", "Name: Lamp\nBool: False\n");
-  LockStepCell run(with_program(folder,
-                                "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\n"
-                                "let from = here()\n"
-                                "movel offset(from, z = -200mm), speed 100mm/s, until here().z < from.z - 80mm else\n"
-                                "  raise \"it went the whole way\"\n"
-                                "end\n"
-                                "if here().z > from.z - 80mm or here().z < from.z - 95mm\n"
-                                "  raise \"it stopped at {from.z - here().z:.2mm}\"\n"
-                                "end\n",
-                                ""));
+  LockStepCell run(
+      with_program(folder,
+                   "moveto joints(0, -30deg, 60deg, 0, 60deg, 0)\n"
+                   "let from = here()\n"
+                   "movel offset(from, z = -200mm), speed 100mm/s, until here().z < from.z - 80mm else\n"
+                   "  raise \"it went the whole way\"\n"
+                   "end\n"
+                   "if here().z > from.z - 80mm or here().z < from.z - 95mm\n"
+                   "  raise \"it stopped at {from.z - here().z:.2mm}\"\n"
+                   "end\n",
+                   ""));
   run.run(30);
   EXPECT_FALSE(run.cell().program()->failed())
       << run.cell().program()->status().problem.value_or(Problem{}).text();

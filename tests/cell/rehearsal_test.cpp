@@ -205,10 +205,11 @@ TEST(Rehearsal, BehindASearchTheProgramIsFollowed) {
   // Where the search ends is not known: a way from there is a warning.
   const Found from_there = checked(kBend + search + "movel offset(here(), x = 9m)\n");
   EXPECT_NE(from_there.texts.find("W6 "), std::string::npos) << from_there.texts;
-  const Found otherwise = checked(kBend +
-                                  "movel offset(start, z = -50mm), until Ready else\n  movel offset(start, x = 9m)\nend\n"
-                                  "movel offset(start, z = -50mm), until Ready\n"
-                                  "if met()\n  movel offset(start, x = 9m)\nend\n");
+  const Found otherwise =
+      checked(kBend +
+              "movel offset(start, z = -50mm), until Ready else\n  movel offset(start, x = 9m)\nend\n"
+              "movel offset(start, z = -50mm), until Ready\n"
+              "if met()\n  movel offset(start, x = 9m)\nend\n");
   EXPECT_NE(otherwise.texts.find("4 unreachable"), std::string::npos) << otherwise.texts;
   EXPECT_NE(otherwise.texts.find("8 unreachable"), std::string::npos) << otherwise.texts;
 }

@@ -166,8 +166,9 @@ TEST(MujocoForceSensor, TheSameSeedGivesTheSameReadings) {
 
 TEST(MujocoForceSensor, WrongErrorsAreRefused) {
   description::ComponentInfo one = sensor("tool0");
-  for (const auto& [name, value] : {std::pair{"noise", "much"}, std::pair{"noise", "-1"}, std::pair{"bias", "1 2 3"},
-                                    std::pair{"drift", "nan"}, std::pair{"seed", "1.5"}}) {
+  for (const auto& [name, value] :
+       {std::pair{"noise", "much"}, std::pair{"noise", "-1"}, std::pair{"bias", "1 2 3"},
+        std::pair{"drift", "nan"}, std::pair{"seed", "1.5"}}) {
     one.parameters = {{name, value}};
     EXPECT_THROW(hardware::force_sensor_errors(one), Error) << name << ' ' << value;
   }

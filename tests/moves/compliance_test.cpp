@@ -147,7 +147,8 @@ TEST(Compliance, TheForceStaysTheSameWhileThePathGoesIntoTheSurface) {
   rig.motion->queue(into);
   rig.motion->close();
   double least = 1e9, most = 0;
-  for (int i = 0; i < 6000; ++i) rig.step(), least = std::min(least, rig.felt), most = std::max(most, rig.felt);
+  for (int i = 0; i < 6000; ++i)
+    rig.step(), least = std::min(least, rig.felt), most = std::max(most, rig.felt);
   EXPECT_TRUE(rig.motion->at_end());
   EXPECT_NEAR(rig.gone().x, 0.03, 1e-4);
   EXPECT_GT(least, 15);

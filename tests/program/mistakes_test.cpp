@@ -55,25 +55,24 @@ TEST(ProgramMistakes, WordsOfOtherRobotLanguagesAreAnsweredWithOurs) {
   struct Row {
     const char *line, *advice;
   };
-  for (const Row& row : {Row{"MODULE cell", "a file is a program; leave this line out"},
-                         Row{"VAR num k := 3", "(a new name is made with `let n = 3`"},
-                         Row{"def pick(p):\n  movel p\nend", "no statement begins with 'def' (a function is `func"},
-                         Row{"PROC place(p)\nENDPROC", "no statement begins with 'ENDPROC' (a block ends with `end`)"},
-                         Row{"PTP A", "(a joint move is `movej P`)"},
-                         Row{"LIN A C_DIS", "(a straight line is `movel P`)"},
-                         Row{"MoveL A, v200", "(write `speed 200mm/s`)"},
-                         Row{"MoveL A, z50", "(write `blend 50mm`)"},
-                         Row{"MoveL A, fine", "(write `exact`, or no blend)"},
-                         Row{"movel A, r = 0.02", "(write such as `blend 20mm`)"},
-                         Row{"movel(A, v = 0.25)", "clauses of a move follow its point without brackets"},
-                         Row{"movel p[0, 0, 0.1]", "an index is one number"},
-                         Row{"SetDO do1, 1", "outputs are tags of signals.yaml"},
-                         Row{"set_digital_out(1, true)", "outputs are tags of signals.yaml"},
-                         Row{"WaitTime 0.5", "(a time is waited with `wait 500ms`)"},
-                         Row{"WAIT SEC 0.5", "(write `wait 500ms`"},
-                         Row{"IF 1 > 2 THEN\nENDIF", "the block begins on the next line"},
-                         Row{"$OUT[1] = TRUE", "inputs and outputs are tags of signals.yaml"},
-                         Row{"socket_open(1)", "a socket is a stream of cell.yaml"}})
+  for (const Row& row :
+       {Row{"MODULE cell", "a file is a program; leave this line out"},
+        Row{"VAR num k := 3", "(a new name is made with `let n = 3`"},
+        Row{"def pick(p):\n  movel p\nend", "no statement begins with 'def' (a function is `func"},
+        Row{"PROC place(p)\nENDPROC", "no statement begins with 'ENDPROC' (a block ends with `end`)"},
+        Row{"PTP A", "(a joint move is `movej P`)"}, Row{"LIN A C_DIS", "(a straight line is `movel P`)"},
+        Row{"MoveL A, v200", "(write `speed 200mm/s`)"}, Row{"MoveL A, z50", "(write `blend 50mm`)"},
+        Row{"MoveL A, fine", "(write `exact`, or no blend)"},
+        Row{"movel A, r = 0.02", "(write such as `blend 20mm`)"},
+        Row{"movel(A, v = 0.25)", "clauses of a move follow its point without brackets"},
+        Row{"movel p[0, 0, 0.1]", "an index is one number"},
+        Row{"SetDO do1, 1", "outputs are tags of signals.yaml"},
+        Row{"set_digital_out(1, true)", "outputs are tags of signals.yaml"},
+        Row{"WaitTime 0.5", "(a time is waited with `wait 500ms`)"},
+        Row{"WAIT SEC 0.5", "(write `wait 500ms`"},
+        Row{"IF 1 > 2 THEN\nENDIF", "the block begins on the next line"},
+        Row{"$OUT[1] = TRUE", "inputs and outputs are tags of signals.yaml"},
+        Row{"socket_open(1)", "a socket is a stream of cell.yaml"}})
     EXPECT_NE(findings(row.line).find(row.advice), std::string::npos) << row.line << "\n"
                                                                       << findings(row.line);
 }

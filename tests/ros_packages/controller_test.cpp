@@ -1,4 +1,6 @@
 /// The wrapper that makes a controller of ros2_control one of Polyarm: its numbers, parameters, messages, stops.
+#include "polyarm_ros/controller.hpp"
+
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -6,11 +8,10 @@
 #include <thread>
 
 #include "polyarm/controllers/controller_rig.hpp"
-#include "polyarm_ros/controller.hpp"
 #include "std_msgs/msg/string.hpp"
-#include "urdf/model.hpp"
 #include "tests/ros_packages/two_joints/src/scale.cpp"
 #include "tests/support/realtime_guard.hpp"
+#include "urdf/model.hpp"
 
 namespace wrapped_controllers {
 

@@ -137,7 +137,8 @@ TEST(Robots, AreAnArrayOfFacts) {
 
 TEST(Kinematics, AnglesAboveATurnNeedTheirUnit) {
   const auto ik = [](const char* roll) {
-    return run_command({"ik", "universal_robots/ur5e", "--xyz", "0.4", "0.1", "0.3", "--rpy", roll, "0", "0"});
+    return run_command(
+        {"ik", "universal_robots/ur5e", "--xyz", "0.4", "0.1", "0.3", "--rpy", roll, "0", "0"});
   };
   const Finished bare = ik("180"), degrees = ik("180deg"), radians = ik("3.141592653589793");
   EXPECT_EQ(bare.exit_code, 2);

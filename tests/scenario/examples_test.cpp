@@ -195,7 +195,8 @@ TEST(TwoRobots, ACupThatNeverHoldsEndsTheProgramAtItsLine) {
 }
 
 TEST(ExamplesTests, OfEveryExampleHold) {
-  for (const char* example : {"pick_and_place", "sorting", "bin_picking", "two_robots", "belt_picking", "polishing"}) {
+  for (const char* example :
+       {"pick_and_place", "sorting", "bin_picking", "two_robots", "belt_picking", "polishing"}) {
     const ExampleCopy copy(example);
     const Finished tests = run_command({"test", copy.path()});
     EXPECT_EQ(tests.exit_code, 0) << example << "\n" << tests.output;

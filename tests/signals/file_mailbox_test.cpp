@@ -336,11 +336,13 @@ class Party {
     }
     box_.post(posts);
   }
-  /// False if it does not come for minutes: where others write much, one flush to the disk may take half a minute.
+  /// False if it does not come for minutes: where others write much, one flush to the disk may take half a
+  /// minute.
   bool hears(const std::string& name) {
     const auto until = std::chrono::steady_clock::now() + std::chrono::minutes(4);
     while (!known_[name] && std::chrono::steady_clock::now() < until) {
-      std::this_thread::sleep_for(std::chrono::microseconds(20));  // the two threads of I/O need the processors
+      std::this_thread::sleep_for(
+          std::chrono::microseconds(20));  // the two threads of I/O need the processors
       for (const MailboxEvent& event : box_.take_events())
         for (const auto& [changed, value] : event.values) known_[changed] = *value.as_boolean();
     }

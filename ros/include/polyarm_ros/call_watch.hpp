@@ -1,7 +1,7 @@
 #pragma once
 /// Names callbacks for which the cell waits. Callbacks of a controller's node run on the cell thread, between
-/// two of its ticks. One that takes long delays jogging, programs and the page, and the control loop stops the
-/// robots on their path after 0.5 s; nothing can end it. So it is named: while it runs, and afterwards.
+/// two of its ticks. One that takes long delays jogging, programs and the page, and the control loop stops
+/// the robots on their path after 0.5 s; nothing can end it. So it is named: while it runs, and afterwards.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -51,9 +51,10 @@ class CallWatch {
     for (Call& each : calls_) {
       const std::int64_t since = each.since;
       if (since == 0 || now - since < kStuck || each.told.exchange(true)) continue;
-      log_format(Severity::error, each.logger.data(),
-                 "its %s '%s' has not returned for %lld ms. The cell waits for it: after 500 ms all robots stop",
-                 each.kind.data(), each.name.data(), static_cast<long long>((now - since) / 1'000'000));
+      log_format(
+          Severity::error, each.logger.data(),
+          "its %s '%s' has not returned for %lld ms. The cell waits for it: after 500 ms all robots stop",
+          each.kind.data(), each.name.data(), static_cast<long long>((now - since) / 1'000'000));
     }
   }
 

@@ -26,8 +26,8 @@ struct ActionPort {
   std::function<bool(std::uint64_t)> cancel;
 };
 
-/// A service of a node. Its callbacks run in `run`, until the steady time `until` (ns; 0: for all that waits);
-/// false if nothing waited.
+/// A service of a node. Its callbacks run in `run`, until the steady time `until` (ns; 0: for all that
+/// waits); false if nothing waited.
 struct Callee {
   virtual ~Callee() = default;
   virtual bool run(std::int64_t until) = 0;
