@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "polyarm/tasks/program_moves.hpp"
 
@@ -13,7 +15,11 @@ void ProgramMoves::comply(const std::string& robot, const program::Compliance& h
   moves::RobotMotion& motion = *arm.robot.motion;
   const std::string& name = arm.robot.robot->entry.name;
   const Wrench felt = force.wrench(name);
-  if (motion.complying())
+  if (motion.forward())
+    throw Error("forward-mode",
+                "'" + name + "' has `motion: forward`, and its controller cannot yield to forces",
+                "set `motion: stream` at the robot");
+  if (arm.yields_next || (motion.complying() && !motion.compliance_ends()))
     throw Error("value", "'" + name + "' yields to forces already", "write stiff() before another comply()");
   if (motion.riding())
     throw Error("value", "'" + name + "' follows a belt and cannot yield to forces", "leave the belt first");
@@ -23,14 +29,42 @@ void ProgramMoves::comply(const std::string& robot, const program::Compliance& h
   settings.stiffness = how.stiffness;
   settings.damping = how.damping;
   settings.reach = how.reach;
-  motion.feed_wrench(felt, force.time());
-  motion.begin_compliance(settings);
+  arm.yields_next = settings;
+  begin_next_compliance(arm, felt, force.time());
   arm.yielding = {how.most, {}};
+}
+
+/// After stiff() the robot first comes to rest.
+void ProgramMoves::begin_next_compliance(Arm& arm, const Wrench& felt, Nanoseconds time) const {
+  moves::RobotMotion& motion = *arm.robot.motion;
+  if (!arm.yields_next || motion.complying()) return;
+  motion.feed_wrench(felt, time);
+  motion.begin_compliance(*std::exchange(arm.yields_next, std::nullopt));
+}
+
+/// A stop that gives the motion up, a discard or another controller ends it by itself.
+void ProgramMoves::note_end_of_compliance(Arm& arm) const {
+  if (!arm.yielding || arm.yielding->failure || arm.yields_next || arm.robot.motion->complying()) return;
+  const std::string& name = arm.robot.robot->entry.name;
+  arm.yielding->failure = Problem{
+      "signal", {}, "'" + name + "' yields to forces no longer: a stop or a discard has ended it",
+      "write comply() again before the next move"};
+}
+
+/// A move that relies on a tool that yields does not begin with a stiff one: it fails once.
+void ProgramMoves::require_compliance(Arm& arm, const Location& where) const {
+  note_end_of_compliance(arm);
+  if (!arm.yielding || !arm.yielding->failure || std::exchange(arm.yielding->reported, true)) return;
+  Problem problem = *arm.yielding->failure;
+  problem.where = where;
+  throw Error(std::move(problem));
 }
 
 void ProgramMoves::stiff(const std::string& robot) {
   Arm& arm = arms_[arm_of(robot, {})];
+  note_end_of_compliance(arm);
   const std::optional<Arm::Yielding> was = std::exchange(arm.yielding, std::nullopt);
+  arm.yields_next.reset();
   if (arm.robot.motion->complying()) arm.robot.motion->end_compliance();
   if (was && was->failure) throw Error(*was->failure);
 }
@@ -38,10 +72,13 @@ void ProgramMoves::stiff(const std::string& robot) {
 void ProgramMoves::tick_compliance(ForceReadings& force) {
   for (Arm& arm : arms_) {
     moves::RobotMotion* const motion = arm.robot.motion;
-    if (!motion || !motion->complying() || !arm.yielding || arm.yielding->failure) continue;
+    if (!motion) continue;
+    note_end_of_compliance(arm);
+    if (!arm.yielding || arm.yielding->failure) continue;
     const std::string& name = arm.robot.robot->entry.name;
     try {
       const Wrench felt = force.wrench(name);
+      begin_next_compliance(arm, felt, force.time());
       motion->feed_wrench(felt, force.time());
       const double size = std::hypot(felt[0], felt[1], felt[2]);
       if (size <= arm.yielding->most) continue;
@@ -54,6 +91,8 @@ void ProgramMoves::tick_compliance(ForceReadings& force) {
     } catch (const Error& e) {
       arm.yielding->failure = e.problems().front();
     }
+    arm.yields_next.reset();
+    arm.yielding->reported = !motion->at_end();  // by the moves that are left
     motion->fail_compliance(*arm.yielding->failure);
   }
 }
@@ -67,6 +106,7 @@ bool ProgramMoves::stands(const std::string& robot) const {
 void ProgramMoves::end_compliance() {
   for (Arm& arm : arms_) {
     arm.yielding.reset();
+    arm.yields_next.reset();
     if (arm.robot.motion && arm.robot.motion->complying()) arm.robot.motion->end_compliance();
   }
 }

@@ -16,14 +16,14 @@ void ProgramMoves::note_touch(Arm& arm, const Moves& moves, bool touch, const Lo
   while (arm.touches.size() > kMost) arm.touches.pop_front();
 }
 
-/// A tool that yields is meant to touch, at rest and in every move.
 Location ProgramMoves::touch_of(const moves::RobotMotion& motion) const {
-  if (motion.complying()) return {"comply()"};
   const std::uint64_t now = motion.move_under_way();
   return touch_of(motion, now != 0 ? now : motion.last_id());
 }
 
+/// A tool that yields is meant to touch, at rest and in every move.
 Location ProgramMoves::touch_of(const moves::RobotMotion& motion, std::uint64_t move) const {
+  if (motion.complying()) return {"comply()"};
   for (const Arm& arm : arms_) {
     if (arm.robot.motion != &motion) continue;
     for (const Arm::Touch& touch : arm.touches)

@@ -315,6 +315,7 @@ program::Handle ProgramMoves::start(const program::Move& asked, const Location& 
   const std::size_t index = arm_of(asked.robot, where);
   Arm& arm = arms_[index];
   if (const auto bad = bad_end(arm, arm.robot.motion->last_id())) throw Error(*bad->problem);
+  require_compliance(arm, where);
   begin_ride(asked, arm, where);
   program::Move move = asked;
   if (is_relative(move)) {

@@ -159,8 +159,11 @@ class ProgramMoves {
     struct Yielding {
       double most = 0;
       std::optional<Problem> failure;
+      bool reported = false;  ///< a move has failed because of it
     };
     std::optional<Yielding> yielding;
+    /// Begins when the compliance before it has ended.
+    std::optional<moves::ComplianceSettings> yields_next;
   };
   struct Moves {
     std::size_t arm = 0;
@@ -181,6 +184,9 @@ class ProgramMoves {
   bool follows(const Arm& arm, const std::string& belt) const;
   bool is_too_fast(const std::string& belt, const BeltPart& part, const Arm& arm) const;
   void begin_ride(const program::Move& move, Arm& arm, const Location& where);
+  void note_end_of_compliance(Arm& arm) const;
+  void begin_next_compliance(Arm& arm, const Wrench& felt, Nanoseconds time) const;
+  void require_compliance(Arm& arm, const Location& where) const;
   Pose frame_named(const std::string& name, const Arm& arm, const Location& where, int depth = 0) const;
   std::optional<Pose> frame_on_robot(const std::string& name) const;
   std::shared_ptr<const moves::RobotFacts> tool_of(const std::string& name, Arm& arm, const Location& where);

@@ -71,7 +71,10 @@ bool ProgramMoves::ready_for(const program::Move& move, const Location& where) {
   if (move.of_base()) return true;
   Arm& arm = arms_[arm_of(move.robot, where)];
   moves::RobotMotion& motion = *arm.robot.motion;
-  if (motion.compliance_ends()) return false;
+  if (motion.compliance_ends() || arm.yields_next) {
+    motion.close();
+    return false;
+  }
   if (!belts_) return true;
   const std::string belt = belt_of(move, where);
   if (motion.riding() ? !belt.empty() && !motion.ride_ends() && follows(arm, belt) : belt.empty())
