@@ -72,6 +72,17 @@ void AdmittanceRule::freeze() noexcept {
   twist_ = twist_rate_ = {};
 }
 
+void AdmittanceRule::slow_down(double share, double dt) noexcept {
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const double lost = (1 - share) * velocity_[i];
+    velocity_[i] -= lost;
+    offset_[i] -= lost * dt;
+    acceleration_[i] -= lost / dt;
+  }
+  twist_ = cartesian(velocity_);
+  twist_rate_ = cartesian(acceleration_);
+}
+
 void AdmittanceRule::bound(std::size_t i, double lower, double upper) noexcept {
   const double free = offset_[i];
   offset_[i] = std::min(std::max(free, lower), upper);

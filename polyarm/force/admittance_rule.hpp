@@ -51,6 +51,8 @@ class AdmittanceRule {
   /// wrench that the sensor measures. False if a result is not finite; then nothing moves.
   bool update(std::span<const double> measured, std::span<const double> reference, const SixVector& wrench,
               double dt) noexcept;
+  /// Leaves this share, 0 to 1, of the last step of `dt` seconds: of its velocities and of its motion.
+  void slow_down(double share, double dt) noexcept;
   /// Bounds offset `i`; at a bound it has no velocity.
   void bound(std::size_t i, double lower, double upper) noexcept;
 

@@ -24,6 +24,9 @@ constexpr double kJointDamping = 1;   // 1/s
 constexpr double kInverseDamping = 1e-6;
 constexpr double kStands = 1e-4;        // rad/s or m/s
 constexpr double kShareOfLimits = 0.3;  // of the joints' velocities
+constexpr double kFastest = 0.25, kFastestTurn = 1;  // m/s, rad/s
+constexpr double kBraking = 1, kTurnBraking = 10;    // m/s², rad/s²: before the end of the reach
+constexpr double kRest = 0.03;  // s in which a velocity falls to a third when the robot yields no more
 
 AdmittanceParameters parameters_of(const ComplianceSettings& settings) {
   AdmittanceParameters out;
@@ -62,6 +65,8 @@ void Compliance::begin(const ComplianceSettings& settings, std::span<const doubl
   yielding_ = resting_ = parameters_of(settings);
   resting_.axes = {};
   resting_.stiffness = {};
+  resting_.damping = SixVector{};
+  resting_.joint_damping = 1 / kRest;
   std::copy_n(at.begin(), std::min(at.size(), last_.size()), last_.begin());
   at_bound_ = stale_ = false;
   wanted_.store(true, std::memory_order_release);
@@ -94,24 +99,31 @@ bool Compliance::feel(Nanoseconds now, SixVector& out) noexcept {
   return true;
 }
 
-/// The way that the tool yields is bounded, and so are the velocities of the joints. A joint that meets a
-/// limit of its range stays there.
+/// The way that the tool yields is bounded, and so are its velocity and those of the joints: all joints slow
+/// down together, and before the end of the reach. A joint that meets a limit of its range stays there.
 void Compliance::keep_within(const Joints& path, double period) noexcept {
-  const SixVector& x = rule_->displacement();
-  const double gone = std::hypot(x[0], x[1], x[2]);
-  const SixVector& v = rule_->twist();
-  const bool outwards = x[0] * v[0] + x[1] * v[1] + x[2] * v[2] > 0;
-  const bool bound = gone > settings_.reach && outwards;
-  at_bound_.store(gone > 0.99 * settings_.reach, std::memory_order_relaxed);
-  double fast = 0;
+  const SixVector &x = rule_->displacement(), &v = rule_->twist();
+  double share = 1;
+  const auto slow = [&share](double speed, double most) {
+    if (speed > most) share = std::min(share, most / speed);
+  };
+  const auto stop_within = [&](std::size_t first, double most, double braking) {
+    const double gone = std::hypot(x[first], x[first + 1], x[first + 2]);
+    if (gone > 0)
+      slow((x[first] * v[first] + x[first + 1] * v[first + 1] + x[first + 2] * v[first + 2]) / gone,
+           std::sqrt(2 * braking * std::max(0.0, most - gone)));
+    return gone > 0.99 * most;
+  };
+  const bool at_end = stop_within(0, settings_.reach, kBraking),
+             turned = stop_within(3, settings_.most_turn(), kTurnBraking);
+  at_bound_.store(at_end || turned, std::memory_order_relaxed);
+  slow(std::hypot(v[0], v[1], v[2]), kFastest);
+  slow(std::hypot(v[3], v[4], v[5]), kFastestTurn);
   for (std::size_t j = 0; j < put_.size(); ++j)
-    fast = std::max(fast, std::abs(rule_->velocity()[j]) / (kShareOfLimits * limits_[j].velocity));
-  for (std::size_t j = 0; j < put_.size(); ++j) {
-    const double before = put_[j] - path.position[j];
-    const double most = bound ? 0 : kShareOfLimits * limits_[j].velocity * period;
-    if (bound || fast > 1) rule_->bound(j, before - most, before + most);
+    slow(std::abs(rule_->velocity()[j]), kShareOfLimits * limits_[j].velocity);
+  if (share < 1) rule_->slow_down(share, period);
+  for (std::size_t j = 0; j < put_.size(); ++j)
     rule_->bound(j, chain_.lower()[j] - path.position[j], chain_.upper()[j] - path.position[j]);
-  }
 }
 
 controllers::MotionShift::Outcome Compliance::apply(const Request& request, const Joints& joints) noexcept {

@@ -24,7 +24,10 @@ struct ComplianceSettings {
   double stiffness = 0;           ///< K: N/m, of rotations times kRotation N m/rad
   double damping = 1000;          ///< D: N s/m, of rotations times kRotation
   double reach = 0.02;            ///< m: the sensor's origin stays within this distance of the path
-  static constexpr double kRotation = 0.01;  ///< m²
+  static constexpr double kArm = 0.1;                ///< m
+  static constexpr double kRotation = kArm * kArm;  ///< m²
+  /// rad: the sensor turns away from the path by at most this.
+  double most_turn() const noexcept { return reach / kArm; }
 };
 
 /// Adds the motion of an admittance to the paths of one robot. The wrench comes from the cell thread, at its

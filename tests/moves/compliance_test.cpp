@@ -183,10 +183,38 @@ TEST(Compliance, TheToolStaysWithinItsReach) {
   rig.pull[2] = 60;
   rig.run(3);
   EXPECT_NEAR(rig.gone().z, 0.01, 5e-4);
+  EXPECT_LT(rig.jump, 0.08) << "it stops there without a jump";
   EXPECT_TRUE(rig.motion->compliance().at_bound());
   rig.pull[2] = -30;
   rig.run(1);
   EXPECT_LT(rig.gone().z, 0) << "it comes back from the bound";
+}
+
+TEST(Compliance, TheToolTurnsWithinItsReach) {
+  Rig rig;
+  rig.begin(along(3));
+  rig.pull[3] = 5;
+  rig.run(3);
+  EXPECT_NEAR(angle_between(rig.tcp().rotation, rig.start().rotation), 0.2, 0.01);
+  EXPECT_TRUE(rig.motion->compliance().at_bound());
+}
+
+TEST(Compliance, FastYieldingIsBoundedWithoutJumps) {
+  Rig rig;
+  ComplianceSettings settings = along(2);
+  settings.damping = 50;
+  settings.reach = 0.1;
+  rig.begin(settings);
+  rig.pull[2] = 40;
+  rig.run(0.3);
+  EXPECT_LT(rig.gone().z, 0.25 * 0.3);
+  EXPECT_LT(rig.jump, 0.08);
+  rig.controller.verdict.speed = 0;
+  const double at = rig.gone().z;
+  rig.run(0.4);
+  EXPECT_LT(rig.gone().z, at + 0.01) << "a stop lasts as long as with any damping";
+  EXPECT_LT(rig.jump, 0.08);
+  EXPECT_TRUE(rig.controller.controller().standing());
 }
 
 TEST(Compliance, AHeldRobotDoesNotYield) {
