@@ -317,7 +317,11 @@ void HeldMotions::follow(Motion& motion) {
 /// A base slows down and stops before what is in its way.
 void HeldMotions::follow_base(Motion& motion) {
   const BaseShare now = cell_.jogging.base_share(motion.robot, motion.twist->ahead, motion.twist->turn);
-  if (now.share < 1 || motion.twist->share < 1) push(motion, now.share);
+  try {
+    if (now.share < 1 || motion.twist->share < 1) push(motion, now.share);
+  } catch (const Error& e) {  // the controller was stopped or removed
+    return finish(motion, e.problems().front().code, e.problems().front().what);
+  }
   motion.twist->share = now.share;
   Motion::HeldBack held;
   if (!now.near.empty()) held = {word_of(jog::JogHold::body), "near " + now.near, now.near};
