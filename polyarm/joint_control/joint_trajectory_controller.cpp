@@ -264,6 +264,8 @@ void JointTrajectoryController::begin(TrajectoryGoal* goal, double into) noexcep
   tracks_used_ = std::max(tracks_used_, free + 1);
   for (std::size_t k = 0; k < count; ++k)
     leader_[goal->joints.empty() ? k : goal->joints[k]] = static_cast<int>(free);
+  // Whoever sees the goal must not see the time of the one before.
+  status_.time.store(goal->planned ? goal->planned->time() : into, std::memory_order_relaxed);
   status_.active.store(goal->id, std::memory_order_release);
   const auto leads = std::count_if(tracks().begin(), tracks().end(), [](const Track& t) { return t.goal; });
   leading_.store(!goal->planned && leads == 1 ? goal : nullptr, std::memory_order_release);

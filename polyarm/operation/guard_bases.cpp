@@ -32,6 +32,7 @@ constexpr double kDeceleration = 1;
 struct Guards::NearBase {
   double share = 1;  ///< of the velocity with which it can still stop in time
   int pair = -1;
+  std::uint32_t other = 0;  ///< the body of it that the base does not carry
   GuardGap gap;
 };
 
@@ -115,7 +116,7 @@ Guards::NearBase Guards::near_base(std::size_t r, const Vec3& velocity, double t
     const double room = std::max(0.0, gap.distance - clearance);
     const double most = braking * (std::sqrt(latency * latency + 2 * room / braking) - latency);
     if (most >= out.share * closing) continue;
-    out = {most / closing, static_cast<int>(i), gap};
+    out = {most / closing, static_cast<int>(i), a ? pair.b : pair.a, gap};
   }
   return out;
 }
@@ -128,9 +129,7 @@ BaseShare Guards::share_of_base(std::size_t r, double ahead, double turn) {
   const Vec3 velocity = work_->moment.robots[r].base.rotation * Vec3{ahead, 0, 0};
   const NearBase found = near_base(r, velocity, turn, braking_of_base(r) / 2, kLatencyOfKeys);
   if (found.pair < 0) return {};
-  const GuardPair& pair = work_->bodies->pairs()[static_cast<std::size_t>(found.pair)];
-  const double share = found.share < kLeastShare ? 0 : found.share;
-  return {share, work_->bodies->name(pair.robot_a == static_cast<int>(r) ? pair.b : pair.a)};
+  return {found.share < kLeastShare ? 0 : found.share, work_->bodies->name(found.other)};
 }
 
 /// Holds the cell when a base that drives could hardly stop before a contact.

@@ -38,6 +38,7 @@ bool Guards::see_points(std::size_t r) {
   if (!now) return false;
   of.by_points = true;
   of.along = &of.points;
+  of.facts = cell_.setup.robots[r]->facts.get();
   of.step = nullptr;
   of.time = now->time;
   of.speed = of.pace = 1;
@@ -58,8 +59,8 @@ bool Guards::see_points(std::size_t r) {
 /// Where the way leaves the workspace counts as what is in the way.
 void Guards::look_at_zones(std::size_t r, double until) {
   Of& of = work_->robots[r];
-  const moves::RobotFacts& robot = *cell_.setup.robots[r]->facts;
-  if (!of.looks_at_zones || robot.workspace.empty()) return;
+  if (!of.looks_at_zones || of.facts->workspace.empty()) return;
+  const moves::RobotFacts& robot = *of.facts;
   const double leaves = of.zones.look(robot.workspace, robot.chain, *of.along, of.time, until, is_reduced());
   if (leaves >= of.ahead_of.free_until) return;
   of.ahead_of = {leaves, -1, {}, 0};

@@ -26,6 +26,7 @@ struct Guards::Of {
   std::uint64_t goal = 0;  // of the motion that is followed; 0: none
   double time = 0, speed = 1;
   const moves::InStep* step = nullptr;
+  const moves::RobotFacts* facts = nullptr;  // with the TCP of the motion; valid in this tick
   double duration = 0;
   Braking braking;
   double pace = 1, wanted = 1;

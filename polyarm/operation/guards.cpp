@@ -291,7 +291,9 @@ void Guards::see(std::size_t r) {
   of.along = &of.way;
   of.way.set(*now->motion, *now->robot);
   const moves::MovePlanOptions* const with = motion->options_under_way();
+  of.facts = now->robot;
   of.looks_at_zones = with && with->reduced != is_reduced();
+  if (!of.looks_at_zones) of.zones.begin();  // who is outside when the profile changes may return
   of.step = now->step;
   of.time = now->begun ? now->time : 0;
   of.speed = now->begun ? std::abs(now->speed) : 1;
