@@ -307,7 +307,7 @@ std::optional<Problem> lost_encoder(const std::vector<BeltEntry>& belts, const C
 void Programs::tick_belts_and_streams() {
   if (streams_) streams_->tick(machine_.now());
   if (moves_ && force_) {
-    if (!under_way()) moves_->end_compliance();
+    if (!leads()) moves_->end_compliance();
     moves_->tick_compliance(*force_);
     force_->tick([this](const std::string& robot) { return moves_->stands(robot); });
   }
@@ -316,7 +316,7 @@ void Programs::tick_belts_and_streams() {
     // Without a tick the belts' travel gets old, and robots that follow them come to rest.
     const bool runs = machine_.snapshot().state == control::RunState::running &&
                       machine_.supervisor().latch().requested() == realtime::StopKind::none;
-    if (!under_way() && moves_) {  // nobody waits for the link: robots that followed the belt are free again
+    if (!leads() && moves_) {  // nobody waits for the link: robots that followed the belt are free again
       moves_->end_rides();
       moves_->tick_rides();
     }
@@ -327,7 +327,7 @@ void Programs::tick_belts_and_streams() {
   }
   belts_->tick();
   if (!moves_) return;
-  if (!under_way()) moves_->end_rides();
+  if (!leads()) moves_->end_rides();
   moves_->tick_rides();
 }
 

@@ -43,6 +43,8 @@ class Programs {
   bool begun() const { return begun_; }
   /// True if it has begun and has not ended.
   bool under_way() const { return program_ && begun_ && !program_->ended(); }
+  /// True if it is under way and its tasks are: robots come to rest before an `on stop` block.
+  bool leads() const { return under_way() && !program_->interpreter().ending(); }
   /// True if it is under way and nobody else may move. Others may move while a program is paused and its
   /// robots are at rest.
   bool runs() const;

@@ -76,6 +76,8 @@ class Interpreter {
   StepResult step(int budget);
   /// Of the whole program. It has ended only after its `on stop` block has run.
   TaskState state() const;
+  /// True from the end of its tasks on, while its `on stop` block has not run yet, too.
+  bool ending() const { return outcome_.has_value(); }
   /// The lines outside tasks first, then the tasks in the order of the file.
   std::vector<TaskStatus> status() const;
   /// The most important task: one that failed, else the first that has not ended.

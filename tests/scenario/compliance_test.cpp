@@ -91,6 +91,11 @@ TEST_F(InTheAir, TheEndOfAProgramMakesTheToolStiff) {
       "  expect abs(Z - z) < 0.00001\n");
 }
 
+TEST_F(InTheAir, TheToolIsStiffBeforeTheBlockOnStop) {
+  expect_passes(std::string(kPress) + "wait 300ms\non stop\n  set Stage = 2\nend\n",
+                "  wait Stage == 2 timeout 2s\n  let z = Z\n  wait 500ms\n  expect abs(Z - z) < 0.00001\n");
+}
+
 TEST_F(InTheAir, ADiscardMakesTheToolStiffWhereItIs) {
   expect_passes(
       std::string(kPress) + "wait 6s\nstiff()\n",
