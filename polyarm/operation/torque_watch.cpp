@@ -74,6 +74,10 @@ void TorqueWatch::measure(Arm& arm, double dt) {
   }
 }
 
+void TorqueWatch::forget() {
+  for (Arm& arm : arms_) arm.over = false;
+}
+
 std::optional<TorqueWatch::Found> TorqueWatch::tick() {
   const Nanoseconds now = machine_.snapshot().cycle.time;
   const double dt = seconds(now - std::exchange(time_, now));

@@ -26,6 +26,8 @@ class TorqueWatch {
   /// Call it once in each tick. Returns the joint that exceeds its limit most, once until its torque is below
   /// half of the limit.
   std::optional<Found> tick();
+  /// A torque that still exceeds its limit counts again.
+  void forget();
 
  private:
   struct Joint {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "polyarm/operation/watches.hpp"
 #include "polyarm/setup/bodies.hpp"
@@ -146,6 +147,8 @@ void Watches::watch_torques() {
     torques_.emplace(cell_.setup, cell_.machine, notes);
     for (const std::string& note : notes) cell_.observer.on_note(note);
   }
+  const bool runs = cell_.machine.snapshot().state == control::RunState::running;
+  if (!std::exchange(torques_ran_, runs) && runs) torques_->forget();  // a resume does not press on
   const std::optional<TorqueWatch::Found> found = torques_->tick();
   if (!found || cell_.life.failure()) return;
   const moves::RobotMotion* const motion = cell_.motions.motion(found->robot);
