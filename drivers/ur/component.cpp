@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/base/pose.hpp"
 #include "polyarm/base/text.hpp"
 
 namespace polyarm::ur {
@@ -67,6 +68,14 @@ std::array<double, 7> pose_of(const double* vector) noexcept {
   const double angle = std::hypot(vector[3], vector[4], vector[5]);
   const double s = angle > 0 ? std::sin(angle / 2) / angle : 0.5;
   return {vector[0], vector[1], vector[2], s * vector[3], s * vector[4], s * vector[5], std::cos(angle / 2)};
+}
+
+/// The controller gives forces and torques in the axes of its base.
+std::array<double, 6> in_axes_of(const std::array<double, 7>& tcp, const double* wrench) noexcept {
+  const Quaternion turn = inverse(Quaternion{tcp[3], tcp[4], tcp[5], tcp[6]});
+  const Vec3 force = turn * Vec3{wrench[0], wrench[1], wrench[2]},
+             torque = turn * Vec3{wrench[3], wrench[4], wrench[5]};
+  return {force.x, force.y, force.z, torque.x, torque.y, torque.z};
 }
 
 bool ends_with(const std::string& name, const char* tail) {
@@ -250,8 +259,9 @@ ReturnType UrComponent::read(const hardware::Cycle&, std::span<double> states) n
   for (std::size_t j = 0; j < 6; ++j)
     for (const Field field : {kPosition, kVelocity, kCurrent, kTorque})
       states[at++] = values[place_of(field) + j];
-  for (const double value : pose_of(values + place_of(kPose))) states[at++] = value;
-  for (std::size_t i = 0; i < 6; ++i) states[at++] = values[place_of(kWrench) + i];
+  const std::array<double, 7> tcp = pose_of(values + place_of(kPose));
+  for (const double value : tcp) states[at++] = value;
+  for (const double value : in_axes_of(tcp, values + place_of(kWrench))) states[at++] = value;
   for (const auto& [name, field] : kControllerStates) states[at++] = sample[field];
   states[at++] = static_cast<double>(sample.lost);
   states[at++] = last_command_ > 0 ? last_command_ - sample[kSequence] : 0;

@@ -15,12 +15,13 @@
 namespace polyarm::ur {
 
 /// States: JOINT/position (rad), velocity (rad/s), current (A), effort (N·m, NaN before software 5.23);
-/// tcp_pose/position.x … orientation.w and tcp_wrench/force.x … torque.z (N, N·m) in the controller's base;
-/// controller/robot_mode, safety_mode, program_state, speed_scaling, speed_slider, payload (kg),
-/// lost_packages, command_age (commands that the robot has not taken yet); io/digital_in_N, digital_out_N (N:
-/// 0 to 7 standard, 8 to 15 configurable, 16 and 17 tool), analog_in_N, analog_out_N. Commands:
-/// JOINT/position or JOINT/velocity; controller/speed_slider (0 to 1); io/digital_out_N, io/analog_out_N
-/// (share of 10 V). NaN leaves an output as it is.
+/// tcp_pose/position.x … orientation.w in the controller's base; tcp_wrench/force.x … torque.z (N, N·m) in
+/// the axes of the controller's TCP, as programs want them that yield to forces; controller/robot_mode,
+/// safety_mode, program_state, speed_scaling, speed_slider, payload (kg), lost_packages, command_age
+/// (commands that the robot has not taken yet); io/digital_in_N, digital_out_N (N: 0 to 7 standard, 8 to 15
+/// configurable, 16 and 17 tool), analog_in_N, analog_out_N. Commands: JOINT/position or JOINT/velocity;
+/// controller/speed_slider (0 to 1); io/digital_out_N, io/analog_out_N (share of 10 V). NaN leaves an output
+/// as it is.
 ///
 /// Configuring connects, reads and moves nothing. Activating sends the program; the robot stands still until
 /// commands come, and the first one must be at the measured position. Deactivating ends the program: the

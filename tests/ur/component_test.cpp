@@ -34,6 +34,23 @@ TEST(UrComponent, ReadsWhatTheControllerMeasures) {
   EXPECT_EQ(rig.state("controller/lost_packages"), 0);
 }
 
+/// The controller reports them in the axes of its base.
+TEST(UrComponent, ForcesAreInTheAxesOfTheTcp) {
+  UrRig rig;
+  rig.far().with([](ur::Machine& machine) {
+    machine.set_register("actual_TCP_force", 20);
+    return 0;
+  });
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.runs(3, [](int) {}));
+  const Quaternion tcp{rig.state("tcp_pose/orientation.x"), rig.state("tcp_pose/orientation.y"),
+                       rig.state("tcp_pose/orientation.z"), rig.state("tcp_pose/orientation.w")};
+  const Vec3 force{rig.state("tcp_wrench/force.x"), rig.state("tcp_wrench/force.y"),
+                   rig.state("tcp_wrench/force.z")};
+  EXPECT_GT(angle_between(tcp, Quaternion{}), 0.5) << "else it shows nothing";
+  EXPECT_LT(norm(tcp * force - Vec3{20, 0, 0}), 1e-9);
+}
+
 TEST(UrComponent, TheTcpIsWhereTheCataloguesKinematicsHaveIt) {
   for (const char* name : {"ur3", "ur5e", "ur10e", "ur16e", "ur20"}) {
     const description::RobotModel& model = ur_model(name);
