@@ -41,7 +41,7 @@ void Link::command(bool move, const Seven& joints) noexcept {
 void Link::wait() {
   pollfd polled[3] = {{wake_.number(), POLLIN, 0},
                       {report_socket_.number(), POLLIN, 0},
-                      {owns_motion() ? motion_.descriptor() : -1, POLLIN, 0}};
+                      {owns_motion() && !lost_ ? motion_.descriptor() : -1, POLLIN, 0}};
   const bool by_time = begun_ && can_send() && !follows_reports();
   const timespec time{0, static_cast<long>(by_time ? nanoseconds(settings_.period / 2) : kLook)};
   ::ppoll(polled, 3, &time, nullptr);
@@ -68,7 +68,7 @@ void Link::run() {
 /// What is left of an earlier session counts no more.
 void Link::begin_streaming() {
   for (Wanted dropped; commands_.pop(dropped);) ++taken_;
-  asked_ = pending_ = begun_ = false;
+  asked_ = pending_ = fresh_ = waited_ = begun_ = false;
   since_ = 0;
   brake_due_ = 0;
   braked_report_ = 0;
@@ -173,17 +173,38 @@ void Link::take_commands(Nanoseconds now) {
 }
 
 void Link::feed(const Wanted& wanted) {
-  if (wanted.move)
-    shaper_.next(wanted.joints, settings_.limits);
-  else
-    shaper_.brake(settings_.limits);
-  if (pending_) ++current_.replaced;
-  pending_ = true;
+  if (pending_) {
+    ++current_.replaced;
+    waited_ = waited_ || asked_;
+  }
+  pending_ = fresh_ = true;
+  newest_ = wanted;
   braked_report_ = current_.sequence;  // braking goes on from here a period later
   brake_due_ = commanded_at_ + nanoseconds(settings_.period);
+  if (!wanted.move || !answer_is_late(commanded_at_)) return;
+  const Seven& sent = shaper_.at();
+  for (std::size_t i = 0; i < sent.size(); ++i)
+    if (std::abs(wanted.joints[i] - sent[i]) * kRadians > settings_.most_behind)
+      return note(Cause::command_silent);
+}
+
+bool Link::answer_is_late(Nanoseconds now) const noexcept {
+  return asked_ && !settings_.stepped && now - asked_at_ > nanoseconds(kLate * settings_.period);
+}
+
+/// One step towards the newest command of the loop. A step belongs to a command that is sent: after a late
+/// answer, or several commands of the loop at once, the next target is no farther away than any other one.
+void Link::shape() {
+  fresh_ = false;
+  if (newest_.move && !fault_)
+    shaper_.next(newest_.joints, settings_.limits);
+  else
+    shaper_.brake(settings_.limits);
+  if (shaper_.behind() == 0) waited_ = false;
   current_.behind = shaper_.behind() * kRadians;
   current_.shaped = shaper_.shaped();
   if (current_.behind <= settings_.most_behind) return;
+  if (waited_) return note(Cause::command_silent);
   const std::size_t axis = shaper_.axis_behind();
   note(Cause::too_fast, static_cast<int>(3 * axis) + static_cast<int>(shaper_.exceeded(axis)));
 }
@@ -192,6 +213,7 @@ void Link::feed(const Wanted& wanted) {
 void Link::send_next(Nanoseconds now) {
   if (!can_send() || asked_ || !pending_) return;
   pending_ = false;
+  if (fresh_) shape();
   if (!motion_.send(Register::servo_joint, servo_data(shaper_.at()))) {
     lost_ = true;
     return note(motion_.failure().cause);
@@ -209,6 +231,10 @@ void Link::take_answers() {
     return note(motion_.failure().cause);
   }
   if (!reply) return;
+  if (phase_ == Phase::ending && answer_is_late(realtime::monotonic_now())) {
+    pending_ = fresh_ = false;
+    shaper_.begin(shaper_.at());  // meanwhile the robot has come to rest there
+  }
   asked_ = false;
   if (reply->bits & kErrorBit) {
     const Why why = explain_stop();
@@ -256,6 +282,7 @@ void Link::brake_on(Nanoseconds now) {
   brake_due_ = now + nanoseconds(settings_.period);
   shaper_.brake(settings_.limits);
   pending_ = true;
+  fresh_ = false;
 }
 
 /// Without commands the controller would hold its last target, from full speed. The robot is slowed down

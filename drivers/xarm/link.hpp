@@ -151,6 +151,8 @@ class Link : public wire::LinkBase<Cause> {
   void judge_doubt();
   void take_commands(Nanoseconds now);
   void feed(const Wanted& wanted);
+  void shape();
+  bool answer_is_late(Nanoseconds now) const noexcept;
   void take_answers();
   void send_next(Nanoseconds now);
   void end_with(Cause cause, int detail);
@@ -199,6 +201,9 @@ class Link : public wire::LinkBase<Cause> {
   Nanoseconds asked_at_ = 0, heard_ = 0, commanded_at_ = 0, ending_since_ = 0, brake_due_ = 0;
   bool asked_ = false;    ///< a command waits for its answer
   bool pending_ = false;  ///< a command waits to be sent
+  bool fresh_ = false;    ///< it is newest_, which the shaper has not taken yet
+  Wanted newest_;         ///< of the loop
+  bool waited_ = false;   ///< for an answer, since the robot was where the loop wants it
   bool begun_ = false;
   int since_ = 0;  ///< cycles since the last command
   std::uint64_t taken_ = 0, braked_report_ = 0;

@@ -236,6 +236,38 @@ TEST(XarmFaults, AGapOfTheLoopSlowsTheRobotDown) {
   alone.far.hold_clock(false);
 }
 
+/// The loop goes on while an answer is late: what it commanded meanwhile is not one large step.
+TEST(XarmFaults, ALateAnswerMakesNoJump) {
+  Alone alone;
+  ASSERT_TRUE(alone.start()) << alone.component.reason();
+  std::vector<double> states(alone.component.state_interfaces().size()),
+      commands(alone.component.command_interfaces().size(), std::nan(""));
+  hardware::Cycle cycle{0, 4'000'000, 0};
+  alone.component.read(cycle, states);
+  for (std::size_t j = 0; j < 6; ++j) commands[j] = states[3 * j];
+  const double from = commands[0];
+  alone.far.hold_clock(true);
+  const auto write = [&](int i) {
+    commands[0] = from + travel(i, 0.001);
+    return alone.component.write(cycle, commands);
+  };
+  for (int i = 0; i < 120; ++i) {
+    ASSERT_EQ(write(i), ReturnType::ok);
+    alone.step(static_cast<std::uint64_t>(i + 1));
+  }
+  alone.far.with([](Machine& m) { return m.forget_jumps(), 0; });
+  const auto before = alone.far.with([](Machine& m) { return m.servo_commands(); });
+  alone.far.order("late_answers=5");
+  for (int i = 120; i < 140; ++i) ASSERT_EQ(write(i), ReturnType::ok) << alone.component.reason();
+  alone.step(before + 1);
+  for (int i = 0; i < 5; ++i) alone.far.step();
+  alone.step(before + 2);  // what was commanded last, once the answer is there
+  EXPECT_EQ(alone.component.cause(), Cause::none) << alone.component.reason();
+  EXPECT_LE(alone.far.with([](Machine& m) { return m.largest_jump(); }), 60 * 0.004 + 1e-3) << "degrees";
+  EXPECT_GT(alone.far.with([](Machine& m) { return m.largest_jump(); }), 0) << "it goes on";
+  alone.far.hold_clock(false);
+}
+
 TEST(XarmFaults, SilenceOfTheReportsIsNamed) {
   XarmRig rig(Parameters{{"silence_ms", "200"}});
   ASSERT_TRUE(rig.start()) << rig.component.reason();
