@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -318,11 +319,14 @@ void Link::judge_program(Nanoseconds now) {
   if (commanded_ && stream_ && pacer_.silent(now)) return note(Cause::loop_silent);
 }
 
-/// A program that does not read its messages would go on with the moves that it has; one that came to its end
-/// leaves the slider to other programs.
+/// A program that does not read its messages would go on with the moves that it has, and so would one that is
+/// paused, by a person or by a stop that is lifted later. One that came to its end leaves the slider to other
+/// programs.
 void Link::end_at_the_controller() {
   if (!moves_) return;
-  if (fault_.cause() == Cause::program_paused || fault_.cause() == Cause::not_reading)
+  constexpr Cause kGoesOn[] = {Cause::program_paused, Cause::not_reading, Cause::protective_stop,
+                               Cause::safeguard_stop};
+  if (std::ranges::find(kGoesOn, fault_.cause()) != std::end(kGoesOn))
     wire::send_frame(primary_.number(), "stop program\n");
   if (fault_ || stream_ || inputs_.types.empty() || !rtde_ || !slider_before_) return;
   moves_->leave_slider(*slider_before_);

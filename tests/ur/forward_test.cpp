@@ -338,6 +338,25 @@ TEST(UrForward, WhenTheConnectionEndsTheControllerStops) {
   EXPECT_LT(std::abs(at()[0] - start[0]), 0.8) << "not the end of the first move";
 }
 
+TEST(UrForward, AProgramDoesNotGoOnWhenASafeguardStopEnds) {
+  ForwardRig rig;
+  ASSERT_TRUE(rig.start()) << rig.component.reason();
+  ASSERT_TRUE(rig.passes(5));
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(rig.moves->accept(rig.turn(i % 2 ? -0.3 : 0.3)));
+  ASSERT_TRUE(rig.passes(100));
+  rig.far().order("deaf");  // it reads no more that it shall end
+  rig.far().order("safeguard_stop");
+  bool failed = false;
+  for (int i = 0; i < 2000 && !failed; ++i) failed = rig.pass() == ReturnType::error;
+  ASSERT_TRUE(failed);
+  EXPECT_EQ(rig.component.cause(), Cause::safeguard_stop) << rig.component.reason();
+  rig.expect_standing();
+  const ur::Six at = rig.q();
+  rig.far().order("normal");
+  rig.expect_standing();
+  EXPECT_EQ(rig.q(), at);
+}
+
 class UrForwardWhileMoving : public testing::TestWithParam<FaultOf<Cause>> {};
 INSTANTIATE_TEST_SUITE_P(
     Faults, UrForwardWhileMoving,
