@@ -133,6 +133,7 @@ void Link::take_moves() {
   if (!moves_ || !stream_) return;
   moves_->take(move_report());
   if (const auto joint = moves_->off_target()) note(Cause::off_target, *joint);
+  if (moves_->awaits_halt_too_long()) note(Cause::not_reading);
 }
 
 void Link::take_primary() {

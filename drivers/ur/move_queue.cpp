@@ -14,6 +14,7 @@ constexpr double kStill = 2e-4;  // rad: a robot that moves by less in kStillFor
 // Times of the controller, s; none is a whole number of its cycles, so that rounding decides nothing.
 constexpr double kStillFor = 0.0495;
 constexpr double kPatience = 2.0005;  // for the slider to bring the robot to rest; then it is stopped
+constexpr double kHalting = 15.0005;  // for `stopj` from full speed with the least deceleration
 constexpr double kLanding = 3.0005;   // for the robot to be where a move ends
 constexpr double kThere = 0.01;       // rad
 constexpr int kMostNumber = 1'000'000'000;
@@ -142,6 +143,7 @@ void MoveQueue::change_phase(bool stops, MoveMessage& out) {
       } else if (still_ || report_.time - slowing_since_ > kPatience) {
         out.work = Work::halt;
         out.number = ++halts_;
+        halting_since_ = report_.time;
         phase_ = Phase::halting;
       }
       return;
@@ -153,6 +155,10 @@ void MoveQueue::change_phase(bool stops, MoveMessage& out) {
     case Phase::halted:
       return;
   }
+}
+
+bool MoveQueue::awaits_halt_too_long() const {
+  return phase_ == Phase::halting && report_.halted != halts_ && report_.time - halting_since_ > kHalting;
 }
 
 /// True if the TCP has to be set first; then it is set once the robot stands.

@@ -45,6 +45,8 @@ class MoveQueue final : public hardware::ForwardMoves {
   void leave_slider(double share) { slider_ = share; }
   /// The joint that is elsewhere though the controller says that the move ended.
   std::optional<int> off_target() const { return off_target_; }
+  /// True if the program does not say that it has stopped the robot and forgotten its moves.
+  bool awaits_halt_too_long() const;
 
  private:
   enum class Phase : std::uint8_t { running, slowing, halting, halted };
@@ -78,7 +80,7 @@ class MoveQueue final : public hardware::ForwardMoves {
   MoveReport report_;
   Phase phase_ = Phase::running;
   Six place_{};  ///< about where the robot has been since moved_at_
-  double moved_at_ = 0, slowing_since_ = 0, off_since_ = 0;
+  double moved_at_ = 0, slowing_since_ = 0, halting_since_ = 0, off_since_ = 0;
   bool led_ = false;  ///< the loop has commanded: what counts begins there, and so in each run alike
   bool off_ = false;
   int number_ = 0, halts_ = 0;

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "drivers/ur/far_moves.hpp"
+#include "drivers/ur/move_queue.hpp"
 #include "tests/support/wire_rig.hpp"
 #include "tests/ur/forward_rig.hpp"
 
@@ -118,6 +119,35 @@ TEST(UrMoves, TheProgramHasNoGapsAndReadsWhatIsSent) {
                        text.begin() + static_cast<std::ptrdiff_t>(end), ','),
             18 * static_cast<int>(ur::kMoveSlots) - 1);
   EXPECT_NE(ur::program_text(settings).find("polyarm_stream"), std::string::npos);
+}
+
+TEST(UrMoves, AHaltThatTheProgramDoesNotConfirmIsNoticed) {
+  ur::MoveQueue queue(frame());
+  ur::MoveReport report;
+  report.q = kFrom;
+  queue.begin(report);
+  const auto pass = [&](double seconds) {
+    for (const double end = report.time + seconds; report.time < end; report.time += 0.002) {
+      queue.take(report);
+      queue.next();
+    }
+  };
+  queue.set_pace(1);
+  pass(0.2);
+  ur::Six to = kFrom;
+  to[0] += 0.5;
+  ASSERT_TRUE(queue.accept(joint_move(to)));
+  pass(0.1);
+  queue.set_pace(0);
+  pass(10);
+  EXPECT_FALSE(queue.awaits_halt_too_long());
+  EXPECT_FALSE(queue.flow().standing) << "nobody has confirmed it";
+  pass(10);
+  EXPECT_TRUE(queue.awaits_halt_too_long());
+  report.halted = 1;
+  pass(0.1);
+  EXPECT_FALSE(queue.awaits_halt_too_long());
+  EXPECT_TRUE(queue.flow().standing);
 }
 
 /// Whatever a program sends, the simulated controller goes on, and its joints are numbers.
