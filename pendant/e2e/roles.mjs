@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { dirname, join } from 'node:path';
 import { go, picture, state } from './browser.mjs';
-import { polyarm } from './cell.mjs';
+import { polyarm, Watcher } from './cell.mjs';
 import { suite } from './suite.mjs';
 
 const kPassword = 'right password';
@@ -60,4 +60,17 @@ test('who may operate has control, and is told which pages need more', async () 
   await main().getByRole('button', { name: /plus$/ }).first().waitFor();
   assert.equal(await main().getByText(/^You may/).count(), 0);
   assert.deepEqual(page.problems, []);
+});
+
+test('a page with a link waits for a cell that is away, and asks for no password', async () => {
+  page = await at.open();
+  const connected = page.getByRole('button', { name: /^(In control|Watching)/ });
+  await connected.waitFor();
+  at.watcher.end();
+  await at.cell.kill();
+  await page.getByRole('alert').getByText('Reconnecting…').waitFor();
+  assert.equal(await page.getByRole('form', { name: 'Log in' }).count(), 0);
+  await at.cell.start();
+  at.watcher = await new Watcher(at.cell).start();
+  await connected.waitFor();
 });

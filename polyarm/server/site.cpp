@@ -212,9 +212,11 @@ void PageSite::end_log_in(const std::string& from) {
     logins_waiting_.erase(own);
 }
 
-/// The name only for a client that is logged in; why it ended for one that was.
+/// `enters`: it may connect, by a log-in or a link. The name only for a client that is logged in; why it ended
+/// for one that was.
 Json PageSite::who_may_log_in(const HttpRequest& request) {
   Json out{{"users", logins_.offered(steady_seconds())}};
+  if (request.token != Shown::nothing && request.token != Shown::wrong) out["enters"] = true;
   if (request.login) out["name"] = request.login->user;
   if (const std::string why = request.login ? "" : logins_.why_ended(request.shown, steady_seconds());
       !why.empty()) {

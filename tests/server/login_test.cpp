@@ -8,6 +8,7 @@
 
 #include "polyarm/access/gate.hpp"
 #include "polyarm/access/logins.hpp"
+#include "polyarm/access/token.hpp"
 #include "polyarm/protocol/request.hpp"
 #include "polyarm/server/pendant.hpp"
 #include "polyarm/server/sessions.hpp"
@@ -174,6 +175,19 @@ TEST_F(UsersOfACell, WrongPasswordsAreRefusedAndSlowedDown) {
   for (int n = 0; n < 8; ++n) slowed += WebPeer::status(log_in("otto", "wrong password")) == 429 ? 1 : 0;
   EXPECT_GE(slowed, 1);
   EXPECT_NE(WebPeer::fetch(pendant->port(), "/api/login").find(R"({"users":true})"), std::string::npos);
+}
+
+TEST_F(UsersOfACell, APageWithALinkNeedNotLogIn) {
+  const auto enters = [&](const std::string& authorization) {
+    return WebPeer::fetch(pendant->port(), "/api/login", {"Authorization: " + authorization})
+               .find(R"("enters":true)") != std::string::npos;
+  };
+  EXPECT_TRUE(enters("Bearer secret"));
+  EXPECT_TRUE(enters("Bearer " + token_for("secret", Role::watch)));
+  EXPECT_FALSE(enters("Bearer wrong"));
+  EXPECT_FALSE(enters("Basic " + base64("otto:right password")));
+  const std::string cookie = cookie_of(log_in("otto", "right password"));
+  EXPECT_TRUE(enters("Bearer " + cookie.substr(cookie.find('=') + 1)));
 }
 
 TEST_F(UsersOfACell, ALogOutAndARemovedUserEndTheConnection) {

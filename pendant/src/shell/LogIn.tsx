@@ -6,8 +6,8 @@ import { link } from '../state/cell';
 import { Button, Field } from '../ui/controls';
 import { Icon } from '../ui/Icon';
 
-/** What the cell says about log-ins: whether it has users, and who is logged in here. */
-const known = signal<{ users: boolean; name?: string; ended?: string; hours?: number }>({ users: false });
+/** What the cell says about log-ins: whether it has users, whether this page may connect, and who is logged in here. */
+const known = signal<{ users: boolean; enters?: boolean; name?: string; ended?: string; hours?: number }>({ users: false });
 
 async function look(): Promise<void> {
   try {
@@ -22,8 +22,8 @@ effect(() => {
   if (link.value !== 'open') void look();
 });
 
-/** True if the cell answers, has users, and nobody is logged in here: the page cannot connect until then. */
-export const mustLogIn = computed(() => link.value !== 'open' && known.value.users && !known.value.name);
+/** True if the cell has users, and this page has neither a log-in nor a link: it cannot connect until then. */
+export const mustLogIn = computed(() => link.value !== 'open' && known.value.users && !known.value.enters);
 
 function basic(name: string, password: string): string {
   let bytes = '';
