@@ -42,7 +42,7 @@
   X(kControlSeats, 8, "connections", "additional places for clients that may take control", "status 503")   \
   X(kControlSeat_ms, 10000, "ms", "time in which such a client must take control or ask for it",            \
     "the connection is closed")                                                                             \
-  X(kConnections, 256, "connections", "connections that have sent a token", "status 503")                   \
+  X(kConnections, 384, "connections", "connections that have sent a token", "status 503")                   \
   X(kUnauthenticated, 64, "connections", "connections that have not sent a token yet",                      \
     "the oldest of the address with the most is closed")                                                    \
   X(kHead_ms, 10000, "ms", "time for the head of a request, the TLS handshake with it",                     \
@@ -62,7 +62,7 @@
     "events are left out from half of it on; then the connection is closed")                                \
   X(kClientOutBytes, 16 << 20, "bytes", "the same, in bytes", "the same")                                   \
   X(kAllOutBytes, 128 << 20, "bytes", "the same of all clients",                                            \
-    "clients with more than 1 MiB unread are disconnected")                                                 \
+    "clients with more than 512 KiB unread are disconnected")                                               \
   X(kClientLinesASecond, 500, "requests/s", "requests of one client, after a burst",                        \
     "the connection is closed")                                                                             \
   X(kClientBurst, 2000, "requests", "requests of one client at once", "the connection is closed")           \

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/base/error.hpp"
 #include "polyarm/protocol/session.hpp"
 #include "polyarm/protocol/wire.hpp"
@@ -16,7 +17,8 @@ using Json = nlohmann::json;
 /// Cost of a queued line in addition to its text.
 constexpr std::size_t kLineCost = 64;
 /// A client with fewer unread bytes than this is not disconnected when all clients together have too many.
-constexpr std::size_t kModest = 1 << 20;
+constexpr std::size_t kModest = 512 << 10;
+static_assert((bounds::kPageClients + bounds::kControlSeats) * kModest <= bounds::kAllOutBytes);
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "polyarm/base/bounds.hpp"
 #include "polyarm/cell/known_cells.hpp"
 #include "polyarm/protocol/projects.hpp"
 #include "polyarm/protocol/tags.hpp"
@@ -21,6 +22,9 @@
 namespace polyarm::server {
 
 namespace {
+
+// Pages also load files, and viewers of other tools connect.
+static_assert(bounds::kPageClients + bounds::kControlSeats + 128 <= bounds::kConnections);
 
 constexpr double kStatusEvery = 0.1, kLogEvery = 0.1;
 
