@@ -196,8 +196,9 @@ class NodeCore {
     for (const auto& callee : wires.callees()) any = callee->run(0) || any;
     return any;
   }
-  /// The same for a thread that waits for the callbacks: begins none after `budget` ns, and goes on there at
-  /// the next call; names those that take long.
+  /// The same for a thread that waits for the callbacks: after `budget` ns it begins no further one, and goes
+  /// on there at the next call; names those that take long. Timers that use up the budget leave time for one
+  /// subscription or service.
   void run_due_within(std::int64_t budget) {
     const auto listeners = wires.listeners();
     const auto callees = wires.callees();
@@ -207,7 +208,7 @@ class NodeCore {
       const polyarm_ros::WatchedCall mark(name_.c_str(), "timers of", name_);
       run_timers();
     }
-    for (std::size_t n = 0; n < all && polyarm_ros::steady_time() < until; ++n) {
+    for (std::size_t n = 0; n < all && (n == 0 || polyarm_ros::steady_time() < until); ++n) {
       const std::size_t at = next_source_++ % all;
       if (at < listeners.size()) {
         const polyarm_ros::WatchedCall mark(name_.c_str(), "subscription", listeners[at]->topic);
