@@ -49,14 +49,17 @@ inline constexpr const char* kScript = R"(const kWords = {
     held: 'detenida', fault: 'fallo', stopping: 'parando', backing: 'retrocediendo', silent: 'sin respuesta' },
 };
 const language = (navigator.language ?? 'en').startsWith('es') ? 'es' : 'en';
-const t = (key, values = {}) => (kWords[language][key] ?? key).replace(/\{(\w+)\}/g, (_, name) => values[name]);
+const words = new Map(Object.entries(kWords[language]));
+const t = (key, values = {}) => (words.get(key) ?? key).replace(/\{(\w+)\}/g, (_, name) => values[name]);
 const columns = ['cell', 'state', 'words', 'program', 'passes', 'availability', 'performance', 'quality', 'oee', 'version'];
 const numbers = ['passes', 'availability', 'performance', 'quality', 'oee'];
 const urgency = ['fault', 'silent', 'stopping', 'held', 'backing'];
 const grouped = new Intl.NumberFormat(language);
 const oneDigit = new Intl.NumberFormat(language, { minimumFractionDigits: 1, maximumFractionDigits: 1 });
 const percent = (share) => (share === null ? '–' : `${oneDigit.format(100 * share)} %`);
-const stateOf = (cell) => (cell.answers ? String(cell.summary?.state) : 'silent');
+// A cell may send anything.
+const plain = (value) => (['string', 'number'].includes(typeof value) ? String(value) : '');
+const stateOf = (cell) => (cell.answers ? plain(cell.summary?.state) : 'silent');
 function sorted(cells) {
   const place = (cell) => { const at = urgency.indexOf(stateOf(cell)); return at < 0 ? urgency.length : at; };
   return [...cells].sort((a, b) => place(a) - place(b));
@@ -69,19 +72,26 @@ function link(cell) {
   a.textContent = cell.name;
   return a;
 }
+const rows = new Map();
+function newRow(cell) {
+  const tr = document.createElement('tr');
+  for (const key of columns) tr.insertCell().append(key === 'cell' ? link(cell) : '');
+  rows.set(cell.name, tr);
+  return tr;
+}
+/** The row of a cell with its present values. It stays the same element, so that it can be clicked at any time. */
 function row(cell) {
   const summary = cell.summary ?? {}, state = stateOf(cell), program = cell.answers ? summary.program : null;
   const old = cell.answers || !cell.summary ? '' : ` (${t('age', { s: grouped.format(Math.round(cell.age_s)) })})`;
-  const text = { state: t(state), words: cell.words + old, version: summary.version,
-    program: program ? `${program.name}: ${program.state}` : '',
+  const text = { state: t(state), words: cell.words + old, version: plain(summary.version),
+    program: program ? `${plain(program.name)}: ${plain(program.state)}` : '',
     passes: Number.isFinite(summary.passes) ? grouped.format(summary.passes) : '' };
-  const tr = document.createElement('tr');
-  for (const key of columns) {
-    const td = tr.insertCell();
+  const tr = rows.get(cell.name) ?? newRow(cell);
+  for (const [at, key] of columns.entries()) {
+    const td = tr.cells[at];
     td.className = `${key} ${numbers.includes(key) ? 'number' : ''} ${key === 'state' ? state.replace(/[^a-z]/g, '') : ''}`;
     if (key === 'passes' || key === 'oee') td.dataset.label = t(key);
-    if (key === 'cell') td.append(link(cell));
-    else td.textContent = key in text ? text[key] ?? '' : cell.summary ? percent(cell.oee[key]) : '';
+    if (key !== 'cell') td.textContent = key in text ? text[key] ?? '' : cell.summary ? percent(cell.oee[key]) : '';
   }
   return tr;
 }
@@ -98,7 +108,8 @@ async function look() {
     document.title = site.name;
     sum.textContent = summaryOf(site.cells);
     sum.className = '';
-    document.getElementById('cells').replaceChildren(...sorted(site.cells).map(row));
+    const body = document.getElementById('cells'), shown = sorted(site.cells).map(row);
+    if (shown.length !== body.rows.length || shown.some((tr, at) => tr !== body.rows[at])) body.replaceChildren(...shown);
   } catch {
     sum.textContent = t('old');
     sum.className = 'old';
