@@ -210,11 +210,14 @@ bool Stage::supposes_met(const Location& where, bool has_else) {
 
 void Stage::comply(const std::string& robot, const program::Compliance&) {
   const std::string& name = moves_of_program().name_of(robot);
-  for (const auto& each : cell_.setup.robots)
-    if (each->entry.name == name && !may_feel_force(*each, cell_.setup.robots))
+  for (const auto& each : cell_.setup.robots) {
+    if (each->entry.name != name) continue;
+    ProgramMoves::check_compliance(each->entry);
+    if (!may_feel_force(*each, cell_.setup.robots))
       throw Error(
           "signal", "'" + name + "' has no force sensor, so it cannot yield to forces",
           "write `force_sensor: true` at the robot in cell.yaml, for physics, or use hardware with a sensor");
+  }
 }
 
 bool Stage::next_part(const std::string& belt, const std::string& robot) {

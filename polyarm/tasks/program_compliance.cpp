@@ -14,15 +14,14 @@ void ProgramMoves::comply(const std::string& robot, const program::Compliance& h
   Arm& arm = arms_[arm_of(robot, {})];
   moves::RobotMotion& motion = *arm.robot.motion;
   const std::string& name = arm.robot.robot->entry.name;
+  check_compliance(arm.robot.robot->entry);
   const Wrench felt = force.wrench(name);
-  if (motion.forward())
-    throw Error("forward-mode",
-                "'" + name + "' has `motion: forward`, and its controller cannot yield to forces",
-                "set `motion: stream` at the robot");
   if (arm.yields_next || (motion.complying() && !motion.compliance_ends()))
-    throw Error("value", "'" + name + "' yields to forces already", "write stiff() before another comply()");
+    throw Error("wrong-state", "'" + name + "' yields to forces already",
+                "write stiff() before another comply()");
   if (motion.riding())
-    throw Error("value", "'" + name + "' follows a belt and cannot yield to forces", "leave the belt first");
+    throw Error("wrong-state", "'" + name + "' follows a belt and cannot yield to forces",
+                "leave the belt first");
   moves::ComplianceSettings settings;
   settings.axes = how.axes;
   settings.push = how.push;
@@ -32,6 +31,14 @@ void ProgramMoves::comply(const std::string& robot, const program::Compliance& h
   arm.yields_next = settings;
   begin_next_compliance(arm, felt, force.time());
   arm.yielding = {how.most, {}};
+}
+
+void ProgramMoves::check_compliance(const RobotEntry& robot) {
+  const auto motion = robot.parameters.find("motion");
+  if (motion == robot.parameters.end() || motion->second != "forward") return;
+  throw Error("forward-mode",
+              "'" + robot.name + "' has `motion: forward`, and its controller does not yield to forces",
+              "leave comply() out, or set `motion: stream`");
 }
 
 /// After stiff() the robot first comes to rest.

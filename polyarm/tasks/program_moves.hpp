@@ -74,8 +74,11 @@ class ProgramMoves {
   void tick_rides();
   /// Robots that follow a belt come to rest.
   void end_rides();
-  /// The robot yields to forces until stiff(). Throws Error: without a sensor, on a belt, or a second time.
+  /// The robot yields to forces until stiff(). Throws Error: without a sensor, on a belt, a second time, or
+  /// as check_compliance().
   void comply(const std::string& robot, const program::Compliance& how, ForceReadings& force);
+  /// Throws Error("forward-mode") if the robot's own controller interpolates: it does not yield.
+  static void check_compliance(const RobotEntry& robot);
   /// Throws Error if the compliance has ended by itself.
   void stiff(const std::string& robot);
   /// Call it in each tick, before the moves.

@@ -201,6 +201,19 @@ TEST(UrForwardCheck, NamesTheMovesThatTheControllerCannotMake) {
   EXPECT_NE(ran.output.find("placing.script:3"), std::string::npos) << ran.output;
 }
 
+TEST(UrForwardCheck, NamesACallThatWouldLetTheToolYield) {
+  const ExampleCopy copy("ur_forward");
+  write_file_atomically(copy.file("placing.script"),
+                        "load job\nmovej AbovePick\ncomply(\"z\", force = 20N)\nstiff()\n");
+  for (const char* verb : {"check", "run"}) {
+    std::vector<std::string> line{verb, copy.path()};
+    if (line.front() == "run") line.insert(line.end(), {"--fast", "--json", "--no-socket"});
+    const Finished ran = run_command(line);
+    EXPECT_EQ(ran.exit_code, 1) << ran.output;
+    EXPECT_NE(ran.output.find("`motion: forward`"), std::string::npos) << ran.output;
+  }
+}
+
 TEST(UrFarSide, WrongOptionsAreRefused) {
   EXPECT_EQ(run_command({"far-side", "nachi"}).exit_code, 2);
   EXPECT_EQ(run_command({"far-side", "ur", "--software", "new"}).exit_code, 2);

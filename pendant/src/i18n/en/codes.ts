@@ -22,6 +22,7 @@ export const codes = {
   'told.unknown-request': 'The cell does not know this request',
   'told.bad-argument': 'A value is not allowed',
   'told.bad-value': 'A value is not allowed',
+  'told.duplicate-name': 'A name occurs twice',
   'told.bad-type': 'A value has the wrong kind',
   'told.bad-json': 'The text is not valid JSON',
   'told.no-socket': 'The local connection cannot be opened',

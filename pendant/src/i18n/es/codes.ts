@@ -20,6 +20,7 @@ export const codes: Record<keyof typeof en, string> = {
   'told.unknown-request': 'La celda no conoce esta petición',
   'told.bad-argument': 'Un valor no está permitido',
   'told.bad-value': 'Un valor no está permitido',
+  'told.duplicate-name': 'Un nombre aparece dos veces',
   'told.bad-type': 'Un valor es de otro tipo',
   'told.bad-json': 'El texto no es JSON válido',
   'told.no-socket': 'No se puede abrir la conexión local',
