@@ -22,8 +22,8 @@ constexpr double kSmoothing = 0.004;  // s, of the wrench
 constexpr double kHeld = 2e4;         // N/m: axes that do not yield come back to the path
 constexpr double kJointDamping = 1;   // 1/s
 constexpr double kInverseDamping = 1e-6;
-constexpr double kStands = 1e-4;        // rad/s or m/s
-constexpr double kShareOfLimits = 0.3;  // of the joints' velocities
+constexpr double kStands = 1e-4;                     // rad/s or m/s
+constexpr double kShareOfLimits = 0.3;               // of the joints' velocities
 constexpr double kFastest = 0.25, kFastestTurn = 1;  // m/s, rad/s
 constexpr double kBraking = 1, kTurnBraking = 10;    // m/s², rad/s²: before the end of the reach
 constexpr double kRest = 0.03;  // s in which a velocity falls to a third when the robot yields no more

@@ -20,11 +20,11 @@ namespace polyarm::moves {
 /// stay on the path.
 struct ComplianceSettings {
   std::array<bool, 6> axes{};
-  controllers::SixVector push{};  ///< N, N m: force with which the tool presses, along its axes
-  double stiffness = 0;           ///< K: N/m, of rotations times kRotation N m/rad
-  double damping = 1000;          ///< D: N s/m, of rotations times kRotation
-  double reach = 0.02;            ///< m: the sensor's origin stays within this distance of the path
-  static constexpr double kArm = 0.1;                ///< m
+  controllers::SixVector push{};       ///< N, N m: force with which the tool presses, along its axes
+  double stiffness = 0;                ///< K: N/m, of rotations times kRotation N m/rad
+  double damping = 1000;               ///< D: N s/m, of rotations times kRotation
+  double reach = 0.02;                 ///< m: the sensor's origin stays within this distance of the path
+  static constexpr double kArm = 0.1;  ///< m
   static constexpr double kRotation = kArm * kArm;  ///< m²
   /// rad: the sensor turns away from the path by at most this.
   double most_turn() const noexcept { return reach / kArm; }

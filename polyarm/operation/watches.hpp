@@ -118,7 +118,7 @@ class Watches {
 
   Owners cell_;
   std::optional<TorqueWatch> torques_;  ///< made in the first tick
-  bool torques_ran_ = true;  // the cell was running in the tick before
+  bool torques_ran_ = true;             // the cell was running in the tick before
   StopWatch stop_watch_;
   HeldPlace held_place_;
   std::vector<StopReport> stops_;

@@ -212,8 +212,8 @@ void PageSite::end_log_in(const std::string& from) {
     logins_waiting_.erase(own);
 }
 
-/// `enters`: it may connect, by a log-in or a link. The name only for a client that is logged in; why it ended
-/// for one that was.
+/// `enters`: it may connect, by a log-in or a link. The name only for a client that is logged in; why it
+/// ended for one that was.
 Json PageSite::who_may_log_in(const HttpRequest& request) {
   Json out{{"users", logins_.offered(steady_seconds())}};
   if (request.token != Shown::nothing && request.token != Shown::wrong) out["enters"] = true;

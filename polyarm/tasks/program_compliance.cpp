@@ -53,9 +53,11 @@ void ProgramMoves::begin_next_compliance(Arm& arm, const Wrench& felt, Nanosecon
 void ProgramMoves::note_end_of_compliance(Arm& arm) const {
   if (!arm.yielding || arm.yielding->failure || arm.yields_next || arm.robot.motion->complying()) return;
   const std::string& name = arm.robot.robot->entry.name;
-  arm.yielding->failure = Problem{
-      "signal", {}, "'" + name + "' yields to forces no longer: a stop or a discard has ended it",
-      "write comply() again before the next move"};
+  arm.yielding->failure =
+      Problem{"signal",
+              {},
+              "'" + name + "' yields to forces no longer: a stop or a discard has ended it",
+              "write comply() again before the next move"};
 }
 
 /// A move that relies on a tool that yields does not begin with a stiff one: it fails once.
@@ -102,6 +104,10 @@ void ProgramMoves::tick_compliance(ForceReadings& force) {
     arm.yielding->reported = !motion->at_end();  // by the moves that are left
     motion->fail_compliance(*arm.yielding->failure);
   }
+}
+
+bool ProgramMoves::yields() const {
+  return std::any_of(arms_.begin(), arms_.end(), [](const Arm& arm) { return arm.yielding.has_value(); });
 }
 
 bool ProgramMoves::stands(const std::string& robot) const {

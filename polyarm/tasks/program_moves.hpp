@@ -83,6 +83,8 @@ class ProgramMoves {
   void stiff(const std::string& robot);
   /// Call it in each tick, before the moves.
   void tick_compliance(ForceReadings& force);
+  /// True between comply() and stiff() of a robot.
+  bool yields() const;
   /// True if nothing moves the robot with this name.
   bool stands(const std::string& robot) const;
   /// Robots that yield become stiff.

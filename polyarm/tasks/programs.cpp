@@ -340,7 +340,10 @@ void Programs::tick_program() {
   if (!safe_points_) return program_->tick();
   if (held_parts_->changed(machine_.snapshot()))
     safe_points_->set_held(held_parts_->names(machine_.snapshot()));
-  const auto look = [&] { safe_points_->tick(machine_.now(), *program_, plc_.get(), data_.store); };
+  // A program that goes on behind comply() would press with a stiff tool.
+  const auto look = [&] {
+    safe_points_->tick(machine_.now(), *program_, plc_.get(), data_.store, !moves_ || !moves_->yields());
+  };
   program_->tick(look);
   look();
 }

@@ -262,9 +262,10 @@ SafePoint taken(const Task& task, const Task* plc, const data::DataStore& store)
 }
 }  // namespace
 
-void SafePoints::tick(Nanoseconds now, const Task& task, const Task* plc, const data::DataStore& store) {
+void SafePoints::tick(Nanoseconds now, const Task& task, const Task* plc, const data::DataStore& store,
+                      bool may_take) {
   const program::Interpreter& interpreter = task.interpreter();
-  if (!task.ended() && interpreter.safe()) {
+  if (may_take && !task.ended() && interpreter.safe()) {
     const program::Place at = interpreter.position(),
                          plc_at = plc ? plc->interpreter().position() : program::Place{};
     const auto differ = [](const program::Place& a, const program::Place& b) {

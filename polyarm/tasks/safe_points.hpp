@@ -37,8 +37,8 @@ class SafePoints {
 
   /// Call between statements and after each tick of the program: records the state at safe points if it or
   /// the data have changed. At most one write is in progress, and the newest state is written next. `plc`:
-  /// null without one.
-  void tick(Nanoseconds now, const Task& task, const Task* plc, const data::DataStore& store);
+  /// null without one. `may_take`: false where a program that is continued would lack something.
+  void tick(Nanoseconds now, const Task& task, const Task* plc, const data::DataStore& store, bool may_take);
   /// Call when a gripper has picked or released a part, at any line of the program.
   void set_held(std::vector<std::string> held);
   /// Writes the pending state. A program that has completed leaves no safe point.

@@ -339,6 +339,28 @@ TEST_F(ProgramControl, GoesOnInAnotherProcessWhereItWasCutOff) {
   EXPECT_EQ(cell::to_json(cell::safe_point_from_json(written, "")), written);
 }
 
+TEST_F(ProgramControl, GoesOnBeforeComplyWhereTheToolYielded) {
+  const std::string urdf = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
+  folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + urdf +
+                                ", hardware: mock, force_sensor: true}\nprogram: job\n");
+  folder.write("job.script",
+               "load work\n"                                           // 1
+               "movej joints(0deg, -90deg, 0deg, 0deg, 0deg, 0deg)\n"  // 2
+               "wait 100ms\n"                                          // 3
+               "comply(\"z\", force = 1N)\n"                           // 4
+               "wait 500ms\n"                                          // 5
+               "set Placed = 1\n"                                      // 6
+               "wait 5s\n"                                             // 7
+               "stiff()\n");                                           // 8
+  begin();
+  run_to(7);
+  cell().keep_safe_point();
+  cell().files().flush();
+  begin();
+  EXPECT_LE(cell().continue_program().where.line, 4);
+  EXPECT_EQ(placed(), 0);
+}
+
 /// The same cell with a PLC that counts, with tags, and with points in a frame.
 class WithPlc : public ProgramControl, public cell::Observer {
  protected:

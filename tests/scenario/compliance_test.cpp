@@ -112,15 +112,16 @@ TEST_F(InTheAir, AStopEndsItWhereTheToolIs) {
 TEST_F(InTheAir, AMoveAfterADiscardFailsInsteadOfPressingWithAStiffTool) {
   const std::string expected =
       "on error e\n  if not (find(e.text, \"no longer\") > 0)\n    raise\n  end\nend\n";
-  expect_passes(std::string(kPress) + "wait 3s\ntry\n  movel ready, touch\n  raise \"it moved\"\n" + expected +
-                    "try\n  stiff()\n  raise \"fine\"\n" + expected + "movel ready\n",
+  expect_passes(std::string(kPress) + "wait 3s\ntry\n  movel ready, touch\n  raise \"it moved\"\n" +
+                    expected + "try\n  stiff()\n  raise \"fine\"\n" + expected + "movel ready\n",
                 "  wait 500ms\n  person(\"hold\")\n  wait 300ms\n  person(\"discard\")\n  wait 300ms\n"
                 "  person(\"resume\")\n  expect program.state == \"finished\" timeout 20s\n");
 }
 
 TEST_F(InTheAir, AnotherComplyMayFollowStiffAtOnce) {
-  expect_passes(std::string(kPress) + "wait 300ms\nstiff()\ncomply(\"z\", force = -20N, reach = 150mm)\n"
-                                      "movel offset(ready, x = 50mm), speed 50mm/s, touch\nstiff()\n",
+  expect_passes(std::string(kPress) +
+                    "wait 300ms\nstiff()\ncomply(\"z\", force = -20N, reach = 150mm)\n"
+                    "movel offset(ready, x = 50mm), speed 50mm/s, touch\nstiff()\n",
                 "  expect program.state == \"finished\" timeout 20s\n  expect Z > 0.405\n");
 }
 
