@@ -28,6 +28,7 @@ constexpr int kMostStalls = 100;      // steps in which no statement began
 constexpr std::uint64_t kPasses = 2;
 constexpr std::uint64_t kCountedPasses = 50;  // for a loop whose condition compares
 constexpr std::size_t kMostVariants = 40;     // supposed values that decide branches
+constexpr std::size_t kFewMoves = Stage::kMostMoves / 10;
 
 /// Ends waits by setting values. Changes one value at a time, so a wait for one of two signals sees a single
 /// change.
@@ -102,30 +103,32 @@ bool leaves_by_comparison(const program::Block& body) {
     return std::any_of(block.begin(), block.end(), [](const auto& s) { return s.kind == Kind::break_loop; });
   };
   return std::any_of(body.begin(), body.end(), [&](const program::Statement& s) {
+    bool compared = false;  // in this branch or in one before it, as for an `else`
     return std::any_of(s.branches.begin(), s.branches.end(), [&](const auto& branch) {
-      return branch.condition && compares(*branch.condition) && breaks(branch.body);
+      compared = compared || (branch.condition && compares(*branch.condition));
+      return compared && breaks(branch.body);
     });
   });
 }
 
 /// Number of passes of the main loop to follow: kCountedPasses if its condition, or that of a `break`,
 /// compares, because it may count to an end; otherwise kPasses. A comparing loop that only calculates has no
-/// limit here, until it counts as endless.
-std::uint64_t passes_of(const program::Program& program) {
+/// limit here, until it counts as endless. `at_breaks`: false disregards each `break`.
+std::uint64_t passes_of(const program::Program& program, bool at_breaks) {
   for (const program::Statement& s : program.statements) {
     if (s.kind != program::Statement::Kind::while_loop || !s.expression) continue;
-    if (!compares(*s.expression) && !leaves_by_comparison(s.body)) continue;
+    if (!compares(*s.expression) && !(at_breaks && leaves_by_comparison(s.body))) continue;
     return only_calculates(s.body) ? std::numeric_limits<std::uint64_t>::max() : kCountedPasses;
   }
   return kPasses;
 }
 
 void go_through(Stage& stage, const std::shared_ptr<program::Compiled>& compiled,
-                const PossibleValues& values, const Supposition& supposed) {
+                const PossibleValues& values, const Supposition& supposed, bool at_breaks) {
   program::Interpreter interpreter(compiled, stage);
   stage.attend(&interpreter);
   // A counting loop may never end if one name is kept constant; then only kPasses are followed.
-  const std::uint64_t passes = supposed.kept ? kPasses : passes_of(compiled->program);
+  const std::uint64_t passes = supposed.kept ? kPasses : passes_of(compiled->program, at_breaks);
   interpreter.limit_passes(passes);
   Helper helper(stage, values, supposed.late);
   std::uint64_t events = 0;
@@ -167,13 +170,13 @@ struct Pass {
   std::map<std::string, Question> questions;
 };
 
-/// One pass through the program, with values that end its waits.
+/// One pass through the program, with values that end its waits. `at_breaks`: of passes_of().
 Pass run_once(const Subject& subject, const PossibleValues& values, const Supposition& supposed,
-             bool with_paths) {
+             bool with_paths, bool at_breaks) {
   Stage stage(subject.cell, subject.compiled()->program, subject.others(), subject.moves, with_paths);
   stage.suppose(supposed);
   try {
-    go_through(stage, subject.compiled(), values, supposed);
+    go_through(stage, subject.compiled(), values, supposed, at_breaks);
   } catch (const Error&) {  // other errors are reported elsewhere
   }
   Pass out{{}, stage.questions()};
@@ -246,16 +249,18 @@ class Explorer {
                 [&subject](const std::string& name) { return subject.cell.data.store.find(name); }) {}
 
   Rehearsal run(bool with_paths) {
-    Pass first = run_once(subject_, values_, {}, with_paths);
+    Pass first = run_once(subject_, values_, {}, with_paths, true);
     Rehearsal out = std::move(first.found);
     for (const Problem& problem : out.problems.list()) is_new(problem);
     add_answers(first.questions);
     for (Supposition& each : in_turn(groups_of_suppositions(subject_, values_)))
       todo_.push_back(std::move(each));
+    // Loops of many moves that end at a `break` would use up the moves of all other passes.
+    const bool at_breaks = out.moves <= kFewMoves;
     std::size_t moves = 0;
     for (; out.variants < todo_.size(); ++out.variants) {
       if (out.variants >= kMostVariants || moves > Stage::kMostMoves) break;
-      const Pass pass = run_once(subject_, values_, todo_[out.variants], false);
+      const Pass pass = run_once(subject_, values_, todo_[out.variants], false, at_breaks);
       moves += pass.found.moves;
       add_answers(pass.questions);
       for (const Problem& problem : pass.found.problems.list())

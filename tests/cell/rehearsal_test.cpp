@@ -220,6 +220,9 @@ TEST(Rehearsal, ALoopIsFollowedUpToTheBreakOfItsCounter) {
                               "  movel offset(start, z = -n * 1mm)\nend\nlog(10 / (n - 2))\n"
                               "movel offset(start, z = (n - 11) * 1m)\n");
   EXPECT_EQ(found.texts, "");
+  const Found otherwise = checked("let n = 0\nwhile true\n  set n = n + 1\n  if n < 11\n    wait 1ms\n  else\n"
+                                  "    break\n  end\nend\nlog(10 / (n - 2))\n");
+  EXPECT_EQ(otherwise.texts, "");
 }
 
 TEST(Rehearsal, ThePlcIsGoneThrough) {
