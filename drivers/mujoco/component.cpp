@@ -74,9 +74,11 @@ CallbackReturn MujocoComponent::on_init(const hardware::ComponentContext& contex
       for (const char* axis : kWrenchNames)
         states_.push_back({facts.name + "/" + sensor.name + "/" + axis, 0.0});
     if (std::any_of(sensors.begin(), sensors.end(),
-                    [](const ForceSensor& each) { return each.errors.any(); }))
-      for (const ForceSensor& sensor : sensors)
-        robot.errors.emplace_back(sensor.errors, robots_.size() * sensors.size() + robot.errors.size());
+                    [](const ForceSensor& each) { return each.errors.any(); })) {
+      std::size_t series = 0;  // those of the robots before are taken
+      for (const Robot& each : robots_) series += each.errors.size();
+      for (const ForceSensor& sensor : sensors) robot.errors.emplace_back(sensor.errors, series++);
+    }
     for (auto* values : {&robot.position, &robot.velocity, &robot.effort}) values->assign(robot.joints, NAN);
     if (robot.gripper->suction() || robot.gripper->parallel()) {
       const std::string tool = facts.name + "/tool/";

@@ -113,8 +113,9 @@ void DataFiles::bind(const data::ImportFile& file, const data::DataSet& own, con
 }
 
 void DataFiles::note_warnings(const data::ImportFile& own) {
+  constexpr std::size_t kMost = 1000;  // a file that another program writes may bring others each time
   for (const Problem& each : own.warnings())
-    if (noted_.insert(each.text()).second) warnings_.push_back(each);
+    if (noted_.size() < kMost && noted_.insert(each.text()).second) warnings_.push_back(each);
 }
 
 void DataFiles::adopt(Load& load) {
