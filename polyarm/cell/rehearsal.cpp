@@ -172,7 +172,7 @@ struct Pass {
 
 /// One pass through the program, with values that end its waits. `at_breaks`: of passes_of().
 Pass run_once(const Subject& subject, const PossibleValues& values, const Supposition& supposed,
-             bool with_paths, bool at_breaks) {
+              bool with_paths, bool at_breaks) {
   Stage stage(subject.cell, subject.compiled()->program, subject.others(), subject.moves, with_paths);
   stage.suppose(supposed);
   try {

@@ -31,9 +31,9 @@ struct Rehearsal {
 /// Rehearses the program of a cell that has not started; needs no time and no robots. Each move is planned
 /// from the end of the move before and counts as made. The main loop is passed twice, or more often if its
 /// condition, or that of a `break`, compares. Waits are ended by setting values; afterwards the cell's values
-/// are restored. Then the rehearsal repeats, a bounded number of times, with other values of names that others
-/// set, other answers to questions, waits that time out, each `until` that ends otherwise, and errors in each
-/// `try`. Cell thread.
+/// are restored. Then the rehearsal repeats, a bounded number of times, with other values of names that
+/// others set, other answers to questions, waits that time out, each `until` that ends otherwise, and errors
+/// in each `try`. Cell thread.
 ///
 /// A problem after such a wait is an error if it occurs for every outcome of the wait: neither the values of
 /// its line nor the start of its move depend on what others set. Otherwise it is a warning. `with_paths` also

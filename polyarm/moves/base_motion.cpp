@@ -87,6 +87,13 @@ double BaseMotion::covered() const {
   return (place_.x - begin_.x) * std::cos(begin_.heading) + (place_.y - begin_.y) * std::sin(begin_.heading);
 }
 
+std::optional<BaseMotion::Left> BaseMotion::left() const {
+  if (!active_) return std::nullopt;
+  const double sign = move_.amount < 0 ? -1 : 1;
+  const double rest = std::max(0.0, sign * (move_.amount - (planned_ ? covered() : 0)));
+  return move_.turns ? Left{0, rest} : Left{rest, 0};
+}
+
 bool BaseMotion::plan(double from) {
   const std::array<MotionState, 1> start{{{from, 0, 0}}}, target{{{move_.amount, 0, 0}}};
   const std::array<MotionLimits, 1> limits{limits_};

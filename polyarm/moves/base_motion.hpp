@@ -43,6 +43,11 @@ class BaseMotion {
   void drop();
 
   bool idle() const { return !active_; }
+  /// What is left of the present move: m straight, or rad on the spot, not negative. No move: nothing.
+  struct Left {
+    double way = 0, turn = 0;
+  };
+  std::optional<Left> left() const;
   State state_of(std::uint64_t id) const;
   /// The reason why the last move failed.
   const std::optional<Problem>& problem() const { return problem_; }

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "polyarm/base/error.hpp"
+#include "polyarm/force/compliance.hpp"
 #include "polyarm/joint_control/joint_trajectory_controller.hpp"
-#include "polyarm/moves/compliance.hpp"
 #include "polyarm/moves/frame_ride.hpp"
 #include "polyarm/moves/move_plan.hpp"
 #include "polyarm/moves/obstacles.hpp"

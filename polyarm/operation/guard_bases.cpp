@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "polyarm/operation/guard_work.hpp"
 
@@ -34,6 +35,13 @@ struct Guards::NearBase {
   int pair = -1;
   std::uint32_t other = 0;  ///< the body of it that the base does not carry
   GuardGap gap;
+};
+
+/// How a base comes to rest.
+struct Guards::BaseWay {
+  double braking = kDeceleration;                    ///< m/s²
+  double latency = 0;                                ///< s, before it brakes
+  std::optional<moves::BaseMotion::Left> left = {};  ///< of a move that ends by itself; nothing: it drives on
 };
 
 /// Sees how a base moves. Says once that nothing guards the arm on a base that drives.
@@ -83,8 +91,8 @@ double Guards::braking_of_base(std::size_t r) const {
 }
 
 /// `velocity`: of the base in the world, `turning`: about the vertical.
-Guards::NearBase Guards::near_base(std::size_t r, const Vec3& velocity, double turning, double braking,
-                                   double latency) const {
+Guards::NearBase Guards::near_base(std::size_t r, const Vec3& velocity, double turning,
+                                   const BaseWay& way) const {
   NearBase out;
   surroundings::GuardBodies& bodies = *work_->bodies;
   const Vec3 middle = work_->moment.robots[r].base.position;
@@ -101,7 +109,7 @@ Guards::NearBase Guards::near_base(std::size_t r, const Vec3& velocity, double t
   using Kind = surroundings::BodyKind;
   const double fastest = norm(velocity) + std::abs(turning) * kFarthestPoint;
   const double clearance = cell_.setup.file.guards.clearance;
-  const double within = clearance + fastest * fastest / (2 * braking) + fastest * latency;
+  const double within = clearance + fastest * fastest / (2 * way.braking) + fastest * way.latency;
   for (std::size_t i = 0; i < bodies.pairs().size(); ++i) {
     const GuardPair& pair = bodies.pairs()[i];
     if (!pair.active || pair.own || pair.of_part || pair.slack >= within) continue;
@@ -114,7 +122,10 @@ Guards::NearBase Guards::near_base(std::size_t r, const Vec3& velocity, double t
     const double closing = -dot(moves, away);
     if (closing < kClosesIn) continue;
     const double room = std::max(0.0, gap.distance - clearance);
-    const double most = braking * (std::sqrt(latency * latency + 2 * room / braking) - latency);
+    if (way.left && way.left->way + way.left->turn * norm(point - middle) <= room)
+      continue;  // it ends before
+    const double most =
+        way.braking * (std::sqrt(way.latency * way.latency + 2 * room / way.braking) - way.latency);
     if (most >= out.share * closing) continue;
     out = {most / closing, static_cast<int>(i), a ? pair.b : pair.a, gap};
   }
@@ -127,7 +138,7 @@ BaseShare Guards::share_of_base(std::size_t r, double ahead, double turn) {
   const bool knows = work_->bodies && work_->bodies->has_looked() && work_->seen >= 0;
   if (work_->off || !knows || !cell_.setup.file.guards.bases || !cell_.motions.wheels(r)) return {};
   const Vec3 velocity = work_->moment.robots[r].base.rotation * Vec3{ahead, 0, 0};
-  const NearBase found = near_base(r, velocity, turn, braking_of_base(r) / 2, kLatencyOfKeys);
+  const NearBase found = near_base(r, velocity, turn, {braking_of_base(r) / 2, kLatencyOfKeys});
   if (found.pair < 0) return {};
   return {found.share < kLeastShare ? 0 : found.share, work_->bodies->name(found.other)};
 }
@@ -137,7 +148,8 @@ void Guards::look_at_base(std::size_t r) {
   Of& of = work_->robots[r];
   if (!base_drives(r) || !runs()) return;
   const Vec3 velocity{of.base_velocity.x, of.base_velocity.y, 0};
-  const NearBase found = near_base(r, velocity, of.base_turning, braking_of_base(r), kLatencyOfHold);
+  const BaseWay way{braking_of_base(r), kLatencyOfHold, cell_.motions.wheels(r)->left()};
+  const NearBase found = near_base(r, velocity, of.base_turning, way);
   if (found.pair < 0) return;
   of.ahead_of = {0, found.pair, found.gap, cell_.setup.file.guards.clearance};
   stop_before(r, "guard", cell_.setup.robots[r]->entry.name + " stopped before a contact: " + text_of(r));

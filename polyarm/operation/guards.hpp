@@ -79,8 +79,8 @@ class Guards {
   bool base_drives(std::size_t robot) const;
   BaseShare share_of_base(std::size_t robot, double ahead, double turn);
   struct NearBase;
-  NearBase near_base(std::size_t robot, const Vec3& velocity, double turning, double braking,
-                     double latency) const;
+  struct BaseWay;
+  NearBase near_base(std::size_t robot, const Vec3& velocity, double turning, const BaseWay& way) const;
   double braking_of_base(std::size_t robot) const;
   void look_at_base(std::size_t robot);
   std::optional<Motions::Points> points(std::size_t robot) const;

@@ -237,9 +237,10 @@ ProgramFrom::Answer program_from(const ProgramOwners& cell, const ProgramFrom& r
   if (runs)
     throw Error("still-running", "the program is running: " + task->sentence(), "polyarm control pause");
   if (!cell.machine.snapshot().standing || !cell.motions.all_idle())
-    throw Error("moving", "a robot still moves",
-                "wait until it has arrived; one that follows a belt, or yields to forces, goes on until the program "
-                "ends: program.stop");
+    throw Error(
+        "moving", "a robot still moves",
+        "wait until it has arrived; one that follows a belt, or yields to forces, goes on until the program "
+        "ends: program.stop");
   const std::optional<Shown> shown = as_shown(cell, request);
   const program::StartReport report =
       cell.programs.prepare(request.program.value_or(""), static_cast<int>(line));

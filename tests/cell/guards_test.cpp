@@ -333,7 +333,7 @@ TEST_F(GuardsTest, AMoveThatWasPlannedInAnotherProfileStopsBeforeAZoneOfThisOne)
   EXPECT_LT(x(), 0.2);
   EXPECT_GT(x(), 0.001);
   cell->result({{"request", "profile"}, {"name", "reduced"}});
-  cell->run(8);
+  cell->run(16);
   EXPECT_EQ(state(), "held");
   EXPECT_LE(x(), 0.3);
   EXPECT_GT(x(), 0.28);
@@ -361,7 +361,7 @@ TEST_F(GuardsTest, AZoneOfBodiesMayBelongToAProfile) {
         "workspace:\n  roof: {plane: [0, 0, 0.3], normal: [0, 0, -1], of: bodies, profile: reduced}\n", true);
   cell->run(0.5);
   cell->result({{"request", "profile"}, {"name", "reduced"}});
-  cell->run(8);
+  cell->run(20);
   EXPECT_EQ(state(), "held");
   EXPECT_LE(z(), 0.3 - kBall + 1e-3);
   EXPECT_NE(cell->cell().stop_cause().what.find("zone roof"), std::string::npos)

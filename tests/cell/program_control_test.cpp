@@ -342,7 +342,7 @@ TEST_F(ProgramControl, GoesOnInAnotherProcessWhereItWasCutOff) {
 TEST_F(ProgramControl, GoesOnBeforeComplyWhereTheToolYielded) {
   const std::string urdf = std::string(POLYARM_SOURCE_DIR) + "/examples/r6bot/r6bot.urdf";
   folder.write("cell.yaml", "polyarm: cell/1\nrobots:\n  arm: {model: " + urdf +
-                                ", hardware: mock, force_sensor: true}\nprogram: job\n");
+                                ", hardware: mujoco, force_sensor: true}\nprogram: job\n");
   folder.write("job.script",
                "load work\n"                                           // 1
                "movej joints(0deg, -90deg, 0deg, 0deg, 0deg, 0deg)\n"  // 2

@@ -200,16 +200,18 @@ TEST(Rehearsal, ATimeOutIsTakenToo) {
 
 TEST(Rehearsal, BehindASearchTheProgramIsFollowed) {
   const std::string search = "movel offset(start, z = -50mm), until Ready else\n  raise \"nothing\"\nend\n";
-  EXPECT_EQ(checked(kBend + search + "movel start\n").texts, "");
-  EXPECT_NE(checked(kBend + search + "movel offset(start, x = 9m)\n").texts.find("E6 "), std::string::npos);
+  EXPECT_EQ(checked(kBend + search + "movel start\n", kTags).texts, "");
+  EXPECT_NE(checked(kBend + search + "movel offset(start, x = 9m)\n", kTags).texts.find("E6 "),
+            std::string::npos);
   // Where the search ends is not known: a way from there is a warning.
-  const Found from_there = checked(kBend + search + "movel offset(here(), x = 9m)\n");
+  const Found from_there = checked(kBend + search + "movel offset(here(), x = 9m)\n", kTags);
   EXPECT_NE(from_there.texts.find("W6 "), std::string::npos) << from_there.texts;
   const Found otherwise =
       checked(kBend +
-              "movel offset(start, z = -50mm), until Ready else\n  movel offset(start, x = 9m)\nend\n"
-              "movel offset(start, z = -50mm), until Ready\n"
-              "if met()\n  movel offset(start, x = 9m)\nend\n");
+                  "movel offset(start, z = -50mm), until Ready else\n  movel offset(start, x = 9m)\nend\n"
+                  "movel offset(start, z = -50mm), until Ready\n"
+                  "if met()\n  movel offset(start, x = 9m)\nend\n",
+              kTags);
   EXPECT_NE(otherwise.texts.find("4 unreachable"), std::string::npos) << otherwise.texts;
   EXPECT_NE(otherwise.texts.find("8 unreachable"), std::string::npos) << otherwise.texts;
 }
@@ -220,8 +222,9 @@ TEST(Rehearsal, ALoopIsFollowedUpToTheBreakOfItsCounter) {
                               "  movel offset(start, z = -n * 1mm)\nend\nlog(10 / (n - 2))\n"
                               "movel offset(start, z = (n - 11) * 1m)\n");
   EXPECT_EQ(found.texts, "");
-  const Found otherwise = checked("let n = 0\nwhile true\n  set n = n + 1\n  if n < 11\n    wait 1ms\n  else\n"
-                                  "    break\n  end\nend\nlog(10 / (n - 2))\n");
+  const Found otherwise = checked(
+      "let n = 0\nwhile true\n  set n = n + 1\n  if n < 11\n    wait 1ms\n  else\n"
+      "    break\n  end\nend\nlog(10 / (n - 2))\n");
   EXPECT_EQ(otherwise.texts, "");
 }
 

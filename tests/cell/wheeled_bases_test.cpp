@@ -104,6 +104,8 @@ class WheeledBases : public ::testing::Test {
                  "polyarm: cell/1\nrobots:\n  base: {model: base.urdf, hardware: mock}\nscene: scene.yaml\n"
                  "controllers: controllers.yaml\nprogram: go\n" +
                      guards);
+    hardware::register_driver(
+        "mock", [] { return std::unique_ptr<hardware::Component>(new drivers::MockComponent); });
     CellOptions options;
     options.waits = true;
     cell = std::make_unique<LockStepCell>(read_cell_file(folder.path()), options);

@@ -1,4 +1,4 @@
-#include "polyarm/moves/compliance.hpp"
+#include "polyarm/force/compliance.hpp"
 
 #include <gtest/gtest.h>
 

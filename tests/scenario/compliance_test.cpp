@@ -87,7 +87,7 @@ TEST_F(InTheAir, TwoRobotsYieldEachByItself) {
 TEST_F(InTheAir, TheEndOfAProgramMakesTheToolStiff) {
   expect_passes(
       std::string(kPress) + "wait 200ms\n",
-      "  expect program.state == \"finished\" timeout 20s\n  wait 100ms\n  let z = Z\n  wait 500ms\n"
+      "  expect program.state == \"finished\" timeout 20s\n  wait 300ms\n  let z = Z\n  wait 500ms\n"
       "  expect abs(Z - z) < 0.00001\n");
 }
 
@@ -172,7 +172,7 @@ TEST(CollisionTorque, StopsARobotThatPushesAgainstAWall) {
   write("30Nm");
   const Finished stopped = run_command(line);
   EXPECT_EQ(stopped.exit_code, 1) << stopped.output;
-  EXPECT_NE(stopped.output.find("job.script:3:1: error: "), std::string::npos) << stopped.output;
+  EXPECT_NE(stopped.output.find("job.script:2:1: error: "), std::string::npos) << stopped.output;
   EXPECT_NE(stopped.output.find("from outside, more than the 30 Nm of collision_torque"), std::string::npos)
       << stopped.output;
   write("{elbow: 30Nm}");
