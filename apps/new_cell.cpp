@@ -402,7 +402,7 @@ class LayoutsToTry {
         sizes_(sizes),
         untried_(layouts(sizes, robot.facts->chain.forward(robot.start), pivot_of(robot))) {}
 
-  /// The next one; nothing if there is none left.
+  /// The next candidate; empty after the last one.
   std::optional<Layout> next() {
     while (!untried_.empty()) {
       const auto found =

@@ -110,7 +110,7 @@ void MoveQueue::land() {
 
 MoveMessage MoveQueue::next() {
   if (!std::exchange(led_, true)) place_ = report_.q, moved_at_ = report_.time;
-  held_ = false;  // before the pace is read: what stands may move from here on
+  held_ = false;  // cleared before the pace is read, because the robot may move from here on
   for (ForwardMove move; queue_.pop(move);) moves_.push_back(move);
   const double pace = pace_.load();
   const bool clears = clear_wanted_.load(std::memory_order_acquire) != clear_done_.load();

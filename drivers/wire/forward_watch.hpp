@@ -17,7 +17,7 @@ namespace polyarm::wire {
 class ForwardWatch {
  public:
   void begin() noexcept { commanded_.fill(std::numeric_limits<double>::quiet_NaN()); }
-  /// The first joint with a new command that is elsewhere than measured; nothing if there is none.
+  /// The first joint whose new command differs from its measured position; nothing if no joint differs.
   std::optional<int> strays(std::span<const double> commands, const Six& measured) noexcept {
     constexpr double kElsewhere = 0.1;  // rad
     for (std::size_t j = 0; j < 6; ++j) {

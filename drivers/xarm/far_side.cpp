@@ -32,7 +32,7 @@ constexpr wire::OrderKind kKinds[] = {
     {"other_axes", "the version names an arm with so many axes (7)"},
     {"silent", "no reports"},
     {"late", "so many reports come late and together (10)"},
-    {"nonsense", "one report is none"},
+    {"nonsense", "one report is not valid"},
     {"short_report", "one report has a length that is too small"},
     {"not_a_number", "one report has a position that is NaN"},
     {"mute", "no answers"},

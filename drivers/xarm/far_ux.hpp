@@ -12,7 +12,7 @@ namespace polyarm::xarm {
 /// What goes wrong on purpose.
 struct FarFaults {
   bool silent = false;          ///< no reports
-  bool nonsense = false;        ///< the next report is none
+  bool nonsense = false;        ///< the next report is not valid
   bool short_report = false;    ///< the next report has a length that is too small
   bool not_a_number = false;    ///< the next report has a position that is NaN
   bool mute = false;            ///< no answers

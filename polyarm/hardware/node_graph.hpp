@@ -51,7 +51,7 @@ class LetterQueue {
     ++count_;
     return true;
   }
-  /// Exchanges `out` for the oldest payload; false if there is none.
+  /// Swaps `out` with the oldest payload. Returns false if no payload waits.
   bool take(Letter& out) {
     enter(true);
     const Leave leave{busy_};

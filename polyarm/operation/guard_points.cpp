@@ -30,7 +30,7 @@ std::optional<Motions::Points> Guards::points(std::size_t r) const {
   return out && !out->goal->trajectory.empty() ? out : std::nullopt;
 }
 
-/// A trajectory of points that moves a robot is followed as a move is; false if there is none.
+/// Looks along the trajectory of points that moves the robot, as along a move. Returns false without one.
 bool Guards::see_points(std::size_t r) {
   constexpr std::uint64_t kOfPoints = std::uint64_t{1} << 63;
   Of& of = work_->robots[r];

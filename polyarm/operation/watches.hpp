@@ -100,7 +100,7 @@ class Watches {
   Problem problem_of(const ContactReport& contact) const;
   void add_component(std::size_t component, Facts& facts) const;
   std::string blame(Facts& facts) const;
-  /// The deepest contact at present, if it may explain a fault of this cause; empty if there is none.
+  /// The deepest present contact, if it can explain a fault with this cause; empty without a contact.
   std::string contact_behind(control::StopCause cause) const;
   void watch_fault();
   void watch_groups();
