@@ -160,11 +160,11 @@ class HardwareCheck {
   void shape(const HardwareInfo& hardware) {
     const auto joints = std::count_if(hardware.components.begin(), hardware.components.end(),
                                       [](const ComponentInfo& c) { return c.kind == "joint"; });
-    if (hardware.type == "actuator" && joints != 1)
-      problems_.error("bad-type", hardware.where,
-                      "the actuator '" + hardware.name + "' has " + std::to_string(joints) +
-                          " joints, an actuator moves one",
-                      "write type=\"system\", or one <ros2_control> for each joint");
+    if (hardware.type == "actuator" && (joints > 1 || hardware.components.empty()))
+      warnings_.warning("bad-type", hardware.where,
+                        "the actuator '" + hardware.name + "' has " + std::to_string(joints) +
+                            " joints, an actuator moves one; it is read as a system",
+                        "write type=\"system\", or one <ros2_control> for each joint");
     if (hardware.type != "sensor") return;
     for (const ComponentInfo& c : hardware.components)
       if (!c.command_interfaces.empty())

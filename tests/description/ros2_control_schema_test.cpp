@@ -257,9 +257,6 @@ std::vector<Bad> bad_blocks() {
        "did you mean 'float32'", "double, float32, bool"},
       {"LimitsWithoutEnable", block("<joint name=\"one\">\n<limits/></joint>\n"), 12, "missing-attribute",
        "'enable'", "enable=\"false\""},
-      {"ActuatorOfTwoJoints",
-       block("<joint name=\"one\"/><joint name=\"two\"/>\n", "name=\"h\" type=\"actuator\""), 10, "bad-type",
-       "has 2 joints", "type=\"system\""},
       {"TransmissionWithoutPlugin", transmission("<joint name=\"one\" role=\"joint1\"/>"), 12, "missing-tag",
        "no plugin", "SimpleTransmission"},
       {"TransmissionWithoutJoint", transmission(plugin), 12, "missing-tag", "no <joint>", "role=\"joint1\""},
@@ -334,6 +331,15 @@ TEST(Ros2Control, AJointThatIsNamedTwiceHasTheInterfacesOfBoth) {
   EXPECT_EQ(one.parameters.at("id"), "1");
 }
 
+TEST(Ros2Control, AnActuatorMayHaveAGpioAlone) {
+  Problems warnings;
+  const RobotModel model = read(block("<gpio name=\"fan\"><command_interface name=\"power\"/></gpio>\n",
+                                      "name=\"h\" type=\"actuator\""),
+                                warnings);
+  EXPECT_TRUE(warnings.list().empty());
+  EXPECT_EQ(model.hardware.at(0).components.size(), 1u);
+}
+
 TEST(Ros2Control, CommandInterfacesOfAFollowerAreLeftOut) {
   Problems warnings;
   const RobotModel model = read(block("<joint name=\"slave\"><command_interface "
@@ -374,6 +380,9 @@ std::vector<Odd> odd_blocks() {
       {"NoName", block("", "type=\"system\""), 10, "missing-attribute", "has no name; it is called"},
       {"EmptyName", block("", "name=\"\" type=\"system\""), 10, "missing-attribute", "write name="},
       {"TypeInCapitals", block("", "name=\"h\" type=\"System\""), 10, "bad-type", "read as 'system'"},
+      {"ActuatorOfTwoJoints",
+       block("<joint name=\"one\"/><joint name=\"two\"/>\n", "name=\"h\" type=\"actuator\""), 10, "bad-type",
+       "has 2 joints, an actuator moves one; it is read as a system"},
       {"NoPlugin", robot("<ros2_control name=\"h\" type=\"system\"/>\n"), 10, "missing-tag",
        "names no plugin"},
       {"UnknownJoint", block("\n<joint name=\"onne\"/>\n"), 12, "unknown-joint",

@@ -104,7 +104,7 @@ TEST(Ros2Control, WhatIsWrongIsRefusedByName) {
   EXPECT_EQ(refusal("", "name='h' type='sytsem'"), "bad-type");
   EXPECT_EQ(refusal("", "name='h' type='system' rw_rate='-3'"), "bad-value");
   EXPECT_EQ(refusal("", "name='h' type='system' is_async='maybe'"), "bad-value");
-  EXPECT_EQ(refusal("", "name='h' type='actuator'"), "bad-type");
+  EXPECT_EQ(refusal("", "name='h' type='actuator'"), "none");
   EXPECT_EQ(refusal("<transmission name='t'><plugin>p</plugin><joint "
                     "name='j'><mechanical_reduction>0</mechanical_reduction></joint></transmission>"),
             "bad-value");
