@@ -19,4 +19,12 @@ class ExtrapolationException : public TransformException {
  public:
   using TransformException::TransformException;
 };
+class InvalidArgumentException : public TransformException {
+ public:
+  using TransformException::TransformException;
+};
+class TimeoutException : public TransformException {
+ public:
+  using TransformException::TransformException;
+};
 }  // namespace tf2
